@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: MIT
+"""Residual and tangent of a model on its fixed sparsity pattern."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numba as nb
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from fe_engine import hex8, kernels
+from fe_engine.clock import Clock
+from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, REGIME_APEX, REGIME_CONE
+from fe_engine.errors import LawError
+from fe_engine.model import Model
+from fe_engine.pattern import make_pattern
+from fe_engine.state import Fields, State
+
+
+@dataclass
+class Residual:
+    """Internal forces of the change from the initial state, N (border rows in their own units).
+
+    ``free`` (n_free,) and ``border`` (nb,) are internal minus nothing: external border forces are subtracted by
+    the caller. ``contact_norm`` is the 2-norm of the change of the interface's nodal forces, the scale that
+    tolerances refer to.
+    """
+
+    free: np.ndarray
+    border: np.ndarray
+    contact_norm: float
+    n_plastic: int
+    n_apex: int
+    n_slip: int
+    n_open: int
+
+
+@dataclass
+class Tangent:
+    """Bordered tangent [[matrix, columns], [rows, corner]]."""
+
+    matrix: csr_matrix
+    columns: np.ndarray
+    rows: np.ndarray
+    corner: np.ndarray
+
+
+class System:
+    """A model made ready for evaluation: element geometry, equation numbers, work arrays."""
+
+    def __init__(self, model: Model, clock: Clock | None = None) -> None:
+        model.check()
+        self.clock = clock or Clock()
+        self.model = model
+        self.pattern = make_pattern(model)
+        self.gradient, self.volume, self.mean_gradient = hex8.geometry(model.mesh.nodes, model.mesh.hexes)
+        self.hexes = np.ascontiguousarray(model.mesh.hexes, dtype=np.int64)
+        self.laws = np.array([m.law for m in model.materials])
+        self.parameters = np.array([m.parameters for m in model.materials])
+        self.frame_of, self.frames = _frame_table(model)
+        self.stations = kernels.pack_stations(model)
+        self.regime = np.zeros((model.mesh.n_elements, 8), dtype=np.int8)
+        self.contact_state = np.zeros(len(self.stations.area), dtype=np.int8)
+        p = self.pattern
+        self._scatter = kernels.Scatter(p.equation, p.weight, p.rank, p.indptr)
+        ns = len(self.stations.area)
+        self._iterate = (np.zeros((ns, 3)), np.zeros((ns, 3)), np.zeros((ns, 3, 3)))
+        self._matrix = csr_matrix(
+            (np.zeros(len(p.indices)), p.indices, p.indptr.astype(np.int32)), shape=(p.n_free, p.n_free)
+        )
+
+    def apply(self, state: State, free: np.ndarray, border: np.ndarray) -> None:
+        """Set the trial displacement to the committed one plus the increments (n_free,), (nb,)."""
+        equation, weight = self.pattern.equation, self.pattern.weight
+        move = np.zeros(equation.shape)
+        is_free = equation >= 0
+        move[is_free] = free[equation[is_free]]
+        follows = equation <= -2
+        move[follows] = weight[follows] * border[-2 - equation[follows]]
+        state.trial.displacement[...] = state.committed.displacement + move
+        state.trial.border[...] = state.committed.border + border
+
+    def residual(self, state: State) -> Residual:
+        """Evaluate the residual of the laws at the trial displacement; the committed copy is only read."""
+        with self.clock.phase("assembly"):
+            return self._contact(state, *self._soil(state, None))
+
+    def linearise(self, state: State, fresh: bool) -> tuple[Residual, Residual, Tangent]:
+        """Evaluate the residual of the laws, and the linear model that Newton solves next.
+
+        The two differ only at stations whose friction is linearised about a traction iterate (see
+        contact.coulomb). ``fresh`` starts these iterates from the laws' tractions: the model is then the
+        residual with its consistent tangent.
+        """
+        with self.clock.phase("assembly"):
+            return self._linearise(state, fresh)
+
+    def _linearise(self, state: State, fresh: bool) -> tuple[Residual, Residual, Tangent]:
+        n, nb_ = self.pattern.n_free, self.model.n_border
+        tangent = Tangent(self._matrix, np.zeros((n, nb_)), np.zeros((nb_, n)), np.zeros((nb_, nb_)))
+        tangent.matrix.data[...] = 0.0
+        free, border = self._soil(state, tangent)
+        linear_free, linear_border = free.copy(), border.copy()
+        judged = self._contact(state, free, border)
+        old, new, p = state.committed, state.trial, self.pattern
+        kernels.station_tangent(
+            self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
+            self._iterate, fresh, self._scatter, p.station_offset, linear_free, linear_border, _targets(tangent),
+        )  # fmt: skip
+        return judged, replace(judged, free=linear_free, border=linear_border), tangent
+
+    def _soil(self, state: State, tangent: Tangent | None) -> tuple[np.ndarray, np.ndarray]:
+        """Forces (n_free,), (nb,) of the soil; adds to the tangent if one is given."""
+        old, new = state.committed, state.trial
+        free, border = np.zeros(self.pattern.n_free), np.zeros(self.model.n_border)
+        bad = kernels.assemble_elements(
+            self.hexes, (self.gradient, self.mean_gradient, self.volume), self.model.material, self.laws,
+            self.parameters, self.model.initial_stress, (self.frame_of, self.frames),
+            (old.displacement, old.stress, old.history), (new.displacement, new.stress, new.history),
+            self.regime, self._scatter, self.pattern.element_offset, tangent is not None, free, border,
+            _targets(tangent),
+        )  # fmt: skip
+        if bad >= 0:
+            raise LawError(self._place("soil law did not converge", bad))
+        return free, border
+
+    def _contact(self, state: State, free: np.ndarray, border: np.ndarray) -> Residual:
+        """Add the contact forces of the law and sum up."""
+        old, new = state.committed, state.trial
+        square = kernels.station_residual(
+            self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
+            self.contact_state, self._scatter, free, border,
+        )  # fmt: skip
+        return self._summary(free, border, square)
+
+    def _summary(self, free: np.ndarray, border: np.ndarray, contact: float) -> Residual:
+        regime, contact_state = self.regime, self.contact_state
+        return Residual(
+            free, border, float(np.sqrt(contact)),
+            n_plastic=int(np.count_nonzero(regime == REGIME_CONE)),
+            n_apex=int(np.count_nonzero(regime == REGIME_APEX)),
+            n_slip=int(np.count_nonzero(contact_state == CONTACT_SLIP)),
+            n_open=int(np.count_nonzero(contact_state == CONTACT_OPEN)),
+        )  # fmt: skip
+
+    def _place(self, what: str, element: int) -> str:
+        centre = self.model.mesh.nodes[self.hexes[element]].mean(axis=0)
+        return f"{what} in element {element} at x={centre[0]:.3f}, y={centre[1]:.3f}, z={centre[2]:.3f} m"
+
+    def place_of_equation(self, equation: int) -> str:
+        """Node, direction and coordinates of a free equation, for messages."""
+        node, component = np.argwhere(self.pattern.equation == equation)[0]
+        x, y, z = self.model.mesh.nodes[node]
+        return f"node {node}, direction {'xyz'[component]}, at x={x:.3f}, y={y:.3f}, z={z:.3f} m"
+
+
+def _targets(tangent: Tangent | None) -> tuple[np.ndarray, ...]:
+    return (tangent.matrix.data, tangent.columns, tangent.rows, tangent.corner) if tangent else _NOWHERE
+
+
+_NOWHERE = (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
+
+
+def _frame_table(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Index of each node's frame (-1: global axes) and the frames (k, 3, 3)."""
+    frame_of = np.full(model.mesh.n_nodes, -1, dtype=np.int64)
+    frame_of[list(model.frames)] = np.arange(len(model.frames))
+    frames = np.array(list(model.frames.values())).reshape(-1, 3, 3)
+    return frame_of, frames

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Interface laws: one law a file, traction from jump."""

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: MIT
+"""Penalty contact with Coulomb friction (Cerfontaine, Charlier & Collin 2018, Eqs. 1-4).
+
+    p'_N = -K_N g_N  in contact (g_N < 0), else 0;      tau rate = K_T g_T rate;      |tau| <= mu p'_N
+
+The traction is work-conjugate to the jump: t = (-p'_N, tau_1, tau_2). The gap counts from the stress-free
+state: an initial pressure p0 means an initial penetration p0/K_N, so g_N = w_N - p0/K_N with w_N the jump
+since the initial state. Backward Euler; no dilatancy.
+
+Newton on tau = P(tau_old + K_T dw) alone cycles: with K_T much stiffer than the soil, an iterate that slips
+too far comes back as slip the other way and never meets the narrow stick range between. The law is therefore
+linearised about a traction iterate tau_k of its own, as in the primal-dual active set method (Hueeber, Stadler
+& Wohlmuth 2008): with the slip s = dw - (tau_k - tau_old)/K_T and any c > 0,
+
+    tau = P(tau_k + c s),     P(eta) = eta  if |eta| <= mu p'_N,  else  mu p'_N eta/|eta|,
+
+has the same solution, but reversed slip now asks for stick first. Where tau_k satisfies the law, this
+linearisation is the consistent tangent of the update, whatever c; in slip it couples shear to the normal jump,
+
+    dtau/dw_N = -mu K_N n,   dtau/dw_T = K_T mu p'_N / |tau_tr| (1 - n x n),   n = tau_tr/|tau_tr|,
+
+and is not symmetric.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba as nb
+import numpy as np
+
+from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, CONTACT_STICK
+
+# Order of the packed parameters
+KN, KT, MU = range(3)
+N_PARAMETERS = 3
+
+
+def pack(kn: float, kt: float, mu: float) -> np.ndarray:
+    """Return the packed parameters: penalties in N/m3 and the friction coefficient."""
+    return np.array([kn, kt, mu])
+
+
+# c as a fraction of K_T: small against the soil's stiffness, so that a slip reversal passes through stick
+_ACTIVE_SET_FRACTION = 1.0e-3
+
+
+@nb.njit(cache=True)
+def update(p, initial_pressure, jump, jump_old, traction_old, traction):
+    """Write the traction (3,) of one station from its jump (3,); return the contact state.
+
+    ``jump`` counts from the initial state, ``initial_pressure`` (Pa, >= 0) is the contact pressure there.
+    A station that was open has no committed shear and sticks where it closes again.
+    """
+    pressure = initial_pressure - p[KN] * jump[0]
+    if pressure <= 0.0:
+        for i in range(3):
+            traction[i] = 0.0
+        return CONTACT_OPEN
+    traction[0] = -pressure
+    traction[1] = traction_old[1] + p[KT] * (jump[1] - jump_old[1])
+    traction[2] = traction_old[2] + p[KT] * (jump[2] - jump_old[2])
+    size = math.sqrt(traction[1] ** 2 + traction[2] ** 2)
+    limit = p[MU] * pressure
+    if size <= limit:
+        return CONTACT_STICK
+    traction[1] *= limit / size
+    traction[2] *= limit / size
+    return CONTACT_SLIP
+
+
+@nb.njit(cache=True)
+def linearise(p, initial_pressure, jump, jump_old, traction_old, guess, traction, tangent):
+    """Write traction (3,) and tangent (3, 3): the law near ``jump`` is traction + tangent d(jump).
+
+    ``guess`` (3,) is the traction iterate; with guess = the law's own traction this returns that traction and
+    the consistent tangent. Returns the contact state that was assumed.
+    """
+    kn, kt, mu = p[KN], p[KT], p[MU]
+    pressure = initial_pressure - kn * jump[0]
+    for i in range(3):
+        traction[i] = 0.0
+        for j in range(3):
+            tangent[i, j] = 0.0
+    if pressure <= 0.0:
+        return CONTACT_OPEN
+    traction[0] = -pressure
+    tangent[0, 0] = kn
+    c = _ACTIVE_SET_FRACTION * kt
+    stick_1 = traction_old[1] + kt * (jump[1] - jump_old[1])
+    stick_2 = traction_old[2] + kt * (jump[2] - jump_old[2])
+    eta_1 = guess[1] + c / kt * (stick_1 - guess[1])
+    eta_2 = guess[2] + c / kt * (stick_2 - guess[2])
+    size = math.sqrt(eta_1 * eta_1 + eta_2 * eta_2)
+    limit = mu * pressure
+    if size <= limit:
+        traction[1], traction[2] = stick_1, stick_2
+        tangent[1, 1] = tangent[2, 2] = kt
+        return CONTACT_STICK
+    n_1, n_2 = eta_1 / size, eta_2 / size
+    ratio = limit / size
+    # across the slip direction (-n_2, n_1): Newton on tau_x = ratio * eta_x with tau_x as unknown
+    free = 1.0 - ratio * (1.0 - c / kt)
+    across = -n_2 * guess[1] + n_1 * guess[2]
+    across -= across / free
+    stiffness = ratio * c / free
+    traction[1] = limit * n_1 - across * n_2
+    traction[2] = limit * n_2 + across * n_1
+    tangent[1, 0], tangent[2, 0] = -mu * kn * n_1, -mu * kn * n_2
+    tangent[1, 1] = stiffness * n_2 * n_2
+    tangent[2, 2] = stiffness * n_1 * n_1
+    tangent[1, 2] = tangent[2, 1] = -stiffness * n_1 * n_2
+    return CONTACT_SLIP
+
+
+def gap(p: np.ndarray, initial_pressure: np.ndarray, normal_jump: np.ndarray) -> np.ndarray:
+    """Opening in m (>= 0) from the normal jump since the initial state; arrays broadcast."""
+    return np.maximum(normal_jump - initial_pressure / p[..., KN], 0.0)

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: MIT
+"""Axes, signs and component orders that every file of the engine obeys.
+
+Units are SI: m, N, Pa, s, rad.
+
+Axes are right-handed with z DOWN: x is the loading direction, z the depth below
+mudline, y the direction out of the symmetry plane.
+
+Stress is positive in tension; Voigt order is ``xx yy zz xy yz zx`` and shear
+strains are engineering strains (gamma = 2 eps).
+
+The jump of an interface is the displacement of side 1 (soil) minus that of side 2
+(body), resolved in the local frame ``(normal, tangent 1, tangent 2)`` whose normal
+points from side 2 to side 1; a positive normal jump is a gap. The traction is
+work-conjugate to the jump, so its normal component is minus the contact pressure.
+
+A rigid body moves with (u, w, rotation): u_x = u + rotation (z - z0),
+u_z = w - rotation (x - x0); rotation is the right-hand rotation about +y.
+"""
+
+# Voigt positions
+XX, YY, ZZ, XY, YZ, ZX = range(6)
+N_VOIGT = 6
+# Components of a jump or a traction
+NORMAL, TANGENT_1, TANGENT_2 = range(3)
+# Rigid-body degrees of freedom
+U, W, ROTATION = range(3)
+
+# Integer codes of the soil laws (an if-chain on these keeps numba's cache valid)
+ELASTIC = 0
+DRUCKER_PRAGER = 1
+
+# What happened at a Gauss point or a station in the last evaluation
+REGIME_ELASTIC, REGIME_CONE, REGIME_APEX = 0, 1, 2
+CONTACT_STICK, CONTACT_SLIP, CONTACT_OPEN = 0, 1, 2
+
+# Status of a kernel: zero is success, anything else becomes a Python error
+OK = 0
+LAW_NOT_CONVERGED = 1
+NOT_FINITE = 2

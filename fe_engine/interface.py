@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""Zero-thickness interface: stations (integration points), their local frames and jump operators.
+
+A station carries an area, a local frame (normal, tangent 1, tangent 2) and the operator that turns
+displacements into a jump:  jump = frame @ (sum_a weight_a u_a - R q),  with u_a the nodes it touches (the
+weights of a deformable side 2 are negative) and R q the motion of a rigid side 2.
+
+Two rules place the stations on quadrilateral faces.
+
+``nodal``
+    One station per node, on the area lumped there (Newton-Cotes). With a stiff penalty this is the rule to
+    use: each contact constraint meets displacement components of its own.
+``gauss``
+    2x2 points a face. Each point couples the four nodes of the face; for K_N h >> E the pressures of
+    neighbouring points then alternate about the true ones (Schellekens & de Borst 1993). Kept to measure
+    exactly that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+_CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_GAUSS = _CORNERS / np.sqrt(3.0)
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Integration points of an interface.
+
+    Attributes
+    ----------
+    position : (ns, 3) m.
+    frame : (ns, 3, 3) rows are normal (into side 1), tangent 1, tangent 2.
+    area : (ns,) m2.
+    nodes : (ns, nn) int, weight : (ns, nn) share of each node in the displacement of the station.
+    body : (ns, 3, nb) displacement operator of the rigid side 2 (zero where there is none).
+    surface : (ns,) int, which row of the law's parameters holds.
+    """
+
+    position: np.ndarray
+    frame: np.ndarray
+    area: np.ndarray
+    nodes: np.ndarray
+    weight: np.ndarray
+    body: np.ndarray
+    surface: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.area)
+
+
+def nodal_stations(
+    nodes: np.ndarray, faces: np.ndarray, normals: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Place one station on every node of the faces.
+
+    Parameters
+    ----------
+    nodes : (n, 3); faces : (nf, 4) with normals into side 1.
+    normals : (n, 3) exact unit normals of the nodes, or None for the area-weighted mean of the facets.
+
+    Returns
+    -------
+    node : (ns,) node numbers; normal : (ns, 3) unit normals; area : (ns,) lumped area projected on the normal,
+    so that a uniform pressure has the resultant of the faceted surface.
+    """
+    corner = nodes[faces]
+    vectors = np.zeros((len(nodes), 3))
+    for (xi, eta), (_, _, area_vector) in zip(_GAUSS, _face_points(corner), strict=True):
+        shape = _shape(xi, eta)
+        for a in range(4):
+            np.add.at(vectors, faces[:, a], shape[a] * area_vector)
+    node = np.unique(faces)
+    vector = vectors[node]
+    normal = vector / np.linalg.norm(vector, axis=1)[:, None] if normals is None else normals[node]
+    return node, normal, np.einsum("si,si->s", vector, normal)
+
+
+def gauss_stations(nodes: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Place 2x2 Gauss stations on every face; return nodes (ns, 4), weight (ns, 4), normal (ns, 3), area (ns,)."""
+    corner = nodes[faces]
+    points = _face_points(corner)
+    weight = np.repeat(np.array([p[1] for p in points])[None], len(faces), axis=0).reshape(-1, 4)
+    vector = np.stack([p[2] for p in points], axis=1).reshape(-1, 3)
+    area = np.linalg.norm(vector, axis=1)
+    return np.repeat(faces, 4, axis=0), weight, vector / area[:, None], area
+
+
+def _face_points(corner: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Position, shape values and area vector (nf, 3) of the four Gauss points of each face."""
+    points = []
+    for xi, eta in _GAUSS:
+        shape = _shape(xi, eta)
+        d_xi = np.einsum("a,fai->fi", _CORNERS[:, 0] * (1.0 + _CORNERS[:, 1] * eta) / 4.0, corner)
+        d_eta = np.einsum("a,fai->fi", _CORNERS[:, 1] * (1.0 + _CORNERS[:, 0] * xi) / 4.0, corner)
+        points.append((np.einsum("a,fai->fi", shape, corner), shape, np.cross(d_xi, d_eta)))
+    return points
+
+
+def _shape(xi: float, eta: float) -> np.ndarray:
+    return (1.0 + _CORNERS[:, 0] * xi) * (1.0 + _CORNERS[:, 1] * eta) / 4.0
+
+
+def local_frames(normal: np.ndarray) -> np.ndarray:
+    """Return frames (ns, 3, 3) with rows n, t1, t2 (right-handed).
+
+    On walls t1 is horizontal and t2 points down; on horizontal faces t1 follows x.
+    """
+    down = np.array([0.0, 0.0, 1.0])
+    flat = np.abs(normal[:, 2]) > 0.9
+    second = down - normal * normal[:, 2:3]
+    along_x = np.array([1.0, 0.0, 0.0])
+    first_flat = along_x - normal * normal[:, 0:1]
+    second[flat] = np.cross(normal[flat], first_flat[flat])
+    second /= np.linalg.norm(second, axis=1)[:, None]
+    return np.stack([normal, np.cross(second, normal), second], axis=1)

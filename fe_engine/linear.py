@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""Sparse direct solvers behind one interface, and the bordered solve.
+
+A backend analyses the fixed pattern once, factorises values on it, and solves for several right-hand sides.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import warnings
+from typing import Protocol
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from fe_engine.clock import Clock
+from fe_engine.errors import LinearSolverError
+
+SUPERLU_COMFORT = 30_000
+# relative residuals of a linear solve: refined above the first, refused above the second
+_REFINE_ABOVE = 1.0e-9
+_RESIDUAL_LIMIT = 1.0e-6
+
+
+class Backend(Protocol):
+    """What a sparse direct solver offers."""
+
+    name: str
+
+    def factorise(self, matrix: csr_matrix) -> None:
+        """Factorise; the pattern is the same at every call."""
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        """Solve for rhs (n,) or (n, k)."""
+
+    def close(self) -> None:
+        """Release the memory of the factors."""
+
+
+class SuperLU:
+    """SciPy's SuperLU: everywhere available, one thread."""
+
+    name = "superlu"
+
+    def factorise(self, matrix: csr_matrix) -> None:
+        """Factorise with the ordering of A^T + A, which suits a symmetric pattern."""
+        from scipy.sparse.linalg import splu
+
+        try:
+            self._factors = splu(
+                matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1, options={"SymmetricMode": True}
+            )
+        except RuntimeError as error:
+            raise LinearSolverError(f"SuperLU: {error}") from error
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        """Solve for rhs (n,) or (n, k)."""
+        return self._factors.solve(np.asarray(rhs, dtype=float))
+
+    def close(self) -> None:
+        """Drop the factors."""
+        self._factors = None
+
+
+class Pardiso:
+    """MKL Pardiso through pypardiso; symbolic analysis once, values many times.
+
+    Matching and scaling permutations depend on the values of the first matrix; they are switched off, so that
+    the analysis stays valid for every later tangent (the diagonal of a soil tangent is strong).
+    """
+
+    name = "pardiso"
+
+    def __init__(self) -> None:
+        import pypardiso
+
+        self._solver = pypardiso.PyPardisoSolver(mtype=11)
+        self._analysed = False
+        for index, value in _IPARM.items():
+            self._solver.set_iparm(index, value)
+
+    def factorise(self, matrix: csr_matrix) -> None:
+        """Factorise numerically; the first call also analyses the pattern."""
+        self._matrix = matrix
+        self._call(12 if not self._analysed else 22, np.zeros((matrix.shape[0], 1)))
+        self._analysed = True
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        """Solve for rhs (n,) or (n, k)."""
+        return self._call(33, rhs)
+
+    def _call(self, phase: int, rhs: np.ndarray) -> np.ndarray:
+        from pypardiso.pardiso_wrapper import PyPardisoError
+
+        self._solver.set_phase(phase)
+        try:
+            return self._solver._call_pardiso(self._matrix, np.asfortranarray(rhs, dtype=float))
+        except PyPardisoError as error:
+            raise LinearSolverError(f"Pardiso: {error}") from error
+
+    def close(self) -> None:
+        """Release MKL's internal memory."""
+        self._solver.free_memory(everything=True)
+
+
+# 1-based iparm: defaults off (1), METIS (2), no iterative refinement steps beyond the default (8), pivot
+# perturbation 1e-13 (10), no scaling (11) and no matching (13), parallel factorisation (24).
+_IPARM = {1: 1, 2: 2, 8: 1, 10: 13, 11: 0, 13: 0, 24: 1, 25: 0, 35: 0}
+
+
+def available_backends() -> list[str]:
+    """Names of the backends that can be used here, best first."""
+    names = ["superlu"]
+    if importlib.util.find_spec("pypardiso") is not None:
+        names.insert(0, "pardiso")
+    return names
+
+
+def make_backend(name: str, n_unknowns: int) -> Backend:
+    """Return the backend of the given name; ``auto`` takes the best one that works."""
+    if name == "auto":
+        name = available_backends()[0]
+    if name == "pardiso":
+        try:
+            return Pardiso()
+        except (ImportError, OSError) as error:
+            raise LinearSolverError(f"pardiso does not load here: {error}") from error
+    if name != "superlu":
+        raise LinearSolverError(f"unknown linear solver {name!r}; available: {', '.join(available_backends())}")
+    if n_unknowns > SUPERLU_COMFORT:
+        warnings.warn(
+            f"SuperLU on {n_unknowns} unknowns is slow and needs much memory (comfortable up to {SUPERLU_COMFORT}); "
+            "install pypardiso where it exists (x86-64 Linux and Windows)",
+            stacklevel=2,
+        )
+    return SuperLU()
+
+
+class LinearSolver:
+    """Counts, times and checks the work of a backend."""
+
+    def __init__(self, name: str, n_unknowns: int, clock: Clock | None = None) -> None:
+        self.backend = make_backend(name, n_unknowns)
+        self.clock = clock or Clock()
+        self.n_factorisations = 0
+        self.n_solves = 0
+        self.worst_residual = 0.0
+
+    def factorise(self, matrix: csr_matrix) -> None:
+        """Factorise a tangent."""
+        with self.clock.phase("factorisation"):
+            self._matrix = matrix
+            self.backend.factorise(matrix)
+        self.n_factorisations += 1
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        """Solve for rhs (n,) or (n, k); refine once and refuse a solution that does not satisfy the equations."""
+        with self.clock.phase("solve"):
+            x = self.backend.solve(rhs).reshape(rhs.shape)
+            error = self._relative_residual(x, rhs)
+            if error > _REFINE_ABOVE:
+                x = x + self.backend.solve(rhs - self._matrix @ x).reshape(rhs.shape)
+                error = self._relative_residual(x, rhs)
+        self.n_solves += 1
+        self.worst_residual = max(self.worst_residual, error)
+        if not error <= _RESIDUAL_LIMIT:
+            raise LinearSolverError(f"{self.backend.name} returned a solution with relative residual {error:.1e}")
+        return x
+
+    def close(self) -> None:
+        """Release the factors."""
+        self.backend.close()
+
+    def _relative_residual(self, x: np.ndarray, rhs: np.ndarray) -> float:
+        """Largest residual over right-hand side, column by column."""
+        residual = np.linalg.norm(rhs - self._matrix @ x, axis=0)
+        scale = np.linalg.norm(rhs, axis=0)
+        return float(np.max(residual / np.where(scale > 0.0, scale, 1.0)))

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: MIT
+"""The model: mesh, materials, interface, constraints and stages as plain data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fe_engine.errors import ModelError
+from fe_engine.interface import Stations
+from fe_engine.mesh import Mesh
+
+
+@dataclass(frozen=True)
+class Material:
+    """A soil law by its integer code, with the parameters packed by that law."""
+
+    law: int
+    parameters: np.ndarray
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A monotonic stretch of loading on the border degrees of freedom.
+
+    ``control`` (nc, nb) are the combinations of border dofs that are imposed and ``target`` (nc,) their values
+    at the end of the stage; ``load`` (nb, nc) is the pattern of the unknown force that imposes each of them.
+    ``force`` (nb,) is the known external force at the end of the stage. Everything varies linearly over the
+    stage from the values that held at its start. ``stops`` are fractions of the stage where a converged state
+    must land.
+    """
+
+    name: str
+    control: np.ndarray
+    target: np.ndarray
+    load: np.ndarray
+    force: np.ndarray
+    stops: tuple[float, ...] = (1.0,)
+    first_fraction: float = 0.01
+    max_fraction: float = 0.1
+
+
+@dataclass
+class Model:
+    """Everything the engine needs to compute.
+
+    Attributes
+    ----------
+    mesh : nodes and hexahedra.
+    materials : laws in use; material : (ne,) index into them.
+    initial_stress : (ne, 8, 6) Pa, in equilibrium with weight, surcharge and initial contact pressure. The
+        equations are written for the change from this state, so it is an exact equilibrium at zero displacement.
+    fixed : (n, 3) bool, dofs held at zero, in the nodal frame where one is given.
+    frames : node -> (3, 3) rows are the axes of that node's dofs.
+    followers : (k, 4) rows (node, component, border dof, weight): nodal dofs that move with a border dof.
+    n_border : number of border dofs (3 for a rigid body).
+    border_scale : (nb,) lengths that turn border dofs into displacements (norms and scaling only).
+    stations, contact : interface stations, (n_surfaces, 3) contact parameters.
+    initial_pressure : (ns,) Pa, contact pressure of each station in the initial state.
+    """
+
+    mesh: Mesh
+    materials: list[Material]
+    material: np.ndarray
+    initial_stress: np.ndarray
+    fixed: np.ndarray
+    frames: dict[int, np.ndarray] = field(default_factory=dict)
+    followers: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
+    n_border: int = 0
+    border_scale: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    stations: Stations | None = None
+    contact: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    initial_pressure: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def check(self) -> None:
+        """Raise ModelError where the parts contradict each other."""
+        ne, n = self.mesh.n_elements, self.mesh.n_nodes
+        wanted = {
+            "material": (self.material.shape, (ne,)),
+            "initial_stress": (self.initial_stress.shape, (ne, 8, 6)),
+            "fixed": (self.fixed.shape, (n, 3)),
+            "border_scale": (self.border_scale.shape, (self.n_border,)),
+        }
+        if self.stations is not None:
+            wanted["initial_pressure"] = (self.initial_pressure.shape, (len(self.stations),))
+        for name, (got, want) in wanted.items():
+            if got != want:
+                raise ModelError(f"{name} has shape {got}, expected {want}")

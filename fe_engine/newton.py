@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: MIT
+"""One increment: Newton on the bordered system, globalised, judged and recorded.
+
+Unknowns are the free nodal dofs and the few border dofs q (rigid body). With controls C q = target, imposed by
+forces along the patterns G with unknown sizes lambda, and known border forces F, one iteration solves
+
+    [ K  B  .  ] [ du     ]   [ -r_free               ]
+    [ R  D -G  ] [ dq     ] = [ -(r_border - F - G l) ]
+    [ .  C  .  ] [ dlambda]   [ target - C q          ]
+
+by eliminating du: K is factorised alone, and the small Schur complement S = D - R K^-1 B is the tangent
+stiffness of the border dofs, which comes out of every increment for free.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from fe_engine.assembly import Residual, System, Tangent
+from fe_engine.errors import LawError, LinearSolverError, NotConverged
+from fe_engine.linear import LinearSolver
+from fe_engine.state import State
+
+# A full step is taken while the residual stays below the larger of the last two; contact that opens or closes
+# makes single residuals jump, and a monotone rule would shrink good steps.
+_MEMORY = 2
+_HALVINGS = 6
+# Close to the solution the residual may rise once and still converge quadratically.
+_CLOSE = 1.0e-3
+# An increment that has not gained this factor over the last four iterations will not converge in time.
+_STALL_FROM, _STALL_GAIN = 6, 0.3
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Newton settings; the tolerance is relative to the norm of the change of contact forces."""
+
+    tolerance: float = 1.0e-6
+    max_iterations: int = 20
+
+
+@dataclass(frozen=True)
+class Loading:
+    """What an increment has to reach: see model.Stage; target (nc,) and force (nb,) are end values."""
+
+    control: np.ndarray
+    target: np.ndarray
+    load: np.ndarray
+    force: np.ndarray
+
+    def multipliers(self, border: np.ndarray) -> np.ndarray:
+        """Sizes (nc,) of the unknown forces that balance the controlled combinations."""
+        if not len(self.target):
+            return np.zeros(0)
+        return np.linalg.solve(self.control @ self.load, self.control @ (border - self.force))
+
+    def unbalanced(self, border: np.ndarray) -> np.ndarray:
+        """Border residual (nb,) that no unknown force takes up."""
+        return border - self.force - self.load @ self.multipliers(border)
+
+
+@dataclass
+class Increment:
+    """A converged increment: dof increments, end residual, border tangent stiffness and the record."""
+
+    free: np.ndarray
+    border: np.ndarray
+    residual: Residual
+    stiffness: np.ndarray
+    record: list[dict[str, Any]] = field(default_factory=list)
+
+    @property
+    def iterations(self) -> int:
+        """Number of linear solves it took."""
+        return len(self.record) - 1
+
+
+class Newton:
+    """Solves increments of one system."""
+
+    def __init__(self, system: System, solver: LinearSolver, settings: Settings) -> None:
+        self.system = system
+        self.solver = solver
+        self.settings = settings
+        self.scale = system.model.border_scale
+        self.stiffness = np.zeros((system.model.n_border, system.model.n_border))
+
+    def solve(self, state: State, loading: Loading, free: np.ndarray, border: np.ndarray) -> Increment:
+        """Find the increment from the committed state, starting at the guess free (n,), border (nb,).
+
+        The trial fields hold the solution on return; nothing is committed. Raises NotConverged.
+        """
+        record: list[dict[str, Any]] = []
+        merits: list[float] = []
+        for iteration in range(self.settings.max_iterations + 1):
+            self.system.apply(state, free, border)
+            judged, linear, tangent = self._linearise(state, iteration == 0, record)
+            violation = loading.target - loading.control @ state.trial.border
+            merit, error = self._merit(judged, loading)
+            merits.append(merit)
+            record.append(_row(iteration, error, judged))
+            if not np.isfinite(merit):
+                raise NotConverged("residual is not finite", self._worst(judged), record)
+            if error <= self.settings.tolerance and _met(violation, loading.target):
+                return Increment(free, border, judged, self.stiffness, record)
+            self._give_up_early(iteration, merits, judged, record)
+            step_free, step_border = self._direction(linear, tangent, loading, violation, record)
+            damping = self._damping(state, loading, (free, border), (step_free, step_border), merits, iteration)
+            free, border = free + damping * step_free, border + damping * step_border
+            record[-1]["damping"] = damping
+            record[-1]["correction"] = self._size(damping * step_free, damping * step_border)
+        raise NotConverged(f"no convergence in {self.settings.max_iterations} iterations", self._worst(judged), record)
+
+    def border_stiffness(self, state: State) -> np.ndarray:
+        """Consistent tangent stiffness (nb, nb) of the border dofs at the committed state."""
+        state.reset_trial()
+        _, _, tangent = self.system.linearise(state, True)
+        self.solver.factorise(tangent.matrix)
+        return tangent.corner - tangent.rows @ self.solver.solve(tangent.columns)
+
+    def _linearise(self, state: State, fresh: bool, record: list) -> tuple[Residual, Residual, Tangent]:
+        try:
+            return self.system.linearise(state, fresh)
+        except LawError as error:
+            raise NotConverged(str(error), "", record) from error
+
+    def _direction(
+        self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, record: list
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Newton step (n,), (nb,) of the bordered system; keeps the border tangent stiffness."""
+        try:
+            self.solver.factorise(tangent.matrix)
+            solved = self.solver.solve(np.column_stack([-linear.free, tangent.columns]))
+        except LinearSolverError as error:
+            raise NotConverged(str(error), "", record) from error
+        step, shape = solved[:, 0], solved[:, 1:]
+        self.stiffness = tangent.corner - tangent.rows @ shape
+        n_border, n_control = loading.load.shape
+        if n_border == 0:
+            return step, np.zeros(0)
+        matrix = np.block(
+            [[self.stiffness, -loading.load], [loading.control, np.zeros((n_control, n_control))]]
+        )
+        rhs = np.concatenate([-loading.unbalanced(linear.border) - tangent.rows @ step, violation])
+        try:
+            solution = np.linalg.solve(matrix, rhs)
+        except np.linalg.LinAlgError as error:
+            raise NotConverged("the tangent stiffness of the border dofs is singular", "", record) from error
+        return step - shape @ solution[:n_border], solution[:n_border]
+
+    def _damping(self, state: State, loading: Loading, at: tuple, step: tuple, merits: list, iteration: int) -> float:
+        """Step length: 1, or by halving the best that a residual-only search finds."""
+        if iteration == 0:
+            return 1.0
+        best, best_merit, length = 1.0, np.inf, 1.0
+        for _ in range(_HALVINGS):
+            self.system.apply(state, at[0] + length * step[0], at[1] + length * step[1])
+            try:
+                residual = self.system.residual(state)
+            except LawError:
+                length *= 0.5
+                continue
+            merit, error = self._merit(residual, loading)
+            if merit <= max(merits[-_MEMORY:]) or error < _CLOSE:
+                return length
+            if merit < best_merit:
+                best, best_merit = length, merit
+            length *= 0.5
+        return best
+
+    def _merit(self, residual: Residual, loading: Loading) -> tuple[float, float]:
+        """Residual norm in N, and the same relative to the contact forces (or the border forces)."""
+        border = loading.unbalanced(residual.border) / self.scale
+        merit = float(np.sqrt(np.sum(residual.free**2) + np.sum(border**2)))
+        reference = max(residual.contact_norm, float(np.linalg.norm(residual.border / self.scale)))
+        return merit, merit / reference if merit > 0.0 else 0.0
+
+    def _size(self, free: np.ndarray, border: np.ndarray) -> float:
+        """Root mean square displacement of a step in m."""
+        return float(np.sqrt(np.mean(np.concatenate([free, border * self.scale]) ** 2)))
+
+    def _give_up_early(self, iteration: int, merits: list, judged: Residual, record: list) -> None:
+        """Stop an increment that cycles, so that the step is cut instead."""
+        if iteration >= _STALL_FROM and min(merits[-4:]) > _STALL_GAIN * min(merits[1:-4]):
+            raise NotConverged("the residual stalls", self._worst(judged), record)
+
+    def _worst(self, residual: Residual) -> str:
+        if not len(residual.free):
+            return ""
+        return self.system.place_of_equation(int(np.argmax(np.abs(residual.free))))
+
+
+def _met(violation: np.ndarray, target: np.ndarray) -> bool:
+    return bool(np.all(np.abs(violation) <= 1.0e-12 * np.abs(target) + 1.0e-15))
+
+
+def _row(iteration: int, error: float, residual: Residual) -> dict[str, Any]:
+    return {
+        "iteration": iteration, "residual": error, "correction": 0.0, "damping": 1.0,
+        "n_open": residual.n_open, "n_slip": residual.n_slip,
+        "n_plastic": residual.n_plastic, "n_apex": residual.n_apex,
+    }  # fmt: skip

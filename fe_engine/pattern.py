@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: MIT
+"""Equation numbers and the fixed sparsity pattern of the tangent.
+
+Every nodal dof is free (equation >= 0), fixed (-1), or follows border dof j (-2 - j) with a weight. The free
+equations form the sparse matrix; the few border dofs (rigid body, imposed patterns) stand beside it as dense
+columns and rows, so that the sparse part is factorised without dense rows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numba as nb
+import numpy as np
+
+from fe_engine.errors import ModelError
+from fe_engine.model import Model
+
+FIXED = -1
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Equation numbers, CSR structure, and where each node pair of an element or station lands in a row.
+
+    equation : (n, 3); weight : (n, 3) of followers; rank : (n, 3) number of free dofs of the node before this
+    one; indptr, indices : CSR of the free equations; element_offset : (ne, 8, 8), station_offset (ns, nn, nn):
+    position inside the row of node a where the free dofs of node b begin.
+    """
+
+    equation: np.ndarray
+    weight: np.ndarray
+    rank: np.ndarray
+    indptr: np.ndarray
+    indices: np.ndarray
+    element_offset: np.ndarray
+    station_offset: np.ndarray
+
+    @property
+    def n_free(self) -> int:
+        """Number of sparse equations."""
+        return len(self.indptr) - 1
+
+
+def make_pattern(model: Model) -> Pattern:
+    """Number the equations and lay out the matrix."""
+    equation, weight = _number(model)
+    groups = [model.mesh.hexes]
+    if model.stations is not None:
+        groups.append(model.stations.nodes)
+    start, neighbours = _node_graph(model.mesh.n_nodes, groups)
+    free = equation >= 0
+    rank = (np.cumsum(free, axis=1) - free).astype(np.int8)
+    count = free.sum(axis=1)
+    offset, indptr, indices = _csr(start, neighbours, equation, count)
+    element_offset = _lookup(model.mesh.hexes, start, neighbours, offset)
+    stations = np.zeros((0, 1), dtype=np.int64) if model.stations is None else model.stations.nodes
+    return Pattern(
+        equation, weight, rank, indptr, indices, element_offset, _lookup(stations, start, neighbours, offset)
+    )
+
+
+def _number(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    equation = np.zeros((model.mesh.n_nodes, 3), dtype=np.int64)
+    weight = np.ones((model.mesh.n_nodes, 3))
+    equation[model.fixed] = FIXED
+    for node, component, border, share in model.followers:
+        if not 0 <= border < model.n_border:
+            raise ModelError(f"node {int(node)} follows border dof {int(border)}, which does not exist")
+        equation[int(node), int(component)] = -2 - int(border)
+        weight[int(node), int(component)] = share
+    free = equation == 0
+    equation[free] = np.arange(int(free.sum()))
+    return equation, weight
+
+
+def _node_graph(n: int, groups: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Sorted neighbour lists (start, neighbours) of the nodes that share an element or a station."""
+    keys = []
+    for group in groups:
+        for a in range(group.shape[1]):
+            for b in range(group.shape[1]):
+                keys.append(np.unique(group[:, a].astype(np.int64) * n + group[:, b]))
+    key = np.unique(np.concatenate(keys))
+    start = np.zeros(n + 1, dtype=np.int64)
+    np.cumsum(np.bincount(key // n, minlength=n), out=start[1:])
+    return start, key % n
+
+
+@nb.njit(cache=True)
+def _csr(start, neighbours, equation, count):
+    """Row offsets of each node pair and the CSR arrays of the free equations."""
+    n = len(count)
+    offset = np.zeros(len(neighbours), dtype=np.int32)
+    n_free = 0
+    nnz = 0
+    for a in range(n):
+        width = 0
+        for k in range(start[a], start[a + 1]):
+            offset[k] = width
+            width += count[neighbours[k]]
+        n_free += count[a]
+        nnz += width * count[a]
+    indptr = np.zeros(n_free + 1, dtype=np.int64)
+    indices = np.empty(nnz, dtype=np.int32)
+    row = 0
+    position = 0
+    for a in range(n):
+        for i in range(3):
+            if equation[a, i] < 0:
+                continue
+            for k in range(start[a], start[a + 1]):
+                b = neighbours[k]
+                for j in range(3):
+                    if equation[b, j] >= 0:
+                        indices[position] = equation[b, j]
+                        position += 1
+            row += 1
+            indptr[row] = position
+    return offset, indptr, indices
+
+
+@nb.njit(cache=True)
+def _lookup(group, start, neighbours, offset):
+    """Offset (ng, nn, nn) of each node pair of each element or station."""
+    ng, nn = group.shape
+    out = np.zeros((ng, nn, nn), dtype=np.int32)
+    for e in range(ng):
+        for a in range(nn):
+            node = group[e, a]
+            row = neighbours[start[node] : start[node + 1]]
+            for b in range(nn):
+                out[e, a, b] = offset[start[node] + np.searchsorted(row, group[e, b])]
+    return out

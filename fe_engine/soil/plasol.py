@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: MIT
+"""PLASOL: frictional hardening elastoplasticity with a Drucker-Prager cone (Barnichon 1998).
+
+With I = tr sigma, II = sqrt(s:s/2), tension positive, and e the equivalent plastic strain (Cerfontaine,
+Charlier & Collin 2018, Eq. 11):
+
+    f   = II + m(phi) I - k(phi),       m = 2 sin phi / (sqrt3 (3 - sin phi)),
+    k   = 6 c cos phi / (sqrt3 (3 - sin phi)),
+    phi = phi_i + (phi_f - phi_i) e / (B + e),     e = int sqrt(2/3 de_p : de_p)  (deviatoric part)
+    g   = II + m(psi) I                            (plastic potential)
+
+The cohesion enters through k, so that phi -> 0 is the von Mises cylinder without a division by tan phi.
+Backward Euler has one unknown, the multiplier dl. A trial state beyond the cone returns to the apex
+I = k/m, where the plastic flow takes the deviatoric strain and as much volume as it needs, whatever psi.
+
+Apex treatment. A cohesionless point beside an opening gap has no stress and no stiffness left. It keeps
+the fraction ``APEX_STIFFNESS`` of its elastic response, so that the global tangent stays regular; the yield
+function is then exceeded by at most that fraction of the trial excess.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba as nb
+import numpy as np
+
+from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
+from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent, moduli
+
+# Order of the packed parameters
+BULK, SHEAR, PHI_I, PHI_F, B_PHI, M_PSI, COHESION = range(7)
+N_PARAMETERS = 7
+# History: equivalent plastic strain
+KAPPA = 0
+N_HISTORY = 1
+
+APEX_STIFFNESS = 1.0e-5
+_SQRT3 = math.sqrt(3.0)
+_MAX_ITERATIONS = 60
+
+
+def pack(
+    young: float, poisson: float, phi_i: float, phi_f: float, b_phi: float, psi: float, cohesion: float
+) -> np.ndarray:
+    """Return the packed parameters; moduli and cohesion in Pa, angles in rad.
+
+    For a law without hardening set phi_i = phi_f. The caller guarantees the ranges: 0 <= phi < pi/2,
+    cohesion >= 0, b_phi > 0.
+    """
+    bulk, shear = moduli(young, poisson)
+    return np.array([bulk, shear, phi_i, phi_f, b_phi, cone_slope(psi), cohesion])
+
+
+@nb.njit(cache=True)
+def cone_slope(phi):
+    """Slope m(phi) of the compression cone in the I-II plane."""
+    return 2.0 * math.sin(phi) / (_SQRT3 * (3.0 - math.sin(phi)))
+
+
+@nb.njit(cache=True)
+def _strength(p, kappa):
+    """Return m, k and their derivatives with respect to the equivalent plastic strain."""
+    share = kappa / (p[B_PHI] + kappa)
+    phi = p[PHI_I] + (p[PHI_F] - p[PHI_I]) * share
+    dphi = (p[PHI_F] - p[PHI_I]) * p[B_PHI] / (p[B_PHI] + kappa) ** 2
+    s, c = math.sin(phi), math.cos(phi)
+    a = 3.0 - s
+    m = 2.0 * s / (_SQRT3 * a)
+    k = 6.0 * p[COHESION] * c / (_SQRT3 * a)
+    dm = 6.0 * c / (_SQRT3 * a * a) * dphi
+    dk = 6.0 * p[COHESION] * (1.0 - 3.0 * s) / (_SQRT3 * a * a) * dphi
+    return m, k, dm, dk
+
+
+@nb.njit(cache=True)
+def _excess(p, kappa_old, first, second, dl):
+    """Yield function and its derivative after the plastic multiplier dl from the trial (I, II)."""
+    m, k, dm, dk = _strength(p, kappa_old + dl / _SQRT3)
+    i = first - 9.0 * p[BULK] * p[M_PSI] * dl
+    f = second - p[SHEAR] * dl + m * i - k
+    slope = -p[SHEAR] - 9.0 * p[BULK] * m * p[M_PSI] + (dm * i - dk) / _SQRT3
+    return f, slope
+
+
+@nb.njit(cache=True)
+def _multiplier(p, kappa_old, first, second):
+    """Root dl of the yield function on [0, II_tr/G] by Newton kept inside a shrinking bracket."""
+    low, high = 0.0, second / p[SHEAR]
+    scale = second + abs(first) * cone_slope(p[PHI_F]) + p[COHESION]
+    dl = 0.0
+    for _ in range(_MAX_ITERATIONS):
+        f, slope = _excess(p, kappa_old, first, second, dl)
+        if f > 0.0:
+            low = dl
+        else:
+            high = dl
+        if abs(f) <= 1.0e-14 * scale or high - low <= 1.0e-16 * high:
+            return dl, OK
+        step = dl - f / slope if slope < 0.0 else low
+        dl = step if low < step < high else 0.5 * (low + high)
+    return dl, OK if abs(f) <= 1.0e-9 * scale else LAW_NOT_CONVERGED
+
+
+@nb.njit(cache=True)
+def yield_function(p, stress, kappa):
+    """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
+    m, k, _, _ = _strength(p, kappa)
+    first = stress[0] + stress[1] + stress[2]
+    return _second(stress, first / 3.0) + m * first - k
+
+
+@nb.njit(cache=True)
+def _second(stress, mean):
+    """II = sqrt(s:s/2) of a stress (6,) with the given mean."""
+    square = 0.0
+    for i in range(3):
+        square += 0.5 * (stress[i] - mean) ** 2 + stress[i + 3] ** 2
+    return math.sqrt(square)
+
+
+@nb.njit(cache=True)
+def update(p, strain, stress_old, history_old, stress, history, tangent, want_tangent):
+    """Advance one Gauss point by the strain increment (6,); write stress (6,), history (1,), tangent (6, 6).
+
+    Returns (status, regime).
+    """
+    for i in range(6):
+        stress[i] = stress_old[i]
+    add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
+    kappa_old = history_old[KAPPA]
+    first = stress[0] + stress[1] + stress[2]
+    second = _second(stress, first / 3.0)
+    m, k, _, _ = _strength(p, kappa_old)
+    if second + m * first - k <= 0.0:
+        history[KAPPA] = kappa_old
+        if want_tangent:
+            elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
+        return OK, REGIME_ELASTIC
+    if second <= 0.0 or _excess(p, kappa_old, first, second, second / p[SHEAR])[0] >= 0.0:
+        _return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent)
+        return OK, REGIME_APEX
+    dl, status = _multiplier(p, kappa_old, first, second)
+    _return_to_cone(p, kappa_old, first, second, dl, stress, history, tangent, want_tangent)
+    return status, REGIME_CONE
+
+
+@nb.njit(cache=True)
+def _return_to_cone(p, kappa_old, first, second, dl, stress, history, tangent, want_tangent):
+    """Turn the trial stress into the returned one; consistent tangent (not symmetric unless psi = phi)."""
+    bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
+    kappa = kappa_old + dl / _SQRT3
+    ratio = 1.0 - shear * dl / second
+    first_new = first - 9.0 * bulk * m_psi * dl
+    history[KAPPA] = kappa
+    if want_tangent:
+        _cone_tangent(p, kappa, first, second, first_new, dl, stress, tangent)
+    for i in range(3):
+        stress[i] = ratio * (stress[i] - first / 3.0) + first_new / 3.0
+        stress[i + 3] *= ratio
+
+
+@nb.njit(cache=True)
+def _cone_tangent(p, kappa, first, second, first_new, dl, trial, tangent):
+    """Consistent tangent (6, 6) on the cone; trial is the elastic trial stress."""
+    bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
+    m, _, dm, dk = _strength(p, kappa)
+    denominator = shear + 9.0 * bulk * m * m_psi - (dm * first_new - dk) / _SQRT3
+    elastic_tangent(0.0, shear, 1.0 - shear * dl / second, tangent)
+    for i in range(6):
+        n_i = (trial[i] - (first / 3.0 if i < 3 else 0.0)) / (2.0 * second)
+        flow = 2.0 * shear * n_i + (3.0 * bulk * m_psi if i < 3 else 0.0)
+        for j in range(6):
+            n_j = (trial[j] - (first / 3.0 if j < 3 else 0.0)) / (2.0 * second)
+            normal = 2.0 * shear * n_j + (3.0 * bulk * m if j < 3 else 0.0)
+            tangent[i, j] += 4.0 * shear * shear * dl / second * n_i * n_j - flow * normal / denominator
+            if i < 3 and j < 3:
+                tangent[i, j] += bulk
+
+
+@nb.njit(cache=True)
+def _return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent):
+    """Put the point on the apex, plus the residual elastic fraction of the trial stress."""
+    kappa = kappa_old + second / (_SQRT3 * p[SHEAR])
+    m, k, dm, dk = _strength(p, kappa)
+    mean = k / m / 3.0 if k > 0.0 else 0.0
+    history[KAPPA] = kappa
+    if want_tangent:
+        # the apex moves along the hydrostatic axis as friction hardens: d(k/m)/de
+        drift = (dk - k / m * dm) / m / 3.0 if k > 0.0 else 0.0
+        _apex_tangent(p, drift, first, second, stress, tangent)
+    for i in range(3):
+        stress[i] = mean + APEX_STIFFNESS * (stress[i] - mean)
+        stress[i + 3] *= APEX_STIFFNESS
+
+
+@nb.njit(cache=True)
+def _apex_tangent(p, drift, first, second, trial, tangent):
+    """Tangent (6, 6) at the apex; drift is d(mean stress at the apex)/d(kappa)."""
+    elastic_tangent(p[BULK], p[SHEAR], APEX_STIFFNESS, tangent)
+    if second <= 0.0 or drift == 0.0:
+        return
+    factor = (1.0 - APEX_STIFFNESS) * drift * 2.0 / _SQRT3
+    for j in range(6):
+        n_j = (trial[j] - (first / 3.0 if j < 3 else 0.0)) / (2.0 * second)
+        for i in range(3):
+            tangent[i, j] += factor * n_j

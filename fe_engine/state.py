@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: MIT
+"""Committed and trial state of a model; the only place where a state is committed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fe_engine.model import Model
+from fe_engine.soil.dispatch import N_HISTORY
+
+FIELDS = ("displacement", "border", "stress", "history", "traction")
+
+
+@dataclass
+class Fields:
+    """One copy of everything that evolves.
+
+    displacement (n, 3) m in nodal axes; border (nb,); stress (ne, 8, 6) Pa; history (ne, 8, nh);
+    traction (ns, 3) Pa in station frames.
+    """
+
+    displacement: np.ndarray
+    border: np.ndarray
+    stress: np.ndarray
+    history: np.ndarray
+    traction: np.ndarray
+
+    def copy_from(self, other: Fields) -> None:
+        """Overwrite every array in place."""
+        for name in FIELDS:
+            getattr(self, name)[...] = getattr(other, name)
+
+
+class State:
+    """Committed fields and the trial fields that an increment works on."""
+
+    def __init__(self, model: Model) -> None:
+        self.committed = _initial_fields(model)
+        self.trial = _initial_fields(model)
+
+    def reset_trial(self) -> None:
+        """Throw the trial away."""
+        self.trial.copy_from(self.committed)
+
+    def commit(self) -> None:
+        """Accept the trial: the one place where history moves on."""
+        self.committed.copy_from(self.trial)
+
+
+def _initial_fields(model: Model) -> Fields:
+    ne, ns = model.mesh.n_elements, 0 if model.stations is None else len(model.stations)
+    traction = np.zeros((ns, 3))
+    if ns:
+        traction[:, 0] = -model.initial_pressure
+    return Fields(
+        displacement=np.zeros((model.mesh.n_nodes, 3)),
+        border=np.zeros(model.n_border),
+        stress=np.array(model.initial_stress, dtype=float, copy=True),
+        history=np.zeros((ne, 8, N_HISTORY)),
+        traction=traction,
+    )
+
+

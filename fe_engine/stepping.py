@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: MIT
+"""Stages in increments: predictor, step control, cut-back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from fe_engine.errors import NotConverged
+from fe_engine.model import Stage
+from fe_engine.newton import Increment, Loading, Newton
+from fe_engine.state import State
+
+_GROWTH, _EASY, _HARD = 1.5, 6, 10
+_CUT = 0.5
+_SMALLEST = 1.0e-7
+
+
+@dataclass
+class Step:
+    """A committed step: where in the stage it ended and what it took."""
+
+    stage: str
+    fraction: float
+    multipliers: np.ndarray
+    increment: Increment
+    cut_backs: int
+
+
+@dataclass
+class Driver:
+    """Runs stages one after the other and keeps the record of every iteration, failed attempts included."""
+
+    newton: Newton
+    state: State
+    record: list[dict[str, Any]] = field(default_factory=list)
+    n_steps: int = 0
+    n_cut_backs: int = 0
+    force: np.ndarray | None = None
+
+    def run(self, stage: Stage, on_step: Callable[[Step], None]) -> None:
+        """Run a stage; ``on_step`` is called after each commit. Raises NotConverged with the last history."""
+        start = stage.control @ self.state.committed.border
+        force = np.zeros(len(stage.force)) if self.force is None else self.force
+        done, size = 0.0, min(stage.first_fraction, 1.0)
+        last: tuple[float, Increment] | None = None
+        cuts = 0
+        while done < 1.0:
+            target = _next(done, size, stage.stops)
+            loading = Loading(
+                stage.control,
+                start + target * (stage.target - start),
+                stage.load,
+                force + target * (stage.force - force),
+            )
+            try:
+                increment = self._attempt(stage, loading, target, self._guess(last, target - done))
+            except NotConverged:
+                cuts += 1
+                self.n_cut_backs += 1
+                size = _CUT * (target - done)
+                if size < _SMALLEST:
+                    raise
+                continue
+            self.state.commit()
+            last = (target - done, increment)
+            size = _adapt(target - done, increment.iterations, stage.max_fraction, cuts)
+            done = target
+            on_step(Step(stage.name, done, loading.multipliers(increment.residual.border), increment, cuts))
+            cuts = 0
+        self.force = np.array(stage.force, dtype=float)
+
+    def _attempt(self, stage: Stage, loading: Loading, target: float, guess: tuple) -> Increment:
+        self.state.reset_trial()
+        label = {"stage": stage.name, "step": self.n_steps + 1, "load_fraction": target}
+        try:
+            increment = self.newton.solve(self.state, loading, *guess)
+        except NotConverged as error:
+            self.record += [label | row | {"converged": False} for row in error.history]
+            raise
+        self.record += [label | row | {"converged": True} for row in increment.record]
+        self.n_steps += 1
+        return increment
+
+    def _guess(self, last: tuple[float, Increment] | None, size: float) -> tuple[np.ndarray, np.ndarray]:
+        """Extrapolate the last increment: every point then starts in the regime it is likely to stay in."""
+        if last is None:
+            n, nb = self.newton.system.pattern.n_free, self.newton.system.model.n_border
+            return np.zeros(n), np.zeros(nb)
+        ratio = size / last[0]
+        return ratio * last[1].free, ratio * last[1].border
+
+
+def _next(done: float, size: float, stops: tuple[float, ...]) -> float:
+    """End of the next increment: never past a stop, and no sliver left before one."""
+    stop = min(s for s in (*stops, 1.0) if s > done + 1.0e-12)
+    room = stop - done
+    if size >= room * (1.0 - 1.0e-9):
+        return stop
+    return done + (0.5 * room if 2.0 * size > room else size)
+
+
+def _adapt(size: float, iterations: int, largest: float, cuts: int) -> float:
+    """Size of the next increment: grow when Newton was short, shrink when it was long."""
+    if iterations <= _EASY and cuts == 0:
+        size *= _GROWTH
+    elif iterations > _HARD:
+        size *= 0.7
+    return min(size, largest)
