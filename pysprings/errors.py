@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: MIT
+"""Errors of the tool, each with the exit code of the command line (light: imports nothing heavy).
+
+Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged; 4 resources; 130 interrupted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+EXIT_BUG = 1
+EXIT_USER_INPUT = 2
+EXIT_NOT_CONVERGED = 3
+EXIT_RESOURCES = 4
+EXIT_INTERRUPTED = 130
+
+
+def printable(text: object) -> str:
+    """Return text on one line: line breaks, escape sequences and invisible characters are written out."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in str(text))
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong with what the user gave; `str()` is `file:line:col: key: message` (known parts only).
+
+    line and col count from 1, in characters.
+    """
+
+    file: str | None = None
+    line: int | None = None
+    col: int | None = None
+    key: str | None = None
+    message: str = ""
+
+    def __str__(self) -> str:
+        place = [str(part) for part in (self.file, self.line, self.col) if part is not None]
+        parts = [":".join(place), self.key or "", self.message]
+        return printable(": ".join(part for part in parts if part))
+
+
+class PyspringsError(Exception):
+    """Base of the tool's own errors."""
+
+    exit_code = EXIT_BUG
+
+
+class UserInputError(PyspringsError):
+    """The user's input is refused; `problems` lists everything that is wrong with it.
+
+    `str()` has one line per problem: `fatal: user input: file:line:col: key: message`.
+    """
+
+    exit_code = EXIT_USER_INPUT
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems: Sequence[Problem] = tuple(problems)
+        super().__init__(self.problems)
+
+    def __str__(self) -> str:
+        return "\n".join(f"fatal: user input: {problem}" for problem in self.problems)
+
+
+class ResourceError(PyspringsError):
+    """Memory, disk or a library is not there; the message says which and what would help."""
+
+    exit_code = EXIT_RESOURCES
+
+
+class RunIncomplete(PyspringsError):
+    """A run that stopped before its end; what converged is saved and marked in `folder` (None: not saved)."""
+
+    exit_code = EXIT_NOT_CONVERGED
+
+    def __init__(self, message: str, folder: str | Path | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.folder = None if folder is None else Path(folder)
+
+    def __str__(self) -> str:
+        return self.message

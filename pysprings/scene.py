@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: MIT
+"""Scene files: TOML text -> `Scene`, or every problem at once with file, line, column and key."""
+
+from __future__ import annotations
+
+import copy
+import os
+import re
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from stat import S_ISREG
+from typing import Any, NoReturn
+
+from pydantic import ValidationError
+
+from pysprings.errors import Problem, UserInputError
+from pysprings.scene_checks import dotted
+from pysprings.scene_fields import FROM_TOML, suggestion
+from pysprings.scene_model import (
+    Caisson,
+    Domain,
+    Drainage,
+    Interface,
+    Mesh,
+    Output,
+    Path,
+    Scene,
+    Section,
+    Soil,
+    Solver,
+)
+from pysprings.toml_positions import KeyPath, Place, locate, nearest
+
+__all__ = [
+    "Caisson",
+    "Domain",
+    "Drainage",
+    "Interface",
+    "Mesh",
+    "Output",
+    "Path",
+    "Scene",
+    "Soil",
+    "Solver",
+    "load_scene",
+    "parse_scene",
+]
+
+MAX_BYTES = 256 * 1024
+
+SECTIONS: dict[str, type[Section]] = {
+    "caisson": Caisson,
+    "domain": Domain,
+    "soil": Soil,
+    "interface": Interface,
+    "drainage": Drainage,
+    "path": Path,
+    "mesh": Mesh,
+    "solver": Solver,
+    "output": Output,
+}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something wrong at the first of these key paths; the others are involved too."""
+
+    paths: tuple[KeyPath, ...]
+    message: str
+    at_key: bool = False  # the place to show is that of the key, not of its value
+    meant: str = ""  # the key that was probably meant by an unknown one
+
+
+def load_scene(path: str | os.PathLike[str]) -> Scene:
+    """Read a scene file.
+
+    Raises
+    ------
+    UserInputError
+        One problem per thing that is wrong with the file, in the order of the file.
+    """
+    return parse_scene(_read_text(FilePath(path)), str(path))
+
+
+def parse_scene(text: str, file: str | None = None) -> Scene:
+    """Read a scene from TOML text; `file` is its name in messages."""
+    try:
+        data = _parse_toml(text, file)
+        places = locate(text)
+    except RecursionError:
+        _refuse(file, "lists or tables are nested too deeply")
+    if not data:
+        _refuse(file, "the file is empty; `pysprings init` writes a commented scene")
+    try:
+        scene = Scene.model_validate(data, context=FROM_TOML, by_alias=True, by_name=False)
+    except ValidationError as error:
+        faults = _all_faults(data, error)
+        problems = [_problem(fault, places, file) for fault in faults]
+        raise UserInputError(
+            sorted(problems, key=lambda problem: (problem.line or 0, problem.col or 0))
+        ) from None
+    scene._source = (text, scene.sha256)
+    return scene
+
+
+def _refuse(file: str | None, message: str, line: int | None = None, col: int | None = None) -> NoReturn:
+    raise UserInputError([Problem(file, line, col, message=message)]) from None
+
+
+def _read_text(path: FilePath) -> str:
+    """Read a small regular UTF-8 file, or say what it is instead."""
+    name = str(path)
+    try:
+        status = path.stat()
+        if path.is_dir():
+            _refuse(name, "is a folder, not a scene file")
+        if not S_ISREG(status.st_mode):
+            _refuse(name, "is not a regular file")
+        if status.st_size > MAX_BYTES:
+            _refuse(
+                name,
+                f"is too large for a scene ({status.st_size / 1024:.0f} KiB, at most {MAX_BYTES // 1024})",
+            )
+        return path.read_bytes().decode("utf-8-sig")
+    except FileNotFoundError:
+        _refuse(name, "no such file")
+    except UnicodeDecodeError as error:
+        start = error.object[: error.start].rfind(b"\n") + 1
+        line = error.object.count(b"\n", 0, error.start) + 1
+        col = len(error.object[start : error.start].decode("utf-8", "replace")) + 1
+        _refuse(name, f"is not UTF-8 text (byte 0x{error.object[error.start]:02x})", line, col)
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        _refuse(name, f"cannot be read ({getattr(error, 'strerror', None) or error})")
+
+
+def _parse_toml(text: str, file: str | None) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except ValueError as error:  # TOMLDecodeError, and what int() says to thousands of digits
+        message = str(error)
+    found = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)
+    if found is None:
+        _refuse(file, f"not valid TOML: {message.split(';')[0]}", 1, 1)
+    lines = text.split("\n")
+    line, col = (int(found[1]), int(found[2])) if found[1] else (len(lines), len(lines[-1]) + 1)
+    _refuse(file, f"not valid TOML: {message[: found.start()]}{_quotes_hint(lines[line - 1])}", line, col)
+
+
+def _quotes_hint(line: str) -> str:
+    """Return a hint when a line holds a quantity without quotes."""
+    bare = re.fullmatch(
+        r"[^=\"']*=\s*([+-]?[0-9.]+(?:e[+-]?[0-9]+)?\s*[A-Za-z°][^\"'#]*?)\s*(?:#.*)?", line.strip()
+    )
+    return f' (a quantity needs quotes: "{bare[1]}")' if bare else ""
+
+
+def _all_faults(data: dict[str, Any], error: ValidationError) -> list[Fault]:
+    """Collect wrong fields, and then what clashes among the fields that are right."""
+    faults = list(_faults(error))
+    dropped = {path for fault in faults for path in _spoiled(fault, data)}
+    if any(_is_clash(item) for item in error.errors()):
+        return faults
+    try:
+        Scene.model_validate(_without(data, faults), context=FROM_TOML, by_alias=True, by_name=False)
+    except ValidationError as second:
+        more = [fault for fault in _faults(second) if not _touches(fault, dropped)]
+        return faults + more
+    return faults
+
+
+def _is_clash(item: Any) -> bool:
+    return "clashes" in item.get("ctx", {})
+
+
+def _faults(error: ValidationError) -> Iterator[Fault]:
+    """Translate pydantic's errors."""
+    for item in error.errors(include_url=False):
+        path: KeyPath = tuple(item["loc"])
+        context = item.get("ctx", {})
+        if "clashes" in context:
+            yield from (Fault(clash.keys, clash.message) for clash in context["clashes"])
+        elif "entries" in context:
+            yield from (Fault(((*path, index),), message) for index, message in context["entries"])
+        elif item["type"] == "extra_forbidden":
+            yield _unknown_key(path)
+        elif item["type"] == "missing":
+            yield Fault((path,), f"missing; every {_header(path)} needs it", at_key=True)
+        elif item["type"] == "scene":
+            yield Fault((path,), context["message"])
+        else:
+            wanted = (
+                "[[path]] sections (double brackets)" if path == ("path",) else f"a table {_header(path)}"
+            )
+            yield Fault((path,), f"expected {wanted}")
+
+
+def _header(path: KeyPath) -> str:
+    return "[[path]]" if path[0] == "path" else f"[{dotted(path)}]"
+
+
+def _unknown_key(path: KeyPath) -> Fault:
+    """Say that a key is unknown, and which one was probably meant."""
+    name = str(path[-1])
+    known = list(SECTIONS[str(path[0])].model_fields) if len(path) > 1 else ["title", *SECTIONS]
+    homes = [_header((section,)) for section, model in SECTIONS.items() if name in model.model_fields]
+    near = re.search(r"'(.*)'", suggestion(name, known))
+    hint = f" (it belongs in {' or '.join(homes)})" if homes else suggestion(name, known)
+    return Fault((path,), f"unknown key{hint}", at_key=True, meant=near[1] if near else "")
+
+
+def _spoiled(fault: Fault, data: dict[str, Any]) -> Iterator[KeyPath]:
+    """Give the key paths whose value is not known because of a fault."""
+    path = fault.paths[0]
+    yield path[:-1] if len(path) == 4 else path  # one wrong entry spoils its list
+    if fault.meant and fault.meant not in _table(data, path[:-1]):
+        yield (*path[:-1], fault.meant)
+
+
+def _table(data: dict[str, Any], path: KeyPath) -> Any:
+    """Return the table at a key path."""
+    table: Any = data
+    for part in path:
+        table = table[part]
+    return table
+
+
+def _touches(fault: Fault, dropped: set[KeyPath]) -> bool:
+    return any(key[: len(path)] == path for key in fault.paths for path in dropped)
+
+
+def _without(data: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
+    """Copy the data without its wrong keys (their defaults step in), so that the rest can be checked."""
+    rest = copy.deepcopy(data)
+    for fault in faults:
+        path = fault.paths[0][:3]
+        table = _table(rest, path[:-1])
+        if path[0] == "path" and len(path) == 2:
+            table[path[1]] = {"name": f"unnamed{path[1]}", "kind": "pull"}
+        elif path[0] == "path" and path[-1] in ("name", "kind"):
+            table[path[-1]] = f"unnamed{path[1]}" if path[-1] == "name" else "pull"
+        else:
+            table.pop(path[-1], None)
+    return rest
+
+
+def _problem(fault: Fault, places: dict[KeyPath, Place], file: str | None) -> Problem:
+    """Give a fault its place: that of the first of its keys that stands in the file."""
+    there = next((path for path in fault.paths if path in places), fault.paths[0])
+    place = nearest(places, there)
+    line, col = place.key if fault.at_key else place.value
+    return Problem(file, line, col, dotted(fault.paths[0]), fault.message)

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: MIT
+"""Values of a scene that are right one by one but not together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+from pysprings.toml_positions import KeyPath
+from pysprings.units import show
+
+if TYPE_CHECKING:
+    from pysprings.scene_model import Caisson, Domain, Path, Scene, Soil, Solver
+
+MIN_RADIUS_RATIO = 1.2  # domain radius over caisson radius: room for a graded mesh around the skirt
+MIN_DEPTH_RATIO = 1.1  # domain depth over skirt length: room for a graded mesh below the tip
+
+# kind of path -> (what it imposes, what else it uses)
+_IMPOSED = {
+    "pull": ("lateral_displacement", {"arm", "rate"}),
+    "translation": ("lateral_displacement", {"rotation", "rate"}),
+    "rotation": ("rotation", set()),
+    "load": ("lateral_force", {"arm"}),
+}
+_UNITS = {"lateral_displacement": "mm", "rotation": "deg", "lateral_force": "MN"}
+
+
+class Clash(NamedTuple):
+    """Keys (as in TOML) whose values do not go together, the one to blame first, and why."""
+
+    keys: tuple[KeyPath, ...]
+    message: str
+
+
+def clashes(scene: Scene) -> Iterator[Clash]:
+    """Give everything that does not go together in a scene whose single values are valid."""
+    yield from _caisson(scene.caisson)
+    yield from _domain(scene.domain, scene.caisson)
+    yield from _soil(scene.soil)
+    yield from _initial_state(scene.soil, scene.domain)
+    yield from _solver(scene.solver)
+    yield from _paths(scene.paths)
+
+
+def dotted(path: KeyPath) -> str:
+    """Return a key path as people write it: `path[0].arm`, quoted where a name is not plain."""
+    from pysprings.units import quoted
+
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            plain = part.replace("_", "").replace("-", "").isalnum() and part.isascii() and len(part) <= 60
+            text += ("." if text else "") + (part if plain else quoted(part))
+    return text
+
+
+def _caisson(caisson: Caisson) -> Iterator[Clash]:
+    if caisson.skirt_thickness >= 0.5 * caisson.outer_diameter:
+        keys = ("caisson", "skirt_thickness"), ("caisson", "outer_diameter")
+        yield Clash(keys, f"must be less than half of outer_diameter ({show(caisson.outer_diameter, 'm')})")
+
+
+def _domain(domain: Domain, caisson: Caisson) -> Iterator[Clash]:
+    radius = 0.5 * caisson.outer_diameter
+    if domain.radius <= MIN_RADIUS_RATIO * radius:
+        keys = ("domain", "radius"), ("caisson", "outer_diameter")
+        limit = f"{MIN_RADIUS_RATIO:g} times the caisson's radius ({show(radius, 'm')})"
+        yield Clash(keys, f"{show(domain.radius, 'm')} must be more than {limit}")
+    if domain.depth <= MIN_DEPTH_RATIO * caisson.skirt_length:
+        keys = ("domain", "depth"), ("caisson", "skirt_length")
+        limit = f"{MIN_DEPTH_RATIO:g} times caisson.skirt_length ({show(caisson.skirt_length, 'm')})"
+        yield Clash(keys, f"{show(domain.depth, 'm')} must be more than {limit}")
+
+
+def _soil(soil: Soil) -> Iterator[Clash]:
+    final = f"friction_angle_final ({show(soil.friction_angle_final, 'deg')})"
+    for name in ("friction_angle_initial", "dilation_angle"):
+        value = getattr(soil, name)
+        if value > soil.friction_angle_final:
+            keys = ("soil", name), ("soil", "friction_angle_final")
+            yield Clash(keys, f"{show(value, 'deg')} must not be more than {final}")
+
+
+def _initial_state(soil: Soil, domain: Domain) -> Iterator[Clash]:
+    """Check that the geostatic stress is inside the initial Drucker-Prager surface.
+
+    With compression positive and the vertical stress s: II = |1 - K0| s/sqrt(3), I = (1 + 2 K0) s, and the
+    surface is II = m I + 6 c cos(phi)/(sqrt(3) (3 - sin(phi))), m = 2 sin(phi)/(sqrt(3) (3 - sin(phi))).
+    """
+    if soil.yield_surface == "elastic":
+        return
+    names = (
+        "K0",
+        "friction_angle_initial",
+        "cohesion",
+        "surcharge",
+        "effective_unit_weight",
+        "yield_surface",
+    )
+    keys = (*(("soil", name) for name in names), ("domain", "depth"))
+    bottom = soil.surcharge + soil.effective_unit_weight * domain.depth
+    if bottom == 0.0 and soil.cohesion == 0.0:
+        blame = (("soil", "surcharge"), *keys)
+        yield Clash(blame, "a soil without weight, surcharge and cohesion has no strength")
+    sine = math.sin(soil.friction_angle_initial)
+    slope = 2.0 * sine / (math.sqrt(3.0) * (3.0 - sine))
+    strength = 6.0 * soil.cohesion * math.cos(soil.friction_angle_initial) / (math.sqrt(3.0) * (3.0 - sine))
+    shear, pressure = abs(1.0 - soil.K0) / math.sqrt(3.0), 1.0 + 2.0 * soil.K0
+    worst = max((shear - slope * pressure) * vertical for vertical in (soil.surcharge, bottom))
+    if worst > strength + 1e-9 * bottom:
+        angle = show(soil.friction_angle_initial, "deg")
+        allowed = f"({angle}{_range(slope, soil)})"
+        yield Clash(keys, f"{soil.K0:g} puts the initial stress outside the initial yield surface {allowed}")
+
+
+def _range(slope: float, soil: Soil) -> str:
+    """Say which K0 a cohesionless soil allows."""
+    if soil.cohesion:
+        return f", cohesion {show(soil.cohesion, 'kPa')}"
+    reach = math.sqrt(3.0) * slope
+    return f" allows {(1.0 - reach) / (1.0 + 2.0 * reach):.3f} to {(1.0 + reach) / (1.0 - 2.0 * reach):.3f}"
+
+
+def _solver(solver: Solver) -> Iterator[Clash]:
+    first, largest = solver.first_step_fraction, solver.max_step_fraction
+    if first is not None and largest is not None and first > largest:
+        keys = ("solver", "first_step_fraction"), ("solver", "max_step_fraction")
+        yield Clash(keys, f"{first:g} must not be more than max_step_fraction ({largest:g})")
+
+
+def _paths(paths: tuple[Path, ...]) -> Iterator[Clash]:
+    if not paths:
+        yield Clash((("path",),), "at least one [[path]] is needed: it says how the caisson is moved")
+    seen: dict[str, int] = {}
+    for index, path in enumerate(paths):
+        first = seen.setdefault(path.name.lower(), index)
+        if first != index:
+            keys = ("path", index, "name"), ("path", first, "name")
+            yield Clash(keys, f"'{path.name}' is the name of path[{first}] too (case does not count)")
+        yield from _path(index, path)
+
+
+def _path(index: int, path: Path) -> Iterator[Clash]:
+    here: KeyPath = ("path", index)
+    imposed, used = _IMPOSED[path.kind]
+    for name in ("lateral_displacement", "rotation", "lateral_force", "arm", "rate"):
+        if name != imposed and name not in used and getattr(path, name):
+            yield Clash(((*here, name), (*here, "kind")), f'a path of kind "{path.kind}" does not use it')
+    target = getattr(path, imposed)
+    if target is None:
+        yield Clash(
+            (here, (*here, "kind"), (*here, imposed)), f'a path of kind "{path.kind}" needs {imposed}'
+        )
+    elif target == 0.0:
+        yield Clash(((*here, imposed), (*here, "kind")), "must not be zero")
+    else:
+        yield from _stops(here, imposed, target, path.report_at)
+
+
+def _stops(here: KeyPath, imposed: str, target: float, stops: tuple[float, ...]) -> Iterator[Clash]:
+    """Check that the values where a step must land lead from 0 to the target."""
+    previous, unit = 0.0, _UNITS[imposed]
+    for entry, stop in enumerate(stops):
+        keys = (*here, "report_at", entry), (*here, imposed), (*here, "kind"), (*here, "report_at")
+        if not 0.0 < stop / target <= 1.0:
+            yield Clash(
+                keys, f"{show(stop, unit)} is not on the way from 0 to {imposed} ({show(target, unit)})"
+            )
+        elif abs(stop) <= abs(previous):
+            yield Clash(
+                keys, f"{show(stop, unit)} must be further than the value before it ({show(previous, unit)})"
+            )
+        previous = stop

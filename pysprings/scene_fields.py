@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: MIT
+"""Types of the scene's fields: what each accepts, what it says when it refuses, its JSON schema.
+
+Each is a pydantic annotation, `radius: Annotated[float, Quantity("m", "(0, 1e4]", "...", "24 m")]`. From TOML
+a dimensional value must be a text with its unit; from Python an SI number will do as well.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from numbers import Integral, Real
+from typing import Any
+
+from pydantic import ValidationInfo
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from pysprings import units
+from pysprings.units import quoted
+
+FROM_TOML = {"bare_numbers": False}  # validation context of a scene that comes from a file
+QUANTITY_PATTERN = r"^\s*[+\-−]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+\-]?[0-9]{1,4})?\s*[^0-9\s.,_'].*$"
+
+
+def refuse(message: str, **context: Any) -> PydanticCustomError:
+    """Return the error that carries a message for the user."""
+    return PydanticCustomError("scene", "{message}", {"message": message, **context})
+
+
+def suggestion(word: str, known: Sequence[str]) -> str:
+    """Return ` (did you mean 'x'?)` when a known word is near, else nothing."""
+    near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+    return f" (did you mean '{near[0]}'?)" if near else ""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An interval written as "[0, 0.5)"."""
+
+    text: str
+
+    @property
+    def bounds(self) -> tuple[str, str]:
+        low, high = self.text[1:-1].split(",")
+        return low.strip(), high.strip()
+
+    def holds(self, value: float, unit: str = "1") -> bool:
+        """Tell whether an SI value lies inside; the bounds are in `unit`."""
+        low, high = (
+            float(b) if unit == "1" else units.read(f"{b} {unit}", units.si_of(unit)) for b in self.bounds
+        )
+        above = value > low or (value == low and self.text[0] == "[")
+        return above and (value < high or (value == high and self.text[-1] == "]"))
+
+
+class Field:
+    """Base of the field types: `validate` returns the value or raises `refuse(...)`."""
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        raise NotImplementedError
+
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON schema of what TOML may hold here."""
+        raise NotImplementedError
+
+    def in_toml(self, value: Any) -> Any:
+        """Return a value of the model as TOML (and JSON) would hold it."""
+        return value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self.validate)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: Any) -> dict[str, Any]:
+        return self.schema()
+
+
+@dataclass(frozen=True)
+class Quantity(Field):
+    """A number with a dimension, kept in SI.
+
+    unit : the usual unit, in which `interval` is written and values are shown
+    word : a text accepted in place of a quantity
+    optional : None is a value too (from Python; TOML leaves the key out)
+    """
+
+    unit: str
+    interval: str
+    text: str
+    example: str
+    word: str | None = None
+    optional: bool = False
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if (value is None and self.optional) or (self.word is not None and value == self.word):
+            return value
+        return self.number(value, bare=(info.context or {}).get("bare_numbers", True))
+
+    def number(self, value: Any, bare: bool) -> float:
+        """Return the SI value of a text with unit, or of an SI number when bare numbers are allowed."""
+        si_unit = units.si_of(self.unit)
+        if isinstance(value, str):
+            try:
+                number = units.read(value, si_unit, self.example)
+            except units.QuantityError as error:
+                hint = f"; {quoted(self.word)} is possible too" if self.word else ""
+                raise refuse(f"{error}{hint}") from None
+            given = quoted(value)
+        elif bare and _is_number(value):
+            number, given = _as_float(value), f"{quoted(value)} {si_unit}"
+        else:
+            wanted = f"expected a quantity with unit such as {quoted(self.example)}{self._or_word()}"
+            raise refuse(f"{wanted}, got {quoted(value)}")
+        if not Interval(self.interval).holds(number, self.unit):
+            raise refuse(f"{given} is not in {self.interval} {self.unit}")
+        return number
+
+    def _or_word(self) -> str:
+        return f" (or {quoted(self.word)})" if self.word else ""
+
+    def schema(self) -> dict[str, Any]:
+        found: dict[str, Any] = {"type": "string", "pattern": QUANTITY_PATTERN}
+        if self.word:
+            found = {"anyOf": [{"const": self.word}, found]}
+        return {
+            "description": f"{self.text} (in {self.interval} {self.unit})",
+            "examples": [self.example],
+            **found,
+        }
+
+    def in_toml(self, value: Any) -> Any:
+        return value if value is None or value == self.word else units.show(value, self.unit)
+
+
+@dataclass(frozen=True)
+class Number(Field):
+    """A pure number."""
+
+    interval: str
+    text: str
+    example: float
+    optional: bool = False
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if value is None and self.optional:
+            return value
+        if not _is_number(value):
+            raise refuse(
+                f"expected a number without unit and quotes such as {self.example:g}, got {quoted(value)}"
+            )
+        number = _as_float(value)
+        if not Interval(self.interval).holds(number):
+            raise refuse(f"{quoted(value)} is not in {self.interval}")
+        return number
+
+    def schema(self) -> dict[str, Any]:
+        low, high = map(float, Interval(self.interval).bounds)
+        bounds = {
+            "minimum" if self.interval[0] == "[" else "exclusiveMinimum": low,
+            "maximum" if self.interval[-1] == "]" else "exclusiveMaximum": high,
+        }
+        return {"description": f"{self.text} (in {self.interval})", "type": "number", **bounds}
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _as_float(value: Any) -> float:
+    try:
+        return float(value) + 0.0
+    except OverflowError:
+        return math.inf
+
+
+@dataclass(frozen=True)
+class Count(Field):
+    """A whole number."""
+
+    low: int
+    high: int
+    text: str
+    multiple_of: int = 1
+    optional: bool = False
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if value is None and self.optional:
+            return value
+        if isinstance(value, bool) or not isinstance(value, Integral):
+            raise refuse(f"expected a whole number such as {self.low}, got {quoted(value)}")
+        count = int(value)
+        if not self.low <= count <= self.high:
+            raise refuse(f"{quoted(value)} is not in [{self.low}, {self.high}]")
+        if count % self.multiple_of:
+            raise refuse(f"{quoted(value)} is not a multiple of {self.multiple_of}")
+        return count
+
+    def schema(self) -> dict[str, Any]:
+        found = {"description": self.text, "type": "integer", "minimum": self.low, "maximum": self.high}
+        return found if self.multiple_of == 1 else {**found, "multipleOf": self.multiple_of}
+
+
+@dataclass(frozen=True)
+class Choice(Field):
+    """One word of a list; `planned` words are known but refused as not available yet."""
+
+    words: tuple[str, ...]
+    text: str
+    planned: tuple[str, ...] = ()
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        known = ", ".join(quoted(word) for word in self.words)
+        if not isinstance(value, str):
+            raise refuse(f"expected one of {known}, got {quoted(value)}")
+        if value in self.planned:
+            raise refuse(f"{quoted(value)} is not available yet; choose {known.replace(', ', ' or ')}")
+        if value not in self.words:
+            raise refuse(f"{quoted(value)} is not one of {known}{suggestion(value, self.words)}")
+        return str(value)
+
+    def schema(self) -> dict[str, Any]:
+        return {"description": self.text, "enum": list(self.words)}
+
+
+@dataclass(frozen=True)
+class Flag(Field):
+    """true or false."""
+
+    text: str
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if not isinstance(value, bool):
+            raise refuse(f"expected true or false, got {quoted(value)}")
+        return value
+
+    def schema(self) -> dict[str, Any]:
+        return {"description": self.text, "type": "boolean"}
+
+
+@dataclass(frozen=True)
+class Text(Field):
+    """A text on one line; `pattern` and `meaning` say which."""
+
+    text: str
+    pattern: str = r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{1,200}"
+    meaning: str = "1 to 200 characters on one line"
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if not isinstance(value, str):
+            raise refuse(f"expected a text in quotes, got {quoted(value)}")
+        if not re.fullmatch(self.pattern, value) or not value.strip():
+            raise refuse(f"{quoted(value)} is not {self.meaning}")
+        return str(value)
+
+    def schema(self) -> dict[str, Any]:
+        return {"description": self.text, "type": "string", "pattern": f"^{self.pattern}$"}
+
+
+@dataclass(frozen=True)
+class QuantityList(Field):
+    """A list of quantities whose kind depends on an earlier field of the same section.
+
+    by_field : name of that field;  quantities : pairs of its value and the quantity of the entries
+    """
+
+    by_field: str
+    quantities: tuple[tuple[str, Quantity], ...]
+    text: str
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if not isinstance(value, list | tuple):
+            raise refuse(
+                f"expected a list of quantities such as [{quoted(self._example())}], got {quoted(value)}"
+            )
+        quantity = dict(self.quantities).get(info.data.get(self.by_field, ""))
+        if quantity is None:  # the other field is refused already
+            return ()
+        numbers, wrong = [], []
+        for index, entry in enumerate(value):
+            try:
+                numbers.append(quantity.validate(entry, info))
+            except PydanticCustomError as error:
+                wrong.append((index, error.message()))
+        if wrong:
+            raise refuse("; ".join(message for _, message in wrong), entries=wrong)
+        return tuple(numbers)
+
+    def _example(self) -> str:
+        return self.quantities[0][1].example
+
+    def schema(self) -> dict[str, Any]:
+        entry = {"type": "string", "pattern": QUANTITY_PATTERN}
+        return {"description": self.text, "type": "array", "items": entry, "examples": [[self._example()]]}

@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: MIT
+"""The scene: caisson, domain, soil, interface, drainage, load paths, mesh, solver and output, in SI, frozen.
+
+Defaults are the drained caisson of Cerfontaine, Charlier & Collin (2018); the commented template marks what
+that paper leaves open. Lengths in m, angles in rad, forces in N, stresses in Pa.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, PrivateAttr, model_validator
+from pydantic import Field as Key
+
+from pysprings.scene_checks import clashes, dotted
+from pysprings.scene_fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text, refuse
+
+_DEGREE = math.pi / 180.0
+
+# pydantic annotations of the fields, short enough to be read as a table
+_STIFFNESS = Quantity("N/m^3", "(0, 1e16]", "penalty stiffness of the interface", "1e10 N/m^3")
+_SHIFT = Quantity(
+    "mm", "[-1e4, 1e4]", "lateral displacement of the lid centre, towards +x", "20 mm", optional=True
+)
+_TURN = Quantity(
+    "deg",
+    "[-30, 30]",
+    "rotation, right-hand about +y (a free-head pull turns it < 0)",
+    "0.1 deg",
+    optional=True,
+)
+_PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN", optional=True)
+_ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
+_RATE = Quantity(
+    "mm/s", "(0, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True
+)
+_BALANCED = (
+    'constant load on the whole caisson, positive down; "balanced" carries the initial contact stresses'
+)
+_FRACTION = Number("(0, 1]", "first step, as a fraction of the path", 0.02, optional=True)
+
+
+class Section(BaseModel):
+    """A table of the scene file: frozen, unknown keys refused, each key with its default."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_by_name=True, validate_by_alias=True)
+
+
+class Caisson(Section):
+    """The suction caisson, wished in place."""
+
+    outer_diameter: Annotated[float, Quantity("m", "(0, 200]", "outer diameter of the skirt", "7.8 m")] = 7.8
+    skirt_length: Annotated[float, Quantity("m", "(0, 200]", "depth of the tip below mudline", "4 m")] = 4.0
+    skirt_thickness: Annotated[float, Quantity("m", "(0, 10]", "wall thickness of the skirt", "0.1 m")] = 0.1
+    lid_thickness: Annotated[float, Quantity("m", "(0, 10]", "thickness of the lid", "0.4 m")] = 0.4
+    behaviour: Annotated[str, Choice(("rigid",), "how the steel behaves", planned=("elastic",))] = "rigid"
+    young_modulus: Annotated[
+        float | None,
+        Quantity("GPa", "[0.001, 1e6]", "Young modulus of an elastic caisson", "200 GPa", optional=True),
+    ] = None
+    poisson_ratio: Annotated[
+        float | None, Number("[0, 0.5)", "Poisson ratio of an elastic caisson", 0.3, optional=True)
+    ] = None
+    vertical_load: Annotated[
+        float | str, Quantity("MN", "[-1e4, 1e4]", _BALANCED, "4 MN", word="balanced")
+    ] = "balanced"
+
+
+class Domain(Section):
+    """The cylinder of soil that is modelled."""
+
+    radius: Annotated[float, Quantity("m", "(0, 1e4]", "radius of the cylinder of soil", "24 m")] = 24.0
+    depth: Annotated[float, Quantity("m", "(0, 1e4]", "depth of the cylinder of soil", "12 m")] = 12.0
+    side: Annotated[str, Choice(("roller", "fixed"), "the outer side slides (roller) or is held (fixed)")] = (
+        "roller"
+    )
+
+
+class Soil(Section):
+    """A homogeneous frictional soil that hardens, and its initial state."""
+
+    young_modulus: Annotated[float, Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa")] = 200e6
+    poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio", 0.3)] = 0.3
+    yield_surface: Annotated[
+        str, Choice(("drucker-prager", "elastic"), "shape of the yield surface", planned=("van-eekelen",))
+    ] = "drucker-prager"
+    friction_angle_initial: Annotated[
+        float, Quantity("deg", "[0, 60]", "friction angle at first yield", "5 deg")
+    ] = 5.0 * _DEGREE
+    friction_angle_final: Annotated[
+        float, Quantity("deg", "[0, 60]", "friction angle when fully hardened", "30 deg")
+    ] = 30.0 * _DEGREE
+    hardening_parameter: Annotated[
+        float, Number("(0, 10]", "equivalent plastic strain at half of the hardening", 0.005)
+    ] = 0.005
+    dilation_angle: Annotated[float, Quantity("deg", "[0, 60]", "dilation angle", "5 deg")] = 0.0
+    cohesion: Annotated[float, Quantity("kPa", "[0, 1e5]", "cohesion", "5 kPa")] = 0.0
+    effective_unit_weight: Annotated[
+        float, Quantity("kN/m^3", "[0, 100]", "effective (submerged) unit weight", "10.56 kN/m^3")
+    ] = 10.56e3
+    surcharge: Annotated[
+        float, Quantity("kPa", "[0, 1e5]", "vertical effective stress at mudline", "10.56 kPa")
+    ] = 10.56e3
+    K0: Annotated[float, Number("(0, 10]", "initial horizontal over vertical effective stress", 1.0)] = 1.0
+    hydraulic_conductivity: Annotated[
+        float, Quantity("m/s", "(0, 10]", "hydraulic conductivity; not used when drained", "1e-4 m/s")
+    ] = 1e-4
+
+
+class Interface(Section):
+    """Contact, friction and flow between caisson and soil."""
+
+    normal_stiffness: Annotated[float, _STIFFNESS] = 1e10
+    shear_stiffness: Annotated[float, _STIFFNESS] = 1e10
+    friction_coefficient: Annotated[float, Number("[0, 5]", "Coulomb friction coefficient", 0.5)] = 0.5
+    transversal_conductivity: Annotated[
+        float,
+        Quantity("m/(Pa s)", "(0, 1]", "transversal conductivity; not used when drained", "1e-8 m/(Pa s)"),
+    ] = 1e-8
+    residual_aperture: Annotated[
+        float,
+        Quantity(
+            "mm", "(0, 100]", "aperture of a closed interface for flow; not used when drained", "0.01 mm"
+        ),
+    ] = 1e-5
+
+
+class Drainage(Section):
+    """How the water takes part."""
+
+    mode: Annotated[
+        str, Choice(("drained",), "how the water takes part", planned=("coupled", "undrained"))
+    ] = "drained"
+
+
+class Path(Section):
+    """One way of moving the caisson from its initial state.
+
+    pull: the lid centre is moved, the rotation is free, the load acts at height `arm`. translation: the lid
+    centre is moved, the rotation is imposed in proportion (zero by default). rotation: imposed about the lid
+    centre. load: a lateral force at height `arm`. `report_at` lists values of the imposed quantity where a
+    converged step must land.
+    """
+
+    name: Annotated[
+        str,
+        Text(
+            "name of the path in every table",
+            pattern=r"[A-Za-z][A-Za-z0-9_-]{0,59}",
+            meaning="a name (a letter, then letters, digits, _ or -, at most 60)",
+        ),
+    ]
+    kind: Annotated[str, Choice(("pull", "translation", "rotation", "load"), "what is imposed")]
+    lateral_displacement: Annotated[float | None, _SHIFT] = None
+    rotation: Annotated[float | None, _TURN] = None
+    lateral_force: Annotated[float | None, _PUSH] = None
+    arm: Annotated[float, _ARM] = 0.0
+    rate: Annotated[float | None, _RATE] = None
+    heave: Annotated[str, Choice(("free", "fixed"), "the vertical displacement of the caisson")] = "free"
+    role: Annotated[
+        str,
+        Choice(
+            ("calibration", "held-back"), "whether springs are made from this path, or only checked on it"
+        ),
+    ] = "calibration"
+    report_at: Annotated[
+        tuple[float, ...],
+        QuantityList(
+            "kind",
+            (("pull", _SHIFT), ("translation", _SHIFT), ("rotation", _TURN), ("load", _PUSH)),
+            "values of the imposed quantity where a converged step must land",
+        ),
+    ] = ()
+
+
+class Mesh(Section):
+    """Size of the mesh: a preset, and what overrides it."""
+
+    preset: Annotated[str, Choice(("coarse", "medium", "paper", "fine"), "size of the mesh")] = "coarse"
+    azimuth: Annotated[
+        int | None, Count(8, 256, "cells around the half ring", multiple_of=4, optional=True)
+    ] = None
+    refinement: Annotated[float, Number("[0.25, 8]", "factor on all numbers of cells of the preset", 1.0)] = (
+        1.0
+    )
+
+
+class Solver(Section):
+    """Newton iterations, load steps and the linear solver."""
+
+    tolerance: Annotated[
+        float, Number("[1e-12, 0.01]", "largest residual, relative to the norm of the contact forces", 1e-6)
+    ] = 1e-6
+    linear: Annotated[str, Choice(("auto", "pardiso", "superlu"), "linear solver", planned=("mumps",))] = (
+        "auto"
+    )
+    max_iterations: Annotated[int, Count(2, 1000, "Newton iterations before a step is cut back")] = 20
+    first_step_fraction: Annotated[float | None, _FRACTION] = None
+    max_step_fraction: Annotated[
+        float | None, Number("(0, 1]", "largest step, as a fraction of the path", 0.1, optional=True)
+    ] = None
+
+
+class Output(Section):
+    """What is kept beside springs and curves."""
+
+    interface_fields: Annotated[
+        bool, Flag("keep contact stresses and gaps by azimuth and depth at every step")
+    ] = True
+    section: Annotated[bool, Flag("keep displacements of the symmetry plane at every step")] = True
+    figures: Annotated[bool, Flag("draw the pictures")] = True
+
+
+PAPER_PATH = Path(name="pull", kind="pull", lateral_displacement=20e-3, rate=0.05e-3, report_at=(2.5e-3,))
+
+
+class Scene(Section):
+    """Everything that decides a run: `pysprings.Scene(soil={"K0": 0.9})` changes one value."""
+
+    title: Annotated[str, Text("title of tables and pictures")] = "Suction caisson in sand, drained"
+    caisson: Caisson = Caisson()
+    domain: Domain = Domain()
+    soil: Soil = Soil()
+    interface: Interface = Interface()
+    drainage: Drainage = Drainage()
+    paths: tuple[Path, ...] = Key((PAPER_PATH,), validation_alias="path")
+    mesh: Mesh = Mesh()
+    solver: Solver = Solver()
+    output: Output = Output()
+
+    _source: tuple[str, str] = PrivateAttr(("", ""))  # TOML text, and the sha256 of the scene that it gave
+
+    @model_validator(mode="after")
+    def _refuse_clashes(self) -> Scene:
+        found = list(clashes(self))
+        if found:
+            lines = "; ".join(f"{dotted(clash.keys[0])}: {clash.message}" for clash in found)
+            raise refuse(lines, clashes=found)
+        return self
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 (hex) of all values, whatever units and order the file wrote them in."""
+        canonical = json.dumps(self.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(canonical.encode()).hexdigest()
+
+    @property
+    def source_text(self) -> str:
+        """The TOML text that the scene was read from; `to_toml()` for one made or changed in Python."""
+        text, digest = self._source
+        return text if text and digest == self.sha256 else self.to_toml()
+
+    def to_toml(self) -> str:
+        """Return the whole scene as TOML; loading it gives an equal scene."""
+        from pysprings.scene_toml import to_toml
+
+        return to_toml(self)
+
+    def replace(self, **sections: Any) -> Scene:
+        """Return a validated copy with some values changed: `scene.replace(mesh={"preset": "paper"})`.
+
+        A table is merged key by key; anything else (title, paths) is replaced.
+        """
+        data = self.model_dump()
+        for name, change in sections.items():
+            merge = isinstance(change, dict) and isinstance(data.get(name), dict)
+            data[name] = {**data[name], **change} if merge else change
+        return Scene.model_validate(data)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scene) and self.model_dump() == other.model_dump()
+
+    def __hash__(self) -> int:
+        return hash(self.sha256)

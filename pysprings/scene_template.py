@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings init`: a commented scene from a template, and the JSON schema beside it."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from pathlib import Path
+
+from pysprings.errors import Problem, UserInputError
+from pysprings.scene_fields import suggestion
+from pysprings.scene_schema import FILE_NAME, scene_schema
+
+
+def template_names() -> list[str]:
+    """Return the names of the templates."""
+    found = files("pysprings").joinpath("templates").iterdir()
+    return sorted(item.name.removesuffix(".toml") for item in found if item.name.endswith(".toml"))
+
+
+def template_text(name: str) -> str:
+    """Return the text of a template, or refuse an unknown name."""
+    known = template_names()
+    if name not in known:
+        hint = suggestion(name, known) or f" (there is: {', '.join(known)})"
+        raise UserInputError([Problem(key="--template", message=f"no template '{name}'{hint}")])
+    return files("pysprings").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
+
+
+def write_scene(file: Path, template: str, force: bool = False) -> list[Path]:
+    """Write a scene and its schema; an existing scene is refused, an existing schema kept, unless `force`.
+
+    Returns the files written.
+    """
+    text = template_text(template)
+    schema = file.with_name(FILE_NAME)
+    if file == schema:
+        raise UserInputError(
+            [Problem(str(file), message="is the name of the schema; choose another for the scene")]
+        )
+    if (file.exists() or file.is_symlink()) and not force:
+        raise UserInputError(
+            [Problem(str(file), message="exists already; choose another name, or --force to replace it")]
+        )
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with file.open("w" if force else "x", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        if schema.exists() and not force:
+            return [file]
+        schema.write_text(
+            json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n", encoding="utf-8", newline="\n"
+        )
+    except OSError as error:
+        message = f"cannot be written ({error.strerror})"
+        raise UserInputError([Problem(str(error.filename or file), message=message)]) from None
+    return [file, schema]

@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: MIT
+"""Quantities with units: `"200 MPa"` -> 200e6.
+
+A quantity is `<number> <unit>`. pint knows the units; the grammar is ours, so that no text is ever evaluated:
+
+- number: decimal with a point, optional exponent; finite;
+- unit: names joined by a space or `*`, powers `m^3`, `m**3`, `m3`, `m³`, `m-1` (one digit), divisors by `/`;
+- a product after a `/` needs parentheses, `m/(Pa s)`: people read `m/Pa s` both ways;
+- every name must have a dimension (no `percent`, `dB`, `pi`); an angle is never silently a pure number.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import math
+import re
+from decimal import Decimal
+from functools import cache
+from typing import Any
+
+from pysprings.errors import printable
+
+MAX_LENGTH = 64
+
+# what each SI unit of the tool measures, for messages
+MEANING = {
+    "m": "a length",
+    "m/s": "a velocity",
+    "s": "a time",
+    "N": "a force",
+    "N m": "a moment",
+    "Pa": "a pressure or stress",
+    "N/m^3": "a force per volume",
+    "rad": "an angle",
+    "m/(Pa s)": "a velocity per pressure",
+}
+
+_NUMBER = re.compile(
+    r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?)(?![0-9.,_'])\s*(\S.*)", re.DOTALL
+)
+_FACTOR = r"[A-Za-zµμ°]{1,24}(?:(?:\^|\*\*)?-?[1-9])?"
+_PRODUCT = rf"{_FACTOR}(?:(?:\s*\*\s*|\s+){_FACTOR})*"
+_DIVISOR = rf"\s*/\s*(?:{_FACTOR}|\(\s*{_PRODUCT}\s*\))"
+_UNIT = re.compile(rf"(?P<top>1(?=\s*/)|{_PRODUCT})(?P<bottom>(?:{_DIVISOR})*)")
+_NAME_AND_POWER = re.compile(r"([A-Za-zµμ°]+)(?:\^|\*\*)?(-?[1-9])?")
+_SIGNS = str.maketrans({"−": "-", "·": "*", "⋅": "*"})
+_SUPERSCRIPTS = str.maketrans("¹²³⁴⁵⁶⁷⁸⁹⁻", "123456789-")
+
+_USUAL = (
+    *("m", "mm", "cm", "km", "ft", "in", "N", "kN", "MN", "GN", "lbf", "kip", "Nm", "kNm", "MNm"),
+    *("Pa", "kPa", "MPa", "GPa", "psi", "bar", "deg", "rad", "mrad", "s", "min", "hour", "day", "kg"),
+)
+# pint reads "Nm" as numbers per metre (of yarn); on a foundation it is a newton metre
+_MOMENTS = {prefix + "Nm": prefix + "N" for prefix in ("", "k", "M", "G")}
+
+Dimension = tuple[tuple[str, float], ...]
+
+
+class QuantityError(ValueError):
+    """A text that is not the quantity expected; the message is for the user."""
+
+
+def read(text: str, si_unit: str, example: str = "") -> float:
+    """Return the value of a quantity in its SI unit.
+
+    Parameters
+    ----------
+    text : quantity such as "200 MPa"
+    si_unit : SI unit of the answer (a key of MEANING), which fixes the dimension, e.g. "Pa"
+    example : quantity shown in messages, e.g. "200 MPa"
+
+    Raises
+    ------
+    QuantityError
+        Not `<number> <unit>`, unknown unit, another dimension, not finite.
+    """
+    number, unit = _split(text, example or f"1 {si_unit}")
+    try:
+        scale, dimension = unit_of(unit)
+    except QuantityError as error:
+        raise QuantityError(f"{quoted(text)}: {error}") from None
+    if dimension != unit_of(si_unit)[1]:
+        is_what = _meaning(dimension) or f"not {MEANING[si_unit]}"
+        wanted = f"expected {MEANING[si_unit]} such as {quoted(example or f'1 {si_unit}')}"
+        raise QuantityError(f"{quoted(text)} is {is_what}; {wanted}")
+    return _scaled(text, number, scale)
+
+
+def show(value: float, unit: str) -> str:
+    """Return an SI value as a quantity in a unit; reading it back gives exactly the same value."""
+    scale = unit_of(unit)[0]
+    power = _decimal_power(scale)
+    digits = Decimal(repr(float(value)))
+    exact = Decimal(repr(value / scale)) if power is None else digits.scaleb(-power)
+    rounded = Decimal(f"{value / scale:.12g}")
+    candidates = [f"{_plain(number)} {unit}" for number in (rounded, exact)]
+    good = (text for text in candidates if read(text, si_of(unit)) == value)
+    return next(good, f"{_plain(digits)} {si_of(unit)}")
+
+
+def _plain(number: Decimal) -> str:
+    """Write a decimal in full between 1e-3 and 1e5, else with an exponent; no padding zeros."""
+    if number == 0:
+        return "0"
+    small = number.normalize()
+    if -4 < small.adjusted() < 5:
+        return f"{small:f}"
+    return str(small).lower().replace("e+", "e") if "E" in str(small) else f"{small:e}".replace("e+", "e")
+
+
+def si_of(unit: str) -> str:
+    """Return the SI unit of the tool for a unit: "Pa" for "MPa"."""
+    dimension = unit_of(unit)[1]
+    return next(si for si in MEANING if unit_of(si)[1] == dimension)
+
+
+def quoted(value: object, limit: int = 40) -> str:
+    """Return a value as a user wrote it, on one line and not too long."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return printable(json.dumps(_shortened(value, limit), ensure_ascii=False))
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list | tuple):
+        return "a list"
+    if isinstance(value, int) and value.bit_length() > 1000:
+        return "a number with hundreds of digits"
+    return _shortened(printable(value), limit)
+
+
+def _shortened(text: str, limit: int) -> str:
+    return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+def _split(text: str, example: str) -> tuple[str, str]:
+    """Cut `<number> <unit>` in two, or say what is wrong with it."""
+    if len(text) > MAX_LENGTH:
+        raise QuantityError(f"{quoted(text)} is too long for a quantity (at most {MAX_LENGTH} characters)")
+    match = _NUMBER.fullmatch(text.translate(_SIGNS).strip())
+    if match:
+        return match[1], match[2]
+    grouped = re.match(r"\s*[+-]?[0-9]+[,_']", text)
+    hint = " (write numbers with a decimal point and without separators)" if grouped else ""
+    raise QuantityError(f"expected a quantity with unit such as {quoted(example)}, got {quoted(text)}{hint}")
+
+
+def _scaled(text: str, number: str, scale: float) -> float:
+    """Return number * scale, correctly rounded for decimal prefixes: "100 mm" is exactly 0.1."""
+    digits = Decimal(number)
+    power = _decimal_power(scale)
+    value = float(digits) * scale if power is None else float(digits.scaleb(power))
+    if not math.isfinite(value):
+        raise QuantityError(f"{quoted(text)} is not a finite number")
+    if value == 0.0 and digits:
+        raise QuantityError(f"{quoted(text)} is too small to be represented")
+    return value + 0.0  # turns a negative zero into zero
+
+
+def _decimal_power(scale: float) -> int | None:
+    """Return the power of ten that a scale is, else None."""
+    power = round(math.log10(scale))
+    return power if math.isclose(scale, float(f"1e{power}"), rel_tol=1e-12) else None
+
+
+@cache
+def unit_of(text: str) -> tuple[float, Dimension]:
+    """Return SI scale and dimension (powers of kilogram, meter, second, radian ...) of a unit text."""
+    match = _UNIT.fullmatch(text.translate(_SIGNS).translate(_SUPERSCRIPTS).strip())
+    if match is None:
+        ambiguous = re.search(r"/[^()/]*[^()/\s*][\s*]+[^()/\s*]", text)
+        hint = " (after a / put a product in parentheses, as in m/(Pa s))" if ambiguous else ""
+        raise QuantityError(f"{quoted(text)} is not a unit{hint}")
+    factors = [(name, int(power or 1)) for name, power in _NAME_AND_POWER.findall(match["top"])]
+    factors += [(name, -int(power or 1)) for name, power in _NAME_AND_POWER.findall(match["bottom"])]
+    return _multiplied(factors, text)
+
+
+def _multiplied(factors: list[tuple[str, int]], text: str) -> tuple[float, Dimension]:
+    """Multiply powers of named units."""
+    scale, powers = 1.0, dict[str, float]()
+    for name, power in factors:
+        size, base = _named(name)
+        scale *= math.pow(size, power) if abs(math.log10(size) * power) < 300 else math.inf
+        for unit, exponent in base:
+            powers[unit] = powers.get(unit, 0.0) + power * exponent
+    if not 0.0 < scale < math.inf:
+        raise QuantityError(f"{quoted(text)} is too large or too small a unit")
+    return scale, tuple(sorted((unit, power) for unit, power in powers.items() if power))
+
+
+@cache
+def _registry() -> Any:
+    """Build pint's registry once: 0.3 s, paid only by those who read a quantity."""
+    import pint
+
+    return pint.UnitRegistry()
+
+
+@cache
+def _named(name: str) -> tuple[float, Dimension]:
+    """Return SI scale and powers of base units of one unit name."""
+    if name in _MOMENTS:
+        scale, newton = _named(_MOMENTS[name])
+        return scale, tuple((unit, power + (unit == "meter")) for unit, power in newton)
+    registry = _registry()
+    try:
+        scale, base = registry.get_base_units(registry.parse_units(name))
+        dimension = tuple((str(unit), float(power)) for unit, power in base._units.items())
+    except Exception as error:  # pint raises many types on what it does not know
+        raise QuantityError(f"unknown unit {quoted(name)}{_suggestion(name)}") from error
+    if not dimension:
+        raise QuantityError(f"{quoted(name)} has no dimension; write the number out")
+    return float(scale), dimension
+
+
+def _suggestion(name: str) -> str:
+    same = [unit for unit in _USUAL if unit.lower() == name.lower()]
+    near = same or difflib.get_close_matches(name, _USUAL, n=1, cutoff=0.6)
+    return f" (did you mean {quoted(near[0])}?)" if near else ""
+
+
+def _meaning(dimension: Dimension) -> str:
+    """Say what a dimension measures; empty for one that the tool does not use."""
+    known = (meaning for unit, meaning in MEANING.items() if unit_of(unit)[1] == dimension)
+    return next(known, "" if dimension else "a pure number")
