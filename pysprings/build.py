@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: MIT
+"""Scene -> engine model: the only place that renames, and that decides what a scene leaves out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fe_engine import hex8, interface, rigid
+from fe_engine.contact import coulomb
+from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
+from fe_engine.interface import Stations
+from fe_engine.mesh import Quality
+from fe_engine.model import Material, Model
+from fe_engine.soil import plasol
+from pysprings.caisson_mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
+
+if TYPE_CHECKING:
+    from pysprings.scene import Scene
+
+SURFACE = {name: code for code, name in enumerate(SURFACES)}
+
+
+@dataclass(frozen=True)
+class Built:
+    """A model with the mesh it came from and the vertical dead load of the half caisson (N)."""
+
+    model: Model
+    caisson: CaissonMesh
+    quality: Quality
+    balanced_load: float
+    extra_load: float
+
+
+def geometry_of(scene: Scene) -> Geometry:
+    """Radii and depths of the scene, in m."""
+    outer = 0.5 * scene.caisson.outer_diameter
+    return Geometry(
+        inner_radius=outer - scene.caisson.skirt_thickness,
+        outer_radius=outer,
+        skirt_length=scene.caisson.skirt_length,
+        domain_radius=scene.domain.radius,
+        domain_depth=scene.domain.depth,
+    )
+
+
+def counts_of(scene: Scene, preset: str | None = None) -> Counts:
+    """Cell counts of the scene's preset, refined and overridden as the scene says."""
+    counts = PRESETS[preset or scene.mesh.preset]
+    if scene.mesh.refinement != 1.0:
+        counts = refine(counts, scene.mesh.refinement)
+    if scene.mesh.azimuth is not None:
+        counts = replace(counts, azimuth=scene.mesh.azimuth)
+    return counts
+
+
+def build_model(scene: Scene, preset: str | None = None) -> Built:
+    """Build the half model of a scene (loads and reactions of the model are half the caisson's)."""
+    geometry = geometry_of(scene)
+    caisson = make_mesh(geometry, counts_of(scene, preset))
+    mesh = caisson.mesh
+    quality = mesh.check()
+    fixed, frames = _constraints(scene, caisson)
+    stations = make_stations(geometry, caisson)
+    pressure = _initial_pressure(scene, stations)
+    balanced = float(np.sum(pressure * stations.area * stations.frame[:, 0, 2]))
+    wanted = scene.caisson.vertical_load
+    model = Model(
+        mesh=mesh,
+        materials=[soil_material(scene)],
+        material=np.zeros(mesh.n_elements, dtype=np.int64),
+        initial_stress=_initial_stress(scene, hex8.gauss_positions(mesh.nodes, mesh.hexes)[:, :, 2]),
+        fixed=fixed,
+        frames=frames,
+        n_border=rigid.N_DOFS,
+        border_scale=np.array([1.0, 1.0, geometry.outer_radius]),
+        stations=stations,
+        contact=contact_parameters(scene),
+        initial_pressure=pressure,
+    )
+    extra = 0.0 if wanted == "balanced" else 0.5 * float(wanted) - balanced
+    return Built(model, caisson, quality, balanced, extra)
+
+
+def soil_material(scene: Scene) -> Material:
+    """Pack the soil law of the scene."""
+    soil = scene.soil
+    parameters = plasol.pack(
+        young=soil.young_modulus,
+        poisson=soil.poisson_ratio,
+        phi_i=soil.friction_angle_initial,
+        phi_f=soil.friction_angle_final,
+        b_phi=soil.hardening_parameter,
+        psi=soil.dilation_angle,
+        cohesion=soil.cohesion,
+    )
+    return Material({"elastic": ELASTIC, "drucker-prager": DRUCKER_PRAGER}[soil.yield_surface], parameters)
+
+
+def contact_parameters(scene: Scene) -> np.ndarray:
+    """Contact parameters (n_surfaces, 3), the same on every surface."""
+    law = scene.interface
+    packed = coulomb.pack(kn=law.normal_stiffness, kt=law.shear_stiffness, mu=law.friction_coefficient)
+    return np.tile(packed, (len(SURFACES), 1))
+
+
+def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
+    """Nodal stations on the skirt (outside, inside), under the lid and under the tip."""
+    nodes = caisson.mesh.nodes
+    parts = []
+    for name in SURFACES:
+        node, normal, area = interface.nodal_stations(
+            nodes, caisson.mesh.face_sets[name], _exact_normals(nodes, name)
+        )
+        parts.append((node, normal, area, np.full(len(node), SURFACE[name])))
+    node, normal, area, surface = (np.concatenate(column) for column in zip(*parts, strict=True))
+    position = nodes[node]
+    return Stations(
+        position=position,
+        frame=interface.local_frames(normal),
+        area=area,
+        nodes=node[:, None],
+        weight=np.ones((len(node), 1)),
+        body=rigid.displacement_operator(position, np.zeros(3)),
+        surface=surface,
+    )
+
+
+def _exact_normals(nodes: np.ndarray, surface: str) -> np.ndarray:
+    """Unit normals (n, 3) from the caisson into the soil, as if every node stood on the surface."""
+    normal = np.zeros_like(nodes)
+    if surface in ("lid", "tip"):
+        normal[:, 2] = 1.0
+        return normal
+    radius = np.maximum(np.hypot(nodes[:, 0], nodes[:, 1]), 1e-300)
+    sign = 1.0 if surface == "outer" else -1.0
+    normal[:, :2] = sign * nodes[:, :2] / radius[:, None]
+    return normal
+
+
+def _vertical_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
+    """Initial vertical effective stress, compression positive, in Pa."""
+    return scene.soil.surcharge + scene.soil.effective_unit_weight * depth
+
+
+def _initial_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
+    """Geostatic stress (..., 6), tension positive."""
+    vertical = _vertical_stress(scene, depth)
+    stress = np.zeros((*depth.shape, 6))
+    stress[..., 0] = stress[..., 1] = -scene.soil.K0 * vertical
+    stress[..., 2] = -vertical
+    return stress
+
+
+def _initial_pressure(scene: Scene, stations: Stations) -> np.ndarray:
+    """Contact pressure (ns,) that the geostatic stress puts on each station, in Pa."""
+    vertical = _vertical_stress(scene, stations.position[:, 2])
+    upright = stations.frame[:, 0, 2] ** 2
+    return vertical * (upright + scene.soil.K0 * (1.0 - upright))
+
+
+def _constraints(scene: Scene, caisson: CaissonMesh) -> tuple[np.ndarray, dict[int, np.ndarray]]:
+    """Fixed dofs (n, 3) and the radial frames of the side's nodes."""
+    mesh = caisson.mesh
+    fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
+    frames: dict[int, np.ndarray] = {}
+    fixed[mesh.node_sets["symmetry"], 1] = True
+    side = mesh.node_sets["side"]
+    if scene.domain.side == "roller":
+        for node in side:
+            x, y = mesh.nodes[node, :2] / np.hypot(*mesh.nodes[node, :2])
+            if abs(y) > 1e-12:
+                frames[int(node)] = np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]])
+        fixed[side, 0] = True
+    else:
+        fixed[side] = True
+    fixed[mesh.node_sets["bottom"]] = True
+    return fixed, frames
+
+
+def left_out(scene: Scene) -> list[tuple[str, str]]:
+    """What the scene does not need and the model does not carry: (what, why)."""
+    out = [
+        ("steel elements", "the caisson is rigid: three degrees of freedom stand for it"),
+        ("half of the domain", "symmetry about the loading plane"),
+    ]
+    if scene.drainage.mode == "drained":
+        out.append(("pore pressure of soil and interface", "drained: no excess pressure"))
+    if scene.soil.yield_surface == "elastic":
+        out.append(("plastic history", "the soil is elastic"))
+    if not scene.output.interface_fields:
+        out.append(("interface fields by azimuth and depth", "not asked for in [output]"))
+    if not scene.output.section:
+        out.append(("displacements of the symmetry plane", "not asked for in [output]"))
+    return out

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: MIT
+"""Polar hexahedral half mesh of the soil around a caisson, with its interface faces.
+
+The plan is a disc of rings around a square core (so that no element collapses onto the axis); it is repeated
+over the depth levels, and the cells of the skirt's slot are left out. The steel of a rigid caisson has no
+elements. Rings are stretched by sqrt(D/sin D), D the azimuth step, so that each polygon encloses the area of
+its circle: the leading geometric error of a faceted circle cancels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from fe_engine.mesh import Mesh
+
+SURFACES = ("outer", "inner", "lid", "tip")
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Caisson and soil domain, lengths in m."""
+
+    inner_radius: float
+    outer_radius: float
+    skirt_length: float
+    domain_radius: float
+    domain_depth: float
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Numbers of cells and relative sizes of the smallest ones.
+
+    ``azimuth`` cells over the half ring (a multiple of 4); ``plug`` and ``outer`` rings inside and outside;
+    ``tip`` cells across the skirt's thickness below the tip; ``skirt`` and ``below`` layers; ``wall`` and
+    ``edge`` are the first cell sizes next to the skirt (radially) and next to mudline and tip (vertically), as
+    fractions of the outer radius and of the skirt length.
+    """
+
+    azimuth: int
+    plug: int
+    outer: int
+    tip: int
+    skirt: int
+    below: int
+    wall: float
+    edge: float
+
+
+PRESETS = {
+    "coarse": Counts(azimuth=8, plug=4, outer=8, tip=1, skirt=7, below=6, wall=0.10, edge=0.10),
+    "medium": Counts(azimuth=12, plug=5, outer=11, tip=1, skirt=11, below=9, wall=0.07, edge=0.06),
+    "paper": Counts(azimuth=16, plug=6, outer=24, tip=1, skirt=16, below=16, wall=0.02, edge=0.012),
+    "fine": Counts(azimuth=40, plug=13, outer=26, tip=2, skirt=30, below=23, wall=0.022, edge=0.02),
+}
+
+
+def refine(counts: Counts, factor: float) -> Counts:
+    """Scale all cell counts by a factor, and the first cell sizes by its inverse."""
+    scaled = {n: max(1, round(getattr(counts, n) * factor)) for n in ("plug", "outer", "tip", "skirt", "below")}
+    azimuth = max(4, 4 * round(counts.azimuth * factor / 4))
+    return replace(counts, azimuth=azimuth, wall=counts.wall / factor, edge=counts.edge / factor, **scaled)
+
+
+@dataclass(frozen=True)
+class CaissonMesh:
+    """The mesh and what the extraction needs to know about its order.
+
+    ``azimuth`` (na,) rad and ``depth`` (nz,) m are the coordinates of the interface nodes on both walls;
+    ``walls`` maps side -> (na, nz) node numbers. ``section`` are the quads (k, 4) of the symmetry plane.
+    """
+
+    mesh: Mesh
+    azimuth: np.ndarray
+    depth: np.ndarray
+    walls: dict[str, np.ndarray]
+    section: np.ndarray
+
+
+def graded(start: float, stop: float, n: int, first: float) -> np.ndarray:
+    """Levels (n + 1,) from start to stop, the first cell of the given size, growing geometrically."""
+    length = stop - start
+    share = first / abs(length)
+    if n == 1 or abs(n * share - 1.0) < 1e-9:
+        return np.linspace(start, stop, n + 1)
+    ratio = brentq(lambda q: share * (q**n - 1.0) - (q - 1.0) if abs(q - 1.0) > 1e-12 else share * n - 1.0, *(
+        (1.0 + 1e-9, 50.0) if n * share < 1.0 else (1e-6, 1.0 - 1e-9)
+    ))  # fmt: skip
+    steps = np.cumsum(ratio ** np.arange(n))
+    return np.concatenate([[start], start + length * steps / steps[-1]])
+
+
+def graded_both(start: float, stop: float, n: int, first: float) -> np.ndarray:
+    """Levels (n + 1,) with small cells of the given size at both ends."""
+    if n < 2 or n * first >= abs(stop - start):
+        return np.linspace(start, stop, n + 1)
+    middle = 0.5 * (start + stop)
+    if n % 2 == 0:
+        half = graded(start, middle, n // 2, first)
+        return np.concatenate([half, (start + stop - half[::-1])[1:]])
+    # an odd count puts one cell across the middle: half a cell more on each side
+    ratio = brentq(lambda q: _two_sided(q, n).sum() * first - abs(stop - start), 1.0, 20.0)
+    steps = np.cumsum(_two_sided(ratio, n))
+    return np.concatenate([[start], start + (stop - start) * steps / steps[-1]])
+
+
+def _two_sided(ratio: float, n: int) -> np.ndarray:
+    rank = np.minimum(np.arange(n), np.arange(n)[::-1])
+    return ratio**rank
+
+
+def make_mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
+    """Build the half mesh (y >= 0) of the soil."""
+    plan = _plan(geometry, counts)
+    levels = _levels(geometry, counts)
+    n_plan, n_skirt = len(plan.points), counts.skirt
+    nodes = np.empty((len(levels), n_plan, 3))
+    nodes[:, :, :2] = plan.points
+    nodes[:, :, 2] = levels[:, None]
+    slot = (plan.ring >= counts.plug) & (plan.ring < counts.plug + counts.tip)
+    layers = [plan.quads[~slot] if k < n_skirt else plan.quads for k in range(len(levels) - 1)]
+    hexes = np.concatenate([np.hstack([q + k * n_plan, q + (k + 1) * n_plan]) for k, q in enumerate(layers)])
+    offset = n_plan * np.arange(n_skirt + 1)
+    outer, inner = (plan.rings[name][:, None] + offset for name in ("outer", "inner"))
+    faces = {
+        "outer": _wall_faces(outer),
+        "inner": _wall_faces(inner)[:, [1, 0, 3, 2]],
+        "lid": plan.quads[plan.ring < counts.plug],
+        "tip": plan.quads[slot] + n_skirt * n_plan,
+    }
+    sets = _node_sets(plan, len(levels))
+    mesh, number = _compact(nodes.reshape(-1, 3), hexes, sets, faces)
+    walls = {"outside": number[outer], "inside": number[inner]}
+    azimuth = np.linspace(0.0, np.pi, counts.azimuth + 1)
+    return CaissonMesh(mesh, azimuth, levels[: n_skirt + 1], walls, _section(mesh))
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Points (n, 2), quads (k, 4) with the ring each belongs to (-1 in the core), and the named rings' nodes."""
+
+    points: np.ndarray
+    quads: np.ndarray
+    ring: np.ndarray
+    rings: dict[str, np.ndarray]
+
+
+def _levels(geometry: Geometry, counts: Counts) -> np.ndarray:
+    """Depth levels of the nodes, in m."""
+    first = counts.edge * geometry.skirt_length
+    skirt = graded_both(0.0, geometry.skirt_length, counts.skirt, first)
+    below = graded(geometry.skirt_length, geometry.domain_depth, counts.below, skirt[-1] - skirt[-2])
+    return np.concatenate([skirt, below[1:]])
+
+
+def _plan(geometry: Geometry, counts: Counts) -> _Plan:
+    n, half_width = counts.azimuth, 0.5 * geometry.inner_radius
+    core, core_quads, rim = _core(n, half_width)
+    wall = counts.wall * geometry.outer_radius
+    plug = graded(geometry.inner_radius, half_width, counts.plug, wall)[-2::-1]
+    tip = np.linspace(geometry.inner_radius, geometry.outer_radius, counts.tip + 1)[1:]
+    outside = graded(geometry.outer_radius, geometry.domain_radius, counts.outer, wall)[1:]
+    angle = np.linspace(0.0, np.pi, n + 1)
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    circle[np.abs(circle) < 1e-15] = 0.0
+    # from the core's rim to the inner face of the skirt the rings pass gradually into circles
+    share = ((plug - half_width) / (geometry.inner_radius - half_width))[:, None, None]
+    inside = (1.0 - share) * core[rim] + share * geometry.inner_radius * circle
+    circles = np.concatenate([tip, outside])[:, None, None] * circle
+    points = np.concatenate([core, inside.reshape(-1, 2), circles.reshape(-1, 2)])
+    step = np.pi / n
+    points *= np.sqrt(step / np.sin(step))
+    n_rings = counts.plug + counts.tip + counts.outer
+    chain = np.vstack([rim, len(core) + np.arange(n_rings * (n + 1)).reshape(n_rings, n + 1)])
+    quads = [
+        np.stack([a[:-1], b[:-1], b[1:], a[1:]], axis=1) for a, b in zip(chain[:-1], chain[1:], strict=True)
+    ]
+    named = {"inner": chain[counts.plug], "outer": chain[counts.plug + counts.tip], "domain": chain[-1]}
+    ring = np.concatenate([np.full(len(core_quads), -1), np.repeat(np.arange(n_rings), n)])
+    return _Plan(points, np.concatenate([core_quads, *quads]), ring, named)
+
+
+def _core(n: int, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Half square with rounded sides: points, quads and the rim nodes ordered by azimuth."""
+    nx, ny = n // 2, n // 4
+    xi, eta = np.meshgrid(np.linspace(-1.0, 1.0, nx + 1), np.linspace(0.0, 1.0, ny + 1), indexing="ij")
+    disc = np.stack([xi * np.sqrt(1.0 - eta**2 / 2.0), eta * np.sqrt(1.0 - xi**2 / 2.0)], axis=-1)
+    square = np.stack([xi, eta], axis=-1)
+    points = half_width * (0.4 * square + 0.5 * disc)
+    index = np.arange((nx + 1) * (ny + 1)).reshape(nx + 1, ny + 1)
+    quads = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], axis=-1).reshape(-1, 4)
+    rim = np.concatenate([index[-1, :], index[-2::-1, -1], index[0, -2::-1]])
+    return points.reshape(-1, 2), quads, rim
+
+
+def _wall_faces(wall: np.ndarray) -> np.ndarray:
+    """Faces (k, 4) of a wall of nodes (na, nz) with the normal away from the axis."""
+    corners = [wall[:-1, :-1], wall[1:, :-1], wall[1:, 1:], wall[:-1, 1:]]
+    return np.stack([c.ravel() for c in corners], axis=1)
+
+
+def _node_sets(plan: _Plan, n_levels: int) -> dict[str, np.ndarray]:
+    """Symmetry plane, side and bottom of the domain."""
+    n_plan = len(plan.points)
+    offset = n_plan * np.arange(n_levels)[:, None]
+    plane = np.flatnonzero(np.abs(plan.points[:, 1]) < 1e-12)
+    return {
+        "symmetry": (plane + offset).ravel(),
+        "side": (plan.rings["domain"] + offset).ravel(),
+        "bottom": np.arange(n_plan) + (n_levels - 1) * n_plan,
+    }
+
+
+def _compact(
+    nodes: np.ndarray, hexes: np.ndarray, sets: dict[str, np.ndarray], faces: dict[str, np.ndarray]
+) -> tuple[Mesh, np.ndarray]:
+    """Drop the nodes that no element uses; return the mesh and the new number of each old node (-1: dropped)."""
+    used = np.zeros(len(nodes), dtype=bool)
+    used[hexes] = True
+    number = np.where(used, np.cumsum(used) - 1, -1)
+    node_sets = {name: number[ids][number[ids] >= 0] for name, ids in sets.items()}
+    return Mesh(nodes[used], number[hexes], node_sets, {k: number[f] for k, f in faces.items()}), number
+
+
+def _section(mesh: Mesh) -> np.ndarray:
+    """Quads (k, 4) of the element faces that lie in the symmetry plane y = 0."""
+    local = np.array([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+    quads = mesh.hexes[:, local].reshape(-1, 4)
+    return quads[(np.abs(mesh.nodes[quads, 1]) < 1e-9).all(axis=1)]

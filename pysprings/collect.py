@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: MIT
+"""Engine state -> raw rows of a path: body motion, loads, interface tractions by ring and by point.
+
+Everything is for the whole caisson (twice the half model). Forces are those of the caisson on the soil, so
+that they oppose positive displacements and sum to the applied load.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from fe_engine.assembly import System
+from fe_engine.contact import coulomb
+from fe_engine.kernels import station_jumps
+from fe_engine.state import Fields
+from pysprings import variables
+from pysprings.build import SURFACE, Built
+
+SIDES = {"outside": "outer", "inside": "inner"}
+
+
+class Collector:
+    """Gathers one row per converged step of a path and turns them into a Dataset."""
+
+    def __init__(self, built: Built, system: System, fields: bool, section: bool) -> None:
+        self.built, self.system = built, system
+        self.keep_fields, self.keep_section = fields, section
+        stations = system.stations
+        self.position = built.model.stations.position  # type: ignore[union-attr]
+        self.surface = stations.surface
+        self.rings = {side: self._ring_stations(side) for side in SIDES}
+        self.bounds = _depth_bounds(built.caisson.depth)
+        self.rows: list[dict[str, Any]] = []
+
+    def _ring_stations(self, side: str) -> np.ndarray:
+        """Station number of each wall node, (na, nz)."""
+        mine = np.flatnonzero(self.surface == SURFACE[SIDES[side]])
+        number = np.full(self.built.model.mesh.n_nodes, -1)
+        number[self.system.stations.nodes[mine, 0]] = mine
+        return number[self.built.caisson.walls[side]]
+
+    def add(self, state: Fields, time: float) -> None:
+        """Record a converged state."""
+        traction = np.einsum("sij,si->sj", self.system.stations.frame, state.traction)
+        force = -2.0 * self.system.stations.area[:, None] * traction
+        u, w, rotation = (float(v) for v in state.border)
+        row: dict[str, Any] = {"time": time, "u": u, "w": w, "rotation": rotation}
+        row |= self._resultants(force)
+        row |= self._rings(state, force)
+        row["y"] = u + rotation * self.built.caisson.depth
+        row |= self._patches(state)
+        if self.keep_fields:
+            row |= self._wall_fields(state, traction)
+        if self.keep_section:
+            row |= self._section(state)
+        self.rows.append(row)
+
+    def _resultants(self, force: np.ndarray) -> dict[str, float]:
+        """H, V, M of each surface and in total; the tip's moment is about the axis point at its own depth."""
+        x, z = self.position[:, 0], self.position[:, 2]
+        row: dict[str, float] = {}
+        total = {"H": force[:, 0], "V": force[:, 2], "M": force[:, 0] * z - force[:, 2] * x}
+        for name, code in SURFACE.items():
+            mine = self.surface == code
+            row |= {f"{key}_{name}": float(value[mine].sum()) for key, value in total.items()}
+        row |= {key: float(value.sum()) for key, value in total.items()}
+        row["M_tip"] -= self.built.caisson.depth[-1] * row["H_tip"]
+        return row
+
+    def _rings(self, state: Fields, force: np.ndarray) -> dict[str, np.ndarray]:
+        """p by depth, side and component; m and t by depth and side."""
+        height = np.diff(self.bounds, axis=1)[:, 0]
+        stations = self.system.stations
+        normal_x = -2.0 * stations.area * state.traction[:, 0] * stations.frame[:, 0, 0]
+        parts = {"normal": normal_x, "shear": force[:, 0] - normal_x, "water": np.zeros(len(force))}
+        x = self.position[:, 0]
+        p = np.empty((len(height), len(SIDES), len(parts)))
+        m, t = np.empty(p.shape[:2]), np.empty(p.shape[:2])
+        for s, ring in enumerate(self.rings.values()):
+            for c, name in enumerate(variables.COMPONENTS):
+                p[:, s, c] = parts[name][ring].sum(axis=0) / height
+            m[:, s] = -(force[:, 2] * x)[ring].sum(axis=0) / height
+            t[:, s] = force[:, 2][ring].sum(axis=0) / height
+        return {"p_component": p, "m": m, "t": t, "p": p.sum(axis=(1, 2))}
+
+    def _gap(self, state: Fields) -> np.ndarray:
+        stations = self.system.stations
+        jump = station_jumps(stations, state.displacement, state.border)
+        return coulomb.gap(stations.contact[stations.surface], stations.initial_pressure, jump[:, 0])
+
+    def _patches(self, state: Fields) -> dict[str, np.ndarray]:
+        """Normal stress and gap under the lid and the tip."""
+        gap, row = self._gap(state), {}
+        for name in ("lid", "tip"):
+            mine = self.surface == SURFACE[name]
+            row[f"{name}_normal_effective_stress"] = -state.traction[mine, 0]
+            row[f"{name}_gap"] = gap[mine]
+        return row
+
+    def _wall_fields(self, state: Fields, traction: np.ndarray) -> dict[str, np.ndarray]:
+        """Fields on both walls, (side, azimuth, depth); shear is the traction of the caisson on the soil."""
+        shear = -traction + self.system.stations.frame[:, 0] * state.traction[:, :1]
+        by_station = {
+            "normal_effective_stress": -state.traction[:, 0],
+            "shear_lateral": shear[:, 0],
+            "shear_vertical": shear[:, 2],
+            "pore_pressure": np.zeros(len(shear)),
+            "gap": self._gap(state),
+        }
+        return {k: np.stack([v[ring] for ring in self.rings.values()]) for k, v in by_station.items()}
+
+    def _section(self, state: Fields) -> dict[str, np.ndarray]:
+        node = np.unique(self.built.caisson.section)
+        return {"section_ux": state.displacement[node, 0], "section_uz": state.displacement[node, 2]}
+
+    def dataset(self) -> xr.Dataset:
+        """All rows as a Dataset with the variables of `variables.GROUPS["result_path"]`."""
+        caisson = self.built.caisson
+        names = variables.GROUPS["result_path"]
+        data: dict[str, Any] = {}
+        for name in self.rows[0]:
+            stacked = np.array([row[name] for row in self.rows])
+            dims = ("step", *[d for d in names[name].dims if d != "step"])
+            data[name] = xr.DataArray(stacked, dims=dims).transpose(*names[name].dims)
+        for part in ("lid", "tip"):
+            mine = self.position[self.surface == SURFACE[part]]
+            data[f"{part}_x"] = ((f"{part}_point",), mine[:, 0])
+            data[f"{part}_y"] = ((f"{part}_point",), mine[:, 1])
+        data["F_pw"] = ("step", np.zeros(len(self.rows)))
+        for name, surface in (("F_in", "V_inner"), ("F_out", "V_outer")):
+            values = np.array([row[surface] for row in self.rows])
+            data[name] = ("step", values - values[0])
+        data["converged"] = ("step", np.ones(len(self.rows), dtype=np.int8))
+        data["depth_bounds"] = (("depth", "bound"), self.bounds)
+        coords = {
+            "depth": caisson.depth, "azimuth": caisson.azimuth, "side": list(variables.SIDES),
+            "component": list(variables.COMPONENTS), "step": np.arange(len(self.rows)),
+        }  # fmt: skip
+        return variables.attach(xr.Dataset(data, coords=coords), "result_path")
+
+
+def section_dataset(built: Built) -> xr.Dataset:
+    """The symmetry plane of the mesh."""
+    node, quad = np.unique(built.caisson.section, return_inverse=True)
+    position = built.model.mesh.nodes[node]
+    data = {
+        "section_x": ("section_node", position[:, 0]),
+        "section_depth": ("section_node", position[:, 2]),
+        "section_quad": (("section_cell", "corner"), quad.reshape(-1, 4).astype(np.int32)),
+    }
+    return variables.attach(xr.Dataset(data), "section")
+
+
+def _depth_bounds(depth: np.ndarray) -> np.ndarray:
+    """Top and bottom (nz, 2) of the slice of each ring: half way to its neighbours."""
+    middle = 0.5 * (depth[1:] + depth[:-1])
+    return np.stack([np.concatenate([depth[:1], middle]), np.concatenate([middle, depth[-1:]])], axis=1)

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+"""Full-model result -> spring set: interface reactions by depth, and the check that they balance the load."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from pysprings import variables
+from pysprings.errors import Problem, UserInputError
+from pysprings.springs import SCHEMA, path_names, validate_springs
+
+_ROOT_ATTRS = (
+    "Conventions", "title", "source", "history", "references", "pysprings_version", "scene_sha256", "scene_toml",
+    "solver", "mesh_preset", "n_nodes", "n_elements", "status", "drainage", "outer_diameter_m", "skirt_length_m",
+    "skirt_thickness_m", "vertical_load_N",
+)  # fmt: skip
+_KEPT = (
+    "depth_bounds", "m", "t", "y", "u", "w", "rotation", "H", "V", "M", "converged", "time",
+    "H_tip", "V_tip", "M_tip", "H_lid", "V_lid", "M_lid",
+)  # fmt: skip
+# A curve needs the initial state and two more
+_FEWEST_STATES = 3
+
+
+def extract_springs(result: xr.DataTree) -> xr.DataTree:
+    """Make the spring set of a result: p, m and t by depth, tip and lid resultants, for each path.
+
+    The reactions are sums of the interface tractions over the ring of stations at each depth, divided by the
+    height of its slice, so that p dz + tip + lid is the applied load exactly. Paths with fewer than two converged
+    steps are left out; UserInputError when none remains.
+    """
+    names = [name for name in path_names(result) if result[f"paths/{name}"].sizes["step"] >= _FEWEST_STATES]
+    if not names:
+        raise UserInputError([Problem(key="paths", message="no path has two converged steps: no springs can be made")])
+    root = result.to_dataset(inherit=False)[["stiffness_initial"]]
+    root.attrs = {key: result.attrs[key] for key in _ROOT_ATTRS if key in result.attrs} | {"schema": SCHEMA}
+    groups: dict[str, xr.Dataset] = {"/": root}
+    for name in names:
+        path = result[f"paths/{name}"].to_dataset(inherit=False)
+        springs = path[list(_KEPT)].assign(p=path["p_component"])
+        springs.attrs = path.attrs
+        groups[f"/paths/{name}"] = variables.attach(springs, "springs_path")
+    tree = xr.DataTree.from_dict(groups, name="springs")
+    validate_springs(tree)
+    return tree

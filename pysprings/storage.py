@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""Files that are whole or absent: atomic writing of any file, NetCDF-4 writing and reading of DataTrees."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pysprings.errors import Problem, UserInputError
+
+_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+@contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a temporary path beside the target; move it onto the target when the block ends well.
+
+    An exception inside the block leaves an existing target untouched and removes the temporary file.
+    """
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    temporary = target.with_name(f".{target.stem}.{os.getpid()}.tmp{target.suffix}")
+    try:
+        yield temporary
+        os.replace(temporary, target)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_text(text: str, path: str | os.PathLike[str]) -> Path:
+    """Write a UTF-8 text file atomically; return its path."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="")
+    return Path(path)
+
+
+def write_tree(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
+    """Write a DataTree as compressed NetCDF-4, atomically; return its path."""
+    groups = {node.path: _storable(node.to_dataset(inherit=False)) for node in tree.subtree}
+    clean = xr.DataTree.from_dict(groups)
+    encoding = {name: _encoding(dataset) for name, dataset in groups.items()}
+    with replacing(path) as temporary:
+        clean.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+    return Path(path)
+
+
+def _storable(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a copy without leftovers of an earlier file, with attributes that NetCDF can hold."""
+    clean = dataset.drop_encoding()
+    clean.attrs = {str(name): _attribute(value) for name, value in dataset.attrs.items()}
+    return clean
+
+
+def _attribute(value: Any) -> Any:
+    if value is None:
+        return ""
+    return int(value) if isinstance(value, bool | np.bool_) else value
+
+
+def _encoding(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Compress every numeric array; no fill value on coordinates and their bounds, as CF asks."""
+    exact = set(dataset.coords) | {name for name in dataset.variables if str(name).endswith("_bounds")}
+    encoding: dict[str, dict[str, Any]] = {}
+    for name, variable in dataset.variables.items():
+        options: dict[str, Any] = {"_FillValue": None} if name in exact else {}
+        if variable.dtype.kind in "iufb" and variable.ndim:
+            options |= {"zlib": True, "complevel": 4, "shuffle": True}
+        if options and variable.dtype.kind in "iufb":
+            encoding[str(name)] = options
+    return encoding
+
+
+def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
+    """Read a NetCDF-4 file into memory and close it; refuse what is not one with a clear message.
+
+    Raises
+    ------
+    UserInputError
+        No such file, a folder, another format, or a broken file.
+    """
+    _refuse_foreign(Path(path))
+    try:
+        # seconds stay numbers: a duration is not a date
+        with xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as tree:
+            return _with_bounds_units(tree.load())
+    except Exception as error:  # the C libraries below raise many types on a damaged file
+        raise refusal(path, "", f"broken or incomplete NetCDF file ({error})") from error
+
+
+def _with_bounds_units(tree: xr.DataTree) -> xr.DataTree:
+    """Give bounds the units of their coordinate again, which CF (and so the file) leaves out."""
+    for node in tree.subtree:
+        for coordinate in node.coords.values():
+            bounds = coordinate.attrs.get("bounds")
+            if bounds in node.data_vars:
+                node.data_vars[bounds].attrs.setdefault("units", coordinate.attrs.get("units", "1"))
+    return tree
+
+
+def _refuse_foreign(path: Path) -> None:
+    if not path.exists():
+        raise refusal(path, "", "no such file")
+    if path.is_dir():
+        raise refusal(path, "", "is a folder, not a NetCDF file")
+    with path.open("rb") as stream:
+        start = stream.read(len(_HDF5_SIGNATURE))
+    if start != _HDF5_SIGNATURE:
+        raise refusal(path, "", "not a NetCDF-4 file")
+
+
+def refusal(file: str | os.PathLike[str] | None, key: str, message: str) -> UserInputError:
+    """Return the error for one problem with a file."""
+    return UserInputError(
+        [Problem(file=None if file is None else str(file), key=key or None, message=message)]
+    )

@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: MIT
+"""One table: what every variable of the result and of the springs means, its units, dimensions and sign.
+
+Axes (right-handed): x = loading direction, z = down from the mudline (depth), y = out of the symmetry plane.
+Reference point of the rigid body: lid centre at the mudline. Loads and reactions are those of the whole
+caisson. Soil reactions oppose positive displacements: their sum is the applied load. Units are UDUNITS text,
+as the CF conventions want.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import xarray as xr
+
+TreeKind = Literal["result", "springs"]
+
+SIDES = ("outside", "inside")
+COMPONENTS = ("normal", "shear", "water")
+DOFS = ("u", "w", "rotation")
+
+_OPPOSES = "soil reaction, positive when it opposes a positive displacement"
+_CONJUGATE = "work conjugate of the right-hand rotation about +y, about the lid centre at mudline; M = -H*arm"
+_FIELD = ("step", "side", "azimuth", "depth")
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """Meaning of one variable: name, words, units (UDUNITS), dimensions in order, sign."""
+
+    name: str
+    long_name: str
+    units: str
+    dims: tuple[str, ...]
+    comment: str = ""
+    attrs: Mapping[str, str] = field(default_factory=dict)
+    required: bool = True
+
+    def attributes(self) -> dict[str, str]:
+        """Return the NetCDF attributes of the variable."""
+        attrs = {"long_name": self.long_name, "units": self.units, **self.attrs}
+        if self.comment:
+            attrs["comment"] = self.comment
+        return attrs
+
+
+def _table(*variables: Variable) -> dict[str, Variable]:
+    return {variable.name: variable for variable in variables}
+
+
+V = Variable
+
+# fmt: off
+
+_AXES = _table(
+    V("depth", "depth below mudline", "m", ("depth",), "depth of the ring of interface stations",
+      {"standard_name": "depth", "positive": "down", "axis": "Z", "bounds": "depth_bounds"}),
+    V("depth_bounds", "top and bottom of the slice that belongs to each depth", "m", ("depth", "bound"),
+      "the slices touch and cover the skirt from 0 to its length"),
+    V("side", "side of the skirt", "1", ("side",), "outside or inside (soil plug)"),
+    V("component", "part of the reaction", "1", ("component",),
+      "normal: effective contact stress; shear: friction; water: pore-water pressure"),
+)
+
+_BODY = _table(
+    V("u", "lateral displacement of the lid centre", "m", ("step",),
+      "positive along +x, the loading direction"),
+    V("w", "vertical displacement of the lid centre", "m", ("step",), "positive down; heave is negative"),
+    V("rotation", "rotation of the caisson", "radian", ("step",),
+      "right-hand about +y: u(z) = u + rotation*z; a free-head pull u > 0 gives rotation < 0"),
+    V("H", "lateral load on the caisson", "N", ("step",), "positive along +x; whole caisson"),
+    V("V", "vertical load on the caisson", "N", ("step",),
+      "positive down; whole caisson; constant dead load included"),
+    V("M", "moment on the caisson about the lid centre at mudline", "N m", ("step",), _CONJUGATE),
+    V("converged", "1 where the step converged, 0 where it did not", "1", ("step",)),
+)
+
+
+def _resultants(part: str, words: str, about: str) -> tuple[Variable, ...]:
+    return (
+        V(f"H_{part}", f"lateral force on {words}", "N", ("step",), _OPPOSES),
+        V(f"V_{part}", f"vertical force on {words}", "N", ("step",),
+          _OPPOSES + " (downwards); initial force included"),
+        V(f"M_{part}", f"moment on {words}", "N m", ("step",), f"{about}; sum of f_x*z - f_z*x"),
+    )
+
+
+_TIP = _resultants("tip", "the skirt tip", "about the axis point at the depth of the tip")
+_LID = _resultants("lid", "the underside of the lid", "about the lid centre")
+_SKIRT = _resultants("outer", "the outer face of the skirt", "about the lid centre") + _resultants(
+    "inner", "the inner face of the skirt", "about the lid centre"
+)
+
+_Y = V("y", "lateral displacement of the mean fibre", "m", ("depth", "step"),
+       "y = u + rotation*depth, positive along +x")
+
+
+def _slices(dims_p: tuple[str, ...], name: str) -> tuple[Variable, ...]:
+    mean = {"cell_methods": "depth: mean"}
+    return (
+        V(name, "lateral soil reaction per metre of depth", "N m-1", dims_p, _OPPOSES, mean),
+        V("m", "distributed moment of the vertical shear per metre of depth", "N m m-1",
+          ("depth", "side", "step"),
+          "sum of -f_z*x; opposes a positive rotation; about the axis of the caisson", mean),
+        V("t", "vertical soil reaction per metre of depth", "N m-1", ("depth", "side", "step"),
+          "positive when the caisson pulls the soil down; initial shear included", mean),
+        _Y,
+    )
+
+
+def _patch(part: str, words: str) -> tuple[Variable, ...]:
+    point = f"{part}_point"
+    return (
+        V(f"{part}_x", f"x of the stations under {words}", "m", (point,), "along the loading direction"),
+        V(f"{part}_y", f"y of the stations under {words}", "m", (point,),
+          "out of the symmetry plane, half model"),
+        V(f"{part}_normal_effective_stress", f"effective normal stress under {words}", "Pa", ("step", point),
+          "compression positive"),
+        V(f"{part}_gap", f"opening under {words}", "m", ("step", point), "zero or positive"),
+    )
+
+
+_RESULT_PATH = (
+    _AXES
+    | _BODY
+    | _table(
+        V("time", "time", "s", ("step",)),
+        V("azimuth", "angle around the caisson from the front", "radian", ("azimuth",),
+          "0 at the front (+x), pi at the back; half model"),
+        *_SKIRT,
+        *_LID,
+        *_TIP,
+        V("F_pw", "change of the water force under the lid", "N", ("step",),
+          "from the initial state, positive down; 0 when drained"),
+        V("F_in", "change of the vertical shear force on the inner face", "N", ("step",),
+          "force of the caisson on the soil from the initial state, positive down"),
+        V("F_out", "change of the vertical shear force on the outer face", "N", ("step",),
+          "force of the caisson on the soil from the initial state, positive down"),
+        V("p", "lateral soil reaction per metre of depth, both sides together", "N m-1", ("depth", "step"),
+          _OPPOSES, {"cell_methods": "depth: mean"}),
+        *_slices(("depth", "side", "component", "step"), "p_component"),
+        V("normal_effective_stress", "effective normal stress on the skirt", "Pa", _FIELD,
+          "compression positive"),
+        V("shear_lateral", "lateral (x) traction of the caisson on the soil", "Pa", _FIELD,
+          "positive along +x"),
+        V("shear_vertical", "vertical (z) traction of the caisson on the soil", "Pa", _FIELD,
+          "positive down"),
+        V("pore_pressure", "excess pore pressure in the interface", "Pa", _FIELD,
+          "compression positive, over hydrostatic"),
+        V("gap", "opening between soil and skirt", "m", _FIELD, "zero or positive"),
+        *_patch("lid", "the lid"),
+        *_patch("tip", "the skirt tip"),
+        V("section_ux", "lateral displacement in the symmetry plane", "m", ("step", "section_node"),
+          "positive along +x", required=False),
+        V("section_uz", "vertical displacement in the symmetry plane", "m", ("step", "section_node"),
+          "positive down", required=False),
+    )
+)
+
+_SECTION = _table(
+    V("section_x", "x of the mesh nodes in the symmetry plane", "m", ("section_node",), "whole diameter"),
+    V("section_depth", "depth of the mesh nodes in the symmetry plane", "m", ("section_node",),
+      "positive down"),
+    V("section_quad", "nodes of each quadrilateral of the symmetry plane", "1", ("section_cell", "corner"),
+      "zero-based section_node numbers"),
+)
+
+_CONVERGENCE = _table(
+    V("step", "step the iteration belongs to", "1", ("iteration",)),
+    V("attempt", "attempt at the step; each cut-back starts another", "1", ("iteration",)),
+    V("iteration", "iteration number in its attempt", "1", ("iteration",)),
+    V("load_fraction", "fraction of the path the iteration aims at", "1", ("iteration",)),
+    V("residual", "norm of the out-of-balance force", "1", ("iteration",),
+      "relative to the contact-force norm"),
+    V("correction", "norm of the displacement correction", "1", ("iteration",),
+      "relative to the displacement norm"),
+    V("damping", "line-search factor taken", "1", ("iteration",)),
+    V("n_open", "interface points open", "1", ("iteration",)),
+    V("n_slip", "interface points slipping", "1", ("iteration",)),
+    V("n_plastic", "soil points yielding", "1", ("iteration",)),
+    V("n_apex", "soil points at the apex of the yield surface", "1", ("iteration",)),
+)
+
+_SPRINGS_ROOT = _table(
+    V("dof", "degree of freedom of the reaction", "1", ("dof",), "u lateral, w vertical (down), rotation"),
+    V("dof_conjugate", "degree of freedom that is displaced", "1", ("dof_conjugate",), "u, w, rotation"),
+    V("stiffness_initial", "initial tangent stiffness of the full model at the lid centre", "1",
+      ("dof", "dof_conjugate"),
+      "mixed units: N m-1 for u and w; N radian-1 between u or w and rotation; N m radian-1 for rotation"),
+)
+
+_SPRINGS_PATH = (
+    _AXES
+    | _BODY
+    | _table(
+        *_slices(("depth", "side", "component", "step"), "p"),
+        *_TIP,
+        *_LID,
+        V("time", "time", "s", ("step",), required=False),
+    )
+)
+
+_PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_BODY.values(), _RESULT_PATH["p"]) | _table(
+    V("usable", "1 where the p-y curve of the depth serves over the whole path", "1", ("depth",),
+      "0: y turns back, changes sign or stays small; p is read from another displacement, or in part"),
+    V("range_used", "largest spring displacement over its calibrated range", "1", ("step",),
+      "above 1 is extrapolation"),
+    V("extrapolated", "1 where a spring is used beyond its calibrated range", "1", ("step",)),
+    V("path_distance", "distance from the path the springs come from", "1", ("step",),
+      "in (u, rotation*skirt_length), relative to the size of the state"),
+    V("off_path", "1 where the state is far from the path the springs come from", "1", ("step",),
+      "springs of one path do not hold on another"),
+)
+
+GROUPS: dict[str, dict[str, Variable]] = {
+    "result_path": _RESULT_PATH,
+    "section": _SECTION,
+    "convergence": _CONVERGENCE,
+    "springs_root": _SPRINGS_ROOT,
+    "springs_path": _SPRINGS_PATH,
+    "prediction": _PREDICTION,
+}
+
+# fmt: on
+
+
+def group_of(path: str, kind: TreeKind) -> str | None:
+    """Return the table that rules a group of a tree (``/paths/pull`` ...), or None where nothing does."""
+    parts = [part for part in path.split("/") if part]
+    if not parts:
+        return "springs_root" if kind == "springs" else None
+    if parts == ["section"]:
+        return "section"
+    if parts[0] == "paths" and len(parts) == 2:
+        return f"{kind}_path"
+    if parts[0] == "paths" and parts[2:] == ["convergence"]:
+        return "convergence"
+    return None
+
+
+def attach(dataset: xr.Dataset, group: str) -> xr.Dataset:
+    """Return the dataset with long_name, units, sign and CF attributes from the table of its group."""
+    table = GROUPS[group]
+    out = dataset.copy()
+    for name in out.variables:
+        if name in table:
+            out[name].attrs = {**out[name].attrs, **table[str(name)].attributes()}
+    return out
+
+
+def attach_tree(tree: xr.DataTree, kind: TreeKind) -> xr.DataTree:
+    """Return the tree with the attributes of the table on every variable of every group."""
+
+    def dressed(node: xr.DataTree) -> xr.Dataset:
+        group = group_of(node.path, kind)
+        dataset = node.to_dataset(inherit=False)
+        return attach(dataset, group) if group else dataset
+
+    return xr.DataTree.from_dict({node.path: dressed(node) for node in tree.subtree}, name=tree.name)
+
+
+def problems(dataset: xr.Dataset, group: str) -> Iterator[tuple[str, str]]:
+    """Yield (variable, message) for everything in a dataset that the table of its group does not allow."""
+    table = GROUPS[group]
+    for variable in table.values():
+        if variable.required and variable.name not in dataset.variables:
+            yield variable.name, "missing variable"
+    for name, data in dataset.variables.items():
+        if name not in table:
+            if name not in dataset.dims:  # a plain index (step, bound ...) needs no entry
+                yield str(name), "unknown variable"
+            continue
+        yield from ((str(name), message) for message in _mismatches(data, table[str(name)]))
+
+
+def _mismatches(data: Any, variable: Variable) -> Iterator[str]:
+    if data.dims != variable.dims:
+        yield f"dimensions ({', '.join(map(str, data.dims))}) instead of ({', '.join(variable.dims)})"
+    units = data.attrs.get("units")
+    if units is None and variable.name.endswith("_bounds"):
+        return  # CF: bounds have the units of their coordinate, and xarray leaves them out of a file
+    if units is None:
+        yield f"no units (expected '{variable.units}')"
+    elif units != variable.units:
+        yield f"units '{units}' instead of '{variable.units}'"
+
+
+def tree_problems(tree: xr.DataTree, kind: TreeKind) -> list[tuple[str, str]]:
+    """Return (group/variable, message) for everything in a tree that the tables do not allow."""
+    found: list[tuple[str, str]] = []
+    for node in tree.subtree:
+        group = group_of(node.path, kind)
+        if group is not None:
+            place = node.path.strip("/")
+            dataset = node.to_dataset(inherit=False)
+            found += [
+                ("/".join(filter(None, (place, name))), text) for name, text in problems(dataset, group)
+            ]
+    return found
+
+
+def check_tree(tree: xr.DataTree, kind: TreeKind) -> None:
+    """Raise ValueError, listing every fault, when a tree made by the tool does not agree with the tables."""
+    found = tree_problems(tree, kind)
+    if found:
+        raise ValueError("; ".join(f"{key}: {message}" for key, message in found))
