@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: MIT
+"""The macro-model beside the full model: errors by path and spring set, at the recorded displacements.
+
+A path is followed as the full model was driven: lateral displacement with the load at its height (pull,
+load), or displacement and rotation imposed (translation, rotation). Errors are those of the answer: load and
+rotation for the first, H and M for the second. A calibration path is answered by its own springs, a held-back
+path by the springs of the first calibration path.
+
+On its own path the full spring set meets the recorded states by construction. What it does between them is
+measured too: `..._error_between_pct` is the largest error when every second recorded state is left out of the
+springs.
+
+Accuracy, after the PISA project (Byrne et al. 2020, Geotechnique 70:1030):
+    eta = (A_ref - A_diff) / A_ref,  A_ref = area under the full model's load-displacement curve,
+    A_diff = area between both curves; 1 is perfect.
+"large" runs to the end of the path; "small" to a lateral displacement of outer diameter / 10 000 (PISA's
+value). On a rotation path the curve is M against rotation, and "small" is that displacement over the skirt
+length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.macro import Control, MacroModel
+from pysprings.macro_tables import SPRING_SETS
+from pysprings.springs import SCHEMA, get_path, path_names
+
+Array = NDArray[np.float64]
+
+# Relative errors leave out states below this share of the largest displacement (or rotation) of the path.
+SKIP_BELOW = 0.01
+SMALL_OVER_DIAMETER = 1e-4
+
+# Driving variable, load of the eta curve, and answers whose errors are reported, by kind of path.
+_DRIVERS: dict[str, tuple[Control, str, str, tuple[str, ...]]] = {
+    "pull": ("displacement", "u", "H", ("H", "rotation")),
+    "load": ("displacement", "u", "H", ("H", "rotation")),
+    "translation": ("state", "u", "H", ("H", "M")),
+    "rotation": ("state", "rotation", "M", ("H", "M")),
+}
+
+_ERRORS = ("H", "rotation", "M")
+
+
+def compare(model: xr.DataTree) -> pd.DataFrame:
+    """Return one row per path and spring set: eta, errors [%], ends of both models, point of rotation.
+
+    Parameters
+    ----------
+    model
+        Springs (`open_springs`), or a full-model result, whose springs are extracted first.
+    """
+    springs = _springs_of(model)
+    rows = [
+        _row(springs, name, spring_set, trace)
+        for name in path_names(springs)
+        for spring_set, trace in curves(springs, name).items()
+    ]
+    frame = pd.DataFrame(rows)
+    frame.attrs = {
+        name: springs.attrs.get(name, "") for name in ("title", "pysprings_version", "scene_sha256")
+    }
+    return frame
+
+
+def curves(springs: xr.DataTree, path: str) -> dict[str, xr.Dataset]:
+    """Return the macro-model's answer along one path of the full model, by spring set ("py", "full").
+
+    The states are those the full model recorded, the initial state included.
+    """
+    full = get_path(springs, path)
+    source = path if full.attrs["role"] == "calibration" else None
+    return {kind: _along(full, MacroModel.from_springs(springs, kind, source)) for kind in SPRING_SETS}
+
+
+def _along(full: xr.Dataset, model: MacroModel) -> xr.Dataset:
+    """Drive a macro-model as the full model was driven, through the states it recorded."""
+    control, *_ = _DRIVERS[full.attrs["kind"]]
+    targets = np.stack([full["u"].values, full["rotation"].values], axis=1)
+    return model.trace(control, targets, float(full.attrs["arm_m"]))
+
+
+def _thinned(springs: xr.DataTree, path: str) -> xr.DataTree:
+    """Springs of one path without every second recorded state; both ends stay."""
+    full = get_path(springs, path)
+    last = full.sizes["step"] - 1
+    kept = sorted({*range(0, last + 1, 2), last})
+    root = springs.to_dataset(inherit=False)
+    return xr.DataTree.from_dict({"/": root, f"/paths/{path}": full.isel(step=kept)})
+
+
+def states(springs: xr.DataTree) -> pd.DataFrame:
+    """Return both models state by state (SI): path, springs, step, and u, rotation, H, M of each."""
+    frames = []
+    for name in path_names(springs):
+        full = get_path(springs, name)
+        for spring_set, trace in curves(springs, name).items():
+            n = trace.sizes["step"]
+            data: dict[str, Any] = {"path": name, "springs": spring_set, "step": full["step"].values[:n]}
+            for label, units in (("u", "m"), ("rotation", "rad"), ("H", "N"), ("M", "Nm")):
+                data[f"{label}_full_{units}"] = full[label].values[:n]
+                data[f"{label}_macro_{units}"] = trace[label].values
+            frames.append(pd.DataFrame(data))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _springs_of(model: xr.DataTree) -> xr.DataTree:
+    if model.attrs.get("schema") == SCHEMA:
+        return model
+    from pysprings.extract import extract_springs  # only a full result needs it
+
+    return extract_springs(model)
+
+
+def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) -> dict[str, Any]:
+    full = get_path(springs, name)
+    _, driver, load, answers = _DRIVERS[full.attrs["kind"]]
+    n = trace.sizes["step"]
+    x, reference, answer = full[driver].values[:n], full[load].values[:n], trace[load].values
+    small = springs.attrs["outer_diameter_m"] * SMALL_OVER_DIAMETER
+    small = small / springs.attrs["skirt_length_m"] if driver == "rotation" else small
+    row: dict[str, Any] = {
+        "path": name,
+        "role": full.attrs["role"],
+        "kind": full.attrs["kind"],
+        "arm_m": float(full.attrs["arm_m"]),
+        "springs": spring_set,
+        "springs_from": trace.attrs["path"],
+        "status": trace.attrs["message"] or "complete",
+        "states": n - 1,
+        "eta_small": eta(x, reference, answer, small),
+        "eta_large": eta(x, reference, answer),
+    }
+    row |= _errors(full, trace, x, answers) | _between(springs, full, spring_set, answers)
+    for label, units in (("u", "m"), ("rotation", "rad"), ("H", "N"), ("M", "Nm")):
+        row |= {
+            f"{label}_end_full_{units}": float(full[label].values[n - 1]) if n else np.nan,
+            f"{label}_end_macro_{units}": float(trace[label].values[-1]) if n else np.nan,
+        }
+    row |= {
+        f"rotation_point_{who}_m": _rotation_point(data, n)
+        for who, data in (("full", full), ("macro", trace))
+    }
+    return row | {
+        "small_at": small,
+        "skip_below": SKIP_BELOW,
+        "depths": trace.sizes["depth"],
+        "depths_unusable": int((trace["usable"] == 0).sum()),
+        "extrapolated_states": int(trace["extrapolated"].sum()),
+        "off_path_states": int(trace["off_path"].sum()),
+    }
+
+
+def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, ...]) -> dict[str, float]:
+    """Largest (by size, signed) and last relative error [%] of each answer; NaN for what is imposed."""
+    out: dict[str, float] = {}
+    for label in _ERRORS:
+        worst = last = np.nan
+        if label in answers:
+            worst, last = _relative_errors(x, full[label].values[: x.size], trace[label].values)
+        out |= {f"{label}_error_max_pct": worst, f"{label}_error_end_pct": last}
+    return out
+
+
+def _relative_errors(x: Array, reference: Array, answer: Array) -> tuple[float, float]:
+    """Largest (signed) and last error [%] over the states that count: large enough, reference not zero."""
+    counted = (np.abs(x) >= SKIP_BELOW * np.abs(x).max(initial=0.0)) & (x != 0.0) & (reference != 0.0)
+    if not counted.any():
+        return np.nan, np.nan
+    error = 100.0 * (answer[counted] / reference[counted] - 1.0)
+    return float(error[np.argmax(np.abs(error))]), float(error[-1])
+
+
+def _between(
+    springs: xr.DataTree, full: xr.Dataset, spring_set: str, answers: tuple[str, ...]
+) -> dict[str, float]:
+    """Largest error [%] on a calibration path when every second state is left out of its own springs."""
+    out = {f"{label}_error_between_pct": np.nan for label in _ERRORS}
+    name, driver = full.attrs["path"], _DRIVERS[full.attrs["kind"]][1]
+    if full.attrs["role"] == "calibration" and full.sizes["step"] > 4:
+        trace = _along(full, MacroModel.from_springs(_thinned(springs, name), spring_set, name))
+        found = _errors(full, trace, full[driver].values[: trace.sizes["step"]], answers)
+        out = {f"{label}_error_between_pct": found[f"{label}_error_max_pct"] for label in _ERRORS}
+    return out
+
+
+def eta(x: Array, reference: Array, answer: Array, end: float | None = None) -> float:
+    """Return the accuracy eta of an answer to a reference curve over displacement x, up to |x| = end.
+
+    Both curves are straight between their points; areas by the trapezoid rule. NaN when the reference has no
+    area.
+    """
+    size = np.abs(x)
+    if end is not None and size.size and size[-1] > end:
+        grid = np.append(size[size < end], end)
+        reference, answer = np.interp(grid, size, reference), np.interp(grid, size, answer)
+        size = grid
+    area = float(np.trapezoid(np.abs(reference), size))
+    return 1.0 - float(np.trapezoid(np.abs(answer - reference), size)) / area if area else float("nan")
+
+
+def _rotation_point(data: Mapping[Any, Any], n: int) -> float:
+    """Depth [m] of the point of the axis at rest in the last state, -u/rotation; NaN without one."""
+    rotation = float(data["rotation"][n - 1]) if n else 0.0
+    return -float(data["u"][n - 1]) / rotation if rotation else float("nan")
+
+
+_TEXT_COLUMNS = {
+    "path": "path",
+    "role": "role",
+    "arm_m": "arm [m]",
+    "springs": "springs",
+    "springs_from": "from",
+    "eta_small": "eta small",
+    "eta_large": "eta large",
+    "H_error_max_pct": "H max [%]",
+    "H_error_end_pct": "H end [%]",
+    "H_error_between_pct": "H between [%]",
+    "rotation_error_max_pct": "rot max [%]",
+    "rotation_error_end_pct": "rot end [%]",
+    "M_error_max_pct": "M max [%]",
+    "rotation_point_full_m": "z_rot full [m]",
+    "rotation_point_macro_m": "z_rot macro [m]",
+}
+
+
+def to_text(frame: pd.DataFrame) -> str:
+    """Return the comparison as a table for a terminal, with its definitions; '-' is imposed or undefined."""
+    shown = frame[list(_TEXT_COLUMNS)].dropna(axis=1, how="all").rename(columns=_TEXT_COLUMNS)
+    cells = [[str(name) for name in shown.columns]]
+    cells += [[_cell(value, str(name)) for name, value in row.items()] for _, row in shown.iterrows()]
+    widths = [max(len(row[j]) for row in cells) for j in range(len(cells[0]))]
+    adjust = [str.rjust if shown[name].dtype.kind == "f" else str.ljust for name in shown.columns]
+    lines = ["  ".join(f(text, w) for text, w, f in zip(row, widths, adjust, strict=True)) for row in cells]
+    lines.insert(1, "  ".join("-" * w for w in widths))
+    ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
+    return "\n".join([line.rstrip() for line in lines] + _NOTES + ended) + "\n"
+
+
+_NOTES = [
+    f"errors: macro-model over full model minus 1, at equal displacement; states below {SKIP_BELOW:.0%} of "
+    "the largest are left out; '-': imposed or undefined",
+    "between: the largest error when every second recorded state is left out of the springs",
+    "eta = 1 - area between the load-displacement curves / area of the full model's; "
+    f"small: to outer diameter / {1 / SMALL_OVER_DIAMETER:.0f}",
+    "springs: py = lateral p-y alone; full = p-y, distributed moment, tip and lid terms",
+]
+
+
+def _cell(value: Any, column: str) -> str:
+    if isinstance(value, float):
+        digits = 4 if column.startswith("eta") else 2
+        # + 0.0 turns a rounded -0.00 into 0.00
+        return "-" if np.isnan(value) else f"{round(value, digits) + 0.0:.{digits}f}"
+    return str(value)
+
+
+def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
+    """Return the comparison for JSON: definitions and rows; what is undefined is None."""
+    records = frame.to_dict(orient="records")
+    rows = [{str(name): _finite(value) for name, value in row.items()} for row in records]
+    definitions = {
+        "eta": "1 - area between load-displacement curves / area under the full model's",
+        "eta_small_to": f"outer diameter * {SMALL_OVER_DIAMETER:g}; over the skirt length on a rotation path",
+        "errors": "(macro - full) / full in percent, at equal displacement",
+        "skip_below": SKIP_BELOW,
+    }
+    return {str(name): value for name, value in frame.attrs.items()} | {
+        "definitions": definitions,
+        "rows": rows,
+    }
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: MIT
+"""Files for other programs and people, one consumer a module: CSV tables, an Excel workbook, JSON.
+
+Every writer replaces its file only when the new one is whole. Heavy libraries load when a writer is called.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+FORMATS = ("csv", "xlsx", "json")
+
+PathLike = str | os.PathLike[str]
+
+
+def csv_tables(
+    folder: PathLike,
+    springs: xr.DataTree,
+    result: xr.DataTree | None = None,
+    comparison: pd.DataFrame | None = None,
+) -> list[Path]:
+    """Write `py.csv`, given the data also `load_displacement.csv` and `compare.csv`; return the paths."""
+    from pysprings.exporters import csv
+
+    written = [csv.write_py(springs, Path(folder) / "py.csv")]
+    if result is not None:
+        written.append(csv.write_load_displacement(result, Path(folder) / "load_displacement.csv"))
+    if comparison is not None:
+        written.append(csv.write_frame(comparison, Path(folder) / "compare.csv"))
+    return written
+
+
+def excel(path: PathLike, springs: xr.DataTree) -> Path:
+    """Write the springs as an Excel workbook with charts (kN, m, mm, mrad); return its path."""
+    from pysprings.exporters import xlsx
+
+    return xlsx.write_workbook(springs, path)
+
+
+def export(springs: xr.DataTree, form: str, path: PathLike) -> Path:
+    """Write the springs to one file in a form of `FORMATS` ("csv" is the long p-y table); return its path."""
+    if form == "xlsx":
+        return excel(path, springs)
+    from pysprings.storage import write_text
+
+    return write_text(text(springs, form), path)
+
+
+def text(springs: xr.DataTree, form: str) -> str:
+    """Return the springs as text, for a terminal or a pipe: "csv" (long p-y table) or "json"."""
+    if form == "csv":
+        from pysprings.exporters import csv
+
+        return csv.py_text(springs)
+    if form == "json":
+        from pysprings.exporters import json
+
+        return json.springs_text(springs)
+    from pysprings.errors import Problem, UserInputError
+
+    raise UserInputError([Problem(key="format", message=f"'{form}' is not one of {', '.join(FORMATS)}")])

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: MIT
+"""Tables behind the CSV files, as data frames in SI with the unit in every column name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.springs import path_dataset, path_names
+
+# Column -> variable of a result path. The order is part of the public contract.
+LOAD_DISPLACEMENT = {
+    "time_s": "time",
+    "u_m": "u",
+    "w_m": "w",
+    "rotation_rad": "rotation",
+    "H_N": "H",
+    "V_N": "V",
+    "M_Nm": "M",
+    "H_outer_N": "H_outer",
+    "H_inner_N": "H_inner",
+    "H_lid_N": "H_lid",
+    "H_tip_N": "H_tip",
+    "F_pw_N": "F_pw",
+    "F_in_N": "F_in",
+    "F_out_N": "F_out",
+    "converged": "converged",
+}
+
+# The first ten columns are the public contract; the rest hold the companions of p.
+PY_COLUMNS = [
+    *(
+        "path",
+        "family",
+        "depth_m",
+        "depth_top_m",
+        "depth_bottom_m",
+        "side",
+        "component",
+        "step",
+        "y_m",
+        "p_N_per_m",
+    ),
+    *("rotation_rad", "w_m", "m_Nm_per_m", "t_N_per_m", "H_N", "V_N", "M_Nm", "converged"),
+]
+
+_SIDES = ("outside", "inside", "net")
+_COMPONENTS = ("normal", "shear", "water", "total")
+
+
+def load_displacement(result: xr.DataTree) -> pd.DataFrame:
+    """Return loads and displacements of the whole caisson by path and step (SI), unconverged steps marked."""
+    frames = []
+    for name in path_names(result):
+        path = path_dataset(result, name)
+        n = path.sizes["step"]
+        head = {"path": [name] * n, "step": np.arange(n)}
+        frames.append(
+            pd.DataFrame(head | {column: path[key].values for column, key in LOAD_DISPLACEMENT.items()})
+        )
+    return pd.concat(frames, ignore_index=True)
+
+
+def py_long(springs: xr.DataTree) -> pd.DataFrame:
+    """Return every spring of every path in the long format (SI): one row per place and step.
+
+    Families: `py` p by side (outside, inside, net) and component (normal, shear, water, total); `mtheta`
+    distributed moment m and vertical reaction t by side; `base` forces on the skirt tip; `lid` forces under
+    the lid. Each row has the displacements of its place (y, rotation, w); what a family does not have is
+    blank.
+    """
+    frames = []
+    for name in path_names(springs):
+        path = path_dataset(springs, name)
+        for family in (_py_rows(path), _mtheta_rows(path), _end_rows(path, "base"), _end_rows(path, "lid")):
+            family.insert(0, "path", name)
+            frames.append(family)
+    # integer columns and texts stay what they are; a missing column becomes blank cells
+    return pd.concat([frame.reindex(columns=PY_COLUMNS) for frame in frames], ignore_index=True)
+
+
+def with_net(array: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
+    """Append the sum along an axis as its last entry."""
+    return np.concatenate([array, array.sum(axis=axis, keepdims=True)], axis=axis)
+
+
+def _py_rows(path: xr.Dataset) -> pd.DataFrame:
+    p = path["p"].transpose("depth", "side", "component", "step").values
+    p = with_net(with_net(p, 1), 2)
+    labels = {"side": _SIDES, "component": _COMPONENTS}
+    return _rows(path, "py", labels, {"p_N_per_m": p})
+
+
+def _mtheta_rows(path: xr.Dataset) -> pd.DataFrame:
+    m, t = (with_net(path[name].transpose("depth", "side", "step").values, 1) for name in ("m", "t"))
+    return _rows(path, "mtheta", {"side": _SIDES}, {"m_Nm_per_m": m, "t_N_per_m": t})
+
+
+def _rows(
+    path: xr.Dataset, family: str, labels: dict[str, tuple[str, ...]], values: dict[str, Any]
+) -> pd.DataFrame:
+    """Lay arrays (depth, labels..., step) out as rows, step running fastest."""
+    shape = next(iter(values.values())).shape
+    index = np.indices(shape).reshape(len(shape), -1)
+    depth, step = index[0], index[-1]
+    bounds = path["depth_bounds"].values
+    data: dict[str, Any] = {
+        "family": family,
+        "depth_m": path["depth"].values[depth],
+        "depth_top_m": bounds[depth, 0],
+        "depth_bottom_m": bounds[depth, 1],
+    }
+    data |= {name: np.array(words)[index[1 + k]] for k, (name, words) in enumerate(labels.items())}
+    data |= {"step": step, "y_m": path["y"].transpose("depth", "step").values[depth, step]}
+    return pd.DataFrame(data | {name: array.ravel() for name, array in values.items()} | _motion(path, step))
+
+
+def _motion(path: xr.Dataset, step: NDArray[np.int64]) -> dict[str, Any]:
+    columns = {"rotation_rad": "rotation", "w_m": "w", "converged": "converged"}
+    return {column: path[name].values[step] for column, name in columns.items()}
+
+
+def _end_rows(path: xr.Dataset, family: str) -> pd.DataFrame:
+    """Forces on the tip (family base, at the depth of the tip) or on the lid (depth 0)."""
+    part = {"base": "tip", "lid": "lid"}[family]
+    depth = float(path["depth_bounds"].values[-1, 1]) if family == "base" else 0.0
+    step = np.arange(path.sizes["step"])
+    data: dict[str, Any] = {"family": family, "depth_m": depth, "depth_top_m": depth, "depth_bottom_m": depth}
+    data |= {"step": step, "y_m": path["u"].values + path["rotation"].values * depth} | _motion(path, step)
+    forces = {"H_N": f"H_{part}", "V_N": f"V_{part}", "M_Nm": f"M_{part}"}
+    return pd.DataFrame(data | {column: path[name].values for column, name in forces.items()})

@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: MIT
+"""Excel workbook of a spring set for design spreadsheets: kN, m, mm, mrad, with charts.
+
+Sheets: About, charts, p-y, m-theta, base, lid, load-displacement, stiffness. Data sheets hold all paths below
+each other: columns path and step, then the values; the unit stands in every heading.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+import xlsxwriter
+from numpy.typing import NDArray
+
+from pysprings.compare import compare, curves
+from pysprings.exporters.tables import with_net
+from pysprings.exporters.xlsx_about import about_lines
+from pysprings.macro import MacroModel
+from pysprings.macro_tables import SPRING_SETS
+from pysprings.springs import path_dataset, path_names
+from pysprings.storage import replacing
+
+KN, MM, MRAD = 1e-3, 1e3, 1e3
+CHART_DEPTHS = 6
+
+
+@dataclass
+class _Book:
+    """Workbook with its formats, and where each path's rows are on every data sheet."""
+
+    file: xlsxwriter.Workbook
+    head: Any
+    title: Any
+    number: Any
+    text: Any
+    mono: Any
+    rows: dict[str, tuple[int, int]]
+
+
+def write_workbook(springs: xr.DataTree, path: str | os.PathLike[str]) -> Path:
+    """Write the workbook atomically; return its path."""
+    with (
+        replacing(path) as temporary,
+        xlsxwriter.Workbook(str(temporary)) as file,
+    ):
+        book = _open(file, springs)
+        comparison = compare(springs)
+        sheets = {
+            name: file.add_worksheet(name)
+            for name in ("About", "charts", "p-y", "m-theta", "base", "lid", "load-displacement", "stiffness")
+        }
+        _about(book, sheets["About"], about_lines(springs, comparison))
+        _py(book, sheets["p-y"], springs)
+        _mtheta(book, sheets["m-theta"], springs)
+        for part, name in (("tip", "base"), ("lid", "lid")):
+            _end(book, sheets[name], springs, part)
+        _load(book, sheets["load-displacement"], springs)
+        _stiffness(book, sheets["stiffness"], springs)
+        _charts(book, sheets["charts"], springs)
+    return Path(path)
+
+
+def _open(file: xlsxwriter.Workbook, springs: xr.DataTree) -> _Book:
+    file.set_properties(
+        {"title": str(springs.attrs.get("title", "")), "comments": str(springs.attrs.get("source", ""))}
+    )
+    rows, first = {}, 0
+    for name in path_names(springs):
+        n = path_dataset(springs, name).sizes["step"]
+        rows[name] = (first, first + n - 1)
+        first += n
+    return _Book(
+        file=file,
+        head=file.add_format(
+            {"bold": True, "bg_color": "#DDE6EE", "border": 1, "text_wrap": True, "valign": "top"}
+        ),
+        title=file.add_format({"bold": True, "font_size": 13}),
+        number=file.add_format({"num_format": "0.000"}),
+        text=file.add_format({"text_wrap": True, "valign": "top"}),
+        mono=file.add_format({"font_name": "Consolas"}),
+        rows=rows,
+    )
+
+
+def _about(book: _Book, sheet: Any, lines: Iterable[tuple[str, str, str]]) -> None:
+    sheet.set_column(0, 0, 26)
+    sheet.set_column(1, 1, 110)
+    formats = {"title": book.title, "text": book.text, "mono": book.mono}
+    for row, (kind, name, words) in enumerate(lines):
+        sheet.write_string(row, 0, name, book.title if kind == "title" else book.text)
+        if words:
+            sheet.write_string(row, 1, words, formats[kind])
+
+
+HEAD_ROWS = 3  # depth, slice, heading with unit
+
+
+def _fill(book: _Book, sheet: Any, springs: xr.DataTree, columns: Sequence[_Column]) -> None:
+    """Write path, step, the columns and the converged mark below three heading rows; freeze them."""
+    marks = [
+        _Column(
+            "converged (1 = yes)", [path_dataset(springs, name)["converged"].values for name in book.rows]
+        )
+    ]
+    for col, label in enumerate(("path", "step")):
+        sheet.write_string(HEAD_ROWS - 1, col, label, book.head)
+    sheet.write_string(0, 0, "depth [m]", book.head)
+    sheet.write_string(1, 0, "slice [m]", book.head)
+    for name, (first, last) in book.rows.items():
+        for row in range(first, last + 1):
+            sheet.write_string(HEAD_ROWS + row, 0, name)
+            sheet.write_number(HEAD_ROWS + row, 1, row - first)
+    for col, column in enumerate([*columns, *marks], start=2):
+        for row, words in enumerate((column.depth, column.slice, column.heading)):
+            sheet.write(row, col, words, book.head)
+        values = np.concatenate([np.asarray(part, dtype=float) for part in column.parts])
+        cells = [None if np.isnan(value) else value for value in values.tolist()]
+        sheet.write_column(HEAD_ROWS, col, cells, None if col == len(columns) + 2 else book.number)
+    sheet.set_row(HEAD_ROWS - 1, 45)
+    sheet.set_column(0, 0, 14)
+    sheet.set_column(1, 1, 6)
+    sheet.set_column(2, 2 + len(columns), 11)
+    sheet.freeze_panes(HEAD_ROWS, 2)
+
+
+@dataclass
+class _Column:
+    """One column: heading with unit, values by path, the depth and slice it belongs to (blank: none)."""
+
+    heading: str
+    parts: list[NDArray[np.float64]]
+    depth: float | str = ""
+    slice: str = ""
+
+
+def _paths(springs: xr.DataTree) -> list[xr.Dataset]:
+    return [path_dataset(springs, name) for name in path_names(springs)]
+
+
+def _by_depth(springs: xr.DataTree, headings: Sequence[str], values: Sequence[list[Any]]) -> list[_Column]:
+    """Columns of arrays (depth, step): for each depth one column per heading."""
+    first = _paths(springs)[0]
+    columns = []
+    for k, depth in enumerate(first["depth"].values):
+        top, bottom = first["depth_bounds"].values[k]
+        label = f"{top:.3f} - {bottom:.3f}"
+        for heading, parts in zip(headings, values, strict=True):
+            columns.append(_Column(heading, [part[k] for part in parts], round(float(depth), 4), label))
+    return columns
+
+
+PY_HEADINGS = ("y [mm]", "p net [kN/m]", "p outside [kN/m]", "p inside [kN/m]")
+
+
+def _py(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
+    paths = _paths(springs)
+    sides = [
+        with_net(path["p"].sum("component").transpose("side", "depth", "step").values * KN, 0)
+        for path in paths
+    ]
+    y = [path["y"].transpose("depth", "step").values * MM for path in paths]
+    values = [y, [side[2] for side in sides], [side[0] for side in sides], [side[1] for side in sides]]
+    _fill(book, sheet, springs, _by_depth(springs, PY_HEADINGS, values))
+
+
+M_HEADINGS = ("m net [kN m/m]", "m outside [kN m/m]", "m inside [kN m/m]", "t net [kN/m]")
+
+
+def _mtheta(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
+    paths = _paths(springs)
+    m = [with_net(path["m"].transpose("side", "depth", "step").values * KN, 0) for path in paths]
+    t = [path["t"].sum("side").transpose("depth", "step").values * KN for path in paths]
+    values = [[part[2] for part in m], [part[0] for part in m], [part[1] for part in m], t]
+    columns = [_series(paths, "rotation [mrad]", "rotation", MRAD), _series(paths, "w [mm]", "w", MM)]
+    _fill(book, sheet, springs, columns + _by_depth(springs, M_HEADINGS, values))
+
+
+def _series(paths: list[xr.Dataset], heading: str, name: str, scale: float) -> _Column:
+    return _Column(heading, [path[name].values * scale for path in paths])
+
+
+def _end(book: _Book, sheet: Any, springs: xr.DataTree, part: str) -> None:
+    paths = _paths(springs)
+    depth = float(springs.attrs["skirt_length_m"]) if part == "tip" else 0.0
+    columns = [
+        _Column("y [mm]", [(path["u"].values + path["rotation"].values * depth) * MM for path in paths]),
+        _series(paths, "rotation [mrad]", "rotation", MRAD),
+        _series(paths, "w [mm]", "w", MM),
+        _series(paths, "H [kN]", f"H_{part}", KN),
+        _series(paths, "V [kN]", f"V_{part}", KN),
+        _series(paths, "M [kN m]", f"M_{part}", KN),
+    ]
+    for column in columns:
+        column.depth = depth
+    _fill(book, sheet, springs, columns)
+
+
+LOAD_HEADINGS = (
+    ("u [mm]", "u", MM),
+    ("w [mm]", "w", MM),
+    ("rotation [mrad]", "rotation", MRAD),
+    ("H [kN]", "H", KN),
+    ("V [kN]", "V", KN),
+    ("M [kN m]", "M", KN),
+)
+
+
+def _load(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
+    """Full model, then the macro-model on each spring set at the same states; unreached cells stay empty."""
+    paths = _paths(springs)
+    columns = [_series(paths, f"full model {heading}", name, scale) for heading, name, scale in LOAD_HEADINGS]
+    traces = [curves(springs, name) for name in book.rows]
+    for spring_set in SPRING_SETS:
+        for heading, name, scale in (LOAD_HEADINGS[3], LOAD_HEADINGS[2], LOAD_HEADINGS[5]):
+            parts = [
+                _spread(trace[spring_set][name].values * scale, path)
+                for trace, path in zip(traces, paths, strict=True)
+            ]
+            columns.append(_Column(f"macro-model, {spring_set} springs: {heading}", parts))
+    _fill(book, sheet, springs, columns)
+
+
+def _spread(values: NDArray[np.float64], path: xr.Dataset) -> NDArray[np.float64]:
+    """Values of the converged steps at their places among all steps."""
+    out = np.full(path.sizes["step"], np.nan)
+    good = np.flatnonzero(path["converged"].values == 1)
+    out[good[: values.size]] = values
+    return out
+
+
+def _stiffness(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
+    """Initial stiffness (3, 3) at the lid centre: full model, then the springs of each path."""
+    sheet.set_column(0, 0, 30)
+    sheet.set_column(1, 3, 22)
+    blocks = [("full model", springs.dataset["stiffness_initial"].values)]
+    for name in book.rows:
+        for spring_set in SPRING_SETS:
+            matrix = MacroModel.from_springs(springs, spring_set, name).tangent_stiffness().values
+            blocks.append((f"{spring_set} springs of path {name}", matrix))
+    row = 0
+    for title, matrix in blocks:
+        sheet.write_string(row, 0, f"initial tangent, {title}", book.title)
+        for col, words in enumerate(("per u [m]", "per w [m]", "per rotation [rad]"), start=1):
+            sheet.write_string(row + 1, col, words, book.head)
+        for line, words in enumerate(("H [kN]", "V [kN]", "M [kN m]")):
+            sheet.write_string(row + 2 + line, 0, words, book.head)
+            sheet.write_row(row + 2 + line, 1, (matrix[line] * KN).tolist(), book.number)
+        row += 6
+    sheet.write_string(
+        row, 0, "Springs: slope of the first recorded step; w is the full model's elastic stiffness."
+    )
+
+
+def _charts(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
+    """One row of charts a path: load-displacement, p-y by depth, m by depth."""
+    depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
+    shown = np.unique(np.linspace(0, depths.size - 1, CHART_DEPTHS).astype(int))
+    load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(SPRING_SETS)]
+    py = [(f"{depths[k]:.2f} m", 2 + 4 * k, 3 + 4 * k) for k in shown]
+    mtheta = [(f"{depths[k]:.2f} m", 2, 4 + 4 * k) for k in shown]
+    for place, (name, rows) in enumerate(book.rows.items()):
+        charts = (
+            ("load-displacement", f"{name}: load at the lid", load, "u [mm]", "H [kN]"),
+            ("p-y", f"{name}: p-y, both sides, by depth", py, "y [mm]", "p [kN/m]"),
+            ("m-theta", f"{name}: distributed moment by depth", mtheta, "rotation [mrad]", "m [kN m/m]"),
+        )
+        for col, (data, title, series, x, y) in enumerate(charts):
+            chart = _scatter(book, data, rows, series)
+            chart.set_title({"name": title, "name_font": {"size": 11}})
+            chart.set_x_axis({"name": x, "major_gridlines": {"visible": True}, "label_position": "low"})
+            chart.set_y_axis({"name": y, "label_position": "low"})
+            chart.set_size({"width": 560, "height": 380})
+            sheet.insert_chart(place * 20, col * 9, chart)
+
+
+def _scatter(book: _Book, sheet: str, rows: tuple[int, int], series: Iterable[tuple[str, int, int]]) -> Any:
+    chart = book.file.add_chart({"type": "scatter", "subtype": "straight_with_markers"})
+    first, last = rows[0] + HEAD_ROWS, rows[1] + HEAD_ROWS
+    for name, x, y in series:
+        chart.add_series({
+            "name": name,
+            "categories": [sheet, first, x, last, x],
+            "values": [sheet, first, y, last, y],
+            "marker": {"type": "automatic", "size": 4},
+            "line": {"width": 1.5},
+        })  # fmt: skip
+    return chart

@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: MIT
+"""From a spring dataset to interpolation tables: every spring of a rigid caisson as one row of the same form.
+
+A spring j reads one displacement q_j = a_j . (u, rotation) and answers with one reaction r_j(q_j), which acts
+on the body as b_j * r_j in (H, M). For p at depth z with slice height dz: a = (1, z), b = (dz, z dz); for m:
+a = (0, 1), b = (0, dz); tip force: a = (1, L), b = (1, L); base and lid moments: a = (0, 1), b = (0, 1); lid
+force: a = b = (1, 0). The sums over all rows are the loads on the body. Only numpy here: solving and
+reporting are elsewhere.
+
+Each curve is a single-valued odd function of its displacement: f(-q) = -f(q). Curves are PCHIP through the
+recorded steps (Fritsch & Butland 1984): recorded points are hit exactly, no overshoot between them,
+continuous slope. Beyond the last point the curve goes on with its last slope where it still hardens, else it
+stays flat.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+SpringSet = Literal["full", "py"]
+SPRING_SETS: tuple[SpringSet, ...] = ("py", "full")
+
+# A displacement must cover this share of the largest one on the path to carry a curve: less is noise near the
+# point of rotation, where p/y runs to infinity.
+MIN_RANGE = 0.05
+# Smallest growth between two steps, as a share of the range, that still counts as monotonic.
+MIN_GROWTH = 1e-7
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class SpringTable:
+    """Springs as rows. n rows, k knots at most; see the module's words for a and b.
+
+    Attributes
+    ----------
+    name, depth : list of str, (n,) float
+        Family (p, m, H_tip, M_tip, H_lid, M_lid) and depth [m] of each row.
+    carrier : list of str
+        Displacement the row reads: its own ("y" or "rotation"), or the one that replaces an unusable one.
+    a, b : (n, 2) float
+        Displacement read from (u, rotation), and action on (H, M), of each row.
+    q, r, slope : (n, k) float
+        Knots (0 first, increasing; inf beyond `count`), reactions and slopes dr/dq for q >= 0.
+    count : (n,) int
+        Number of knots of each row.
+    natural, cut : (n,) bool
+        natural: the row reads its own displacement. cut: only the first, monotonic part of its curve is kept.
+    """
+
+    name: list[str]
+    depth: Array
+    carrier: list[str]
+    a: Array
+    b: Array
+    q: Array
+    r: Array
+    slope: Array
+    count: NDArray[np.int64]
+    natural: NDArray[np.bool_]
+    cut: NDArray[np.bool_]
+
+    @property
+    def range(self) -> Array:
+        """Largest calibrated displacement of each row [m or rad]."""
+        return self.q[np.arange(len(self.count)), self.count - 1]
+
+    @property
+    def load_scale(self) -> Array:
+        """Size of H [N] and M [N m] that the springs can build up, for tolerances."""
+        peak = np.abs(np.where(np.isfinite(self.q), self.r, 0.0)).max(axis=1)
+        return np.maximum((np.abs(self.b) * peak[:, None]).sum(axis=0), 1e-300)
+
+
+def build_table(path: xr.Dataset, spring_set: SpringSet) -> SpringTable:
+    """Return the table of one path's springs.
+
+    Parameters
+    ----------
+    path
+        Converged steps of a path (`springs.get_path`).
+    spring_set
+        "py": net p(y) alone. "full": p(y), m(rotation), tip and lid terms.
+
+    Notes
+    -----
+    A spring must be a function of its displacement. On a pull with free head, y near the tip may stay small,
+    turn back or change sign. Such a curve is treated explicitly, and its row says so (`natural`, `cut`,
+    `carrier`):
+
+    - full set: the reaction is read from the rotation instead (or u, where the rotation does not serve
+      either), so that the sums on the calibration path stay those of the full model; where nothing
+      serves, as in the p-y set;
+    - p-y set: the monotonic part from the origin is kept and held flat beyond; a curve without such a part
+      over at least 5 % of the largest displacement is left out.
+    """
+    recorded = _Recorded.of(path)
+    rows = [_lateral_row(recorded, k, spring_set) for k in range(recorded.z.size)]
+    if spring_set == "full":
+        rows += [_moment_row(recorded, k) for k in range(recorded.z.size)] + _end_rows(recorded)
+    return _stack([row for row in rows if row is not None])
+
+
+@dataclass(frozen=True, slots=True)
+class _Recorded:
+    """Arrays of the path, as changes from its first step."""
+
+    z: Array
+    dz: Array
+    length: float
+    u: Array
+    rotation: Array
+    p: Array
+    m: Array
+    ends: dict[str, Array]
+
+    @classmethod
+    def of(cls, path: xr.Dataset) -> _Recorded:
+        data = path.variables  # not data arrays: the table is built in a millisecond
+
+        def change(variable: xr.Variable) -> Array:
+            values = variable.values
+            return values - values[..., :1]
+
+        p, m = data["p"].sum(("side", "component")), data["m"].sum("side")
+        p, m = (variable.transpose("depth", "step") for variable in (p, m))
+        ends = {name: change(data[name]) for name in ("H_tip", "M_tip", "H_lid", "M_lid")}
+        bounds = data["depth_bounds"].values
+        heights, length = bounds[:, 1] - bounds[:, 0], float(bounds[-1, 1])
+        moves = change(data["u"]), change(data["rotation"])
+        return cls(data["depth"].values, heights, length, *moves, change(p), change(m), ends)
+
+    @property
+    def reach(self) -> float:
+        """Largest displacement of the skirt on the path [m]."""
+        return float(np.abs([self.u, self.u + self.rotation * self.length]).max())
+
+    def carriers(self, depth: float) -> dict[str, tuple[tuple[float, float], Array, float]]:
+        """Displacements a row may read: name -> (a, history, size that counts as full range)."""
+        reach = self.reach
+        return {
+            "y": ((1.0, depth), self.u + self.rotation * depth, reach),
+            "rotation": ((0.0, 1.0), self.rotation, reach / self.length),
+            "u": ((1.0, 0.0), self.u, reach),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    name: str
+    depth: float
+    carrier: str
+    a: tuple[float, float]
+    b: tuple[float, float]
+    q: Array
+    r: Array
+    natural: bool = True
+    cut: bool = False
+
+
+def _monotonic_length(q: Array, size: float) -> int:
+    """Number of leading points over which |q| grows and q keeps its sign; 0 when their range is too small."""
+    grows = np.diff(np.abs(q)) > MIN_GROWTH * size
+    grows &= np.sign(q[1:]) == np.sign(q[1])
+    n = int(np.argmin(grows)) + 1 if not grows.all() else q.size
+    return n if n > 1 and abs(q[n - 1]) >= MIN_RANGE * size else 0
+
+
+def _carried(
+    rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, order: tuple[str, ...]
+) -> _Row | None:
+    """Row of reaction r, read from the first displacement in the given order that grows all the way."""
+    options = rec.carriers(depth)
+    for carrier in order:
+        a, q, size = options[carrier]
+        if _monotonic_length(q, size) == q.size:
+            return _Row(name, depth, carrier, a, b, q, r, natural=carrier == order[0])
+    return _cut(rec, name, depth, b, r, order[0])
+
+
+def _cut(
+    rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, carrier: str
+) -> _Row | None:
+    """Row of the first, monotonic part of a curve (at best all of it); None where there is none."""
+    a, q, size = rec.carriers(depth)[carrier]
+    n = _monotonic_length(q, size)
+    return _Row(name, depth, carrier, a, b, q[:n], r[:n], cut=n < q.size) if n else None
+
+
+def _lateral_row(rec: _Recorded, k: int, spring_set: SpringSet) -> _Row | None:
+    z, dz, r = float(rec.z[k]), float(rec.dz[k]), rec.p[k]
+    b = (dz, z * dz)
+    if spring_set == "full":
+        return _carried(rec, "p", z, b, r, ("y", "rotation", "u"))
+    return _cut(rec, "p", z, b, r, "y")
+
+
+def _moment_row(rec: _Recorded, k: int) -> _Row | None:
+    return _carried(rec, "m", float(rec.z[k]), (0.0, float(rec.dz[k])), rec.m[k], ("rotation", "y", "u"))
+
+
+def _end_rows(rec: _Recorded) -> list[_Row | None]:
+    """Rows of the tip (reading the displacement and rotation there) and of the lid."""
+    length, ends = rec.length, rec.ends
+    return [
+        _carried(rec, "H_tip", length, (1.0, length), ends["H_tip"], ("y", "rotation", "u")),
+        _carried(rec, "M_tip", length, (0.0, 1.0), ends["M_tip"], ("rotation", "u")),
+        _carried(rec, "H_lid", 0.0, (1.0, 0.0), ends["H_lid"], ("u", "rotation")),
+        _carried(rec, "M_lid", 0.0, (0.0, 1.0), ends["M_lid"], ("rotation", "u")),
+    ]
+
+
+def _stack(rows: list[_Row]) -> SpringTable:
+    count = np.array([row.q.size for row in rows], dtype=np.int64)
+    q = np.full((len(rows), int(count.max(initial=2))), np.inf)
+    r, slope = np.zeros_like(q), np.zeros_like(q)
+    for j, row in enumerate(rows):
+        q[j, : count[j]], r[j, : count[j]] = np.abs(row.q), np.where(row.q < 0, -row.r, row.r)
+    for n in np.unique(count):
+        same = np.flatnonzero(count == n)
+        slope[same, :n] = pchip_slopes(q[same, :n], r[same, :n])
+    return SpringTable(
+        name=[row.name for row in rows],
+        depth=np.array([row.depth for row in rows]),
+        carrier=[row.carrier for row in rows],
+        a=np.array([row.a for row in rows]).reshape(-1, 2),
+        b=np.array([row.b for row in rows]).reshape(-1, 2),
+        q=q,
+        r=r,
+        slope=slope,
+        count=count,
+        natural=np.array([row.natural for row in rows], dtype=bool),
+        cut=np.array([row.cut for row in rows], dtype=bool),
+    )
+
+
+def pchip_slopes(q: Array, r: Array) -> Array:
+    """Return slopes dr/dq (..., k) at the knots of shape-preserving cubics (Fritsch & Butland 1984).
+
+    Inside: weighted harmonic mean of the neighbouring secants, 0 at a turning point. Ends: three-point
+    formula. Where |r| falls at the last knot, the slope there is 0: the curve is held flat beyond it.
+    """
+    h = np.diff(q)
+    secant = np.diff(r) / h
+    if h.shape[-1] == 1:
+        return np.repeat(secant, 2, axis=-1)
+    slopes = np.zeros_like(r)
+    h0, h1, s0, s1 = h[..., :-1], h[..., 1:], secant[..., :-1], secant[..., 1:]
+    same = s0 * s1 > 0.0
+    w1, w2 = 2.0 * h1 + h0, h1 + 2.0 * h0
+    mean = w1 / np.where(same, s0, 1.0) + w2 / np.where(same, s1, 1.0)
+    slopes[..., 1:-1] = np.where(same, (w1 + w2) / np.where(same, mean, 1.0), 0.0)
+    slopes[..., 0] = _end_slope(h[..., 0], h[..., 1], secant[..., 0], secant[..., 1])
+    slopes[..., -1] = _end_slope(h[..., -1], h[..., -2], secant[..., -1], secant[..., -2])
+    slopes[..., -1] = np.where(slopes[..., -1] * r[..., -1] < 0.0, 0.0, slopes[..., -1])
+    return slopes
+
+
+def _end_slope(h0: Array, h1: Array, s0: Array, s1: Array) -> Array:
+    """Three-point slope at an end, limited so that the curve stays monotonic."""
+    slope = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1)
+    slope = np.where((s0 * s1 < 0.0) & (np.abs(slope) > 3.0 * np.abs(s0)), 3.0 * s0, slope)
+    return np.where(slope * s0 <= 0.0, 0.0, slope)

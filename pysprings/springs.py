@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: MIT
+"""The spring set of a caisson: what a spring file must hold, reading, writing, and the sums everybody needs.
+
+A spring set is an `xarray.DataTree`: the root has the caisson and where the springs come from, and one group
+`/paths/<name>` per load path has the reactions of the soil by depth, side and component along that path
+(`pysprings.variables` lists every variable). The forces are monotonic backbones, not cyclic laws.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from pysprings import variables
+from pysprings.errors import Problem, UserInputError
+from pysprings.storage import read_tree, refusal, write_tree
+
+SCHEMA = "pysprings-springs-1"
+KINDS = ("pull", "translation", "rotation", "load")
+ROLES = ("calibration", "held-back")
+
+_ROOT_NUMBERS = ("outer_diameter_m", "skirt_length_m", "skirt_thickness_m", "vertical_load_N")
+_ROOT_TEXTS = ("drainage", "pysprings_version", "scene_sha256")
+
+
+def open_springs(path: str | os.PathLike[str]) -> xr.DataTree:
+    """Read and validate a spring file.
+
+    Raises
+    ------
+    UserInputError
+        The file is missing, broken, of another kind or version, or lacks something; every fault is listed.
+    """
+    tree = read_tree(path)
+    validate_springs(tree, file=path)
+    return tree
+
+
+def save_springs(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
+    """Validate a spring set and write it as NetCDF, atomically; return its path."""
+    validate_springs(tree)
+    return write_tree(tree, path)
+
+
+def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = None) -> None:
+    """Raise UserInputError, with one problem per fault, unless the tree is a complete spring set."""
+    schema = tree.attrs.get("schema")
+    if schema != SCHEMA:
+        raise refusal(file, "schema", _foreign(tree, schema))
+    found = [*_root_faults(tree), *variables.tree_problems(tree, "springs")]
+    found = found or [fault for name in path_names(tree) for fault in _path_faults(tree, name)]
+    if found:
+        name = None if file is None else str(file)
+        raise UserInputError([Problem(file=name, key=key, message=message) for key, message in found])
+
+
+def _foreign(tree: xr.DataTree, schema: object) -> str:
+    if schema is not None:
+        return f"springs of another version: '{schema}' instead of '{SCHEMA}'"
+    if "section" in tree.children or "scene_toml" in tree.attrs:
+        return "a full-model result, not a spring file (extract its springs first)"
+    return f"not a spring file (no attribute 'schema' = '{SCHEMA}')"
+
+
+def _root_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
+    for name in _ROOT_NUMBERS:
+        value = tree.attrs.get(name)
+        if not isinstance(value, int | float | np.number) or not np.isfinite(value):
+            yield name, "missing attribute, or not a number"
+    for name in _ROOT_TEXTS:
+        if not isinstance(tree.attrs.get(name), str):
+            yield name, "missing attribute"
+    if (
+        "stiffness_initial" in tree.dataset
+        and not np.isfinite(tree.dataset["stiffness_initial"].values).all()
+    ):
+        yield "stiffness_initial", "not finite"
+    if not path_names(tree):
+        yield "paths", "no path in the file"
+
+
+def _path_faults(tree: xr.DataTree, name: str) -> Iterator[tuple[str, str]]:
+    dataset = path_dataset(tree, name)
+    place = f"paths/{name}"
+    for key, allowed in (("kind", KINDS), ("role", ROLES)):
+        if dataset.attrs.get(key) not in allowed:
+            yield f"{place}/{key}", f"attribute must be one of {', '.join(allowed)}"
+    if not np.isfinite(dataset.attrs.get("arm_m", np.nan)):
+        yield f"{place}/arm_m", "missing attribute, or not a number"
+    for key, labels in (("side", variables.SIDES), ("component", variables.COMPONENTS)):
+        if tuple(dataset[key].values) != labels:
+            yield f"{place}/{key}", f"labels must be {', '.join(labels)}"
+    yield from (
+        (f"{place}/{key}", text) for key, text in _depth_faults(dataset, tree.attrs["skirt_length_m"])
+    )
+    yield from ((f"{place}/{key}", text) for key, text in _step_faults(dataset))
+
+
+def _depth_faults(dataset: xr.Dataset, length: float) -> Iterator[tuple[str, str]]:
+    depth, bounds = dataset["depth"].values, dataset["depth_bounds"].values
+    if bounds.shape != (depth.size, 2) or not (np.isfinite(depth).all() and np.isfinite(bounds).all()):
+        yield "depth_bounds", "must hold a finite top and bottom for each depth"
+        return
+    if (np.diff(depth) <= 0).any():
+        yield "depth", "must increase"
+    if (depth < bounds[:, 0]).any() or (depth > bounds[:, 1]).any() or (bounds[:, 1] <= bounds[:, 0]).any():
+        yield "depth_bounds", "each depth must lie between its top and its bottom"
+    edges = np.concatenate([[0.0], bounds[:, 1]]), np.concatenate([bounds[:, 0], [length]])
+    if np.abs(edges[0] - edges[1]).max() > 1e-6 * length:
+        yield "depth_bounds", f"the slices must cover 0 to {length:g} m without gaps or overlaps"
+
+
+def _step_faults(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
+    good = dataset["converged"].values == 1
+    if good.sum() < 3 or not good[0]:
+        yield "converged", "needs the initial state and at least two converged steps"
+        return
+    for name, data in dataset.data_vars.items():
+        if "step" in data.dims and not np.isfinite(data.isel(step=np.flatnonzero(good)).values).all():
+            yield str(name), "not finite at a converged step"
+    expected = dataset["u"] + dataset["rotation"] * dataset["depth"]
+    if float(abs(dataset["y"] - expected).isel(step=np.flatnonzero(good)).max()) > 1e-6 * float(
+        abs(dataset["y"]).max()
+    ):
+        yield "y", "is not u + rotation*depth (depth down, right-hand rotation about +y)"
+
+
+def path_names(tree: xr.DataTree, role: str | None = None) -> list[str]:
+    """List the load paths of a tree, in order; only those of a role when it is given."""
+    if "paths" not in tree.children:
+        return []
+    nodes = tree["paths"].children
+    return [name for name, node in nodes.items() if role is None or node.attrs.get("role") == role]
+
+
+def path_dataset(tree: xr.DataTree, name: str) -> xr.Dataset:
+    """Return one path of a result or spring tree, all its steps."""
+    return tree.children["paths"].children[name].to_dataset(inherit=False)
+
+
+def get_path(tree: xr.DataTree, name: str | None = None) -> xr.Dataset:
+    """Return the converged steps of one path; without a name the first calibration path (or the first)."""
+    names = path_names(tree)
+    if name is None:
+        name = next(iter(path_names(tree, "calibration") or names), None)
+    if name is None or name not in names:
+        raise refusal(None, "path", f"no path '{name}'; the springs have: {', '.join(names) or 'none'}")
+    dataset = path_dataset(tree, name)
+    good = np.flatnonzero(dataset["converged"].values == 1)
+    kept = dataset if good.size == dataset.sizes["step"] else dataset.isel(step=good)
+    return kept.assign_attrs(path=name)
+
+
+def slice_heights(dataset: xr.Dataset) -> np.ndarray:
+    """Return the height of the slice of each depth [m], the weights of an integral over depth."""
+    bounds = dataset["depth_bounds"].values
+    return bounds[:, 1] - bounds[:, 0]
+
+
+def net_p(dataset: xr.Dataset) -> xr.DataArray:
+    """Return p of both sides and all components together [N/m], (depth, step)."""
+    return dataset["p"].sum(("side", "component"), keep_attrs=True).transpose("depth", "step")
+
+
+def net_m(dataset: xr.Dataset) -> xr.DataArray:
+    """Return the distributed moment of both sides [N m/m], (depth, step)."""
+    return dataset["m"].sum("side", keep_attrs=True).transpose("depth", "step")
+
+
+def balance(dataset: xr.Dataset) -> dict[str, float]:
+    """Return what is missing between summed reactions and loads H, V, M, relative to their largest part.
+
+    H = sum p dz + H_tip + H_lid;  V = sum t dz + V_tip + V_lid;
+    M = sum (p z + m) dz + L H_tip + M_tip + M_lid.  Zero where the springs hold all reactions of the caisson.
+    """
+    dz, z = slice_heights(dataset), dataset["depth"].values
+    p, m, t = (
+        net_p(dataset).values,
+        net_m(dataset).values,
+        dataset["t"].sum("side").transpose("depth", "step").values,
+    )
+    value = {
+        name: dataset[name].values
+        for name in ("H", "V", "M", "H_tip", "H_lid", "V_tip", "V_lid", "M_tip", "M_lid")
+    }
+    length = float(dataset["depth_bounds"].values[-1, 1])
+    parts = {
+        "H": (dz @ p, value["H_tip"], value["H_lid"]),
+        "V": (dz @ t, value["V_tip"], value["V_lid"]),
+        "M": ((dz * z) @ p, dz @ m, length * value["H_tip"], value["M_tip"], value["M_lid"]),
+    }
+    return {name: _relative(sum(terms) - value[name], terms) for name, terms in parts.items()}
+
+
+def _relative(missing: np.ndarray, terms: tuple[np.ndarray, ...]) -> float:
+    size = max(float(np.abs(term).max()) for term in terms)
+    return float(np.abs(missing).max()) / size if size else 0.0
