@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: MIT
+"""Figures of a run: Dataset in, matplotlib Figure out (drawn by Agg, never through pyplot).
+
+>>> from pysprings import plots                                            # doctest: +SKIP
+>>> plots.py_curves(plots.path_data(springs, "pull")).savefig("py.png")    # doctest: +SKIP
+"""
+
+from pysprings.plots.comparison import macro_against_full
+from pysprings.plots.data import convergence_data, path_data, path_names, section_data
+from pysprings.plots.files import save, save_all
+from pysprings.plots.gap import gap_map
+from pysprings.plots.load import load_displacement
+from pysprings.plots.newton import newton_record
+from pysprings.plots.reactions import py_curves
+from pysprings.plots.rose import stress_rose
+from pysprings.plots.section import mesh, section_displacement
+
+__all__ = [
+    "convergence_data",
+    "gap_map",
+    "load_displacement",
+    "macro_against_full",
+    "mesh",
+    "newton_record",
+    "path_data",
+    "path_names",
+    "py_curves",
+    "save",
+    "save_all",
+    "section_data",
+    "section_displacement",
+    "stress_rose",
+]

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: MIT
+"""What the figures read: one path with its settings, the symmetry-plane section, a step, a depth."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from pysprings.plots.style import KN, MM, MN, MRAD
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+# Rings nearest to these parts of the skirt length: 0.25, 1.25, 2.25 and 3.25 m on the paper's 4 m skirt.
+DEPTH_FRACTIONS = (1 / 16, 5 / 16, 9 / 16, 13 / 16)
+
+
+def path_names(tree: xr.DataTree) -> list[str]:
+    """List the names of the paths in a result or spring tree, in their order."""
+    return list(tree["paths"].children) if "paths" in tree.children else []
+
+
+def node(tree: xr.DataTree, path: str) -> xr.DataTree:
+    """Return a group of a tree; the path of a variable is an error."""
+    found = tree[path]
+    if not isinstance(found, xr.DataTree):
+        raise KeyError(f"{path} is not a group")
+    return found
+
+
+def path_data(tree: xr.DataTree, name: str) -> xr.Dataset:
+    """Return one path as a Dataset whose attrs also hold the settings of the whole run.
+
+    Parameters
+    ----------
+    tree
+        Result (``full_model.nc``) or spring set (``springs.nc``).
+    name
+        Name of the path.
+
+    Returns
+    -------
+    xarray.Dataset
+        The path's variables (SI); attrs ``path``, ``drainage``, ``outer_diameter_m``, ``skirt_length_m`` are
+        added when the tree knows them, so that a figure needs nothing else.
+    """
+    path = node(tree, f"paths/{name}").to_dataset(inherit=False)
+    return path.assign_attrs({**settings(tree), **path.attrs, "path": name})
+
+
+def section_data(tree: xr.DataTree) -> xr.Dataset | None:
+    """Return the symmetry-plane section with the run's settings as attrs, None when there is none."""
+    if "section" not in tree.children:
+        return None
+    section = node(tree, "section").to_dataset(inherit=False)
+    return section.assign_attrs({**settings(tree), **section.attrs}) if "section_quad" in section else None
+
+
+def convergence_data(tree: xr.DataTree, name: str) -> xr.Dataset | None:
+    """Return the Newton record of a path with the run's settings as attrs, None when there is none."""
+    if "convergence" not in node(tree, f"paths/{name}").children:
+        return None
+    record = node(tree, f"paths/{name}/convergence").to_dataset(inherit=False)
+    return record.assign_attrs({**settings(tree), **record.attrs, "path": name})
+
+
+def settings(tree: xr.DataTree) -> dict[str, Any]:
+    """Collect drainage, caisson size [m] and solver tolerance of a run from its attrs, scene and section."""
+    attrs = {str(key): value for key, value in tree.root.attrs.items()}
+    scene = scene_values(attrs)
+    found: dict[str, Any] = {
+        key: attrs[key]
+        for key in (
+            "drainage",
+            "outer_diameter_m",
+            "skirt_length_m",
+            "skirt_thickness_m",
+            "lid_thickness_m",
+            "status",
+            "mesh_preset",
+            "n_nodes",
+            "n_elements",
+            "n_unknowns",
+        )
+        if key in attrs
+    }
+    mode = scene.get("drainage", {}).get("mode")
+    if mode:
+        found.setdefault("drainage", mode)
+    tolerance = scene.get("solver", {}).get("tolerance")
+    if isinstance(tolerance, (int, float)):
+        found["tolerance"] = float(tolerance)
+    if "section" in tree.root.children and "outer_diameter_m" not in found:
+        _, outer, length = caisson_size(node(tree.root, "section").to_dataset(inherit=False))
+        if np.isfinite(outer):
+            found |= {"outer_diameter_m": 2 * outer, "skirt_length_m": length}
+    return found
+
+
+def scene_values(attrs: dict[str, Any]) -> dict[str, Any]:
+    """Parse the scene text kept in the attrs of a result; empty when there is none or it is damaged."""
+    try:
+        return tomllib.loads(str(attrs.get("scene_toml", "")))
+    except tomllib.TOMLDecodeError:
+        return {}
+
+
+def converged(path: xr.Dataset) -> NDArray[np.bool_]:
+    """Tell which steps of a path (or of a prediction) converged, shape (step,)."""
+    if "converged" not in path:
+        return np.ones(path.sizes["step"], dtype=bool)
+    return path["converged"].values.astype(bool)
+
+
+def pick_step(path: xr.Dataset, step: int | None = None, displacement: float | None = None) -> int:
+    """Choose a step: the given one, else the converged one nearest to a displacement [m], else the last.
+
+    Parameters
+    ----------
+    path
+        One path of a result.
+    step
+        Index of a step; taken as it is.
+    displacement
+        Lateral displacement u of the lid centre [m].
+    """
+    if step is not None:
+        if not -path.sizes["step"] <= step < path.sizes["step"]:
+            raise IndexError(f"step {step} is not among the {path.sizes['step']} steps of the path")
+        return int(step) % path.sizes["step"]
+    good = np.flatnonzero(converged(path))
+    if good.size == 0:
+        return 0
+    if displacement is None:
+        return int(good[-1])
+    return int(good[np.argmin(np.abs(path["u"].values[good] - displacement))])
+
+
+def pick_depths(path: xr.Dataset, depths: Iterable[float] | None = None) -> list[int]:
+    """Choose rings: the nearest to the given depths [m], else to 1/16, 5/16, 9/16 and 13/16 of the skirt."""
+    rings = path["depth"].values
+    wanted = list(depths) if depths is not None else [f * skirt_length(path) for f in DEPTH_FRACTIONS]
+    return sorted({int(np.argmin(np.abs(rings - depth))) for depth in wanted})
+
+
+def spread_depths(path: xr.Dataset, most: int) -> list[int]:
+    """Choose at most `most` rings, evenly over the depth, first and last included."""
+    n = path.sizes["depth"]
+    return sorted({round(k) for k in np.linspace(0, n - 1, min(n, most))})
+
+
+def skirt_length(path: xr.Dataset) -> float:
+    """Return the skirt length [m]: from the attrs, else from the deepest ring."""
+    return float(path.attrs.get("skirt_length_m", path["depth"].values.max()))
+
+
+def step_text(path: xr.Dataset, step: int) -> str:
+    """Describe the state of a step in words: lid displacement [mm] and rotation [mrad]."""
+    u, rotation = float(path["u"][step]) * MM, float(path["rotation"][step]) * MRAD
+    text = f"u = {u:.3g} mm, rotation = {rotation:.3g} mrad".replace("-", "\N{MINUS SIGN}")
+    return text if converged(path)[step] else text + " (NOT CONVERGED)"
+
+
+def abscissa(path: xr.Dataset) -> tuple[NDArray[np.float64], str]:
+    """Return what the path drives, with its axis label: u [mm], or the rotation [mrad] on a pure rotation."""
+    if path.attrs.get("kind") == "rotation":
+        return path["rotation"].values * MRAD, "rotation of the caisson [mrad]"
+    return path["u"].values * MM, "lateral displacement u of the lid centre [mm]"
+
+
+def lateral_reaction(path: xr.Dataset) -> dict[str, NDArray[np.float64]]:
+    """Return p [N/m] by side, ``{"net", "outside", "inside"}``, each of shape (depth, step).
+
+    A result holds the components in ``p_component`` and the net in ``p``; a spring set holds the components
+    in ``p`` itself. Components are summed: normal effective stress, shear, water.
+    """
+    parts = path["p_component"] if "p_component" in path else path["p"]
+    by_side = parts.sum("component", skipna=False).transpose("side", "depth", "step")
+    sides = {str(name): by_side.values[k] for k, name in enumerate(by_side["side"].values)}
+    return {"net": by_side.sum("side", skipna=False).values, **sides}
+
+
+def boundary_edges(section: xr.Dataset) -> NDArray[np.int64]:
+    """Return the edges that belong to a single cell of the section, shape (n_edge, 2), node numbers."""
+    quads = section["section_quad"].transpose("section_cell", "corner").values.astype(int)
+    edges = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    unique, count = np.unique(edges, axis=0, return_counts=True)
+    return unique[(count == 1) & (unique[:, 0] != unique[:, 1])]
+
+
+def caisson_size(section: xr.Dataset) -> tuple[float, float, float]:
+    """Measure the caisson's hole in the section: inner radius, outer radius and skirt length [m].
+
+    The skirt's walls are the vertical boundary edges that do not lie on the outer boundary of the soil. A
+    section without a hole (steel meshed too) falls back on its attrs, and on NaN where they are silent.
+    """
+    x, depth = section["section_x"].values, section["section_depth"].values
+    edges = boundary_edges(section)
+    reach = np.abs(x).max()
+    on_wall = np.isclose(x[edges[:, 0]], x[edges[:, 1]], atol=1e-6 * reach)
+    on_wall &= np.abs(x[edges[:, 0]]) < reach * (1 - 1e-6)
+    walls = edges[on_wall]
+    if walls.size == 0:
+        outer = float(section.attrs.get("outer_diameter_m", np.nan)) / 2
+        thickness = float(section.attrs.get("skirt_thickness_m", np.nan))
+        return outer - thickness, outer, float(section.attrs.get("skirt_length_m", np.nan))
+    radii = np.abs(x[walls])
+    return float(radii.min()), float(radii.max()), float(depth[walls].max())
+
+
+def unit_text(values: NDArray[np.float64]) -> tuple[float, str]:
+    """Choose (factor from N, kN or MN) for forces [N] of this size; moments take the same prefixes."""
+    largest = float(np.nanmax(np.abs(values), initial=0.0))
+    return (MN, "MN") if largest >= 1e6 else (KN, "kN")

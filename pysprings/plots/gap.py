@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: MIT
+"""Where the interface is open, and how wide: skirt by azimuth and depth, lid in plan, tip by azimuth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.colors import Normalize
+from matplotlib.patches import Circle
+
+from pysprings.plots.data import pick_step, step_text
+from pysprings.plots.style import DEG, GREY, MM, PALE, PURPLE, STEEL, new_figure, set_title, styled
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+COLOURS = "viridis_r"
+
+
+@dataclass(frozen=True)
+class Opening:
+    """The widest opening of one surface: width [m] and, in words, where."""
+
+    surface: str
+    width: float
+    place: str
+
+    def text(self) -> str:
+        """Return e.g. ``outside: max 0.043 mm, newline, at azimuth 180 deg, depth 0.25 m``."""
+        if not self.width > 0:
+            return f"{self.surface}: closed everywhere"
+        return f"{self.surface}: max {self.width * MM:.3g} mm\nat {self.place}"
+
+
+def openings(path: xr.Dataset, step: int) -> list[Opening]:
+    """Return the widest opening [m] of each surface of the caisson at a step, with its place."""
+    found = [_skirt_opening(path, step, str(side)) for side in path["side"].values]
+    for surface, name in (("lid", "under the lid"), ("tip", "under the tip")):
+        if f"{surface}_gap" in path:
+            found.append(_plan_opening(path, step, surface, name))
+    return found
+
+
+@styled
+def gap_map(path: xr.Dataset, step: int | None = None, displacement: float | None = None) -> Figure:
+    """Draw the gap opening [mm] at a step: outside and inside of the skirt, under the lid, under the tip.
+
+    Parameters
+    ----------
+    path
+        One path with gap (step, side, azimuth, depth) [m]; lid_x, lid_y, lid_gap and tip_* when present.
+    step, displacement
+        A step, or the lateral displacement [m] it should be nearest to; default the last converged step.
+    """
+    step = pick_step(path, step, displacement)
+    found = {each.surface: each for each in openings(path, step)}
+    figure = new_figure(10.0, 7.6)
+    outside, inside, lid, tip = figure.subplots(2, 2).ravel()
+    norm = _skirt_norm(path, step)
+    for axes, side in ((outside, "outside"), (inside, "inside")):
+        if side in found:
+            _draw_skirt(axes, path, step, side, norm)
+            axes.set_title(found[side].text())
+    _draw_lid(lid, path, step, found.get("under the lid"))
+    _draw_tip(tip, path, step, found.get("under the tip"))
+    widest = max(found.values(), key=lambda each: each.width)
+    summary = "closed everywhere"
+    if widest.width > 0:
+        summary = f"max {widest.width * MM:.3g} mm: {widest.surface}, {widest.place}"
+    set_title(figure, f"Gap opening at {step_text(path, step)}", path.attrs, summary)
+    return figure
+
+
+def cell_edges(centres: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
+    """Return the edges half-way between sorted stations, closed by the ends of the range."""
+    return np.concatenate([[low], (centres[1:] + centres[:-1]) / 2, [high]])
+
+
+def _skirt_gap(path: xr.Dataset, step: int, side: str) -> NDArray[np.float64]:
+    """Return the opening [m] of one side, shape (depth, azimuth); penetration counts as closed."""
+    values = path["gap"].sel(side=side).transpose("step", "depth", "azimuth").values[step]
+    return np.maximum(values, 0.0)
+
+
+def _skirt_opening(path: xr.Dataset, step: int, side: str) -> Opening:
+    gap = _skirt_gap(path, step, side)
+    if not np.isfinite(gap).any():
+        return Opening(side, 0.0, "")
+    k, i = np.unravel_index(np.nanargmax(gap), gap.shape)
+    place = f"azimuth {path['azimuth'].values[i] * DEG:.0f}°, depth {path['depth'].values[k]:.2f} m"
+    return Opening(side, float(gap[k, i]), place)
+
+
+def _plan_opening(path: xr.Dataset, step: int, surface: str, name: str) -> Opening:
+    x, y, gap = _plan(path, step, surface)
+    if not np.isfinite(gap).any():
+        return Opening(name, 0.0, "")
+    k = int(np.nanargmax(gap))
+    place = f"azimuth {np.arctan2(abs(y[k]), x[k]) * DEG:.0f}°, radius {np.hypot(x[k], y[k]):.2f} m"
+    return Opening(name, float(gap[k]), place)
+
+
+def _plan(path: xr.Dataset, step: int, surface: str) -> tuple[NDArray[np.float64], ...]:
+    gap = path[f"{surface}_gap"].transpose("step", f"{surface}_point").values[step]
+    return path[f"{surface}_x"].values, path[f"{surface}_y"].values, np.maximum(gap, 0.0)
+
+
+def _skirt_norm(path: xr.Dataset, step: int) -> Normalize:
+    """Return one colour scale [mm] for both sides of the skirt, so that they can be compared."""
+    widest = max(
+        float(np.nanmax(_skirt_gap(path, step, str(side)), initial=0.0)) for side in path["side"].values
+    )
+    return Normalize(0.0, widest * MM if widest > 0 else 1.0)
+
+
+def _draw_skirt(axes: Axes, path: xr.Dataset, step: int, side: str, norm: Normalize) -> None:
+    gap = _skirt_gap(path, step, side) * MM
+    azimuth, depth = path["azimuth"].values, path["depth"].values
+    edges = (
+        cell_edges(azimuth, 0.0, np.pi) * DEG,
+        cell_edges(depth, 0.0, float(path["depth_bounds"].values.max())),
+    )
+    axes.set_facecolor(PALE)
+    drawn = axes.pcolormesh(
+        *edges, np.ma.masked_less_equal(gap, 0.0), norm=norm, cmap=COLOURS, gid=f"gap {side}"
+    )
+    axes.set_xlim(0, 180)
+    axes.set_ylim(edges[1][-1], 0)
+    axes.set_xticks(range(0, 181, 30), ["0\nfront", "30", "60", "90\nside", "120", "150", "180\nback"])
+    axes.set_xlabel("azimuth [deg]")
+    axes.set_ylabel("depth below mudline [m]")
+    axes.grid(False)
+    _bar(axes, drawn, gap)
+
+
+def nearest_station_image(
+    x: NDArray[np.float64], y: NDArray[np.float64], values: NDArray[np.float64], n: int = 241
+) -> np.ma.MaskedArray:
+    """Fill a disc with the value of the nearest station of the mirrored half model, shape (n, n): y, x.
+
+    The square reaches from minus to plus the largest radius of the stations; outside the disc is masked.
+    """
+    from scipy.spatial import cKDTree
+
+    radius = float(np.hypot(x, y).max())
+    line = np.linspace(-radius, radius, n)
+    grid_x, grid_y = np.meshgrid(line, line)
+    tree = cKDTree(np.column_stack([x, np.abs(y)]))
+    _, nearest = tree.query(np.column_stack([grid_x.ravel(), np.abs(grid_y.ravel())]))
+    return np.ma.masked_where(np.hypot(grid_x, grid_y) > radius, values[nearest].reshape(n, n))
+
+
+def _draw_lid(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) -> None:
+    if opening is None:
+        axes.set_axis_off()
+        return
+    x, y, gap = _plan(path, step, "lid")
+    radius = float(np.hypot(x, y).max())
+    axes.add_patch(Circle((0, 0), radius, facecolor=PALE, edgecolor=STEEL, linewidth=1.5, zorder=1))
+    image = nearest_station_image(x, y, gap * MM)
+    drawn = axes.imshow(
+        np.ma.masked_less_equal(image, 0.0),
+        extent=(-radius, radius, -radius, radius),
+        origin="lower",
+        zorder=2,
+        cmap=COLOURS,
+        norm=Normalize(0.0, opening.width * MM or 1.0),
+        interpolation="nearest",
+        gid="gap lid",
+    )
+    axes.plot(np.r_[x, x], np.r_[y, -y], linestyle="none", marker=".", markersize=1.5, color=GREY, zorder=3)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x [m], front on the right")
+    axes.set_ylabel("y [m]")
+    axes.set_title(opening.text())
+    axes.grid(False)
+    _bar(axes, drawn, gap)
+
+
+def _draw_tip(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) -> None:
+    if opening is None:
+        axes.set_axis_off()
+        return
+    x, y, gap = _plan(path, step, "tip")
+    azimuth, radius = np.arctan2(np.abs(y), x) * DEG, np.hypot(x, y)
+    order = np.argsort(azimuth)
+    several = np.ptp(radius) > 1e-6 * radius.max()
+    drawn = axes.scatter(
+        azimuth[order],
+        gap[order] * MM,
+        c=radius[order] if several else PURPLE,
+        cmap="viridis" if several else None,
+        s=22,
+        linewidths=0,
+        gid="gap tip",
+        zorder=3,
+        clip_on=False,
+    )
+    axes.set_xlim(0, 180)
+    axes.set_ylim(0, 1.08 * opening.width * MM if opening.width > 0 else 1)
+    axes.set_xticks(range(0, 181, 30), ["0\nfront", "30", "60", "90\nside", "120", "150", "180\nback"])
+    axes.set_xlabel("azimuth [deg]")
+    axes.set_ylabel("gap [mm]")
+    axes.set_title(opening.text())
+    if several:
+        axes.figure.colorbar(drawn, ax=axes, label="radius of the point [m]", pad=0.02)
+
+
+def _bar(axes: Axes, drawn: ScalarMappable, values: NDArray[np.float64]) -> None:
+    """Add a colour bar [mm]; where nothing is open, say so instead."""
+    if np.nanmax(values, initial=0.0) > 0:
+        axes.figure.colorbar(drawn, ax=axes, label="gap [mm] (grey: closed)", pad=0.02)
+    else:
+        text = axes.text(0.5, 0.5, "closed", transform=axes.transAxes, ha="center", va="center", fontsize=12)
+        text.set_bbox({"facecolor": "white", "edgecolor": PURPLE, "pad": 4})

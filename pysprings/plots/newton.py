@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: MIT
+"""The Newton record of a path: iterations by increment with cut-backs, and every residual."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+
+from pysprings.plots.data import converged
+from pysprings.plots.style import BLUE, GREEN, GREY, SKY, VERMILLION, new_figure, set_title, styled
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One try at an increment: step, number, rows in the record, iterations taken, whether the step kept it.
+
+    The first row (iteration 0) is the residual before the first iteration.
+    """
+
+    step: int
+    number: int
+    rows: NDArray[np.int64]
+    iterations: int
+    accepted: bool
+
+
+def failed_steps(path: xr.Dataset, record: xr.Dataset) -> tuple[int, ...]:
+    """Return the steps of a record that were never accepted: marked so, or the last one of a partial path."""
+    failed = {int(k) for k in np.flatnonzero(~converged(path))}
+    if path.attrs.get("status") == "partial" and record.sizes["iteration"]:
+        failed.add(int(record["step"].values[-1]))
+    return tuple(sorted(failed))
+
+
+def attempts(record: xr.Dataset, failed_steps: tuple[int, ...] = ()) -> list[Attempt]:
+    """Split a Newton record in attempts, in their order.
+
+    The last attempt at a step is the accepted one, the earlier ones were cut back; a step in `failed_steps`
+    has no accepted attempt.
+    """
+    step, number = record["step"].values, record["attempt"].values
+    changes = np.flatnonzero((np.diff(step) != 0) | (np.diff(number) != 0)) + 1
+    blocks = [rows for rows in np.split(np.arange(step.size), changes) if rows.size]
+    found = []
+    for k, rows in enumerate(blocks):
+        this = int(step[rows[0]])
+        last = k + 1 == len(blocks) or int(step[blocks[k + 1][0]]) != this
+        taken = int(record["iteration"].values[rows].max())
+        found.append(Attempt(this, int(number[rows[0]]), rows, taken, last and this not in failed_steps))
+    return found
+
+
+@styled
+def newton_record(record: xr.Dataset, failed_steps: tuple[int, ...] = ()) -> Figure:
+    """Draw iterations by increment (cut-backs apart) and the history of the relative residual.
+
+    Parameters
+    ----------
+    record
+        ``/paths/<name>/convergence``: step, attempt, iteration, residual (relative), all (iteration,).
+        attrs ``tolerance`` draws the line to reach.
+    failed_steps
+        Steps that did not converge: all their attempts count as given up.
+    """
+    tries = attempts(record, failed_steps)
+    figure = new_figure(9.6, 6.4)
+    above, below = figure.subplots(2, 1)
+    _bars(above, tries)
+    _residuals(below, record, tries)
+    kept = [each.iterations for each in tries if each.accepted]
+    given_up = sum(not each.accepted for each in tries)
+    median = f"median {np.median(kept):g}, most {max(kept)} per increment; " if kept else ""
+    worst = [float(record["residual"].values[each.rows[-1]]) for each in tries if each.accepted]
+    reached = f"; worst accepted residual {max(worst):.1e}" if worst else ""
+    set_title(figure, "Newton iterations", record.attrs, f"{median}attempts given up: {given_up}{reached}")
+    return figure
+
+
+def _bars(axes: Axes, tries: list[Attempt]) -> None:
+    height: dict[int, int] = {}
+    for each in tries:
+        base = height.get(each.step, 0)
+        axes.bar(
+            each.step,
+            each.iterations,
+            bottom=base,
+            width=0.8,
+            color=BLUE if each.accepted else VERMILLION,
+            edgecolor="white",
+            linewidth=0.6,
+            hatch=None if each.accepted else "////",
+            gid="accepted" if each.accepted else "cut back",
+        )
+        height[each.step] = base + each.iterations
+    axes.set_xlabel("increment")
+    axes.set_ylabel("iterations")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_title("Iterations by increment")
+    axes.set_xlim(min(height, default=1) - 0.8, max(height, default=1) + 0.8)
+    handles = [Patch(facecolor=BLUE, label="accepted")]
+    if any(not each.accepted for each in tries):
+        handles.append(
+            Patch(facecolor=VERMILLION, edgecolor="white", hatch="////", label="given up: step cut back")
+        )
+        axes.set_ylim(top=max(height.values()) * 1.25)
+    axes.legend(handles=handles, loc="upper right", ncols=2)
+
+
+def _residuals(axes: Axes, record: xr.Dataset, tries: list[Attempt]) -> None:
+    residual = record["residual"].values.astype(float)
+    shown = np.where(residual > 0, residual, np.nan)
+    for k, each in enumerate(tries):
+        colour = (BLUE, SKY)[k % 2] if each.accepted else VERMILLION
+        axes.semilogy(
+            each.rows + 1,
+            shown[each.rows],
+            color=colour,
+            marker="o" if each.accepted else "x",
+            markersize=3.5,
+            linewidth=1.0,
+            gid="accepted" if each.accepted else "cut back",
+        )
+    handles = [
+        Line2D(
+            [],
+            [],
+            color=BLUE,
+            marker="o",
+            markersize=3.5,
+            linewidth=1.0,
+            label="one increment (two blues in turn)",
+        )
+    ]
+    if any(not each.accepted for each in tries):
+        handles.append(Line2D([], [], color=VERMILLION, marker="x", linewidth=1.0, label="given up"))
+    if "tolerance" in record.attrs:
+        axes.axhline(float(record.attrs["tolerance"]), color=GREEN, linestyle="--", linewidth=1.4)
+        handles.append(
+            Line2D([], [], color=GREEN, linestyle="--", label=f"tolerance {record.attrs['tolerance']:g}")
+        )
+    axes.set_xlabel("iteration, counted over the whole path")
+    axes.set_ylabel("relative residual [-]")
+    axes.set_title("Residual at every iteration")
+    axes.legend(handles=handles, loc="upper right", ncols=3)
+    low, high = np.nanmin(shown, initial=1e-8), np.nanmax(shown, initial=1.0)
+    axes.set_ylim(low / 3, high * 100)
+    axes.axhline(1.0, color=GREY, linewidth=0.6)

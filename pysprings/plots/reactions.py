@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""p-y curves by depth, net and by side (the paper's figure 16)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+import numpy as np
+
+from pysprings.plots.data import converged, lateral_reaction, pick_depths, spread_depths
+from pysprings.plots.labels import label_ends
+from pysprings.plots.style import (
+    KN,
+    MM,
+    new_figure,
+    note_unconverged,
+    plot_path,
+    set_title,
+    styled,
+    zero_lines,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+MOST_CURVES = 7
+PANELS = {"net": "net (outside + inside)", "outside": "outside of the skirt", "inside": "inside of the skirt"}
+
+
+@styled
+def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure:
+    """Draw the lateral soil reaction p [kN/m] against the displacement y [mm] of the mean fibre, by depth.
+
+    Parameters
+    ----------
+    path
+        One path of a result or of a spring set.
+    depths
+        Depths [m]; the nearest rings are drawn. Default: at most seven rings, evenly over the skirt.
+    """
+    rings = spread_depths(path, MOST_CURVES) if depths is None else pick_depths(path, depths)
+    reactions = {side: p for side, p in lateral_reaction(path).items() if side in PANELS}
+    figure = new_figure(9.6, 7.4)
+    grid = figure.add_gridspec(2, 2, height_ratios=[1.25, 1.0])
+    places = {"net": grid[0, :], "outside": grid[1, 0], "inside": grid[1, 1]}
+    for side, p in reactions.items():
+        _panel(figure.add_subplot(places[side]), path, p, rings, PANELS[side])
+    for axes in figure.axes:
+        _make_room(axes)
+        _label_depths(axes)
+        zero_lines(axes)
+    set_title(figure, "p-y curves by depth (depth below mudline at the end of each curve)", path.attrs)
+    return figure
+
+
+def depth_colours(n: int) -> list[Any]:
+    """Return n colours from shallow (light) to deep (dark), readable on white and in grey print."""
+    return list(mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, n)))
+
+
+def _panel(axes: Axes, path: xr.Dataset, p: NDArray[np.float64], rings: list[int], title: str) -> None:
+    good = converged(path)
+    y = path["y"].transpose("depth", "step").values
+    for ring, colour in zip(rings, depth_colours(len(rings)), strict=True):
+        depth = float(path["depth"][ring])
+        plot_path(
+            axes, y[ring] * MM, p[ring] * KN, good, color=colour, linewidth=1.7, label=f"_{depth:.2f} m"
+        )
+    note_unconverged(axes, good)
+    if not good.all():
+        axes.legend(loc="best")
+    axes.set_xlabel("displacement y of the mean fibre [mm]")
+    axes.set_ylabel("reaction p [kN/m]")
+    axes.set_title(title)
+
+
+def _make_room(axes: Axes) -> None:
+    """Widen the view for the labels: most curves end on the right."""
+    axes.margins(x=0.04, y=0.1)
+    left, right = axes.get_xlim()
+    axes.set_xlim(left, right + 0.14 * (right - left))
+
+
+def _label_depths(axes: Axes) -> None:
+    """Label each curve at its last converged point."""
+    curves = [(line, str(line.get_label()).lstrip("_")) for line in axes.get_lines()]
+    label_ends(axes, [(line, text) for line, text in curves if text.endswith(" m")])

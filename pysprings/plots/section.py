@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: MIT
+"""Figures in the symmetry plane: the mesh with the caisson in it, and the displacement of the soil."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import patheffects
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize, TwoSlopeNorm
+from matplotlib.patches import Polygon, Rectangle
+from matplotlib.ticker import MaxNLocator
+
+from pysprings.plots.data import caisson_size, pick_step, step_text
+from pysprings.plots.style import INK, MM, SOIL, STEEL, VERMILLION, new_figure, set_title, styled
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+LID_SHARE = 0.05  # thickness of a drawn lid over the diameter, where the scene's is not known
+
+
+@styled
+def mesh(section: xr.Dataset) -> Figure:
+    """Draw the mesh in the symmetry plane with the caisson, whole and near the caisson.
+
+    Parameters
+    ----------
+    section
+        ``/section`` of a result: section_x, section_depth (section_node) [m] and section_quad
+        (section_cell, corner).
+    """
+    figure = new_figure(8.2, 8.4, compressed=True)
+    whole, near = figure.subplots(2, 1, height_ratios=[1, 1.75])
+    for axes in (whole, near):
+        _draw_mesh(axes, section)
+        _draw_caisson(axes, section)
+        _label_axes(axes)
+    whole.set_title("whole section")
+    whole.set_ylim(top=-1.6)
+    frame = _zoom(near, section, 1.6, 1.8)
+    near.set_title("near the caisson (frame above)")
+    whole.add_patch(
+        Rectangle(
+            (frame[0], frame[2]),
+            frame[1] - frame[0],
+            frame[3] - frame[2],
+            fill=False,
+            edgecolor=VERMILLION,
+            linewidth=1.5,
+            zorder=6,
+        )
+    )
+    _load_arrow(near, section)
+    set_title(figure, "Mesh in the symmetry plane", section.attrs, _mesh_counts(section))
+    return figure
+
+
+@styled
+def section_displacement(
+    section: xr.Dataset, path: xr.Dataset, step: int | None = None, displacement: float | None = None
+) -> Figure:
+    """Draw lateral and vertical displacement [mm] of the soil in the symmetry plane (paper's figures 5, 6).
+
+    Parameters
+    ----------
+    section
+        ``/section`` of a result.
+    path
+        One path with section_ux, section_uz (step, section_node) [m].
+    step, displacement
+        A step, or the lateral displacement [m] it should be nearest to; default the last converged step.
+    """
+    step = pick_step(path, step, displacement)
+    figure = new_figure(8.2, 9.0, compressed=True)
+    lateral, vertical = figure.subplots(2, 1)
+    for axes, name, title in (
+        (lateral, "section_ux", "lateral displacement of the soil, towards +x [mm]"),
+        (vertical, "section_uz", "vertical displacement of the soil, down + [mm]"),
+    ):
+        values = path[name].transpose("step", "section_node").values[step] * MM
+        _draw_field(axes, section, values)
+        _draw_caisson(axes, section)
+        _zoom(axes, section, 2.6, 2.4)
+        _label_axes(axes)
+        axes.set_title(title)
+    _load_arrow(lateral, section)
+    factor = _draw_moved_caisson(lateral, section, path, step)
+    _draw_moved_caisson(vertical, section, path, step)
+    moved = f"dashed: the caisson's motion, {factor:g} times" if factor else ""
+    set_title(figure, f"Displacement in the symmetry plane at {step_text(path, step)}", path.attrs, moved)
+    return figure
+
+
+def quad_corners(section: xr.Dataset) -> NDArray[np.float64]:
+    """Return the corners of the section's cells, shape (cell, corner, 2): x and depth [m]."""
+    nodes = np.column_stack([section["section_x"].values, section["section_depth"].values])
+    corners: NDArray[np.float64] = nodes[
+        section["section_quad"].transpose("section_cell", "corner").values.astype(int)
+    ]
+    return corners
+
+
+def triangles(section: xr.Dataset) -> NDArray[np.int64]:
+    """Split each cell of the section in two triangles, shape (2 n_cell, 3), node numbers; voids stay void."""
+    quads = section["section_quad"].transpose("section_cell", "corner").values.astype(int)
+    return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+
+
+def _draw_mesh(axes: Axes, section: xr.Dataset) -> None:
+    cells = PolyCollection(list(quad_corners(section)), facecolor=SOIL, edgecolor="#9a8f78", linewidth=0.35)
+    cells.set_gid("mesh")
+    axes.add_collection(cells)
+    axes.autoscale_view()
+    axes.grid(False)
+
+
+def _draw_field(axes: Axes, section: xr.Dataset, values: NDArray[np.float64]) -> None:
+    from matplotlib.tri import Triangulation
+
+    grid = Triangulation(section["section_x"].values, section["section_depth"].values, triangles(section))
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    norm: Normalize
+    if low < 0 < high and -low > 0.05 * high:
+        norm, colours = TwoSlopeNorm(0.0, -max(high, -low), max(high, -low)), "RdBu_r"
+    else:
+        norm, colours = Normalize(min(low, 0.0), max(high, 1e-9)), "viridis"
+    shade = axes.tripcolor(grid, values, shading="gouraud", norm=norm, cmap=colours, rasterized=True)
+    levels = np.asarray(MaxNLocator(9).tick_values(low, high) if high > low else [])
+    if levels.size:
+        lines = axes.tricontour(grid, values, levels=levels, colors="black", linewidths=0.5)
+        for text in axes.clabel(lines, fontsize=7.5, fmt=lambda v: f"{v:g}"):
+            text.set_path_effects([patheffects.withStroke(linewidth=2.0, foreground="white")])
+    bar = axes.figure.colorbar(shade, ax=axes, label="mm", shrink=0.85, pad=0.02)
+    bar.ax.set_ylim(low, max(high, low + 1e-9))
+    axes.grid(False)
+
+
+def caisson_polygon(section: xr.Dataset) -> NDArray[np.float64]:
+    """Return the outline of the caisson in the symmetry plane, shape (9, 2): x and depth [m]."""
+    inner, outer, length = caisson_size(section)
+    top = -float(section.attrs.get("lid_thickness_m", 2 * LID_SHARE * outer))
+    return np.array(
+        [
+            (-outer, top),
+            (outer, top),
+            (outer, length),
+            (inner, length),
+            (inner, 0.0),
+            (-inner, 0.0),
+            (-inner, length),
+            (-outer, length),
+            (-outer, top),
+        ]
+    )
+
+
+def _draw_caisson(axes: Axes, section: xr.Dataset) -> None:
+    outline = caisson_polygon(section)
+    if np.isfinite(outline).all():
+        axes.add_patch(
+            Polygon(outline, closed=True, facecolor=STEEL, edgecolor=STEEL, linewidth=1.0, zorder=4)
+        )
+        axes.patches[-1].set_gid("caisson")
+
+
+def _draw_moved_caisson(axes: Axes, section: xr.Dataset, path: xr.Dataset, step: int) -> float:
+    """Draw the displaced outline, exaggerated; return the factor (0 when nothing moved)."""
+    outline = caisson_polygon(section)
+    u, w, rotation = (float(path[name][step]) for name in ("u", "w", "rotation"))
+    motion = np.column_stack([u + rotation * outline[:, 1], w - rotation * outline[:, 0]])
+    largest = float(np.abs(motion).max())
+    if not np.isfinite(largest) or largest < 1e-12:
+        return 0.0
+    exact = 0.15 * outline[:, 0].max() / largest
+    factor = float(f"{exact:.0e}")  # one digit: a round number to read
+    axes.plot(*(outline + factor * motion).T, color=VERMILLION, linewidth=1.4, linestyle="--", zorder=7)
+    return factor
+
+
+def _zoom(axes: Axes, section: xr.Dataset, radii: float, lengths: float) -> tuple[float, float, float, float]:
+    """Frame the neighbourhood of the caisson; return its (left, right, top, bottom) [m]."""
+    _, outer, length = caisson_size(section)
+    reach, floor = section["section_x"].values.max(), section["section_depth"].values.max()
+    half = float(np.nanmin([radii * outer, reach]))
+    bottom = float(np.nanmin([lengths * length, floor]))
+    top = -0.28 * (outer if np.isfinite(outer) else half)
+    axes.set_xlim(-half, half)
+    axes.set_ylim(bottom, top)
+    return -half, half, top, bottom
+
+
+def _label_axes(axes: Axes) -> None:
+    axes.set_aspect("equal")
+    if not axes.yaxis_inverted():
+        axes.invert_yaxis()
+    axes.set_xlabel("x, loading direction [m]")
+    axes.set_ylabel("depth below mudline [m]")
+
+
+def _load_arrow(axes: Axes, section: xr.Dataset) -> None:
+    """Mark the sense of a positive load above the lid."""
+    _, outer, _ = caisson_size(section)
+    if np.isfinite(outer):
+        axes.annotate(
+            "",
+            (1.35 * outer, -0.12 * outer),
+            xytext=(1.03 * outer, -0.12 * outer),
+            zorder=8,
+            arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.6},
+        )
+        axes.annotate("H, u", (1.4 * outer, -0.12 * outer), va="center", ha="left", fontsize=9)
+
+
+def _mesh_counts(section: xr.Dataset) -> str:
+    attrs: dict[Any, Any] = section.attrs
+    words = [f"preset {attrs['mesh_preset']}"] if attrs.get("mesh_preset") else []
+    for key, name in (("n_nodes", "nodes"), ("n_elements", "elements"), ("n_unknowns", "unknowns")):
+        if key in attrs:
+            words.append(f"{int(attrs[key]):,} {name}")
+    return ", ".join(words)

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: MIT
+"""How every figure looks: palette, units for people, titles, marks of unconverged steps."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, ParamSpec
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import ArrayLike, NDArray
+
+KN, MN, KPA, MM, MRAD = 1e-3, 1e-6, 1e-3, 1e3, 1e3  # from N, N, Pa, m, rad
+DEG = 180 / np.pi
+
+# Okabe & Ito (2008), safe for colour-blind readers. One colour has one meaning in all figures.
+INK, GREY, PALE = "#1a1a1a", "#7a7a7a", "#e6e6e6"
+BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
+PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
+SURFACE_COLOURS = {"outer": BLUE, "inner": ORANGE, "lid": GREEN, "tip": PURPLE}
+SIDE_COLOURS = {"outside": BLUE, "inside": ORANGE}
+STEEL, SOIL = "#4a4a4a", "#f5efe1"
+
+# Any: the type of rc parameters lists every key by name.
+STYLE: Any = {
+    "font.family": ["DejaVu Sans"],
+    "font.size": 10.0,
+    "axes.titlesize": 10.5,
+    "axes.labelsize": 10.0,
+    "legend.fontsize": 9.0,
+    "xtick.labelsize": 9.0,
+    "ytick.labelsize": 9.0,
+    "figure.titlesize": 12.0,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlelocation": "left",
+    "lines.linewidth": 1.8,
+    "text.usetex": False,
+    "svg.hashsalt": "pysprings",
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+    "axes.formatter.useoffset": False,
+    "axes.unicode_minus": True,
+    "hatch.linewidth": 0.8,
+}
+
+Arguments = ParamSpec("Arguments")
+
+
+def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
+    """Draw under the project's own settings, whatever the caller's matplotlib settings are."""
+
+    @functools.wraps(draw)
+    def wrapper(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Figure:
+        with mpl.rc_context(STYLE):
+            return draw(*args, **kwargs)
+
+    return wrapper
+
+
+def new_figure(width: float, height: float, compressed: bool = False) -> Figure:
+    """Return an empty figure of this size [inch], drawn by Agg, outside pyplot.
+
+    `compressed` closes the empty room between panels of equal aspect.
+    """
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    figure.set_layout_engine(ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.08, compress=compressed))
+    return figure
+
+
+def headline(attrs: Mapping[str, Any]) -> str:
+    """Return the settings that every title states: path, drainage, diameter D and skirt length L [m]."""
+    parts = [f"path {plain(attrs['path'])}"] if attrs.get("path") else []
+    parts += [plain(attrs["drainage"])] if attrs.get("drainage") else []
+    if np.isfinite(attrs.get("outer_diameter_m", np.nan)):
+        parts.append(f"D = {attrs['outer_diameter_m']:g} m, L = {attrs.get('skirt_length_m', np.nan):g} m")
+    return "  |  ".join(parts)
+
+
+def plain(text: object) -> str:
+    """Return text from a scene so that matplotlib does not read it as a formula."""
+    return str(text).replace("$", r"\$")
+
+
+def set_title(figure: Figure, what: str, attrs: Mapping[str, Any], more: str = "") -> None:
+    """Write the figure's title: what it shows, then the settings of the run, then a remark."""
+    figure.suptitle("\n".join(line for line in (what, headline(attrs), more) if line))
+
+
+def plot_path(
+    axes: Axes, x: ArrayLike, y: ArrayLike, good: NDArray[np.bool_], **line: Any
+) -> NDArray[np.float64]:
+    """Draw a curve through its converged steps and a cross at each unconverged one; the line stops there.
+
+    Returns the drawn ordinates of the line, NaN where unconverged.
+    """
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    valid = np.where(good, y, np.nan)
+    (drawn,) = axes.plot(x, valid, **line)
+    bad = ~good & np.isfinite(x) & np.isfinite(y)
+    if bad.any():
+        axes.plot(
+            x[bad],
+            y[bad],
+            linestyle="none",
+            marker="x",
+            markersize=8,
+            markeredgewidth=1.8,
+            color=drawn.get_color(),
+            label="_unconverged",
+            gid="unconverged",
+            zorder=5,
+        )
+    return valid
+
+
+def note_unconverged(axes: Axes, good: NDArray[np.bool_]) -> None:
+    """Say beside the curves what the crosses mean, when there are any."""
+    if not good.all():
+        axes.plot([], [], linestyle="none", marker="x", markeredgewidth=1.8, color=INK, label="not converged")
+
+
+def zero_lines(axes: Axes) -> None:
+    """Draw the axes through zero that the view contains."""
+    low, high = sorted(axes.get_ylim())
+    if low < 0 < high:
+        axes.axhline(0.0, color=GREY, linewidth=0.8, zorder=1)
+    low, high = sorted(axes.get_xlim())
+    if low < 0 < high:
+        axes.axvline(0.0, color=GREY, linewidth=0.8, zorder=1)

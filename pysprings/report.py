@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: MIT
+"""One self-contained report.html of a run: inputs, checks, figures, comparison, limits, cost.
+
+The page needs nothing beside it (pictures are inside), runs no script, and prints. Every text that comes from
+a scene or a file is escaped by the template engine.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pysprings.report_tables import (
+    Table,
+    compare_table,
+    convergence_table,
+    cost_tables,
+    end_table,
+    equilibrium_table,
+    input_tables,
+    mesh_table,
+    validity,
+)
+from pysprings.sketch import axes_svg
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+CAPTIONS = {
+    "mesh": "Mesh in the symmetry plane",
+    "load_displacement": "Load by component, vertical forces, rotation and heave",
+    "macro_against_full": "Rigid body on springs against the full model",
+    "py": "p-y curves by depth",
+    "stress_outside": "Normal effective stress around the caisson, outside",
+    "stress_inside": "Normal effective stress around the caisson, inside",
+    "gap": "Gap opening",
+    "section": "Displacement in the symmetry plane",
+    "newton": "Newton iterations",
+}
+MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure of the report: caption, the file's bytes as a data URI, whether it needs a page's height."""
+
+    caption: str
+    source: str
+    tall: bool = False
+
+
+@dataclass(frozen=True)
+class PathPart:
+    """What the report says of one path."""
+
+    name: str
+    status: str
+    values: Table
+    pictures: Sequence[Picture] = field(default_factory=tuple)
+
+
+def write_report(
+    folder: str | os.PathLike[str],
+    result: xr.DataTree | None = None,
+    springs: xr.DataTree | None = None,
+    compare: pd.DataFrame | None = None,
+    run: Mapping[str, Any] | None = None,
+    figures: Sequence[str | os.PathLike[str]] | None = None,
+) -> Path:
+    """Write ``report.html`` into the folder of a run, whole or not at all; return its path.
+
+    Whatever is not given is read from the folder: full_model.nc, springs.nc, compare.csv, run.json and the
+    pictures in it and in its subfolder ``figures``. Only the result is needed.
+    """
+    from pysprings.storage import read_tree, write_text
+
+    place = Path(folder)
+    result = read_tree(place / "full_model.nc") if result is None else result
+    if springs is None and (place / "springs.nc").exists():
+        springs = read_tree(place / "springs.nc")
+    if compare is None and (place / "compare.csv").exists():
+        compare = _read_table(place / "compare.csv")
+    if run is None and (place / "run.json").exists():
+        run = json.loads((place / "run.json").read_text(encoding="utf-8"))
+    files = [Path(file) for file in figures] if figures is not None else _pictures_in(place)
+    return write_text(render(result, springs, compare, run, files), place / "report.html")
+
+
+def render(
+    result: xr.DataTree,
+    springs: xr.DataTree | None = None,
+    compare: pd.DataFrame | None = None,
+    run: Mapping[str, Any] | None = None,
+    figures: Sequence[Path] = (),
+) -> str:
+    """Return the report as HTML text.
+
+    Parameters
+    ----------
+    result
+        Full model.
+    springs
+        Spring set; the equilibrium check is made on it, else on the result.
+    compare
+        Table of `pysprings.compare.compare`, one row per path and spring set.
+    run
+        Content of run.json: cost by phase, what was left out.
+    figures
+        Picture files, named as `pysprings.plots.save_all` names them.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    run = run or {}
+    names = list(result["paths"].children) if "paths" in result.children else []
+    paths = {name: result[f"paths/{name}"] for name in names}
+    page = Environment(
+        loader=PackageLoader("pysprings", "templates"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    ).get_template("report.html.j2")  # fmt: skip
+    return page.render(
+        attrs={key: result.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")},
+        status=str(run.get("status") or result.attrs.get("status", "")),
+        started=str(run.get("started_utc") or ""),
+        failures=[str(failure) for failure in run.get("failures", ())],
+        sketch=_uri(axes_svg().encode(), ".svg"),
+        inputs=input_tables(str(result.attrs.get("scene_toml", ""))),
+        validity=validity(result, springs),
+        left_out=_left_out(run.get("left_out", ())),
+        mesh=mesh_table(result.attrs, run),
+        mesh_pictures=_pictures(figures, ""),
+        convergence=convergence_table(paths, run),
+        equilibrium=equilibrium_table(springs if springs is not None else result),
+        paths=[
+            PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n))
+            for n, p in paths.items()
+        ],
+        compare=compare_table(compare),
+        cost=cost_tables(run),
+    )
+
+
+def _left_out(left_out: Any) -> list[tuple[str, str]]:
+    """Return (what, why) of everything that the scene leaves out."""
+    if isinstance(left_out, Mapping):
+        return [(str(what), str(why)) for what, why in left_out.items()]
+    pairs = [item.values() if isinstance(item, Mapping) else item for item in left_out]
+    return [
+        (str(what), str(why))
+        for what, why in (pair if not isinstance(pair, str) else (pair, "") for pair in pairs)
+    ]
+
+
+def _pictures_in(folder: Path) -> list[Path]:
+    return [
+        file
+        for place in (folder, folder / "figures")
+        for file in sorted(place.glob("*"))
+        if file.suffix in MEDIA
+    ]
+
+
+def _pictures(files: Iterable[Path], path: str) -> list[Picture]:
+    """Embed the pictures of a path (of the whole run: ``""``), once each; SVG where there is one."""
+    best: dict[str, Path] = {}
+    for file in files:
+        if file.stem not in best or file.suffix == ".svg":
+            best[file.stem] = file
+    kinds = {stem: kind for stem in best if (kind := _kind(stem, path))}
+    order = sorted(kinds, key=lambda stem: (list(CAPTIONS).index(kinds[stem][0]), kinds[stem][1] == "last"))
+    return [
+        Picture(
+            _caption(*kinds[stem]),
+            _uri(best[stem].read_bytes(), best[stem].suffix),
+            "stress" in kinds[stem][0],
+        )
+        for stem in order
+    ]
+
+
+def _kind(stem: str, path: str) -> tuple[str, str] | None:
+    """Split a picture's name in (kind, state); None when it is not of the path (of the whole run: ``""``)."""
+    if path and not stem.startswith(f"{path}_"):
+        return None
+    rest = stem.removeprefix(f"{path}_") if path else stem
+    if rest in CAPTIONS:
+        return rest, ""
+    kind, _, state = rest.rpartition("_")
+    return (kind, state) if path and kind in CAPTIONS else None
+
+
+def _caption(kind: str, state: str) -> str:
+    if not state:
+        return CAPTIONS[kind]
+    at = "at the last converged step" if state == "last" else f"at u = {state.replace('mm', ' mm')}"
+    return f"{CAPTIONS[kind]}, {at}"
+
+
+def _uri(content: bytes, suffix: str) -> str:
+    return f"data:{MEDIA[suffix]};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def _read_table(file: Path) -> pd.DataFrame:
+    import pandas as pd
+
+    return pd.read_csv(file, comment="#")
