@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: MIT
+"""The command `pysprings`: data on stdout, talk on stderr; commands load what they need."""
+
+from __future__ import annotations
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pysprings import __version__
+from pysprings.cli_support import (
+    DEBUG,
+    guarded,
+    prepare_folder,
+    print_json,
+    quantities,
+    refuse,
+    say,
+    springs_of,
+)
+
+EPILOG = (
+    "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; "
+    "130 interrupted."
+)
+
+app = typer.Typer(
+    help="p-y springs of suction caissons from a 3D finite-element model, and the prediction made with them.",
+    epilog=EPILOG,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+class Preset(StrEnum):
+    """Mesh presets, as in the scene's [mesh]."""
+
+    coarse = "coarse"
+    medium = "medium"
+    paper = "paper"
+    fine = "fine"
+
+
+class Format(StrEnum):
+    """Formats of spring tables."""
+
+    csv = "csv"
+    xlsx = "xlsx"
+    json = "json"
+    nc = "nc"
+
+
+class SpringSet(StrEnum):
+    """What a prediction uses: all springs, or the lateral p-y springs alone."""
+
+    full = "full"
+    py = "py"
+
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (TOML)")]
+Result = Annotated[Path, typer.Argument(metavar="RESULT", help="folder of a run, or its springs.nc")]
+Mesh = Annotated[Preset | None, typer.Option("--mesh", help="mesh preset instead of the scene's")]
+Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"pysprings {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    _version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version and exit.", is_eager=True, callback=_print_version),
+    ] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+) -> None:
+    DEBUG["on"] = debug
+
+
+@app.command()
+@guarded
+def init(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="scene file to write")] = Path("caisson.toml"),
+    template: Annotated[
+        str, typer.Option("--template", metavar="NAME", help="scene to start from")
+    ] = "paper-drained",
+    force: Annotated[bool, typer.Option("--force", help="replace existing files")] = False,
+) -> None:
+    """Write a commented scene, and the JSON schema that helps editors with it."""
+    from pysprings.scene_template import write_scene
+
+    written = write_scene(file, template, force)
+    for path in written:
+        print(path)
+    kept = "" if len(written) > 1 else "the schema that was there is kept; --force renews it\n"
+    say(f"{kept}next: pysprings check {file}")
+
+
+@app.command()
+@guarded
+def check(scene: SceneFile, mesh: Mesh = None, as_json: Json = False) -> None:
+    """Validate a scene; say what it leaves out, how large the model is and what it costs. Solves nothing."""
+    from pysprings.cli_reports import describe_json, print_description
+    from pysprings.scene import load_scene
+
+    loaded = load_scene(scene)
+    loaded = loaded.replace(mesh={"preset": mesh.value}) if mesh else loaded
+    from pysprings.build import describe
+
+    about = describe(loaded)
+    if as_json:
+        print_json(describe_json(scene, loaded, about))
+    else:
+        print_description(scene, loaded, about)
+
+
+@app.command()
+@guarded
+def run(
+    scene: SceneFile,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/SCENE]")
+    ] = None,
+    mesh: Mesh = None,
+    force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
+    as_json: Json = False,
+) -> None:
+    """Full model, springs, prediction with the springs, tables and pictures."""
+    from pysprings.cli_reports import print_results, results_json
+    from pysprings.progress import reporter
+    from pysprings.scene import load_scene
+
+    loaded = load_scene(scene)
+    folder = out or Path("out") / scene.stem
+    prepare_folder(folder, force)
+    from pysprings.folder import run_to_folder
+
+    with reporter(sys.stderr) as progress:
+        folder = run_to_folder(loaded, folder, mesh=mesh.value if mesh else None, progress=progress)
+    if as_json:
+        print_json(results_json(folder))
+    else:
+        print_results(folder)
+
+
+@app.command()
+@guarded
+def springs(
+    result: Result,
+    form: Annotated[Format | None, typer.Option("--format", help="[default: from --out, else csv]")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="file to write [default: stdout]")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
+    wanted = "json" if as_json else _format(form, out)
+    tree = springs_of(result)
+    if out is None:
+        from pysprings.exporters import text
+
+        print(text(tree, wanted), end="")
+    elif wanted == "nc":
+        from pysprings.springs import save_springs
+
+        print(save_springs(tree, out))
+    else:
+        from pysprings.exporters import export
+
+        print(export(tree, wanted, out))
+
+
+def _format(form: Format | None, out: Path | None) -> str:
+    """Return the format asked for: by option, by the ending of the file, or csv."""
+    known = [item.value for item in Format]
+    ending = out.suffix.lstrip(".").lower() if out else "csv"
+    wanted = form.value if form else ending
+    if wanted not in known:
+        refuse("--out", f"no format is known for '{ending}'; give --format {'|'.join(known)}", out)
+    if out is None and wanted in (Format.xlsx, Format.nc):
+        refuse("--out", f"the format {wanted} needs a file")
+    if out is not None and out.is_dir():
+        refuse("--out", "is a folder, not a file", out)
+    return wanted
+
+
+@app.command()
+@guarded
+def predict(
+    result: Annotated[Path, typer.Argument(metavar="SPRINGS", help="springs.nc, or the folder of a run")],
+    load: Annotated[
+        str | None, typer.Option("--H", metavar="FORCE", help='lateral load, e.g. "2 MN"')
+    ] = None,
+    arm: Annotated[
+        str | None, typer.Option("--arm", metavar="LENGTH", help='its height above mudline, e.g. "8 m"')
+    ] = None,
+    moment: Annotated[
+        str | None,
+        typer.Option("--M", metavar="MOMENT", help='moment about the lid centre, -H*arm, e.g. "-3 MN m"'),
+    ] = None,
+    vertical: Annotated[
+        str | None, typer.Option("--V", metavar="FORCE", help="vertical load, positive down")
+    ] = None,
+    u_max: Annotated[
+        str | None,
+        typer.Option("--u-max", metavar="LENGTH", help='a whole curve up to this displacement, e.g. "5 mm"'),
+    ] = None,
+    points: Annotated[int, typer.Option("--points", help="points of the curve", min=2, max=10_000)] = 50,
+    spring_set: Annotated[SpringSet, typer.Option("--springs", help="springs to use")] = SpringSet.full,
+    path: Annotated[
+        str | None, typer.Option("--path", metavar="NAME", help="load path whose springs serve")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Predict displacement and rotation of the rigid caisson on its springs, or a load-displacement curve."""
+    from pysprings.cli_reports import prediction_json, print_prediction
+
+    given = quantities(
+        {
+            "--H": (load, "N", "2 MN"),
+            "--arm": (arm, "m", "8 m"),
+            "--M": (moment, "N m", "-3 MN m"),
+            "--V": (vertical, "N", "4 MN"),
+            "--u-max": (u_max, "m", "5 mm"),
+        }
+    )
+    _refuse_wrong_loads(given)
+    tree = springs_of(result)
+    from pysprings import macro
+
+    force, height, limit, down = given["--H"], given["--arm"], given["--u-max"], given["--V"]
+    kind = spring_set.value
+    if limit is not None:
+        states = macro.curve(
+            tree, u_max=limit, arm=height or 0.0, n=points, V=down, springs_kind=kind, path=path
+        )
+    else:
+        assert force is not None  # seen to by _refuse_wrong_loads
+        answer = macro.predict(
+            tree, H=force, arm=height, M=given["--M"], V=down, springs_kind=kind, path=path
+        )
+        states = answer.isel(step=[-1])
+    if as_json:
+        print_json(prediction_json(states))
+    else:
+        print_prediction(states)
+
+
+def _refuse_wrong_loads(given: dict[str, float | None]) -> None:
+    """Refuse loads that are missing or given twice."""
+    there = {option for option, value in given.items() if value is not None}
+    if not there & {"--H", "--u-max"}:
+        refuse("--H", 'missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve')
+    if {"--H", "--u-max"} <= there:
+        refuse("--u-max", "give either --H or --u-max: the load is an answer of the curve")
+    if {"--arm", "--M"} <= there:
+        refuse("--M", "give either --arm or --M, not both (M = -H*arm)")
+    if {"--u-max", "--M"} <= there:
+        refuse("--M", "a curve needs the height of the load: give --arm instead")
+
+
+@app.command()
+@guarded
+def compare(result: Result, as_json: Json = False) -> None:
+    """Set the prediction with the springs beside the full model, by path: eta and errors."""
+    tree = springs_of(result)
+    from pysprings.compare import compare as compare_models
+    from pysprings.compare import to_dict, to_text
+
+    frame = compare_models(tree)
+    if as_json:
+        print_json(to_dict(frame))
+    else:
+        print(to_text(frame), end="")
+
+
+def main() -> None:
+    """Run the command line."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+    app(prog_name="pysprings")
+
+
+if __name__ == "__main__":
+    main()

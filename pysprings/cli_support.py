@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: MIT
+"""What the commands share: errors and exit codes, quantities, results from folders, tables, JSON."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+import os
+import sys
+import traceback
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec
+
+import typer
+
+from pysprings.errors import (
+    EXIT_BUG,
+    EXIT_INTERRUPTED,
+    EXIT_NOT_CONVERGED,
+    EXIT_RESOURCES,
+    Problem,
+    ResourceError,
+    RunIncomplete,
+    UserInputError,
+    printable,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+P = ParamSpec("P")
+
+DEBUG = {"on": False}  # set by `pysprings --debug`
+
+# files of a run, in the order in which people want to hear of them
+RESULT_FILES = {
+    "report.html": "report: open it in a browser",
+    "load_displacement.csv": "load-displacement tables",
+    "py.csv": "p-y tables",
+    "springs.xlsx": "springs as a spreadsheet",
+    "springs.nc": "springs (NetCDF), for `pysprings springs, predict, compare`",
+    "compare.csv": "prediction with the springs beside the full model",
+    "full_model.nc": "full model (NetCDF)",
+    "run.json": "status, solver, cost",
+}
+
+
+def guarded(command: Callable[P, None]) -> Callable[P, None]:
+    """Run a command so that every error ends in one clear line and the right exit code."""
+
+    @functools.wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        try:
+            with warnings.catch_warnings():
+                warnings.showwarning = _show_warning
+                command(*args, **kwargs)
+            sys.stdout.flush()
+        except typer.Exit:
+            raise
+        except BrokenPipeError:  # the reader, say `head`, has seen enough
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(0) from None
+        except (Exception, KeyboardInterrupt) as error:
+            if DEBUG["on"]:
+                traceback.print_exc()
+            text, code = _explained(error)
+            say(text)
+            raise typer.Exit(code) from None
+
+    return run
+
+
+def _explained(error: BaseException) -> tuple[str, int]:
+    """Return message and exit code of an error."""
+    if isinstance(error, UserInputError):
+        return str(error), error.exit_code
+    if isinstance(error, RunIncomplete):
+        kept = f"\nwhat converged is kept in {error.folder}" if error.folder else ""
+        return f"fatal: not converged: {error}{kept}", error.exit_code
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted", EXIT_INTERRUPTED
+    if isinstance(error, MemoryError):
+        return (
+            "fatal: resources: out of memory; try a smaller mesh (`pysprings check` estimates)",
+            EXIT_RESOURCES,
+        )
+    if isinstance(error, ResourceError):
+        return f"fatal: resources: {error}", EXIT_RESOURCES
+    if isinstance(error, OSError):
+        what = f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
+        return f"fatal: resources: {printable(what)}", EXIT_RESOURCES
+    if (
+        type(error).__name__ == "NotConverged"
+    ):  # of the engine, when nothing around it could save a partial result
+        return f"fatal: not converged: {error}", EXIT_NOT_CONVERGED
+    trace = "" if DEBUG["on"] else "; `pysprings --debug ...` shows where"
+    return f"fatal: bug: {type(error).__name__}: {printable(error)}\nplease report it{trace}", EXIT_BUG
+
+
+def _show_warning(message: Warning | str, *_args: Any, **_kwargs: Any) -> None:
+    say(f"warning: {message}")
+
+
+def say(text: str) -> None:
+    """Talk to the user (stderr)."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def refuse(key: str | None, message: str, file: str | os.PathLike[str] | None = None) -> NoReturn:
+    """Raise the error for one problem with an option or a file."""
+    raise UserInputError([Problem(None if file is None else str(file), key=key, message=message)])
+
+
+def quantities(given: Mapping[str, tuple[str | None, str, str]]) -> dict[str, float | None]:
+    """Return SI values (None for options not given) of {option: (text or None, SI unit, example)}."""
+    from pysprings.units import QuantityError, read
+
+    values: dict[str, float | None] = {}
+    problems = []
+    for option, (text, si_unit, example) in given.items():
+        try:
+            values[option] = None if text is None else read(text, si_unit, example)
+        except QuantityError as error:
+            problems.append(Problem(key=option, message=str(error)))
+    if problems:
+        raise UserInputError(problems)
+    return values
+
+
+def springs_of(result: Path) -> xr.DataTree:
+    """Open the springs of a result folder or spring file; extract them from a full-model file."""
+    from pysprings.springs import validate_springs
+    from pysprings.storage import read_tree
+
+    path = result / "springs.nc" if result.is_dir() else result
+    if result.is_dir() and not path.exists():
+        refuse(None, "no springs.nc in this folder; is it a result of `pysprings run`?", result)
+    tree = read_tree(path)
+    if "schema" not in tree.attrs and "scene_toml" in tree.attrs:
+        from pysprings.extract import extract_springs
+
+        return extract_springs(tree)
+    validate_springs(tree, file=path)
+    return tree
+
+
+def prepare_folder(out: Path, force: bool) -> None:
+    """Create a result folder, or refuse one that holds results already."""
+    if out.exists() and not out.is_dir():
+        refuse("--out", "is a file, not a folder", out)
+    found = [name for name in RESULT_FILES if (out / name).exists()]
+    if found and not force:
+        refuse(
+            "--out",
+            f"holds results already ({', '.join(found)}); choose another folder, or --force to replace",
+            out,
+        )
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        refuse("--out", f"cannot be created ({error.strerror})", out)
+    if not os.access(out, os.W_OK | os.X_OK):
+        refuse("--out", "is not writable", out)
+
+
+def print_json(data: Any) -> None:
+    """Print one JSON document on stdout; numbers that are not finite become null."""
+    print(json.dumps(_plain(data), indent=2, allow_nan=False))
+
+
+def _plain(data: Any) -> Any:
+    """Return data as JSON can hold it."""
+    if isinstance(data, Mapping):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if hasattr(data, "tolist"):  # numpy scalars and arrays
+        return _plain(data.tolist())
+    if isinstance(data, float):
+        return data if math.isfinite(data) else None
+    if data is None or isinstance(data, bool | int | str):
+        return data
+    if isinstance(data, Sequence | set | frozenset):
+        return [_plain(value) for value in data]
+    return str(data)
+
+
+def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table in plain text: first column left, the others right."""
+    lines = [list(headers), *(list(row) for row in rows)]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(headers))]
+    lines.insert(1, ["-" * width for width in widths])
+    for line in lines:
+        cells = [
+            cell.rjust(width) if column else cell.ljust(width)
+            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
+        ]
+        print("  ".join(cells).rstrip())
+
+
+def number(value: Any) -> str:
+    """Return a number for people: thousands apart, four figures."""
+    value = value.item() if hasattr(value, "item") else value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return str(value)
+    if isinstance(value, int) or (abs(value) >= 1e4 and math.isfinite(value) and abs(value) < 1e15):
+        return f"{value:,.0f}"
+    return f"{value:.4g}"

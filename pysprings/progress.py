@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: MIT
+"""Progress of long work: a bar on a terminal, plain lines elsewhere (logs, pipes)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TextIO
+
+Progress = Callable[[str, float, str], None]
+"""Called with the name of the path (or phase), the fraction done of it in [0, 1], and a short message."""
+
+LINE_EVERY = 0.1  # fraction of a path between two plain lines
+LINE_AFTER = 30.0  # s without a plain line
+
+
+@contextmanager
+def reporter(stream: TextIO) -> Iterator[Progress]:
+    """Give the progress function that suits a stream."""
+    if stream.isatty():
+        with _bars(stream) as progress:
+            yield progress
+    else:
+        yield PlainLines(stream)
+
+
+@contextmanager
+def _bars(stream: TextIO) -> Iterator[Progress]:
+    """Give a function that draws one bar per path."""
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bars
+
+    columns = TextColumn("{task.fields[path]}"), BarColumn(), TextColumn("{task.percentage:>3.0f} %")
+    with Bars(
+        *columns, TimeElapsedColumn(), TextColumn("{task.description}"), console=Console(file=stream)
+    ) as bars:
+        tasks: dict[str, int] = {}
+
+        def progress(path: str, fraction: float, message: str) -> None:
+            if path not in tasks:
+                tasks[path] = bars.add_task("", total=1.0, path=escape(path))
+            bars.update(tasks[path], completed=fraction, description=escape(message))  # type: ignore[arg-type]
+
+        yield progress
+
+
+class PlainLines:
+    """Writes a line when a path starts, moved on by LINE_EVERY, ends, or after LINE_AFTER seconds."""
+
+    def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic) -> None:
+        self.stream = stream
+        self.clock = clock
+        self.last: dict[str, float] = {}
+        self.written_at = clock()
+
+    def __call__(self, path: str, fraction: float, message: str) -> None:
+        """Report; see `Progress`."""
+        last = self.last.get(path)
+        late = self.clock() - self.written_at >= LINE_AFTER
+        ended = fraction >= 1.0 and last is not None and last < 1.0
+        if last is None or late or ended or fraction - last >= LINE_EVERY:
+            print(f"{path} {100 * fraction:3.0f} % {message}".rstrip(), file=self.stream, flush=True)
+            self.last[path] = fraction
+            self.written_at = self.clock()

@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: MIT
+"""The tables and sentences of the report: inputs, checks, ends of paths, comparison, limits, cost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of the report: heading, columns with units, rows of text, a remark."""
+
+    title: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    note: str = ""
+
+
+def number(value: Any, digits: int = 4) -> str:
+    """Write a number for reading; text stays text."""
+    if isinstance(value, (bool, np.bool_)):
+        return "yes" if value else "no"
+    if isinstance(value, (int, np.integer)):
+        return f"{int(value):,}".replace(",", " ")
+    if isinstance(value, (float, np.floating)):
+        return f"{float(value) + 0.0:.{digits}g}" if np.isfinite(value) else "-"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(number(item, digits) for item in value)
+    return str(value)
+
+
+def input_tables(scene_toml: str) -> list[Table]:
+    """Make one table per section of the scene: key, value with its unit, defaults included."""
+    import tomllib
+
+    try:
+        scene = tomllib.loads(_with_defaults(scene_toml))
+    except tomllib.TOMLDecodeError:
+        return []
+    plain = {key: value for key, value in scene.items() if not isinstance(value, (dict, list))}
+    tables = [_key_table("scene", plain)] if plain else []
+    for key, value in scene.items():
+        if isinstance(value, dict):
+            tables.append(_key_table(key, value))
+        elif isinstance(value, list):
+            tables += [
+                _key_table(f"{key} {k}", item) for k, item in enumerate(value, 1) if isinstance(item, dict)
+            ]
+    return tables
+
+
+def _with_defaults(scene_toml: str) -> str:
+    """Return the scene with every default written out; as it is where this version does not take it."""
+    from pysprings.errors import UserInputError
+    from pysprings.scene import parse_scene
+
+    try:
+        return parse_scene(scene_toml).to_toml() if scene_toml else ""
+    except UserInputError:
+        return scene_toml
+
+
+def _key_table(title: str, values: Mapping[str, Any]) -> Table:
+    return Table(title, ("key", "value"), [(key, number(value, 6)) for key, value in values.items()])
+
+
+def mesh_table(attrs: Mapping[Any, Any], run: Mapping[str, Any] | None = None) -> Table:
+    """Make the table of mesh counts, quality and solver from the attrs of a result and its run.json."""
+    names = {
+        "mesh_preset": "preset",
+        "n_nodes": "nodes",
+        "n_elements": "eight-node elements",
+        "n_unknowns": "unknowns",
+        "interface_stations": "interface stations",
+        "min_scaled_jacobian": "smallest scaled Jacobian",
+        "max_aspect": "largest aspect ratio",
+        "solver": "linear solver",
+    }
+    known = {**dict((run or {}).get("mesh") or {}), **attrs}
+    return Table("", ("", ""), [(text, number(known[key])) for key, text in names.items() if key in known])
+
+
+def convergence_table(paths: Mapping[str, Any], run: Mapping[str, Any] | None = None) -> Table:
+    """Count increments, iterations and cut-backs by path, with the worst residual that was accepted."""
+    summaries = (run or {}).get("paths") or {}
+    rows = [(name, *_convergence_row(path, summaries.get(name) or {})) for name, path in paths.items()]
+    columns = (
+        "path",
+        "increments",
+        "iterations, median",
+        "most",
+        "total",
+        "attempts given up (cut-backs)",
+        "at [% of the path]",
+        "worst accepted residual",
+        "order of the last iterations",
+    )
+    note = (
+        "Residual: norm of the out-of-balance force over the contact-force norm. Total: given-up attempts included. "
+        "Order 2 is quadratic convergence."
+    )
+    return Table("Convergence", columns, rows, note)
+
+
+def _convergence_row(path: Any, summary: Mapping[str, Any]) -> list[str]:
+    if "convergence" not in path.children or not path["convergence"].sizes.get("iteration", 0):
+        return ["not recorded"] * 8
+    from pysprings.plots.newton import attempts, failed_steps
+
+    record = path["convergence"].to_dataset(inherit=False)
+    tries = attempts(record, failed_steps(path.to_dataset(), record))
+    kept = [each for each in tries if each.accepted]
+    lost = [each for each in tries if not each.accepted]
+    counts = [each.iterations for each in kept] or [0]
+    residual, fraction = record["residual"].values, record["load_fraction"].values
+    worst = max((float(residual[each.rows[-1]]) for each in kept), default=float("nan"))
+    return [
+        number(len(kept)),
+        number(float(np.median(counts))),
+        number(max(counts)),
+        number(sum(each.iterations for each in tries)),
+        number(len(lost)),
+        ", ".join(f"{100 * float(fraction[each.rows[-1]]):.3g}" for each in lost) or "-",
+        number(worst, 2),
+        number(summary.get("order_of_last_iterations") or "-", 3),
+    ]
+
+
+def equilibrium_table(tree: xr.DataTree) -> Table:
+    """Make the table of the equilibrium check over the converged steps of a result or of springs.
+
+    Missing: the sum of the soil reactions less the applied load (`pysprings.springs.balance`).
+    """
+    from pysprings.springs import balance
+
+    rows = []
+    for name, group in tree["paths"].children.items():
+        path = group.to_dataset()
+        path = path.assign(p=path["p_component"]) if "p_component" in path else path
+        path = path.isel(step=np.flatnonzero(path["converged"].values))
+        for load, missing in balance(path).items() if path.sizes["step"] else ():
+            unit = "kN m" if load == "M" else "kN"
+            largest = f"{float(np.abs(path[load]).max()) / 1e3 + 0.0:.4g} {unit}"
+            rows.append((str(name), load, largest, f"{missing:.1e}"))
+    note = (
+        "H = sum p dz + H_tip + H_lid; V = sum t dz + V_tip + V_lid; M = sum (p z + m) dz + L H_tip + M_tip + M_lid. "
+        "Missing: reactions less load, over the largest part."
+    )
+    return Table("Equilibrium check", ("path", "load", "largest load", "missing (relative)"), rows, note)
+
+
+def end_table(path: Any) -> Table:
+    """List loads and motion at the last converged step of a path, in units for people."""
+    good = np.flatnonzero(path["converged"].values.astype(bool))
+    last = int(good[-1]) if good.size else 0
+    rows = [
+        ("step", number(last)),
+        *(
+            (text, f"{float(path[name][last]) * factor + 0.0:.4g} {unit}")
+            for name, text, factor, unit in _END
+            if name in path
+        ),
+    ]
+    if "gap" in path:
+        from pysprings.plots.gap import openings
+
+        rows += [
+            ("widest gap, " + each.surface, _opening(each)) for each in openings(path.to_dataset(), last)
+        ]
+    return Table("At the last converged step", ("", ""), rows)
+
+
+_END = (
+    ("u", "lateral displacement of the lid centre, u", 1e3, "mm"),
+    ("w", "vertical displacement of the lid centre, w (down +)", 1e3, "mm"),
+    ("rotation", "rotation", 1e3, "mrad"),
+    ("H", "horizontal load, H", 1e-3, "kN"),
+    ("V", "vertical load, V (down +)", 1e-3, "kN"),
+    ("M", "moment about the lid centre, M", 1e-3, "kN m"),
+    ("H_outer", "H carried by the outside of the skirt", 1e-3, "kN"),
+    ("H_inner", "H carried by the inside of the skirt", 1e-3, "kN"),
+    ("H_lid", "H carried by the lid", 1e-3, "kN"),
+    ("H_tip", "H carried by the tip", 1e-3, "kN"),
+    ("F_in", "change of vertical shear force inside, F_in (on the soil, down +)", 1e-3, "kN"),
+    ("F_out", "change of vertical shear force outside, F_out (on the soil, down +)", 1e-3, "kN"),
+    ("F_pw", "change of water force under the lid, F_pw", 1e-3, "kN"),
+)
+
+
+def _opening(opening: Any) -> str:
+    return f"{opening.width * 1e3:.3g} mm at {opening.place}" if opening.width > 0 else "closed"
+
+
+def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
+    """Say in sentences for what the numbers hold: what was calibrated, how far, what no run sees."""
+    found = []
+    length = float((springs.attrs if springs is not None else {}).get("skirt_length_m", np.nan))
+    for name, path in result["paths"].children.items() if "paths" in result.children else ():
+        found.append(_range_sentence(name, path, length))
+    return [
+        *found,
+        "Springs from one path hold on paths with nearly the same ratio of rotation to displacement. "
+        "p(z)/y(z) is not a property of the soil: check other load heights against the full model.",
+        "Monotonic loading; small displacements; the caisson is rigid and wished in place, without "
+        "installation effects.",
+        "The soil domain is finite: its size stiffens the answer (a domain of 24 m by 12 m around a caisson "
+        "of 7.8 m by about a third in elasticity, compared with a half-space).",
+        "Beyond the displacements above the springs are extrapolated.",
+    ]
+
+
+def _range_sentence(name: str, path: Any, length: float) -> str:
+    good = path["converged"].values.astype(bool)
+    u, rotation = path["u"].values[good], path["rotation"].values[good]
+    text = f"Path {name} ({path.attrs.get('kind', '')}, {path.attrs.get('role', '')}): "
+    if not good.any():
+        return text + "no converged step."
+    text += f"u from {u.min() * 1e3:.3g} to {u.max() * 1e3:.3g} mm, "
+    text += f"rotation from {rotation.min() * 1e3:.3g} to {rotation.max() * 1e3:.3g} mrad"
+    if np.isfinite(length) and abs(u[-1]) > 0:
+        text += f", rotation·L/u = {rotation[-1] * length / u[-1]:.2f} at its end"
+    return text + "."
+
+
+COMPARED = {
+    "path": "path",
+    "role": "role",
+    "springs": "springs",
+    "springs_from": "springs from path",
+    "eta_small": "eta, small displacement",
+    "eta_large": "eta, large displacement",
+    "H_error_max_pct": "H, largest error [%]",
+    "rotation_error_max_pct": "rotation, largest error [%]",
+    "M_error_max_pct": "M, largest error [%]",
+    "H_error_end_pct": "H, error at the end [%]",
+    "rotation_error_end_pct": "rotation, error at the end [%]",
+    "H_error_between_pct": "H, largest error between states [%]",
+    "rotation_error_between_pct": "rotation, largest error between states [%]",
+    "extrapolated_states": "states extrapolated",
+    "off_path_states": "states off the path",
+    "status": "status",
+}
+
+
+def compare_table(compare: pd.DataFrame | None) -> Table | None:
+    """Make the table macro-model against full model; columns without a number are left out."""
+    if compare is None or compare.empty:
+        return None
+    shown = compare[[name for name in COMPARED if name in compare.columns]].dropna(axis=1, how="all")
+    rows = [[number(value, 3) for value in row] for row in shown.itertuples(index=False)]
+    note = (
+        "Error: macro-model over full model minus 1, at equal displacement. Between: largest error when "
+        "every second recorded state is left out of the springs. eta = 1 - area between the "
+        "load-displacement curves over the area under the full model's. py: lateral p-y springs alone; "
+        "full: with distributed moment, tip and lid terms."
+    )
+    return Table("", [COMPARED[str(name)] for name in shown.columns], rows, note)
+
+
+def cost_tables(run: Mapping[str, Any]) -> list[Table]:
+    """Make the tables of cost from run.json: seconds by phase, then totals."""
+    tables = []
+    phases = {str(name): dict(value) for name, value in dict(run.get("phases") or {}).items()}
+    if phases:
+        keys = list(dict.fromkeys(key for value in phases.values() for key in value))
+        rows = [[name, *(number(value.get(key, "-"), 3) for key in keys)] for name, value in phases.items()]
+        tables.append(Table("Cost by phase", ["phase", *(_words(key) for key in keys)], rows))
+    flat = {**run, **dict(run.get("solver") or {})}
+    totals = [(words, number(flat[key] * factor)) for key, (words, factor) in _TOTALS.items() if key in flat]
+    totals += [(key, str(run[key])) for key in ("python", "platform") if key in run]
+    if totals:
+        tables.append(Table("Totals", ("", ""), totals))
+    return tables
+
+
+_TOTALS: dict[str, tuple[str, float | int]] = {
+    "wall_s": ("wall time [s]", 1.0),
+    "cpu_s": ("processor time [s]", 1.0),
+    "peak_memory_bytes": ("peak memory [MB]", 1e-6),
+    "factorisations": ("factorisations", 1),
+    "solves": ("solves", 1),
+    "worst_linear_residual": ("worst residual of a linear solve", 1.0),
+    "tolerance": ("Newton tolerance (relative residual)", 1.0),
+}
+
+
+def _words(key: str) -> str:
+    return {"wall_s": "wall [s]", "cpu_s": "processor [s]"}.get(key, key.replace("_", " "))

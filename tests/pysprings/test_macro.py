@@ -1,0 +1,342 @@
+# SPDX-License-Identifier: MIT
+"""Rigid body on springs against closed forms, an independent root finder, and the model the springs came from."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import root
+
+from pysprings import variables
+from pysprings.errors import RunIncomplete, UserInputError
+from pysprings.macro import (
+    MacroModel,
+    MacroWarning,
+    PredictionNotConverged,
+    curve,
+    predict,
+    tangent_stiffness,
+)
+from tests.pysprings.synthetic import Caisson, Path, make_springs
+
+LENGTH, RINGS = 4.0, 9
+DEPTH = np.linspace(0.0, LENGTH, RINGS)
+EDGES = np.concatenate([[0.0], 0.5 * (DEPTH[1:] + DEPTH[:-1]), [LENGTH]])
+HEIGHT = np.diff(EDGES)
+
+
+def springs_of(p, m, ends, u, rotation, stiffness=None) -> xr.DataTree:
+    """Springs tree of one pull from p(depth, step), m(depth, step), ends and states; all p is outside, normal."""
+    tree = make_springs((Path(steps=len(u) - 1),), Caisson(rings=RINGS, sectors=4))
+    data = tree["paths/pull"].to_dataset(inherit=False).copy(deep=True)
+    zero = np.zeros(len(u))
+    new = {
+        name: ("step", np.asarray(ends.get(name, zero), dtype=float))
+        for name in ("H_tip", "M_tip", "H_lid", "M_lid")
+    }
+    net = np.zeros(data["p"].shape)
+    net[:, 0, 0, :] = p
+    moment = np.zeros(data["m"].shape)
+    moment[:, 0, :] = m
+    new |= {
+        "p": (data["p"].dims, net), "m": (data["m"].dims, moment), "u": ("step", u), "rotation": ("step", rotation),
+        "y": (("depth", "step"), u + rotation * DEPTH[:, None]), "depth_bounds": (("depth", "bound"), np.stack([EDGES[:-1], EDGES[1:]], 1)),
+    }  # fmt: skip
+    data = data.drop_vars("depth_bounds").assign_coords(depth=DEPTH).assign(new)
+    tree["paths/pull"].dataset = variables.attach(data, "springs_path")
+    return tree
+
+
+# Linear springs: p = K_P*y at every depth, m = K_M*rotation, tip and lid terms linear.
+K_P, K_M, K_TIP, R_TIP, K_LID, R_LID = 3e8, 2e9, 4e8, 5e9, 2e8, 1e9
+
+
+def linear_springs() -> xr.DataTree:
+    u = np.linspace(0.0, 5e-3, 6)
+    rotation = -0.15 * u
+    tip = u + LENGTH * rotation
+    ends = {"H_tip": K_TIP * tip, "M_tip": R_TIP * rotation, "H_lid": K_LID * u, "M_lid": R_LID * rotation}
+    return springs_of(
+        K_P * (u + rotation * DEPTH[:, None]), K_M * rotation * np.ones((RINGS, 1)), ends, u, rotation
+    )
+
+
+def linear_stiffness(spring_set: str) -> np.ndarray:
+    """K of H = K_uu u + K_ur rotation, M = K_ru u + K_rr rotation, by the balance sums."""
+    k = (
+        np.array(
+            [[np.sum(HEIGHT), np.sum(HEIGHT * DEPTH)], [np.sum(HEIGHT * DEPTH), np.sum(HEIGHT * DEPTH**2)]]
+        )
+        * K_P
+    )
+    if spring_set == "full":
+        k += K_TIP * np.array([[1.0, LENGTH], [LENGTH, LENGTH**2]])
+        k += [[K_LID, 0.0], [0.0, K_M * LENGTH + R_TIP + R_LID]]
+    return k
+
+
+@pytest.mark.parametrize("spring_set", ["py", "full"])
+@pytest.mark.parametrize("arm", [0.0, 8.0, -2.0])
+def test_linear_springs_closed_form(spring_set, arm):
+    force = 1e5
+    expected = np.linalg.solve(linear_stiffness(spring_set), [force, -force * arm])
+    model = MacroModel.from_springs(linear_springs(), spring_set)
+    states, loads, message = model.solve("load", np.array([[force, -force * arm]]))
+    assert message == ""
+    np.testing.assert_allclose(states[0], expected, rtol=1e-10)
+    np.testing.assert_allclose(loads[0], [force, -force * arm], rtol=1e-9, atol=1e-3)
+    np.testing.assert_allclose(model.reactions(*expected)[1], linear_stiffness(spring_set), rtol=1e-12)
+
+
+def test_displacement_control_is_load_control_backwards():
+    springs = linear_springs()
+    pulled = curve(springs, u_max=1e-3, arm=0.5, n=5)
+    k = linear_stiffness("full")
+    ratio = -(k[1, 0] + 0.5 * k[0, 0]) / (k[1, 1] + 0.5 * k[0, 1])  # rotation/u from M + arm*H = 0
+    np.testing.assert_allclose(pulled["rotation"], ratio * pulled["u"], rtol=1e-10)
+    np.testing.assert_allclose(pulled["M"], -0.5 * pulled["H"], rtol=1e-9, atol=1e-3)
+    loaded = predict(springs, H=float(pulled["H"][-1]), arm=0.5)
+    assert float(loaded["u"][-1]) == pytest.approx(1e-3, rel=1e-9)
+
+
+def test_arm_sign():
+    """A load above mudline tips the caisson over: M < 0, rotation more negative, softer than at mudline."""
+    springs = make_springs()
+    with pytest.warns(MacroWarning):
+        low, high = (predict(springs, H=5e5, arm=arm).isel(step=-1) for arm in (0.0, 4.0))
+    assert float(high["M"]) == pytest.approx(-2e6)
+    assert float(high["rotation"]) < float(low["rotation"]) < 0.0
+    assert float(high["u"]) > float(low["u"]) > 0.0
+
+
+def test_moment_is_the_same_as_its_arm():
+    springs = make_springs()
+    with pytest.warns(MacroWarning):
+        by_arm, by_moment = predict(springs, H=5e5, arm=3.0), predict(springs, H=5e5, M=-1.5e6)
+    xr.testing.assert_allclose(by_arm.drop_attrs(), by_moment.drop_attrs(), rtol=1e-12)
+
+
+def bilinear_springs() -> xr.DataTree:
+    """Springs that yield at 1 mm: translation alone, so that every knot of every curve is at the same state."""
+    u = np.array([0.0, 1e-3, 2e-3, 3e-3])
+    p = np.tile([0.0, 3e5, 4e5, 5e5], (RINGS, 1))
+    return springs_of(p, np.zeros((RINGS, 1)), {}, u, 0.0 * u)
+
+
+def test_curves_hit_recorded_points_and_go_on_with_the_last_slope():
+    model = MacroModel.from_springs(bilinear_springs())
+    for u, p in ((1e-3, 3e5), (2e-3, 4e5), (3e-3, 5e5), (5e-3, 7e5), (-2e-3, -4e5)):
+        assert model.reactions(u, 0.0)[0][0] == pytest.approx(p * LENGTH)
+    answer = model.trace("state", np.array([[3e-3, 0.0], [5e-3, 0.0]]))
+    assert answer["extrapolated"].values.tolist() == [0, 1]
+    assert answer["range_used"].values == pytest.approx([1.0, 5.0 / 3.0])
+
+
+def test_a_softening_curve_is_held_flat():
+    u = np.array([0.0, 1e-3, 2e-3, 3e-3])
+    springs = springs_of(np.tile([0.0, 4e5, 5e5, 4.5e5], (RINGS, 1)), np.zeros((RINGS, 1)), {}, u, 0.0 * u)
+    model = MacroModel.from_springs(springs)
+    assert model.reactions(9e-3, 0.0)[0][0] == pytest.approx(4.5e5 * LENGTH)
+
+
+def test_interpolation_is_scipys_pchip():
+    path = make_springs()["paths/pull"].to_dataset(inherit=False)
+    model = MacroModel.from_springs(make_springs())
+    p = path["p"].sum(("side", "component")).transpose("depth", "step").values
+    row = 3
+    y = path["y"].values[row]
+    scipy_curve = PchipInterpolator(y, p[row] - p[row, 0])
+    at = np.linspace(0.0, y[-1], 57)
+    depth = float(path["depth"][row])
+    states = np.stack([at, np.zeros_like(at)], 1) if depth == 0 else np.stack([0 * at, at / depth], 1)
+    answer = model.trace("state", states)
+    np.testing.assert_allclose(answer["p"].values[row], scipy_curve(at), rtol=1e-10, atol=1e-6)
+
+
+@pytest.mark.parametrize("arm", [0.0, 2.0, 8.0])
+@pytest.mark.parametrize("spring_set", ["py", "full"])
+def test_equilibrium_by_scipy_root(arm, spring_set):
+    """The same springs summed in plain Python, the same equations solved by MINPACK."""
+    path = make_springs()["paths/pull"].to_dataset(inherit=False)
+    height = np.diff(path["depth_bounds"].values)[:, 0]
+    depth = path["depth"].values
+
+    def odd(x, y):
+        knots, values = np.abs(x), np.where(x < 0, -y, y)
+        inside = PchipInterpolator(knots, values - values[0])
+        return lambda q: np.sign(q) * inside(abs(q))
+
+    u, rotation = path["u"].values, path["rotation"].values
+    p = path["p"].sum(("side", "component")).transpose("depth", "step").values
+    m = path["m"].sum("side").transpose("depth", "step").values
+    lateral = [odd(path["y"].values[k], p[k]) for k in range(depth.size)]
+    moment = [odd(rotation, m[k]) for k in range(depth.size)]
+    tip, lid = odd(u + LENGTH * rotation, path["H_tip"].values), odd(u, path["H_lid"].values)
+    tip_moment, lid_moment = odd(rotation, path["M_tip"].values), odd(rotation, path["M_lid"].values)
+
+    def loads(state):
+        force = sum(f(state[0] + state[1] * z) * dz for f, z, dz in zip(lateral, depth, height, strict=True))
+        turn = sum(
+            f(state[0] + state[1] * z) * z * dz for f, z, dz in zip(lateral, depth, height, strict=True)
+        )
+        if spring_set == "full":
+            t = tip(state[0] + LENGTH * state[1])
+            force += t + lid(state[0])
+            turn += sum(f(state[1]) * dz for f, dz in zip(moment, height, strict=True))
+            turn += LENGTH * t + tip_moment(state[1]) + lid_moment(state[1])
+        return np.array([force, turn])
+
+    target = 1.5e5
+    answer = MacroModel.from_springs(make_springs(), spring_set).trace(
+        "load", np.array([[target, -arm * target]])
+    )
+    start = np.array([answer["u"].values[0], answer["rotation"].values[0]]) * 0.9
+    scale = np.array([1e-3, 1e-3])
+    exact = root(lambda x: (loads(x * scale) - [target, -arm * target]) / 1e6, start / scale, tol=1e-13)
+    assert exact.success
+    assert int(answer["extrapolated"][0]) == 0
+    np.testing.assert_allclose(
+        [answer["u"].values[0], answer["rotation"].values[0]], exact.x * scale, rtol=1e-8
+    )
+
+
+@pytest.mark.parametrize(
+    "state", [(1e-3, -2e-4), (3.3e-3, -7e-4), (2e-3, 1e-4), (6e-3, -3e-3), (-1.1e-3, 3e-4)]
+)
+def test_tangent_by_taylor_slope(state):
+    """Remainder of F(x + h d) - F(x) - h K d falls with h^2: slope 2 in the log."""
+    model = MacroModel.from_springs(make_springs())
+    x, d = np.array(state), np.array([1.0e-4, -2.3e-5])
+    force, tangent = model.reactions(*x)
+    steps = 0.1 / 2.0 ** np.arange(4)
+    rest = [np.abs(model.reactions(*(x + h * d))[0] - force - h * tangent @ d) / [1.0, LENGTH] for h in steps]
+    slope = np.polyfit(np.log(steps), np.log(np.linalg.norm(rest, axis=1)), 1)[0]
+    assert slope == pytest.approx(2.0, abs=0.15)
+
+
+@pytest.mark.parametrize(
+    "path", [Path(), Path(arm=3.9), Path(arm=8.0), Path(arm=40.0, size=2e-2), Path(size=2e-2)]
+)
+def test_own_path_with_the_full_set(path):
+    """Every recorded state comes back, also where y near the tip turns back or changes sign."""
+    springs = make_springs((path,))
+    full = springs["paths/pull"]
+    targets = np.stack([full["u"].values, full["rotation"].values], 1)
+    answer = MacroModel.from_springs(springs).trace("displacement", targets, path.arm)
+    np.testing.assert_allclose(answer["H"], full["H"], rtol=1e-8, atol=1e-3)
+    np.testing.assert_allclose(answer["rotation"], full["rotation"], rtol=1e-8, atol=1e-15)
+    np.testing.assert_allclose(answer["w"], full["w"], atol=1e-12)
+    assert not answer["extrapolated"].any()
+    assert not answer["off_path"].any()
+    plain = MacroModel.from_springs(springs, "py").trace("displacement", targets, path.arm)
+    assert abs(float(plain["H"][-1]) / float(full["H"][-1]) - 1.0) > 0.3  # p-y alone misses a third at least
+
+
+def test_unusable_depths_are_named():
+    """At 8 m the tip moves slightly backwards: p there is no function of y, and is read from the rotation."""
+    springs = make_springs((Path(arm=8.0),))
+    model = MacroModel.from_springs(springs)
+    odd_ones = [j for j, own in enumerate(model.table.natural) if not own]
+    assert odd_ones
+    assert {model.table.carrier[j] for j in odd_ones} == {"rotation"}
+    assert {model.table.name[j] for j in odd_ones} == {"p"}
+    answer = model.trace("displacement", np.array([[1e-3, 0.0]]), 8.0)
+    depth = answer["depth"].values[answer["usable"].values == 0]
+    assert set(depth) == {model.table.depth[j] for j in odd_ones}
+    assert (depth > 3.0).all()
+
+
+def test_a_curve_that_turns_back_keeps_its_monotonic_part_in_the_py_set():
+    u = np.linspace(0.0, 4e-3, 5)
+    rotation = -np.array([0.0, 0.1, 0.2, 0.5, 0.9]) * 1e-3  # y(tip) = 0, 0.6, 1.2, 1.0, 0.4 mm
+    springs = springs_of(1e8 * (u + rotation * DEPTH[:, None]), np.zeros((RINGS, 5)), {}, u, rotation)
+    table = MacroModel.from_springs(springs, "py").table
+    tip = table.depth.tolist().index(LENGTH)
+    assert table.cut[tip]
+    assert table.range[tip] == pytest.approx(1.2e-3)
+    assert not table.cut[0]
+    whole = MacroModel.from_springs(springs, "full").table
+    assert not whole.cut.any()
+    assert whole.carrier[tip] == "rotation"
+
+
+def test_springs_are_odd():
+    springs = make_springs()
+    right, left = curve(springs, u_max=3e-3, n=7), curve(springs, u_max=-3e-3, n=7)
+    for name in ("H", "rotation", "p"):
+        np.testing.assert_allclose(left[name], -right[name], rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(left["w"], right["w"])
+    assert not left["off_path"].any()
+
+
+def test_other_vertical_load_is_elastic_and_marked():
+    springs = make_springs()
+    same = curve(springs, u_max=2e-3, n=4, V=2.0e6)
+    assert same.attrs["warnings"] == ""
+    with pytest.warns(MacroWarning, match=r"V = 2\.7e\+06 N is not that of path 'pull' \(2e\+06 N\)"):
+        more = curve(springs, u_max=2e-3, n=4, V=2.7e6)
+    np.testing.assert_allclose(more["w"] - same["w"], 0.7e6 / 3.5e9)
+    np.testing.assert_allclose(more["H"], same["H"])
+
+
+def test_beyond_the_range_and_off_the_path_are_marked_with_numbers():
+    springs = make_springs()
+    with pytest.warns(MacroWarning, match=r"1 of 3 states are beyond the range of path 'pull'.*limit 1"):
+        far = curve(springs, u_max=8e-3, n=3)
+    assert far["extrapolated"].values.tolist() == [0, 0, 1]
+    with pytest.warns(MacroWarning, match=r"off the path 'pull' \(load height 0 m\).*limit 10%"):
+        other = curve(springs, u_max=1e-3, arm=8.0, n=3)
+    assert other["off_path"].values.tolist() == [0, 1, 1]
+
+
+def test_load_that_cannot_be_carried_names_what_was_reached():
+    u = np.array([0.0, 1e-3, 2e-3, 3e-3])
+    springs = springs_of(np.tile([0.0, 4e5, 5e5, 4.9e5], (RINGS, 1)), np.zeros((RINGS, 1)), {}, u, 0.0 * u)
+    expected = r"no equilibrium beyond H = 1\.[89]\d+e\+06 N, M = .* on the way to H = 2\.\d+e\+06 N.*last step: u = "
+    with pytest.raises(PredictionNotConverged, match=expected) as caught:
+        predict(springs, H=3e6, M=6e6)  # the resultant of a uniform p: pure translation, up to 5e5 N/m * 4 m
+    assert isinstance(caught.value, RunIncomplete)
+    model = MacroModel.from_springs(springs)
+    part = model.trace("load", np.linspace(0, 1, 11)[:, None] * [3e6, 6e6])
+    assert part.attrs["status"] == "partial"
+    assert part.sizes["step"] == 7
+    assert np.isfinite(part["u"]).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "key"),
+    [
+        ({"H": 1e5, "arm": 1.0, "M": 1e5}, "arm"),
+        ({"H": float("nan")}, "H"),
+        ({"H": 1e5, "V": float("inf")}, "V"),
+        ({"H": 1e5, "n": 1}, "n"),
+        ({"H": 1e5, "springs_kind": "best"}, "springs_kind"),
+        ({"H": 1e5, "path": "push"}, "path"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, key):
+    with pytest.raises(UserInputError) as caught:
+        predict(make_springs(), **arguments)
+    assert [problem.key for problem in caught.value.problems] == [key]
+
+
+def test_tangent_stiffness_at_mudline():
+    matrix = tangent_stiffness(linear_springs(), u=1e-3, rotation=-1e-4)
+    k = linear_stiffness("full")
+    expected = [[k[0, 0], 0.0, k[0, 1]], [0.0, 3.5e9, 0.0], [k[1, 0], 0.0, k[1, 1]]]
+    np.testing.assert_allclose(matrix, expected, rtol=1e-12)
+    assert float(matrix.sel(dof="u", dof_conjugate="rotation")) > 0.0  # K_C > 0
+
+
+def test_prediction_agrees_with_the_table_of_variables():
+    assert list(variables.problems(curve(make_springs(), u_max=1e-3, n=3), "prediction")) == []
+
+
+def test_macro_does_not_load_the_engine():
+    code = "import sys, pysprings.macro; sys.exit(any(name.split('.')[0] == 'fe_engine' for name in sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,514 @@
+# SPDX-License-Identifier: MIT
+"""Figures show the dataset's numbers in the labelled units, and no unconverged step as if it were one."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.patches import Wedge
+
+from pysprings import plots
+from pysprings.plots import data, files, gap, labels, newton, rose, section
+from pysprings.plots.reactions import PANELS
+from tests.pysprings import synthetic
+
+PULL = synthetic.Path("pull", size=2e-2, steps=24)
+ROTATION = synthetic.Path("turn", "rotation", size=4e-3, steps=10)
+
+
+def section_with_caisson(c: synthetic.Caisson) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes x, depth (m) and quads of a symmetry plane whose cells leave the rigid skirt out."""
+    inner = c.radius - c.thickness
+    half = np.concatenate([np.linspace(0, inner, 7), [c.radius], np.linspace(c.radius, 24, 9)[1:]])
+    xs = np.concatenate([-half[:0:-1], half])
+    zs = np.concatenate([np.linspace(0, c.length, 7), np.linspace(c.length, 12, 5)[1:]])
+    x, depth = (v.ravel() for v in np.meshgrid(xs, zs))
+    first = (np.arange(len(zs) - 1)[:, None] * len(xs) + np.arange(len(xs) - 1)).ravel()
+    quads = np.stack([first, first + 1, first + len(xs) + 1, first + len(xs)], axis=1)
+    middle_x, middle_z = np.abs(x[quads].mean(axis=1)), depth[quads].mean(axis=1)
+    return x, depth, quads[~((middle_x > inner) & (middle_x < c.radius) & (middle_z < c.length))]
+
+
+@pytest.fixture(scope="module")
+def trees() -> tuple[xr.DataTree, xr.DataTree]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(synthetic, "section_mesh", section_with_caisson)
+        return synthetic.make_result((PULL, ROTATION)), synthetic.make_springs((PULL, ROTATION))
+
+
+@pytest.fixture
+def pull(trees: tuple[xr.DataTree, xr.DataTree]) -> xr.Dataset:
+    result, springs = trees
+    path = plots.path_data(result, "pull")
+    return path.assign_attrs({**data.settings(springs), **path.attrs}).copy(deep=True)
+
+
+@pytest.fixture
+def plane(trees: tuple[xr.DataTree, xr.DataTree]) -> xr.Dataset:
+    found = plots.section_data(trees[0])
+    assert found is not None
+    return found
+
+
+def curve(figure: Figure, panel: int, label: str) -> tuple[np.ndarray, np.ndarray]:
+    """The drawn data of the line with this label."""
+    line = next(line for line in figure.axes[panel].get_lines() if str(line.get_label()).startswith(label))
+    return np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+
+
+def title(figure: Figure) -> str:
+    return figure.get_suptitle()
+
+
+# ---------------------------------------------------------------- load and motion
+
+
+@pytest.mark.parametrize(
+    ("panel", "label", "variable", "factor"),
+    [
+        (0, "total H", "H", 1e-6),
+        (0, "skirt outside", "H_outer", 1e-6),
+        (0, "skirt inside", "H_inner", 1e-6),
+        (0, "lid", "H_lid", 1e-6),
+        (0, "tip", "H_tip", 1e-6),
+        (1, r"$\Delta F_{in}$", "F_in", 1e-3),
+        (1, r"$\Delta F_{out}$", "F_out", 1e-3),
+        (1, r"$\Delta F_{pw}$", "F_pw", 1e-3),
+    ],
+)
+def test_loads_are_drawn_in_the_labelled_unit(
+    pull: xr.Dataset, panel: int, label: str, variable: str, factor: float
+) -> None:
+    figure = plots.load_displacement(pull)
+    x, y = curve(figure, panel, label)
+    np.testing.assert_allclose(x, pull["u"].values * 1e3)
+    np.testing.assert_allclose(y, pull[variable].values * factor)
+    assert {1e-6: "[MN]", 1e-3: "[kN]"}[factor] in figure.axes[panel].get_ylabel()
+
+
+def test_small_loads_are_in_kilonewton(pull: xr.Dataset) -> None:
+    for name in ("H", "H_outer", "H_inner", "H_lid", "H_tip"):
+        pull[name] = pull[name] * 1e-2
+    figure = plots.load_displacement(pull)
+    np.testing.assert_allclose(curve(figure, 0, "total H")[1], pull["H"].values * 1e-3)
+    assert "[kN]" in figure.axes[0].get_ylabel()
+
+
+def test_rotation_and_heave(pull: xr.Dataset) -> None:
+    figure = plots.load_displacement(pull)
+    np.testing.assert_allclose(figure.axes[2].get_lines()[0].get_ydata(), pull["rotation"].values * 1e3)
+    np.testing.assert_allclose(figure.axes[3].get_lines()[0].get_ydata(), -pull["w"].values * 1e3)
+
+
+def test_a_rotation_path_shows_moment_against_rotation(trees: tuple[xr.DataTree, xr.DataTree]) -> None:
+    path = plots.path_data(trees[0], "turn")
+    figure = plots.load_displacement(path)
+    x, y = curve(figure, 0, "total M")
+    np.testing.assert_allclose(x, path["rotation"].values * 1e3)
+    np.testing.assert_allclose(y, path["M"].values * 1e-6)
+    assert figure.axes[0].get_ylabel() == "M [MN m]"
+
+
+def test_title_states_path_drainage_and_size(pull: xr.Dataset, plane: xr.Dataset) -> None:
+    for figure in (
+        plots.load_displacement(pull),
+        plots.py_curves(pull),
+        plots.stress_rose(pull),
+        plots.gap_map(pull),
+        plots.section_displacement(plane, pull),
+        plots.macro_against_full(pull, {"full": pull}),
+    ):
+        for words in ("path pull", "drained", "D = 7.8 m", "L = 4 m"):
+            assert words in title(figure)
+
+
+def test_text_of_a_scene_is_not_read_as_a_formula(pull: xr.Dataset) -> None:
+    pull.attrs["path"] = r"a$\frac{"
+    figure = plots.load_displacement(pull)
+    figure.draw_without_rendering()
+    assert r"a\$\frac{" in title(figure)
+
+
+# ---------------------------------------------------------------- unconverged steps
+
+
+def test_unconverged_steps_are_crosses_and_no_part_of_a_curve(pull: xr.Dataset) -> None:
+    pull["converged"][[10, 24]] = 0
+    figure = plots.load_displacement(pull)
+    _, y = curve(figure, 0, "total H")
+    assert np.flatnonzero(np.isnan(y)).tolist() == [10, 24]
+    crosses = [line for line in figure.axes[0].get_lines() if line.get_gid() == "unconverged"]
+    assert len(crosses) == 5
+    assert all(line.get_linestyle() == "None" and line.get_marker() == "x" for line in crosses)
+    np.testing.assert_allclose(crosses[0].get_xdata(), pull["u"].values[[10, 24]] * 1e3)
+    np.testing.assert_allclose(crosses[0].get_ydata(), pull["H"].values[[10, 24]] * 1e-6)
+    assert "2 of 25 steps did not converge" in title(figure)
+
+
+def test_py_labels_sit_at_the_last_converged_point(pull: xr.Dataset) -> None:
+    pull["converged"][24] = 0
+    figure = plots.py_curves(pull, depths=[0.4])
+    written = [text for text in figure.axes[0].texts if text.get_gid() == "end label"]
+    ring = data.pick_depths(pull, [0.4])[0]
+    assert [text.get_text() for text in written] == [f"{float(pull['depth'][ring]):.2f} m"]
+    np.testing.assert_allclose(written[0].xy[0], float(pull["y"][ring, 23]) * 1e3)
+    np.testing.assert_allclose(written[0].xy[1], float(pull["p"][ring, 23]) * 1e-3)
+
+
+def test_default_state_is_the_last_converged_one(pull: xr.Dataset) -> None:
+    assert data.pick_step(pull) == 24
+    pull["converged"][20:] = 0
+    assert data.pick_step(pull) == 19
+    assert data.pick_step(pull, displacement=1.0) == 19
+    nearest = int(np.abs(pull["u"].values - 2.5e-3).argmin())
+    assert data.pick_step(pull, displacement=2.5e-3) == nearest
+    assert "NOT CONVERGED" in title(plots.stress_rose(pull, step=-1))
+    with pytest.raises(IndexError, match="step 99 is not among the 25 steps"):
+        data.pick_step(pull, step=99)
+
+
+def test_a_path_that_never_converged_still_draws(trees: tuple[xr.DataTree, xr.DataTree]) -> None:
+    result = trees[0].copy(deep=True)
+    result["paths/pull"]["converged"][1:] = 0
+    drawn = dict(files.path_figures(result, None, "pull", None, {}))
+    assert "pull_load_displacement" in drawn
+    assert "pull_macro_against_full" not in drawn
+    for figure in drawn.values():
+        figure.draw_without_rendering()
+
+
+# ---------------------------------------------------------------- p-y
+
+
+def test_py_panels_hold_net_and_sides(pull: xr.Dataset) -> None:
+    depths = pull["depth"].values[[0, 4, 9]]
+    figure = plots.py_curves(pull, depths)
+    sides = pull["p_component"].sum("component")
+    wanted = {"net": pull["p"], "outside": sides.sel(side="outside"), "inside": sides.sel(side="inside")}
+    by_title = {axes.get_title(loc="left"): axes for axes in figure.axes}
+    for side, values in wanted.items():
+        lines = [line for line in by_title[PANELS[side]].get_lines() if str(line.get_label()).endswith(" m")]
+        assert len(lines) == 3
+        for line, ring in zip(lines, (0, 4, 9), strict=True):
+            np.testing.assert_allclose(line.get_xdata(), pull["y"].values[ring] * 1e3)
+            np.testing.assert_allclose(
+                line.get_ydata(), values.transpose("depth", "step").values[ring] * 1e-3
+            )
+
+
+def test_py_from_springs_equals_py_from_the_result(
+    pull: xr.Dataset, trees: tuple[xr.DataTree, xr.DataTree]
+) -> None:
+    springs = plots.path_data(trees[1], "pull")
+    for side, p in data.lateral_reaction(pull).items():
+        np.testing.assert_allclose(data.lateral_reaction(springs)[side], p, rtol=1e-12, atol=1e-6)
+
+
+def test_labels_cover_neither_each_other_nor_a_curve() -> None:
+    figure = Figure(figsize=(8, 6))
+    axes = figure.subplots()
+    x = np.linspace(0, 1, 50)
+    lines = [
+        axes.plot(end * x, (1 + 0.02 * k) * np.sqrt(end * x))[0]
+        for k, end in enumerate((1.0, 0.97, 0.7, 0.5))
+    ]
+    axes.margins(0.2)
+    boxes = labels.label_ends(axes, [(line, f"{k}.00 m") for k, line in enumerate(lines)])
+    assert not any(a.overlap(b) for i, a in enumerate(boxes) for b in boxes[:i])
+    curves = np.concatenate([labels._samples(axes, line) for line in lines])
+    assert sum(box.holds(curves) for box in boxes) == 0
+
+
+def test_spread_keeps_order_and_distance() -> None:
+    moved = labels.spread([5.0, 0.0, 0.5, 20.0], 2.0)
+    assert np.diff(np.sort(moved)).min() >= 2.0 - 1e-12
+    assert np.argsort(moved).tolist() == [1, 2, 0, 3]
+    assert moved[3] == 20.0
+
+
+# ---------------------------------------------------------------- rose
+
+
+def test_rose_follows_the_papers_rule(pull: xr.Dataset) -> None:
+    """Radius = trace + scale * stress / initial at every station and at its mirror image."""
+    figure = plots.stress_rose(pull, displacement=2.5e-3, side="outside")
+    step, rings = data.pick_step(pull, displacement=2.5e-3), data.pick_depths(pull)
+    assert len(rings) == 4
+    field = pull["normal_effective_stress"].sel(side="outside").transpose("step", "azimuth", "depth").values
+    scale = initial_circle(figure, 0) - rose.TRACE
+    for panel, k in enumerate(rings):
+        (line,) = [line for line in figure.axes[panel].get_lines() if line.get_gid() == "stress"]
+        x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+        n = pull.sizes["azimuth"]
+        stations = np.hypot(x, y)[::10]  # nine points lie between two stations
+        ratio = field[step, :, k] / field[0, :, k]
+        np.testing.assert_allclose(stations[:n], rose.TRACE + scale * ratio, rtol=1e-12)
+        np.testing.assert_allclose(stations[n:-1], stations[:n][::-1], rtol=1e-12)
+        np.testing.assert_allclose(
+            np.arctan2(y, x)[: 10 * (n - 1) + 1 : 10], pull["azimuth"].values, atol=1e-12
+        )
+        assert np.hypot(x, y).min() >= rose.TRACE - 1e-9  # never inside the trace: p'_N >= 0
+
+
+def initial_circle(figure: Figure, panel: int) -> float:
+    """Radius of the dashed circle."""
+    (circle,) = [
+        p for p in figure.axes[panel].patches if getattr(p, "radius", 0) and p.get_linestyle() == "--"
+    ]
+    return float(circle.radius)
+
+
+def shaded(figure: Figure, panel: int) -> list[tuple[float, float]]:
+    """Shaded zones (from, to) in degrees."""
+    return sorted(
+        (p.theta1 % 360, p.theta2 % 360 or 360.0)
+        for p in figure.axes[panel].patches
+        if isinstance(p, Wedge) and p.get_gid() == "gap"
+    )
+
+
+def test_gap_zones_are_shaded_exactly_where_the_stress_is_zero(pull: xr.Dataset) -> None:
+    rings = data.pick_depths(pull)
+    field = pull["normal_effective_stress"].transpose("step", "side", "azimuth", "depth")
+    field[24, 0] = np.maximum(field[24, 0], 1.0)  # no gap, then two zones on the first ring
+    field[24, 0, [3, 4, 16], rings[0]] = 0.0
+    pull["normal_effective_stress"] = field
+    figure = plots.stress_rose(pull)
+    step = 180 / 16
+    zones = [(2.5 * step, 4.5 * step), (15.5 * step, 180.0)]
+    mirrored = [(360 - b, 360 - a) for a, b in zones]
+    np.testing.assert_allclose(shaded(figure, 0), sorted(zones + mirrored))
+    assert all(shaded(figure, panel) == [] for panel in (1, 2, 3))
+
+
+def test_rose_sides_differ(pull: xr.Dataset) -> None:
+    outside, inside = (plots.stress_rose(pull, side=side) for side in ("outside", "inside"))
+    assert shaded(outside, 0) and shaded(inside, 0)
+    assert (
+        shaded(outside, 0)[0][0] > 90 and shaded(inside, 0)[0][0] < 90
+    )  # back of the outside, front of the inside
+
+
+def test_rose_without_initial_stress_says_so(pull: xr.Dataset) -> None:
+    field = pull["normal_effective_stress"].transpose("step", "side", "azimuth", "depth")
+    field[0] = 0.0
+    pull["normal_effective_stress"] = field
+    texts = [text.get_text() for text in plots.stress_rose(pull).axes[0].texts]
+    assert any("initial stress is 0" in text for text in texts)
+
+
+def test_depths_default_to_the_papers(pull: xr.Dataset) -> None:
+    fine = xr.Dataset(
+        {"y": ("depth", np.zeros(81))}, {"depth": np.linspace(0, 4, 81)}, {"skirt_length_m": 4.0}
+    )
+    assert fine["depth"].values[data.pick_depths(fine)].tolist() == pytest.approx([0.25, 1.25, 2.25, 3.25])
+
+
+# ---------------------------------------------------------------- gap
+
+
+def test_gap_map_shows_widths_in_mm_and_closed_cells_empty(pull: xr.Dataset) -> None:
+    figure = plots.gap_map(pull)
+    for side in ("outside", "inside"):
+        (mesh,) = [c for axes in figure.axes for c in axes.collections if c.get_gid() == f"gap {side}"]
+        drawn = mesh.get_array().reshape(pull.sizes["depth"], pull.sizes["azimuth"])
+        width = pull["gap"].sel(side=side).isel(step=-1).transpose("depth", "azimuth").values
+        assert (np.ma.getmaskarray(drawn) == (width <= 0)).all()
+        np.testing.assert_allclose(drawn.filled(0.0), width * 1e3)
+
+
+def test_gap_titles_state_where_and_how_wide(pull: xr.Dataset) -> None:
+    pull["gap"] = xr.zeros_like(pull["gap"])
+    pull["gap"].loc[
+        {"step": 24, "side": "inside", "azimuth": pull["azimuth"][4], "depth": pull["depth"][2]}
+    ] = 3.21e-3
+    pull["lid_gap"][24] = 0.0
+    pull["tip_gap"][24] = 0.0
+    figure = plots.gap_map(pull)
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    place = f"azimuth 45°, depth {float(pull['depth'][2]):.2f} m"
+    assert f"inside: max 3.21 mm\nat {place}" in titles
+    assert {
+        "outside: closed everywhere",
+        "under the lid: closed everywhere",
+        "under the tip: closed everywhere",
+    } < set(titles)
+    assert f"max 3.21 mm: inside, {place}" in title(figure)
+
+
+def test_lid_map_takes_the_nearest_station_of_the_mirrored_half() -> None:
+    x, y, width = (
+        np.array([1.0, 0.0, -1.0, 0.3]),
+        np.array([0.0, 1.0, 0.0, 0.2]),
+        np.array([1.0, 2.0, 3.0, 4.0]),
+    )
+    image = gap.nearest_station_image(x, y, width, n=41)
+    assert [image[20, 40], image[40, 20], image[0, 20], image[20, 0]] == [1.0, 2.0, 2.0, 3.0]
+    assert image[24, 26] == image[16, 26] == 4.0
+    assert np.ma.getmaskarray(image)[0, 0]
+
+
+# ---------------------------------------------------------------- section
+
+
+def test_mesh_draws_every_cell_and_leaves_the_caisson_out(plane: xr.Dataset) -> None:
+    figure = plots.mesh(plane)
+    for axes in figure.axes:
+        (cells,) = [c for c in axes.collections if isinstance(c, PolyCollection)]
+        assert len(cells.get_paths()) == plane.sizes["section_cell"]
+        (caisson,) = [patch for patch in axes.patches if patch.get_gid() == "caisson"]
+        outline = caisson.get_xy()
+        assert np.abs(outline[:, 0]).max() == pytest.approx(3.9)
+        assert outline[:, 1].max() == pytest.approx(4.0)
+        assert 3.8 in np.round(outline[:, 0], 9)
+        middle = section.quad_corners(plane).mean(axis=1)
+        in_skirt = (np.abs(middle[:, 0]) > 3.8) & (np.abs(middle[:, 0]) < 3.9) & (middle[:, 1] < 4)
+        assert not in_skirt.any()
+        assert axes.yaxis_inverted()
+    assert "2,000 nodes" in title(figure)
+
+
+def test_caisson_is_measured_in_the_section(plane: xr.Dataset) -> None:
+    bare = plane.drop_attrs()
+    np.testing.assert_allclose(data.caisson_size(bare), (3.8, 3.9, 4.0))
+
+
+def test_section_displacement_is_drawn_at_the_nodes_in_mm(pull: xr.Dataset, plane: xr.Dataset) -> None:
+    figure = plots.section_displacement(plane, pull, step=12)
+    for axes, name in zip(figure.axes[:2], ("section_ux", "section_uz"), strict=True):
+        (shade,) = [
+            c
+            for c in axes.collections
+            if c.get_array() is not None and c.get_array().size == plane.sizes["section_node"]
+        ]
+        np.testing.assert_allclose(shade.get_array(), pull[name].values[12] * 1e3)
+
+
+def test_triangles_cover_the_cells(plane: xr.Dataset) -> None:
+    x, depth = plane["section_x"].values, plane["section_depth"].values
+    t = section.triangles(plane)
+    area = 0.5 * np.abs(
+        (x[t[:, 1]] - x[t[:, 0]]) * (depth[t[:, 2]] - depth[t[:, 0]])
+        - (x[t[:, 2]] - x[t[:, 0]]) * (depth[t[:, 1]] - depth[t[:, 0]])
+    )
+    assert area.sum() == pytest.approx(48 * 12 - 2 * 0.1 * 4)
+
+
+# ---------------------------------------------------------------- macro-model, Newton
+
+
+def test_macro_curves_are_those_given(pull: xr.Dataset) -> None:
+    py = pull.assign(H=pull["H"] * 0.4, rotation=pull["rotation"] * 1.8)
+    figure = plots.macro_against_full(pull, {"full": pull, "py": py})
+    for label, path in (("full model", pull), ("macro-model, full", pull), ("macro-model, p-y", py)):
+        np.testing.assert_allclose(curve(figure, 0, label)[1], path["H"].values * 1e-6)
+        np.testing.assert_allclose(curve(figure, 1, label)[1], path["rotation"].values * 1e3)
+        np.testing.assert_allclose(curve(figure, 0, label)[0], path["u"].values * 1e3)
+
+
+@pytest.fixture
+def record(trees: tuple[xr.DataTree, xr.DataTree]) -> xr.Dataset:
+    found = plots.convergence_data(trees[0], "pull")
+    assert found is not None
+    return found.assign_attrs(tolerance=1e-6)
+
+
+def test_attempts_tell_cut_backs_from_accepted_increments(record: xr.Dataset) -> None:
+    tries = newton.attempts(record)
+    assert [(t.step, t.number) for t in tries if not t.accepted] == [(2, 0)]
+    assert sum(t.accepted for t in tries) == 24
+    assert sum(t.rows.size for t in tries) == record.sizes["iteration"]
+    assert [t.step for t in newton.attempts(record, failed_steps=(24,)) if not t.accepted] == [2, 24]
+
+
+def test_newton_figure_counts_and_marks(record: xr.Dataset) -> None:
+    figure = plots.newton_record(record)
+    bars = [(p.get_gid(), p.get_height(), p.get_y()) for p in figure.axes[0].patches]
+    assert bars.count(("cut back", 4, 0)) == 1
+    assert bars.count(("accepted", 4, 4)) == 1  # on top of the attempt that was given up
+    assert bars.count(("accepted", 4, 0)) == 23
+    drawn = np.concatenate([line.get_ydata() for line in figure.axes[1].get_lines() if line.get_gid()])
+    np.testing.assert_allclose(drawn, record["residual"].values)
+    assert figure.axes[1].get_yscale() == "log"
+    assert "attempts given up: 1" in title(figure)
+    assert any(np.allclose(line.get_ydata(), 1e-6) for line in figure.axes[1].get_lines())
+
+
+# ---------------------------------------------------------------- files and style
+
+
+def test_save_all_writes_readable_pictures_whole(
+    trees: tuple[xr.DataTree, xr.DataTree], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(synthetic, "section_mesh", section_with_caisson)
+    result = synthetic.make_result((PULL,))
+    curves = {"pull": {"full": plots.path_data(result, "pull")}}
+    written = plots.save_all(result, trees[1], tmp_path / "figures", curves=curves)
+    names = {file.name for file in written}
+    for stem in (
+        "mesh",
+        "pull_load_displacement",
+        "pull_macro_against_full",
+        "pull_py",
+        "pull_stress_outside_2.5mm",
+        "pull_stress_outside_last",
+        "pull_gap_last",
+        "pull_section_last",
+        "pull_newton",
+    ):
+        assert f"{stem}.png" in names
+    assert {file.name for file in (tmp_path / "figures").iterdir()} == names  # nothing half-written is left
+    assert all(f.read_bytes().startswith(b"\x89PNG") for f in written if f.suffix == ".png")
+    assert all(
+        b"</svg>" in f.read_bytes() and f.stat().st_size <= 400_000 for f in written if f.suffix == ".svg"
+    )
+
+
+def test_a_failed_write_keeps_the_old_picture(
+    pull: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    old = tmp_path / "load.png"
+    old.write_bytes(b"old")
+    figure = plots.load_displacement(pull)
+
+    def fail(*args: object, **kwargs: object) -> None:
+        Path(str(args[0])).write_bytes(b"half")
+        raise OSError("disk full")
+
+    monkeypatch.setattr(figure, "savefig", fail)
+    with pytest.raises(OSError, match="disk full"):
+        plots.save(figure, tmp_path / "load")
+    assert old.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [old]
+
+
+def test_svg_is_the_same_twice(pull: xr.Dataset, tmp_path: Path) -> None:
+    first, second = (plots.save(plots.py_curves(pull), tmp_path / name)[1].read_text() for name in ("a", "b"))
+    assert first == second
+
+
+def test_the_users_settings_do_not_leak_in(pull: xr.Dataset) -> None:
+    with rc_context({"lines.linewidth": 9.0, "font.size": 30.0}):
+        figure = plots.py_curves(pull)
+    assert figure.axes[0].get_lines()[0].get_linewidth() == 1.7
+    assert figure.axes[0].xaxis.label.get_fontsize() == 10.0
+
+
+def test_no_pyplot(tmp_path: Path) -> None:
+    code = "import sys, pysprings.plots; sys.exit('matplotlib.pyplot' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_colours_of_the_surfaces_differ_in_grey_print(pull: xr.Dataset) -> None:
+    figure = plots.load_displacement(pull)
+    named = [line for line in figure.axes[0].get_lines() if not str(line.get_label()).startswith("_")]
+    assert len({to_hex(line.get_color()) for line in named}) == 5

@@ -1,0 +1,355 @@
+# SPDX-License-Identifier: MIT
+"""The report stands alone, escapes what comes from a scene, and its checks see an error that is put in."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import xml.etree.ElementTree as ET
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from pysprings import report, report_tables, sketch
+from tests.pysprings import synthetic
+
+PATHS = (synthetic.Path("pull", size=2e-2), synthetic.Path("turn", "rotation", size=4e-3))
+HOSTILE = "<script>alert('x')</script> & \"quoted\" <img src=x onerror=y>"
+RUN = {
+    "status": "complete",
+    "phases": {"mesh": {"wall_s": 0.2, "cpu_s": 0.3}, "factorisation": {"wall_s": 12.5, "cpu_s": 24.0}},
+    "peak_memory_MB": 512.0,
+    "factorisations": 77,
+    "left_out": [["installation", "the caisson is wished in place"]],
+}
+PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="
+)
+
+
+class Page(HTMLParser):
+    """Tags with their attributes, and the text, of a page; refuses tags that do not close."""
+
+    VOID = ("meta", "img", "br", "link", "input", "hr")
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.text = ""
+        self.open: list[str] = []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+    def row(self, first: str) -> str:
+        """The text of the row that starts with these words."""
+        lines = [" ".join(line.split()) for line in self.text.split("\n")]
+        return next(line for line in lines if line.startswith(first))
+
+
+@pytest.fixture(scope="module")
+def result() -> xr.DataTree:
+    return synthetic.make_result(PATHS)
+
+
+@pytest.fixture(scope="module")
+def springs() -> xr.DataTree:
+    return synthetic.make_springs(PATHS)
+
+
+@pytest.fixture
+def pictures(tmp_path: Path) -> list[Path]:
+    names = (
+        "mesh.png",
+        "pull_py.png",
+        "pull_newton.png",
+        "pull_gap_2.5mm.png",
+        "pull_gap_last.png",
+        "turn_py.png",
+        "other.png",
+    )
+    for name in names:
+        (tmp_path / name).write_bytes(PIXEL)
+    return [tmp_path / name for name in names]
+
+
+def hostile(result: xr.DataTree) -> xr.DataTree:
+    tree = result.copy()
+    scene = f'title = {json.dumps(HOSTILE)}\n[caisson]\n"{"<b>key</b>"}" = {json.dumps(HOSTILE)}\n'
+    tree.attrs = {
+        **result.attrs,
+        "title": HOSTILE,
+        "scene_toml": scene,
+        "solver": HOSTILE,
+        "scene_sha256": HOSTILE,
+        "pysprings_version": HOSTILE,
+        "mesh_preset": HOSTILE,
+    }
+    tree["paths/pull"].attrs |= {"status": HOSTILE, "role": HOSTILE, "kind": HOSTILE}
+    return tree
+
+
+def test_hostile_text_is_escaped_everywhere(result: xr.DataTree, springs: xr.DataTree) -> None:
+    run = {
+        "status": HOSTILE,
+        "phases": {HOSTILE: {HOSTILE: 1.0}},
+        HOSTILE: HOSTILE,
+        "left_out": [[HOSTILE, HOSTILE]],
+    }
+    compare = pd.DataFrame([{"path": HOSTILE, "springs": HOSTILE, "status": HOSTILE}])
+    text = report.render(hostile(result), springs, compare, run)
+    page = Page(text)
+    assert "script" not in {tag for tag, _ in page.tags}
+    assert not any("onerror" in attrs for _, attrs in page.tags)
+    assert "b" not in {tag for tag, _ in page.tags}
+    assert page.text.count(HOSTILE) >= 12
+    assert "<b>key</b>" in page.text
+
+
+def test_the_page_needs_nothing_beside_it(
+    result: xr.DataTree, springs: xr.DataTree, pictures: list[Path]
+) -> None:
+    page = Page(report.render(result, springs, None, RUN, pictures))
+    sources = [attrs["src"] for tag, attrs in page.tags if tag == "img"]
+    assert len(sources) == 1 + 6  # the sketch and the known pictures
+    assert all(source is not None and source.startswith("data:image/") for source in sources)
+    assert base64.b64decode(str(sources[1]).partition("base64,")[2]) == PIXEL
+    assert not {"script", "link", "iframe"} & {tag for tag, _ in page.tags}
+    assert any("default-src 'none'" in str(attrs.get("content")) for tag, attrs in page.tags if tag == "meta")
+
+
+def test_pictures_stand_in_reading_order_with_captions(result: xr.DataTree, pictures: list[Path]) -> None:
+    page = Page(report.render(result, figures=[*pictures[::-1]]))
+    found = [attrs["alt"] for tag, attrs in page.tags if tag == "img"][1:]
+    assert found == [
+        "Mesh in the symmetry plane",
+        "p-y curves by depth",
+        "Gap opening, at u = 2.5 mm",
+        "Gap opening, at the last converged step",
+        "Newton iterations",
+        "p-y curves by depth",
+    ]
+
+
+def test_svg_is_taken_where_there_is_one(result: xr.DataTree, pictures: list[Path], tmp_path: Path) -> None:
+    (tmp_path / "mesh.svg").write_text(sketch.axes_svg(), encoding="utf-8")
+    page = Page(report.render(result, figures=[tmp_path / "mesh.svg", *pictures]))
+    (mesh,) = [
+        attrs for tag, attrs in page.tags if tag == "img" and attrs["alt"] == "Mesh in the symmetry plane"
+    ]
+    assert str(mesh["src"]).startswith("data:image/svg+xml")
+
+
+def test_inputs_show_every_key_with_its_unit_defaults_included(result: xr.DataTree) -> None:
+    tables = {
+        table.title: dict(table.rows)
+        for table in report_tables.input_tables(
+            'title = "t"\n[soil]\nyoung_modulus = "150 MPa"\n'
+            '[[path]]\nname = "push"\nkind = "pull"\nlateral_displacement = "3 mm"\n'
+        )
+    }
+    assert tables["scene"] == {"title": "t"}
+    assert tables["soil"]["young_modulus"] == "150 MPa"
+    assert tables["caisson"]["outer_diameter"] == "7.8 m"
+    assert tables["path 1"]["lateral_displacement"] == "3 mm"
+    assert report_tables.input_tables("not = [toml") == []
+
+
+def test_equilibrium_check_sees_a_wrong_force(springs: xr.DataTree) -> None:
+    path = springs["paths/pull"].to_dataset(inherit=False)
+    good = report_tables.imbalance(path, 4.0)
+    assert all(ratio < 1e-12 for _, ratio in good.values())
+    for variable, load in (("H_lid", "H"), ("t", "V"), ("M_tip", "M"), ("m", "M"), ("H_tip", "M")):
+        wrong = path.copy(deep=True)
+        wrong[variable] = wrong[variable] * 1.01 + 1.0
+        assert report_tables.imbalance(wrong, 4.0)[load][1] > 1e-6, variable
+
+
+def test_equilibrium_check_knows_the_size_of_the_difference(springs: xr.DataTree) -> None:
+    path = springs["paths/pull"].to_dataset(inherit=False).copy(deep=True)
+    path["H"][-1] += 2500.0
+    assert report_tables.imbalance(path, 4.0)["H"][0] == pytest.approx(2500.0, rel=1e-6)
+    path["converged"][-1] = 0  # an unconverged step takes no part
+    assert report_tables.imbalance(path, 4.0)["H"][0] == pytest.approx(0.0, abs=1e-6)
+    wrong = springs.copy(deep=True)
+    wrong["paths/pull"]["H"][-1] += 2500.0
+    rows = {(row[0], row[1]): row[2] for row in report_tables.equilibrium_table(wrong).rows}
+    assert rows["pull", "H"] == "2.5 kN"
+
+
+def test_equilibrium_of_result_and_springs_agree(result: xr.DataTree, springs: xr.DataTree) -> None:
+    from_result = report_tables.imbalance(result["paths/turn"].to_dataset(inherit=False), 4.0)
+    from_springs = report_tables.imbalance(springs["paths/turn"].to_dataset(inherit=False), 4.0)
+    for load, (difference, _) in from_springs.items():
+        assert from_result[load][0] == pytest.approx(difference, abs=1e-5)
+
+
+def test_convergence_counts(result: xr.DataTree) -> None:
+    tree = result.copy(deep=True)
+    tree["paths/pull"]["converged"][-1] = 0
+    rows = {
+        row[0]: list(row[1:]) for row in report_tables.convergence_table(dict(tree["paths"].children)).rows
+    }
+    assert rows["turn"] == ["20", "0", "4", "4", "84", "1", "5e-08"]
+    assert rows["pull"] == ["19", "1", "4", "4", "84", "2", "5e-08"]
+
+
+def test_end_state_is_the_last_converged_step_in_units_for_people(result: xr.DataTree) -> None:
+    tree = result.copy(deep=True)
+    tree["paths/pull"]["converged"][-1] = 0
+    rows = dict(report_tables.end_table(tree["paths/pull"]).rows)
+    path = tree["paths/pull"].to_dataset(inherit=False).isel(step=-2)
+    assert rows["lateral displacement of the lid centre, u"] == f"{float(path['u']) * 1e3:.4g} mm"
+    assert rows["horizontal load, H"] == f"{float(path['H']) * 1e-3:.4g} kN"
+    width = float(path["gap"].sel(side="outside").max()) * 1e3
+    assert rows["widest gap, outside"].startswith(f"{width:.3g} mm at azimuth 180°")
+
+
+def test_validity_states_the_calibrated_range(result: xr.DataTree, springs: xr.DataTree) -> None:
+    sentences = " ".join(report_tables.validity(result, springs))
+    path = result["paths/pull"]
+    assert "Path pull (pull, calibration): u from 0 to 20 mm" in sentences
+    tree = result.copy(deep=True)
+    tree["paths/pull"]["converged"][:] = 0
+    assert "Path pull (pull, calibration): no converged step." in report_tables.validity(tree, springs)
+    ratio = float(path["rotation"][-1] * 4.0 / path["u"][-1])
+    assert f"rotation·L/u = {ratio:.2f} at its end" in sentences
+
+
+def test_comparison_leaves_empty_columns_out(result: xr.DataTree) -> None:
+    frame = pd.DataFrame(
+        [
+            {
+                "path": "pull",
+                "springs": "full",
+                "eta_large": 0.9876,
+                "H_error_max_pct": -1.234,
+                "M_error_max_pct": np.nan,
+                "x": 1,
+            },
+            {
+                "path": "pull",
+                "springs": "py",
+                "eta_large": 0.3,
+                "H_error_max_pct": -71.0,
+                "M_error_max_pct": np.nan,
+                "x": 2,
+            },
+        ]
+    )
+    table = report_tables.compare_table(frame)
+    assert table is not None
+    assert list(table.columns) == ["path", "springs", "eta, large displacement", "H, largest error [%]"]
+    assert list(table.rows[1]) == ["pull", "py", "0.3", "-71"]
+    page = Page(report.render(result, compare=frame))
+    assert "Macro-model against full model" in page.text
+    assert "Macro-model against full model" not in Page(report.render(result)).text
+    assert report_tables.compare_table(pd.DataFrame()) is None
+
+
+def test_cost_left_out_and_status_are_printed(result: xr.DataTree) -> None:
+    page = Page(report.render(result, run=RUN))
+    assert page.row("factorisation12.5") == "factorisation12.524"
+    assert page.row("peak memory MB") == "peak memory MB512"
+    assert page.row("installation") == "installationthe caisson is wished in place"
+    assert page.row("Statuscomplete")
+    assert "not complete" not in page.text
+    partial = Page(report.render(result, run={**RUN, "status": "partial"}))
+    assert "This run is not complete (status: partial)" in partial.text
+
+
+def test_write_report_reads_the_folder_of_a_run(
+    result: xr.DataTree, springs: xr.DataTree, tmp_path: Path
+) -> None:
+    from pysprings.springs import save_springs
+    from pysprings.storage import write_tree
+
+    write_tree(result, tmp_path / "full_model.nc")
+    save_springs(springs, tmp_path / "springs.nc")
+    (tmp_path / "run.json").write_text(json.dumps(RUN), encoding="utf-8")
+    pd.DataFrame([{"path": "pull", "springs": "py", "eta_large": 0.25}]).to_csv(
+        tmp_path / "compare.csv", index=False
+    )
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures" / "mesh.png").write_bytes(PIXEL)
+    file = report.write_report(tmp_path)
+    page = Page(file.read_text(encoding="utf-8"))
+    assert file == tmp_path / "report.html"
+    assert page.row("pullpy") == "pullpy0.25"
+    assert len([tag for tag, _ in page.tags if tag == "img"]) == 2
+    assert {each.name for each in tmp_path.iterdir()} == {
+        "full_model.nc",
+        "springs.nc",
+        "run.json",
+        "compare.csv",
+        "figures",
+        "report.html",
+    }
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (12345, "12 345"),
+        (0.123456, "0.1235"),
+        (float("nan"), "-"),
+        (True, "yes"),
+        ("2 m", "2 m"),
+        (-0.0, "0"),
+        (["1 m", 2], "1 m, 2"),
+    ],
+)
+def test_numbers_are_written_for_reading(value: object, text: str) -> None:
+    assert report_tables.number(value) == text
+
+
+# ---------------------------------------------------------------- the sketch
+
+
+def test_sketch_is_valid_svg_with_the_signs(tmp_path: Path) -> None:
+    file = sketch.write_axes_svg(tmp_path / "docs" / "axes.svg")
+    root = ET.fromstring(file.read_text(encoding="utf-8"))
+    assert root.tag == "{http://www.w3.org/2000/svg}svg"
+    words = " ".join("".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text"))
+    for rule in (
+        "u_x(z) = u + rotation·z",
+        "M = \N{MINUS SIGN}H·h",
+        "H = Σ p dz + H_tip + H_lid",
+        "compression positive",
+        "θ = 0",
+    ):
+        assert rule in words
+    _, _, width, height = (float(v) for v in root.attrib["viewBox"].split())
+    for text in root.iter("{http://www.w3.org/2000/svg}text"):
+        assert 0 <= float(text.attrib["x"]) <= width
+        assert 0 <= float(text.attrib["y"]) <= height
+
+
+def test_the_picture_in_the_docs_is_the_current_sketch() -> None:
+    file = Path(__file__).parents[2] / "docs" / "axes.svg"
+    assert file.read_text(encoding="utf-8") == sketch.axes_svg(), (
+        "run: python -m pysprings.sketch docs/axes.svg"
+    )
+
+
+def test_text_sketch_fits_a_page_and_states_the_signs() -> None:
+    lines = sketch.AXES_ASCII.splitlines()
+    assert max(map(len, lines)) <= 110
+    assert sketch.AXES_ASCII.isascii()
+    assert re.search(r"M = -H\*h", sketch.AXES_ASCII)
+    assert "M = sum (p z + m) dz + L H_tip + M_tip + M_lid" in sketch.AXES_ASCII

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: MIT
+"""Spring files: round trip, refusals with a clear line each, sums that balance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pysprings.errors import UserInputError
+from pysprings.springs import (
+    balance,
+    get_path,
+    net_m,
+    net_p,
+    open_springs,
+    path_names,
+    save_springs,
+    slice_heights,
+    validate_springs,
+)
+from pysprings.storage import write_tree
+from tests.pysprings.synthetic import Path, make_result, make_springs
+
+PATHS = (Path("held", arm=8.0, role="held-back"), Path("pull"), Path("push", kind="translation"))
+
+
+def test_round_trip(tmp_path):
+    tree = make_springs(PATHS)
+    assert open_springs(save_springs(tree, tmp_path / "springs.nc")).identical(tree)
+
+
+def test_paths_by_role_and_default():
+    tree = make_springs(PATHS)
+    assert path_names(tree) == ["held", "pull", "push"]
+    assert path_names(tree, "held-back") == ["held"]
+    assert get_path(tree).attrs["path"] == "pull"
+    with pytest.raises(UserInputError, match="no path 'x'; the springs have: held, pull, push"):
+        get_path(tree, "x")
+
+
+def test_only_converged_steps_are_given():
+    tree = make_springs()
+    tree["paths/pull/converged"][-2:] = 0
+    assert get_path(tree).sizes["step"] == 19
+
+
+def test_sums_over_depth():
+    path = get_path(make_springs())
+    assert slice_heights(path).sum() == pytest.approx(4.0)
+    lateral = slice_heights(path) @ net_p(path).values + path["H_tip"].values + path["H_lid"].values
+    np.testing.assert_allclose(lateral, path["H"].values, atol=1e-8 * np.abs(path["H"].values).max())
+    assert net_m(path).dims == ("depth", "step")
+
+
+def test_balance_sees_a_missing_reaction():
+    path = get_path(make_springs())
+    assert max(balance(path).values()) < 1e-14
+    assert balance(path.assign(H_lid=0.0 * path["H_lid"]))["H"] > 1e-3
+    assert balance(path.assign(M_tip=0.0 * path["M_tip"]))["M"] > 1e-3
+    assert balance(path.assign(V_tip=0.0 * path["V_tip"]))["V"] > 1e-3
+
+
+def _attribute(name, value):
+    def spoil(tree):
+        tree.attrs[name] = value
+
+    return spoil
+
+
+def _values(name, change):
+    def spoil(tree):
+        data = tree[f"paths/pull/{name}"]
+        data.values = change(data.values)
+
+    return spoil
+
+
+def _one_nan(values):
+    values[3] = np.nan
+    return values
+
+
+def _kind(tree):
+    tree["paths/pull"].attrs["kind"] = "push"
+
+
+def _no_path(tree):
+    del tree["paths"]["pull"]
+
+
+def _nan_stiffness(tree):
+    tree["stiffness_initial"].values[0, 0] = np.nan
+
+
+@pytest.mark.parametrize(
+    ("spoil", "key", "words"),
+    [
+        (_attribute("schema", "pysprings-springs-9"), "schema", "another version: 'pysprings-springs-9'"),
+        (_attribute("skirt_length_m", "4 m"), "skirt_length_m", "not a number"),
+        (_attribute("drainage", 1), "drainage", "missing attribute"),
+        (_no_path, "paths", "no path in the file"),
+        (_nan_stiffness, "stiffness_initial", "not finite"),
+        (_kind, "paths/pull/kind", "must be one of pull, translation, rotation, load"),
+        (_values("H", _one_nan), "paths/pull/H", "not finite at a converged step"),
+        (_values("converged", lambda v: 0 * v), "paths/pull/converged", "at least two converged steps"),
+        (_values("y", lambda v: -v), "paths/pull/y", "is not u + rotation*depth"),
+        (_values("depth_bounds", lambda v: 0.9 * v), "paths/pull/depth_bounds", "must cover 0 to 4 m"),
+        (
+            _values("depth_bounds", lambda v: v[:, ::-1]),
+            "paths/pull/depth_bounds",
+            "between its top and its bottom",
+        ),
+    ],
+)
+def test_refusals(tmp_path, spoil, key, words):
+    tree = make_springs()
+    spoil(tree)
+    file = write_tree(tree, tmp_path / "bad.nc")
+    with pytest.raises(UserInputError) as caught:
+        open_springs(file)
+    assert any(problem.key == key and words in problem.message for problem in caught.value.problems)
+    assert {problem.file for problem in caught.value.problems} == {str(file)}
+
+
+def test_wrong_depth_order_is_refused():
+    tree = make_springs()
+    path = tree["paths/pull"].to_dataset(inherit=False)
+    tree["paths/pull"].dataset = path.assign_coords(depth=path["depth"].copy(data=path["depth"].values[::-1]))
+    with pytest.raises(UserInputError, match="depth: must increase"):
+        validate_springs(tree)
+
+
+def test_a_result_is_not_a_spring_file(tmp_path):
+    file = write_tree(make_result(), tmp_path / "full_model.nc")
+    with pytest.raises(UserInputError, match="a full-model result, not a spring file"):
+        open_springs(file)
+
+
+def test_all_faults_come_at_once_and_nothing_is_written(tmp_path):
+    tree = make_springs()
+    tree["paths/pull/H"].attrs["units"] = "kN"
+    del tree.attrs["drainage"]
+    with pytest.raises(UserInputError) as caught:
+        save_springs(tree, tmp_path / "springs.nc")
+    assert {problem.key for problem in caught.value.problems} == {"drainage", "paths/pull/H"}
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: MIT
+"""The table of variables: every variable of the trees stands in it, with units that a units library reads."""
+
+from __future__ import annotations
+
+import cf_xarray.units
+import pytest
+import xarray as xr
+
+from pysprings import variables
+from tests.pysprings.synthetic import make_result, make_springs
+
+
+@pytest.mark.parametrize("group", list(variables.GROUPS))
+def test_every_entry_has_words_and_udunits(group):
+    for name, variable in variables.GROUPS[group].items():
+        assert variable.name == name
+        assert variable.long_name
+        assert variable.dims
+        cf_xarray.units.units.parse_units(variable.units)  # raises on a unit it does not know
+
+
+def test_trees_agree_with_the_table():
+    variables.check_tree(make_result(), "result")
+    variables.check_tree(make_springs(), "springs")
+
+
+def test_depth_is_a_cf_vertical_coordinate():
+    depth = make_springs()["paths/pull/depth"]
+    expected = {
+        "standard_name": "depth",
+        "positive": "down",
+        "axis": "Z",
+        "bounds": "depth_bounds",
+        "units": "m",
+    }
+    assert expected.items() <= depth.attrs.items()
+
+
+def _without_units(data: xr.Dataset) -> xr.Dataset:
+    del data["H"].attrs["units"]
+    return data
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (_without_units, "paths/pull/H: no units (expected 'N')"),
+        (lambda d: d.drop_vars("t"), "paths/pull/t: missing variable"),
+        (lambda d: d.assign(y=d["y"].transpose("step", "depth")), "paths/pull/y: dimensions (step, depth)"),
+        (lambda d: d.assign(new=("step", d["u"].values)), "paths/pull/new: unknown variable"),
+        (lambda d: d.assign(u=d["u"].assign_attrs(units="mm")), "paths/pull/u: units 'mm' instead of 'm'"),
+    ],
+)
+def test_a_fault_is_named(spoil, words):
+    tree = make_springs()
+    tree["paths/pull"].dataset = spoil(tree["paths/pull"].to_dataset(inherit=False).copy(deep=True))
+    with pytest.raises(ValueError, match=r"paths/pull") as caught:
+        variables.check_tree(tree, "springs")
+    assert words in str(caught.value)
+
+
+def test_attach_tree_dresses_bare_data():
+    tree = make_springs()
+    bare = xr.DataTree.from_dict(
+        {n.path: n.to_dataset(inherit=False).drop_attrs(deep=True) for n in tree.subtree}
+    )
+    assert variables.tree_problems(bare, "springs")
+    assert variables.tree_problems(variables.attach_tree(bare, "springs"), "springs") == []
