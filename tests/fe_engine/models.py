@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: MIT
+"""Small models and helpers that the engine's tests share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace  # noqa: F401
+
+import numpy as np
+
+from fe_engine import hex8, rigid
+from fe_engine.assembly import System
+from fe_engine.contact import coulomb
+from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
+from fe_engine.interface import Stations, gauss_stations, local_frames, nodal_stations
+from fe_engine.linear import LinearSolver
+from fe_engine.mesh import Mesh
+from fe_engine.model import Material, Model, Stage
+from fe_engine.newton import Newton, Settings
+from fe_engine.soil import plasol
+from fe_engine.state import State
+from fe_engine.stepping import Driver, Step
+
+DEGREE = np.pi / 180.0
+# E (Pa), nu, phi_i, phi_f, B_phi, psi, cohesion (Pa): a sand that hardens and dilates, with a little cohesion
+SAND = (2.0e8, 0.3, 5.0 * DEGREE, 30.0 * DEGREE, 0.005, 3.0 * DEGREE, 1.0e3)
+CONTACT = (1.0e10, 1.0e10, 0.5)
+
+
+def taylor_slope(f: Callable, slope: np.ndarray, x: np.ndarray, step: np.ndarray, sizes: np.ndarray) -> float:
+    """Order in h of |f(x + h step) - f(x) - h slope step|; infinite where it is rounding at every h.
+
+    A consistent tangent has order 2, a wrong one order 1.
+    """
+    start, change = f(x), slope @ step
+    remainder = np.array([np.linalg.norm(f(x + h * step) - start - h * change) for h in sizes])
+    rounding = 1.0e-14 * (np.linalg.norm(start) + sizes * np.linalg.norm(change))
+    if np.all(remainder <= 10.0 * rounding):
+        return np.inf
+    assert np.all(remainder > 10.0 * rounding), "the remainder drowns in rounding: take larger steps"
+    return float(np.polyfit(np.log(sizes), np.log(remainder), 1)[0])
+
+
+def rotation_matrix(axis: tuple[float, float, float], angle: float) -> np.ndarray:
+    """Rotation (3, 3) about an axis by the right-hand rule (Rodrigues)."""
+    x, y, z = np.asarray(axis) / np.linalg.norm(axis)
+    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sin(angle) * skew + (1.0 - np.cos(angle)) * skew @ skew
+
+
+def to_matrix(voigt: np.ndarray, shear: float = 1.0) -> np.ndarray:
+    """Tensor (3, 3) of a Voigt vector xx yy zz xy yz zx; shear = 0.5 for engineering strains."""
+    xx, yy, zz = voigt[:3]
+    xy, yz, zx = shear * voigt[3:]
+    return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
+
+
+def to_voigt(tensor: np.ndarray, shear: float = 1.0) -> np.ndarray:
+    """Voigt vector of a symmetric tensor; shear = 2 for engineering strains."""
+    t = tensor
+    return np.array([t[0, 0], t[1, 1], t[2, 2], shear * t[0, 1], shear * t[1, 2], shear * t[2, 0]])
+
+
+def box(counts: tuple[int, int, int], size: tuple[float, float, float], distort: float = 0.0) -> Mesh:
+    """Brick mesh with a corner at the origin; distort moves every node by up to that share of a cell."""
+    axes = [np.linspace(0.0, length, n + 1) for n, length in zip(counts, size, strict=True)]
+    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    number = np.arange(len(nodes)).reshape([n + 1 for n in counts])
+    quad = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
+    hexes = np.stack([q[:, :, :-1] for q in quad] + [q[:, :, 1:] for q in quad], axis=-1).reshape(-1, 8)
+    top = np.stack([q[:, :, 0] for q in quad], axis=-1).reshape(-1, 4)
+    cell = np.array(size) / counts
+    nodes = nodes + distort * cell * np.random.default_rng(7).uniform(-1.0, 1.0, nodes.shape)
+    return Mesh(nodes, hexes, face_sets={"top": top})
+
+
+def all_of(mesh: Mesh, axis: int, value: float) -> np.ndarray:
+    """Nodes (n,) bool on the plane where a coordinate has a value."""
+    return np.abs(mesh.nodes[:, axis] - value) < 1.0e-9
+
+
+def soil(law: int = DRUCKER_PRAGER, **changes: float) -> Material:
+    """Material of SAND with some parameters changed."""
+    names = ("young", "poisson", "phi_i", "phi_f", "b_phi", "psi", "cohesion")
+    return Material(law, plasol.pack(**(dict(zip(names, SAND, strict=True)) | changes)))
+
+
+def body_stations(mesh: Mesh, faces: np.ndarray, reference: np.ndarray, rule: str = "nodal") -> Stations:
+    """Stations of a rigid body on faces whose normals point into the soil."""
+    if rule == "nodal":
+        node, normal, area = nodal_stations(mesh.nodes, faces)
+        nodes, weight = node[:, None], np.ones((len(node), 1))
+    else:
+        nodes, weight, normal, area = gauss_stations(mesh.nodes, faces)
+    position = np.einsum("sa,sai->si", weight, mesh.nodes[nodes])
+    body = rigid.displacement_operator(position, reference)
+    return Stations(position, local_frames(normal), area, nodes, weight, body, np.zeros(len(area), dtype=np.int64))
+
+
+def geostatic(mesh: Mesh, surcharge: float, weight: float, k0: float = 1.0) -> np.ndarray:
+    """Initial stress (ne, 8, 6): vertical -(surcharge + weight z), horizontal k0 times that."""
+    vertical = -(surcharge + weight * hex8.gauss_positions(mesh.nodes, mesh.hexes)[:, :, 2])
+    zero = np.zeros_like(vertical)
+    return np.stack([k0 * vertical, k0 * vertical, vertical, zero, zero, zero], axis=-1)
+
+
+def footing(material: Material | None = None, contact: tuple = CONTACT, pressure: float = 2.0e4) -> Model:
+    """A block of soil 3 x 0.5 x 1.5 m (rollers, fixed base) under a rigid footing on x = 1 .. 2 m."""
+    mesh = box((6, 1, 3), (3.0, 0.5, 1.5))
+    fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
+    fixed[all_of(mesh, 0, 0.0) | all_of(mesh, 0, 3.0), 0] = True
+    fixed[:, 1] = True
+    fixed[all_of(mesh, 2, 1.5)] = True
+    top = mesh.face_sets["top"]
+    under = np.abs(mesh.nodes[top].mean(axis=1)[:, 0] - 1.5) < 0.5
+    stations = body_stations(mesh, top[under], np.array([1.5, 0.0, 0.0]))
+    return Model(
+        mesh, [material or soil()], np.zeros(mesh.n_elements, dtype=np.int64), geostatic(mesh, pressure, 1.0e4),
+        fixed, n_border=3, border_scale=np.array([1.0, 1.0, 1.0]), stations=stations,
+        contact=coulomb.pack(*contact)[None], initial_pressure=np.full(len(stations), pressure),
+    )  # fmt: skip
+
+
+def mixed(rule: str = "nodal", skew_stations: bool = False) -> Model:
+    """Distorted block with everything at once: two laws, skew nodes, followers, fixed dofs, a body, stations.
+
+    Border dofs are the body's (u, w, rotation) and one more that some nodes follow. ``rule`` is nodal, gauss, or
+    pairs (a deformable side 2: stations between pairs of nodes).
+    """
+    counts, size = (3, 2, 2), (3.0, 2.0, 1.5)
+    plain, mesh = box(counts, size), box(counts, size, distort=0.12)
+    top, rng = all_of(plain, 2, 0.0), np.random.default_rng(11)
+    fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
+    fixed[all_of(plain, 2, 1.5)] = True
+    skew = all_of(plain, 0, 0.0) & (~top | skew_stations)
+    fixed[skew, 0] = True
+    frames = {int(n): rotation_matrix(tuple(rng.normal(size=3)), rng.uniform(0.2, 1.0)) for n in np.flatnonzero(skew)}
+    followers = [(n, 1, 3, 0.7) for n in np.flatnonzero(all_of(plain, 0, 3.0) & ~top)]
+    followers += [(np.flatnonzero(skew)[1], 2, 0, -1.3), (np.flatnonzero(top)[4], 1, 1, 0.5)]
+    if rule == "pairs":
+        pairs = np.stack([np.flatnonzero(top)[::2], np.flatnonzero(all_of(plain, 2, 0.75) & ~skew)[:-7:-1]], axis=1)
+        frame = np.stack([rotation_matrix(tuple(rng.normal(size=3)), 1.0) for _ in pairs])
+        stations = Stations(
+            np.zeros((6, 3)), frame, rng.uniform(0.1, 1.0, 6), pairs, np.tile([1.0, -1.0], (6, 1)),
+            np.zeros((6, 3, 4)), np.arange(6) % 2,
+        )  # fmt: skip
+    else:
+        stations = body_stations(mesh, mesh.face_sets["top"], np.array([1.2, 0.0, -0.3]), rule)
+        body = np.concatenate([stations.body, np.zeros((len(stations), 3, 1))], axis=2)
+        stations = replace(stations, body=body, surface=np.arange(len(stations)) % 2)
+    return Model(
+        mesh, [soil(phi_i=0.15), soil(ELASTIC, young=5.0e7)], np.arange(mesh.n_elements) % 3 // 2,
+        geostatic(mesh, 1.0e4, 1.0e4), fixed, frames, np.array(followers), 4, np.array([1.0, 1.0, 2.0, 1.0]),
+        stations, np.array([coulomb.pack(1.0e8, 5.0e7, 0.5), coulomb.pack(2.0e8, 1.0e8, 0.3)]),
+        rng.uniform(5.0e3, 1.5e4, len(stations)),
+    )  # fmt: skip
+
+
+def stage(controls: dict[int, float], force: tuple = (0.0, 0.0, 0.0), arm: float = 0.0, **options) -> Stage:
+    """Stage that imposes end values on border dofs, by forces on the same dofs; arm (m) lifts the lateral one."""
+    control = np.array([np.eye(3)[i] for i in controls]).reshape(-1, 3)
+    load = control.copy()
+    load[control[:, 0] == 1.0, 2] = -arm
+    return Stage("test", control, np.array(list(controls.values())), load.T, np.array(force), **options)
+
+
+@dataclass
+class Run:
+    """A driver with what it committed."""
+
+    driver: Driver
+    state: State
+    steps: list[Step]
+
+
+def start(model: Model, linear: str = "superlu", **settings) -> Run:
+    """Return a driver at the initial state of a model."""
+    system = System(model)
+    newton = Newton(system, LinearSolver(linear, system.pattern.n_free), Settings(**settings))
+    state = State(model)
+    return Run(Driver(newton, state), state, [])
+
+
+def run(model: Model, *stages: Stage, linear: str = "superlu", **settings) -> Run:
+    """Run stages from the initial state."""
+    out = start(model, linear, **settings)
+    for each in stages:
+        out.driver.run(each, out.steps.append)
+    return out

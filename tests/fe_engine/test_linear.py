@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: MIT
+"""Linear solvers: both backends against a dense solve, reuse of the analysis, refusals."""
+
+from __future__ import annotations
+
+import importlib.util
+import warnings
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_matrix, diags, identity, kron
+
+from fe_engine import linear
+from fe_engine.errors import LinearSolverError
+from fe_engine.linear import SUPERLU_COMFORT, LinearSolver, available_backends, make_backend
+
+HAS_PARDISO = importlib.util.find_spec("pypardiso") is not None
+needs_pardiso = pytest.mark.skipif(not HAS_PARDISO, reason="pypardiso is not installed")
+BACKENDS = ["superlu", pytest.param("pardiso", marks=needs_pardiso)]
+
+
+@pytest.fixture(params=BACKENDS)
+def name(request):
+    return request.param
+
+
+def laplacian(n=7, shift=1.0):
+    """Grid Laplacian (n*n) plus shift; singular (constants) for shift 0."""
+    line = diags([-np.ones(n - 1), np.r_[1.0, 2.0 * np.ones(n - 2), 1.0], -np.ones(n - 1)], [-1, 0, 1])
+    return csr_matrix(kron(line, identity(n)) + kron(identity(n), line) + shift * identity(n * n))
+
+
+def unsymmetric(seed):
+    """Well-conditioned values, not symmetric, on the pattern of a grid."""
+    matrix = laplacian()
+    rng = np.random.default_rng(seed)
+    matrix.data = rng.uniform(-1.0, 1.0, matrix.nnz)
+    matrix.setdiag(rng.uniform(5.0, 50.0, matrix.shape[0]))
+    return matrix
+
+
+def rhs_of(matrix, shape=()):
+    return np.random.default_rng(9).normal(size=(matrix.shape[0], *shape))
+
+
+# --- right answers ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shape", [(), (1,), (4,)], ids=["vector", "one column", "four columns"])
+def test_solution_equals_the_dense_one(name, shape):
+    matrix = unsymmetric(1)
+    rhs = rhs_of(matrix, shape)
+    before = rhs.copy()
+    solver = LinearSolver(name, matrix.shape[0])
+    solver.factorise(matrix)
+    x = solver.solve(rhs)
+    assert x.shape == rhs.shape
+    np.testing.assert_allclose(x, np.linalg.solve(matrix.toarray(), rhs), rtol=1e-10, atol=1e-14)
+    np.testing.assert_array_equal(rhs, before)
+    solver.close()
+
+
+def test_new_values_on_the_old_pattern(name):
+    """New objects and values changed in place: each factorisation answers for its own values."""
+    matrix = unsymmetric(1)
+    solver, rhs = LinearSolver(name, matrix.shape[0]), rhs_of(matrix, (2,))
+    for seed in (1, 2, 3):
+        matrix.data[...] = 10.0 ** (3 * seed) * unsymmetric(seed).data
+        for each in (matrix, 1.0e-6 * unsymmetric(seed + 10)):
+            solver.factorise(each)
+            np.testing.assert_allclose(solver.solve(rhs), np.linalg.solve(each.toarray(), rhs), rtol=1e-10)
+    assert (solver.n_factorisations, solver.n_solves) == (6, 6)
+    assert solver.worst_residual < 1.0e-12
+    solver.close()
+
+
+@needs_pardiso
+def test_pardiso_analyses_the_pattern_once(monkeypatch):
+    backend, phases = make_backend("pardiso", 10), []
+    call = backend._call
+    monkeypatch.setattr(backend, "_call", lambda phase, rhs: phases.append(phase) or call(phase, rhs))
+    for seed in (1, 2, 3):
+        backend.factorise(unsymmetric(seed))
+        backend.solve(rhs_of(laplacian()))
+    assert phases == [12, 33, 22, 33, 22, 33]
+    backend.close()
+
+
+@needs_pardiso
+def test_backends_agree():
+    matrix, answers = unsymmetric(4), []
+    for name in ("superlu", "pardiso"):
+        solver = LinearSolver(name, matrix.shape[0])
+        solver.factorise(matrix)
+        answers.append(solver.solve(rhs_of(matrix)))
+        solver.close()
+    np.testing.assert_allclose(*answers, rtol=1e-12)
+
+
+def test_zero_right_hand_side_has_the_zero_solution(name):
+    solver = LinearSolver(name, 49)
+    solver.factorise(laplacian())
+    np.testing.assert_array_equal(solver.solve(np.zeros((49, 2))), 0.0)
+    solver.close()
+
+
+def test_time_is_counted_by_phase(name):
+    solver = LinearSolver(name, 49)
+    solver.factorise(laplacian())
+    solver.solve(np.ones(49))
+    assert set(solver.clock.wall) == set(solver.clock.cpu) == {"factorisation", "solve"}
+    assert all(seconds > 0.0 for seconds in solver.clock.wall.values())
+    solver.close()
+
+
+# --- refusals ---------------------------------------------------------------------------------------------
+
+
+def empty_row():
+    matrix = laplacian().tolil()
+    matrix[3, :] = 0.0
+    out = csr_matrix(matrix)
+    return out + csr_matrix(([0.0], ([3], [3])), out.shape)
+
+
+@pytest.mark.parametrize("matrix", [laplacian(shift=0.0), empty_row()], ids=["free to float", "empty row"])
+def test_singular_matrix_is_refused(name, matrix):
+    solver = LinearSolver(name, 49)
+    with pytest.raises(LinearSolverError):
+        solver.factorise(matrix)
+        solver.solve(np.ones(49) + rhs_of(matrix))
+    solver.close()
+
+
+@pytest.mark.parametrize("spoil", [lambda x: 1.01 * x, np.zeros_like, lambda x: np.full_like(x, np.nan)])
+def test_a_wrong_solution_is_refused(monkeypatch, spoil):
+    solver = LinearSolver("superlu", 49)
+    solver.factorise(laplacian())
+    solve = solver.backend.solve
+    monkeypatch.setattr(solver.backend, "solve", lambda rhs: spoil(solve(rhs)))
+    with pytest.raises(LinearSolverError, match="superlu returned a solution with relative residual"):
+        solver.solve(np.ones(49))
+
+
+def test_a_wrong_column_among_good_ones_is_refused(monkeypatch):
+    """Also where it is small beside the others."""
+    solver = LinearSolver("superlu", 49)
+    solver.factorise(laplacian())
+    solve = solver.backend.solve
+    monkeypatch.setattr(solver.backend, "solve", lambda rhs: solve(rhs) * [1.0, 0.5])
+    with pytest.raises(LinearSolverError):
+        solver.solve(np.column_stack([1.0e9 * np.ones(49), np.ones(49)]))
+
+
+def test_an_inaccurate_solution_is_refined(monkeypatch):
+    matrix = unsymmetric(1)
+    solver, rhs = LinearSolver("superlu", 49), rhs_of(matrix)
+    solver.factorise(matrix)
+    solve = solver.backend.solve
+    monkeypatch.setattr(solver.backend, "solve", lambda b: (1.0 + 1.0e-5) * solve(b))
+    np.testing.assert_allclose(solver.solve(rhs), np.linalg.solve(matrix.toarray(), rhs), rtol=2e-10)
+    assert 0.0 < solver.worst_residual < 2.0e-10
+
+
+# --- choice -----------------------------------------------------------------------------------------------
+
+
+def test_unknown_name_lists_what_there_is():
+    with pytest.raises(LinearSolverError, match=r"unknown linear solver 'mumps'; available: .*superlu"):
+        make_backend("mumps", 10)
+
+
+def test_auto_takes_the_best_one():
+    assert make_backend("auto", 10).name == available_backends()[0] == ("pardiso" if HAS_PARDISO else "superlu")
+
+
+def test_superlu_warns_where_it_gets_slow():
+    with pytest.warns(UserWarning, match="SuperLU on 30001 unknowns"):
+        make_backend("superlu", SUPERLU_COMFORT + 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        make_backend("superlu", SUPERLU_COMFORT)
+
+
+def broken_pardiso():
+    raise OSError("libmkl_rt.so.2: cannot open shared object file")
+
+
+def test_pardiso_that_does_not_load_says_so(monkeypatch):
+    monkeypatch.setattr(linear, "Pardiso", broken_pardiso)
+    with pytest.raises(LinearSolverError, match="pardiso does not load here: libmkl_rt"):
+        make_backend("pardiso", 10)
+
+
+@pytest.mark.xfail(reason="auto looks whether pypardiso is installed, not whether it loads", strict=True)
+def test_auto_falls_back_where_pardiso_does_not_load(monkeypatch):
+    monkeypatch.setattr(linear, "available_backends", lambda: ["pardiso", "superlu"])
+    monkeypatch.setattr(linear, "Pardiso", broken_pardiso)
+    assert make_backend("auto", 10).name == "superlu"
