@@ -17,10 +17,12 @@ from pysprings.cli_support import (
     prepare_folder,
     print_json,
     quantities,
+    record_stamp,
     refuse,
     say,
     springs_of,
 )
+from pysprings.errors import RunIncomplete
 
 EPILOG = (
     "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; "
@@ -112,7 +114,7 @@ def check(scene: SceneFile, mesh: Mesh = None, as_json: Json = False) -> None:
 
     loaded = load_scene(scene)
     loaded = loaded.replace(mesh={"preset": mesh.value}) if mesh else loaded
-    from pysprings.build import describe
+    from pysprings.estimate import describe
 
     about = describe(loaded)
     if as_json:
@@ -142,12 +144,21 @@ def run(
     prepare_folder(folder, force)
     from pysprings.folder import run_to_folder
 
-    with reporter(sys.stderr) as progress:
-        folder = run_to_folder(loaded, folder, mesh=mesh.value if mesh else None, progress=progress)
+    stopped: RunIncomplete | KeyboardInterrupt | None = None
+    before = record_stamp(folder)
+    try:
+        with reporter(sys.stderr) as progress:
+            folder = run_to_folder(loaded, folder, mesh=mesh.value if mesh else None, progress=progress)
+    except (RunIncomplete, KeyboardInterrupt) as error:
+        if record_stamp(folder) == before:
+            raise
+        stopped = error
     if as_json:
         print_json(results_json(folder))
     else:
         print_results(folder)
+    if stopped is not None:
+        raise stopped
 
 
 @app.command()

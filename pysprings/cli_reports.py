@@ -18,6 +18,15 @@ if TYPE_CHECKING:
 
 PICTURES = (".png", ".svg", ".pdf")
 
+# entries of a description that have a unit
+LABELS = {
+    "vertical_load_N": "vertical load [N]",
+    "memory_GB": "memory, estimated [GB]",
+    "time_s": "time, estimated [s]",
+}
+
+ROUNDING = 1e-9  # loads below this share of the largest are what rounding has left of zero
+
 # columns of a prediction: name, unit for people, factor from SI
 COLUMNS = (
     ("u", "mm", 1e3),
@@ -54,37 +63,97 @@ def _rows(key: str, value: Any) -> list[tuple[str, str]]:
     """Return the lines of one entry of a description; a table of counts has one line each."""
     if isinstance(value, Mapping):
         return [(str(name).replace("_", " "), number(count)) for name, count in value.items()]
-    units = {"memory_GB": "memory, estimated [GB]", "time_s": "time, estimated [s]"}
-    return [(units.get(key, key.replace("_", " ")), number(value))]
+    return [(LABELS.get(key, key.replace("_", " ")), number(value))]
 
 
 def results_json(folder: Path) -> dict[str, Any]:
     """Return what `pysprings run --json` prints: run.json, the files and the comparison."""
     from pysprings.compare import compare, to_dict
 
-    record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    record = read_record(folder)
     files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
-    return {
-        "folder": str(folder),
-        "files": files,
-        "run": record,
-        "compare": to_dict(compare(springs_of(folder))),
-    }
+    comparison = to_dict(compare(springs_of(folder))) if _has_springs(record) else None
+    return {"folder": str(folder), "files": files, "run": record, "compare": comparison}
+
+
+def read_record(folder: Path) -> dict[str, Any]:
+    """Return the run.json of a folder."""
+    record: dict[str, Any] = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    return record
+
+
+def _has_springs(record: Mapping[str, Any]) -> bool:
+    """Tell whether this run, and not one before it in the same folder, left springs."""
+    return record["status"] == "complete" or "balance" in record
 
 
 def print_results(folder: Path) -> None:
-    """Print where the results of a run are, and the prediction beside the full model."""
+    """Print where the results of a run are, how the paths went, the cost, and the comparison."""
     from pysprings.compare import compare, to_text
 
-    print(f"results in {folder}")
+    record = read_record(folder)
+    print(f"results in {folder} ({record['status']})")
     rows = [(str(folder / name), text) for name, text in RESULT_FILES.items() if (folder / name).exists()]
-    pictures = sorted(path for path in folder.rglob("*") if path.suffix in PICTURES)
-    rows += [(str(path), "picture") for path in pictures]
+    rows += _pictures(folder)
     width = max((len(name) for name, _ in rows), default=0)
     for name, text in rows:
         print(f"  {name.ljust(width)}  {text}")
-    print("\nprediction with the springs against the full model:")
-    print(to_text(compare(springs_of(folder))), end="")
+    print_paths(record)
+    print_cost(record)
+    if _has_springs(record):
+        print("\nprediction with the springs against the full model:")
+        print(to_text(compare(springs_of(folder))), end="")
+
+
+def _pictures(folder: Path) -> list[tuple[str, str]]:
+    """Return the pictures of a folder, one line for the formats of each."""
+    found: dict[Path, list[str]] = {}
+    for path in sorted(folder.rglob("*")):
+        if path.suffix in PICTURES:
+            found.setdefault(path.with_suffix(""), []).append(path.suffix.lstrip("."))
+    return [(str(stem), f"picture ({', '.join(formats)})") for stem, formats in found.items()]
+
+
+def print_paths(record: Mapping[str, Any]) -> None:
+    """Print how Newton fared on each path."""
+    columns = {
+        "status": "status",
+        "increments": "increments",
+        "iterations": "iterations",
+        "median_iterations": "median",
+        "cut_backs": "cut-backs",
+        "worst_residual": "worst residual",
+        "order_of_last_iterations": "order of last iterations",
+    }
+    paths = record.get("paths", {})
+    if paths:
+        print()
+        rows = [(name, *(number(path.get(key)) for key in columns)) for name, path in paths.items()]
+        print_table(("path", *columns.values()), rows)
+
+
+def print_cost(record: Mapping[str, Any]) -> None:
+    """Print wall and CPU time by phase, factorisations and peak memory."""
+    phases = record.get("phases", {})
+    if not phases:
+        return
+    total = ("total", {"wall_s": record.get("wall_s"), "cpu_s": record.get("cpu_s")})
+    rows = [
+        (name, _seconds(time.get("wall_s")), _seconds(time.get("cpu_s")))
+        for name, time in [*phases.items(), total]
+    ]
+    print()
+    print_table(("phase", "wall [s]", "CPU [s]"), rows)
+    solver, mesh = record.get("solver", {}), record.get("mesh", {})
+    print(
+        f"{number(mesh.get('nodes'))} nodes, {number(mesh.get('unknowns'))} unknowns; "
+        f"{number(solver.get('factorisations'))} factorisations ({solver.get('linear')}); "
+        f"peak memory {number((record.get('peak_memory_bytes') or 0) / 1e6)} MB"
+    )
+
+
+def _seconds(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1f}"
 
 
 def prediction_json(states: xr.Dataset) -> dict[str, Any]:
@@ -99,5 +168,14 @@ def print_prediction(states: xr.Dataset) -> None:
     """Print states (dimension step) as a table, in the units people use."""
     columns = [column for column in COLUMNS if column[0] in states]
     headers = [f"{name} [{unit}]" for name, unit, _ in columns]
-    values = [[f"{value:.5g}" for value in states[name].values * factor + 0.0] for name, _, factor in columns]
-    print_table(headers, [list(row) for row in zip(*values, strict=True)])
+    largest = max(abs(float(value)) for name in ("H", "V", "M") for value in states[name].values)
+    noise = {name: ROUNDING * largest if name in ("H", "V", "M") else 0.0 for name, *_ in columns}
+    cells = [
+        [_figures(value, factor, noise[name]) for value in states[name].values] for name, _, factor in columns
+    ]
+    print_table(headers, [list(row) for row in zip(*cells, strict=True)])
+
+
+def _figures(value: float, factor: float, noise: float) -> str:
+    """Return a value in its unit with five figures; 0 for what is left over from rounding."""
+    return "0" if abs(value) <= noise else f"{value * factor:.5g}"

@@ -21,6 +21,7 @@ from pysprings.errors import (
     EXIT_INTERRUPTED,
     EXIT_NOT_CONVERGED,
     EXIT_RESOURCES,
+    EXIT_USER_INPUT,
     Problem,
     ResourceError,
     RunIncomplete,
@@ -92,10 +93,11 @@ def _explained(error: BaseException) -> tuple[str, int]:
     if isinstance(error, OSError):
         what = f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
         return f"fatal: resources: {printable(what)}", EXIT_RESOURCES
-    if (
-        type(error).__name__ == "NotConverged"
-    ):  # of the engine, when nothing around it could save a partial result
-        return f"fatal: not converged: {error}", EXIT_NOT_CONVERGED
+    engine = sys.modules.get("fe_engine.errors")  # its errors, when nothing around it made more of them
+    if engine and isinstance(error, engine.NotConverged):
+        return f"fatal: not converged: {printable(error)}", EXIT_NOT_CONVERGED
+    if engine and isinstance(error, engine.MeshError):
+        return f"fatal: user input: mesh: {printable(error)}", EXIT_USER_INPUT
     trace = "" if DEBUG["on"] else "; `pysprings --debug ...` shows where"
     return f"fatal: bug: {type(error).__name__}: {printable(error)}\nplease report it{trace}", EXIT_BUG
 
@@ -166,6 +168,12 @@ def prepare_folder(out: Path, force: bool) -> None:
         refuse("--out", "is not writable", out)
 
 
+def record_stamp(folder: Path) -> tuple[int, int] | None:
+    """Return what changes when a run writes its record, to tell it from the record of a run before it."""
+    record = folder / "run.json"
+    return (record.stat().st_ino, record.stat().st_mtime_ns) if record.exists() else None
+
+
 def print_json(data: Any) -> None:
     """Print one JSON document on stdout; numbers that are not finite become null."""
     print(json.dumps(_plain(data), indent=2, allow_nan=False))
@@ -201,6 +209,8 @@ def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 
 def number(value: Any) -> str:
     """Return a number for people: thousands apart, four figures."""
+    if value is None:
+        return "-"
     value = value.item() if hasattr(value, "item") else value
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)

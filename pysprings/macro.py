@@ -166,8 +166,8 @@ class MacroModel:
         """
         if arm is not None and M is not None:
             raise refused("arm", "give the height of the load or its moment, not both")
+        check_finite(H=H, **{name: value for name, value in (("arm", arm), ("M", M)) if value is not None})
         moment = M if M is not None else -H * (arm or 0.0)
-        check_finite(H=H, M=moment)
         height = arm if arm is not None else (-moment / H if H else 0.0)
         targets = np.linspace(0.0, 1.0, _points(n))[:, None] * np.array([H, moment], dtype=float)
         return _spoken(self.trace("load", targets, height, V))

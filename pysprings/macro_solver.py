@@ -31,7 +31,7 @@ ARMIJO = 1e-4
 
 
 @njit(cache=True)
-def spring_row(knots, values, slopes, count, q):  # type: ignore[no-untyped-def]
+def spring_row(knots, values, slopes, count, q):
     """Reaction and stiffness dr/dq of one odd curve at q: cubic Hermite, last slope beyond the end."""
     x = abs(q)
     last = count - 1
@@ -55,7 +55,7 @@ def spring_row(knots, values, slopes, count, q):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def row_values(knots, values, slopes, count, q):  # type: ignore[no-untyped-def]
+def row_values(knots, values, slopes, count, q):
     """Reactions (n, states) of rows at their displacements q (n, states)."""
     out = np.empty_like(q)
     for j in range(q.shape[0]):
@@ -65,7 +65,7 @@ def row_values(knots, values, slopes, count, q):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def reactions(a, b, knots, values, slopes, count, u, rotation, F, K):  # type: ignore[no-untyped-def]
+def reactions(a, b, knots, values, slopes, count, u, rotation, F, K):
     """Write the loads F (2,) = (H [N], M [N m]) and the tangent K (2, 2) of a state into the given arrays."""
     F[:] = 0.0
     K[:, :] = 0.0
@@ -79,7 +79,7 @@ def reactions(a, b, knots, values, slopes, count, u, rotation, F, K):  # type: i
 
 
 @njit(cache=True)
-def _merit(G, C, F, x0, x1, c0, c1, scale):  # type: ignore[no-untyped-def]
+def _merit(G, C, F, x0, x1, c0, c1, scale):
     """Residual of both equations over their sizes, and the largest of them."""
     g0 = (G[0, 0] * x0 + G[0, 1] * x1 + C[0, 0] * F[0] + C[0, 1] * F[1] - c0) / scale[0]
     g1 = (G[1, 0] * x0 + G[1, 1] * x1 + C[1, 0] * F[0] + C[1, 1] * F[1] - c1) / scale[1]
@@ -87,7 +87,7 @@ def _merit(G, C, F, x0, x1, c0, c1, scale):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _newton(a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, K):  # type: ignore[no-untyped-def]
+def _newton(a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, K):
     """Solve g(x) = 0 from x by Newton with line search; answer in x; return iterations, -1 on failure."""
     x0, x1 = x[0], x[1]
     reactions(a, b, knots, values, slopes, count, x0, x1, F, K)
@@ -119,7 +119,7 @@ def _newton(a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, K):  
 
 
 @njit(cache=True)
-def follow(a, b, knots, values, slopes, count, G, C, scale, start, targets, states, loads):  # type: ignore[no-untyped-def]
+def follow(a, b, knots, values, slopes, count, G, C, scale, start, targets, states, loads):
     """Follow the equilibrium from state `start` (where c is the first target) through all targets c (n, 2).
 
     Writes states (n, 2) = (u, rotation) and loads (n, 2) = (H, M). Between targets a failed step is halved.

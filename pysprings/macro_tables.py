@@ -27,9 +27,11 @@ SPRING_SETS: tuple[SpringSet, ...] = ("py", "full")
 
 # A displacement must cover this share of the largest one on the path to carry a curve: less is noise near the
 # point of rotation, where p/y runs to infinity.
-MIN_RANGE = 0.05
+MIN_RANGE = 0.10
 # Smallest growth between two steps, as a share of the range, that still counts as monotonic.
 MIN_GROWTH = 1e-7
+# A reaction may pull along with its displacement (a negative spring) up to this share of its largest value.
+MAX_NEGATIVE = 0.02
 
 Array = NDArray[np.float64]
 
@@ -90,15 +92,16 @@ def build_table(path: xr.Dataset, spring_set: SpringSet) -> SpringTable:
 
     Notes
     -----
-    A spring must be a function of its displacement. On a pull with free head, y near the tip may stay small,
-    turn back or change sign. Such a curve is treated explicitly, and its row says so (`natural`, `cut`,
-    `carrier`):
+    A spring must be a function of its displacement, and must resist it. On a pull with free head, y near the
+    tip may stay small, turn back or change sign, and the soil there, moved by its neighbours, may push along
+    with y. A negative spring gives the macro-model a second equilibrium beside the right one (seen for load
+    heights near L). So a curve serves where its displacement grows from step to step, reaches 10 % of the
+    largest displacement, and meets resistance. Where it does not, the row says so (`natural`, `carrier`,
+    `cut`):
 
-    - full set: the reaction is read from the rotation instead (or u, where the rotation does not serve
-      either), so that the sums on the calibration path stay those of the full model; where nothing
-      serves, as in the p-y set;
-    - p-y set: the monotonic part from the origin is kept and held flat beyond; a curve without such a part
-      over at least 5 % of the largest displacement is left out.
+    - full set: the reaction is read from u, or else from the rotation, so that the sums on the calibration
+      path stay those of the full model;
+    - p-y set: the first part that serves is kept and held flat beyond, or the curve is left out.
     """
     recorded = _Recorded.of(path)
     rows = [_lateral_row(recorded, k, spring_set) for k in range(recorded.z.size)]
@@ -164,32 +167,37 @@ class _Row:
     cut: bool = False
 
 
-def _monotonic_length(q: Array, size: float) -> int:
-    """Number of leading points over which |q| grows and q keeps its sign; 0 when their range is too small."""
-    grows = np.diff(np.abs(q)) > MIN_GROWTH * size
-    grows &= np.sign(q[1:]) == np.sign(q[1])
-    n = int(np.argmin(grows)) + 1 if not grows.all() else q.size
+def _served(q: Array, r: Array, size: float, resists: bool = True) -> int:
+    """Number of leading points where |q| grows, keeps its sign and meets resistance; 0 for a small range."""
+    good = (np.diff(np.abs(q)) > MIN_GROWTH * size) & (np.sign(q[1:]) == np.sign(q[1]))
+    if resists:
+        good &= np.sign(q[1:]) * r[1:] >= -MAX_NEGATIVE * np.abs(r).max()
+    n = q.size if good.all() else int(np.argmin(good)) + 1
     return n if n > 1 and abs(q[n - 1]) >= MIN_RANGE * size else 0
 
 
 def _carried(
     rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, order: tuple[str, ...]
 ) -> _Row | None:
-    """Row of reaction r, read from the first displacement in the given order that grows all the way."""
+    """Row of reaction r, read from the first displacement in the given order that serves over the whole path.
+
+    Where r resists none of them, growth alone must do.
+    """
     options = rec.carriers(depth)
-    for carrier in order:
-        a, q, size = options[carrier]
-        if _monotonic_length(q, size) == q.size:
-            return _Row(name, depth, carrier, a, b, q, r, natural=carrier == order[0])
+    for resists in (True, False):
+        for carrier in order if resists else order[1:]:
+            a, q, size = options[carrier]
+            if _served(q, r, size, resists) == q.size:
+                return _Row(name, depth, carrier, a, b, q, r, natural=carrier == order[0])
     return _cut(rec, name, depth, b, r, order[0])
 
 
 def _cut(
     rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, carrier: str
 ) -> _Row | None:
-    """Row of the first, monotonic part of a curve (at best all of it); None where there is none."""
+    """Row of the first part of a curve that serves (at best all of it); None where there is none."""
     a, q, size = rec.carriers(depth)[carrier]
-    n = _monotonic_length(q, size)
+    n = _served(q, r, size)
     return _Row(name, depth, carrier, a, b, q[:n], r[:n], cut=n < q.size) if n else None
 
 
@@ -197,7 +205,7 @@ def _lateral_row(rec: _Recorded, k: int, spring_set: SpringSet) -> _Row | None:
     z, dz, r = float(rec.z[k]), float(rec.dz[k]), rec.p[k]
     b = (dz, z * dz)
     if spring_set == "full":
-        return _carried(rec, "p", z, b, r, ("y", "rotation", "u"))
+        return _carried(rec, "p", z, b, r, ("y", "u", "rotation"))
     return _cut(rec, "p", z, b, r, "y")
 
 
@@ -209,7 +217,7 @@ def _end_rows(rec: _Recorded) -> list[_Row | None]:
     """Rows of the tip (reading the displacement and rotation there) and of the lid."""
     length, ends = rec.length, rec.ends
     return [
-        _carried(rec, "H_tip", length, (1.0, length), ends["H_tip"], ("y", "rotation", "u")),
+        _carried(rec, "H_tip", length, (1.0, length), ends["H_tip"], ("y", "u", "rotation")),
         _carried(rec, "M_tip", length, (0.0, 1.0), ends["M_tip"], ("rotation", "u")),
         _carried(rec, "H_lid", 0.0, (1.0, 0.0), ends["H_lid"], ("u", "rotation")),
         _carried(rec, "M_lid", 0.0, (0.0, 1.0), ends["M_lid"], ("rotation", "u")),

@@ -104,7 +104,7 @@ def convergence_table(paths: Mapping[str, Any], run: Mapping[str, Any] | None = 
         "order of the last iterations",
     )
     note = (
-        "Residual: norm of the out-of-balance force over the contact-force norm. Total: given-up attempts included. "
+        "Residual: out-of-balance forces over contact forces, by norm. Total: given-up attempts too. "
         "Order 2 is quadratic convergence."
     )
     return Table("Convergence", columns, rows, note)
@@ -139,20 +139,19 @@ def equilibrium_table(tree: xr.DataTree) -> Table:
 
     Missing: the sum of the soil reactions less the applied load (`pysprings.springs.balance`).
     """
-    from pysprings.springs import balance
+    from pysprings.springs import balance, get_path, path_names
 
     rows = []
-    for name, group in tree["paths"].children.items():
-        path = group.to_dataset()
+    for name in path_names(tree):
+        path = get_path(tree, name)
         path = path.assign(p=path["p_component"]) if "p_component" in path else path
-        path = path.isel(step=np.flatnonzero(path["converged"].values))
         for load, missing in balance(path).items() if path.sizes["step"] else ():
             unit = "kN m" if load == "M" else "kN"
             largest = f"{float(np.abs(path[load]).max()) / 1e3 + 0.0:.4g} {unit}"
-            rows.append((str(name), load, largest, f"{missing:.1e}"))
+            rows.append((name, load, largest, f"{missing:.1e}"))
     note = (
-        "H = sum p dz + H_tip + H_lid; V = sum t dz + V_tip + V_lid; M = sum (p z + m) dz + L H_tip + M_tip + M_lid. "
-        "Missing: reactions less load, over the largest part."
+        "H = sum p dz + H_tip + H_lid; V = sum t dz + V_tip + V_lid; "
+        "M = sum (p z + m) dz + L H_tip + M_tip + M_lid. Missing: reactions less load, over the largest part."
     )
     return Table("Equilibrium check", ("path", "load", "largest load", "missing (relative)"), rows, note)
 
@@ -230,23 +229,21 @@ def _range_sentence(name: str, path: Any, length: float) -> str:
     return text + "."
 
 
-COMPARED = {
-    "path": "path",
-    "role": "role",
-    "springs": "springs",
-    "springs_from": "springs from path",
-    "eta_small": "eta, small displacement",
-    "eta_large": "eta, large displacement",
-    "H_error_max_pct": "H, largest error [%]",
-    "rotation_error_max_pct": "rotation, largest error [%]",
-    "M_error_max_pct": "M, largest error [%]",
-    "H_error_end_pct": "H, error at the end [%]",
-    "rotation_error_end_pct": "rotation, error at the end [%]",
-    "H_error_between_pct": "H, largest error between states [%]",
-    "rotation_error_between_pct": "rotation, largest error between states [%]",
-    "extrapolated_states": "states extrapolated",
-    "off_path_states": "states off the path",
-    "status": "status",
+# column of the comparison -> (heading, decimals of a number)
+COMPARED: dict[str, tuple[str, int]] = {
+    "path": ("path", 0),
+    "springs": ("springs", 0),
+    "springs_from": ("springs from", 0),
+    "eta_small": ("eta small", 4),
+    "eta_large": ("eta large", 4),
+    "H_error_max_pct": ("H max [%]", 2),
+    "rotation_error_max_pct": ("rotation max [%]", 2),
+    "M_error_max_pct": ("M max [%]", 2),
+    "H_error_between_pct": ("H between [%]", 2),
+    "rotation_error_between_pct": ("rotation between [%]", 2),
+    "M_error_between_pct": ("M between [%]", 2),
+    "extrapolated_states": ("extra\u00adpolated", 0),
+    "off_path_states": ("off path", 0),
 }
 
 
@@ -255,14 +252,30 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
     if compare is None or compare.empty:
         return None
     shown = compare[[name for name in COMPARED if name in compare.columns]].dropna(axis=1, how="all")
-    rows = [[number(value, 3) for value in row] for row in shown.itertuples(index=False)]
+    decimals = [COMPARED[str(name)][1] for name in shown.columns]
+    rows = [
+        [_fixed(v, n) for v, n in zip(row, decimals, strict=True)] for row in shown.itertuples(index=False)
+    ]
     note = (
-        "Error: macro-model over full model minus 1, at equal displacement. Between: largest error when "
-        "every second recorded state is left out of the springs. eta = 1 - area between the "
-        "load-displacement curves over the area under the full model's. py: lateral p-y springs alone; "
+        "max: largest error, macro-model over full model minus 1, at equal displacement. between: the same "
+        "when every second recorded state is left out of the springs. eta = 1 - area between the "
+        "load-displacement curves over the area under the full model's, to a small displacement and to the "
+        "end. extrapolated, off path: states that the springs do not cover. py: lateral p-y springs alone; "
         "full: with distributed moment, tip and lid terms."
     )
-    return Table("", [COMPARED[str(name)] for name in shown.columns], rows, note)
+    ended = [
+        f" {row['path']}, {row['springs']}: {row['status']}."
+        for row in compare.to_dict("records")
+        if row.get("status", "complete") != "complete"
+    ]
+    return Table("", [COMPARED[str(name)][0] for name in shown.columns], rows, note + "".join(ended))
+
+
+def _fixed(value: Any, decimals: int) -> str:
+    """Write a number with fixed decimals (never -0.00); anything else as it is."""
+    if isinstance(value, float) and np.isfinite(value):
+        return f"{round(value, decimals) + 0.0:.{decimals}f}"
+    return number(value)
 
 
 def cost_tables(run: Mapping[str, Any]) -> list[Table]:

@@ -121,7 +121,7 @@ def _read_text(path: FilePath) -> str:
         if status.st_size > MAX_BYTES:
             _refuse(
                 name,
-                f"is too large for a scene ({status.st_size / 1024:.0f} KiB, at most {MAX_BYTES // 1024})",
+                f"is too large for a scene (more than {MAX_BYTES // 1024} KiB)",
             )
         return path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:

@@ -10,7 +10,7 @@ as the CF conventions want.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import xarray as xr
@@ -215,6 +215,7 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_BODY.values(),
 )
 
 GROUPS: dict[str, dict[str, Variable]] = {
+    "result_root": {name: replace(variable, required=False) for name, variable in _SPRINGS_ROOT.items()},
     "result_path": _RESULT_PATH,
     "section": _SECTION,
     "convergence": _CONVERGENCE,
@@ -230,7 +231,7 @@ def group_of(path: str, kind: TreeKind) -> str | None:
     """Return the table that rules a group of a tree (``/paths/pull`` ...), or None where nothing does."""
     parts = [part for part in path.split("/") if part]
     if not parts:
-        return "springs_root" if kind == "springs" else None
+        return f"{kind}_root"
     if parts == ["section"]:
         return "section"
     if parts[0] == "paths" and len(parts) == 2:

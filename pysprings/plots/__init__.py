@@ -6,7 +6,7 @@
 """
 
 from pysprings.plots.comparison import macro_against_full
-from pysprings.plots.data import convergence_data, path_data, path_names, section_data
+from pysprings.plots.data import convergence_data, path_data, section_data
 from pysprings.plots.files import save, save_all
 from pysprings.plots.gap import gap_map
 from pysprings.plots.load import load_displacement
@@ -14,6 +14,7 @@ from pysprings.plots.newton import newton_record
 from pysprings.plots.reactions import py_curves
 from pysprings.plots.rose import stress_rose
 from pysprings.plots.section import mesh, section_displacement
+from pysprings.springs import path_names
 
 __all__ = [
     "convergence_data",

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-import tomllib
+import json
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -11,17 +11,13 @@ import numpy as np
 import xarray as xr
 
 from pysprings.plots.style import KN, MM, MN, MRAD
+from pysprings.springs import path_dataset
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 # Rings nearest to these parts of the skirt length: 0.25, 1.25, 2.25 and 3.25 m on the paper's 4 m skirt.
 DEPTH_FRACTIONS = (1 / 16, 5 / 16, 9 / 16, 13 / 16)
-
-
-def path_names(tree: xr.DataTree) -> list[str]:
-    """List the names of the paths in a result or spring tree, in their order."""
-    return list(tree["paths"].children) if "paths" in tree.children else []
 
 
 def node(tree: xr.DataTree, path: str) -> xr.DataTree:
@@ -48,7 +44,7 @@ def path_data(tree: xr.DataTree, name: str) -> xr.Dataset:
         The path's variables (SI); attrs ``path``, ``drainage``, ``outer_diameter_m``, ``skirt_length_m`` are
         added when the tree knows them, so that a figure needs nothing else.
     """
-    path = node(tree, f"paths/{name}").to_dataset(inherit=False)
+    path = path_dataset(tree, name)
     return path.assign_attrs({**settings(tree), **path.attrs, "path": name})
 
 
@@ -68,45 +64,26 @@ def convergence_data(tree: xr.DataTree, name: str) -> xr.Dataset | None:
     return record.assign_attrs({**settings(tree), **record.attrs, "path": name})
 
 
+SETTINGS = (
+    "drainage",
+    "outer_diameter_m",
+    "skirt_length_m",
+    "skirt_thickness_m",
+    "lid_thickness_m",
+    "status",
+    "mesh_preset",
+    "n_nodes",
+    "n_elements",
+    "n_unknowns",
+)
+
+
 def settings(tree: xr.DataTree) -> dict[str, Any]:
-    """Collect drainage, caisson size [m] and solver tolerance of a run from its attrs, scene and section."""
-    attrs = {str(key): value for key, value in tree.root.attrs.items()}
-    scene = scene_values(attrs)
-    found: dict[str, Any] = {
-        key: attrs[key]
-        for key in (
-            "drainage",
-            "outer_diameter_m",
-            "skirt_length_m",
-            "skirt_thickness_m",
-            "lid_thickness_m",
-            "status",
-            "mesh_preset",
-            "n_nodes",
-            "n_elements",
-            "n_unknowns",
-        )
-        if key in attrs
-    }
-    mode = scene.get("drainage", {}).get("mode")
-    if mode:
-        found.setdefault("drainage", mode)
-    tolerance = scene.get("solver", {}).get("tolerance")
-    if isinstance(tolerance, (int, float)):
-        found["tolerance"] = float(tolerance)
-    if "section" in tree.root.children and "outer_diameter_m" not in found:
-        _, outer, length = caisson_size(node(tree.root, "section").to_dataset(inherit=False))
-        if np.isfinite(outer):
-            found |= {"outer_diameter_m": 2 * outer, "skirt_length_m": length}
-    return found
-
-
-def scene_values(attrs: dict[str, Any]) -> dict[str, Any]:
-    """Parse the scene text kept in the attrs of a result; empty when there is none or it is damaged."""
-    try:
-        return tomllib.loads(str(attrs.get("scene_toml", "")))
-    except tomllib.TOMLDecodeError:
-        return {}
+    """Collect drainage, caisson size [m], mesh counts and solver tolerance of a run from its attrs."""
+    attrs = tree.root.attrs
+    found: dict[str, Any] = {key: attrs[key] for key in SETTINGS if key in attrs}
+    tolerance = json.loads(attrs.get("run_json", "{}")).get("solver", {}).get("tolerance")
+    return found if tolerance is None else {**found, "tolerance": float(tolerance)}
 
 
 def converged(path: xr.Dataset) -> NDArray[np.bool_]:

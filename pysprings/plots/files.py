@@ -14,12 +14,12 @@ from pysprings.plots import comparison, gap, load, newton, reactions, rose, sect
 from pysprings.plots.data import (
     convergence_data,
     path_data,
-    path_names,
     pick_step,
     section_data,
     settings,
 )
 from pysprings.plots.style import STYLE
+from pysprings.springs import path_names
 from pysprings.storage import replacing
 
 if TYPE_CHECKING:

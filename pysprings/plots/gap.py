@@ -218,4 +218,4 @@ def _bar(axes: Axes, drawn: ScalarMappable, values: NDArray[np.float64]) -> None
         axes.figure.colorbar(drawn, ax=axes, label="gap [mm] (grey: closed)", pad=0.02)
     else:
         text = axes.text(0.5, 0.5, "closed", transform=axes.transAxes, ha="center", va="center", fontsize=12)
-        text.set_bbox({"facecolor": "white", "edgecolor": PURPLE, "pad": 4})
+        text.set_bbox({"facecolor": "white", "edgecolor": GREY, "pad": 4})

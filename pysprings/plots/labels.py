@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import patheffects
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
@@ -170,7 +169,7 @@ def _write(
         gid="end label",
         arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.7, "shrinkA": 0, "shrinkB": 1},
     )
-    written.set_path_effects([patheffects.withStroke(linewidth=2.2, foreground="white")])
+    written.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85})
     return written
 
 

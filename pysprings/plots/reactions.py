@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-MOST_CURVES = 7
+MOST_CURVES = 8
 PANELS = {"net": "net (outside + inside)", "outside": "outside of the skirt", "inside": "inside of the skirt"}
 
 
@@ -41,7 +41,7 @@ def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure
     path
         One path of a result or of a spring set.
     depths
-        Depths [m]; the nearest rings are drawn. Default: at most seven rings, evenly over the skirt.
+        Depths [m]; the nearest rings are drawn. Default: at most eight rings, evenly over the skirt.
     """
     rings = spread_depths(path, MOST_CURVES) if depths is None else pick_depths(path, depths)
     reactions = {side: p for side, p in lateral_reaction(path).items() if side in PANELS}

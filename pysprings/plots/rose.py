@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 TRACE = 1.0  # drawn radius of the caisson: the circle of zero stress
 MOST_RADIUS = 2.5
+FINER = 10  # drawn points per station
 TIMES = "\N{MULTIPLICATION SIGN}"
 
 
@@ -125,7 +126,11 @@ def stress_rose(
     for axes, each in zip(panels, rings, strict=False):
         axes.set(xlim=frame[:2], ylim=frame[2:])
         _draw(axes, each, scale, SIDE_COLOURS[side])
-    figure.legend(handles=_legend(SIDE_COLOURS[side]), loc="outside lower center", ncols=2)
+    figure.legend(
+        handles=_legend(SIDE_COLOURS[side], any(each.gaps() for each in rings)),
+        loc="outside lower center",
+        ncols=2,
+    )
     title = rf"Normal effective stress $p'_N$ / initial, {side} of the skirt"
     set_title(figure, title, path.attrs, f"at {step_text(path, step)}")
     return figure
@@ -156,7 +161,15 @@ def _draw(axes: Axes, each: Ring, scale: float, colour: str) -> None:
     angle, ratio = refine(*each.closed(each.ratio))
     radius = TRACE + scale * ratio
     axes.plot(
-        radius * np.cos(angle), radius * np.sin(angle), color=colour, linewidth=2.0, zorder=5, gid="stress"
+        radius * np.cos(angle),
+        radius * np.sin(angle),
+        color=colour,
+        linewidth=2.0,
+        marker="o",
+        markersize=3.5,
+        markevery=FINER,
+        zorder=5,
+        gid="stress",
     )
     _centre_text(axes, each)
     axes.annotate(
@@ -181,7 +194,7 @@ def _frame(rings: list[Ring], scale: float) -> tuple[float, float, float, float]
 def refine(angle: NDArray[np.float64], values: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
     """Put nine points between stations, linear in azimuth: chords would dip inside the trace at a gap."""
     turn = np.unwrap(angle)
-    fine = np.interp(np.arange(10 * (turn.size - 1) + 1) / 10, np.arange(turn.size), turn)
+    fine = np.interp(np.arange(FINER * (turn.size - 1) + 1) / FINER, np.arange(turn.size), turn)
     return fine, np.interp(fine, turn, values)
 
 
@@ -256,9 +269,18 @@ def _centre_text(axes: Axes, each: Ring) -> None:
     axes.text(0.79, 0.13, "front", ha="center", va="center", fontsize=8, zorder=6)
 
 
-def _legend(colour: str) -> list[Line2D | Patch]:
+def _legend(colour: str, gaps: bool) -> list[Line2D | Patch]:
+    words = "no contact stress: $p'_N = 0$" if gaps else "no contact stress, $p'_N = 0$: nowhere here"
     return [
-        Line2D([], [], color=colour, linewidth=2.0, label="now (distance from the trace of the caisson)"),
+        Line2D(
+            [],
+            [],
+            color=colour,
+            linewidth=2.0,
+            marker="o",
+            markersize=3,
+            label="now, at the stations (distance from the trace)",
+        ),
         Line2D([], [], color=INK, linestyle="--", linewidth=1.1, label="initial stress (circle 1)"),
         Line2D([], [], color=STEEL, linewidth=2.0, label="trace of the caisson = zero"),
         Patch(
@@ -266,6 +288,6 @@ def _legend(colour: str) -> list[Line2D | Patch]:
             edgecolor=VERMILLION,
             hatch="////",
             linewidth=0.0,
-            label="no contact stress: $p'_N = 0$",
+            label=words,
         ),
     ]

@@ -6,7 +6,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import patheffects
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.patches import Polygon, Rectangle
@@ -130,13 +129,15 @@ def _draw_field(axes: Axes, section: xr.Dataset, values: NDArray[np.float64]) ->
     else:
         norm, colours = Normalize(min(low, 0.0), max(high, 1e-9)), "viridis"
     shade = axes.tripcolor(grid, values, shading="gouraud", norm=norm, cmap=colours, rasterized=True)
-    levels = np.asarray(MaxNLocator(9).tick_values(low, high) if high > low else [])
-    if levels.size:
-        lines = axes.tricontour(grid, values, levels=levels, colors="black", linewidths=0.5)
-        for text in axes.clabel(lines, fontsize=7.5, fmt=lambda v: f"{v:g}"):
-            text.set_path_effects([patheffects.withStroke(linewidth=2.0, foreground="white")])
     bar = axes.figure.colorbar(shade, ax=axes, label="mm", shrink=0.85, pad=0.02)
     bar.ax.set_ylim(low, max(high, low + 1e-9))
+    levels = np.asarray(MaxNLocator(9).tick_values(low, high) if high > low else [])
+    if levels.size:
+        lines = axes.tricontour(
+            grid, values, levels=levels, colors="black", linewidths=0.5, linestyles="solid"
+        )
+        bar.add_lines(lines)
+        bar.set_ticks([float(level) for level in levels if low <= level <= high])
     axes.grid(False)
 
 

@@ -81,11 +81,13 @@ def new_figure(width: float, height: float, compressed: bool = False) -> Figure:
 
 
 def headline(attrs: Mapping[str, Any]) -> str:
-    """Return the settings that every title states: path, drainage, diameter D and skirt length L [m]."""
+    """Return what every title states: path, drainage, diameter D and skirt length L [m], an early stop."""
     parts = [f"path {plain(attrs['path'])}"] if attrs.get("path") else []
     parts += [plain(attrs["drainage"])] if attrs.get("drainage") else []
     if np.isfinite(attrs.get("outer_diameter_m", np.nan)):
         parts.append(f"D = {attrs['outer_diameter_m']:g} m, L = {attrs.get('skirt_length_m', np.nan):g} m")
+    if attrs.get("status", "complete") != "complete":
+        parts.append(f"{plain(attrs['status'])}: stopped before its end")
     return "  |  ".join(parts)
 
 

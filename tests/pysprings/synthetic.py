@@ -155,7 +155,14 @@ def states(c: Caisson, path: Path) -> list[tuple[float, float]]:
     found = [(0.0, 0.0)]
     for u in ramp[1:]:
         found.append(
-            (float(u), float(brentq(unbalance, -4.0 * u / c.length, 0.0, args=(u,), xtol=1e-16, rtol=1e-14)))
+            (
+                float(u),
+                float(
+                    brentq(
+                        unbalance, -4.0 * u / c.length, 2.0 * u / c.length, args=(u,), xtol=1e-16, rtol=1e-14
+                    )
+                ),
+            )
         )
     return found
 

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Rigid body on springs against closed forms, an independent root finder, and the model the springs came from."""
+"""Rigid body on springs against closed forms, an independent root finder and the model behind the springs."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+import timeit
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ HEIGHT = np.diff(EDGES)
 
 
 def springs_of(p, m, ends, u, rotation, stiffness=None) -> xr.DataTree:
-    """Springs tree of one pull from p(depth, step), m(depth, step), ends and states; all p is outside, normal."""
+    """Springs of one pull from p, m (depth, step), ends and states; all of p is outside and normal."""
     tree = make_springs((Path(steps=len(u) - 1),), Caisson(rings=RINGS, sectors=4))
     data = tree["paths/pull"].to_dataset(inherit=False).copy(deep=True)
     zero = np.zeros(len(u))
@@ -43,10 +44,10 @@ def springs_of(p, m, ends, u, rotation, stiffness=None) -> xr.DataTree:
     net[:, 0, 0, :] = p
     moment = np.zeros(data["m"].shape)
     moment[:, 0, :] = m
-    new |= {
-        "p": (data["p"].dims, net), "m": (data["m"].dims, moment), "u": ("step", u), "rotation": ("step", rotation),
-        "y": (("depth", "step"), u + rotation * DEPTH[:, None]), "depth_bounds": (("depth", "bound"), np.stack([EDGES[:-1], EDGES[1:]], 1)),
-    }  # fmt: skip
+    new |= {"p": (data["p"].dims, net), "m": (data["m"].dims, moment)}
+    new |= {"u": ("step", u), "rotation": ("step", rotation)}
+    new |= {"y": (("depth", "step"), u + rotation * DEPTH[:, None])}
+    new |= {"depth_bounds": (("depth", "bound"), np.stack([EDGES[:-1], EDGES[1:]], 1))}
     data = data.drop_vars("depth_bounds").assign_coords(depth=DEPTH).assign(new)
     tree["paths/pull"].dataset = variables.attach(data, "springs_path")
     return tree
@@ -88,7 +89,7 @@ def test_linear_springs_closed_form(spring_set, arm):
     model = MacroModel.from_springs(linear_springs(), spring_set)
     states, loads, message = model.solve("load", np.array([[force, -force * arm]]))
     assert message == ""
-    np.testing.assert_allclose(states[0], expected, rtol=1e-10)
+    np.testing.assert_allclose(states[0], expected, rtol=1e-10, atol=1e-18)
     np.testing.assert_allclose(loads[0], [force, -force * arm], rtol=1e-9, atol=1e-3)
     np.testing.assert_allclose(model.reactions(*expected)[1], linear_stiffness(spring_set), rtol=1e-12)
 
@@ -122,7 +123,7 @@ def test_moment_is_the_same_as_its_arm():
 
 
 def bilinear_springs() -> xr.DataTree:
-    """Springs that yield at 1 mm: translation alone, so that every knot of every curve is at the same state."""
+    """Springs that yield at 1 mm: translation alone, so that all curves turn at the same state."""
     u = np.array([0.0, 1e-3, 2e-3, 3e-3])
     p = np.tile([0.0, 3e5, 4e5, 5e5], (RINGS, 1))
     return springs_of(p, np.zeros((RINGS, 1)), {}, u, 0.0 * u)
@@ -139,7 +140,8 @@ def test_curves_hit_recorded_points_and_go_on_with_the_last_slope():
 
 def test_a_softening_curve_is_held_flat():
     u = np.array([0.0, 1e-3, 2e-3, 3e-3])
-    springs = springs_of(np.tile([0.0, 4e5, 5e5, 4.5e5], (RINGS, 1)), np.zeros((RINGS, 1)), {}, u, 0.0 * u)
+    p = np.tile([0.0, 4e5, 5e5, 4.5e5], (RINGS, 1))
+    springs = springs_of(p, np.zeros((RINGS, 1)), {}, u, 0.0 * u)
     model = MacroModel.from_springs(springs)
     assert model.reactions(9e-3, 0.0)[0][0] == pytest.approx(4.5e5 * LENGTH)
 
@@ -191,7 +193,7 @@ def test_equilibrium_by_scipy_root(arm, spring_set):
             turn += LENGTH * t + tip_moment(state[1]) + lid_moment(state[1])
         return np.array([force, turn])
 
-    target = 1.5e5
+    target = 5e4
     answer = MacroModel.from_springs(make_springs(), spring_set).trace(
         "load", np.array([[target, -arm * target]])
     )
@@ -219,9 +221,11 @@ def test_tangent_by_taylor_slope(state):
     assert slope == pytest.approx(2.0, abs=0.15)
 
 
-@pytest.mark.parametrize(
-    "path", [Path(), Path(arm=3.9), Path(arm=8.0), Path(arm=40.0, size=2e-2), Path(size=2e-2)]
-)
+OWN = [Path(arm=arm) for arm in (-3.0, 0.0, 1.0, 3.5, 3.9, 5.0, 8.0, 16.0, 200.0)]
+OWN += [Path(arm=40.0, size=2e-2), Path(size=2e-2)]
+
+
+@pytest.mark.parametrize("path", OWN, ids=lambda path: f"arm {path.arm} m to {path.size} m")
 def test_own_path_with_the_full_set(path):
     """Every recorded state comes back, also where y near the tip turns back or changes sign."""
     springs = make_springs((path,))
@@ -233,28 +237,36 @@ def test_own_path_with_the_full_set(path):
     np.testing.assert_allclose(answer["w"], full["w"], atol=1e-12)
     assert not answer["extrapolated"].any()
     assert not answer["off_path"].any()
-    plain = MacroModel.from_springs(springs, "py").trace("displacement", targets, path.arm)
-    assert abs(float(plain["H"][-1]) / float(full["H"][-1]) - 1.0) > 0.3  # p-y alone misses a third at least
+
+
+def test_plain_py_springs_miss_most_of_the_load():
+    springs = make_springs()
+    full = springs["paths/pull"]
+    with pytest.warns(MacroWarning):
+        plain = curve(springs, u_max=5e-3, n=3, springs_kind="py")
+    assert float(plain["H"][-1]) < 0.5 * float(full["H"][-1])
 
 
 def test_unusable_depths_are_named():
-    """At 8 m the tip moves slightly backwards: p there is no function of y, and is read from the rotation."""
+    """At 8 m the tip moves slightly backwards: near it, p is read from u or the rotation instead of y."""
     springs = make_springs((Path(arm=8.0),))
     model = MacroModel.from_springs(springs)
     odd_ones = [j for j, own in enumerate(model.table.natural) if not own]
     assert odd_ones
-    assert {model.table.carrier[j] for j in odd_ones} == {"rotation"}
-    assert {model.table.name[j] for j in odd_ones} == {"p"}
+    assert {model.table.carrier[j] for j in odd_ones} <= {"u", "rotation"}
     answer = model.trace("displacement", np.array([[1e-3, 0.0]]), 8.0)
     depth = answer["depth"].values[answer["usable"].values == 0]
-    assert set(depth) == {model.table.depth[j] for j in odd_ones}
-    assert (depth > 3.0).all()
+    assert set(depth) == {model.table.depth[j] for j in odd_ones if model.table.name[j] == "p"}
+    assert (depth > 2.5).all()
+    for k in range(model.table.count.size):  # no spring pulls along with what it reads
+        assert (model.table.r[k, : model.table.count[k]] >= -0.02 * np.abs(model.table.r[k]).max()).all()
 
 
 def test_a_curve_that_turns_back_keeps_its_monotonic_part_in_the_py_set():
     u = np.linspace(0.0, 4e-3, 5)
     rotation = -np.array([0.0, 0.1, 0.2, 0.5, 0.9]) * 1e-3  # y(tip) = 0, 0.6, 1.2, 1.0, 0.4 mm
-    springs = springs_of(1e8 * (u + rotation * DEPTH[:, None]), np.zeros((RINGS, 5)), {}, u, rotation)
+    p = 1e8 * (u + rotation * DEPTH[:, None])
+    springs = springs_of(p, np.zeros((RINGS, 5)), {}, u, rotation)
     table = MacroModel.from_springs(springs, "py").table
     tip = table.depth.tolist().index(LENGTH)
     assert table.cut[tip]
@@ -262,7 +274,7 @@ def test_a_curve_that_turns_back_keeps_its_monotonic_part_in_the_py_set():
     assert not table.cut[0]
     whole = MacroModel.from_springs(springs, "full").table
     assert not whole.cut.any()
-    assert whole.carrier[tip] == "rotation"
+    assert whole.carrier[tip] == "u"
 
 
 def test_springs_are_odd():
@@ -296,8 +308,11 @@ def test_beyond_the_range_and_off_the_path_are_marked_with_numbers():
 
 def test_load_that_cannot_be_carried_names_what_was_reached():
     u = np.array([0.0, 1e-3, 2e-3, 3e-3])
-    springs = springs_of(np.tile([0.0, 4e5, 5e5, 4.9e5], (RINGS, 1)), np.zeros((RINGS, 1)), {}, u, 0.0 * u)
-    expected = r"no equilibrium beyond H = 1\.[89]\d+e\+06 N, M = .* on the way to H = 2\.\d+e\+06 N.*last step: u = "
+    p = np.tile([0.0, 4e5, 5e5, 4.9e5], (RINGS, 1))
+    springs = springs_of(p, np.zeros((RINGS, 1)), {}, u, 0.0 * u)
+    expected = (
+        r"no equilibrium beyond H = 1\.9\d+e\+06 N, M = .* on the way to H = 2\.\d+e\+06 N.*last step: u = "
+    )
     with pytest.raises(PredictionNotConverged, match=expected) as caught:
         predict(springs, H=3e6, M=6e6)  # the resultant of a uniform p: pure translation, up to 5e5 N/m * 4 m
     assert isinstance(caught.value, RunIncomplete)
@@ -337,6 +352,13 @@ def test_prediction_agrees_with_the_table_of_variables():
     assert list(variables.problems(curve(make_springs(), u_max=1e-3, n=3), "prediction")) == []
 
 
+def test_fifty_points_take_milliseconds():
+    """Table and answer together; 3 ms on a quiet 2-core machine: the limit only catches accidents."""
+    springs = make_springs()
+    best = min(timeit.repeat(lambda: curve(springs, u_max=5e-3, n=50), number=1, repeat=10))
+    assert best < 0.025
+
+
 def test_macro_does_not_load_the_engine():
-    code = "import sys, pysprings.macro; sys.exit(any(name.split('.')[0] == 'fe_engine' for name in sys.modules))"
+    code = "import sys, pysprings.macro; sys.exit(any(name.startswith('fe_engine') for name in sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -59,6 +59,11 @@ def plane(trees: tuple[xr.DataTree, xr.DataTree]) -> xr.Dataset:
     return found
 
 
+@pytest.fixture(scope="module")
+def loads(trees: tuple[xr.DataTree, xr.DataTree]) -> Figure:
+    return plots.load_displacement(plots.path_data(trees[0], "pull"))
+
+
 def curve(figure: Figure, panel: int, label: str) -> tuple[np.ndarray, np.ndarray]:
     """The drawn data of the line with this label."""
     line = next(line for line in figure.axes[panel].get_lines() if str(line.get_label()).startswith(label))
@@ -86,13 +91,12 @@ def title(figure: Figure) -> str:
     ],
 )
 def test_loads_are_drawn_in_the_labelled_unit(
-    pull: xr.Dataset, panel: int, label: str, variable: str, factor: float
+    pull: xr.Dataset, loads: Figure, panel: int, label: str, variable: str, factor: float
 ) -> None:
-    figure = plots.load_displacement(pull)
-    x, y = curve(figure, panel, label)
+    x, y = curve(loads, panel, label)
     np.testing.assert_allclose(x, pull["u"].values * 1e3)
     np.testing.assert_allclose(y, pull[variable].values * factor)
-    assert {1e-6: "[MN]", 1e-3: "[kN]"}[factor] in figure.axes[panel].get_ylabel()
+    assert {1e-6: "[MN]", 1e-3: "[kN]"}[factor] in loads.axes[panel].get_ylabel()
 
 
 def test_small_loads_are_in_kilonewton(pull: xr.Dataset) -> None:
@@ -103,10 +107,9 @@ def test_small_loads_are_in_kilonewton(pull: xr.Dataset) -> None:
     assert "[kN]" in figure.axes[0].get_ylabel()
 
 
-def test_rotation_and_heave(pull: xr.Dataset) -> None:
-    figure = plots.load_displacement(pull)
-    np.testing.assert_allclose(figure.axes[2].get_lines()[0].get_ydata(), pull["rotation"].values * 1e3)
-    np.testing.assert_allclose(figure.axes[3].get_lines()[0].get_ydata(), -pull["w"].values * 1e3)
+def test_rotation_and_heave(pull: xr.Dataset, loads: Figure) -> None:
+    np.testing.assert_allclose(loads.axes[2].get_lines()[0].get_ydata(), pull["rotation"].values * 1e3)
+    np.testing.assert_allclose(loads.axes[3].get_lines()[0].get_ydata(), -pull["w"].values * 1e3)
 
 
 def test_a_rotation_path_shows_moment_against_rotation(trees: tuple[xr.DataTree, xr.DataTree]) -> None:
@@ -129,6 +132,12 @@ def test_title_states_path_drainage_and_size(pull: xr.Dataset, plane: xr.Dataset
     ):
         for words in ("path pull", "drained", "D = 7.8 m", "L = 4 m"):
             assert words in title(figure)
+
+
+def test_title_says_when_a_path_stopped_early(pull: xr.Dataset) -> None:
+    assert "stopped" not in title(plots.py_curves(pull))
+    pull.attrs["status"] = "partial"
+    assert "partial: stopped before its end" in title(plots.py_curves(pull))
 
 
 def test_text_of_a_scene_is_not_read_as_a_formula(pull: xr.Dataset) -> None:
@@ -401,6 +410,8 @@ def test_triangles_cover_the_cells(plane: xr.Dataset) -> None:
         - (x[t[:, 2]] - x[t[:, 0]]) * (depth[t[:, 1]] - depth[t[:, 0]])
     )
     assert area.sum() == pytest.approx(48 * 12 - 2 * 0.1 * 4)
+    assert area @ depth[t].mean(axis=1) == pytest.approx(48 * 12**2 / 2 - 2 * 0.1 * 4**2 / 2)
+    assert area @ x[t].mean(axis=1) == pytest.approx(0.0, abs=1e-9)
 
 
 # ---------------------------------------------------------------- macro-model, Newton
@@ -430,12 +441,19 @@ def test_attempts_tell_cut_backs_from_accepted_increments(record: xr.Dataset) ->
     assert [t.step for t in newton.attempts(record, failed_steps=(24,)) if not t.accepted] == [2, 24]
 
 
+def test_the_last_step_of_a_partial_path_failed(pull: xr.Dataset, record: xr.Dataset) -> None:
+    assert newton.failed_steps(pull, record) == ()
+    assert newton.failed_steps(pull.assign_attrs(status="partial"), record) == (24,)
+    pull["converged"][20] = 0
+    assert newton.failed_steps(pull, record) == (20,)
+
+
 def test_newton_figure_counts_and_marks(record: xr.Dataset) -> None:
     figure = plots.newton_record(record)
     bars = [(p.get_gid(), p.get_height(), p.get_y()) for p in figure.axes[0].patches]
-    assert bars.count(("cut back", 4, 0)) == 1
-    assert bars.count(("accepted", 4, 4)) == 1  # on top of the attempt that was given up
-    assert bars.count(("accepted", 4, 0)) == 23
+    assert bars.count(("cut back", 3, 0)) == 1
+    assert bars.count(("accepted", 3, 3)) == 1  # on top of the attempt that was given up
+    assert bars.count(("accepted", 3, 0)) == 23
     drawn = np.concatenate([line.get_ydata() for line in figure.axes[1].get_lines() if line.get_gid()])
     np.testing.assert_allclose(drawn, record["residual"].values)
     assert figure.axes[1].get_yscale() == "log"
@@ -508,7 +526,6 @@ def test_no_pyplot(tmp_path: Path) -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_colours_of_the_surfaces_differ_in_grey_print(pull: xr.Dataset) -> None:
-    figure = plots.load_displacement(pull)
-    named = [line for line in figure.axes[0].get_lines() if not str(line.get_label()).startswith("_")]
+def test_colours_of_the_surfaces_differ(loads: Figure) -> None:
+    named = [line for line in loads.axes[0].get_lines() if not str(line.get_label()).startswith("_")]
     assert len({to_hex(line.get_color()) for line in named}) == 5

@@ -51,7 +51,7 @@ def test_reads(text: str, unit: str, value: float) -> None:
 
 def test_decimal_prefixes_are_exact() -> None:
     """The scene's hash must not depend on whether a length is given in mm or m."""
-    for number in ("0.1", "0.3", "7.8", "1.1", "60", "2.5", "0.05"):
+    for number in ("0.1", "0.07", "2.01", "7.8", "60", "2.5", "0.05"):  # 0.07*0.001 and 2.01*1e6 are not
         assert read(f"{number} mm", "m") == float(f"{number}e-3")
         assert read(f"{number} MPa", "Pa") == float(f"{number}e6")
 
@@ -123,7 +123,22 @@ def test_hostile_texts_end_quickly_in_a_number_or_a_message(text: str) -> None:
     assert time.perf_counter() - start < 1.0
 
 
-UNITS = ("m", "mm", "MPa", "kPa", "GPa", "kN/m^3", "N/m^3", "mm/s", "m/s", "deg", "MN", "m/(Pa s)", "rad", "N")
+UNITS = (
+    "m",
+    "mm",
+    "MPa",
+    "kPa",
+    "GPa",
+    "kN/m^3",
+    "N/m^3",
+    "mm/s",
+    "m/s",
+    "deg",
+    "MN",
+    "m/(Pa s)",
+    "rad",
+    "N",
+)
 
 
 @settings(deadline=None)

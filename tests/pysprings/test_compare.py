@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: MIT
+"""Comparison with the full model: eta of known areas, errors by path and spring set, table and JSON."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from pysprings.compare import compare, curves, eta, states, to_dict, to_text
+from pysprings.springs import get_path
+from tests.pysprings.synthetic import Path, make_springs
+
+PATHS = (
+    Path("pull"),
+    Path("high", arm=8.0, role="held-back"),
+    Path("push", kind="translation"),
+    Path("turn", kind="rotation", size=1e-3),
+)
+
+
+@pytest.fixture(scope="module")
+def springs():
+    return make_springs(PATHS)
+
+
+@pytest.fixture(scope="module")
+def frame(springs):
+    return compare(springs)
+
+
+def row(frame, path, spring_set):
+    (found,) = [r for _, r in frame.iterrows() if r["path"] == path and r["springs"] == spring_set]
+    return found
+
+
+def test_eta_of_known_areas():
+    x = np.array([0.0, 1.0, 2.0])
+    reference = np.array([0.0, 10.0, 10.0])  # area 15
+    assert eta(x, reference, reference) == 1.0
+    assert eta(x, reference, 0.9 * reference) == pytest.approx(0.9)
+    assert eta(x, reference, np.array([0.0, 10.0, 8.0])) == pytest.approx(1 - 1 / 15)
+    assert eta(x, reference, np.array([0.0, 10.0, 8.0]), end=1.0) == 1.0
+    assert eta(x, reference, np.array([0.0, 8.0, 10.0]), end=0.5) == pytest.approx(0.8)
+    assert eta(-x, -reference, -0.9 * reference, end=0.5) == pytest.approx(0.9)
+    assert np.isnan(eta(x, 0.0 * x, x))
+
+
+def test_one_row_a_path_and_spring_set(frame):
+    found = list(zip(frame["path"], frame["springs"], strict=True))
+    assert found == [(path.name, spring_set) for path in PATHS for spring_set in ("py", "full")]
+    assert set(frame["status"]) == {"complete"}
+
+
+@pytest.mark.parametrize("path", ["pull", "push", "turn"])
+def test_own_path_full_set_within_two_percent(frame, path):
+    own = row(frame, path, "full")
+    errors = own[[name for name in frame.columns if "_error_" in name]].astype(float)
+    assert np.nanmax(np.abs(errors)) < 2.0  # states between those of the springs included
+    assert own["eta_large"] > 0.9999
+    assert own["eta_small"] > 0.9999
+    assert own["rotation_point_macro_m"] == pytest.approx(own["rotation_point_full_m"], rel=1e-6, nan_ok=True)
+
+
+def test_errors_are_those_of_the_states(springs, frame):
+    full, macro = get_path(springs, "pull"), curves(springs, "pull")["py"]
+    error = 100 * (macro["H"].values[1:] / full["H"].values[1:] - 1)
+    counted = error[np.abs(full["u"].values[1:]) >= 0.01 * 5e-3]
+    found = row(frame, "pull", "py")
+    assert found["H_error_end_pct"] == pytest.approx(error[-1])
+    assert found["H_error_max_pct"] == pytest.approx(counted[np.argmax(np.abs(counted))])
+    assert found["H_error_end_pct"] < -50.0
+    assert found["rotation_error_end_pct"] > 50.0
+    area = np.trapezoid(full["H"].values, full["u"].values)
+    apart = np.trapezoid(np.abs(full["H"].values - macro["H"].values), full["u"].values)
+    assert found["eta_large"] == pytest.approx(1 - apart / area)
+    assert found["small_at"] == pytest.approx(7.8e-4)
+
+
+def test_held_back_path_is_answered_by_the_first_calibration_path(frame):
+    held = row(frame, "high", "full")
+    assert held["springs_from"] == "pull"
+    assert held["role"] == "held-back"
+    assert abs(held["rotation_error_max_pct"]) > 5.0
+    assert held["off_path_states"] == 20
+    assert np.isnan(held["H_error_between_pct"])
+
+
+def test_imposed_motion_has_errors_of_load_and_moment(frame):
+    turned = row(frame, "turn", "py")
+    assert np.isnan(turned["rotation_error_max_pct"])
+    assert turned["M_error_max_pct"] < -10.0  # p-y alone has no shear moment
+    assert turned["small_at"] == pytest.approx(7.8e-4 / 4.0)
+
+
+def test_small_first_steps_are_left_out():
+    springs = make_springs((Path(steps=60),))
+    first = springs["paths/pull/H"].values
+    first[1] *= 1.5  # at 0.2 % of the end
+    plain = row(compare(springs), "pull", "py")
+    assert plain["H_error_max_pct"] > -70.0
+
+
+def test_text_table_reads_and_names_its_terms(frame):
+    text = to_text(frame)
+    lines = text.splitlines()
+    assert lines[0].split()[:4] == ["path", "role", "arm", "[m]"]
+    assert max(map(len, lines)) < 200
+    assert "nan" not in text
+    assert "-0.00" not in text
+    for words in ("1% of the largest", "outer diameter / 10000", "lateral p-y alone"):
+        assert words in text
+
+
+def test_dict_is_strict_json(frame):
+    document = json.loads(json.dumps(to_dict(frame), allow_nan=False))
+    assert len(document["rows"]) == 8
+    assert document["rows"][0]["M_error_max_pct"] is None
+    assert document["scene_sha256"] == "0" * 64
+
+
+def test_states_side_by_side(springs):
+    table = states(springs)
+    assert len(table) == 4 * 2 * 21
+    full = table[(table["path"] == "push") & (table["springs"] == "full")]
+    np.testing.assert_allclose(full["M_macro_Nm"], full["M_full_Nm"], rtol=1e-9, atol=1e-3)
+
+
+def test_a_path_that_ends_early_is_a_row_with_its_reason():
+    """It cannot stop the table: what was reached is compared, and the reason is written."""
+    springs = make_springs((Path("pull"),))
+    data = springs["paths/pull"].to_dataset(inherit=False).copy(deep=True)
+    for name in ("p", "m", "H_tip", "M_tip", "H_lid", "M_lid"):
+        data[name].values[..., 1:] *= -1.0  # springs that push instead of resisting
+    springs["paths/pull"].dataset = data
+    found = compare(springs)
+    assert len(found) == 2
+    ended = row(found, "pull", "py")
+    assert "no equilibrium beyond" in ended["status"]
+    assert "no equilibrium beyond" in to_text(found)

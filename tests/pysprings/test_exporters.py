@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: MIT
+"""Files for people and programs, read back with the readers those use: pandas, openpyxl, json."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import openpyxl
+import pandas as pd
+import pytest
+
+from pysprings import exporters
+from pysprings.compare import compare
+from pysprings.errors import UserInputError
+from tests.pysprings.synthetic import Path, make_result, make_springs
+
+PATHS = (Path("pull"), Path("high", arm=8.0, role="held-back"))
+STEPS, RINGS = 21, 13
+LOAD_COLUMNS = (
+    "path,step,time_s,u_m,w_m,rotation_rad,H_N,V_N,M_Nm,"
+    "H_outer_N,H_inner_N,H_lid_N,H_tip_N,F_pw_N,F_in_N,F_out_N,converged"
+)
+PY_COLUMNS = (
+    "path,family,depth_m,depth_top_m,depth_bottom_m,side,component,step,y_m,p_N_per_m,"
+    "rotation_rad,w_m,m_Nm_per_m,t_N_per_m,H_N,V_N,M_Nm,converged"
+)
+
+
+@pytest.fixture(scope="module")
+def springs():
+    return make_springs(PATHS)
+
+
+@pytest.fixture(scope="module")
+def folder(springs, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tables")
+    result = make_result(PATHS)
+    result["paths/pull/converged"][-1:] = 0
+    exporters.csv_tables(folder, springs, result, compare(springs))
+    exporters.excel(folder / "springs.xlsx", springs)
+    return folder
+
+
+def test_load_displacement_has_the_contracts_columns(folder):
+    file = folder / "load_displacement.csv"
+    assert file.read_text().splitlines()[0] == LOAD_COLUMNS
+    table = pd.read_csv(file)
+    assert len(table) == 2 * STEPS
+    pull = table[table["path"] == "pull"]
+    assert pull["converged"].tolist() == [1] * (STEPS - 1) + [0]
+    parts = pull[["H_outer_N", "H_inner_N", "H_lid_N", "H_tip_N"]].sum(axis=1)
+    np.testing.assert_allclose(parts, pull["H_N"], rtol=1e-8, atol=1e-3)
+
+
+def test_py_has_the_contracts_columns_and_no_comment(folder):
+    file = folder / "py.csv"
+    assert file.read_text().splitlines()[0] == PY_COLUMNS
+    assert "#" not in file.read_text()
+    table = pd.read_csv(file)
+    assert table.groupby("family").size().to_dict() == {
+        "base": 2 * STEPS,
+        "lid": 2 * STEPS,
+        "mtheta": 2 * RINGS * 3 * STEPS,
+        "py": 2 * RINGS * 3 * 4 * STEPS,
+    }
+
+
+def test_py_values_and_sums(folder, springs):
+    table = pd.read_csv(folder / "py.csv")
+    path = springs["paths/pull"]
+    py = table[(table["path"] == "pull") & (table["family"] == "py")]
+    picked = py[(py["side"] == "inside") & (py["component"] == "shear") & (py["step"] == 7)]
+    np.testing.assert_allclose(picked["p_N_per_m"], path["p"].values[:, 1, 1, 7], rtol=1e-9)
+    np.testing.assert_allclose(picked["y_m"], path["y"].values[:, 7], rtol=1e-9)
+    np.testing.assert_allclose(
+        picked[["depth_top_m", "depth_bottom_m"]], path["depth_bounds"].values, rtol=1e-9
+    )
+    wide = py.pivot_table(index=["depth_m", "step"], columns=["side", "component"], values="p_N_per_m")
+    parts = [(side, part) for side in ("outside", "inside") for part in ("normal", "shear", "water")]
+    np.testing.assert_allclose(wide[parts].sum(axis=1), wide[("net", "total")], rtol=1e-8, atol=1e-3)
+
+
+def test_the_table_alone_balances_the_load(folder):
+    """Someone with py.csv and nothing else finds the applied load and moment again."""
+    table = pd.read_csv(folder / "py.csv")
+    load = pd.read_csv(folder / "load_displacement.csv")
+    last = table[(table["path"] == "high") & (table["step"] == STEPS - 1)]
+    dz = last["depth_bottom_m"] - last["depth_top_m"]
+    net = (last["family"] == "py") & (last["side"] == "net") & (last["component"] == "total")
+    shear = (last["family"] == "mtheta") & (last["side"] == "net")
+    ends = last["family"].isin(["base", "lid"])
+    lateral = (last["p_N_per_m"] * dz)[net].sum() + last["H_N"][ends].sum()
+    moment = (last["p_N_per_m"] * dz * last["depth_m"])[net].sum() + (last["m_Nm_per_m"] * dz)[shear].sum()
+    moment += (last["H_N"] * last["depth_m"] + last["M_Nm"])[ends].sum()
+    vertical = (last["t_N_per_m"] * dz)[shear].sum() + last["V_N"][ends].sum()
+    applied = load[(load["path"] == "high") & (load["step"] == STEPS - 1)].iloc[0]
+    np.testing.assert_allclose(
+        [lateral, moment, vertical], applied[["H_N", "M_Nm", "V_N"]].astype(float), rtol=1e-7
+    )
+
+
+def test_blanks_only_where_a_family_has_no_such_value(folder):
+    table = pd.read_csv(folder / "py.csv")
+    filled = {
+        "py": {"side", "component", "p_N_per_m"},
+        "mtheta": {"side", "m_Nm_per_m", "t_N_per_m"},
+        "base": {"H_N", "V_N", "M_Nm"},
+        "lid": {"H_N", "V_N", "M_Nm"},
+    }
+    every = {
+        "path",
+        "family",
+        "depth_m",
+        "depth_top_m",
+        "depth_bottom_m",
+        "step",
+        "y_m",
+        "rotation_rad",
+        "w_m",
+        "converged",
+    }
+    for family, rows in table.groupby("family"):
+        assert set(rows.columns[rows.notna().all()]) == filled[family] | every
+        assert set(rows.columns[rows.isna().all()]) == set(table.columns) - filled[family] - every
+
+
+def test_compare_csv(folder, springs):
+    table = pd.read_csv(folder / "compare.csv")
+    assert table["path"].tolist() == ["pull", "pull", "high", "high"]
+    np.testing.assert_allclose(table["eta_large"], compare(springs)["eta_large"], rtol=1e-8)
+
+
+@pytest.fixture(scope="module")
+def book(folder):
+    return openpyxl.load_workbook(folder / "springs.xlsx")
+
+
+def test_workbook_sheets_frozen_and_charted(book):
+    names = ["About", "charts", "p-y", "m-theta", "base", "lid", "load-displacement", "stiffness"]
+    assert book.sheetnames == names
+    assert len(book["charts"]._charts) == 6
+    assert {book[name].freeze_panes for name in names[2:7]} == {"C4"}
+
+
+def test_workbook_says_what_it_is(book):
+    words = "\n".join(str(cell.value) for row in book["About"].iter_rows() for cell in row if cell.value)
+    expected = [
+        "pysprings 0.0.0",
+        "0" * 64,
+        "kN, m, mm, mrad",
+        "monotonic backbone, not cyclic",
+        "M = -H*arm",
+    ]
+    expected += ["drained", "|u| to 5 mm", "Beyond this range every use is an extrapolation", "load -67"]
+    assert [text for text in expected if text not in words] == []
+
+
+def _column(sheet, heading, depth=None):
+    for cells in sheet.iter_cols(min_col=2):
+        if cells[2].value == heading and (depth is None or cells[0].value == pytest.approx(depth)):
+            return np.array([cell.value for cell in cells[3:]], dtype=float)
+    raise AssertionError(heading)
+
+
+def test_workbook_values_with_their_units(book, springs):
+    path = springs["paths/pull"]
+    sheet = book["p-y"]
+    assert sheet.max_row == 3 + 2 * STEPS
+    depth = round(float(path["depth"][4]), 4)
+    p = path["p"].sum(("side", "component")).transpose("depth", "step").values
+    np.testing.assert_allclose(
+        _column(sheet, "p net [kN/m]", depth)[:STEPS], p[4] / 1e3, rtol=1e-9, atol=1e-9
+    )
+    np.testing.assert_allclose(_column(sheet, "y [mm]", depth)[:STEPS], path["y"].values[4] * 1e3, rtol=1e-9)
+    rotation = _column(book["m-theta"], "rotation [mrad]")[:STEPS]
+    np.testing.assert_allclose(rotation, path["rotation"].values * 1e3, rtol=1e-9)
+    np.testing.assert_allclose(
+        _column(book["base"], "M [kN m]")[:STEPS], path["M_tip"].values / 1e3, rtol=1e-9
+    )
+    np.testing.assert_allclose(_column(book["lid"], "H [kN]")[:STEPS], path["H_lid"].values / 1e3, rtol=1e-9)
+    full = _column(book["load-displacement"], "full model H [kN]")
+    macro = _column(book["load-displacement"], "macro-model, full springs: H [kN]")
+    np.testing.assert_allclose(macro[:STEPS], full[:STEPS], rtol=1e-6, atol=1e-6)
+    assert book["stiffness"]["B3"].value == pytest.approx(springs["stiffness_initial"].values[0, 0] / 1e3)
+
+
+def test_charts_point_at_the_data(folder):
+    book = openpyxl.load_workbook(folder / "springs.xlsx")
+    first = book["charts"]._charts[0]
+    references = [(series.xVal.numRef.f, series.yVal.numRef.f) for series in first.series]
+    assert references[0] == ("'load-displacement'!$C$4:$C$24", "'load-displacement'!$F$4:$F$24")
+    headings = [book["load-displacement"][f"{column}3"].value for column in "CF"]
+    assert headings == ["full model u [mm]", "full model H [kN]"]
+    py = book["charts"]._charts[1].series[2]
+    place = py.yVal.numRef.f.split("$")[1]
+    assert book["p-y"][f"{place}3"].value == "p net [kN/m]"
+    assert f"{book['p-y'][f'{place}1'].value:.2f} m" == py.tx.v
+
+
+def test_unconverged_steps_are_empty_in_the_macro_columns(tmp_path):
+    springs = make_springs()
+    springs["paths/pull/converged"][-1:] = 0
+    book = openpyxl.load_workbook(exporters.excel(tmp_path / "s.xlsx", springs))
+    rows = book["load-displacement"].iter_rows(min_row=3 + STEPS, values_only=True)
+    cells = next(rows)
+    assert cells[8:14] == (None,) * 6
+    assert cells[14] == 0
+
+
+def test_json(springs):
+    document = json.loads(exporters.text(springs, "json"))
+    assert document["attributes"]["schema"] == "pysprings-springs-1"
+    p = document["paths"]["high"]["variables"]["p"]
+    assert p["units"] == "N m-1"
+    assert p["dims"] == ["depth", "side", "component", "step"]
+    np.testing.assert_array_equal(p["values"], springs["paths/high/p"].values)
+
+
+def test_export_by_form(springs, tmp_path):
+    for form in exporters.FORMATS:
+        file = exporters.export(springs, form, tmp_path / f"springs.{form}")
+        assert file.stat().st_size > 1000
+    assert (tmp_path / "springs.csv").read_text() == exporters.text(springs, "csv")
+    with pytest.raises(UserInputError, match="'ods' is not one of csv, xlsx, json"):
+        exporters.export(springs, "ods", tmp_path / "x")
+    assert not (tmp_path / "x").exists()

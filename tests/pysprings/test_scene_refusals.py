@@ -1,0 +1,333 @@
+# SPDX-License-Identifier: MIT
+# ruff: noqa: E501  (messages are compared whole, on one line)
+"""Every refusal of a scene, once, with the exact message and place; hostile files end in messages."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pysprings.errors import UserInputError
+from pysprings.scene import MAX_BYTES, Scene, load_scene, parse_scene
+from pysprings.scene_template import template_text
+
+PULL = '[[path]]\nname = "a"\nkind = "pull"\nlateral_displacement = "20 mm"\n'
+
+
+def problems(text: str, file: str | None = None) -> list[str]:
+    """Return what is wrong with a scene text, without the common beginning."""
+    with pytest.raises(UserInputError) as error:
+        parse_scene(text, file)
+    lines = str(error.value).split("\n")
+    assert all(line.startswith("fatal: user input: ") for line in lines)
+    assert all(line.isprintable() for line in lines)
+    return [line.removeprefix("fatal: user input: ") for line in lines]
+
+
+def test_the_form_of_the_contract() -> None:
+    """Both example lines of the public contract: unknown key at the key, wrong value at the value."""
+    text = "\n" * 8 + "soil.poisson_ratio = 0.6\n\n\n[interface]\nfriction_coeficient = 0.5\n"
+    assert problems(text, "caisson.toml") == [
+        "caisson.toml:9:22: soil.poisson_ratio: 0.6 is not in [0, 0.5)",
+        "caisson.toml:13:1: interface.friction_coeficient: unknown key (did you mean 'friction_coefficient'?)",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        # keys
+        ("[sol]\n", "1:1: sol: unknown key (did you mean 'soil'?)"),
+        ("a = 1\n", "1:1: a: unknown key"),
+        ("paths = []\n", "1:1: paths: unknown key (did you mean 'path'?)"),
+        ("[soil]\nfriction_coefficient = 0.5\n", "2:1: soil.friction_coefficient: unknown key (it belongs in [interface])"),
+        ('K0 = 1\n', "1:1: K0: unknown key (it belongs in [soil])"),
+        ('rate = "1 mm/s"\n', "1:1: rate: unknown key (it belongs in [[path]])"),
+        ("[soil.x]\ny = 1\n", "1:1: soil.x: unknown key"),
+        ('"\\u001b\\n.x" = 2\n', '1:1: "\\u001b\\n.x": unknown key'),
+        # tables
+        ("soil = 3\n", "1:8: soil: expected a table [soil]"),
+        ("[[soil]]\nK0 = 1\n", "1:1: soil: expected a table [soil]"),
+        ("path = 3\n", "1:8: path: expected [[path]] sections (double brackets)"),
+        ('[path]\nname = "a"\n', "1:1: path: expected [[path]] sections (double brackets)"),
+        ("path = [3]\n", "1:9: path[0]: expected a table [[path]]"),
+        ("path = []\n", "1:8: path: at least one [[path]] is needed: it says how the caisson is moved"),
+        # quantities
+        ("[soil]\nyoung_modulus = 200\n",
+         '2:17: soil.young_modulus: expected a quantity with unit such as "200 MPa", got 200'),
+        ('[soil]\nyoung_modulus = "200"\n',
+         '2:17: soil.young_modulus: expected a quantity with unit such as "200 MPa", got "200"'),
+        ('[soil]\nyoung_modulus = "200 kN"\n',
+         '2:17: soil.young_modulus: "200 kN" is a force; expected a pressure or stress such as "200 MPa"'),
+        ('[soil]\nyoung_modulus = "200 MPA"\n',
+         '2:17: soil.young_modulus: "200 MPA": unknown unit "MPA" (did you mean "MPa"?)'),
+        ('[soil]\nyoung_modulus = "200 mPa"\n', '2:17: soil.young_modulus: "200 mPa" is not in [0.001, 1e6] MPa'),
+        ('[soil]\nyoung_modulus = "1e400 Pa"\n', '2:17: soil.young_modulus: "1e400 Pa" is not a finite number'),
+        ('[soil]\nsurcharge = nan\n',
+         '2:13: soil.surcharge: expected a quantity with unit such as "10.56 kPa", got nan'),
+        ('[soil]\nsurcharge = true\n',
+         '2:13: soil.surcharge: expected a quantity with unit such as "10.56 kPa", got true'),
+        ('[soil]\nsurcharge = ["1 kPa"]\n',
+         '2:13: soil.surcharge: expected a quantity with unit such as "10.56 kPa", got a list'),
+        ('[soil]\nsurcharge = {a = 1}\n',
+         '2:13: soil.surcharge: expected a quantity with unit such as "10.56 kPa", got a table'),
+        ('[soil]\nsurcharge = 1979-05-27\n',
+         '2:13: soil.surcharge: expected a quantity with unit such as "10.56 kPa", got 1979-05-27'),
+        ('[caisson]\nskirt_length = "-4 m"\n', '2:16: caisson.skirt_length: "-4 m" is not in (0, 200] m'),
+        ("[caisson]\nvertical_load = 3\n",
+         '2:17: caisson.vertical_load: expected a quantity with unit such as "4 MN" (or "balanced"), got 3'),
+        ('[caisson]\nvertical_load = "balance"\n',
+         '2:17: caisson.vertical_load: expected a quantity with unit such as "4 MN", got "balance"; '
+         '"balanced" is possible too'),
+        # numbers, counts, words, flags, texts
+        ("[soil]\nK0 = inf\n", "2:6: soil.K0: inf is not in (0, 10]"),
+        ("[soil]\nK0 = nan\n", "2:6: soil.K0: nan is not in (0, 10]"),
+        ('[soil]\nK0 = "1"\n', '2:6: soil.K0: expected a number without unit and quotes such as 1, got "1"'),
+        ("[soil]\nK0 = true\n", "2:6: soil.K0: expected a number without unit and quotes such as 1, got true"),
+        (f"[soil]\nK0 = {'1' * 400}\n", "2:6: soil.K0: a number with hundreds of digits is not in (0, 10]"),
+        ("[mesh]\nazimuth = 9\n", "2:11: mesh.azimuth: 9 is not a multiple of 4"),
+        ("[mesh]\nazimuth = 4\n", "2:11: mesh.azimuth: 4 is not in [8, 256]"),
+        ("[mesh]\nazimuth = 8.0\n", "2:11: mesh.azimuth: expected a whole number such as 8, got 8.0"),
+        ('[mesh]\npreset = "papers"\n',
+         '2:10: mesh.preset: "papers" is not one of "coarse", "medium", "paper", "fine" (did you mean \'paper\'?)'),
+        ("[mesh]\npreset = 3\n", '2:10: mesh.preset: expected one of "coarse", "medium", "paper", "fine", got 3'),
+        ('[output]\nfigures = "yes"\n', '2:11: output.figures: expected true or false, got "yes"'),
+        ("title = 3\n", "1:9: title: expected a text in quotes, got 3"),
+        ('title = ""\n', '1:9: title: "" is not 1 to 200 characters on one line'),
+        ('title = "a\\nb"\n', '1:9: title: "a\\nb" is not 1 to 200 characters on one line'),
+        # known, but not there yet
+        ('[caisson]\nbehaviour = "elastic"\n',
+         '2:13: caisson.behaviour: "elastic" is not available yet; choose "rigid"'),
+        ('[soil]\nyield_surface = "van-eekelen"\n',
+         '2:17: soil.yield_surface: "van-eekelen" is not available yet; choose "drucker-prager" or "elastic"'),
+        ('[drainage]\nmode = "coupled"\n', '2:8: drainage.mode: "coupled" is not available yet; choose "drained"'),
+        ('[drainage]\nmode = "undrained"\n', '2:8: drainage.mode: "undrained" is not available yet; choose "drained"'),
+        ('[solver]\nlinear = "mumps"\n',
+         '2:10: solver.linear: "mumps" is not available yet; choose "auto" or "pardiso" or "superlu"'),
+        # values that do not go together
+        ('[caisson]\nskirt_thickness = "4 m"\n',
+         "2:19: caisson.skirt_thickness: must be less than half of outer_diameter (7.8 m)"),
+        ('[domain]\nradius = "4 m"\n',
+         "2:10: domain.radius: 4 m must be more than 1.2 times the caisson's radius (3.9 m)"),
+        ('[caisson]\nouter_diameter = "50 m"\n',
+         "2:18: domain.radius: 24 m must be more than 1.2 times the caisson's radius (25 m)"),
+        ('[domain]\ndepth = "4.4 m"\n',
+         "2:9: domain.depth: 4.4 m must be more than 1.1 times caisson.skirt_length (4 m)"),
+        ('[soil]\nfriction_angle_initial = "31 deg"\n',
+         "2:26: soil.friction_angle_initial: 31 deg must not be more than friction_angle_final (30 deg)"),
+        ('[soil]\ndilation_angle = "31 deg"\n',
+         "2:18: soil.dilation_angle: 31 deg must not be more than friction_angle_final (30 deg)"),
+        ("[soil]\nK0 = 0.5\n",
+         "2:6: soil.K0: 0.5 puts the initial stress outside the initial yield surface (5 deg allows 0.840 to 1.204)"),
+        ('[soil]\nK0 = 0.5\ncohesion = "1 kPa"\n',
+         "2:6: soil.K0: 0.5 puts the initial stress outside the initial yield surface (5 deg, cohesion 1 kPa)"),
+        ('[soil]\nsurcharge = "0 kPa"\neffective_unit_weight = "0 N/m^3"\n',
+         "2:13: soil.surcharge: a soil without weight, surcharge and cohesion has no strength"),
+        ("[solver]\nfirst_step_fraction = 0.5\nmax_step_fraction = 0.1\n",
+         "2:23: solver.first_step_fraction: 0.5 must not be more than max_step_fraction (0.1)"),
+        # paths
+        ('[[path]]\nkind = "pull"\nlateral_displacement = "1 mm"\n', "1:1: path[0].name: missing; every [[path]] needs it"),
+        ('[[path]]\nname = "a"\n', "1:1: path[0].kind: missing; every [[path]] needs it"),
+        (PULL.replace('"a"', '"1/a"'),
+         '2:8: path[0].name: "1/a" is not a name (a letter, then letters, digits, _ or -, at most 60)'),
+        (PULL + PULL.replace('"a"', '"A"'), "6:8: path[1].name: 'A' is the name of path[0] too (case does not count)"),
+        ('[[path]]\nname = "a"\nkind = "pull"\n', '1:1: path[0]: a path of kind "pull" needs lateral_displacement'),
+        ('[[path]]\nname = "a"\nkind = "rotation"\n', '1:1: path[0]: a path of kind "rotation" needs rotation'),
+        ('[[path]]\nname = "a"\nkind = "load"\n', '1:1: path[0]: a path of kind "load" needs lateral_force'),
+        (PULL.replace("20 mm", "0 mm"), "4:24: path[0].lateral_displacement: must not be zero"),
+        (PULL + 'rotation = "1 deg"\n', '5:12: path[0].rotation: a path of kind "pull" does not use it'),
+        (PULL + 'lateral_force = "1 MN"\n', '5:17: path[0].lateral_force: a path of kind "pull" does not use it'),
+        (PULL.replace("pull", "translation") + 'arm = "1 m"\n',
+         '5:7: path[0].arm: a path of kind "translation" does not use it'),
+        ('[[path]]\nname = "a"\nkind = "rotation"\nrotation = "1 deg"\nrate = "1 mm/s"\n',
+         '5:8: path[0].rate: a path of kind "rotation" does not use it'),
+        (PULL + 'report_at = "3 mm"\n',
+         '5:13: path[0].report_at: expected a list of quantities such as ["20 mm"], got "3 mm"'),
+        (PULL + 'report_at = ["3 mm", 4]\n',
+         '5:22: path[0].report_at[1]: expected a quantity with unit such as "20 mm", got 4'),
+        (PULL + 'report_at = ["3 mm",\n  "4 kN"]\n',
+         '6:3: path[0].report_at[1]: "4 kN" is a force; expected a length such as "20 mm"'),
+        (PULL + 'report_at = ["21 mm"]\n',
+         "5:14: path[0].report_at[0]: 21 mm is not on the way from 0 to lateral_displacement (20 mm)"),
+        (PULL + 'report_at = ["3 mm", "2 mm"]\n',
+         "5:22: path[0].report_at[1]: 2 mm must be further than the value before it (3 mm)"),
+        # not TOML
+        ("[soil]\nyoung_modulus = 200 MPa\n",
+         '2:21: not valid TOML: Expected newline or end of document after a statement (a quantity needs quotes: "200 MPa")'),
+        ("[soil\n", "1:6: not valid TOML: Expected ']' at the end of a table declaration"),
+        ('a = "', "1:6: not valid TOML: Unterminated string"),
+        (f"a = {'1' * 5000}\n",
+         "1:1: not valid TOML: Exceeds the limit (4300 digits) for integer string conversion: value has 5000 digits"),
+        ("", "the file is empty; `pysprings init` writes a commented scene"),
+        ("# nothing\n", "the file is empty; `pysprings init` writes a commented scene"),
+        ("a = " + "[" * 5000, "lists or tables are nested too deeply"),
+    ],
+    ids=lambda value: value.split(": ")[1][:40] if ": " in value else "",
+)  # fmt: skip
+def test_message(text: str, expected: str) -> None:
+    assert problems(text) == [expected]
+
+
+def test_k0_range_in_the_message_is_where_the_refusal_begins() -> None:
+    """Drucker-Prager at 5 deg: |1 - K0|/sqrt(3) = m (1 + 2 K0) at K0 = 0.83966 and 1.20393."""
+    for inside in (0.8397, 1.2039):
+        scene = parse_scene(f"[soil]\nK0 = {inside}\n")
+        assert scene.model_dump()["soil"]["K0"] == inside
+    for outside in (0.8396, 1.2040):
+        assert "initial yield surface" in problems(f"[soil]\nK0 = {outside}\n")[0]
+
+
+def test_everything_at_once_in_the_order_of_the_file() -> None:
+    """Wrong keys, wrong values and clashes among the right ones; nothing that follows only from another fault."""
+    text = (
+        'title = "t"\n'
+        "[caisson]\n"
+        'skirt_lenght = "20 m"\n'  # not also: the domain is too shallow
+        'behaviour = "elastic"\n'
+        "[soil]\n"
+        'friction_angle_initial = "35 deg"\n'
+        "poisson_ratio = 0.6\n"
+        "[solver]\n"
+        "first_step_fraction = 0.5\n"
+        "max_step_fraction = 0.1\n"
+        "[domain]\n"
+        'radius = "3 m"\n'
+        "[[path]]\n"
+        'name = "a"\n'
+        'kind = "pull"\n'
+        'lateral_displacment = "3 mm"\n'  # not also: needs lateral_displacement
+        "[[path]]\n"
+        'name = "b"\n'
+        'kind = "rot"\n'  # not also: uses arm
+        'arm = "3 m"\n'
+        "[[path]]\n"
+        'name = "A"\n'
+        'kind = "load"\n'
+        'lateral_force = "0 N"\n'
+    )
+    keys = [problem.split(": ")[1] for problem in problems(text, "c.toml")]
+    assert keys == [
+        "caisson.skirt_lenght",
+        "caisson.behaviour",
+        "soil.friction_angle_initial",
+        "soil.poisson_ratio",
+        "solver.first_step_fraction",
+        "domain.radius",
+        "path[0].lateral_displacment",
+        "path[1].kind",
+        "path[2].name",
+        "path[2].lateral_force",
+    ]
+
+
+def test_problems_are_data_too() -> None:
+    with pytest.raises(UserInputError) as error:
+        parse_scene("[soil]\nK0 = -1\n", "c.toml")
+    (problem,) = error.value.problems
+    assert (problem.file, problem.line, problem.col, problem.key) == ("c.toml", 2, 6, "soil.K0")
+    assert problem.message == "-1 is not in (0, 10]"
+
+
+# --- files ---
+
+
+def refusal(path: Path | str) -> str:
+    with pytest.raises(UserInputError) as error:
+        load_scene(path)
+    return str(error.value)
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    assert refusal(tmp_path / "no.toml") == f"fatal: user input: {tmp_path}/no.toml: no such file"
+
+
+def test_folder(tmp_path: Path) -> None:
+    assert refusal(tmp_path) == f"fatal: user input: {tmp_path}: is a folder, not a scene file"
+
+
+def test_device() -> None:
+    assert refusal(os.devnull).endswith("is not a regular file")
+
+
+def test_name_with_null_character() -> None:
+    assert refusal("a\0b").startswith("fatal: user input: a\\x00b: cannot be read")
+
+
+def test_name_that_is_too_long() -> None:
+    assert "cannot be read (File name too long)" in refusal("a" * 5000)
+
+
+def test_file_in_a_file(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    assert "cannot be read (Not a directory)" in refusal(tmp_path / "file" / "scene.toml")
+
+
+def test_huge_file(tmp_path: Path) -> None:
+    (tmp_path / "big.toml").write_bytes(b"#" * (MAX_BYTES + 1))
+    assert "is too large for a scene (more than 256 KiB)" in refusal(tmp_path / "big.toml")
+
+
+def test_not_utf8(tmp_path: Path) -> None:
+    (tmp_path / "latin.toml").write_bytes('title = "a"\n# 30 °\n'.encode("latin-1"))
+    assert refusal(tmp_path / "latin.toml").endswith("latin.toml:2:6: is not UTF-8 text (byte 0xb0)")
+
+
+def test_utf16(tmp_path: Path) -> None:
+    (tmp_path / "wide.toml").write_text('title = "a"\n', encoding="utf-16")
+    assert "1:1: is not UTF-8 text" in refusal(tmp_path / "wide.toml")
+
+
+# --- hostile files ---
+
+NASTY = st.sampled_from(
+    [
+        "nan", "inf", "-1", "0", "1e999", "true", '""', '"x"', '"9**9**9 m"', '"1e400 Pa"', '"5 degC"', "[]", "{}",
+        '"balanced"', '["1 mm", 2]', "1979-05-27", "'200 MPa", '"\\u0000"', '"\\u202e m"', "0x10", '"-0 m"', "[[", "]",
+        '"1 m/(Pa s"', "[{a = 1}]", '"""', "#", "=", ".", '"rotation"', '"load"', '"1 rad"', '"1e-300 m"',
+    ]
+)  # fmt: skip
+
+
+@st.composite
+def mutated(draw: st.DrawFn) -> str:
+    """Draw the template with a few lines damaged."""
+    lines = template_text("paper-drained").split("\n")
+    for _ in range(draw(st.integers(1, 6))):
+        at = draw(st.integers(0, len(lines) - 1))
+        how = draw(st.sampled_from(["value", "value", "value", "key", "drop", "twice", "swap", "text"]))
+        key, equals, _ = lines[at].partition("=")
+        if how == "value" and equals:
+            lines[at] = f"{key}= {draw(NASTY)}"
+        elif how == "key" and equals:
+            lines[at] = (
+                draw(st.sampled_from(["x", "a.b", '"K 0"', "path", "soil.K0", "kind"]))
+                + lines[at][len(key) :]
+            )
+        elif how == "drop":
+            del lines[at]
+        elif how == "twice":
+            lines.insert(at, lines[at])
+        elif how == "swap":
+            other = draw(st.integers(0, len(lines) - 1))
+            lines[at], lines[other] = lines[other], lines[at]
+        elif how == "text":
+            where = draw(st.integers(0, len(lines[at])))
+            lines[at] = lines[at][:where] + draw(st.text(max_size=3)) + lines[at][where:]
+    return "\n".join(lines)
+
+
+@settings(deadline=None, max_examples=300)
+@given(mutated())
+def test_damaged_scenes_end_in_a_scene_or_in_messages(text: str) -> None:
+    try:
+        assert isinstance(parse_scene(text, "c.toml"), Scene)
+    except UserInputError as error:
+        assert error.problems
+        for problem in error.problems:
+            assert problem.message
+            assert str(problem).isprintable()
+            assert problem.line is None or 1 <= problem.line <= text.count("\n") + 1
