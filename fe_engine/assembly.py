@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numba as nb
 import numpy as np
 from scipy.sparse import csr_matrix
 
@@ -15,7 +14,7 @@ from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, REGIME_APEX, REGIM
 from fe_engine.errors import LawError
 from fe_engine.model import Model
 from fe_engine.pattern import make_pattern
-from fe_engine.state import Fields, State
+from fe_engine.state import State
 
 
 @dataclass

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numba as nb
 import numpy as np
 
-from fe_engine.conventions import OK
 from fe_engine.contact import coulomb
+from fe_engine.conventions import OK
 from fe_engine.hex8 import add_force, add_stiffness, b_bar, strain_at
 from fe_engine.model import Model
 from fe_engine.soil.dispatch import update_soil

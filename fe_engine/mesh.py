@@ -14,9 +14,7 @@ CORNERS = np.array(
     [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
     dtype=float,
 )
-EDGES = np.array(
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
-)
+EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]])
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,7 @@ def measure_quality(nodes: np.ndarray, hexes: np.ndarray) -> Quality:
 
 def _corner_jacobian(corner: np.ndarray, k: int) -> np.ndarray:
     """Scaled Jacobian (ne,) at corner k: triple product of the three edges over their lengths."""
-    neighbours = [int(np.flatnonzero((CORNERS == CORNERS[k] * flip).all(axis=1))[0]) for flip in _FLIPS]
+    neighbours = [int(np.flatnonzero((CORNERS[k] * flip == CORNERS).all(axis=1))[0]) for flip in _FLIPS]
     edges = [(corner[:, n] - corner[:, k]) * -CORNERS[k, axis] for axis, n in enumerate(neighbours)]
     volume = np.einsum("ei,ei->e", edges[0], np.cross(edges[1], edges[2]))
     return volume / np.maximum(np.prod([np.linalg.norm(e, axis=1) for e in edges], axis=0), 1e-300)

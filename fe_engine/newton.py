@@ -141,9 +141,7 @@ class Newton:
         n_border, n_control = loading.load.shape
         if n_border == 0:
             return step, np.zeros(0)
-        matrix = np.block(
-            [[self.stiffness, -loading.load], [loading.control, np.zeros((n_control, n_control))]]
-        )
+        matrix = np.block([[self.stiffness, -loading.load], [loading.control, np.zeros((n_control, n_control))]])
         rhs = np.concatenate([-loading.unbalanced(linear.border) - tangent.rows @ step, violation])
         try:
             solution = np.linalg.solve(matrix, rhs)

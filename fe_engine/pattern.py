@@ -50,7 +50,7 @@ def make_pattern(model: Model) -> Pattern:
         groups.append(model.stations.nodes)
     start, neighbours = _node_graph(model.mesh.n_nodes, groups)
     free = equation >= 0
-    rank = (np.cumsum(free, axis=1) - free).astype(np.int8)
+    rank: np.ndarray = np.subtract(np.cumsum(free, axis=1), free).astype(np.int8)
     count = free.sum(axis=1)
     offset, indptr, indices = _csr(start, neighbours, equation, count)
     element_offset = _lookup(model.mesh.hexes, start, neighbours, offset)

@@ -61,5 +61,3 @@ def _initial_fields(model: Model) -> Fields:
         history=np.zeros((ne, 8, N_HISTORY)),
         traction=traction,
     )
-
-

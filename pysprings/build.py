@@ -111,9 +111,7 @@ def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
     nodes = caisson.mesh.nodes
     parts = []
     for name in SURFACES:
-        node, normal, area = interface.nodal_stations(
-            nodes, caisson.mesh.face_sets[name], _exact_normals(nodes, name)
-        )
+        node, normal, area = interface.nodal_stations(nodes, caisson.mesh.face_sets[name], _exact_normals(nodes, name))
         parts.append((node, normal, area, np.full(len(node), SURFACE[name])))
     node, normal, area, surface = (np.concatenate(column) for column in zip(*parts, strict=True))
     position = nodes[node]

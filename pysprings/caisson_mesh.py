@@ -9,6 +9,7 @@ its circle: the leading geometric error of a faceted circle cancels.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -175,9 +176,7 @@ def _plan(geometry: Geometry, counts: Counts) -> _Plan:
     points *= np.sqrt(step / np.sin(step))
     n_rings = counts.plug + counts.tip + counts.outer
     chain = np.vstack([rim, len(core) + np.arange(n_rings * (n + 1)).reshape(n_rings, n + 1)])
-    quads = [
-        np.stack([a[:-1], b[:-1], b[1:], a[1:]], axis=1) for a, b in zip(chain[:-1], chain[1:], strict=True)
-    ]
+    quads = [np.stack([a[:-1], b[:-1], b[1:], a[1:]], axis=1) for a, b in itertools.pairwise(chain)]
     named = {"inner": chain[counts.plug], "outer": chain[counts.plug + counts.tip], "domain": chain[-1]}
     ring = np.concatenate([np.full(len(core_quads), -1), np.repeat(np.arange(n_rings), n)])
     return _Plan(points, np.concatenate([core_quads, *quads]), ring, named)

@@ -25,8 +25,7 @@ from pysprings.cli_support import (
 from pysprings.errors import RunIncomplete
 
 EPILOG = (
-    "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; "
-    "130 interrupted."
+    "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; 130 interrupted."
 )
 
 app = typer.Typer(
@@ -90,9 +89,7 @@ def _options(
 @guarded
 def init(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="scene file to write")] = Path("caisson.toml"),
-    template: Annotated[
-        str, typer.Option("--template", metavar="NAME", help="scene to start from")
-    ] = "paper-drained",
+    template: Annotated[str, typer.Option("--template", metavar="NAME", help="scene to start from")] = "paper-drained",
     force: Annotated[bool, typer.Option("--force", help="replace existing files")] = False,
 ) -> None:
     """Write a commented scene, and the JSON schema that helps editors with it."""
@@ -127,9 +124,7 @@ def check(scene: SceneFile, mesh: Mesh = None, as_json: Json = False) -> None:
 @guarded
 def run(
     scene: SceneFile,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/SCENE]")
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/SCENE]")] = None,
     mesh: Mesh = None,
     force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
     as_json: Json = False,
@@ -166,9 +161,7 @@ def run(
 def springs(
     result: Result,
     form: Annotated[Format | None, typer.Option("--format", help="[default: from --out, else csv]")] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="file to write [default: stdout]")
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="file to write [default: stdout]")] = None,
     as_json: Json = False,
 ) -> None:
     """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
@@ -206,9 +199,7 @@ def _format(form: Format | None, out: Path | None) -> str:
 @guarded
 def predict(
     result: Annotated[Path, typer.Argument(metavar="SPRINGS", help="springs.nc, or the folder of a run")],
-    load: Annotated[
-        str | None, typer.Option("--H", metavar="FORCE", help='lateral load, e.g. "2 MN"')
-    ] = None,
+    load: Annotated[str | None, typer.Option("--H", metavar="FORCE", help='lateral load, e.g. "2 MN"')] = None,
     arm: Annotated[
         str | None, typer.Option("--arm", metavar="LENGTH", help='its height above mudline, e.g. "8 m"')
     ] = None,
@@ -216,18 +207,14 @@ def predict(
         str | None,
         typer.Option("--M", metavar="MOMENT", help='moment about the lid centre, -H*arm, e.g. "-3 MN m"'),
     ] = None,
-    vertical: Annotated[
-        str | None, typer.Option("--V", metavar="FORCE", help="vertical load, positive down")
-    ] = None,
+    vertical: Annotated[str | None, typer.Option("--V", metavar="FORCE", help="vertical load, positive down")] = None,
     u_max: Annotated[
         str | None,
         typer.Option("--u-max", metavar="LENGTH", help='a whole curve up to this displacement, e.g. "5 mm"'),
     ] = None,
     points: Annotated[int, typer.Option("--points", help="points of the curve", min=2, max=10_000)] = 50,
     spring_set: Annotated[SpringSet, typer.Option("--springs", help="springs to use")] = SpringSet.full,
-    path: Annotated[
-        str | None, typer.Option("--path", metavar="NAME", help="load path whose springs serve")
-    ] = None,
+    path: Annotated[str | None, typer.Option("--path", metavar="NAME", help="load path whose springs serve")] = None,
     as_json: Json = False,
 ) -> None:
     """Predict displacement and rotation of the rigid caisson on its springs, or a load-displacement curve."""
@@ -249,14 +236,10 @@ def predict(
     force, height, limit, down = given["--H"], given["--arm"], given["--u-max"], given["--V"]
     kind = spring_set.value
     if limit is not None:
-        states = macro.curve(
-            tree, u_max=limit, arm=height or 0.0, n=points, V=down, springs_kind=kind, path=path
-        )
+        states = macro.curve(tree, u_max=limit, arm=height or 0.0, n=points, V=down, springs_kind=kind, path=path)
     else:
         assert force is not None  # seen to by _refuse_wrong_loads
-        answer = macro.predict(
-            tree, H=force, arm=height, M=given["--M"], V=down, springs_kind=kind, path=path
-        )
+        answer = macro.predict(tree, H=force, arm=height, M=given["--M"], V=down, springs_kind=kind, path=path)
         states = answer.isel(step=[-1])
     if as_json:
         print_json(prediction_json(states))
@@ -282,8 +265,8 @@ def _refuse_wrong_loads(given: dict[str, float | None]) -> None:
 def compare(result: Result, as_json: Json = False) -> None:
     """Set the prediction with the springs beside the full model, by path: eta and errors."""
     tree = springs_of(result)
-    from pysprings.compare import compare as compare_models
-    from pysprings.compare import to_dict, to_text
+    from pysprings.comparison import compare as compare_models
+    from pysprings.comparison import to_dict, to_text
 
     frame = compare_models(tree)
     if as_json:

@@ -68,7 +68,7 @@ def _rows(key: str, value: Any) -> list[tuple[str, str]]:
 
 def results_json(folder: Path) -> dict[str, Any]:
     """Return what `pysprings run --json` prints: run.json, the files and the comparison."""
-    from pysprings.compare import compare, to_dict
+    from pysprings.comparison import compare, to_dict
 
     record = read_record(folder)
     files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
@@ -89,7 +89,7 @@ def _has_springs(record: Mapping[str, Any]) -> bool:
 
 def print_results(folder: Path) -> None:
     """Print where the results of a run are, how the paths went, the cost, and the comparison."""
-    from pysprings.compare import compare, to_text
+    from pysprings.comparison import compare, to_text
 
     record = read_record(folder)
     print(f"results in {folder} ({record['status']})")
@@ -139,8 +139,7 @@ def print_cost(record: Mapping[str, Any]) -> None:
         return
     total = ("total", {"wall_s": record.get("wall_s"), "cpu_s": record.get("cpu_s")})
     rows = [
-        (name, _seconds(time.get("wall_s")), _seconds(time.get("cpu_s")))
-        for name, time in [*phases.items(), total]
+        (name, _seconds(time.get("wall_s")), _seconds(time.get("cpu_s"))) for name, time in [*phases.items(), total]
     ]
     print()
     print_table(("phase", "wall [s]", "CPU [s]"), rows)
@@ -170,9 +169,7 @@ def print_prediction(states: xr.Dataset) -> None:
     headers = [f"{name} [{unit}]" for name, unit, _ in columns]
     largest = max(abs(float(value)) for name in ("H", "V", "M") for value in states[name].values)
     noise = {name: ROUNDING * largest if name in ("H", "V", "M") else 0.0 for name, *_ in columns}
-    cells = [
-        [_figures(value, factor, noise[name]) for value in states[name].values] for name, _, factor in columns
-    ]
+    cells = [[_figures(value, factor, noise[name]) for value in states[name].values] for name, _, factor in columns]
     print_table(headers, [list(row) for row in zip(*cells, strict=True)])
 
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from pysprings import variables
 from pysprings.errors import Problem, UserInputError
-from pysprings.springs import SCHEMA, path_names, validate_springs
+from pysprings.springs import SCHEMA, path_dataset, path_names, validate_springs
 
 _ROOT_ATTRS = (
     "Conventions", "title", "source", "history", "references", "pysprings_version", "scene_sha256", "scene_toml",
@@ -36,7 +36,7 @@ def extract_springs(result: xr.DataTree) -> xr.DataTree:
     root.attrs = {key: result.attrs[key] for key in _ROOT_ATTRS if key in result.attrs} | {"schema": SCHEMA}
     groups: dict[str, xr.Dataset] = {"/": root}
     for name in names:
-        path = result[f"paths/{name}"].to_dataset(inherit=False)
+        path = path_dataset(result, name)
         springs = path[list(_KEPT)].assign(p=path["p_component"])
         springs.attrs = path.attrs
         groups[f"/paths/{name}"] = variables.attach(springs, "springs_path")

@@ -9,11 +9,11 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.compare import compare, curves
+from pysprings.comparison import compare, curves
 from pysprings.errors import UserInputError
 from pysprings.exporters import csv_tables, excel
 from pysprings.extract import extract_springs
-from pysprings.run import Progress, raise_if_incomplete, run
+from pysprings.full_model import Progress, raise_if_incomplete, run
 from pysprings.springs import balance, get_path, path_names, save_springs
 from pysprings.storage import write_text, write_tree
 

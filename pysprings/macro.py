@@ -69,17 +69,13 @@ class MacroModel:
     attrs: dict[str, Any]
 
     @classmethod
-    def from_springs(
-        cls, springs: xr.DataTree, springs_kind: str = "full", path: str | None = None
-    ) -> MacroModel:
+    def from_springs(cls, springs: xr.DataTree, springs_kind: str = "full", path: str | None = None) -> MacroModel:
         """Build the model from a spring set, by default on its first calibration path."""
         kind = _spring_set(springs_kind)
         origin = get_path(springs, path)
         table = build_table(origin, kind)
         stiffness = springs.dataset["stiffness_initial"].values
-        return cls(
-            table, kind, origin, stiffness, {str(name): value for name, value in springs.attrs.items()}
-        )
+        return cls(table, kind, origin, stiffness, {str(name): value for name, value in springs.attrs.items()})
 
     @property
     def length(self) -> float:
@@ -108,9 +104,7 @@ class MacroModel:
             "springs": self.spring_set,
             "comment": variables.GROUPS["springs_root"]["stiffness_initial"].comment,
         }
-        return xr.DataArray(
-            matrix, {"dof": dofs, "dof_conjugate": dofs}, ("dof", "dof_conjugate"), attrs=attrs
-        )
+        return xr.DataArray(matrix, {"dof": dofs, "dof_conjugate": dofs}, ("dof", "dof_conjugate"), attrs=attrs)
 
     def solve(self, control: Control, targets: Array, arm: float = 0.0) -> tuple[Array, Array, str]:
         """Follow the equilibrium from the origin through targets.
@@ -223,9 +217,7 @@ def tangent_stiffness(
 
 
 def _model(springs: xr.DataTree | MacroModel, springs_kind: str, path: str | None) -> MacroModel:
-    return (
-        springs if isinstance(springs, MacroModel) else MacroModel.from_springs(springs, springs_kind, path)
-    )
+    return springs if isinstance(springs, MacroModel) else MacroModel.from_springs(springs, springs_kind, path)
 
 
 def _spring_set(name: str) -> SpringSet:
@@ -239,9 +231,7 @@ def _arrays(table: SpringTable) -> tuple[Array, Array, Array, Array, Array, NDAr
     return table.a, table.b, table.q, table.r, table.slope, table.count
 
 
-def _equations(
-    control: Control, targets: Array, arm: float, size: Array
-) -> tuple[Array, Array, Array, Array]:
+def _equations(control: Control, targets: Array, arm: float, size: Array) -> tuple[Array, Array, Array, Array]:
     """G, C (2, 2), the sizes of both equations, and the right sides c (n, 2): see `macro_solver`."""
     zero, one = np.zeros((2, 2)), np.eye(2)
     if control == "load":
@@ -256,9 +246,7 @@ def _equations(
     return G, C, np.array([motion[0], size[1] + abs(arm) * size[0]]), aims
 
 
-def _ending(
-    control: Control, reached: tuple[float, float], wanted: Array, states: Array, loads: Array
-) -> str:
+def _ending(control: Control, reached: tuple[float, float], wanted: Array, states: Array, loads: Array) -> str:
     """Say where a path ended: what was held, what was wanted next, the last state."""
     words = {
         "displacement": ("u = {:.6g} m",),
@@ -266,9 +254,7 @@ def _ending(
         "load": ("H = {:.6g} N", "M = {:.6g} N m"),
         "state": ("u = {:.6g} m", "rotation = {:.6g} rad"),
     }[control]
-    got, aim = (
-        ", ".join(w.format(x) for w, x in zip(words, values, strict=False)) for values in (reached, wanted)
-    )
+    got, aim = (", ".join(w.format(x) for w, x in zip(words, values, strict=False)) for values in (reached, wanted))
     last = "no step was reached"
     if len(states):
         (u, rotation), (H, M) = states[-1], loads[-1]

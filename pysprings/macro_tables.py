@@ -192,9 +192,7 @@ def _carried(
     return _cut(rec, name, depth, b, r, order[0])
 
 
-def _cut(
-    rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, carrier: str
-) -> _Row | None:
+def _cut(rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, carrier: str) -> _Row | None:
     """Row of the first part of a curve that serves (at best all of it); None where there is none."""
     a, q, size = rec.carriers(depth)[carrier]
     n = _served(q, r, size)

@@ -34,9 +34,7 @@ def _bars(stream: TextIO) -> Iterator[Progress]:
     from rich.progress import Progress as Bars
 
     columns = TextColumn("{task.fields[path]}"), BarColumn(), TextColumn("{task.percentage:>3.0f} %")
-    with Bars(
-        *columns, TimeElapsedColumn(), TextColumn("{task.description}"), console=Console(file=stream)
-    ) as bars:
+    with Bars(*columns, TimeElapsedColumn(), TextColumn("{task.description}"), console=Console(file=stream)) as bars:
         tasks: dict[str, int] = {}
 
         def progress(path: str, fraction: float, message: str) -> None:

@@ -108,7 +108,7 @@ def render(
     springs
         Spring set; the equilibrium check is made on it, else on the result.
     compare
-        Table of `pysprings.compare.compare`, one row per path and spring set.
+        Table of `pysprings.comparison.compare`, one row per path and spring set.
     run
         Content of run.json: cost by phase, what was left out.
     figures
@@ -137,8 +137,7 @@ def render(
         convergence=convergence_table(paths, run),
         equilibrium=equilibrium_table(springs if springs is not None else result),
         paths=[
-            PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n))
-            for n, p in paths.items()
+            PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n)) for n, p in paths.items()
         ],
         compare=compare_table(compare),
         cost=cost_tables(run),
@@ -151,18 +150,12 @@ def _left_out(left_out: Any) -> list[tuple[str, str]]:
         return [(str(what), str(why)) for what, why in left_out.items()]
     pairs = [item.values() if isinstance(item, Mapping) else item for item in left_out]
     return [
-        (str(what), str(why))
-        for what, why in (pair if not isinstance(pair, str) else (pair, "") for pair in pairs)
+        (str(what), str(why)) for what, why in (pair if not isinstance(pair, str) else (pair, "") for pair in pairs)
     ]
 
 
 def _pictures_in(folder: Path) -> list[Path]:
-    return [
-        file
-        for place in (folder, folder / "figures")
-        for file in sorted(place.glob("*"))
-        if file.suffix in MEDIA
-    ]
+    return [file for place in (folder, folder / "figures") for file in sorted(place.glob("*")) if file.suffix in MEDIA]
 
 
 def _pictures(files: Iterable[Path], path: str) -> list[Picture]:

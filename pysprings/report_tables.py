@@ -51,9 +51,7 @@ def input_tables(scene_toml: str) -> list[Table]:
         if isinstance(value, dict):
             tables.append(_key_table(key, value))
         elif isinstance(value, list):
-            tables += [
-                _key_table(f"{key} {k}", item) for k, item in enumerate(value, 1) if isinstance(item, dict)
-            ]
+            tables += [_key_table(f"{key} {k}", item) for k, item in enumerate(value, 1) if isinstance(item, dict)]
     return tables
 
 
@@ -171,9 +169,7 @@ def end_table(path: Any) -> Table:
     if "gap" in path:
         from pysprings.plots.gap import openings
 
-        rows += [
-            ("widest gap, " + each.surface, _opening(each)) for each in openings(path.to_dataset(), last)
-        ]
+        rows += [("widest gap, " + each.surface, _opening(each)) for each in openings(path.to_dataset(), last)]
     return Table("At the last converged step", ("", ""), rows)
 
 
@@ -253,9 +249,7 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
         return None
     shown = compare[[name for name in COMPARED if name in compare.columns]].dropna(axis=1, how="all")
     decimals = [COMPARED[str(name)][1] for name in shown.columns]
-    rows = [
-        [_fixed(v, n) for v, n in zip(row, decimals, strict=True)] for row in shown.itertuples(index=False)
-    ]
+    rows = [[_fixed(v, n) for v, n in zip(row, decimals, strict=True)] for row in shown.itertuples(index=False)]
     note = (
         "max: largest error, macro-model over full model minus 1, at equal displacement. between: the same "
         "when every second recorded state is left out of the springs. eta = 1 - area between the "

@@ -98,9 +98,7 @@ def parse_scene(text: str, file: str | None = None) -> Scene:
     except ValidationError as error:
         faults = _all_faults(data, error)
         problems = [_problem(fault, places, file) for fault in faults]
-        raise UserInputError(
-            sorted(problems, key=lambda problem: (problem.line or 0, problem.col or 0))
-        ) from None
+        raise UserInputError(sorted(problems, key=lambda problem: (problem.line or 0, problem.col or 0))) from None
     scene._source = (text, scene.sha256)
     return scene
 
@@ -150,9 +148,7 @@ def _parse_toml(text: str, file: str | None) -> dict[str, Any]:
 
 def _quotes_hint(line: str) -> str:
     """Return a hint when a line holds a quantity without quotes."""
-    bare = re.fullmatch(
-        r"[^=\"']*=\s*([+-]?[0-9.]+(?:e[+-]?[0-9]+)?\s*[A-Za-z°][^\"'#]*?)\s*(?:#.*)?", line.strip()
-    )
+    bare = re.fullmatch(r"[^=\"']*=\s*([+-]?[0-9.]+(?:e[+-]?[0-9]+)?\s*[A-Za-z°][^\"'#]*?)\s*(?:#.*)?", line.strip())
     return f' (a quantity needs quotes: "{bare[1]}")' if bare else ""
 
 
@@ -190,9 +186,7 @@ def _faults(error: ValidationError) -> Iterator[Fault]:
         elif item["type"] == "scene":
             yield Fault((path,), context["message"])
         else:
-            wanted = (
-                "[[path]] sections (double brackets)" if path == ("path",) else f"a table {_header(path)}"
-            )
+            wanted = "[[path]] sections (double brackets)" if path == ("path",) else f"a table {_header(path)}"
             yield Fault((path,), f"expected {wanted}")
 
 

@@ -151,9 +151,7 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
             yield Clash(((*here, name), (*here, "kind")), f'a path of kind "{path.kind}" does not use it')
     target = getattr(path, imposed)
     if target is None:
-        yield Clash(
-            (here, (*here, "kind"), (*here, imposed)), f'a path of kind "{path.kind}" needs {imposed}'
-        )
+        yield Clash((here, (*here, "kind"), (*here, imposed)), f'a path of kind "{path.kind}" needs {imposed}')
     elif target == 0.0:
         yield Clash(((*here, imposed), (*here, "kind")), "must not be zero")
     else:
@@ -166,11 +164,7 @@ def _stops(here: KeyPath, imposed: str, target: float, stops: tuple[float, ...])
     for entry, stop in enumerate(stops):
         keys = (*here, "report_at", entry), (*here, imposed), (*here, "kind"), (*here, "report_at")
         if not 0.0 < stop / target <= 1.0:
-            yield Clash(
-                keys, f"{show(stop, unit)} is not on the way from 0 to {imposed} ({show(target, unit)})"
-            )
+            yield Clash(keys, f"{show(stop, unit)} is not on the way from 0 to {imposed} ({show(target, unit)})")
         elif abs(stop) <= abs(previous):
-            yield Clash(
-                keys, f"{show(stop, unit)} must be further than the value before it ({show(previous, unit)})"
-            )
+            yield Clash(keys, f"{show(stop, unit)} must be further than the value before it ({show(previous, unit)})")
         previous = stop

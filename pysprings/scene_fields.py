@@ -49,9 +49,7 @@ class Interval:
 
     def holds(self, value: float, unit: str = "1") -> bool:
         """Tell whether an SI value lies inside; the bounds are in `unit`."""
-        low, high = (
-            float(b) if unit == "1" else units.read(f"{b} {unit}", units.si_of(unit)) for b in self.bounds
-        )
+        low, high = (float(b) if unit == "1" else units.read(f"{b} {unit}", units.si_of(unit)) for b in self.bounds)
         above = value > low or (value == low and self.text[0] == "[")
         return above and (value < high or (value == high and self.text[-1] == "]"))
 
@@ -147,9 +145,7 @@ class Number(Field):
         if value is None and self.optional:
             return value
         if not _is_number(value):
-            raise refuse(
-                f"expected a number without unit and quotes such as {self.example:g}, got {quoted(value)}"
-            )
+            raise refuse(f"expected a number without unit and quotes such as {self.example:g}, got {quoted(value)}")
         number = _as_float(value)
         if not Interval(self.interval).holds(number):
             raise refuse(f"{quoted(value)} is not in {self.interval}")
@@ -271,9 +267,7 @@ class QuantityList(Field):
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, list | tuple):
-            raise refuse(
-                f"expected a list of quantities such as [{quoted(self._example())}], got {quoted(value)}"
-            )
+            raise refuse(f"expected a list of quantities such as [{quoted(self._example())}], got {quoted(value)}")
         quantity = dict(self.quantities).get(info.data.get(self.by_field, ""))
         if quantity is None:  # the other field is refused already
             return ()

@@ -22,9 +22,7 @@ _DEGREE = math.pi / 180.0
 
 # pydantic annotations of the fields, short enough to be read as a table
 _STIFFNESS = Quantity("N/m^3", "(0, 1e16]", "penalty stiffness of the interface", "1e10 N/m^3")
-_SHIFT = Quantity(
-    "mm", "[-1e4, 1e4]", "lateral displacement of the lid centre, towards +x", "20 mm", optional=True
-)
+_SHIFT = Quantity("mm", "[-1e4, 1e4]", "lateral displacement of the lid centre, towards +x", "20 mm", optional=True)
 _TURN = Quantity(
     "deg",
     "[-30, 30]",
@@ -34,12 +32,8 @@ _TURN = Quantity(
 )
 _PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN", optional=True)
 _ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
-_RATE = Quantity(
-    "mm/s", "(0, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True
-)
-_BALANCED = (
-    'constant load on the whole caisson, positive down; "balanced" carries the initial contact stresses'
-)
+_RATE = Quantity("mm/s", "(0, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
+_BALANCED = 'constant load on the whole caisson, positive down; "balanced" carries the initial contact stresses'
 _FRACTION = Number("(0, 1]", "first step, as a fraction of the path", 0.02, optional=True)
 
 
@@ -64,9 +58,9 @@ class Caisson(Section):
     poisson_ratio: Annotated[
         float | None, Number("[0, 0.5)", "Poisson ratio of an elastic caisson", 0.3, optional=True)
     ] = None
-    vertical_load: Annotated[
-        float | str, Quantity("MN", "[-1e4, 1e4]", _BALANCED, "4 MN", word="balanced")
-    ] = "balanced"
+    vertical_load: Annotated[float | str, Quantity("MN", "[-1e4, 1e4]", _BALANCED, "4 MN", word="balanced")] = (
+        "balanced"
+    )
 
 
 class Domain(Section):
@@ -74,9 +68,7 @@ class Domain(Section):
 
     radius: Annotated[float, Quantity("m", "(0, 1e4]", "radius of the cylinder of soil", "24 m")] = 24.0
     depth: Annotated[float, Quantity("m", "(0, 1e4]", "depth of the cylinder of soil", "12 m")] = 12.0
-    side: Annotated[str, Choice(("roller", "fixed"), "the outer side slides (roller) or is held (fixed)")] = (
-        "roller"
-    )
+    side: Annotated[str, Choice(("roller", "fixed"), "the outer side slides (roller) or is held (fixed)")] = "roller"
 
 
 class Soil(Section):
@@ -87,9 +79,9 @@ class Soil(Section):
     yield_surface: Annotated[
         str, Choice(("drucker-prager", "elastic"), "shape of the yield surface", planned=("van-eekelen",))
     ] = "drucker-prager"
-    friction_angle_initial: Annotated[
-        float, Quantity("deg", "[0, 60]", "friction angle at first yield", "5 deg")
-    ] = 5.0 * _DEGREE
+    friction_angle_initial: Annotated[float, Quantity("deg", "[0, 60]", "friction angle at first yield", "5 deg")] = (
+        5.0 * _DEGREE
+    )
     friction_angle_final: Annotated[
         float, Quantity("deg", "[0, 60]", "friction angle when fully hardened", "30 deg")
     ] = 30.0 * _DEGREE
@@ -101,9 +93,9 @@ class Soil(Section):
     effective_unit_weight: Annotated[
         float, Quantity("kN/m^3", "[0, 100]", "effective (submerged) unit weight", "10.56 kN/m^3")
     ] = 10.56e3
-    surcharge: Annotated[
-        float, Quantity("kPa", "[0, 1e5]", "vertical effective stress at mudline", "10.56 kPa")
-    ] = 10.56e3
+    surcharge: Annotated[float, Quantity("kPa", "[0, 1e5]", "vertical effective stress at mudline", "10.56 kPa")] = (
+        10.56e3
+    )
     K0: Annotated[float, Number("(0, 10]", "initial horizontal over vertical effective stress", 1.0)] = 1.0
     hydraulic_conductivity: Annotated[
         float, Quantity("m/s", "(0, 10]", "hydraulic conductivity; not used when drained", "1e-4 m/s")
@@ -122,18 +114,14 @@ class Interface(Section):
     ] = 1e-8
     residual_aperture: Annotated[
         float,
-        Quantity(
-            "mm", "(0, 100]", "aperture of a closed interface for flow; not used when drained", "0.01 mm"
-        ),
+        Quantity("mm", "(0, 100]", "aperture of a closed interface for flow; not used when drained", "0.01 mm"),
     ] = 1e-5
 
 
 class Drainage(Section):
     """How the water takes part."""
 
-    mode: Annotated[
-        str, Choice(("drained",), "how the water takes part", planned=("coupled", "undrained"))
-    ] = "drained"
+    mode: Annotated[str, Choice(("drained",), "how the water takes part", planned=("coupled", "undrained"))] = "drained"
 
 
 class Path(Section):
@@ -162,9 +150,7 @@ class Path(Section):
     heave: Annotated[str, Choice(("free", "fixed"), "the vertical displacement of the caisson")] = "free"
     role: Annotated[
         str,
-        Choice(
-            ("calibration", "held-back"), "whether springs are made from this path, or only checked on it"
-        ),
+        Choice(("calibration", "held-back"), "whether springs are made from this path, or only checked on it"),
     ] = "calibration"
     report_at: Annotated[
         tuple[float, ...],
@@ -180,12 +166,8 @@ class Mesh(Section):
     """Size of the mesh: a preset, and what overrides it."""
 
     preset: Annotated[str, Choice(("coarse", "medium", "paper", "fine"), "size of the mesh")] = "coarse"
-    azimuth: Annotated[
-        int | None, Count(8, 256, "cells around the half ring", multiple_of=4, optional=True)
-    ] = None
-    refinement: Annotated[float, Number("[0.25, 8]", "factor on all numbers of cells of the preset", 1.0)] = (
-        1.0
-    )
+    azimuth: Annotated[int | None, Count(8, 256, "cells around the half ring", multiple_of=4, optional=True)] = None
+    refinement: Annotated[float, Number("[0.25, 8]", "factor on all numbers of cells of the preset", 1.0)] = 1.0
 
 
 class Solver(Section):
@@ -194,9 +176,7 @@ class Solver(Section):
     tolerance: Annotated[
         float, Number("[1e-12, 0.01]", "largest residual, relative to the norm of the contact forces", 1e-6)
     ] = 1e-6
-    linear: Annotated[str, Choice(("auto", "pardiso", "superlu"), "linear solver", planned=("mumps",))] = (
-        "auto"
-    )
+    linear: Annotated[str, Choice(("auto", "pardiso", "superlu"), "linear solver", planned=("mumps",))] = "auto"
     max_iterations: Annotated[int, Count(2, 1000, "Newton iterations before a step is cut back")] = 20
     first_step_fraction: Annotated[float | None, _FRACTION] = None
     max_step_fraction: Annotated[
@@ -207,9 +187,7 @@ class Solver(Section):
 class Output(Section):
     """What is kept beside springs and curves."""
 
-    interface_fields: Annotated[
-        bool, Flag("keep contact stresses and gaps by azimuth and depth at every step")
-    ] = True
+    interface_fields: Annotated[bool, Flag("keep contact stresses and gaps by azimuth and depth at every step")] = True
     section: Annotated[bool, Flag("keep displacements of the symmetry plane at every step")] = True
     figures: Annotated[bool, Flag("draw the pictures")] = True
 

@@ -35,9 +35,7 @@ def write_scene(file: Path, template: str, force: bool = False) -> list[Path]:
     text = template_text(template)
     schema = file.with_name(FILE_NAME)
     if file == schema:
-        raise UserInputError(
-            [Problem(str(file), message="is the name of the schema; choose another for the scene")]
-        )
+        raise UserInputError([Problem(str(file), message="is the name of the schema; choose another for the scene")])
     if (file.exists() or file.is_symlink()) and not force:
         raise UserInputError(
             [Problem(str(file), message="exists already; choose another name, or --force to replace it")]

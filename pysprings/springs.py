@@ -74,10 +74,7 @@ def _root_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
     for name in _ROOT_TEXTS:
         if not isinstance(tree.attrs.get(name), str):
             yield name, "missing attribute"
-    if (
-        "stiffness_initial" in tree.dataset
-        and not np.isfinite(tree.dataset["stiffness_initial"].values).all()
-    ):
+    if "stiffness_initial" in tree.dataset and not np.isfinite(tree.dataset["stiffness_initial"].values).all():
         yield "stiffness_initial", "not finite"
     if not path_names(tree):
         yield "paths", "no path in the file"
@@ -94,9 +91,7 @@ def _path_faults(tree: xr.DataTree, name: str) -> Iterator[tuple[str, str]]:
     for key, labels in (("side", variables.SIDES), ("component", variables.COMPONENTS)):
         if tuple(dataset[key].values) != labels:
             yield f"{place}/{key}", f"labels must be {', '.join(labels)}"
-    yield from (
-        (f"{place}/{key}", text) for key, text in _depth_faults(dataset, tree.attrs["skirt_length_m"])
-    )
+    yield from ((f"{place}/{key}", text) for key, text in _depth_faults(dataset, tree.attrs["skirt_length_m"]))
     yield from ((f"{place}/{key}", text) for key, text in _step_faults(dataset))
 
 
@@ -184,8 +179,7 @@ def balance(dataset: xr.Dataset) -> dict[str, float]:
         dataset["t"].sum("side").transpose("depth", "step").values,
     )
     value = {
-        name: dataset[name].values
-        for name in ("H", "V", "M", "H_tip", "H_lid", "V_tip", "V_lid", "M_tip", "M_lid")
+        name: dataset[name].values for name in ("H", "V", "M", "H_tip", "H_lid", "V_tip", "V_lid", "M_tip", "M_lid")
     }
     length = float(dataset["depth_bounds"].values[-1, 1])
     parts = {

@@ -116,6 +116,4 @@ def _refuse_foreign(path: Path) -> None:
 
 def refusal(file: str | os.PathLike[str] | None, key: str, message: str) -> UserInputError:
     """Return the error for one problem with a file."""
-    return UserInputError(
-        [Problem(file=None if file is None else str(file), key=key or None, message=message)]
-    )
+    return UserInputError([Problem(file=None if file is None else str(file), key=key or None, message=message)])

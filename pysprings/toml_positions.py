@@ -39,9 +39,7 @@ def locate(text: str) -> dict[KeyPath, Place]:
     """Return the place of every table, key and list entry of a valid TOML text."""
     scanner = _Scanner(text)
     scanner.document()
-    return {
-        path: Place(scanner.place(key), scanner.place(value)) for path, (key, value) in scanner.found.items()
-    }
+    return {path: Place(scanner.place(key), scanner.place(value)) for path, (key, value) in scanner.found.items()}
 
 
 def nearest(places: dict[KeyPath, Place], path: KeyPath) -> Place:

@@ -36,9 +36,7 @@ MEANING = {
     "m/(Pa s)": "a velocity per pressure",
 }
 
-_NUMBER = re.compile(
-    r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?)(?![0-9.,_'])\s*(\S.*)", re.DOTALL
-)
+_NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?)(?![0-9.,_'])\s*(\S.*)", re.DOTALL)
 _FACTOR = r"[A-Za-zµμ°]{1,24}(?:(?:\^|\*\*)?-?[1-9])?"
 _PRODUCT = rf"{_FACTOR}(?:(?:\s*\*\s*|\s+){_FACTOR})*"
 _DIVISOR = rf"\s*/\s*(?:{_FACTOR}|\(\s*{_PRODUCT}\s*\))"

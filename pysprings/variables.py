@@ -296,9 +296,7 @@ def tree_problems(tree: xr.DataTree, kind: TreeKind) -> list[tuple[str, str]]:
         if group is not None:
             place = node.path.strip("/")
             dataset = node.to_dataset(inherit=False)
-            found += [
-                ("/".join(filter(None, (place, name))), text) for name, text in problems(dataset, group)
-            ]
+            found += [("/".join(filter(None, (place, name))), text) for name, text in problems(dataset, group)]
     return found
 
 

@@ -59,9 +59,7 @@ def load_displacement(result: xr.DataTree) -> pd.DataFrame:
         path = path_dataset(result, name)
         n = path.sizes["step"]
         head = {"path": [name] * n, "step": np.arange(n)}
-        frames.append(
-            pd.DataFrame(head | {column: path[key].values for column, key in LOAD_DISPLACEMENT.items()})
-        )
+        frames.append(pd.DataFrame(head | {column: path[key].values for column, key in LOAD_DISPLACEMENT.items()}))
     return pd.concat(frames, ignore_index=True)
 
 
@@ -100,9 +98,7 @@ def _mtheta_rows(path: xr.Dataset) -> pd.DataFrame:
     return _rows(path, "mtheta", {"side": _SIDES}, {"m_Nm_per_m": m, "t_N_per_m": t})
 
 
-def _rows(
-    path: xr.Dataset, family: str, labels: dict[str, tuple[str, ...]], values: dict[str, Any]
-) -> pd.DataFrame:
+def _rows(path: xr.Dataset, family: str, labels: dict[str, tuple[str, ...]], values: dict[str, Any]) -> pd.DataFrame:
     """Lay arrays (depth, labels..., step) out as rows, step running fastest."""
     shape = next(iter(values.values())).shape
     index = np.indices(shape).reshape(len(shape), -1)

@@ -18,7 +18,7 @@ import xarray as xr
 import xlsxwriter
 from numpy.typing import NDArray
 
-from pysprings.compare import compare, curves
+from pysprings.comparison import compare, curves
 from pysprings.exporters.tables import with_net
 from pysprings.exporters.xlsx_about import about_lines
 from pysprings.macro import MacroModel
@@ -77,9 +77,7 @@ def _open(file: xlsxwriter.Workbook, springs: xr.DataTree) -> _Book:
         first += n
     return _Book(
         file=file,
-        head=file.add_format(
-            {"bold": True, "bg_color": "#DDE6EE", "border": 1, "text_wrap": True, "valign": "top"}
-        ),
+        head=file.add_format({"bold": True, "bg_color": "#DDE6EE", "border": 1, "text_wrap": True, "valign": "top"}),
         title=file.add_format({"bold": True, "font_size": 13}),
         number=file.add_format({"num_format": "0.000"}),
         text=file.add_format({"text_wrap": True, "valign": "top"}),
@@ -103,11 +101,7 @@ HEAD_ROWS = 3  # depth, slice, heading with unit
 
 def _fill(book: _Book, sheet: Any, springs: xr.DataTree, columns: Sequence[_Column]) -> None:
     """Write path, step, the columns and the converged mark below three heading rows; freeze them."""
-    marks = [
-        _Column(
-            "converged (1 = yes)", [path_dataset(springs, name)["converged"].values for name in book.rows]
-        )
-    ]
+    marks = [_Column("converged (1 = yes)", [path_dataset(springs, name)["converged"].values for name in book.rows])]
     for col, label in enumerate(("path", "step")):
         sheet.write_string(HEAD_ROWS - 1, col, label, book.head)
     sheet.write_string(0, 0, "depth [m]", book.head)
@@ -160,10 +154,7 @@ PY_HEADINGS = ("y [mm]", "p net [kN/m]", "p outside [kN/m]", "p inside [kN/m]")
 
 def _py(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     paths = _paths(springs)
-    sides = [
-        with_net(path["p"].sum("component").transpose("side", "depth", "step").values * KN, 0)
-        for path in paths
-    ]
+    sides = [with_net(path["p"].sum("component").transpose("side", "depth", "step").values * KN, 0) for path in paths]
     y = [path["y"].transpose("depth", "step").values * MM for path in paths]
     values = [y, [side[2] for side in sides], [side[0] for side in sides], [side[1] for side in sides]]
     _fill(book, sheet, springs, _by_depth(springs, PY_HEADINGS, values))
@@ -219,8 +210,7 @@ def _load(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     for spring_set in SPRING_SETS:
         for heading, name, scale in (LOAD_HEADINGS[3], LOAD_HEADINGS[2], LOAD_HEADINGS[5]):
             parts = [
-                _spread(trace[spring_set][name].values * scale, path)
-                for trace, path in zip(traces, paths, strict=True)
+                _spread(trace[spring_set][name].values * scale, path) for trace, path in zip(traces, paths, strict=True)
             ]
             columns.append(_Column(f"macro-model, {spring_set} springs: {heading}", parts))
     _fill(book, sheet, springs, columns)
@@ -252,9 +242,7 @@ def _stiffness(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
             sheet.write_string(row + 2 + line, 0, words, book.head)
             sheet.write_row(row + 2 + line, 1, (matrix[line] * KN).tolist(), book.number)
         row += 6
-    sheet.write_string(
-        row, 0, "Springs: slope of the first recorded step; w is the full model's elastic stiffness."
-    )
+    sheet.write_string(row, 0, "Springs: slope of the first recorded step; w is the full model's elastic stiffness.")
 
 
 def _charts(book: _Book, sheet: Any, springs: xr.DataTree) -> None:

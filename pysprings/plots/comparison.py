@@ -46,9 +46,7 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
     """
     rotates = full.attrs.get("kind") == "rotation"
     load = "M" if rotates else "H"
-    driver, label = (
-        ("rotation", "rotation [mrad]") if rotates else ("u", "lateral displacement u of the lid [mm]")
-    )
+    driver, label = ("rotation", "rotation [mrad]") if rotates else ("u", "lateral displacement u of the lid [mm]")
     answer, reply = ("u", "u [mm]") if rotates else ("rotation", "rotation [mrad]")
     figure = new_figure(9.6, 4.8)
     left, right = figure.subplots(1, 2)
@@ -70,9 +68,7 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
     return figure
 
 
-def _draw(
-    axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset], driver: str, name: str, scale: float
-) -> None:
+def _draw(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset], driver: str, name: str, scale: float) -> None:
     drive = MRAD if driver == "rotation" else MM
     plot_path(
         axes,

@@ -113,9 +113,7 @@ def _plan(path: xr.Dataset, step: int, surface: str) -> tuple[NDArray[np.float64
 
 def _skirt_norm(path: xr.Dataset, step: int) -> Normalize:
     """Return one colour scale [mm] for both sides of the skirt, so that they can be compared."""
-    widest = max(
-        float(np.nanmax(_skirt_gap(path, step, str(side)), initial=0.0)) for side in path["side"].values
-    )
+    widest = max(float(np.nanmax(_skirt_gap(path, step, str(side)), initial=0.0)) for side in path["side"].values)
     return Normalize(0.0, widest * MM if widest > 0 else 1.0)
 
 
@@ -127,9 +125,7 @@ def _draw_skirt(axes: Axes, path: xr.Dataset, step: int, side: str, norm: Normal
         cell_edges(depth, 0.0, float(path["depth_bounds"].values.max())),
     )
     axes.set_facecolor(PALE)
-    drawn = axes.pcolormesh(
-        *edges, np.ma.masked_less_equal(gap, 0.0), norm=norm, cmap=COLOURS, gid=f"gap {side}"
-    )
+    drawn = axes.pcolormesh(*edges, np.ma.masked_less_equal(gap, 0.0), norm=norm, cmap=COLOURS, gid=f"gap {side}")
     axes.set_xlim(0, 180)
     axes.set_ylim(edges[1][-1], 0)
     axes.set_xticks(range(0, 181, 30), ["0\nfront", "30", "60", "90\nside", "120", "150", "180\nback"])

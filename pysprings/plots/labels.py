@@ -41,9 +41,7 @@ class Box:
 
     def holds(self, points: NDArray[np.float64]) -> int:
         """Count the points (n, 2) [pt] inside the rectangle."""
-        inside = (np.abs(points[:, 0] - self.x) < self.half_width) & (
-            np.abs(points[:, 1] - self.y) < self.half_height
-        )
+        inside = (np.abs(points[:, 0] - self.x) < self.half_width) & (np.abs(points[:, 1] - self.y) < self.half_height)
         return int(inside.sum())
 
 

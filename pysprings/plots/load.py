@@ -72,9 +72,7 @@ def _components(axes: Axes, path: xr.Dataset) -> None:
     for surface, name in SURFACES.items():
         variable = f"{letter}_{surface}"
         if variable in path:
-            plot_path(
-                axes, x, path[variable].values * factor, good, color=SURFACE_COLOURS[surface], label=name
-            )
+            plot_path(axes, x, path[variable].values * factor, good, color=SURFACE_COLOURS[surface], label=name)
     axes.set_ylabel(f"{letter} [{unit}{unit_end}]")
     what = "Moment about the lid centre" if letter == "M" else "Horizontal load"
     axes.set_title(f"{what} and the surfaces that carry it")

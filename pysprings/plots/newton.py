@@ -111,9 +111,7 @@ def _bars(axes: Axes, tries: list[Attempt]) -> None:
     axes.set_xlim(min(height, default=1) - 0.8, max(height, default=1) + 0.8)
     handles = [Patch(facecolor=BLUE, label="accepted")]
     if any(not each.accepted for each in tries):
-        handles.append(
-            Patch(facecolor=VERMILLION, edgecolor="white", hatch="////", label="given up: step cut back")
-        )
+        handles.append(Patch(facecolor=VERMILLION, edgecolor="white", hatch="////", label="given up: step cut back"))
         axes.set_ylim(top=max(height.values()) * 1.25)
     axes.legend(handles=handles, loc="upper right", ncols=2)
 
@@ -147,9 +145,7 @@ def _residuals(axes: Axes, record: xr.Dataset, tries: list[Attempt]) -> None:
         handles.append(Line2D([], [], color=VERMILLION, marker="x", linewidth=1.0, label="given up"))
     if "tolerance" in record.attrs:
         axes.axhline(float(record.attrs["tolerance"]), color=GREEN, linestyle="--", linewidth=1.4)
-        handles.append(
-            Line2D([], [], color=GREEN, linestyle="--", label=f"tolerance {record.attrs['tolerance']:g}")
-        )
+        handles.append(Line2D([], [], color=GREEN, linestyle="--", label=f"tolerance {record.attrs['tolerance']:g}"))
     axes.set_xlabel("iteration, counted over the whole path")
     axes.set_ylabel("relative residual [-]")
     axes.set_title("Residual at every iteration")

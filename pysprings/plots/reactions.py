@@ -68,9 +68,7 @@ def _panel(axes: Axes, path: xr.Dataset, p: NDArray[np.float64], rings: list[int
     y = path["y"].transpose("depth", "step").values
     for ring, colour in zip(rings, depth_colours(len(rings)), strict=True):
         depth = float(path["depth"][ring])
-        plot_path(
-            axes, y[ring] * MM, p[ring] * KN, good, color=colour, linewidth=1.7, label=f"_{depth:.2f} m"
-        )
+        plot_path(axes, y[ring] * MM, p[ring] * KN, good, color=colour, linewidth=1.7, label=f"_{depth:.2f} m")
     note_unconverged(axes, good)
     if not good.all():
         axes.legend(loc="best")

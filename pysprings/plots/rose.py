@@ -53,9 +53,7 @@ class Ring:
     @property
     def ratio(self) -> NDArray[np.float64]:
         """Stress over initial stress, NaN where the initial stress is zero."""
-        return np.divide(
-            self.stress, self.initial, out=np.full_like(self.stress, np.nan), where=self.initial > 0
-        )
+        return np.divide(self.stress, self.initial, out=np.full_like(self.stress, np.nan), where=self.initial > 0)
 
     def gaps(self) -> list[tuple[float, float]]:
         """Return the zones (from, to) [rad] of the half ring where p'_N = 0.
@@ -80,9 +78,7 @@ class Ring:
 
 def ring(path: xr.Dataset, step: int, depth: int, side: str) -> Ring:
     """Take one ring of a path: step and depth by index, side ``"outside"`` or ``"inside"``."""
-    field = (
-        path["normal_effective_stress"].sel(side=side).isel(depth=depth).transpose("step", "azimuth").values
-    )
+    field = path["normal_effective_stress"].sel(side=side).isel(depth=depth).transpose("step", "azimuth").values
     azimuth = path["azimuth"].values
     order = np.argsort(azimuth)
     return Ring(float(path["depth"][depth]), azimuth[order], field[step][order], field[0][order])
@@ -154,9 +150,7 @@ def _draw(axes: Axes, each: Ring, scale: float, colour: str) -> None:
             )
             axes.add_patch(wedge)
     axes.add_patch(Circle((0, 0), TRACE, facecolor=PALE, edgecolor=STEEL, linewidth=2.0, zorder=3))
-    axes.add_patch(
-        Circle((0, 0), TRACE + scale, fill=False, edgecolor=INK, linestyle="--", linewidth=1.1, zorder=3)
-    )
+    axes.add_patch(Circle((0, 0), TRACE + scale, fill=False, edgecolor=INK, linestyle="--", linewidth=1.1, zorder=3))
     _grid_rings(axes, each, scale)
     angle, ratio = refine(*each.closed(each.ratio))
     radius = TRACE + scale * ratio
@@ -263,9 +257,7 @@ def _centre_text(axes: Axes, each: Ring) -> None:
     ]
     if not np.isfinite(each.ratio).any():
         lines = ["initial stress is 0:", "no ratio"]
-    axes.text(
-        -0.12, -0.1, "\n".join(lines), ha="center", va="center", fontsize=8.5, linespacing=1.4, zorder=6
-    )
+    axes.text(-0.12, -0.1, "\n".join(lines), ha="center", va="center", fontsize=8.5, linespacing=1.4, zorder=6)
     axes.text(0.79, 0.13, "front", ha="center", va="center", fontsize=8, zorder=6)
 
 

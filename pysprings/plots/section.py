@@ -98,9 +98,7 @@ def section_displacement(
 def quad_corners(section: xr.Dataset) -> NDArray[np.float64]:
     """Return the corners of the section's cells, shape (cell, corner, 2): x and depth [m]."""
     nodes = np.column_stack([section["section_x"].values, section["section_depth"].values])
-    corners: NDArray[np.float64] = nodes[
-        section["section_quad"].transpose("section_cell", "corner").values.astype(int)
-    ]
+    corners: NDArray[np.float64] = nodes[section["section_quad"].transpose("section_cell", "corner").values.astype(int)]
     return corners
 
 
@@ -133,9 +131,7 @@ def _draw_field(axes: Axes, section: xr.Dataset, values: NDArray[np.float64]) ->
     bar.ax.set_ylim(low, max(high, low + 1e-9))
     levels = np.asarray(MaxNLocator(9).tick_values(low, high) if high > low else [])
     if levels.size:
-        lines = axes.tricontour(
-            grid, values, levels=levels, colors="black", linewidths=0.5, linestyles="solid"
-        )
+        lines = axes.tricontour(grid, values, levels=levels, colors="black", linewidths=0.5, linestyles="solid")
         bar.add_lines(lines)
         bar.set_ticks([float(level) for level in levels if low <= level <= high])
     axes.grid(False)
@@ -163,9 +159,7 @@ def caisson_polygon(section: xr.Dataset) -> NDArray[np.float64]:
 def _draw_caisson(axes: Axes, section: xr.Dataset) -> None:
     outline = caisson_polygon(section)
     if np.isfinite(outline).all():
-        axes.add_patch(
-            Polygon(outline, closed=True, facecolor=STEEL, edgecolor=STEEL, linewidth=1.0, zorder=4)
-        )
+        axes.add_patch(Polygon(outline, closed=True, facecolor=STEEL, edgecolor=STEEL, linewidth=1.0, zorder=4))
         axes.patches[-1].set_gid("caisson")
 
 

@@ -101,9 +101,7 @@ def set_title(figure: Figure, what: str, attrs: Mapping[str, Any], more: str = "
     figure.suptitle("\n".join(line for line in (what, headline(attrs), more) if line))
 
 
-def plot_path(
-    axes: Axes, x: ArrayLike, y: ArrayLike, good: NDArray[np.bool_], **line: Any
-) -> NDArray[np.float64]:
+def plot_path(axes: Axes, x: ArrayLike, y: ArrayLike, good: NDArray[np.bool_], **line: Any) -> NDArray[np.float64]:
     """Draw a curve through its converged steps and a cross at each unconverged one; the line stops there.
 
     Returns the drawn ordinates of the line, NaN where unconverged.

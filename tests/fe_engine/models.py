@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace  # noqa: F401
+from dataclasses import dataclass, replace
 
 import numpy as np
 

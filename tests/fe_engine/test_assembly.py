@@ -60,7 +60,9 @@ def strain_operators(corners):
     for xi in hex8.GAUSS:
         jacobian = hex8.shape_gradient(xi).T @ corners
         gradient, b = hex8.shape_gradient(xi) @ np.linalg.inv(jacobian).T, np.zeros((6, 24))
-        for row, parts in enumerate([[(0, 0)], [(1, 1)], [(2, 2)], [(0, 1), (1, 0)], [(1, 2), (2, 1)], [(2, 0), (0, 2)]]):
+        for row, parts in enumerate(
+            [[(0, 0)], [(1, 1)], [(2, 2)], [(0, 1), (1, 0)], [(1, 2), (2, 1)], [(2, 0), (0, 2)]]
+        ):
             for component, along in parts:
                 b[row, component::3] = gradient[:, along]
         operators.append(b)
@@ -102,7 +104,7 @@ def plain_loop(model, state, guesses=None):
         coulomb.update(p, p0, w, w_old, old.traction[k], guess)
         guess = guess if guesses is None else guesses[k]
         coulomb.linearise(p, p0, w, w_old, old.traction[k], guess, traction, tangent)
-        force += s.area[k] * jump.T @ (traction + [p0, 0.0, 0.0])
+        force += s.area[k] * jump.T @ ([*traction, p0, 0.0, 0.0])
         stiffness += s.area[k] * jump.T @ tangent @ jump
     return reduce.T @ force, reduce.T @ stiffness @ reduce
 
@@ -169,7 +171,7 @@ def test_station_on_a_node_with_axes_of_its_own_is_right_or_refused():
 def test_more_elements_than_a_batch():
     """Elastic, so the residual is the tangent times the displacement; 648 elements are two batches."""
     mesh = box((9, 9, 8), (1.0, 1.0, 1.0), distort=0.1)
-    assert kernels.BATCH < mesh.n_elements
+    assert mesh.n_elements > kernels.BATCH
     model = Model(
         mesh, [soil(ELASTIC)], np.zeros(mesh.n_elements, dtype=np.int64), np.zeros((mesh.n_elements, 8, 6)),
         np.zeros((mesh.n_nodes, 3), dtype=bool),

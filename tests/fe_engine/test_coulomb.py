@@ -183,7 +183,13 @@ vectors = st.tuples(st.floats(-30.0, 30.0), st.floats(-30.0, 30.0)).map(np.array
 
 
 @settings(max_examples=300, deadline=None, derandomize=True, database=None)
-@given(slip=vectors, guess=vectors, committed=st.floats(0.0, 1.0), angle=st.floats(0.0, 6.3), mu=st.sampled_from([0.0, 0.5]))
+@given(
+    slip=vectors,
+    guess=vectors,
+    committed=st.floats(0.0, 1.0),
+    angle=st.floats(0.0, 6.3),
+    mu=st.sampled_from([0.0, 0.5]),
+)
 def test_fixed_point_of_the_linearisation_is_the_law(slip, guess, committed, angle, mu):
     """From any guess, guess -> traction at a fixed jump ends at the law's traction, and stays there."""
     p = coulomb.pack(KN, KT, mu)

@@ -24,8 +24,8 @@ def test_compliance_holds_the_engineering_constants():
 
 def test_moduli():
     bulk, shear = moduli(YOUNG, POISSON)
-    assert YOUNG == pytest.approx(9.0 * bulk * shear / (3.0 * bulk + shear))
-    assert POISSON == pytest.approx((3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear))
+    assert pytest.approx(9.0 * bulk * shear / (3.0 * bulk + shear)) == YOUNG
+    assert pytest.approx((3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)) == POISSON
 
 
 def test_stress_is_added_and_matches_the_matrix():

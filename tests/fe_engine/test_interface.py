@@ -23,7 +23,7 @@ def cylinder(n, radius=2.0, height=1.5):
     ring = radius * np.stack([np.cos(angle), np.sin(angle), np.zeros(n + 1)], axis=1)
     k = np.arange(n)
     faces = np.stack([k, k + 1, k + n + 2, k + n + 1], axis=1)
-    return np.vstack([ring, ring + [0.0, 0.0, height]]), faces
+    return np.vstack([ring, [*ring, 0.0, 0.0, height]]), faces
 
 
 # --- places, areas, normals -------------------------------------------------------------------------------
@@ -177,7 +177,9 @@ def two_moves(turn, rule):
 
 
 @pytest.mark.parametrize("rule", ["nodal", "gauss"])
-@pytest.mark.parametrize(("axis", "angle"), [((0.0, 0.0, 1.0), 0.5), ((1.0, 0.0, 0.0), np.pi / 2), ((1.0, 2.0, -1.0), 2.0)])
+@pytest.mark.parametrize(
+    ("axis", "angle"), [((0.0, 0.0, 1.0), 0.5), ((1.0, 0.0, 0.0), np.pi / 2), ((1.0, 2.0, -1.0), 2.0)]
+)
 def test_rotated_model_gives_the_rotated_forces(axis, angle, rule):
     straight, norm, states = two_moves(np.eye(3), rule)
     turned, norm_turned, states_turned = two_moves(rotation_matrix(axis, angle), rule)

@@ -68,7 +68,9 @@ def trial_excess(p, strain, stress, kappa):
 
 def elastic(p):
     bulk, shear = p[plasol.BULK], p[plasol.SHEAR]
-    return elastic_matrix(9.0 * bulk * shear / (3.0 * bulk + shear), (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear))
+    return elastic_matrix(
+        9.0 * bulk * shear / (3.0 * bulk + shear), (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)
+    )
 
 
 def dissipation(p, strain, stress, answer):

@@ -157,11 +157,7 @@ def states(c: Caisson, path: Path) -> list[tuple[float, float]]:
         found.append(
             (
                 float(u),
-                float(
-                    brentq(
-                        unbalance, -4.0 * u / c.length, 2.0 * u / c.length, args=(u,), xtol=1e-16, rtol=1e-14
-                    )
-                ),
+                float(brentq(unbalance, -4.0 * u / c.length, 2.0 * u / c.length, args=(u,), xtol=1e-16, rtol=1e-14)),
             )
         )
     return found
@@ -219,9 +215,7 @@ def path_dataset(c: Caisson, path: Path) -> xr.Dataset:
     data["pore_pressure"] = (("step", "side", "azimuth", "depth"), np.zeros((n, 2, c.sectors + 1, c.rings)))
     data |= _under("lid", c, u, rotation, 0.0) | _under("tip", c, u, rotation, c.length)
     x, depth, _ = section_mesh(c)
-    fade = np.exp(-np.maximum(np.abs(x) - c.radius, 0.0) / 5.0) * np.exp(
-        -np.maximum(depth - c.length, 0.0) / 3.0
-    )
+    fade = np.exp(-np.maximum(np.abs(x) - c.radius, 0.0) / 5.0) * np.exp(-np.maximum(depth - c.length, 0.0) / 3.0)
     data["section_ux"] = (("step", "section_node"), (u[:, None] + rotation[:, None] * depth) * fade)
     data["section_uz"] = (("step", "section_node"), (w[:, None] - rotation[:, None] * x) * fade)
     coords = {"depth": z, "azimuth": c.azimuth, "side": SIDES, "component": COMPONENTS, "step": np.arange(n)}
@@ -283,8 +277,7 @@ def convergence_dataset(steps: int) -> xr.Dataset:
         "n_apex",
     )
     columns = {
-        name: ("iteration", np.array(column))
-        for name, column in zip(names, zip(*rows, strict=True), strict=True)
+        name: ("iteration", np.array(column)) for name, column in zip(names, zip(*rows, strict=True), strict=True)
     }
     return variables.attach(xr.Dataset(columns), "convergence")
 

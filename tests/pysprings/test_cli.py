@@ -61,9 +61,7 @@ def fake(monkeypatch: pytest.MonkeyPatch, module: str, **functions: Any) -> None
 def run_python(*args: str, **options: Any) -> subprocess.CompletedProcess[str]:
     """Run a fresh interpreter on the source tree."""
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    return subprocess.run(
-        [sys.executable, *args], capture_output=True, text=True, env=env, timeout=60, **options
-    )
+    return subprocess.run([sys.executable, *args], capture_output=True, text=True, env=env, timeout=60, **options)
 
 
 @pytest.mark.parametrize("args", [["--help"], ["--version"], ["run", "--help"], ["predict", "--help"]])
@@ -101,9 +99,7 @@ def test_wrong_usage_is_exit_2() -> None:
 
 
 def test_presets_are_those_of_the_scene() -> None:
-    assert [item.value for item in cli.Preset] == list(
-        field_of(SECTIONS["mesh"].model_fields["preset"]).words
-    )
+    assert [item.value for item in cli.Preset] == list(field_of(SECTIONS["mesh"].model_fields["preset"]).words)
 
 
 # --- init ---
@@ -225,9 +221,7 @@ RECORD = {
 }
 
 
-def fake_run(
-    monkeypatch: pytest.MonkeyPatch, end: BaseException | None = None, status: str = "complete"
-) -> list[Any]:
+def fake_run(monkeypatch: pytest.MonkeyPatch, end: BaseException | None = None, status: str = "complete") -> list[Any]:
     """Put a run that writes synthetic springs in the place of the real one; return its calls."""
     calls = []
 
@@ -248,9 +242,7 @@ def fake_run(
     return calls
 
 
-def test_run_prints_where_results_are_and_the_comparison(
-    monkeypatch: pytest.MonkeyPatch, scene_file: Path
-) -> None:
+def test_run_prints_where_results_are_and_the_comparison(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     calls = fake_run(monkeypatch)
     done = Result("run", scene_file, "--mesh", "medium")
     assert done.code == 0
@@ -309,9 +301,7 @@ def test_a_refused_scene_leaves_results_alone(monkeypatch: pytest.MonkeyPatch) -
     assert not Path("out").exists()
 
 
-def test_run_refuses_a_file_and_a_place_it_cannot_write(
-    monkeypatch: pytest.MonkeyPatch, scene_file: Path
-) -> None:
+def test_run_refuses_a_file_and_a_place_it_cannot_write(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake_run(monkeypatch)
     done = Result("run", scene_file, "--out", scene_file)
     assert (done.code, done.err) == (2, "fatal: user input: caisson.toml: --out: is a file, not a folder\n")
@@ -368,9 +358,7 @@ def test_interrupted_run_says_what_is_kept(monkeypatch: pytest.MonkeyPatch, scen
     assert done.err.endswith("\ninterrupted\n")
 
 
-def test_partial_run_prints_its_record_and_no_comparison(
-    monkeypatch: pytest.MonkeyPatch, scene_file: Path
-) -> None:
+def test_partial_run_prints_its_record_and_no_comparison(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     """Not even when an earlier run left springs in the same folder."""
     assert fake_run(monkeypatch) == []
     assert Result("run", scene_file).code == 0
@@ -423,14 +411,9 @@ def test_springs_to_stdout(springs_file: Path) -> None:
     for result in (springs_file, springs_file.parent):
         done = Result("springs", result)
         assert (done.code, done.err) == (0, "")
-        assert done.out.startswith(
-            "path,family,depth_m,depth_top_m,depth_bottom_m,side,component,step,y_m,p_N_per_m"
-        )
+        assert done.out.startswith("path,family,depth_m,depth_top_m,depth_bottom_m,side,component,step,y_m,p_N_per_m")
     assert "pull" in json.loads(Result("springs", springs_file, "--format", "json").out)["paths"]
-    assert (
-        Result("springs", springs_file, "--json").out
-        == Result("springs", springs_file, "--format", "json").out
-    )
+    assert Result("springs", springs_file, "--json").out == Result("springs", springs_file, "--format", "json").out
 
 
 def test_springs_to_files(springs_file: Path) -> None:
@@ -491,9 +474,7 @@ def fake_macro(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
             "H": [0.0, 2e6],
             "V": [1e6, 1e6],
         }
-        return xr.Dataset(
-            {name: ("step", value) for name, value in values.items()} | {"M": ("step", [0.0, -16e6])}
-        )
+        return xr.Dataset({name: ("step", value) for name, value in values.items()} | {"M": ("step", [0.0, -16e6])})
 
     import pysprings.macro
 
@@ -548,9 +529,7 @@ def test_predict_on_real_springs(springs_file: Path) -> None:
     assert state["u"] > 0
     assert state["rotation"] < 0
     assert data["units"]["rotation"] == "radian"
-    curve = json.loads(
-        Result("predict", springs_file.parent, "--u-max", "4 mm", "--points", "5", "--json").out
-    )
+    curve = json.loads(Result("predict", springs_file.parent, "--u-max", "4 mm", "--points", "5", "--json").out)
     assert [row["u"] for row in curve["states"]] == pytest.approx([0, 1e-3, 2e-3, 3e-3, 4e-3])
 
 
@@ -608,9 +587,7 @@ def test_compare(springs_file: Path) -> None:
 def test_reader_that_stops_early_is_no_error(springs_file: Path) -> None:
     command = f"'{sys.executable}' -m pysprings springs '{springs_file}' | head -n 1; echo ${{PIPESTATUS[0]}}"
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(
-        ["bash", "-c", command], capture_output=True, text=True, env=env, timeout=60, check=True
-    )
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, env=env, timeout=60, check=True)
     assert done.stdout.splitlines()[1] == "0"
     assert done.stderr == ""
 

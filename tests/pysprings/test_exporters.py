@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from pysprings import exporters
-from pysprings.compare import compare
+from pysprings.comparison import compare
 from pysprings.errors import UserInputError
 from tests.pysprings.synthetic import Path, make_result, make_springs
 
@@ -73,9 +73,7 @@ def test_py_values_and_sums(folder, springs):
     picked = py[(py["side"] == "inside") & (py["component"] == "shear") & (py["step"] == 7)]
     np.testing.assert_allclose(picked["p_N_per_m"], path["p"].values[:, 1, 1, 7], rtol=1e-9)
     np.testing.assert_allclose(picked["y_m"], path["y"].values[:, 7], rtol=1e-9)
-    np.testing.assert_allclose(
-        picked[["depth_top_m", "depth_bottom_m"]], path["depth_bounds"].values, rtol=1e-9
-    )
+    np.testing.assert_allclose(picked[["depth_top_m", "depth_bottom_m"]], path["depth_bounds"].values, rtol=1e-9)
     wide = py.pivot_table(index=["depth_m", "step"], columns=["side", "component"], values="p_N_per_m")
     parts = [(side, part) for side in ("outside", "inside") for part in ("normal", "shear", "water")]
     np.testing.assert_allclose(wide[parts].sum(axis=1), wide[("net", "total")], rtol=1e-8, atol=1e-3)
@@ -95,9 +93,7 @@ def test_the_table_alone_balances_the_load(folder):
     moment += (last["H_N"] * last["depth_m"] + last["M_Nm"])[ends].sum()
     vertical = (last["t_N_per_m"] * dz)[shear].sum() + last["V_N"][ends].sum()
     applied = load[(load["path"] == "high") & (load["step"] == STEPS - 1)].iloc[0]
-    np.testing.assert_allclose(
-        [lateral, moment, vertical], applied[["H_N", "M_Nm", "V_N"]].astype(float), rtol=1e-7
-    )
+    np.testing.assert_allclose([lateral, moment, vertical], applied[["H_N", "M_Nm", "V_N"]].astype(float), rtol=1e-7)
 
 
 def test_blanks_only_where_a_family_has_no_such_value(folder):
@@ -169,15 +165,11 @@ def test_workbook_values_with_their_units(book, springs):
     assert sheet.max_row == 3 + 2 * STEPS
     depth = round(float(path["depth"][4]), 4)
     p = path["p"].sum(("side", "component")).transpose("depth", "step").values
-    np.testing.assert_allclose(
-        _column(sheet, "p net [kN/m]", depth)[:STEPS], p[4] / 1e3, rtol=1e-9, atol=1e-9
-    )
+    np.testing.assert_allclose(_column(sheet, "p net [kN/m]", depth)[:STEPS], p[4] / 1e3, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(_column(sheet, "y [mm]", depth)[:STEPS], path["y"].values[4] * 1e3, rtol=1e-9)
     rotation = _column(book["m-theta"], "rotation [mrad]")[:STEPS]
     np.testing.assert_allclose(rotation, path["rotation"].values * 1e3, rtol=1e-9)
-    np.testing.assert_allclose(
-        _column(book["base"], "M [kN m]")[:STEPS], path["M_tip"].values / 1e3, rtol=1e-9
-    )
+    np.testing.assert_allclose(_column(book["base"], "M [kN m]")[:STEPS], path["M_tip"].values / 1e3, rtol=1e-9)
     np.testing.assert_allclose(_column(book["lid"], "H [kN]")[:STEPS], path["H_lid"].values / 1e3, rtol=1e-9)
     full = _column(book["load-displacement"], "full model H [kN]")
     macro = _column(book["load-displacement"], "macro-model, full springs: H [kN]")

@@ -37,8 +37,7 @@ def springs_of(p, m, ends, u, rotation, stiffness=None) -> xr.DataTree:
     data = tree["paths/pull"].to_dataset(inherit=False).copy(deep=True)
     zero = np.zeros(len(u))
     new = {
-        name: ("step", np.asarray(ends.get(name, zero), dtype=float))
-        for name in ("H_tip", "M_tip", "H_lid", "M_lid")
+        name: ("step", np.asarray(ends.get(name, zero), dtype=float)) for name in ("H_tip", "M_tip", "H_lid", "M_lid")
     }
     net = np.zeros(data["p"].shape)
     net[:, 0, 0, :] = p
@@ -62,19 +61,12 @@ def linear_springs() -> xr.DataTree:
     rotation = -0.15 * u
     tip = u + LENGTH * rotation
     ends = {"H_tip": K_TIP * tip, "M_tip": R_TIP * rotation, "H_lid": K_LID * u, "M_lid": R_LID * rotation}
-    return springs_of(
-        K_P * (u + rotation * DEPTH[:, None]), K_M * rotation * np.ones((RINGS, 1)), ends, u, rotation
-    )
+    return springs_of(K_P * (u + rotation * DEPTH[:, None]), K_M * rotation * np.ones((RINGS, 1)), ends, u, rotation)
 
 
 def linear_stiffness(spring_set: str) -> np.ndarray:
     """K of H = K_uu u + K_ur rotation, M = K_ru u + K_rr rotation, by the balance sums."""
-    k = (
-        np.array(
-            [[np.sum(HEIGHT), np.sum(HEIGHT * DEPTH)], [np.sum(HEIGHT * DEPTH), np.sum(HEIGHT * DEPTH**2)]]
-        )
-        * K_P
-    )
+    k = np.array([[np.sum(HEIGHT), np.sum(HEIGHT * DEPTH)], [np.sum(HEIGHT * DEPTH), np.sum(HEIGHT * DEPTH**2)]]) * K_P
     if spring_set == "full":
         k += K_TIP * np.array([[1.0, LENGTH], [LENGTH, LENGTH**2]])
         k += [[K_LID, 0.0], [0.0, K_M * LENGTH + R_TIP + R_LID]]
@@ -183,9 +175,7 @@ def test_equilibrium_by_scipy_root(arm, spring_set):
 
     def loads(state):
         force = sum(f(state[0] + state[1] * z) * dz for f, z, dz in zip(lateral, depth, height, strict=True))
-        turn = sum(
-            f(state[0] + state[1] * z) * z * dz for f, z, dz in zip(lateral, depth, height, strict=True)
-        )
+        turn = sum(f(state[0] + state[1] * z) * z * dz for f, z, dz in zip(lateral, depth, height, strict=True))
         if spring_set == "full":
             t = tip(state[0] + LENGTH * state[1])
             force += t + lid(state[0])
@@ -194,22 +184,16 @@ def test_equilibrium_by_scipy_root(arm, spring_set):
         return np.array([force, turn])
 
     target = 5e4
-    answer = MacroModel.from_springs(make_springs(), spring_set).trace(
-        "load", np.array([[target, -arm * target]])
-    )
+    answer = MacroModel.from_springs(make_springs(), spring_set).trace("load", np.array([[target, -arm * target]]))
     start = np.array([answer["u"].values[0], answer["rotation"].values[0]]) * 0.9
     scale = np.array([1e-3, 1e-3])
     exact = root(lambda x: (loads(x * scale) - [target, -arm * target]) / 1e6, start / scale, tol=1e-13)
     assert exact.success
     assert int(answer["extrapolated"][0]) == 0
-    np.testing.assert_allclose(
-        [answer["u"].values[0], answer["rotation"].values[0]], exact.x * scale, rtol=1e-8
-    )
+    np.testing.assert_allclose([answer["u"].values[0], answer["rotation"].values[0]], exact.x * scale, rtol=1e-8)
 
 
-@pytest.mark.parametrize(
-    "state", [(1e-3, -2e-4), (3.3e-3, -7e-4), (2e-3, 1e-4), (6e-3, -3e-3), (-1.1e-3, 3e-4)]
-)
+@pytest.mark.parametrize("state", [(1e-3, -2e-4), (3.3e-3, -7e-4), (2e-3, 1e-4), (6e-3, -3e-3), (-1.1e-3, 3e-4)])
 def test_tangent_by_taylor_slope(state):
     """Remainder of F(x + h d) - F(x) - h K d falls with h^2: slope 2 in the log."""
     model = MacroModel.from_springs(make_springs())
@@ -310,9 +294,7 @@ def test_load_that_cannot_be_carried_names_what_was_reached():
     u = np.array([0.0, 1e-3, 2e-3, 3e-3])
     p = np.tile([0.0, 4e5, 5e5, 4.9e5], (RINGS, 1))
     springs = springs_of(p, np.zeros((RINGS, 1)), {}, u, 0.0 * u)
-    expected = (
-        r"no equilibrium beyond H = 1\.9\d+e\+06 N, M = .* on the way to H = 2\.\d+e\+06 N.*last step: u = "
-    )
+    expected = r"no equilibrium beyond H = 1\.9\d+e\+06 N, M = .* on the way to H = 2\.\d+e\+06 N.*last step: u = "
     with pytest.raises(PredictionNotConverged, match=expected) as caught:
         predict(springs, H=3e6, M=6e6)  # the resultant of a uniform p: pure translation, up to 5e5 N/m * 4 m
     assert isinstance(caught.value, RunIncomplete)

@@ -209,14 +209,10 @@ def test_py_panels_hold_net_and_sides(pull: xr.Dataset) -> None:
         assert len(lines) == 3
         for line, ring in zip(lines, (0, 4, 9), strict=True):
             np.testing.assert_allclose(line.get_xdata(), pull["y"].values[ring] * 1e3)
-            np.testing.assert_allclose(
-                line.get_ydata(), values.transpose("depth", "step").values[ring] * 1e-3
-            )
+            np.testing.assert_allclose(line.get_ydata(), values.transpose("depth", "step").values[ring] * 1e-3)
 
 
-def test_py_from_springs_equals_py_from_the_result(
-    pull: xr.Dataset, trees: tuple[xr.DataTree, xr.DataTree]
-) -> None:
+def test_py_from_springs_equals_py_from_the_result(pull: xr.Dataset, trees: tuple[xr.DataTree, xr.DataTree]) -> None:
     springs = plots.path_data(trees[1], "pull")
     for side, p in data.lateral_reaction(pull).items():
         np.testing.assert_allclose(data.lateral_reaction(springs)[side], p, rtol=1e-12, atol=1e-6)
@@ -226,10 +222,7 @@ def test_labels_cover_neither_each_other_nor_a_curve() -> None:
     figure = Figure(figsize=(8, 6))
     axes = figure.subplots()
     x = np.linspace(0, 1, 50)
-    lines = [
-        axes.plot(end * x, (1 + 0.02 * k) * np.sqrt(end * x))[0]
-        for k, end in enumerate((1.0, 0.97, 0.7, 0.5))
-    ]
+    lines = [axes.plot(end * x, (1 + 0.02 * k) * np.sqrt(end * x))[0] for k, end in enumerate((1.0, 0.97, 0.7, 0.5))]
     axes.margins(0.2)
     boxes = labels.label_ends(axes, [(line, f"{k}.00 m") for k, line in enumerate(lines)])
     assert not any(a.overlap(b) for i, a in enumerate(boxes) for b in boxes[:i])
@@ -262,17 +255,13 @@ def test_rose_follows_the_papers_rule(pull: xr.Dataset) -> None:
         ratio = field[step, :, k] / field[0, :, k]
         np.testing.assert_allclose(stations[:n], rose.TRACE + scale * ratio, rtol=1e-12)
         np.testing.assert_allclose(stations[n:-1], stations[:n][::-1], rtol=1e-12)
-        np.testing.assert_allclose(
-            np.arctan2(y, x)[: 10 * (n - 1) + 1 : 10], pull["azimuth"].values, atol=1e-12
-        )
+        np.testing.assert_allclose(np.arctan2(y, x)[: 10 * (n - 1) + 1 : 10], pull["azimuth"].values, atol=1e-12)
         assert np.hypot(x, y).min() >= rose.TRACE - 1e-9  # never inside the trace: p'_N >= 0
 
 
 def initial_circle(figure: Figure, panel: int) -> float:
     """Radius of the dashed circle."""
-    (circle,) = [
-        p for p in figure.axes[panel].patches if getattr(p, "radius", 0) and p.get_linestyle() == "--"
-    ]
+    (circle,) = [p for p in figure.axes[panel].patches if getattr(p, "radius", 0) and p.get_linestyle() == "--"]
     return float(circle.radius)
 
 
@@ -302,9 +291,7 @@ def test_gap_zones_are_shaded_exactly_where_the_stress_is_zero(pull: xr.Dataset)
 def test_rose_sides_differ(pull: xr.Dataset) -> None:
     outside, inside = (plots.stress_rose(pull, side=side) for side in ("outside", "inside"))
     assert shaded(outside, 0) and shaded(inside, 0)
-    assert (
-        shaded(outside, 0)[0][0] > 90 and shaded(inside, 0)[0][0] < 90
-    )  # back of the outside, front of the inside
+    assert shaded(outside, 0)[0][0] > 90 and shaded(inside, 0)[0][0] < 90  # back of the outside, front of the inside
 
 
 def test_rose_without_initial_stress_says_so(pull: xr.Dataset) -> None:
@@ -316,9 +303,7 @@ def test_rose_without_initial_stress_says_so(pull: xr.Dataset) -> None:
 
 
 def test_depths_default_to_the_papers(pull: xr.Dataset) -> None:
-    fine = xr.Dataset(
-        {"y": ("depth", np.zeros(81))}, {"depth": np.linspace(0, 4, 81)}, {"skirt_length_m": 4.0}
-    )
+    fine = xr.Dataset({"y": ("depth", np.zeros(81))}, {"depth": np.linspace(0, 4, 81)}, {"skirt_length_m": 4.0})
     assert fine["depth"].values[data.pick_depths(fine)].tolist() == pytest.approx([0.25, 1.25, 2.25, 3.25])
 
 
@@ -337,9 +322,7 @@ def test_gap_map_shows_widths_in_mm_and_closed_cells_empty(pull: xr.Dataset) -> 
 
 def test_gap_titles_state_where_and_how_wide(pull: xr.Dataset) -> None:
     pull["gap"] = xr.zeros_like(pull["gap"])
-    pull["gap"].loc[
-        {"step": 24, "side": "inside", "azimuth": pull["azimuth"][4], "depth": pull["depth"][2]}
-    ] = 3.21e-3
+    pull["gap"].loc[{"step": 24, "side": "inside", "azimuth": pull["azimuth"][4], "depth": pull["depth"][2]}] = 3.21e-3
     pull["lid_gap"][24] = 0.0
     pull["tip_gap"][24] = 0.0
     figure = plots.gap_map(pull)
@@ -486,9 +469,7 @@ def test_save_all_writes_readable_pictures_whole(
         assert f"{stem}.png" in names
     assert {file.name for file in (tmp_path / "figures").iterdir()} == names  # nothing half-written is left
     assert all(f.read_bytes().startswith(b"\x89PNG") for f in written if f.suffix == ".png")
-    assert all(
-        b"</svg>" in f.read_bytes() and f.stat().st_size <= 400_000 for f in written if f.suffix == ".svg"
-    )
+    assert all(b"</svg>" in f.read_bytes() and f.stat().st_size <= 400_000 for f in written if f.suffix == ".svg")
 
 
 def test_a_failed_write_keeps_the_old_picture(

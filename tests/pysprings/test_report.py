@@ -124,9 +124,7 @@ def test_hostile_text_is_escaped_everywhere(result: xr.DataTree, springs: xr.Dat
     assert "<b>key</b>" in page.text
 
 
-def test_the_page_needs_nothing_beside_it(
-    result: xr.DataTree, springs: xr.DataTree, pictures: list[Path]
-) -> None:
+def test_the_page_needs_nothing_beside_it(result: xr.DataTree, springs: xr.DataTree, pictures: list[Path]) -> None:
     page = Page(report.render(result, springs, None, RUN, pictures))
     sources = [attrs["src"] for tag, attrs in page.tags if tag == "img"]
     assert len(sources) == 1 + 6  # the sketch and the known pictures
@@ -152,9 +150,7 @@ def test_pictures_stand_in_reading_order_with_captions(result: xr.DataTree, pict
 def test_svg_is_taken_where_there_is_one(result: xr.DataTree, pictures: list[Path], tmp_path: Path) -> None:
     (tmp_path / "mesh.svg").write_text(sketch.axes_svg(), encoding="utf-8")
     page = Page(report.render(result, figures=[tmp_path / "mesh.svg", *pictures]))
-    (mesh,) = [
-        attrs for tag, attrs in page.tags if tag == "img" and attrs["alt"] == "Mesh in the symmetry plane"
-    ]
+    (mesh,) = [attrs for tag, attrs in page.tags if tag == "img" and attrs["alt"] == "Mesh in the symmetry plane"]
     assert str(mesh["src"]).startswith("data:image/svg+xml")
 
 
@@ -274,18 +270,14 @@ def test_cost_left_out_and_status_are_printed(result: xr.DataTree) -> None:
     assert "stopped at 12 %" in partial.text
 
 
-def test_write_report_reads_the_folder_of_a_run(
-    result: xr.DataTree, springs: xr.DataTree, tmp_path: Path
-) -> None:
+def test_write_report_reads_the_folder_of_a_run(result: xr.DataTree, springs: xr.DataTree, tmp_path: Path) -> None:
     from pysprings.springs import save_springs
     from pysprings.storage import write_tree
 
     write_tree(result, tmp_path / "full_model.nc")
     save_springs(springs, tmp_path / "springs.nc")
     (tmp_path / "run.json").write_text(json.dumps(RUN), encoding="utf-8")
-    pd.DataFrame([{"path": "pull", "springs": "py", "eta_large": 0.25}]).to_csv(
-        tmp_path / "compare.csv", index=False
-    )
+    pd.DataFrame([{"path": "pull", "springs": "py", "eta_large": 0.25}]).to_csv(tmp_path / "compare.csv", index=False)
     (tmp_path / "figures").mkdir()
     (tmp_path / "figures" / "mesh.png").write_bytes(PIXEL)
     file = report.write_report(tmp_path)
@@ -343,9 +335,7 @@ def test_sketch_is_valid_svg_with_the_signs(tmp_path: Path) -> None:
 
 def test_the_picture_in_the_docs_is_the_current_sketch() -> None:
     file = Path(__file__).parents[2] / "docs" / "axes.svg"
-    assert file.read_text(encoding="utf-8") == sketch.axes_svg(), (
-        "run: python -m pysprings.sketch docs/axes.svg"
-    )
+    assert file.read_text(encoding="utf-8") == sketch.axes_svg(), "run: python -m pysprings.sketch docs/axes.svg"
 
 
 def test_text_sketch_fits_a_page_and_states_the_signs() -> None:

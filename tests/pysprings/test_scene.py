@@ -198,9 +198,7 @@ def sections(draw: st.DrawFn) -> dict[str, object]:
     data: dict[str, object] = {"title": draw(values_of(field_of(Scene.model_fields["title"])))}
     for name in ("interface", "mesh", "output"):
         fields = {key: field_of(info) for key, info in SECTIONS[name].model_fields.items()}
-        data[name] = draw(
-            st.fixed_dictionaries({}, optional={key: values_of(field) for key, field in fields.items()})
-        )
+        data[name] = draw(st.fixed_dictionaries({}, optional={key: values_of(field) for key, field in fields.items()}))
     turn = draw(st.floats(1e-6, 0.5)) * draw(st.sampled_from([1, -1]))
     data["paths"] = [{"name": "p", "kind": "rotation", "rotation": turn, "report_at": [turn / 3, turn]}]
     return data

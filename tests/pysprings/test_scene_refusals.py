@@ -303,10 +303,7 @@ def mutated(draw: st.DrawFn) -> str:
         if how == "value" and equals:
             lines[at] = f"{key}= {draw(NASTY)}"
         elif how == "key" and equals:
-            lines[at] = (
-                draw(st.sampled_from(["x", "a.b", '"K 0"', "path", "soil.K0", "kind"]))
-                + lines[at][len(key) :]
-            )
+            lines[at] = draw(st.sampled_from(["x", "a.b", '"K 0"', "path", "soil.K0", "kind"])) + lines[at][len(key) :]
         elif how == "drop":
             del lines[at]
         elif how == "twice":

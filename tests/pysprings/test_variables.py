@@ -62,8 +62,6 @@ def test_a_fault_is_named(spoil, words):
 
 def test_attach_tree_dresses_bare_data():
     tree = make_springs()
-    bare = xr.DataTree.from_dict(
-        {n.path: n.to_dataset(inherit=False).drop_attrs(deep=True) for n in tree.subtree}
-    )
+    bare = xr.DataTree.from_dict({n.path: n.to_dataset(inherit=False).drop_attrs(deep=True) for n in tree.subtree})
     assert variables.tree_problems(bare, "springs")
     assert variables.tree_problems(variables.attach_tree(bare, "springs"), "springs") == []

@@ -28,7 +28,7 @@ from fe_engine.newton import Newton, Settings
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.build import SURFACE, build_model
-from pysprings.run import run
+from pysprings.full_model import run
 from tests.verification.rows import Row
 
 NAMES = ("K_H", "K_C", "K_M", "K_free")
@@ -157,7 +157,9 @@ def _paper() -> list[Row]:
     for name, (variant, tolerance) in wanted.items():
         found += _compare(f"rigid caisson, {name}", four(variant), REFERENCE[name], _SOURCE, tolerance)
     smooth = "smooth skirt, lid bonded"
-    found += _compare(f"rigid caisson, {smooth}, K_N = 1e10", four(Variant(smooth=True)), REFERENCE[smooth], _SOURCE, 0.015)
+    found += _compare(
+        f"rigid caisson, {smooth}, K_N = 1e10", four(Variant(smooth=True)), REFERENCE[smooth], _SOURCE, 0.015
+    )
     thick, thin = four(Variant(thickness=0.1)), four(Variant())
     return found + _compare("skirt of 0.1 m, K_N = K_T = 1e10", thick, thin, "ours with 1 mm", None)
 

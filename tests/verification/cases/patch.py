@@ -149,7 +149,7 @@ def put_interface(model: Model, faces: np.ndarray, twin: np.ndarray, rule: str, 
 
 def _two_pieces(rule: str) -> list[Row]:
     """Distorted patch with an interface across it, all of it turned in space."""
-    flat, faces, on_plane, twin = split(distorted((3, 3, 4), keep_levels=True))
+    flat, faces, _on_plane, twin = split(distorted((3, 3, 4), keep_levels=True))
     mesh = Mesh(flat.nodes @ TURN.T, flat.hexes)
     boundary = ((flat.nodes < 1e-9) | (flat.nodes > 1.0 - 1e-9)).any(axis=1)
     model = block_model(mesh, elastic_soil(), np.zeros(mesh.nodes.shape, dtype=bool), 1)
@@ -164,13 +164,23 @@ def _two_pieces(rule: str) -> list[Row]:
     _follow_field(model, boundary, field)
     newton = make_newton(model)
     state, _ = run(newton, imposed([1.0]))
-    change = state.committed.traction + [200.0e3, 0.0, 0.0]
+    change = [*state.committed.traction, 200000.0, 0.0, 0.0]
     found = np.einsum("sij,si->sj", model.stations.frame, change)
     case = f"patch test across an oblique interface, {rule} stations"
     return [
-        Row(case, "largest error of the stress", "", worst(state.committed.stress, _exact_stress()), 0.0, _SOURCE, 1e-9),
+        Row(
+            case, "largest error of the stress", "", worst(state.committed.stress, _exact_stress()), 0.0, _SOURCE, 1e-9
+        ),
         Row(case, "largest error of the traction", "", worst(found, traction), 0.0, _SOURCE, 1e-9),
-        Row(case, "largest error of the displacement", "", worst(state.committed.displacement, field), 0.0, _SOURCE, 1e-9),
+        Row(
+            case,
+            "largest error of the displacement",
+            "",
+            worst(state.committed.displacement, field),
+            0.0,
+            _SOURCE,
+            1e-9,
+        ),
     ]
 
 

@@ -158,7 +158,15 @@ def _judge(case: str, runs: list[dict[str, np.ndarray]]) -> list[Row]:
         "shear in slip back": ([6, 7], "-mu p after 2 mu p/K_T more"),
     }
     found = [
-        Row(case, f"largest error of the {name} over mu p", "", worst(along[:, at], exact[at]), 0.0, f"{_SOURCE}: {law}", 1e-9)
+        Row(
+            case,
+            f"largest error of the {name} over mu p",
+            "",
+            worst(along[:, at], exact[at]),
+            0.0,
+            f"{_SOURCE}: {law}",
+            1e-9,
+        )
         for name, (at, law) in groups.items()
     ]
     return [

@@ -93,7 +93,9 @@ def rows() -> tuple[Row, ...]:
 
 def _state(e: float) -> Row:
     q, strain, _ = closed_form(e)
-    return Row(_CASE, f"q/s3 at e = {e:g}, axial strain {strain:.6f}", "", compress(strain)["q"] / S3, q / S3, _SOURCE, 1e-6)
+    return Row(
+        _CASE, f"q/s3 at e = {e:g}, axial strain {strain:.6f}", "", compress(strain)["q"] / S3, q / S3, _SOURCE, 1e-6
+    )
 
 
 def _worst(psi: float) -> list[Row]:

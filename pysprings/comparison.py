@@ -64,9 +64,7 @@ def compare(model: xr.DataTree) -> pd.DataFrame:
         for spring_set, trace in curves(springs, name).items()
     ]
     frame = pd.DataFrame(rows)
-    frame.attrs = {
-        name: springs.attrs.get(name, "") for name in ("title", "pysprings_version", "scene_sha256")
-    }
+    frame.attrs = {name: springs.attrs.get(name, "") for name in ("title", "pysprings_version", "scene_sha256")}
     return frame
 
 
@@ -144,10 +142,7 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
             f"{label}_end_full_{units}": float(full[label].values[n - 1]) if n else np.nan,
             f"{label}_end_macro_{units}": float(trace[label].values[-1]) if n else np.nan,
         }
-    row |= {
-        f"rotation_point_{who}_m": _rotation_point(data, n)
-        for who, data in (("full", full), ("macro", trace))
-    }
+    row |= {f"rotation_point_{who}_m": _rotation_point(data, n) for who, data in (("full", full), ("macro", trace))}
     return row | {
         "small_at": small,
         "skip_below": SKIP_BELOW,
@@ -178,9 +173,7 @@ def _relative_errors(x: Array, reference: Array, answer: Array) -> tuple[float, 
     return float(error[np.argmax(np.abs(error))]), float(error[-1])
 
 
-def _between(
-    springs: xr.DataTree, full: xr.Dataset, spring_set: str, answers: tuple[str, ...]
-) -> dict[str, float]:
+def _between(springs: xr.DataTree, full: xr.Dataset, spring_set: str, answers: tuple[str, ...]) -> dict[str, float]:
     """Largest error [%] on a calibration path when every second state is left out of its own springs."""
     out = {f"{label}_error_between_pct": np.nan for label in _ERRORS}
     name, driver = full.attrs["path"], _DRIVERS[full.attrs["kind"]][1]

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from pysprings.compare import compare, curves, eta, states, to_dict, to_text
+from pysprings.comparison import compare, curves, eta, states, to_dict, to_text
 from pysprings.springs import get_path
 from tests.pysprings.synthetic import Path, make_springs
 

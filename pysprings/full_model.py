@@ -46,7 +46,7 @@ class _Run:
     newton: Newton
     clock: Clock
     progress: Progress
-    paths: dict[str, xr.DataTree] = field(default_factory=dict)
+    paths: dict[str, xr.Dataset] = field(default_factory=dict)
     summaries: dict[str, dict[str, Any]] = field(default_factory=dict)
     failures: list[str] = field(default_factory=list)
     interrupted: bool = False
