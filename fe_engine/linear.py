@@ -118,13 +118,16 @@ def available_backends() -> list[str]:
 
 def make_backend(name: str, n_unknowns: int) -> Backend:
     """Return the backend of the given name; ``auto`` takes the best one that works."""
-    if name == "auto":
+    wanted = name
+    if wanted == "auto":
         name = available_backends()[0]
     if name == "pardiso":
         try:
             return Pardiso()
         except (ImportError, OSError) as error:
-            raise LinearSolverError(f"pardiso does not load here: {error}") from error
+            if wanted != "auto":
+                raise LinearSolverError(f"pardiso does not load here: {error}") from error
+            name = "superlu"
     if name != "superlu":
         raise LinearSolverError(f"unknown linear solver {name!r}; available: {', '.join(available_backends())}")
     if n_unknowns > SUPERLU_COMFORT:

@@ -87,3 +87,5 @@ class Model:
         for name, (got, want) in wanted.items():
             if got != want:
                 raise ModelError(f"{name} has shape {got}, expected {want}")
+        if self.stations is not None and (skew := sorted(set(self.frames) & set(self.stations.nodes.ravel().tolist()))):
+            raise ModelError(f"node {skew[0]} has axes of its own and a contact station; the stations read global axes")

@@ -170,10 +170,11 @@ class Newton:
         return best
 
     def _merit(self, residual: Residual, loading: Loading) -> tuple[float, float]:
-        """Residual norm in N, and the same relative to the contact forces (or the border forces)."""
+        """Residual norm in N, and the same relative to the contact forces (or the border's reactions or loads)."""
         border = loading.unbalanced(residual.border) / self.scale
         merit = float(np.sqrt(np.sum(residual.free**2) + np.sum(border**2)))
-        reference = max(residual.contact_norm, float(np.linalg.norm(residual.border / self.scale)))
+        forces = residual.contact_norm, *(np.linalg.norm(f / self.scale) for f in (residual.border, loading.force))
+        reference = max(float(size) for size in forces)
         return merit, merit / reference if merit > 0.0 else 0.0
 
     def _size(self, free: np.ndarray, border: np.ndarray) -> float:

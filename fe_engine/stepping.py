@@ -96,7 +96,7 @@ class Driver:
 
 def _next(done: float, size: float, stops: tuple[float, ...]) -> float:
     """End of the next increment: never past a stop, and no sliver left before one."""
-    stop = min(s for s in (*stops, 1.0) if s > done + 1.0e-12)
+    stop = min((s for s in stops if done + 1.0e-12 < s < 1.0 - 1.0e-12), default=1.0)
     room = stop - done
     if size >= room * (1.0 - 1.0e-9):
         return stop

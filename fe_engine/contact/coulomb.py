@@ -62,8 +62,10 @@ def update(p, initial_pressure, jump, jump_old, traction_old, traction):
     traction[2] = traction_old[2] + p[KT] * (jump[2] - jump_old[2])
     size = math.sqrt(traction[1] ** 2 + traction[2] ** 2)
     limit = p[MU] * pressure
-    if size <= limit:
+    if size <= limit and p[MU] > 0.0:
         return CONTACT_STICK
+    if size == 0.0:
+        return CONTACT_SLIP
     traction[1] *= limit / size
     traction[2] *= limit / size
     return CONTACT_SLIP
@@ -86,6 +88,8 @@ def linearise(p, initial_pressure, jump, jump_old, traction_old, guess, traction
         return CONTACT_OPEN
     traction[0] = -pressure
     tangent[0, 0] = kn
+    if mu <= 0.0:
+        return CONTACT_SLIP
     c = _ACTIVE_SET_FRACTION * kt
     stick_1 = traction_old[1] + kt * (jump[1] - jump_old[1])
     stick_2 = traction_old[2] + kt * (jump[2] - jump_old[2])

@@ -23,7 +23,7 @@ def cylinder(n, radius=2.0, height=1.5):
     ring = radius * np.stack([np.cos(angle), np.sin(angle), np.zeros(n + 1)], axis=1)
     k = np.arange(n)
     faces = np.stack([k, k + 1, k + n + 2, k + n + 1], axis=1)
-    return np.vstack([ring, [*ring, 0.0, 0.0, height]]), faces
+    return np.vstack([ring, ring + np.array([0.0, 0.0, height])]), faces
 
 
 # --- places, areas, normals -------------------------------------------------------------------------------

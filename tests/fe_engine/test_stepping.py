@@ -13,9 +13,6 @@ from fe_engine.stepping import _adapt, _next
 from tests.fe_engine.models import footing, run, soil, stage, start
 
 CAPACITY = 0.5 * 2.0e4 * 0.5  # N: mu times pressure times area
-known_forces = pytest.mark.xfail(
-    reason="the first residual of a known force is divided by reactions that are still zero", raises=ZeroDivisionError
-)
 KINDS = {
     "pull": stage({0: 5.0e-4}, arm=0.3, stops=(0.33, 0.7, 1.0)),
     "translation": stage({0: 5.0e-4, 2: 0.0}, stops=(0.33, 0.7)),
@@ -26,7 +23,7 @@ KINDS = {
 # --- landing on stops -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["pull", "translation", pytest.param("load", marks=known_forces)])
+@pytest.mark.parametrize("kind", ["pull", "translation", "load"])
 def test_stages_run_to_their_end_and_land_on_every_stop(kind):
     each = KINDS[kind]
     out = run(footing(), each)
@@ -49,7 +46,7 @@ def test_committed_controls_are_the_fraction_at_every_step():
 
 @settings(max_examples=200, deadline=None, derandomize=True, database=None)
 @given(
-    stops=st.lists(st.floats(1e-3, 1.0), max_size=4),
+    stops=st.lists(st.floats(1e-3, 0.999), max_size=4),
     sizes=st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=4),
 )
 def test_steps_never_pass_a_stop_and_leave_no_sliver(stops, sizes):
@@ -67,7 +64,6 @@ def test_steps_never_pass_a_stop_and_leave_no_sliver(stops, sizes):
     assert ends[-1] == 1.0
 
 
-@pytest.mark.xfail(reason="no stop is left once done is within 1e-12 of the end", raises=ValueError)
 def test_a_stop_a_rounding_error_before_the_end():
     out = run(footing(), stage({0: 1.0e-5, 2: 0.0}, stops=(1.0 - 1.0e-15,), first_fraction=1.0))
     assert out.steps[-1].fraction == pytest.approx(1.0)
@@ -146,7 +142,6 @@ def test_back_and_forth_slides_both_ways():
     assert out.state.committed.border[0] == pytest.approx(0.0, abs=1e-15)
 
 
-@known_forces
 def test_known_forces_hold_while_another_dof_is_moved():
     """A dead load first; the pull then keeps it, and slides at mu times initial plus dead load."""
     dead = stage({}, force=(0.0, 4.0e3, 0.0))
@@ -155,7 +150,6 @@ def test_known_forces_hold_while_another_dof_is_moved():
     assert out.steps[-1].multipliers[0] == pytest.approx(CAPACITY + 0.5 * 4.0e3, rel=1e-6)
 
 
-@known_forces
 def test_load_control_answers_as_displacement_control():
     pulled = run(footing(), stage({0: 5.0e-5}, arm=0.2))
     force = pulled.steps[-1].multipliers[0]
@@ -163,7 +157,6 @@ def test_load_control_answers_as_displacement_control():
     np.testing.assert_allclose(loaded.state.committed.border, pulled.state.committed.border, rtol=0.02)
 
 
-@known_forces
 def test_load_beyond_the_capacity_ends_in_not_converged():
     """The steps shrink towards the sliding load; what converged before it stays."""
     out = start(footing())
