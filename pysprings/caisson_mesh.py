@@ -36,9 +36,10 @@ class Counts:
     """Numbers of cells and relative sizes of the smallest ones.
 
     ``azimuth`` cells over the half ring (a multiple of 4); ``plug`` and ``outer`` rings inside and outside;
-    ``tip`` cells across the skirt's thickness below the tip; ``skirt`` and ``below`` layers; ``wall`` and
-    ``edge`` are the first cell sizes next to the skirt (radially) and next to mudline and tip (vertically), as
-    fractions of the outer radius and of the skirt length.
+    ``tip`` cells across the skirt's thickness below the tip; ``skirt`` and ``below`` layers; ``wall`` is the
+    first cell size next to the skirt as a fraction of the outer radius, ``mudline`` and ``toe`` those below
+    mudline and beside the tip as fractions of the skirt length. The singular stresses are at the tip; a thin
+    layer below mudline has almost no confining stress once the lid lifts, and is not finer than it needs to be.
     """
 
     azimuth: int
@@ -48,14 +49,15 @@ class Counts:
     skirt: int
     below: int
     wall: float
-    edge: float
+    mudline: float
+    toe: float
 
 
 PRESETS = {
-    "coarse": Counts(azimuth=8, plug=4, outer=8, tip=1, skirt=7, below=6, wall=0.10, edge=0.10),
-    "medium": Counts(azimuth=12, plug=5, outer=11, tip=1, skirt=11, below=9, wall=0.07, edge=0.06),
-    "paper": Counts(azimuth=16, plug=6, outer=24, tip=1, skirt=16, below=16, wall=0.02, edge=0.012),
-    "fine": Counts(azimuth=40, plug=13, outer=26, tip=2, skirt=30, below=23, wall=0.022, edge=0.02),
+    "coarse": Counts(azimuth=8, plug=4, outer=8, tip=1, skirt=7, below=6, wall=0.10, mudline=0.10, toe=0.10),
+    "medium": Counts(azimuth=12, plug=5, outer=11, tip=1, skirt=11, below=9, wall=0.07, mudline=0.06, toe=0.06),
+    "paper": Counts(azimuth=16, plug=6, outer=24, tip=1, skirt=16, below=16, wall=0.04, mudline=0.05, toe=0.009),
+    "fine": Counts(azimuth=40, plug=13, outer=26, tip=2, skirt=30, below=23, wall=0.022, mudline=0.03, toe=0.01),
 }
 
 
@@ -63,7 +65,8 @@ def refine(counts: Counts, factor: float) -> Counts:
     """Scale all cell counts by a factor, and the first cell sizes by its inverse."""
     scaled = {n: max(1, round(getattr(counts, n) * factor)) for n in ("plug", "outer", "tip", "skirt", "below")}
     azimuth = max(4, 4 * round(counts.azimuth * factor / 4))
-    return replace(counts, azimuth=azimuth, wall=counts.wall / factor, edge=counts.edge / factor, **scaled)
+    sizes = {n: getattr(counts, n) / factor for n in ("wall", "mudline", "toe")}
+    return replace(counts, azimuth=azimuth, **sizes, **scaled)
 
 
 @dataclass(frozen=True)
@@ -94,23 +97,17 @@ def graded(start: float, stop: float, n: int, first: float) -> np.ndarray:
     return np.concatenate([[start], start + length * steps / steps[-1]])
 
 
-def graded_both(start: float, stop: float, n: int, first: float) -> np.ndarray:
-    """Levels (n + 1,) with small cells of the given size at both ends."""
-    if n < 2 or n * first >= abs(stop - start):
-        return np.linspace(start, stop, n + 1)
-    middle = 0.5 * (start + stop)
-    if n % 2 == 0:
-        half = graded(start, middle, n // 2, first)
-        return np.concatenate([half, (start + stop - half[::-1])[1:]])
-    # an odd count puts one cell across the middle: half a cell more on each side
-    ratio = brentq(lambda q: _two_sided(q, n).sum() * first - abs(stop - start), 1.0, 20.0)
-    steps = np.cumsum(_two_sided(ratio, n))
-    return np.concatenate([[start], start + (stop - start) * steps / steps[-1]])
+def graded_both(length: float, n: int, first: float, last: float) -> np.ndarray:
+    """Levels (n + 1,) from 0 to length; the end cells have the given sizes, and grow geometrically inwards."""
 
+    def sizes(ratio: float) -> np.ndarray:
+        rank = np.arange(n)
+        return np.minimum(first * ratio**rank, last * ratio ** rank[::-1])
 
-def _two_sided(ratio: float, n: int) -> np.ndarray:
-    rank = np.minimum(np.arange(n), np.arange(n)[::-1])
-    return ratio**rank
+    if sizes(1.0).sum() >= length:
+        return np.linspace(0.0, length, n + 1)
+    levels = np.cumsum(sizes(brentq(lambda ratio: sizes(ratio).sum() - length, 1.0, 50.0)))
+    return np.concatenate([[0.0], length * levels / levels[-1]])
 
 
 def make_mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
@@ -151,9 +148,9 @@ class _Plan:
 
 def _levels(geometry: Geometry, counts: Counts) -> np.ndarray:
     """Depth levels of the nodes, in m."""
-    first = counts.edge * geometry.skirt_length
-    skirt = graded_both(0.0, geometry.skirt_length, counts.skirt, first)
-    below = graded(geometry.skirt_length, geometry.domain_depth, counts.below, skirt[-1] - skirt[-2])
+    length = geometry.skirt_length
+    skirt = graded_both(length, counts.skirt, counts.mudline * length, counts.toe * length)
+    below = graded(length, geometry.domain_depth, counts.below, skirt[-1] - skirt[-2])
     return np.concatenate([skirt, below[1:]])
 
 
