@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 SCENE := out/caisson.toml
 RESULT := out/caisson
 
-.PHONY: run test test-slow test-all lint clean
+.PHONY: run test test-slow test-all verification lint clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -22,6 +22,9 @@ test-slow: $(STAMP)
 
 test-all: $(STAMP)
 	$(BIN)/python -m pytest -m "slow or not slow"
+
+verification: $(STAMP)
+	$(BIN)/python -m tests.verification.table
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

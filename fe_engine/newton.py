@@ -30,8 +30,9 @@ _MEMORY = 2
 _HALVINGS = 6
 # Close to the solution the residual may rise once and still converge quadratically.
 _CLOSE = 1.0e-3
-# An increment that has not gained this factor over the last four iterations will not converge in time.
-_STALL_FROM, _STALL_GAIN = 6, 0.3
+# Contact states that flip to and fro give two residuals in turn: an increment stops where the last two are no
+# better than those before. Stopping is cheap, since the smaller step that follows has fewer states to find.
+_STALL_FROM, _STALL_WINDOW = 4, 2
 
 
 @dataclass(frozen=True)
@@ -172,9 +173,10 @@ class Newton:
     def _merit(self, residual: Residual, loading: Loading) -> tuple[float, float]:
         """Residual norm in N, and the same relative to the contact forces (or the border's reactions or loads)."""
         border = loading.unbalanced(residual.border) / self.scale
-        merit = float(np.sqrt(np.sum(residual.free**2) + np.sum(border**2)))
-        forces = residual.contact_norm, *(np.linalg.norm(f / self.scale) for f in (residual.border, loading.force))
-        reference = max(float(size) for size in forces)
+        with np.errstate(over="ignore", invalid="ignore"):  # an iterate that diverges has no finite merit
+            merit = float(np.sqrt(np.sum(residual.free**2) + np.sum(border**2)))
+        reaction, load = (float(np.linalg.norm(f / self.scale)) for f in (residual.border, loading.force))
+        reference = max(residual.contact_norm, reaction, load)
         return merit, merit / reference if merit > 0.0 else 0.0
 
     def _size(self, free: np.ndarray, border: np.ndarray) -> float:
@@ -183,7 +185,7 @@ class Newton:
 
     def _give_up_early(self, iteration: int, merits: list, judged: Residual, record: list) -> None:
         """Stop an increment that cycles, so that the step is cut instead."""
-        if iteration >= _STALL_FROM and min(merits[-4:]) > _STALL_GAIN * min(merits[1:-4]):
+        if iteration >= _STALL_FROM and min(merits[-_STALL_WINDOW:]) >= min(merits[1:-_STALL_WINDOW]):
             raise NotConverged("the residual stalls", self._worst(judged), record)
 
     def _worst(self, residual: Residual) -> str:

@@ -32,14 +32,23 @@ class Step:
 
 @dataclass
 class Driver:
-    """Runs stages one after the other and keeps the record of every iteration, failed attempts included."""
+    """Runs stages one after the other and keeps the record of every iteration, failed attempts included.
+
+    ``given_up`` holds (stage, fraction, error) of each failed attempt, ``aim`` what the present one is to reach.
+    """
 
     newton: Newton
     state: State
     record: list[dict[str, Any]] = field(default_factory=list)
+    given_up: list[tuple[str, float, NotConverged]] = field(default_factory=list)
+    aim: tuple[str, float] = ("", 0.0)
     n_steps: int = 0
-    n_cut_backs: int = 0
     force: np.ndarray | None = None
+
+    @property
+    def n_cut_backs(self) -> int:
+        """Number of attempts that were given up."""
+        return len(self.given_up)
 
     def run(self, stage: Stage, on_step: Callable[[Step], None]) -> None:
         """Run a stage; ``on_step`` is called after each commit. Raises NotConverged with the last history."""
@@ -60,7 +69,6 @@ class Driver:
                 increment = self._attempt(stage, loading, target, self._guess(last, target - done))
             except NotConverged:
                 cuts += 1
-                self.n_cut_backs += 1
                 size = _CUT * (target - done)
                 if size < _SMALLEST:
                     raise
@@ -75,11 +83,13 @@ class Driver:
 
     def _attempt(self, stage: Stage, loading: Loading, target: float, guess: tuple) -> Increment:
         self.state.reset_trial()
+        self.aim = (stage.name, target)
         label = {"stage": stage.name, "step": self.n_steps + 1, "load_fraction": target}
         try:
             increment = self.newton.solve(self.state, loading, *guess)
         except NotConverged as error:
             self.record += [label | row | {"converged": False} for row in error.history]
+            self.given_up.append((stage.name, target, error))
             raise
         self.record += [label | row | {"converged": True} for row in increment.record]
         self.n_steps += 1

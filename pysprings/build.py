@@ -11,6 +11,7 @@ import numpy as np
 from fe_engine import hex8, interface, rigid
 from fe_engine.contact import coulomb
 from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
+from fe_engine.errors import MeshError
 from fe_engine.interface import Stations
 from fe_engine.mesh import Quality
 from fe_engine.model import Material, Model
@@ -46,9 +47,9 @@ def geometry_of(scene: Scene) -> Geometry:
     )
 
 
-def counts_of(scene: Scene, preset: str | None = None) -> Counts:
+def counts_of(scene: Scene) -> Counts:
     """Cell counts of the scene's preset, refined and overridden as the scene says."""
-    counts = PRESETS[preset or scene.mesh.preset]
+    counts = PRESETS[scene.mesh.preset]
     if scene.mesh.refinement != 1.0:
         counts = refine(counts, scene.mesh.refinement)
     if scene.mesh.azimuth is not None:
@@ -56,10 +57,10 @@ def counts_of(scene: Scene, preset: str | None = None) -> Counts:
     return counts
 
 
-def build_model(scene: Scene, preset: str | None = None) -> Built:
+def build_model(scene: Scene) -> Built:
     """Build the half model of a scene (loads and reactions of the model are half the caisson's)."""
     geometry = geometry_of(scene)
-    caisson = make_mesh(geometry, counts_of(scene, preset))
+    caisson = _mesh(geometry, counts_of(scene))
     mesh = caisson.mesh
     quality = mesh.check()
     fixed, frames = _constraints(scene, caisson)
@@ -82,6 +83,14 @@ def build_model(scene: Scene, preset: str | None = None) -> Built:
     )
     extra = 0.0 if wanted == "balanced" else 0.5 * float(wanted) - balanced
     return Built(model, caisson, quality, balanced, extra)
+
+
+def _mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
+    try:
+        return make_mesh(geometry, counts)
+    except ValueError as error:  # the growth of cell sizes has no solution
+        message = "cells cannot be graded in this geometry; change mesh.refinement, the preset or the domain"
+        raise MeshError(message) from error
 
 
 def soil_material(scene: Scene) -> Material:
@@ -180,16 +189,28 @@ def _constraints(scene: Scene, caisson: CaissonMesh) -> tuple[np.ndarray, dict[i
 
 def left_out(scene: Scene) -> list[tuple[str, str]]:
     """What the scene does not need and the model does not carry: (what, why)."""
+    rigid_body = "the caisson is rigid: three degrees of freedom stand for it (the lid's thickness is only drawn)"
     out = [
-        ("steel elements", "the caisson is rigid: three degrees of freedom stand for it"),
+        ("steel elements (caisson.young_modulus, caisson.poisson_ratio)", rigid_body),
         ("half of the domain", "symmetry about the loading plane"),
     ]
     if scene.drainage.mode == "drained":
-        out.append(("pore pressure of soil and interface", "drained: no excess pressure"))
+        flow = "soil.hydraulic_conductivity, interface.transversal_conductivity, interface.residual_aperture"
+        out.append((f"pore pressure of soil and interface ({flow})", "drained: no excess pressure"))
     if scene.soil.yield_surface == "elastic":
-        out.append(("plastic history", "the soil is elastic"))
-    if not scene.output.interface_fields:
-        out.append(("interface fields by azimuth and depth", "not asked for in [output]"))
-    if not scene.output.section:
-        out.append(("displacements of the symmetry plane", "not asked for in [output]"))
+        strength = "friction_angle_initial, friction_angle_final, hardening_parameter, dilation_angle, cohesion"
+        out.append((f"plastic strain and its history (soil: {strength})", "the soil is elastic"))
+    return out + _outputs_left_out(scene)
+
+
+def _outputs_left_out(scene: Scene) -> list[tuple[str, str]]:
+    """What is computed but not kept, with the pictures that need it."""
+    output, out = scene.output, []
+    if not output.interface_fields:
+        fields = "contact stresses and gaps of the skirt by azimuth and depth, their pictures, the check of rings"
+        out.append((fields, "output.interface_fields = false"))
+    if not output.section:
+        out.append(("displacements of the symmetry plane and their pictures", "output.section = false"))
+    if not output.figures:
+        out.append(("all pictures", "output.figures = false"))
     return out

@@ -14,11 +14,11 @@ from pysprings import __version__
 from pysprings.cli_support import (
     DEBUG,
     guarded,
-    prepare_folder,
     print_json,
     quantities,
     record_stamp,
     refuse,
+    result_folder,
     say,
     springs_of,
 )
@@ -136,18 +136,18 @@ def run(
 
     loaded = load_scene(scene)
     folder = out or Path("out") / scene.stem
-    prepare_folder(folder, force)
-    from pysprings.folder import run_to_folder
-
     stopped: RunIncomplete | KeyboardInterrupt | None = None
     before = record_stamp(folder)
-    try:
-        with reporter(sys.stderr) as progress:
-            folder = run_to_folder(loaded, folder, mesh=mesh.value if mesh else None, progress=progress)
-    except (RunIncomplete, KeyboardInterrupt) as error:
-        if record_stamp(folder) == before:
-            raise
-        stopped = error
+    with result_folder(folder, force):
+        from pysprings.folder import run_to_folder
+
+        try:
+            with reporter(sys.stderr) as progress:
+                folder = run_to_folder(loaded, folder, mesh=mesh.value if mesh else None, progress=progress)
+        except (RunIncomplete, KeyboardInterrupt) as error:
+            if record_stamp(folder) in (None, before):
+                raise
+            stopped = error
     if as_json:
         print_json(results_json(folder))
     else:

@@ -9,14 +9,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.cli_support import RESULT_FILES, number, print_table, springs_of
+from pysprings.cli_support import number, print_table, springs_of
+from pysprings.result_files import FILES, pictures_in
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.scene import Scene
-
-PICTURES = (".png", ".svg", ".pdf")
 
 # entries of a description that have a unit
 LABELS = {
@@ -72,7 +71,7 @@ def results_json(folder: Path) -> dict[str, Any]:
 
     record = read_record(folder)
     files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
-    comparison = to_dict(compare(springs_of(folder))) if _has_springs(record) else None
+    comparison = to_dict(compare(springs_of(folder))) if _has_springs(folder, record) else None
     return {"folder": str(folder), "files": files, "run": record, "compare": comparison}
 
 
@@ -82,9 +81,9 @@ def read_record(folder: Path) -> dict[str, Any]:
     return record
 
 
-def _has_springs(record: Mapping[str, Any]) -> bool:
+def _has_springs(folder: Path, record: Mapping[str, Any]) -> bool:
     """Tell whether this run, and not one before it in the same folder, left springs."""
-    return record["status"] == "complete" or "balance" in record
+    return "balance" in record and (folder / "springs.nc").exists()
 
 
 def print_results(folder: Path) -> None:
@@ -93,14 +92,14 @@ def print_results(folder: Path) -> None:
 
     record = read_record(folder)
     print(f"results in {folder} ({record['status']})")
-    rows = [(str(folder / name), text) for name, text in RESULT_FILES.items() if (folder / name).exists()]
+    rows = [(str(folder / name), text) for name, text in FILES.items() if (folder / name).exists()]
     rows += _pictures(folder)
     width = max((len(name) for name, _ in rows), default=0)
     for name, text in rows:
         print(f"  {name.ljust(width)}  {text}")
     print_paths(record)
     print_cost(record)
-    if _has_springs(record):
+    if _has_springs(folder, record):
         print("\nprediction with the springs against the full model:")
         print(to_text(compare(springs_of(folder))), end="")
 
@@ -108,32 +107,72 @@ def print_results(folder: Path) -> None:
 def _pictures(folder: Path) -> list[tuple[str, str]]:
     """Return the pictures of a folder, one line for the formats of each."""
     found: dict[Path, list[str]] = {}
-    for path in sorted(folder.rglob("*")):
-        if path.suffix in PICTURES:
-            found.setdefault(path.with_suffix(""), []).append(path.suffix.lstrip("."))
+    for path in pictures_in(folder):
+        found.setdefault(path.with_suffix(""), []).append(path.suffix.lstrip("."))
     return [(str(stem), f"picture ({', '.join(formats)})") for stem, formats in found.items()]
 
 
+_NEWTON = {
+    "status": "status",
+    "increments": "increments",
+    "iterations": "iterations",
+    "median_iterations": "median",
+    "max_iterations": "max",
+    "cut_backs": "cut-backs",
+    "worst_residual": "worst residual",
+    "last_residual_ratio": "last ratio",
+    "order_of_last_iterations": "order",
+}
+MOST_LINES = 12
+
+
 def print_paths(record: Mapping[str, Any]) -> None:
-    """Print how Newton fared on each path."""
-    columns = {
-        "status": "status",
-        "increments": "increments",
-        "iterations": "iterations",
-        "median_iterations": "median",
-        "cut_backs": "cut-backs",
-        "worst_residual": "worst residual",
-        "order_of_last_iterations": "order of last iterations",
-    }
+    """Print how Newton fared on each path, where cut-backs came from, and whether the contact alternates."""
     paths = record.get("paths", {})
-    if paths:
-        print()
-        rows = [(name, *(number(path.get(key)) for key in columns)) for name, path in paths.items()]
-        print_table(("path", *columns.values()), rows)
+    if not paths:
+        return
+    print()
+    rows = [(name, *(number(path.get(key)) for key in _NEWTON)) for name, path in paths.items()]
+    print_table(("path", *_NEWTON.values()), rows)
+    print("iterations: of accepted increments; median, max: per increment; last ratio: residual of the last iteration")
+    print("over the one before; order: of the last three residuals (2 is quadratic); both are medians over increments")
+    _print_cut_backs(paths)
+    rings = [f"{name}: {text}" for name, path in paths.items() if (text := ring_text(path.get("contact_rings")))]
+    if rings:
+        print("\ncontact pressure from station to station around the rings of the skirt:")
+        print("\n".join(rings))
+
+
+def _print_cut_backs(paths: Mapping[str, Any]) -> None:
+    """Print where each attempt was given up, and why; the first lines of many."""
+    lines = [f"{name}: {_cut_back(each)}" for name, path in paths.items() for each in path.get("cut_backs_at", ())]
+    if not lines:
+        return
+    print("\nattempts given up (cut-backs):")
+    print("\n".join(lines[:MOST_LINES]))
+    if len(lines) > MOST_LINES:
+        print(f"... and {len(lines) - MOST_LINES} more in run.json")
+
+
+def _cut_back(each: Mapping[str, Any]) -> str:
+    place = f" ({each['place']})" if each["place"] else ""
+    at = f"at {100 * each['load_fraction']:.4g} % of the {each['stage']}"
+    return f"{at} after {each['iterations']} iterations: {each['reason']}{place}"
+
+
+def ring_text(rings: Mapping[str, Any] | None) -> str:
+    """Say in words what `pysprings.ring_measure` found; empty where nothing was measured."""
+    if not rings:
+        return ""
+    found = [
+        f"{words} {rings[key]:.3g}" + (f" ({place})" if (place := rings[f"{key}_at"]) else "")
+        for key, words in (("alternation", "alternation"), ("second_difference", "largest second difference"))
+    ]
+    return f"{', '.join(found)} of the ring's mean; open stations between two loaded ones: {rings['isolated_open']}"
 
 
 def print_cost(record: Mapping[str, Any]) -> None:
-    """Print wall and CPU time by phase, factorisations and peak memory."""
+    """Print wall and CPU time by phase, factorisations, iterations and peak memory."""
     phases = record.get("phases", {})
     if not phases:
         return
@@ -143,16 +182,16 @@ def print_cost(record: Mapping[str, Any]) -> None:
     ]
     print()
     print_table(("phase", "wall [s]", "CPU [s]"), rows)
-    solver, mesh = record.get("solver", {}), record.get("mesh", {})
-    print(
-        f"{number(mesh.get('nodes'))} nodes, {number(mesh.get('unknowns'))} unknowns; "
-        f"{number(solver.get('factorisations'))} factorisations ({solver.get('linear')}); "
-        f"peak memory {number((record.get('peak_memory_bytes') or 0) / 1e6)} MB"
-    )
+    solver, mesh, paths = record.get("solver", {}), record.get("mesh", {}), record.get("paths", {}).values()
+    spent = sum(path.get("iterations", 0) + path.get("iterations_in_cut_backs", 0) for path in paths)
+    print(f"{number(mesh.get('nodes'))} nodes, {number(mesh.get('unknowns'))} unknowns; ", end="")
+    print(f"{number(spent)} Newton iterations, those in cut-backs included; ", end="")
+    print(f"{number(solver.get('factorisations'))} factorisations ({solver.get('linear')}); ", end="")
+    print(f"peak memory {number((record.get('peak_memory_bytes') or 0) / 1e6)} MB")
 
 
 def _seconds(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1f}"
+    return "-" if value is None else f"{value:.2f}"
 
 
 def prediction_json(states: xr.Dataset) -> dict[str, Any]:

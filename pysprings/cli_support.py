@@ -10,7 +10,8 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec
 
@@ -28,6 +29,7 @@ from pysprings.errors import (
     UserInputError,
     printable,
 )
+from pysprings.result_files import results_in
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,18 +37,6 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 
 DEBUG = {"on": False}  # set by `pysprings --debug`
-
-# files of a run, in the order in which people want to hear of them
-RESULT_FILES = {
-    "report.html": "report: open it in a browser",
-    "load_displacement.csv": "load-displacement tables",
-    "py.csv": "p-y tables",
-    "springs.xlsx": "springs as a spreadsheet",
-    "springs.nc": "springs (NetCDF), for `pysprings springs, predict, compare`",
-    "compare.csv": "prediction with the springs beside the full model",
-    "full_model.nc": "full model (NetCDF)",
-    "run.json": "status, solver, cost",
-}
 
 
 def guarded(command: Callable[P, None]) -> Callable[P, None]:
@@ -149,23 +139,31 @@ def springs_of(result: Path) -> xr.DataTree:
     return tree
 
 
-def prepare_folder(out: Path, force: bool) -> None:
-    """Create a result folder, or refuse one that holds results already."""
+@contextmanager
+def result_folder(out: Path, force: bool) -> Iterator[None]:
+    """Create a result folder, or refuse one that holds results already; remove it again if it stays empty."""
     if out.exists() and not out.is_dir():
         refuse("--out", "is a file, not a folder", out)
-    found = [name for name in RESULT_FILES if (out / name).exists()]
+    found = results_in(out)
     if found and not force:
         refuse(
             "--out",
             f"holds results already ({', '.join(found)}); choose another folder, or --force to replace",
             out,
         )
+    new = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         refuse("--out", f"cannot be created ({error.strerror})", out)
     if not os.access(out, os.W_OK | os.X_OK):
         refuse("--out", "is not writable", out)
+    try:
+        yield
+    finally:
+        with suppress(OSError):  # not empty: that is how it should be
+            for folder in new:
+                folder.rmdir()
 
 
 def record_stamp(folder: Path) -> tuple[int, int] | None:

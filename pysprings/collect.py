@@ -42,12 +42,12 @@ class Collector:
         number[self.system.stations.nodes[mine, 0]] = mine
         return number[self.built.caisson.walls[side]]
 
-    def add(self, state: Fields, time: float) -> None:
-        """Record a converged state."""
+    def add(self, state: Fields, time: float, converged: bool = True) -> None:
+        """Record a state, as converged unless said otherwise."""
         traction = np.einsum("sij,si->sj", self.system.stations.frame, state.traction)
         force = -2.0 * self.system.stations.area[:, None] * traction
         u, w, rotation = (float(v) for v in state.border)
-        row: dict[str, Any] = {"time": time, "u": u, "w": w, "rotation": rotation}
+        row: dict[str, Any] = {"time": time, "u": u, "w": w, "rotation": rotation, "converged": np.int8(converged)}
         row |= self._resultants(force)
         row |= self._rings(state, force)
         row["y"] = u + rotation * self.built.caisson.depth
@@ -133,7 +133,6 @@ class Collector:
         for name, surface in (("F_in", "V_inner"), ("F_out", "V_outer")):
             values = np.array([row[surface] for row in self.rows])
             data[name] = ("step", values - values[0])
-        data["converged"] = ("step", np.ones(len(self.rows), dtype=np.int8))
         data["depth_bounds"] = (("depth", "bound"), self.bounds)
         coords = {
             "depth": caisson.depth, "azimuth": caisson.azimuth, "side": list(variables.SIDES),

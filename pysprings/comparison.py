@@ -142,7 +142,9 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
             f"{label}_end_full_{units}": float(full[label].values[n - 1]) if n else np.nan,
             f"{label}_end_macro_{units}": float(trace[label].values[-1]) if n else np.nan,
         }
-    row |= {f"rotation_point_{who}_m": _rotation_point(data, n) for who, data in (("full", full), ("macro", trace))}
+    length = float(springs.attrs["skirt_length_m"])
+    both = (("full", full), ("macro", trace))
+    row |= {f"rotation_point_{who}_m": _rotation_point(data, n, length) for who, data in both}
     return row | {
         "small_at": small,
         "skip_below": SKIP_BELOW,
@@ -199,10 +201,11 @@ def eta(x: Array, reference: Array, answer: Array, end: float | None = None) -> 
     return 1.0 - float(np.trapezoid(np.abs(answer - reference), size)) / area if area else float("nan")
 
 
-def _rotation_point(data: Mapping[Any, Any], n: int) -> float:
-    """Depth [m] of the point of the axis at rest in the last state, -u/rotation; NaN without one."""
-    rotation = float(data["rotation"][n - 1]) if n else 0.0
-    return -float(data["u"][n - 1]) / rotation if rotation else float("nan")
+def _rotation_point(data: Mapping[Any, Any], n: int, length: float) -> float:
+    """Depth [m] of the point of the axis at rest in the last state, -u/rotation; NaN for a translation."""
+    u, rotation = (float(data[name][n - 1]) if n else 0.0 for name in ("u", "rotation"))
+    # an imposed rotation of 0 is met to rounding only
+    return -u / rotation if abs(rotation) * length > 1e-9 * abs(u) else float("nan")
 
 
 _TEXT_COLUMNS = {

@@ -6,6 +6,7 @@ Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged; 4 resources; 130 inter
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -74,7 +75,7 @@ class RunIncomplete(PyspringsError):
 
     exit_code = EXIT_NOT_CONVERGED
 
-    def __init__(self, message: str, folder: str | Path | None = None) -> None:
+    def __init__(self, message: str, folder: str | os.PathLike[str] | None = None) -> None:
         super().__init__(message)
         self.message = message
         self.folder = None if folder is None else Path(folder)

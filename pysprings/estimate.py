@@ -15,9 +15,10 @@ if TYPE_CHECKING:
 _FACTOR_ENTRIES, _FACTOR_EXPONENT = 10.3, 1.44
 _FACTOR_SECONDS, _FACTOR_SECONDS_EXPONENT = 3.3e-10, 2.0
 _ITERATION_SECONDS = 1.0e-5
-_BASE_BYTES, _BYTES_PER_UNKNOWN, _BYTES_PER_ENTRY = 0.25e9, 3.0e3, 9.0
+_BASE_BYTES, _BYTES_PER_UNKNOWN, _BYTES_PER_ENTRY = 0.37e9, 3.0e3, 9.0
 # Increments of a path to large displacement, and linear solves per increment (cut-backs included)
 _INCREMENTS, _SOLVES_PER_INCREMENT = 45, 5.0
+_PICTURE_SECONDS = 10.0  # of one path
 
 
 def describe(scene: Scene) -> dict[str, Any]:
@@ -51,4 +52,5 @@ def seconds(scene: Scene, unknowns: int) -> float:
     """Estimated wall time of a run on two cores, in s: an order of magnitude, the steps are adaptive."""
     per_iteration = _FACTOR_SECONDS * unknowns**_FACTOR_SECONDS_EXPONENT + _ITERATION_SECONDS * unknowns
     solves = _INCREMENTS * (1.5 if scene.soil.yield_surface == "elastic" else _SOLVES_PER_INCREMENT)
-    return 5.0 + len(scene.paths) * solves * per_iteration
+    pictures = _PICTURE_SECONDS if scene.output.figures else 0.0
+    return 5.0 + len(scene.paths) * (solves * per_iteration + pictures)

@@ -7,7 +7,7 @@ import xarray as xr
 
 from pysprings import variables
 from pysprings.errors import Problem, UserInputError
-from pysprings.springs import SCHEMA, path_dataset, path_names, validate_springs
+from pysprings.springs import FEWEST_STATES, SCHEMA, path_dataset, path_names, validate_springs
 
 _ROOT_ATTRS = (
     "Conventions", "title", "source", "history", "references", "pysprings_version", "scene_sha256", "scene_toml",
@@ -18,20 +18,18 @@ _KEPT = (
     "depth_bounds", "m", "t", "y", "u", "w", "rotation", "H", "V", "M", "converged", "time",
     "H_tip", "V_tip", "M_tip", "H_lid", "V_lid", "M_lid",
 )  # fmt: skip
-# A curve needs the initial state and two more
-_FEWEST_STATES = 3
 
 
 def extract_springs(result: xr.DataTree) -> xr.DataTree:
     """Make the spring set of a result: p, m and t by depth, tip and lid resultants, for each path.
 
     The reactions are sums of the interface tractions over the ring of stations at each depth, divided by the
-    height of its slice, so that p dz + tip + lid is the applied load exactly. Paths with fewer than two converged
-    steps are left out; UserInputError when none remains.
+    height of its slice, so that p dz + tip + lid is the applied load exactly. Paths without a converged step after
+    the initial state are left out; UserInputError when none remains.
     """
-    names = [name for name in path_names(result) if result[f"paths/{name}"].sizes["step"] >= _FEWEST_STATES]
+    names = [name for name in path_names(result) if _n_converged(path_dataset(result, name)) >= FEWEST_STATES]
     if not names:
-        raise UserInputError([Problem(key="paths", message="no path has two converged steps: no springs can be made")])
+        raise UserInputError([Problem(key="paths", message="no path has a converged step: no springs can be made")])
     root = result.to_dataset(inherit=False)[["stiffness_initial"]]
     root.attrs = {key: result.attrs[key] for key in _ROOT_ATTRS if key in result.attrs} | {"schema": SCHEMA}
     groups: dict[str, xr.Dataset] = {"/": root}
@@ -43,3 +41,7 @@ def extract_springs(result: xr.DataTree) -> xr.DataTree:
     tree = xr.DataTree.from_dict(groups, name="springs")
     validate_springs(tree)
     return tree
+
+
+def _n_converged(path: xr.Dataset) -> int:
+    return int((path["converged"].values == 1).sum())

@@ -5,15 +5,18 @@ from __future__ import annotations
 
 import json
 import os
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.comparison import compare, curves
 from pysprings.errors import UserInputError
-from pysprings.exporters import csv_tables, excel
+from pysprings.exporters import csv_tables, excel, load_displacement_table
 from pysprings.extract import extract_springs
-from pysprings.full_model import Progress, raise_if_incomplete, run
+from pysprings.full_model import compute, raise_if_incomplete
+from pysprings.progress import Progress
+from pysprings.report import write_report
+from pysprings.result_files import FIGURES, remove_results
+from pysprings.run_record import Meter
 from pysprings.springs import balance, get_path, path_names, save_springs
 from pysprings.storage import write_text, write_tree
 
@@ -28,29 +31,27 @@ def run_to_folder(
 ) -> Path:
     """Run a scene and write full model, springs, tables, comparison, pictures, report and run.json; return the folder.
 
-    A run that stops early writes what converged, marked as partial, and then raises RunIncomplete (or
-    KeyboardInterrupt).
+    Results of an earlier run in the folder are removed once the new ones are there to be written; a scene that is
+    refused leaves them untouched. A run that stops early writes what converged, marked as partial, and then
+    raises RunIncomplete (or KeyboardInterrupt).
     """
     folder = Path(out)
-    result = run(scene, mesh=mesh, progress=progress)
+    result = compute(scene, mesh=mesh, progress=progress)
+    meter, record = Meter(), json.loads(result.attrs["run_json"])
     folder.mkdir(parents=True, exist_ok=True)
-    start, cpu = time.perf_counter(), time.process_time()
-    write_tree(result, folder / "full_model.nc")
-    record: dict[str, Any] = json.loads(result.attrs["run_json"])
+    remove_results(folder)
+    with meter.clock.phase("output: files"):
+        write_tree(result, folder / "full_model.nc")
+        _write_record(folder, record)
+        springs = _springs(result)
+        _write_tables(folder, result, springs, record)
+    with meter.clock.phase("output: pictures"):
+        figures = _draw(folder, result, springs) if scene.output.figures else []
+    meter.charge(record)  # the report shows the cost of everything but itself
+    with meter.clock.phase("output: report"):
+        write_report(folder, result, springs, run=record, figures=figures)
+    meter.charge(record)
     _write_record(folder, record)
-    springs = _springs(result)
-    if springs is not None:
-        record["balance"] = {name: balance(get_path(springs, name)) for name in path_names(springs)}
-        _write_springs(folder, result, springs)
-    if scene.output.figures:
-        _draw(folder, result, springs)
-    wall = time.perf_counter() - start
-    record["phases"]["files and figures"] = {
-        "wall_s": round(wall, 3), "cpu_s": round(time.process_time() - cpu, 3),
-    }  # fmt: skip
-    record["wall_s"] = round(record["wall_s"] + wall, 3)
-    _write_record(folder, record)
-    _report(folder, result, springs, record)
     raise_if_incomplete(result, folder)
     return folder
 
@@ -65,23 +66,22 @@ def _springs(result: xr.DataTree) -> xr.DataTree | None:
         return None
 
 
-def _write_springs(folder: Path, result: xr.DataTree, springs: xr.DataTree) -> None:
-    save_springs(springs, folder / "springs.nc")
-    csv_tables(folder, springs, result, compare(springs))
-    excel(folder / "springs.xlsx", springs)
+def _write_tables(folder: Path, result: xr.DataTree, springs: xr.DataTree | None, record: dict[str, Any]) -> None:
+    """Write what there is: the loads of every path, and the springs where there are any."""
+    if path_names(result):
+        load_displacement_table(folder, result)
+    if springs is not None:
+        record["balance"] = {name: balance(get_path(springs, name)) for name in path_names(springs)}
+        save_springs(springs, folder / "springs.nc")
+        csv_tables(folder, springs, comparison=compare(springs))
+        excel(folder / "springs.xlsx", springs)
 
 
-def _draw(folder: Path, result: xr.DataTree, springs: xr.DataTree | None) -> None:
+def _draw(folder: Path, result: xr.DataTree, springs: xr.DataTree | None) -> list[Path]:
     from pysprings import plots
 
     predicted = {name: curves(springs, name) for name in path_names(springs)} if springs is not None else {}
-    plots.save_all(result, springs, folder / "figures", predicted)
-
-
-def _report(folder: Path, result: xr.DataTree, springs: xr.DataTree | None, record: dict[str, Any]) -> None:
-    from pysprings.report import write_report
-
-    write_report(folder, result, springs, run=record)
+    return plots.save_all(result, springs, folder / FIGURES, predicted)
 
 
 def _write_record(folder: Path, record: dict[str, Any]) -> None:

@@ -4,10 +4,9 @@
 from __future__ import annotations
 
 import json
+import os
 import platform
-import time
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
@@ -18,7 +17,7 @@ import xarray as xr
 import pysprings
 from fe_engine.assembly import System
 from fe_engine.clock import Clock
-from fe_engine.errors import FEError, NotConverged
+from fe_engine.errors import FEError, LinearSolverError, NotConverged
 from fe_engine.linear import LinearSolver
 from fe_engine.newton import Newton, Settings
 from fe_engine.state import State
@@ -26,14 +25,16 @@ from fe_engine.stepping import Driver, Step
 from pysprings import variables
 from pysprings.build import Built, build_model, left_out
 from pysprings.collect import Collector, section_dataset
-from pysprings.errors import Problem, RunIncomplete, UserInputError
-from pysprings.run_record import convergence_dataset, peak_memory_bytes, summarise
+from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
+from pysprings.progress import Progress
+from pysprings.run_record import DEAD_LOAD, Meter, convergence_dataset, cut_back, summarise
 from pysprings.stages import dead_load_stage, path_stage
 
 if TYPE_CHECKING:
     from pysprings.scene import Path, Scene
 
-Progress = Callable[[str, float, str], None]
+# Largest motion of the caisson under a given load, over its diameter
+_LARGEST_MOTION = 0.5
 
 
 @dataclass
@@ -60,7 +61,7 @@ def run(
     Parameters
     ----------
     scene : what to run.
-    mesh, linear : preset and linear solver instead of the scene's.
+    mesh, linear : preset and linear solver instead of the scene's; the result records the scene that ran.
     progress : called as ``progress(path, fraction, message)``.
 
     Returns
@@ -68,32 +69,57 @@ def run(
     DataTree with one group per path (see `pysprings.variables`). ``attrs["status"]`` is "complete", or "partial"
     when a path did not converge to its end (with a warning), or "interrupted"; what converged is kept.
     """
-    started, wall = datetime.now(UTC), time.perf_counter()
-    work = _prepare(scene, mesh, progress or (lambda *_: None), linear)
+    result = compute(scene, mesh, progress, linear)
+    for failure in json.loads(result.attrs["run_json"])["failures"]:
+        warnings.warn(failure, stacklevel=2)
+    return result
+
+
+def compute(
+    scene: Scene, mesh: str | None = None, progress: Progress | None = None, linear: str | None = None
+) -> xr.DataTree:
+    """Do the work of `run`, without warnings."""
+    started, meter = datetime.now(UTC), Meter()
+    ran = scene_to_run(scene, mesh, linear)
+    work = _prepare(ran, meter.clock, progress or (lambda *_: None))
     stiffness = _initial_stiffness(work)
     try:
-        for path in scene.paths:
+        for path in ran.paths:
             _run_path(work, path)
     except KeyboardInterrupt:
         work.interrupted = True
     work.newton.solver.close()
-    for failure in work.failures:
-        warnings.warn(failure, stacklevel=2)
-    record = _record(work, started, time.perf_counter() - wall)
-    return _tree(work, stiffness, record)
+    record = _record(work, started)
+    meter.charge(record)
+    result = _tree(work, stiffness, record)
+    if ran is not scene:
+        result.attrs["scene_toml_given"] = scene.source_text
+    return result
 
 
-def _prepare(scene: Scene, mesh: str | None, progress: Progress, linear: str | None) -> _Run:
-    clock = Clock()
+def scene_to_run(scene: Scene, mesh: str | None = None, linear: str | None = None) -> Scene:
+    """Return the scene with another mesh preset or linear solver; the scene itself where nothing changes."""
+    changed = scene
+    if mesh is not None and mesh != scene.mesh.preset:
+        changed = changed.replace(mesh={"preset": mesh})
+    if linear is not None and linear != scene.solver.linear:
+        changed = changed.replace(solver={"linear": linear})
+    return changed
+
+
+def _prepare(scene: Scene, clock: Clock, progress: Progress) -> _Run:
+    progress("model", 0.0, "mesh")
     with clock.phase("mesh"):
-        progress("model", 0.0, "mesh")
         try:
-            built = build_model(scene, mesh)
+            built = build_model(scene)
         except FEError as error:
             raise UserInputError([Problem(key="mesh", message=str(error))]) from error
     with clock.phase("set-up"):
         system = System(built.model, clock)
-        solver = LinearSolver(linear or scene.solver.linear, system.pattern.n_free, clock)
+        try:
+            solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock)
+        except LinearSolverError as error:
+            raise ResourceError(str(error)) from error
         newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations))
     progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {system.pattern.n_free} unknowns")
     return _Run(scene, built, system, newton, clock, progress)
@@ -101,32 +127,37 @@ def _prepare(scene: Scene, mesh: str | None, progress: Progress, linear: str | N
 
 def _initial_stiffness(work: _Run) -> np.ndarray:
     """Tangent stiffness (3, 3) of the whole caisson at the initial state."""
-    return 2.0 * work.newton.border_stiffness(State(work.built.model))
+    try:
+        return 2.0 * work.newton.border_stiffness(State(work.built.model))
+    except FEError as error:
+        raise RunIncomplete(f"the stiffness of the initial state cannot be computed: {error}") from error
 
 
 def _run_path(work: _Run, path: Path) -> None:
     """Run one path from the initial state; a path that stops early is kept up to where it converged."""
     state = State(work.built.model)
     driver = Driver(work.newton, state)
-    output = work.scene.output
+    output, extra = work.scene.output, work.built.extra_load
     collector = Collector(work.built, work.system, output.interface_fields, output.section)
     status = "complete"
 
     def on_step(step: Step) -> None:
-        with work.clock.phase("output"):
-            collector.add(state.committed, _time_of(path, step.fraction))
-        message = f"step {driver.n_steps}, {step.increment.iterations} iterations"
+        _collect(work, collector, state, _time_of(path, step.fraction))
+        message = f"step {len(collector.rows) - 1}, {step.increment.iterations} iterations"
         work.progress(path.name, step.fraction, message)
+        if path.kind == "load":
+            _refuse_flight(work.scene, state)
 
     try:
-        if work.built.extra_load:
-            driver.run(dead_load_stage(work.built.extra_load), lambda _: None)
-        collector.add(state.committed, 0.0)
-        driver.run(path_stage(work.scene, path, work.built.extra_load), on_step)
+        if extra:
+            driver.run(dead_load_stage(extra), lambda _: work.progress(path.name, 0.0, "dead load"))
+        _collect(work, collector, state, 0.0)
+        driver.run(path_stage(work.scene, path, extra), on_step)
     except NotConverged as error:
         status = "partial"
-        reached = driver.record[-1]["load_fraction"] if driver.record else 0.0
-        work.failures.append(f"path '{path.name}' stopped on its way to {100 * reached:.1f} %: {error}")
+        work.failures.append(_failure(path, driver, error))
+        if not collector.rows:  # the dead load itself: the state that it reached is kept, marked
+            _collect(work, collector, state, 0.0, converged=False)
     except KeyboardInterrupt:
         status = "interrupted"
         raise
@@ -135,14 +166,37 @@ def _run_path(work: _Run, path: Path) -> None:
             _keep(work, path, collector, driver, status)
 
 
+def _collect(work: _Run, collector: Collector, state: State, time: float, converged: bool = True) -> None:
+    with work.clock.phase("output"):
+        collector.add(state.committed, time, converged)
+
+
+def _refuse_flight(scene: Scene, state: State) -> None:
+    """Stop a path under a given load where the caisson leaves: small displacements then make no sense."""
+    u, _, rotation = state.committed.border
+    reach = max(abs(u), abs(u + rotation * scene.caisson.skirt_length))
+    if reach > _LARGEST_MOTION * scene.caisson.outer_diameter:
+        raise NotConverged(f"the caisson has moved by {reach:.3g} m: the soil does not carry the load")
+
+
+def _failure(path: Path, driver: Driver, error: NotConverged) -> str:
+    """One line: which path stopped, on its way to which part of the load, where in the model and why."""
+    stage, target = driver.aim
+    of = " of its dead load" if stage == DEAD_LOAD else ""
+    return f"path '{path.name}' stopped on its way to {100 * target:.4g} %{of}: {error}"
+
+
 def _keep(work: _Run, path: Path, collector: Collector, driver: Driver, status: str) -> None:
-    dataset = collector.dataset()
-    dataset.attrs = {"kind": path.kind, "arm_m": path.arm, "role": path.role, "status": status, "heave": path.heave}
-    if path.rate is not None:
-        dataset.attrs["rate_m_per_s"] = path.rate
-    work.paths[f"/paths/{path.name}"] = dataset
-    work.paths[f"/paths/{path.name}/convergence"] = convergence_dataset(driver.record)
-    work.summaries[path.name] = {"status": status} | summarise(driver.record, dataset)
+    with work.clock.phase("output"):
+        dataset = collector.dataset()
+        dataset.attrs = {"kind": path.kind, "arm_m": path.arm, "role": path.role, "status": status, "heave": path.heave}
+        if path.rate is not None:
+            dataset.attrs["rate_m_per_s"] = path.rate
+        work.paths[f"/paths/{path.name}"] = dataset
+        work.paths[f"/paths/{path.name}/convergence"] = convergence_dataset(driver.record)
+        work.summaries[path.name] = {"status": status} | summarise(
+            driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset
+        )
 
 
 def _time_of(path: Path, fraction: float) -> float:
@@ -152,16 +206,11 @@ def _time_of(path: Path, fraction: float) -> float:
     return fraction * abs(path.lateral_displacement) / path.rate
 
 
-def _record(work: _Run, started: datetime, wall: float) -> dict[str, Any]:
-    """Everything that goes into run.json."""
+def _record(work: _Run, started: datetime) -> dict[str, Any]:
+    """Everything that goes into run.json but the cost."""
     solver, mesh = work.newton.solver, work.built.model.mesh
-    status = "interrupted" if work.interrupted else "partial" if work.failures else "complete"
-    phases = {
-        name: {"wall_s": round(work.clock.wall[name], 3), "cpu_s": round(work.clock.cpu[name], 3)}
-        for name in work.clock.wall
-    }
     return {
-        "status": status,
+        "status": "interrupted" if work.interrupted else "partial" if work.failures else "complete",
         "failures": work.failures,
         "version": pysprings.__version__,
         "started_utc": started.isoformat(timespec="seconds"),
@@ -170,20 +219,18 @@ def _record(work: _Run, started: datetime, wall: float) -> dict[str, Any]:
         "scene_sha256": work.scene.sha256,
         "scene_toml": work.scene.to_toml(),
         "mesh": {
+            "preset": work.scene.mesh.preset,
             "nodes": mesh.n_nodes, "elements": mesh.n_elements, "unknowns": work.system.pattern.n_free + 3,
             "interface_stations": len(work.system.stations.area),
             "min_scaled_jacobian": work.built.quality.min_jacobian, "max_aspect": work.built.quality.max_aspect,
         },
         "solver": {
             "linear": solver.backend.name, "tolerance": work.newton.settings.tolerance,
+            "max_iterations": work.newton.settings.max_iterations,
             "factorisations": solver.n_factorisations, "solves": solver.n_solves,
             "worst_linear_residual": solver.worst_residual,
         },
         "paths": work.summaries,
-        "phases": phases,
-        "wall_s": round(wall, 3),
-        "cpu_s": round(time.process_time(), 3),
-        "peak_memory_bytes": peak_memory_bytes(),
         "left_out": [{"what": what, "why": why} for what, why in left_out(work.scene)],
     }  # fmt: skip
 
@@ -214,6 +261,7 @@ def _tree(work: _Run, stiffness: np.ndarray, record: dict[str, Any]) -> xr.DataT
         "outer_diameter_m": scene.caisson.outer_diameter,
         "skirt_length_m": scene.caisson.skirt_length,
         "skirt_thickness_m": scene.caisson.skirt_thickness,
+        "lid_thickness_m": scene.caisson.lid_thickness,
         "vertical_load_N": 2.0 * (work.built.balanced_load + work.built.extra_load),
         "run_json": json.dumps(record),
     }
@@ -221,7 +269,7 @@ def _tree(work: _Run, stiffness: np.ndarray, record: dict[str, Any]) -> xr.DataT
     return xr.DataTree.from_dict(groups, name="result")
 
 
-def raise_if_incomplete(result: xr.DataTree, folder: Any = None) -> None:
+def raise_if_incomplete(result: xr.DataTree, folder: str | os.PathLike[str] | None = None) -> None:
     """Raise what the command line turns into exit codes 3 and 130."""
     if result.attrs["status"] == "interrupted":
         raise KeyboardInterrupt

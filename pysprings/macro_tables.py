@@ -181,11 +181,11 @@ def _carried(
 ) -> _Row | None:
     """Row of reaction r, read from the first displacement in the given order that serves over the whole path.
 
-    Where r resists none of them, growth alone must do.
+    Where r resists none of them, growth alone must do; its own displacement, the first, comes last then.
     """
     options = rec.carriers(depth)
-    for resists in (True, False):
-        for carrier in order if resists else order[1:]:
+    for resists, carriers in ((True, order), (False, order[1:] + order[:1])):
+        for carrier in carriers:
             a, q, size = options[carrier]
             if _served(q, r, size, resists) == q.size:
                 return _Row(name, depth, carrier, a, b, q, r, natural=carrier == order[0])

@@ -20,29 +20,21 @@ from pysprings.report_tables import (
     compare_table,
     convergence_table,
     cost_tables,
+    cut_back_table,
     end_table,
     equilibrium_table,
     input_tables,
     mesh_table,
+    ring_table,
     validity,
 )
+from pysprings.result_files import PICTURES, picture_kind, pictures_in
 from pysprings.sketch import axes_svg
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-CAPTIONS = {
-    "mesh": "Mesh in the symmetry plane",
-    "load_displacement": "Load by component, vertical forces, rotation and heave",
-    "macro_against_full": "Rigid body on springs against the full model",
-    "py": "p-y curves by depth",
-    "stress_outside": "Normal effective stress around the caisson, outside",
-    "stress_inside": "Normal effective stress around the caisson, inside",
-    "gap": "Gap opening",
-    "section": "Displacement in the symmetry plane",
-    "newton": "Newton iterations",
-}
 MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
 
@@ -76,7 +68,7 @@ def write_report(
     """Write ``report.html`` into the folder of a run, whole or not at all; return its path.
 
     Whatever is not given is read from the folder: full_model.nc, springs.nc, compare.csv, run.json and the
-    pictures in it and in its subfolder ``figures``. Only the result is needed.
+    pictures in its subfolder ``figures``. Only the result is needed.
     """
     from pysprings.storage import read_tree, write_text
 
@@ -88,7 +80,7 @@ def write_report(
         compare = _read_table(place / "compare.csv")
     if run is None and (place / "run.json").exists():
         run = json.loads((place / "run.json").read_text(encoding="utf-8"))
-    files = [Path(file) for file in figures] if figures is not None else _pictures_in(place)
+    files = [Path(file) for file in figures] if figures is not None else pictures_in(place)
     return write_text(render(result, springs, compare, run, files), place / "report.html")
 
 
@@ -135,6 +127,8 @@ def render(
         mesh=mesh_table(result.attrs, run),
         mesh_pictures=_pictures(figures, ""),
         convergence=convergence_table(paths, run),
+        cut_backs=cut_back_table(run),
+        rings=ring_table(paths),
         equilibrium=equilibrium_table(springs if springs is not None else result),
         paths=[
             PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n)) for n, p in paths.items()
@@ -154,18 +148,14 @@ def _left_out(left_out: Any) -> list[tuple[str, str]]:
     ]
 
 
-def _pictures_in(folder: Path) -> list[Path]:
-    return [file for place in (folder, folder / "figures") for file in sorted(place.glob("*")) if file.suffix in MEDIA]
-
-
 def _pictures(files: Iterable[Path], path: str) -> list[Picture]:
     """Embed the pictures of a path (of the whole run: ``""``), once each; SVG where there is one."""
     best: dict[str, Path] = {}
     for file in files:
         if file.stem not in best or file.suffix == ".svg":
             best[file.stem] = file
-    kinds = {stem: kind for stem in best if (kind := _kind(stem, path))}
-    order = sorted(kinds, key=lambda stem: (list(CAPTIONS).index(kinds[stem][0]), kinds[stem][1] == "last"))
+    kinds = {stem: kind for stem in best if (kind := picture_kind(stem, path))}
+    order = sorted(kinds, key=lambda stem: (list(PICTURES).index(kinds[stem][0]), kinds[stem][1] == "last"))
     return [
         Picture(
             _caption(*kinds[stem]),
@@ -176,22 +166,11 @@ def _pictures(files: Iterable[Path], path: str) -> list[Picture]:
     ]
 
 
-def _kind(stem: str, path: str) -> tuple[str, str] | None:
-    """Split a picture's name in (kind, state); None when it is not of the path (of the whole run: ``""``)."""
-    if path and not stem.startswith(f"{path}_"):
-        return None
-    rest = stem.removeprefix(f"{path}_") if path else stem
-    if rest in CAPTIONS:
-        return rest, ""
-    kind, _, state = rest.rpartition("_")
-    return (kind, state) if path and kind in CAPTIONS else None
-
-
 def _caption(kind: str, state: str) -> str:
     if not state:
-        return CAPTIONS[kind]
+        return PICTURES[kind]
     at = "at the last converged step" if state == "last" else f"at u = {state.replace('mm', ' mm')}"
-    return f"{CAPTIONS[kind]}, {at}"
+    return f"{PICTURES[kind]}, {at}"
 
 
 def _uri(content: bytes, suffix: str) -> str:

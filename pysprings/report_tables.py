@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pysprings.ring_measure import contact_alternation
+
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
@@ -130,6 +132,52 @@ def _convergence_row(path: Any, summary: Mapping[str, Any]) -> list[str]:
         number(worst, 2),
         number(summary.get("order_of_last_iterations") or "-", 3),
     ]
+
+
+def _at(place: str) -> str:
+    return f" ({place})" if place else ""
+
+
+def cut_back_table(run: Mapping[str, Any]) -> Table | None:
+    """List the attempts that were given up: path, place in the load and in the model, reason; None without any."""
+    rows = [
+        (
+            str(name), f"{100 * each['load_fraction']:.4g} % of the {each['stage']}", number(each["iterations"]),
+            str(each["reason"]), str(each["place"]) or "-",
+            ", ".join(number(value, 2) for value in each["last_residuals"]) or "-",
+        )
+        for name, path in dict(run.get("paths") or {}).items()
+        for each in path.get("cut_backs_at", ())
+    ]  # fmt: skip
+    columns = ("path", "at", "iterations", "reason", "largest residual at", "last residuals")
+    note = "The load step was halved after each of these attempts and taken again."
+    return Table("Attempts given up (cut-backs)", columns, rows, note) if rows else None
+
+
+def ring_table(paths: Mapping[str, Any]) -> Table:
+    """State, path by path, whether contact pressure and opening alternate around the rings of the skirt."""
+    rows = []
+    for name, path in paths.items():
+        found = contact_alternation(path.to_dataset())
+        if found is None:
+            rows.append((name, *["not measured: interface fields were not kept"] * 3))
+            continue
+        rows.append(
+            (
+                name,
+                number(found["alternation"], 3) + _at(found["alternation_at"]),
+                number(found["second_difference"], 3) + _at(found["second_difference_at"]),
+                f"{found['isolated_open']} of {found['stations']} stations",
+            )
+        )
+    columns = ("path", "alternation", "largest second difference", "open stations between two loaded ones")
+    note = (
+        "Normal effective stress at neighbouring stations of a ring (one side, one depth), over the ring's mean "
+        "(now or at the start, the larger); largest over all steps. Second difference: p(i-1) - 2 p(i) + p(i+1); "
+        "it also sees real curvature and the edge of an open zone. Alternation: the smallest of three that "
+        "follow each other with signs in turn; a swing of s from point to point gives 4 s."
+    )
+    return Table("Contact from station to station", columns, rows, note)
 
 
 def equilibrium_table(tree: xr.DataTree) -> Table:

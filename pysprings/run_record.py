@@ -1,32 +1,42 @@
 # SPDX-License-Identifier: MIT
-"""The convergence record of a path, its summary, and the memory a run took."""
+"""The convergence record of a path, its summary, and what a run cost."""
 
 from __future__ import annotations
 
 import sys
+import time
 from itertools import groupby
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from fe_engine.clock import Clock
+from fe_engine.errors import NotConverged
 from pysprings import variables
+from pysprings.ring_measure import contact_alternation
+
+DEAD_LOAD = "dead load"  # the stage before a path whose caisson carries more or less than the balance
 
 _COLUMNS = (
-    "step", "attempt", "iteration", "load_fraction", "residual", "correction", "damping",
+    "increment", "attempt", "iteration", "load_fraction", "residual", "correction", "damping",
     "n_open", "n_slip", "n_plastic", "n_apex",
 )  # fmt: skip
-_INTEGERS = {"step", "attempt", "iteration", "n_open", "n_slip", "n_plastic", "n_apex"}
+_INTEGERS = {"increment", "attempt", "iteration", "n_open", "n_slip", "n_plastic", "n_apex"}
 
 
 def with_attempts(record: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Number the attempts at each step: 1, and one more after each cut-back."""
+    """Number the increments of the path from 1, and the attempts at each: 1, and one more after each cut-back.
+
+    The increments of the dead load, which come first, get the numbers up to 0.
+    """
+    before = max((row["step"] for row in record if row["stage"] == DEAD_LOAD), default=0)
     rows, attempt, last_step = [], 0, 0
     for row in record:
         if row["iteration"] == 0:
             attempt = attempt + 1 if row["step"] == last_step else 1
             last_step = row["step"]
-        rows.append({**row, "attempt": attempt})
+        rows.append({**row, "attempt": attempt, "increment": row["step"] - before})
     return rows
 
 
@@ -40,25 +50,73 @@ def convergence_dataset(record: list[dict[str, Any]]) -> xr.Dataset:
     return variables.attach(xr.Dataset(data), "convergence")
 
 
-def summarise(record: list[dict[str, Any]], path: xr.Dataset) -> dict[str, Any]:
-    """Figures of a path: increments, iterations, cut-backs and their places, order of convergence, balance."""
-    attempts = [list(rows) for _, rows in groupby(with_attempts(record), lambda r: (r["step"], r["attempt"]))]
+def summarise(record: list[dict[str, Any]], cut_backs: list[dict[str, Any]], path: xr.Dataset) -> dict[str, Any]:
+    """Figures of a path: increments, iterations, cut-backs and where they came from, order of convergence, end.
+
+    Parameters
+    ----------
+    record : one row per iteration (`fe_engine.stepping.Driver`).
+    cut_backs : one entry per attempt that was given up, see `cut_back`.
+    path : what was collected along the path.
+    """
+    attempts = [list(rows) for _, rows in groupby(with_attempts(record), lambda r: (r["increment"], r["attempt"]))]
     good = [rows for rows in attempts if rows[-1]["converged"]]
-    bad = [rows for rows in attempts if not rows[-1]["converged"]]
     iterations = [len(rows) - 1 for rows in good]
+    dead_load = sum(rows[0]["stage"] == DEAD_LOAD for rows in good)
     return {
         "increments": len(good),
+        **({"increments_of_dead_load": dead_load} if dead_load else {}),
         "iterations": int(sum(iterations)),
         "median_iterations": float(np.median(iterations)) if good else 0.0,
         "max_iterations": max(iterations, default=0),
-        "cut_backs": len(bad),
-        "iterations_in_cut_backs": sum(len(rows) - 1 for rows in bad),
-        "cut_back_at_fractions": [round(rows[-1]["load_fraction"], 5) for rows in bad],
+        "cut_backs": len(cut_backs),
+        "iterations_in_cut_backs": sum(each["iterations"] for each in cut_backs),
+        "cut_backs_at": cut_backs,
         "worst_residual": max((rows[-1]["residual"] for rows in good), default=0.0),
         "order_of_last_iterations": _order(good),
         "last_residual_ratio": _last_ratio(good),
         "end": {name: float(path[name][-1]) for name in ("u", "w", "rotation", "H", "V", "M")},
+        "contact_rings": contact_alternation(path),
     }
+
+
+def cut_back(stage: str, fraction: float, error: NotConverged) -> dict[str, Any]:
+    """An attempt that was given up: stage, fraction of it that was aimed at, reason, place, last residuals."""
+    residuals = [float(row["residual"]) for row in error.history]
+    return {
+        "stage": stage if stage == DEAD_LOAD else "path",
+        "load_fraction": round(fraction, 9),
+        "reason": error.reason,
+        "place": error.place,
+        "iterations": max(len(residuals) - 1, 0),
+        "last_residuals": [float(f"{value:.3g}") for value in residuals[-6:]],
+    }
+
+
+class Meter:
+    """Measures what a piece of work costs: its phases by a clock, and wall and CPU seconds in all."""
+
+    def __init__(self) -> None:
+        self.clock = Clock()
+        self._since = time.perf_counter(), time.process_time()
+
+    def charge(self, record: dict[str, Any]) -> None:
+        """Add the cost since the last charge to a record, and start anew.
+
+        The phase "other" takes what no phase has counted, so that the phases add up to the totals.
+        """
+        phases = record.setdefault("phases", {})
+        phases.pop("other", None)
+        for name, wall in self.clock.wall.items():
+            phases[name] = {"wall_s": round(wall, 3), "cpu_s": round(self.clock.cpu[name], 3)}
+        now = time.perf_counter(), time.process_time()
+        phases["other"] = {}
+        for key, end, start in zip(("wall_s", "cpu_s"), now, self._since, strict=True):
+            record[key] = round(record.get(key, 0.0) + end - start, 3)
+            counted = sum(phase.get(key, 0.0) for phase in phases.values())
+            phases["other"][key] = round(max(record[key] - counted, 0.0), 3)
+        record["peak_memory_bytes"] = peak_memory_bytes()
+        self.clock, self._since = Clock(), now
 
 
 def _order(good: list[list[dict[str, Any]]]) -> float | None:

@@ -22,6 +22,7 @@ from pysprings.storage import read_tree, refusal, write_tree
 SCHEMA = "pysprings-springs-1"
 KINDS = ("pull", "translation", "rotation", "load")
 ROLES = ("calibration", "held-back")
+FEWEST_STATES = 2  # a curve needs the initial state and one more
 
 _ROOT_NUMBERS = ("outer_diameter_m", "skirt_length_m", "skirt_thickness_m", "vertical_load_N")
 _ROOT_TEXTS = ("drainage", "pysprings_version", "scene_sha256")
@@ -111,8 +112,8 @@ def _depth_faults(dataset: xr.Dataset, length: float) -> Iterator[tuple[str, str
 
 def _step_faults(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
     good = dataset["converged"].values == 1
-    if good.sum() < 3 or not good[0]:
-        yield "converged", "needs the initial state and at least two converged steps"
+    if good.sum() < FEWEST_STATES or not good[0]:
+        yield "converged", "needs the initial state and at least one converged step"
         return
     for name, data in dataset.data_vars.items():
         if "step" in data.dims and not np.isfinite(data.isel(step=np.flatnonzero(good)).values).all():

@@ -30,10 +30,17 @@ def csv_tables(
 
     written = [csv.write_py(springs, Path(folder) / "py.csv")]
     if result is not None:
-        written.append(csv.write_load_displacement(result, Path(folder) / "load_displacement.csv"))
+        written.append(load_displacement_table(folder, result))
     if comparison is not None:
         written.append(csv.write_frame(comparison, Path(folder) / "compare.csv"))
     return written
+
+
+def load_displacement_table(folder: PathLike, result: xr.DataTree) -> Path:
+    """Write `load_displacement.csv` of a result that has no springs, or beside them; return its path."""
+    from pysprings.exporters import csv
+
+    return csv.write_load_displacement(result, Path(folder) / "load_displacement.csv")
 
 
 def excel(path: PathLike, springs: xr.DataTree) -> Path:

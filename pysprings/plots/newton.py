@@ -39,7 +39,7 @@ def failed_steps(path: xr.Dataset, record: xr.Dataset) -> tuple[int, ...]:
     """Return the steps of a record that were never accepted: marked so, or the last one of a partial path."""
     failed = {int(k) for k in np.flatnonzero(~converged(path))}
     if path.attrs.get("status") == "partial" and record.sizes["iteration"]:
-        failed.add(int(record["step"].values[-1]))
+        failed.add(int(record["increment"].values[-1]))
     return tuple(sorted(failed))
 
 
@@ -49,7 +49,7 @@ def attempts(record: xr.Dataset, failed_steps: tuple[int, ...] = ()) -> list[Att
     The last attempt at a step is the accepted one, the earlier ones were cut back; a step in `failed_steps`
     has no accepted attempt.
     """
-    step, number = record["step"].values, record["attempt"].values
+    step, number = record["increment"].values, record["attempt"].values
     changes = np.flatnonzero((np.diff(step) != 0) | (np.diff(number) != 0)) + 1
     blocks = [rows for rows in np.split(np.arange(step.size), changes) if rows.size]
     found = []
@@ -68,7 +68,7 @@ def newton_record(record: xr.Dataset, failed_steps: tuple[int, ...] = ()) -> Fig
     Parameters
     ----------
     record
-        ``/paths/<name>/convergence``: step, attempt, iteration, residual (relative), all (iteration,).
+        ``/paths/<name>/convergence``: increment, attempt, iteration, residual (relative), all (iteration,).
         attrs ``tolerance`` draws the line to reach.
     failed_steps
         Steps that did not converge: all their attempts count as given up.
@@ -103,7 +103,7 @@ def _bars(axes: Axes, tries: list[Attempt]) -> None:
             gid="accepted" if each.accepted else "cut back",
         )
         height[each.step] = base + each.iterations
-    axes.set_xlabel("increment")
+    axes.set_xlabel("increment (0 and below: dead load)" if min(height, default=1) < 1 else "increment")
     axes.set_ylabel("iterations")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))

@@ -11,6 +11,7 @@ depend on displacement *and* rotation, as real ones do: p-y curves of one path d
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import xarray as xr
@@ -140,6 +141,7 @@ def loads(c: Caisson, u: float, rotation: float) -> tuple[float, float]:
     return lateral, moment
 
 
+@cache
 def states(c: Caisson, path: Path) -> list[tuple[float, float]]:
     """Equilibrium states (u, rotation) of a path; denser at its start, as a solver's steps are."""
     ramp = path.size * np.linspace(0.0, 1.0, path.steps + 1) ** 1.5
@@ -264,7 +266,7 @@ def convergence_dataset(steps: int) -> xr.Dataset:
         for i in range(4)
     ]
     names = (
-        "step",
+        "increment",
         "attempt",
         "iteration",
         "load_fraction",

@@ -211,10 +211,39 @@ def test_check_refuses_a_scene_with_every_problem() -> None:
 # --- run ---
 
 
+CUT_BACK = {
+    "stage": "path",
+    "load_fraction": 0.125,
+    "reason": "the residual stalls",
+    "place": "node 7",
+    "iterations": 9,
+    "last_residuals": [0.1],
+}
 RECORD = {
     "mesh": {"nodes": 1848, "unknowns": 4631},
     "solver": {"linear": "pardiso", "factorisations": 190},
-    "paths": {"pull": {"status": "complete", "increments": 39, "iterations": 149, "cut_backs": 5}},
+    "paths": {
+        "pull": {
+            "status": "complete",
+            "increments": 39,
+            "iterations": 149,
+            "median_iterations": 4.0,
+            "max_iterations": 11,
+            "cut_backs": 20,
+            "iterations_in_cut_backs": 51,
+            "cut_backs_at": [CUT_BACK] * 20,
+            "worst_residual": 9e-7,
+            "last_residual_ratio": 1e-4,
+            "order_of_last_iterations": 1.875,
+            "contact_rings": {
+                "alternation": 0.0125,
+                "alternation_at": "",
+                "second_difference": 0.75,
+                "second_difference_at": "outside, azimuth 90°, depth 0.00 m, step 39",
+                "isolated_open": 0,
+            },
+        }
+    },
     "phases": {"mesh": {"wall_s": 0.399, "cpu_s": 0.275}},
     "wall_s": 85.283,
     "peak_memory_bytes": 447963136,
@@ -229,12 +258,15 @@ def fake_run(monkeypatch: pytest.MonkeyPatch, end: BaseException | None = None, 
         calls.append((scene, out, mesh))
         progress("pull", 0.0, "start")
         progress("pull", 1.0, "end")
-        if status != "unsaved":
+        if status == "removed":
+            (out / "run.json").unlink()
+        elif status != "unsaved":
             storage.write_text(json.dumps(RECORD | {"status": status}), out / "run.json")
         if end is not None:
             raise end
         save_springs(synthetic.make_springs(), out / "springs.nc")
-        for name in ("py.svg", "py.png"):
+        storage.write_text(json.dumps(RECORD | {"status": status, "balance": {}}), out / "run.json")
+        for name in ("pull_py.svg", "pull_py.png"):
             storage.write_text("", out / "figures" / name)
         return out
 
@@ -250,18 +282,34 @@ def test_run_prints_where_results_are_and_the_comparison(monkeypatch: pytest.Mon
     for text in ("results in out/caisson (complete)", "out/caisson/springs.nc", "eta", "4,631 unknowns"):
         assert text in done.out
     lines = [line.split() for line in done.out.splitlines()]
-    assert ["out/caisson/figures/py", "picture", "(png,", "svg)"] in lines
-    assert ["pull", "complete", "39", "149", "-", "5", "-", "-"] in lines
-    assert ["mesh", "0.4", "0.3"] in lines
-    assert ["total", "85.3", "-"] in lines
+    assert ["out/caisson/figures/pull_py", "picture", "(png,", "svg)"] in lines
+    assert ["pull", "complete", "39", "149", "4", "11", "20", "9e-07", "0.0001", "1.875"] in lines
+    assert ["mesh", "0.40", "0.28"] in lines
+    assert ["total", "85.28", "-"] in lines
     assert done.err == "pull   0 % start\npull 100 % end\n"
+
+
+def test_run_prints_cost_cut_backs_and_the_contact_measure(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
+    fake_run(monkeypatch)
+    out = Result("run", scene_file).out
+    lines = out.splitlines()
+    assert lines.count("pull: at 12.5 % of the path after 9 iterations: the residual stalls (node 7)") == 12
+    assert "... and 8 more in run.json" in lines
+    assert (
+        "pull: alternation 0.0125, largest second difference 0.75 (outside, azimuth 90°, depth 0.00 m, step 39) "
+        "of the ring's mean; open stations between two loaded ones: 0"
+    ) in lines
+    assert (
+        "1,848 nodes, 4,631 unknowns; 200 Newton iterations, those in cut-backs included; "
+        "190 factorisations (pardiso); peak memory 448 MB"
+    ) in lines
 
 
 def test_run_json(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake_run(monkeypatch)
     data = json.loads(Result("run", scene_file, "--out", "here", "--json").out)
     assert data["run"]["status"] == "complete"
-    assert data["files"] == ["figures/py.png", "figures/py.svg", "run.json", "springs.nc"]
+    assert data["files"] == ["figures/pull_py.png", "figures/pull_py.svg", "run.json", "springs.nc"]
     assert {row["springs"] for row in data["compare"]["rows"]} == {"py", "full"}
 
 
@@ -299,6 +347,15 @@ def test_a_refused_scene_leaves_results_alone(monkeypatch: pytest.MonkeyPatch) -
     assert Path("results/run.json").read_text() == "precious"
     assert Result("run", "bad.toml").code == 2
     assert not Path("out").exists()
+
+
+def test_a_mesh_that_is_refused_leaves_no_new_folder(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
+    fake_run(monkeypatch, MeshError("inverted element 7"), status="unsaved")
+    Path("mine").mkdir()
+    for folder in ("new/folder", "mine"):
+        assert Result("run", scene_file, "--out", folder).code == 2
+    assert not Path("new").exists()
+    assert Path("mine").exists()
 
 
 def test_run_refuses_a_file_and_a_place_it_cannot_write(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
@@ -376,6 +433,9 @@ def test_an_old_record_does_not_pass_for_a_new_one(monkeypatch: pytest.MonkeyPat
     fake_run(monkeypatch)
     assert Result("run", scene_file).code == 0
     fake_run(monkeypatch, KeyboardInterrupt(), status="unsaved")
+    done = Result("run", scene_file, "--force")
+    assert (done.code, done.out) == (130, "")
+    fake_run(monkeypatch, KeyboardInterrupt(), status="removed")  # cleared away, and nothing written yet
     done = Result("run", scene_file, "--force")
     assert (done.code, done.out) == (130, "")
 

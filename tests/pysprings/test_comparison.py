@@ -139,3 +139,11 @@ def test_a_path_that_ends_early_is_a_row_with_its_reason():
     ended = row(found, "pull", "py")
     assert "no equilibrium beyond" in ended["status"]
     assert "no equilibrium beyond" in to_text(found)
+
+
+def test_a_translation_has_no_point_of_rotation_though_its_zero_is_rounded():
+    springs = make_springs((Path("push", kind="translation"), Path("pull")))
+    springs["paths/push/rotation"].values = springs["paths/push/rotation"].values + 1e-21
+    frame = compare(springs)
+    assert np.isnan(row(frame, "push", "full")["rotation_point_full_m"])
+    assert row(frame, "pull", "full")["rotation_point_full_m"] > 0.0

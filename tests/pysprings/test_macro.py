@@ -223,6 +223,18 @@ def test_own_path_with_the_full_set(path):
     assert not answer["off_path"].any()
 
 
+def test_a_lid_that_pulls_along_is_kept_where_nothing_else_can_carry_it():
+    """On a translation there is no rotation to read a negative lid force from; left out, the load would be off."""
+    springs = make_springs((Path("push", kind="translation"),))
+    path = springs["paths/push"]
+    lid = path["H_lid"].values
+    path["H"].values = path["H"].values - 1.1 * lid
+    path["H_lid"].values = -0.1 * lid
+    end = springs["paths/push"].to_dataset(inherit=False).isel(step=-1)
+    answer = MacroModel.from_springs(springs).trace("state", np.array([[float(end["u"]), 0.0]]), 0.0)
+    assert float(answer["H"][-1]) == pytest.approx(float(end["H"]), rel=1e-9)
+
+
 def test_plain_py_springs_miss_most_of_the_load():
     springs = make_springs()
     full = springs["paths/pull"]

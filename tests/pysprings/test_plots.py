@@ -16,9 +16,10 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 
-from pysprings import plots
+from pysprings import plots, result_files
 from pysprings.plots import data, files, gap, labels, newton, rose, section
 from pysprings.plots.reactions import PANELS
+from pysprings.plots.style import new_figure
 from tests.pysprings import synthetic
 
 PULL = synthetic.Path("pull", size=2e-2, steps=24)
@@ -135,14 +136,14 @@ def test_title_states_path_drainage_and_size(pull: xr.Dataset, plane: xr.Dataset
 
 
 def test_title_says_when_a_path_stopped_early(pull: xr.Dataset) -> None:
-    assert "stopped" not in title(plots.py_curves(pull))
+    assert "stopped" not in title(plots.macro_against_full(pull, {}))
     pull.attrs["status"] = "partial"
-    assert "partial: stopped before its end" in title(plots.py_curves(pull))
+    assert "partial: stopped before its end" in title(plots.macro_against_full(pull, {}))
 
 
 def test_text_of_a_scene_is_not_read_as_a_formula(pull: xr.Dataset) -> None:
     pull.attrs["path"] = r"a$\frac{"
-    figure = plots.load_displacement(pull)
+    figure = plots.macro_against_full(pull, {})
     figure.draw_without_rendering()
     assert r"a\$\frac{" in title(figure)
 
@@ -192,6 +193,7 @@ def test_a_path_that_never_converged_still_draws(trees: tuple[xr.DataTree, xr.Da
     assert "pull_load_displacement" in drawn
     assert "pull_macro_against_full" not in drawn
     for figure in drawn.values():
+        figure.set_layout_engine("none")  # it takes most of the time
         figure.draw_without_rendering()
 
 
@@ -447,37 +449,106 @@ def test_newton_figure_counts_and_marks(record: xr.Dataset) -> None:
 # ---------------------------------------------------------------- files and style
 
 
-def test_save_all_writes_readable_pictures_whole(
-    trees: tuple[xr.DataTree, xr.DataTree], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+STEMS = [
+    "mesh",
+    "pull_load_displacement",
+    "pull_macro_against_full",
+    "pull_py",
+    "pull_stress_outside_2.5mm",
+    "pull_stress_inside_2.5mm",
+    "pull_gap_2.5mm",
+    "pull_section_2.5mm",
+    "pull_stress_outside_last",
+    "pull_stress_inside_last",
+    "pull_gap_last",
+    "pull_section_last",
+    "pull_newton",
+]
+DRAWING = (
+    (files.section, "mesh"),
+    (files.section, "section_displacement"),
+    (files.load, "load_displacement"),
+    (files.comparison, "macro_against_full"),
+    (files.reactions, "py_curves"),
+    (files.rose, "stress_rose"),
+    (files.gap, "gap_map"),
+    (files.newton, "newton_record"),
+)
+
+
+@pytest.fixture
+def blank(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every figure empty: which are made, and under which names, is what counts."""
+    for module, name in DRAWING:
+        monkeypatch.setattr(module, name, lambda *args, **kwargs: Figure(figsize=(1, 1)))
+
+
+def test_every_figure_that_a_result_allows_is_written(
+    trees: tuple[xr.DataTree, xr.DataTree], tmp_path: Path, blank: None
 ) -> None:
-    monkeypatch.setattr(synthetic, "section_mesh", section_with_caisson)
-    result = synthetic.make_result((PULL,))
+    result, springs = trees
     curves = {"pull": {"full": plots.path_data(result, "pull")}}
-    written = plots.save_all(result, trees[1], tmp_path / "figures", curves=curves)
-    names = {file.name for file in written}
-    for stem in (
-        "mesh",
-        "pull_load_displacement",
-        "pull_macro_against_full",
-        "pull_py",
-        "pull_stress_outside_2.5mm",
-        "pull_stress_outside_last",
-        "pull_gap_last",
-        "pull_section_last",
-        "pull_newton",
-    ):
-        assert f"{stem}.png" in names
-    assert {file.name for file in (tmp_path / "figures").iterdir()} == names  # nothing half-written is left
+    written = plots.save_all(result, springs, tmp_path / "figures", curves=curves)
+    of_pull = [file for file in written if not file.name.startswith("turn")]
+    assert [file.name for file in of_pull] == [f"{stem}.{form}" for stem in STEMS for form in ("png", "svg")]
+    assert {file.name for file in (tmp_path / "figures").iterdir()} == {file.name for file in written}
+    assert result_files.pictures_in(tmp_path) == sorted(written)
+    kinds = [result_files.picture_kind(stem, "pull" if stem != "mesh" else "") for stem in STEMS]
+    assert {kind[0] for kind in kinds if kind} == set(result_files.PICTURES)
+
+
+@pytest.mark.parametrize(
+    ("left_out", "gone"),
+    [
+        (["normal_effective_stress", "shear_lateral", "shear_vertical", "pore_pressure", "gap"], ("stress", "gap")),
+        (["section_ux", "section_uz"], ("section",)),
+    ],
+)
+def test_figures_of_what_was_not_kept_are_left_out(
+    trees: tuple[xr.DataTree, xr.DataTree], blank: None, left_out: list[str], gone: tuple[str, ...]
+) -> None:
+    result = trees[0].copy()
+    result["paths/pull"].dataset = result["paths/pull"].to_dataset(inherit=False).drop_vars(left_out)
+    names = [name for name, _ in files.figures(result, None, {}) if not name.startswith("turn")]
+    wanted = [stem for stem in STEMS if not any(kind in stem for kind in (*gone, "macro"))]
+    assert names == wanted
+
+
+@pytest.mark.slow
+def test_save_all_writes_readable_pictures_whole(trees: tuple[xr.DataTree, xr.DataTree], tmp_path: Path) -> None:
+    result, springs = trees
+    curves = {"pull": {"full": plots.path_data(result, "pull")}}
+    written = plots.save_all(result, springs, tmp_path / "figures", curves=curves)
+    assert {f"{stem}.png" for stem in STEMS} <= {file.name for file in written}
+    assert {file for file in (tmp_path / "figures").iterdir()} == set(written)  # nothing half-written is left
     assert all(f.read_bytes().startswith(b"\x89PNG") for f in written if f.suffix == ".png")
     assert all(b"</svg>" in f.read_bytes() and f.stat().st_size <= 400_000 for f in written if f.suffix == ".svg")
 
 
-def test_a_failed_write_keeps_the_old_picture(
-    pull: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def simple_figure() -> Figure:
+    """Lines, markers, text and a clipped patch: what a drawing may write with a random id."""
+    figure = new_figure(3, 2)
+    axes = figure.subplots()
+    axes.plot([0, 1, 2], [0, 2, 1], marker="o")
+    axes.fill_between([0, 1, 2], [0, 1, 1])
+    axes.set_title("title")
+    return figure
+
+
+def test_a_picture_is_whole_and_a_large_drawing_is_kept_as_png_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    png, svg = plots.save(simple_figure(), tmp_path / "small")
+    assert png.read_bytes().startswith(b"\x89PNG") and b"</svg>" in svg.read_bytes()
+    monkeypatch.setattr(files, "LARGEST_SVG", 100)
+    assert plots.save(simple_figure(), tmp_path / "small") == [png]
+    assert list(tmp_path.iterdir()) == [png]
+
+
+def test_a_failed_write_keeps_the_old_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     old = tmp_path / "load.png"
     old.write_bytes(b"old")
-    figure = plots.load_displacement(pull)
+    figure = simple_figure()
 
     def fail(*args: object, **kwargs: object) -> None:
         Path(str(args[0])).write_bytes(b"half")
@@ -490,8 +561,8 @@ def test_a_failed_write_keeps_the_old_picture(
     assert list(tmp_path.iterdir()) == [old]
 
 
-def test_svg_is_the_same_twice(pull: xr.Dataset, tmp_path: Path) -> None:
-    first, second = (plots.save(plots.py_curves(pull), tmp_path / name)[1].read_text() for name in ("a", "b"))
+def test_svg_is_the_same_twice(tmp_path: Path) -> None:
+    first, second = (plots.save(simple_figure(), tmp_path / name)[1].read_text() for name in ("a", "b"))
     assert first == second
 
 

@@ -270,6 +270,36 @@ def test_cost_left_out_and_status_are_printed(result: xr.DataTree) -> None:
     assert "stopped at 12 %" in partial.text
 
 
+def test_cut_backs_are_listed_with_place_and_reason(result: xr.DataTree) -> None:
+    cut_back = {
+        "stage": "dead load", "load_fraction": 0.0625, "reason": "the residual stalls", "place": "node 7, direction z",
+        "iterations": 9, "last_residuals": [0.0123, 0.5],
+    }  # fmt: skip
+    table = report_tables.cut_back_table({"paths": {"pull": {"cut_backs_at": [cut_back]}, "turn": {}}})
+    assert table is not None
+    assert table.rows == [
+        ("pull", "6.25 % of the dead load", "9", "the residual stalls", "node 7, direction z", "0.012, 0.5")
+    ]
+    page = Page(report.render(result, run={"paths": {"pull": {"cut_backs_at": [cut_back | {"place": HOSTILE}]}}}))
+    assert HOSTILE in page.text
+    assert "script" not in {tag for tag, _ in page.tags}
+    assert report_tables.cut_back_table({}) is None
+    assert "Attempts given up" not in Page(report.render(result)).text
+
+
+def test_contact_around_the_rings_is_stated_by_path(result: xr.DataTree) -> None:
+    tree = result.copy(deep=True)
+    tree["paths/turn"].dataset = tree["paths/turn"].to_dataset(inherit=False).drop_vars("normal_effective_stress")
+    stress = tree["paths/pull/normal_effective_stress"]
+    stress[3, 0, 8, 4] = 0.0
+    rows = {row[0]: row[1:] for row in report_tables.ring_table(dict(tree["paths"].children)).rows}
+    depth = float(stress["depth"][4])
+    assert rows["pull"][0].endswith(f" (outside, azimuth 90°, depth {depth:.2f} m, step 3)")
+    assert float(rows["pull"][0].split()[0]) > 0.5
+    assert rows["pull"][2] == f"1 of {2 * 17 * 13} stations"
+    assert rows["turn"] == ("not measured: interface fields were not kept",) * 3
+
+
 def test_write_report_reads_the_folder_of_a_run(result: xr.DataTree, springs: xr.DataTree, tmp_path: Path) -> None:
     from pysprings.springs import save_springs
     from pysprings.storage import write_tree

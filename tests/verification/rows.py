@@ -41,6 +41,11 @@ class Row:
         """Whether the difference is within the tolerance; a figure that is not a number never is."""
         return self.tolerance is None or bool(abs(self.difference) <= self.tolerance)
 
+    @classmethod
+    def error(cls, case: str, quantity: str, error: float, source: str, tolerance: float) -> Row:
+        """A figure that should be nothing: an error, a count of faults."""
+        return cls(case, quantity, "", error, 0.0, source, tolerance)
+
     def __str__(self) -> str:
         allowed = "not judged" if self.tolerance is None else f"allowed {self.tolerance:.1e}"
         return (
@@ -54,29 +59,30 @@ def failures(rows: Iterable[Row]) -> list[str]:
     return [str(row) for row in rows if not row.holds]
 
 
-def markdown(rows: Iterable[Row]) -> str:
-    """Markdown table of rows: case, quantity, ours, reference, difference, source."""
-    head = ["| case | quantity | ours | reference | difference | source |", "| --- | --- | --: | --: | --: | --- |"]
-    return "\n".join([*head, *(_line(row) for row in rows)])
+HEADINGS = ("case", "quantity", "ours", "reference", "difference", "source")
 
 
-def _line(row: Row) -> str:
+def cells(row: Row) -> tuple[str, ...]:
+    """The row as text, in the order of HEADINGS."""
     unit = f", {row.unit}" if row.unit else ""
-    numbers = f"{_number(row.ours)} | {_number(row.reference)} | {_difference(row)}"
-    return f"| {row.case} | {row.quantity}{unit} | {numbers} | {row.source} |"
+    note = " (shown only)" if row.tolerance is None else "" if row.holds else " OUT OF TOLERANCE"
+    numbers = (_number(row.ours), _number(row.reference), _difference(row) + note)
+    return (row.case, row.quantity + unit, *numbers, row.source)
 
 
 def _number(value: float) -> str:
-    if value == 0.0:
-        return "0"
+    if not np.isfinite(value) or (value == round(value) and abs(value) < 1000.0):
+        return f"{value:.0f}"
     size = abs(value)
     return f"{value:,.0f}" if 1000.0 <= size < 1e7 else f"{value:.5g}" if size >= 1e-4 else f"{value:.3e}"
 
 
 def _difference(row: Row) -> str:
     """Difference in percent; nothing beside a reference of 0, where ours is the difference."""
-    if row.reference == 0.0:
+    if row.reference == 0.0 or not np.isfinite(row.difference):
         return "-"
+    if row.difference > 9.0:
+        return f"{row.ours / row.reference:.0f}-fold"
     percent = 100.0 * row.difference
     return f"{percent:+.2f} %" if abs(percent) >= 0.005 else f"{percent:+.0e} %" if percent else "0 %"
 

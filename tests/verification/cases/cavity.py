@@ -158,7 +158,7 @@ def _values(psi: float) -> list[Row]:
             Row(case, f"p at the u/a of b/a = {b:g}", "kPa", ours / 1e3, pressure / 1e3, _SOURCE, 0.01),
             Row(case, f"u/a at the p of b/a = {b:g}", "", inflate(sector, pressure), displacement, _SOURCE, 0.01),
         ]
-    return [*found, Row(case, "plastic radius, largest error in cells", "", max(missed), 0.0, _SOURCE, 1.0)]
+    return [*found, Row.error(case, "plastic radius, largest error in cells", max(missed), _SOURCE, 1.0)]
 
 
 @cache
@@ -172,6 +172,6 @@ def rates(psi: float) -> list[Row]:
     return [
         Row(case, "order in h of the error of p", "", fitted_rate(sizes, found[:, 0]), 2.0, "second order", 0.15),
         Row(case, "order in h of the error of u/a", "", fitted_rate(sizes, found[:, 1]), 2.0, "second order", 0.15),
-        Row(case, "change of p when the sector is twice as wide", "", wide[0] - found[-1, 0], 0.0, "no effect", 1e-3),
-        Row(case, "change of u/a when the sector is twice as wide", "", wide[1] - found[-1, 1], 0.0, "no effect", 1e-3),
+        Row.error(case, "change of p when the sector is twice as wide", wide[0] - found[-1, 0], "no effect", 1e-3),
+        Row.error(case, "change of u/a when the sector is twice as wide", wide[1] - found[-1, 1], "no effect", 1e-3),
     ]

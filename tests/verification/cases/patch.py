@@ -94,8 +94,8 @@ def _one_piece() -> list[Row]:
     stress = worst(state.committed.stress, _exact_stress())
     move = worst(state.committed.displacement, field)
     return [
-        Row(case, "largest error of the stress", "", stress, 0.0, _SOURCE, 1e-10),
-        Row(case, "largest error of the displacement", "", move, 0.0, _SOURCE, 1e-10),
+        Row.error(case, "largest error of the stress", stress, _SOURCE, 1e-10),
+        Row.error(case, "largest error of the displacement", move, _SOURCE, 1e-10),
     ]
 
 
@@ -111,8 +111,8 @@ def _plastic() -> list[Row]:
     stress = state.committed.stress
     exact = np.array([-S3, -S3, -S3 - q, 0.0, 0.0, 0.0])
     return [
-        Row("patch test, distorted hexahedra, hardening sand", "largest error of the stress", "",
-            worst(stress, exact), 0.0, "triaxial compression, closed form", 1e-8)
+        Row.error("patch test, distorted hexahedra, hardening sand", "largest error of the stress",
+            worst(stress, exact), "triaxial compression, closed form", 1e-8)
     ]  # fmt: skip
 
 
@@ -164,24 +164,15 @@ def _two_pieces(rule: str) -> list[Row]:
     _follow_field(model, boundary, field)
     newton = make_newton(model)
     state, _ = run(newton, imposed([1.0]))
-    change = [*state.committed.traction, 200000.0, 0.0, 0.0]
+    change = state.committed.traction + np.array([200.0e3, 0.0, 0.0])
     found = np.einsum("sij,si->sj", model.stations.frame, change)
     case = f"patch test across an oblique interface, {rule} stations"
-    return [
-        Row(
-            case, "largest error of the stress", "", worst(state.committed.stress, _exact_stress()), 0.0, _SOURCE, 1e-9
-        ),
-        Row(case, "largest error of the traction", "", worst(found, traction), 0.0, _SOURCE, 1e-9),
-        Row(
-            case,
-            "largest error of the displacement",
-            "",
-            worst(state.committed.displacement, field),
-            0.0,
-            _SOURCE,
-            1e-9,
-        ),
-    ]
+    errors = {
+        "stress": worst(state.committed.stress, _exact_stress()),
+        "traction": worst(found, traction),
+        "displacement": worst(state.committed.displacement, field),
+    }
+    return [Row.error(case, f"largest error of the {name}", error, _SOURCE, 1e-9) for name, error in errors.items()]
 
 
 def _column() -> list[Row]:
@@ -206,6 +197,6 @@ def _column() -> list[Row]:
     return [
         Row(case, "settlement beyond the column's own", "m", tops[1] - tops[0], load / KN, "dp/K_N", 1e-8),
         Row(case, "settlement of the column alone", "m", tops[0], load / YOUNG, "p L/E", 1e-9),
-        Row(case, "largest error of the contact pressure", "", spread, 0.0, _SOURCE, 1e-9),
+        Row.error(case, "largest error of the contact pressure", spread, _SOURCE, 1e-9),
         Row(case, "force under the top", "N", balance, load, "equilibrium", 1e-9),
     ]

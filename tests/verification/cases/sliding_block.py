@@ -150,6 +150,10 @@ def _judge(case: str, runs: list[dict[str, np.ndarray]]) -> list[Row]:
     along, astray = force[:, :, 0], force[:, :, 1]
     depth = np.concatenate([run["penetration"] for run in runs]) * KN / (PRESSURE - INITIAL)
     slips = np.array([False, False, True, True, False, False, True, True])
+
+    def error(at: list[int]) -> float:
+        return float(np.abs(along[:, at] - exact[at]).max())
+
     wrong = sum(np.count_nonzero(run["state"] != _state(slips)[:, None]) for run in runs)
     groups = {
         "shear before slip": ([0, 1], "K_T u"),
@@ -158,22 +162,14 @@ def _judge(case: str, runs: list[dict[str, np.ndarray]]) -> list[Row]:
         "shear in slip back": ([6, 7], "-mu p after 2 mu p/K_T more"),
     }
     found = [
-        Row(
-            case,
-            f"largest error of the {name} over mu p",
-            "",
-            worst(along[:, at], exact[at]),
-            0.0,
-            f"{_SOURCE}: {law}",
-            1e-9,
-        )
+        Row.error(case, f"largest error of the {name}, over mu p", error(at), f"{_SOURCE}: {law}", 1e-9)
         for name, (at, law) in groups.items()
     ]
     return [
         *found,
-        Row(case, "largest shear across the push over mu p", "", float(np.abs(astray).max()), 0.0, _SOURCE, 1e-9),
-        Row(case, "stations in another state than stick or slip as due", "", float(wrong), 0.0, _SOURCE, 0.0),
-        Row(case, "largest error of the penetration over dp/K_N", "", worst(depth, 1.0), 0.0, "penalty contact", 1e-9),
+        Row.error(case, "largest shear across the push, over mu p", float(np.abs(astray).max()), _SOURCE, 1e-9),
+        Row.error(case, "stations in another state than stick or slip as due", float(wrong), _SOURCE, 0.0),
+        Row.error(case, "largest error of the penetration, over dp/K_N", worst(depth, 1.0), "penalty contact", 1e-9),
     ]
 
 

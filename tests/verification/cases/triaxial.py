@@ -93,9 +93,8 @@ def rows() -> tuple[Row, ...]:
 
 def _state(e: float) -> Row:
     q, strain, _ = closed_form(e)
-    return Row(
-        _CASE, f"q/s3 at e = {e:g}, axial strain {strain:.6f}", "", compress(strain)["q"] / S3, q / S3, _SOURCE, 1e-6
-    )
+    name = f"q/s3 at e = {e:g}, axial strain {strain:.6f}"
+    return Row(_CASE, name, "", compress(strain)["q"] / S3, q / S3, _SOURCE, 1e-6)
 
 
 def _worst(psi: float) -> list[Row]:
@@ -113,7 +112,7 @@ def _worst(psi: float) -> list[Row]:
     }
     case = f"{_CASE}, psi = {psi:g} deg"
     return [
-        Row(case, f"largest relative error of {name}", "", worst(ratio, 1.0), 0.0, _SOURCE, 1e-6)
+        Row.error(case, f"largest relative error of {name}", worst(ratio, 1.0), _SOURCE, 1e-6)
         for name, ratio in ratios.items()
     ]
 

@@ -1,0 +1,386 @@
+# SPDX-License-Identifier: MIT
+"""From a scene file to the folder of a run: contract files, balances, what stays of an earlier run, early ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import openpyxl
+import pandas as pd
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+from typer.testing import CliRunner
+
+from pysprings import build, cli, full_model, plots
+from pysprings.errors import RunIncomplete, UserInputError
+from pysprings.folder import run_to_folder
+from pysprings.macro import predict
+from pysprings.result_files import FILES
+from pysprings.scene import load_scene, parse_scene
+from pysprings.scene_template import template_names, template_text
+from pysprings.springs import open_springs
+from tests.pysprings import tiny
+
+ROOT = Path(__file__).parents[2]
+SCENES = sorted((ROOT / "data" / "scenes").glob("*.toml"))
+
+# the public contract, word by word
+LOAD_DISPLACEMENT = (
+    "path,step,time_s,u_m,w_m,rotation_rad,H_N,V_N,M_Nm,H_outer_N,H_inner_N,H_lid_N,H_tip_N,F_pw_N,F_in_N,F_out_N,"
+    "converged"
+)
+PY = "path,family,depth_m,depth_top_m,depth_bottom_m,side,component,step,y_m,p_N_per_m"
+
+
+def command(*args: object) -> Any:
+    """Run the command line in this process."""
+    return CliRunner().invoke(cli.app, [str(arg) for arg in args], prog_name="pysprings")
+
+
+def read_record(folder: Path) -> dict[str, Any]:
+    record: dict[str, Any] = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    return record
+
+
+class _Text(HTMLParser):
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.words = ""
+        self.images: list[str] = []
+        self.feed(page)
+
+    def handle_data(self, data: str) -> None:
+        self.words += data
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag == "img":
+            self.images.append(str(dict(attrs)["alt"]))
+
+
+def read_report(folder: Path) -> _Text:
+    return _Text((folder / "report.html").read_text(encoding="utf-8"))
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+# --- a run that goes well ---
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
+    """Folder and printed words of `pysprings run` on a scene file."""
+    place = tmp_path_factory.mktemp("run")
+    file = tiny.write(tiny.scene(), place / "caisson.toml")
+    return place / "out", command("run", file, "--out", place / "out")
+
+
+@pytest.fixture(scope="module")
+def folder(run: tuple[Path, Any]) -> Path:
+    return run[0]
+
+
+def test_every_file_of_the_contract_is_there(run: tuple[Path, Any]) -> None:
+    folder, done = run
+    assert done.exit_code == 0, done.stderr
+    assert set(contents(folder)) == set(FILES)
+
+
+def test_tables_have_the_columns_of_the_contract(folder: Path) -> None:
+    assert (folder / "load_displacement.csv").read_text().splitlines()[0] == LOAD_DISPLACEMENT
+    assert (folder / "py.csv").read_text().splitlines()[0].startswith(PY)
+    table = pd.read_csv(folder / "py.csv")
+    assert set(table["family"]) == {"py", "mtheta", "base", "lid"}
+    assert set(table["side"].dropna()) == {"outside", "inside", "net"}
+    assert set(table["component"].dropna()) == {"normal", "shear", "water", "total"}
+    book = openpyxl.load_workbook(folder / "springs.xlsx", read_only=True)
+    assert {"About", "p-y"} <= set(book.sheetnames)
+
+
+def test_the_tables_alone_balance_force_and_moment(folder: Path) -> None:
+    """Sum of p dz + tip + lid = H, and the moments of p, m, tip and lid = M, to 1e-6."""
+    py, load = pd.read_csv(folder / "py.csv"), pd.read_csv(folder / "load_displacement.csv")
+    length = 4.0
+    for _, total in load.iterrows():
+        now = py[py["step"] == total["step"]]
+        p = now[(now["family"] == "py") & (now["side"] == "net") & (now["component"] == "total")]
+        m = now[(now["family"] == "mtheta") & (now["side"] == "net")]
+        tip, lid = (now[now["family"] == family].iloc[0] for family in ("base", "lid"))
+        dz, mdz = (part["depth_bottom_m"] - part["depth_top_m"] for part in (p, m))
+        assert dz.sum() == pytest.approx(length)
+        lateral = p["p_N_per_m"] @ dz + tip["H_N"] + lid["H_N"]
+        vertical = m["t_N_per_m"] @ mdz + tip["V_N"] + lid["V_N"]
+        moments = [(p["p_N_per_m"] * p["depth_m"]) @ dz, m["m_Nm_per_m"] @ mdz]
+        moments += [length * tip["H_N"], tip["M_Nm"], lid["M_Nm"]]
+        size = max(load["H_N"].abs().max(), 1.0)
+        assert lateral == pytest.approx(total["H_N"], abs=1e-6 * size)
+        assert vertical == pytest.approx(total["V_N"], rel=1e-6)
+        assert sum(moments) == pytest.approx(total["M_Nm"], abs=1e-6 * length * size)
+
+
+def test_both_netcdf_files_open_everywhere(folder: Path) -> None:
+    with xr.open_datatree(folder / "full_model.nc", engine="netcdf4", decode_timedelta=False) as tree:
+        path = tree["paths/pull"]
+        for name in ("p", "y", "gap", "normal_effective_stress", "shear_lateral", "pore_pressure"):
+            assert path[name].attrs["units"]
+        assert path["gap"].dims == ("step", "side", "azimuth", "depth")
+        assert tree.attrs["scene_toml"].startswith("# the user's own words\n")
+    with xr.open_dataset(folder / "springs.nc", group="paths/pull", engine="netcdf4") as data:
+        assert "p" in data
+
+
+def test_a_prediction_needs_the_spring_file_alone(folder: Path) -> None:
+    springs = open_springs(folder / "springs.nc")
+    load = pd.read_csv(folder / "load_displacement.csv").iloc[-1]
+    end = predict(springs, H=float(load["H_N"]), arm=0.0).isel(step=-1)
+    assert float(end["u"]) == pytest.approx(load["u_m"], rel=0.02)
+    assert float(end["rotation"]) == pytest.approx(load["rotation_rad"], rel=0.02)
+
+
+def test_the_macro_model_is_within_2_percent_on_its_own_path(folder: Path) -> None:
+    frame = pd.read_csv(folder / "compare.csv").set_index("springs")
+    assert frame.loc["full", ["H_error_max_pct", "rotation_error_max_pct"]].abs().max() < 2.0
+    assert np.isfinite(frame.loc["py", "H_error_max_pct"])
+
+
+def test_run_json_has_status_provenance_cost_and_balance(folder: Path) -> None:
+    record = read_record(folder)
+    scene = tiny.scene()
+    assert (record["status"], record["scene_sha256"]) == ("complete", scene.sha256)
+    assert parse_scene(record["scene_toml"]) == scene
+    assert max(record["balance"]["pull"].values()) < 1e-6
+    assert {"output: files", "output: pictures", "output: report", "assembly", "other"} <= set(record["phases"])
+    for key in ("wall_s", "cpu_s"):
+        assert sum(phase[key] for phase in record["phases"].values()) == pytest.approx(record[key], abs=0.02)
+
+
+def test_the_end_of_the_run_prints_its_cost(run: tuple[Path, Any]) -> None:
+    folder, done = run
+    record, lines = read_record(folder), done.stdout.splitlines()
+    for words in ("mesh", "assembly", "factorisation", "solve", "output: files", "other", "total"):
+        assert any(line.startswith(words) for line in lines)
+    assert any(f"{record['solver']['factorisations']} factorisations" in line for line in lines)
+    assert any("peak memory" in line for line in lines)
+    assert any(line.startswith("pull: alternation") for line in lines)
+    assert "eta small" in done.stdout
+
+
+def test_the_report_shows_checks_and_what_was_left_out(folder: Path) -> None:
+    page = read_report(folder)
+    for words in ("Statuscomplete", "Equilibrium check", "Contact from station to station", "output: pictures"):
+        assert words in page.words
+    assert "all pictures" in page.words and "output.figures = false" in page.words
+    assert page.images == ["Axes and signs of the caisson"]
+
+
+# --- folders with something in them ---
+
+
+@pytest.fixture
+def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures of one kind instead of all, and empty: drawing takes most of the time."""
+
+    def figures(*_: object) -> list[tuple[str, Figure]]:
+        return [("pull_py", Figure(figsize=(1, 1)))]
+
+    monkeypatch.setattr(plots.files, "figures", figures)
+
+
+def test_force_leaves_nothing_of_an_earlier_run(tmp_path: Path, blank_pictures: None) -> None:
+    out, old = tmp_path / "out", ["figures/old_gap_last.png", "figures/pull_newton.svg", "compare.csv", "report.html"]
+    mine = ["notes.txt", "figures/photo.png"]
+    (out / "figures").mkdir(parents=True)
+    for name in [*old, *mine]:
+        (out / name).write_text("old")
+    file = tiny.write(tiny.scene(output={"figures": True}), tmp_path / "caisson.toml")
+    assert command("run", file, "--out", out).exit_code == 2
+    assert command("run", file, "--out", out, "--force").exit_code == 0
+    left = contents(out)
+    assert set(left) == {*FILES, *mine, "figures/pull_py.png", "figures/pull_py.svg"}
+    assert all((left[name] == b"old") == (name in mine) for name in left)
+    assert read_report(out).images == ["Axes and signs of the caisson", "p-y curves by depth"]
+
+
+def test_a_run_without_springs_leaves_no_springs_of_the_run_before(tmp_path: Path) -> None:
+    run_to_folder(tiny.scene(), tmp_path)
+    with pytest.raises(RunIncomplete):
+        run_to_folder(tiny.stuck_scene(), tmp_path)
+    assert set(contents(tmp_path)) == {"full_model.nc", "load_displacement.csv", "report.html", "run.json"}
+    assert "Macro-model against full model" not in read_report(tmp_path).words
+
+
+@pytest.mark.parametrize("where", ["scene", "mesh", "solver"])
+def test_what_is_refused_leaves_the_folder_untouched(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    text = tiny.scene().to_toml()
+    if where == "scene":
+        text = text.replace("[soil]", "[soil]\nnonsense = 1")
+    if where == "mesh":
+
+        def fail(*_: object) -> None:
+            raise ValueError("no root")
+
+        monkeypatch.setattr(build, "make_mesh", fail)
+    if where == "solver":
+
+        def missing(*_: object) -> None:
+            raise full_model.LinearSolverError("no library")
+
+        monkeypatch.setattr(full_model, "LinearSolver", missing)
+    file = tmp_path / "caisson.toml"
+    file.write_text(text, encoding="utf-8")
+    before = contents(folder)
+    done = command("run", file, "--out", folder, "--force")
+    assert done.exit_code == (4 if where == "solver" else 2)
+    assert done.stderr.splitlines()[-1].startswith("fatal: ")
+    assert done.stdout == ""
+    assert contents(folder) == before
+
+
+def test_less_output_makes_a_whole_folder_that_says_so(tmp_path: Path) -> None:
+    run_to_folder(tiny.scene(output={"interface_fields": False, "section": False}), tmp_path)
+    assert set(contents(tmp_path)) == set(FILES)
+    words = read_report(tmp_path).words
+    assert "output.interface_fields = false" in words and "output.section = false" in words
+    assert "not measured: interface fields were not kept" in words
+
+
+# --- runs that end early ---
+
+
+def test_a_run_that_cannot_converge_ends_with_3(tmp_path: Path) -> None:
+    file = tiny.write(tiny.overloaded_scene(), tmp_path / "storm.toml")
+    done = command("run", file, "--out", tmp_path / "out")
+    assert done.exit_code == 3
+    assert done.stdout.startswith(f"results in {tmp_path / 'out'} (partial)\n")
+    assert done.stderr.count("path 'storm' stopped on its way to") == 1
+    assert done.stderr.endswith(f"\nwhat converged is kept in {tmp_path / 'out'}\n")
+    assert set(contents(tmp_path / "out")) == set(FILES)
+    record = read_record(tmp_path / "out")
+    assert record["status"] == record["paths"]["storm"]["status"] == "partial"
+    table = pd.read_csv(tmp_path / "out" / "load_displacement.csv")
+    assert len(table) > 3 and (table["converged"] == 1).all()
+    words = read_report(tmp_path / "out").words
+    assert "This run is not complete (status: partial)" in words
+    assert record["failures"][0] in words
+    assert command("compare", tmp_path / "out").exit_code == 0
+
+
+def test_a_run_that_does_not_start_keeps_its_record(tmp_path: Path) -> None:
+    file = tiny.write(tiny.stuck_scene(), tmp_path / "stuck.toml")
+    done = command("run", file, "--out", tmp_path / "out")
+    assert done.exit_code == 3
+    message = done.stderr.splitlines()[-2]
+    for words in ("fatal: not converged: path 'pull' stopped on its way to", "no convergence in 2 iterations", "node "):
+        assert words in message
+    assert "attempts given up (cut-backs):" in done.stdout
+    record = read_record(tmp_path / "out")
+    assert record["paths"]["pull"]["cut_backs_at"][0]["place"].startswith("node ")
+    with xr.open_dataset(tmp_path / "out" / "full_model.nc", group="paths/pull/convergence") as data:
+        assert data.sizes["iteration"] == 3 * record["paths"]["pull"]["cut_backs"]
+    assert "Attempts given up (cut-backs)" in read_report(tmp_path / "out").words
+
+
+def test_an_interrupt_while_pictures_are_drawn_keeps_the_numbers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(plots, "save_all", interrupt)
+    file = tiny.write(tiny.scene(output={"figures": True}), tmp_path / "caisson.toml")
+    done = command("run", file, "--out", tmp_path / "out")
+    assert done.exit_code == 130
+    assert set(contents(tmp_path / "out")) == set(FILES) - {"report.html"}
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are different there")
+def test_ctrl_c_keeps_the_converged_steps(tmp_path: Path) -> None:
+    path = {**tiny.PULL, "lateral_displacement": 50e-3}
+    slow = tiny.scene(solver={"first_step_fraction": 1e-3, "max_step_fraction": 1e-3}, paths=(path,))
+    file = tiny.write(slow, tmp_path / "caisson.toml")
+    args = [sys.executable, "-m", "pysprings", "run", str(file), "--out", str(tmp_path / "out")]
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(args, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env) as run:
+        assert run.stderr is not None
+        for line in run.stderr:
+            if line.startswith("pull"):
+                break
+        run.send_signal(signal.SIGINT)
+        out, err = run.communicate(timeout=60)
+    assert run.returncode == 130, err
+    assert err.endswith("interrupted\n")
+    assert "(interrupted)" in out.splitlines()[0]
+    assert read_record(tmp_path / "out")["status"] == "interrupted"
+    assert len(pd.read_csv(tmp_path / "out" / "load_displacement.csv")) >= 2
+
+
+def test_an_interrupt_before_the_first_step_saves_nothing(tmp_path: Path) -> None:
+    def progress(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_to_folder(tiny.scene(), tmp_path / "out", progress=progress)
+    assert not (tmp_path / "out").exists()
+
+
+# --- scenes that come with the project ---
+
+
+@pytest.mark.parametrize("file", SCENES, ids=lambda file: file.stem)
+def test_scenes_in_data_are_valid(file: Path) -> None:
+    assert load_scene(file).paths
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_templates_are_valid(name: str) -> None:
+    assert parse_scene(template_text(name)).paths
+
+
+@pytest.mark.parametrize("name", [*(file.stem for file in SCENES), *template_names()])
+def test_scenes_run_on_a_small_mesh_for_a_short_way(name: str, tmp_path: Path) -> None:
+    """A twentieth of each path, one picture: every option of the scene is used."""
+    files = {file.stem: file.read_text(encoding="utf-8") for file in SCENES}
+    scene = parse_scene(files[name] if name in files else template_text(name))
+    small = {"mesh": {"refinement": 0.4}, "output": {"figures": False}, "paths": [_short(path) for path in scene.paths]}
+    run_to_folder(scene.replace(**small), tmp_path)
+    assert read_record(tmp_path)["status"] == "complete"
+    assert set(contents(tmp_path)) == set(FILES)
+
+
+def _short(path: Any) -> dict[str, Any]:
+    imposed = {"lateral_displacement", "rotation", "lateral_force"}
+    values = path.model_dump(exclude_none=True) | {"report_at": ()}
+    return {key: 0.05 * value if key in imposed else value for key, value in values.items()}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*(file.stem for file in SCENES), *template_names()])
+def test_scenes_run_as_they_are(name: str, tmp_path: Path) -> None:
+    files = {file.stem: file.read_text(encoding="utf-8") for file in SCENES}
+    scene = parse_scene(files[name] if name in files else template_text(name))
+    run_to_folder(scene, tmp_path)
+    record = read_record(tmp_path)
+    assert record["status"] == "complete"
+    assert max(max(missing.values()) for missing in record["balance"].values()) < 1e-6
+    frame = pd.read_csv(tmp_path / "compare.csv")
+    own = frame[(frame["springs"] == "full") & (frame["role"] == "calibration")]
+    errors = own[["H_error_max_pct", "rotation_error_max_pct", "M_error_max_pct"]].abs()
+    assert errors.max(axis=None, skipna=True) < 2.0
+
+
+def test_a_user_input_error_is_one_problem_a_line(tmp_path: Path) -> None:
+    with pytest.raises(UserInputError) as error:
+        load_scene(tmp_path / "nothing.toml")
+    assert str(error.value) == f"fatal: user input: {tmp_path / 'nothing.toml'}: no such file"

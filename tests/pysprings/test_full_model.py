@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: MIT
+"""Whole runs on a tiny mesh: what the result holds, what decides it, and how a run ends that cannot go on."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from fe_engine import stepping
+from fe_engine.errors import LinearSolverError
+from pysprings import full_model, variables
+from pysprings.comparison import compare
+from pysprings.errors import ResourceError, RunIncomplete, UserInputError
+from pysprings.extract import extract_springs
+from pysprings.full_model import compute, raise_if_incomplete, run
+from pysprings.plots import data as plot_data
+from pysprings.scene import parse_scene
+from pysprings.springs import balance, get_path
+from tests.pysprings import tiny
+
+
+def record_of(result: xr.DataTree) -> dict[str, Any]:
+    record: dict[str, Any] = json.loads(result.attrs["run_json"])
+    return record
+
+
+def end(result: xr.DataTree, name: str, path: str = "pull") -> float:
+    return float(result[f"paths/{path}/{name}"][-1])
+
+
+# --- a run that goes well ---
+
+
+def test_every_variable_is_in_the_table_with_units_and_dimensions() -> None:
+    variables.check_tree(tiny.result(), "result")
+
+
+def test_the_path_ends_where_the_scene_says() -> None:
+    path = tiny.result()["paths/pull"]
+    assert path.attrs["status"] == "complete"
+    assert float(path["u"][0]) == float(path["H"][0]) == 0.0
+    assert end(tiny.result(), "u") == pytest.approx(0.5e-3, rel=1e-9)
+    assert (np.diff(path["u"]) > 0).all() and (np.diff(path["H"]) > 0).all()
+    assert end(tiny.result(), "rotation") < 0.0  # a pull at the lid with free head
+    assert abs(end(tiny.result(), "M")) < 1e-4 * end(tiny.result(), "H") * 4.0
+    assert (path["converged"] == 1).all()
+
+
+def test_reactions_balance_forces_and_moments() -> None:
+    result = tiny.result()
+    missing = balance(get_path(extract_springs(result)))
+    assert max(missing.values()) < 1e-6
+    path = result["paths/pull"].to_dataset(inherit=False)
+    for load in "HVM":
+        parts = sum(path[f"{load}_{part}"] for part in ("outer", "inner", "lid", "tip"))
+        if load == "M":  # that of the tip is about its own depth
+            parts = parts + 4.0 * path["H_tip"]
+        np.testing.assert_allclose(parts, path[load], rtol=1e-9, atol=1e-3)
+    np.testing.assert_allclose(path["V"], result.attrs["vertical_load_N"], rtol=1e-5)
+
+
+def test_the_macro_model_follows_its_own_path() -> None:
+    frame = compare(extract_springs(tiny.result())).set_index("springs")
+    for answer in ("H", "rotation"):
+        assert abs(frame.loc["full", f"{answer}_error_max_pct"]) < 2.0
+    assert np.isfinite(frame.loc["py", "H_error_max_pct"])
+
+
+def test_the_initial_stiffness_is_that_of_a_small_translation() -> None:
+    stiffness = tiny.result()["stiffness_initial"].values
+    # symmetric up to the friction of the first slip
+    assert stiffness[0, 2] == pytest.approx(stiffness[2, 0], rel=1e-6)
+    small = run(tiny.scene(paths=[{"name": "t", "kind": "translation", "lateral_displacement": 1e-8}]))
+    assert end(small, "H", "t") / 1e-8 == pytest.approx(stiffness[0, 0], rel=1e-2)
+    assert end(small, "M", "t") / 1e-8 == pytest.approx(stiffness[2, 0], rel=1e-2)
+
+
+def test_attributes_and_record() -> None:
+    scene, result = tiny.scene(), tiny.result()
+    record = record_of(result)
+    assert result.attrs["status"] == record["status"] == "complete"
+    assert result.attrs["scene_sha256"] == record["scene_sha256"] == scene.sha256
+    assert parse_scene(result.attrs["scene_toml"]) == parse_scene(record["scene_toml"]) == scene
+    assert "scene_toml_given" not in result.attrs
+    assert result.attrs["n_nodes"] == record["mesh"]["nodes"] == 216
+    assert result.attrs["n_unknowns"] == record["mesh"]["unknowns"]
+    assert result.attrs["lid_thickness_m"] == plot_data.settings(result)["lid_thickness_m"] == 0.4
+    path = record["paths"]["pull"]
+    assert path["increments"] == result["paths/pull"].sizes["step"] - 1
+    assert path["cut_backs"] == len(path["cut_backs_at"])
+    assert path["worst_residual"] <= record["solver"]["tolerance"]
+    assert path["contact_rings"]["isolated_open"] == 0
+    spent = path["iterations"] + path["iterations_in_cut_backs"]
+    assert record["solver"]["factorisations"] == spent + 1  # and that of the initial stiffness
+    assert record["peak_memory_bytes"] > 1e7
+    assert {entry["what"] for entry in record["left_out"]}
+
+
+def test_phases_add_up_to_wall_and_cpu_time() -> None:
+    record = record_of(tiny.result())
+    assert set(record["phases"]) == {"mesh", "set-up", "assembly", "factorisation", "solve", "output", "other"}
+    for key in ("wall_s", "cpu_s"):
+        assert sum(phase[key] for phase in record["phases"].values()) == pytest.approx(record[key], abs=0.01)
+    assert record["phases"]["other"]["wall_s"] < 0.25 * record["wall_s"]
+
+
+def test_the_convergence_group_has_every_iteration() -> None:
+    result = tiny.result()
+    group, path = result["paths/pull/convergence"], record_of(result)["paths"]["pull"]
+    iterations = int((group["iteration"] > 0).sum())
+    assert iterations == path["iterations"] + path["iterations_in_cut_backs"]
+    assert int(group["increment"].max()) == path["increments"]
+
+
+# --- what decides a result ---
+
+
+def test_friction_carries_part_of_the_load() -> None:
+    """The coefficient of the scene arrives in the law: without friction the load is lower, with more it is higher."""
+    load = {0.5: end(tiny.result(), "H")}
+    for mu in (0.0, 0.1):
+        load[mu] = end(run(tiny.scene(interface={"friction_coefficient": mu})), "H")
+    assert load[0.0] < 0.75 * load[0.5]
+    assert load[0.0] < load[0.1] < load[0.5]
+
+
+def test_report_at_lands_on_its_values() -> None:
+    path = {**tiny.PULL, "report_at": (0.1e-3, 0.33e-3)}
+    u = run(tiny.scene(paths=(path,)))["paths/pull/u"].values
+    assert min(abs(u - 0.1e-3)) < 1e-15 and min(abs(u - 0.33e-3)) < 1e-15
+
+
+def test_a_rate_gives_the_time_of_each_step() -> None:
+    path = run(tiny.scene(paths=({**tiny.PULL, "rate": 0.05e-3},)))["paths/pull"]
+    np.testing.assert_allclose(path["time"], path["u"] / 0.05e-3, atol=1e-12)
+    assert path.attrs["rate_m_per_s"] == 0.05e-3
+    assert (tiny.result()["paths/pull/time"] == 0.0).all()
+
+
+def test_kinds_of_paths_in_one_run() -> None:
+    paths = (
+        {"name": "push", "kind": "translation", "lateral_displacement": 1e-4, "heave": "fixed"},
+        {"name": "turn", "kind": "rotation", "rotation": -1e-5},
+        {"name": "wind", "kind": "load", "lateral_force": 1e5, "arm": 10.0, "role": "held-back"},
+    )
+    result = run(tiny.scene(paths=paths))
+    assert list(result["paths"].children) == ["push", "turn", "wind"]
+    assert np.abs(result["paths/push/rotation"]).max() < 1e-18 and np.abs(result["paths/push/w"]).max() < 1e-18
+    assert end(result, "rotation", "turn") == pytest.approx(-1e-5) and abs(end(result, "u", "turn")) < 1e-18
+    assert end(result, "H", "wind") == pytest.approx(1e5, rel=1e-5)
+    assert end(result, "M", "wind") == pytest.approx(-1e6, rel=1e-5)
+    assert result["paths/wind"].attrs["role"] == "held-back"
+    assert compare(extract_springs(result)).shape[0] == 6
+
+
+def test_a_dead_load_settles_the_caisson_before_the_path() -> None:
+    result = run(tiny.scene(caisson={"vertical_load": "1.5 MN"}))
+    path = result["paths/pull"]
+    assert float(path["w"][0]) > 0.0 and float(path["u"][0]) == pytest.approx(0.0, abs=1e-15)
+    np.testing.assert_allclose(path["V"], 1.5e6, rtol=1e-5)
+    assert result.attrs["vertical_load_N"] == pytest.approx(1.5e6)
+    assert float(path["F_in"][0]) == float(path["F_out"][0]) == 0.0
+    steps = result["paths/pull/convergence/increment"].values
+    assert steps.min() < 1 and steps.max() == path.sizes["step"] - 1
+    assert record_of(result)["paths"]["pull"]["increments_of_dead_load"] == 1 - steps.min()
+
+
+def test_another_mesh_is_recorded_as_the_scene_that_ran() -> None:
+    text = "# mine\n" + tiny.scene(mesh={"refinement": 0.3, "preset": "coarse"}).to_toml()
+    given = parse_scene(text)
+    ran = given.replace(mesh={"preset": "medium"})
+    result = run(given, mesh="medium", linear="superlu")
+    ran = ran.replace(solver={"linear": "superlu"})
+    assert result.attrs["mesh_preset"] == "medium"
+    assert result.attrs["solver"] == record_of(result)["solver"]["linear"] == "superlu"
+    assert result.attrs["scene_sha256"] == record_of(result)["scene_sha256"] == ran.sha256
+    assert parse_scene(result.attrs["scene_toml"]) == parse_scene(record_of(result)["scene_toml"]) == ran
+    assert result.attrs["scene_toml_given"] == text
+    assert result.equals(run(ran))
+
+
+def test_the_users_own_words_are_kept_when_nothing_is_changed() -> None:
+    text = "# mine\n" + tiny.scene().to_toml()
+    result = run(parse_scene(text), mesh="coarse")
+    assert result.attrs["scene_toml"] == text
+    assert "scene_toml_given" not in result.attrs
+
+
+def test_what_the_scene_leaves_out_is_not_there() -> None:
+    result = run(tiny.scene(output={"interface_fields": False, "section": False}))
+    variables.check_tree(result, "result")
+    path = result["paths/pull"]
+    assert not {"gap", "normal_effective_stress", "section_ux"} & set(path.data_vars)
+    xr.testing.assert_identical(path["p_component"].drop_attrs(), tiny.result()["paths/pull/p_component"].drop_attrs())
+    assert record_of(result)["paths"]["pull"]["contact_rings"] is None
+
+
+def test_progress_is_told_by_path() -> None:
+    told: list[tuple[str, float, str]] = []
+    run(tiny.scene(), progress=lambda *args: told.append(args))
+    assert [told[0], told[1][:2]] == [("model", 0.0, "mesh"), ("model", 1.0)]
+    fractions = [fraction for name, fraction, _ in told if name == "pull"]
+    assert fractions == sorted(fractions) and fractions[-1] == 1.0
+    assert told[2][2].startswith("step 1, ")
+
+
+# --- a run that ends early ---
+
+
+def test_a_path_that_cannot_converge_is_kept_up_to_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its message has the part of the path, the reason, the place and the last residuals."""
+    monkeypatch.setattr(stepping, "_SMALLEST", 0.02)  # no endless halving
+    scene = tiny.scene(solver={"max_iterations": 2, "tolerance": 1e-8, "max_step_fraction": 0.3})
+    with pytest.warns(UserWarning, match="path 'pull' stopped on its way to"):
+        result = run(scene)
+    assert result.attrs["status"] == result["paths/pull"].attrs["status"] == "partial"
+    path, record = result["paths/pull"], record_of(result)
+    assert 0.0 < float(path["u"][-1]) < 0.5e-3
+    assert (path["converged"] == 1).all()
+    (failure,) = record["failures"]
+    last = record["paths"]["pull"]["cut_backs_at"][-1]
+    assert f"%: no convergence in 2 iterations ({last['place']}); last residuals: " in failure
+    percent = float(failure.partition(" on its way to ")[2].partition(" %")[0])
+    assert percent == pytest.approx(100 * last["load_fraction"], rel=1e-3)
+    assert "direction" in last["place"] and "x=" in last["place"]
+    assert last["iterations"] == 2 and len(last["last_residuals"]) == 3
+    group = result["paths/pull/convergence"]
+    failed = group["increment"] == path.sizes["step"]  # the step that was never reached: its attempts are recorded
+    assert int(failed.sum()) >= 3
+    assert float(group["residual"][failed][-1]) == pytest.approx(last["last_residuals"][-1], rel=0.01)
+    assert len(record["paths"]["pull"]["cut_backs_at"]) == record["paths"]["pull"]["cut_backs"] >= 1
+    with pytest.raises(RunIncomplete, match="no convergence in 2 iterations"):
+        raise_if_incomplete(result)
+
+
+def test_a_first_step_that_fails_leaves_the_initial_state_and_the_record() -> None:
+    result = compute(tiny.stuck_scene())
+    assert result["paths/pull"].sizes["step"] == 1
+    assert result["paths/pull/convergence"].sizes["iteration"] >= 3
+    variables.check_tree(result, "result")
+    with pytest.raises(UserInputError, match="no springs can be made"):
+        extract_springs(result)
+
+
+def test_a_load_that_the_soil_does_not_carry() -> None:
+    result = compute(tiny.overloaded_scene())
+    (failure,) = record_of(result)["failures"]
+    assert "path 'storm' stopped on its way to" in failure
+    assert "the caisson has moved by" in failure
+    path = result["paths/storm"]
+    assert path.attrs["status"] == "partial"
+    assert np.abs(path["u"][:-1]).max() < 0.5 * 7.8
+    assert 1e6 < float(path["H"][-1]) < 1e7
+
+
+def test_a_dead_load_that_the_soil_does_not_carry() -> None:
+    """The state it reached is kept as the path's first, marked as not converged."""
+    lift = tiny.scene(caisson={"vertical_load": "-3 MN"}, interface={"friction_coefficient": 0.05})
+    result = compute(lift)
+    (failure,) = record_of(result)["failures"]
+    assert "% of its dead load: " in failure
+    path = result["paths/pull"]
+    assert path["converged"].values.tolist() == [0]
+    assert record_of(result)["paths"]["pull"]["cut_backs_at"][-1]["stage"] == "dead load"
+    assert path["convergence/increment"].values.max() == 0
+
+
+def test_other_paths_go_on_after_one_that_stopped() -> None:
+    storm = tiny.overloaded_scene().paths[0].model_dump()
+    scene = tiny.scene(paths=(storm, tiny.PULL), interface={"friction_coefficient": 0.0})
+    result = compute(scene)
+    assert [result[f"paths/{name}"].attrs["status"] for name in ("storm", "pull")] == ["partial", "complete"]
+    assert result.attrs["status"] == "partial"
+
+
+def test_an_interrupt_keeps_the_converged_steps() -> None:
+    def progress(path: str, fraction: float, _message: str) -> None:
+        if path == "pull" and fraction > 0.2:
+            raise KeyboardInterrupt
+
+    result = compute(tiny.scene(paths=(tiny.PULL, {**tiny.PULL, "name": "later"})), progress=progress)
+    path = result["paths/pull"]
+    assert result.attrs["status"] == path.attrs["status"] == "interrupted"
+    assert path.sizes["step"] >= 3 and float(path["u"][-1]) < 0.5e-3
+    np.testing.assert_allclose(path["H"], tiny.result()["paths/pull/H"][: path.sizes["step"]], rtol=1e-9)
+    assert list(result["paths"].children) == ["pull"]
+    with pytest.raises(KeyboardInterrupt):
+        raise_if_incomplete(result)
+
+
+def test_a_linear_solver_that_is_not_there_is_a_missing_resource(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(*_: object) -> None:
+        raise LinearSolverError("pardiso does not load here: no library")
+
+    monkeypatch.setattr(full_model, "LinearSolver", missing)
+    with pytest.raises(ResourceError, match="pardiso does not load here"):
+        run(tiny.scene())
+
+
+def test_a_singular_start_is_a_run_that_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    def singular(*_: object) -> None:
+        raise LinearSolverError("zero pivot")
+
+    monkeypatch.setattr(full_model.Newton, "border_stiffness", singular)
+    with pytest.raises(RunIncomplete, match="stiffness of the initial state cannot be computed: zero pivot"):
+        run(tiny.scene())

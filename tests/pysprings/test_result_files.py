@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+"""What a new run clears away, and what it must not touch."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pysprings.result_files import FILES, PICTURES, WHOLE_RUN, picture_kind, pictures_in, remove_results, results_in
+
+OURS = ["mesh.png", "pull_py.svg", "a_b_gap_2.5mm.png", "a-1_stress_outside_last.png"]
+THEIRS = ["photo.png", "py.png", "mesh_2.png", "pull_py.pdf", "pull_gap_first.png", "notes.txt"]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "figures").mkdir()
+    for name in (*FILES, "scene.toml", *(f"figures/{name}" for name in OURS + THEIRS)):
+        (tmp_path / name).write_text("old")
+    return tmp_path
+
+
+def test_pictures_are_told_by_their_names(folder: Path) -> None:
+    assert [path.name for path in pictures_in(folder)] == sorted(OURS)
+
+
+def test_results_go_and_everything_else_stays(folder: Path) -> None:
+    assert results_in(folder) == list(FILES)
+    remove_results(folder)
+    left = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    assert left == {"scene.toml", *(f"figures/{name}" for name in THEIRS)}
+
+
+def test_a_folder_without_results_is_left_alone(folder: Path) -> None:
+    """Pictures of that name are not ours where no run has been."""
+    for name in FILES:
+        (folder / name).unlink()
+    remove_results(folder)
+    assert len(pictures_in(folder)) == len(OURS)
+    remove_results(folder / "nowhere")
+
+
+@pytest.mark.parametrize("kind", [kind for kind in PICTURES if kind not in WHOLE_RUN])
+@pytest.mark.parametrize("path", ["pull", "a_b", "gap", "pull_py"])
+def test_names_are_split_in_kind_and_state(path: str, kind: str) -> None:
+    assert picture_kind(f"{path}_{kind}", path) == (kind, "")
+    assert picture_kind(f"{path}_{kind}_last", path) == (kind, "last")
+    assert picture_kind(f"{path}_{kind}_2.5mm", path) == (kind, "2.5mm")
+    assert picture_kind(f"{path}_{kind}", "") is None
+    assert picture_kind(f"{path}_{kind}", "other") is None
+
+
+def test_a_path_does_not_take_the_pictures_of_one_whose_name_goes_on() -> None:
+    assert picture_kind("pull_py_py", "pull") is None
+    assert picture_kind("pull_gap_newton", "pull") is None
+    assert picture_kind("mesh", "") == ("mesh", "")

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""Print the verification table: ``python -m tests.verification.table [--quick] [--markdown]``.
+
+Rows go to stdout as each case ends, progress to stderr. Exit 1 when a row is out of tolerance or a case fails.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+
+from tests.verification.cases import (
+    alternation,
+    caisson_stiffness,
+    cavity,
+    drained_push,
+    patch,
+    sliding_block,
+    tangents,
+    triaxial,
+)
+from tests.verification.rows import HEADINGS, Row, cells
+
+Rows = Callable[[], Iterable[Row]]
+# In a few seconds each
+QUICK: dict[str, Rows] = {
+    "triaxial tests": triaxial.rows,
+    "spherical cavity": cavity.rows,
+    "patch tests": patch.rows,
+    "sliding block": sliding_block.rows,
+    "tangents": tangents.rows,
+    "stiffness, coarse mesh": caisson_stiffness.rows,
+    "drained push": drained_push.rows,
+    "contact around the ring": alternation.rows,
+}
+# Up to a minute each
+SLOW: dict[str, Rows] = {
+    "drained push, variants": drained_push.slow_rows,
+    "contact around the ring, variants": alternation.slow_rows,
+}
+# Several factorisations of the paper mesh
+LONG: dict[str, Rows] = {"stiffness, paper mesh": caisson_stiffness.slow_rows}
+
+
+def compute(name: str, case: Rows) -> tuple[Row, ...]:
+    """Rows of a case; one row out of tolerance, with the reason, where the case fails."""
+    try:
+        return tuple(case())
+    except Exception as error:
+        reason = f"fails: {type(error).__name__}: {error}".replace("|", "/")
+        return (Row.error(name, reason, math.nan, "", 0.0),)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the cases, print the table, return the exit code."""
+    parser = argparse.ArgumentParser("python -m tests.verification.table", description="Print the verification table.")
+    parser.add_argument("--quick", action="store_true", help="leave out the stiffness on the paper mesh")
+    parser.add_argument("--markdown", action="store_true", help="print a markdown table")
+    options = parser.parse_args(arguments)
+    print_line = _markdown_line if options.markdown else _plain_line
+    print_line(HEADINGS)
+    if options.markdown:
+        print_line(("---", "---", "--:", "--:", "--:", "---"))
+    bad = total = 0
+    for name, case in (QUICK | SLOW | ({} if options.quick else LONG)).items():
+        print(f"{name} ...", end=" ", file=sys.stderr, flush=True)
+        start = time.perf_counter()
+        rows = compute(name, case)
+        print(f"{time.perf_counter() - start:.1f} s", file=sys.stderr, flush=True)
+        for row in rows:
+            print_line(cells(row))
+        bad, total = bad + sum(not row.holds for row in rows), total + len(rows)
+    print(f"{total} rows, {bad} out of tolerance", file=sys.stderr)
+    return 1 if bad else 0
+
+
+def _markdown_line(texts: Iterable[str]) -> None:
+    print("| " + " | ".join(texts) + " |", flush=True)
+
+
+def _plain_line(texts: Iterable[str]) -> None:
+    case, quantity, ours, reference, difference, source = texts
+    print(f"{case:<52}  {quantity:<60}  {ours:>11}  {reference:>9}  {difference:>20}  {source}", flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

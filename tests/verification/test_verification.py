@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: MIT
+"""Every row of the verification table within its tolerance, and the means by which the table judges."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.verification import table
+from tests.verification.cases import cavity, triaxial
+from tests.verification.rings import Ring, alternation
+from tests.verification.rows import Row, cells, failures, fitted_rate
+
+
+@pytest.mark.parametrize("name", table.QUICK)
+def test_quick_cases(name):
+    assert not failures(table.QUICK[name]())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", table.SLOW | table.LONG)
+def test_slow_cases(name):
+    assert not failures((table.SLOW | table.LONG)[name]())
+
+
+@pytest.mark.parametrize("e", triaxial.TABLE)
+def test_triaxial_closed_form_is_the_printed_table(e):
+    angle, ratio, strain = triaxial.TABLE[e]
+    q, axial, _ = triaxial.closed_form(e)
+    assert triaxial.friction_angle(e) == pytest.approx(angle, abs=0.51e-3)
+    assert axial == pytest.approx(strain, abs=0.51e-6)
+    assert q / triaxial.S3 == pytest.approx(ratio, abs=0.51e-4)
+
+
+@pytest.mark.parametrize("b", cavity.TABLE)
+def test_cavity_closed_form_is_the_printed_table(b):
+    pressure, associated = cavity.TABLE[b][0], cavity.TABLE[b][2]
+    assert cavity.closed_form(b, 0.0) == pytest.approx((1e3 * pressure, cavity.TABLE[b][1]), rel=2e-5)
+    assert cavity.closed_form(b, 30.0) == pytest.approx((1e3 * pressure, associated), rel=2e-5)
+
+
+@pytest.mark.parametrize("ours, reference, tolerance, holds", [
+    (1.009, 1.0, 0.01, True),
+    (1.011, 1.0, 0.01, False),
+    (-0.989, -1.0, 0.01, False),
+    (1e-7, 0.0, 1e-6, True),
+    (-2e-6, 0.0, 1e-6, False),
+    (math.nan, 1.0, 0.01, False),
+    (math.nan, 0.0, 0.01, False),
+    (2.0, 1.0, None, True),
+])  # fmt: skip
+def test_row_judges_relative_to_the_reference(ours, reference, tolerance, holds):
+    row = Row("case", "quantity", "", ours, reference, "source", tolerance)
+    assert row.holds is holds
+    assert ("OUT OF TOLERANCE" in cells(row)[4]) is not holds
+    assert failures([row]) == ([] if holds else [str(row)])
+
+
+def _judged(found: float):
+    return lambda: (Row("case", "quantity", "m", found, 1.0, "source", 0.01),)
+
+
+def _broken() -> tuple[Row, ...]:
+    raise ValueError("no such thing")
+
+
+@pytest.mark.parametrize("case, code", [(_judged(1.0), 0), (_judged(1.1), 1), (_broken, 1)])
+@pytest.mark.parametrize("options", [[], ["--quick"], ["--markdown"]])
+def test_table_exits_1_when_a_row_is_out_or_a_case_fails(monkeypatch, capsys, case, code, options):
+    monkeypatch.setattr(table, "QUICK", {"good": _judged(1.0), "one": case})
+    monkeypatch.setattr(table, "SLOW", {})
+    monkeypatch.setattr(table, "LONG", {"long": _judged(1.0)})
+    assert table.main(options) == code
+    out, err = capsys.readouterr()
+    assert ("long" in err) == ("--quick" not in options)
+    assert (out.splitlines()[1] == "| --- | --- | --: | --: | --: | --- |") == ("--markdown" in options)
+    assert f"{code} out of tolerance" in err
+
+
+def test_fitted_rate():
+    size = np.array([0.4, 0.2, 0.1])
+    assert fitted_rate(size, -3.0 * size**1.7) == pytest.approx(1.7)
+
+
+def _ring(pressure: np.ndarray, azimuth: np.ndarray) -> Ring:
+    return Ring(azimuth, np.maximum(pressure, 0.0), np.where(pressure > 0.0, 0.0, 20e-6))
+
+
+STATIONS = {
+    "nodal": np.linspace(0.0, np.pi, 9),
+    "gauss": np.concatenate([np.pi / 8 * (k + np.array([0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5])) for k in range(8)]),
+}
+
+
+@pytest.mark.parametrize("rule", STATIONS)
+def test_alternation_does_not_see_a_smooth_ring_or_an_open_side(rule):
+    azimuth = STATIONS[rule]
+    smooth = _ring(3e4 + 2e4 * np.cos(azimuth), azimuth)
+    opened = _ring(1e4 + 2e4 * np.cos(azimuth), azimuth)
+    step = _ring(np.where(azimuth < 1.5, 0.0, 5e4 + 1e4 * azimuth), azimuth)
+    for ring in (smooth, opened, step):
+        found = alternation([ring])
+        assert found.swing < 1e-9
+        assert (found.isolated, found.widest) == (0, 0.0)
+
+
+@pytest.mark.parametrize("rule", STATIONS)
+def test_alternation_sees_a_swing_from_point_to_point(rule):
+    azimuth = STATIONS[rule]
+    sign = (-1.0) ** np.arange(len(azimuth))
+    found = alternation([_ring(3e4 + 2e4 * np.cos(azimuth) + 1e3 * sign, azimuth)])
+    assert found.swing == pytest.approx(4.0 / 30.0, rel=0.35)
+    assert found.isolated == 0
+
+
+@pytest.mark.parametrize("rule", STATIONS)
+def test_alternation_sees_one_point_that_stands_out(rule):
+    azimuth = STATIONS[rule]
+    pressure = np.full(len(azimuth), 3e4)
+    pressure[3] += 3e3
+    assert alternation([_ring(pressure, azimuth)]).swing == pytest.approx(0.1, rel=0.35)
+
+
+def test_alternation_counts_open_stations_between_loaded_ones():
+    azimuth = STATIONS["nodal"]
+    pressure = np.array([5.0, 4.0, 0.0, 3.0, 0.0, 0.0, 2.0, 1.0, 0.0]) * 1e3
+    found = alternation([_ring(pressure, azimuth)])
+    # the third; the last stands in the symmetry plane, between two images of the one before it
+    assert (found.isolated, found.widest) == (1, 20e-6)
