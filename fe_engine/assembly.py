@@ -148,10 +148,12 @@ class System:
         return f"{what} in element {element} at x={centre[0]:.3f}, y={centre[1]:.3f}, z={centre[2]:.3f} m"
 
     def place_of_equation(self, equation: int) -> str:
-        """Node, direction and coordinates of a free equation, for messages."""
+        """Node, an element of it, direction and coordinates of a free equation, for messages."""
         node, component = np.argwhere(self.pattern.equation == equation)[0]
         x, y, z = self.model.mesh.nodes[node]
-        return f"node {node}, direction {'xyz'[component]}, at x={x:.3f}, y={y:.3f}, z={z:.3f} m"
+        element = int(np.argmax((self.hexes == node).any(axis=1)))
+        where = f"at x={x:.3f}, y={y:.3f}, z={z:.3f} m"
+        return f"node {node} of element {element}, direction {'xyz'[component]}, {where}"
 
 
 def _targets(tangent: Tangent | None) -> tuple[np.ndarray, ...]:

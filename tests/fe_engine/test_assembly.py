@@ -283,7 +283,9 @@ def test_place_of_an_equation_names_its_node():
     x, y, z = model.mesh.nodes[node]
     equation = system.pattern.equation[node, component]
     assert equation >= 0
-    assert system.place_of_equation(equation) == f"node 30, direction x, at x={x:.3f}, y={y:.3f}, z={z:.3f} m"
+    element = int(np.flatnonzero((system.hexes == 30).any(axis=1))[0])
+    expected = f"node 30 of element {element}, direction x, at x={x:.3f}, y={y:.3f}, z={z:.3f} m"
+    assert system.place_of_equation(equation) == expected
 
 
 def test_system_refuses_a_model_that_does_not_fit():
