@@ -10,6 +10,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Integral, Real
@@ -54,15 +55,16 @@ class Interval:
         return above and (value < high or (value == high and self.text[-1] == "]"))
 
 
-class Field:
+class Field(ABC):
     """Base of the field types: `validate` returns the value or raises `refuse(...)`."""
 
+    @abstractmethod
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        raise NotImplementedError
+        """Return the value that a model holds; `refuse(...)` what does not fit."""
 
+    @abstractmethod
     def schema(self) -> dict[str, Any]:
         """Return the JSON schema of what TOML may hold here."""
-        raise NotImplementedError
 
     def in_toml(self, value: Any) -> Any:
         """Return a value of the model as TOML (and JSON) would hold it."""
