@@ -56,8 +56,9 @@ class Format(StrEnum):
 
 
 class SpringSet(StrEnum):
-    """What a prediction uses: all springs, or the lateral p-y springs alone."""
+    """What a prediction uses: the fan of all calibration paths, all springs of one path, or its p-y springs alone."""
 
+    fan = "fan"
     full = "full"
     py = "py"
 
@@ -213,8 +214,15 @@ def predict(
         typer.Option("--u-max", metavar="LENGTH", help='a whole curve up to this displacement, e.g. "5 mm"'),
     ] = None,
     points: Annotated[int, typer.Option("--points", help="points of the curve", min=2, max=10_000)] = 50,
-    spring_set: Annotated[SpringSet, typer.Option("--springs", help="springs to use")] = SpringSet.full,
-    path: Annotated[str | None, typer.Option("--path", metavar="NAME", help="load path whose springs serve")] = None,
+    spring_set: Annotated[
+        SpringSet | None, typer.Option("--springs", help="springs to use [default: fan where there is one, else full]")
+    ] = None,
+    path: Annotated[
+        str | None, typer.Option("--path", metavar="NAME", help="load path whose springs serve (full, py)")
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="refuse an answer that the springs support only in part")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Predict displacement and rotation of the rigid caisson on its springs, or a load-displacement curve."""
@@ -234,12 +242,16 @@ def predict(
     from pysprings import macro
 
     force, height, limit, down = given["--H"], given["--arm"], given["--u-max"], given["--V"]
-    kind = spring_set.value
+    kind = spring_set.value if spring_set else None
     if limit is not None:
-        states = macro.curve(tree, u_max=limit, arm=height or 0.0, n=points, V=down, springs_kind=kind, path=path)
+        states = macro.curve(
+            tree, u_max=limit, arm=height or 0.0, n=points, V=down, springs_kind=kind, path=path, strict=strict
+        )
     else:
         assert force is not None  # seen to by _refuse_wrong_loads
-        answer = macro.predict(tree, H=force, arm=height, M=given["--M"], V=down, springs_kind=kind, path=path)
+        answer = macro.predict(
+            tree, H=force, arm=height, M=given["--M"], V=down, springs_kind=kind, path=path, strict=strict
+        )
         states = answer.isel(step=[-1])
     if as_json:
         print_json(prediction_json(states))
@@ -262,13 +274,17 @@ def _refuse_wrong_loads(given: dict[str, float | None]) -> None:
 
 @app.command()
 @guarded
-def compare(result: Result, as_json: Json = False) -> None:
+def compare(
+    result: Result,
+    spring_set: Annotated[SpringSet | None, typer.Option("--springs", help="only these springs [default: all]")] = None,
+    as_json: Json = False,
+) -> None:
     """Set the prediction with the springs beside the full model, by path: eta and errors."""
     tree = springs_of(result)
     from pysprings.comparison import compare as compare_models
     from pysprings.comparison import to_dict, to_text
 
-    frame = compare_models(tree)
+    frame = compare_models(tree, spring_set.value if spring_set else None)
     if as_json:
         print_json(to_dict(frame))
     else:

@@ -3,10 +3,11 @@
 
 A path is followed as the full model was driven: lateral displacement with the load at its height (pull,
 load), or displacement and rotation imposed (translation, rotation). Errors are those of the answer: load and
-rotation for the first, H and M for the second. A calibration path is answered by its own springs, a held-back
-path by the springs of the first calibration path.
+rotation for the first, H and M for the second. With the sets "py" and "full" a calibration path is answered by its
+own springs, a held-back path by the springs of the first calibration path. The set "fan" is made from all rays
+among the calibration paths and answers every path.
 
-On its own path the full spring set meets the recorded states by construction. What it does between them is
+On their own paths the full set and the fan meet the recorded states by construction. What they do between them is
 measured too: `..._error_between_pct` is the largest error when every second recorded state is left out of the
 springs.
 
@@ -28,9 +29,10 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.macro import Control, MacroModel
-from pysprings.macro_tables import SPRING_SETS
-from pysprings.springs import SCHEMA, get_path, path_names
+from pysprings.macro import Control, MacroModel, spring_sets
+from pysprings.macro_answer import refused
+from pysprings.macro_fan import fan_paths
+from pysprings.springs import ROLES, SCHEMA, get_path, path_names
 
 Array = NDArray[np.float64]
 
@@ -49,33 +51,43 @@ _DRIVERS: dict[str, tuple[Control, str, str, tuple[str, ...]]] = {
 _ERRORS = ("H", "rotation", "M")
 
 
-def compare(model: xr.DataTree) -> pd.DataFrame:
+def compare(model: xr.DataTree, springs_kind: str | None = None) -> pd.DataFrame:
     """Return one row per path and spring set: eta, errors [%], ends of both models, point of rotation.
 
     Parameters
     ----------
     model
         Springs (`open_springs`), or a full-model result, whose springs are extracted first.
+    springs_kind
+        One spring set instead of all those that the model has.
     """
     springs = _springs_of(model)
+    sets = spring_sets(springs)
+    if springs_kind is not None and springs_kind not in sets:
+        raise refused("springs_kind", f"no springs '{springs_kind}' here; there are: {', '.join(sets)}")
     rows = [
         _row(springs, name, spring_set, trace)
         for name in path_names(springs)
-        for spring_set, trace in curves(springs, name).items()
+        for spring_set, trace in curves(springs, name, springs_kind).items()
     ]
     frame = pd.DataFrame(rows)
     frame.attrs = {name: springs.attrs.get(name, "") for name in ("title", "pysprings_version", "scene_sha256")}
     return frame
 
 
-def curves(springs: xr.DataTree, path: str) -> dict[str, xr.Dataset]:
-    """Return the macro-model's answer along one path of the full model, by spring set ("py", "full").
+def curves(springs: xr.DataTree, path: str, springs_kind: str | None = None) -> dict[str, xr.Dataset]:
+    """Return the macro-model's answer along one path of the full model, by spring set ("py", "full", "fan").
 
-    The states are those the full model recorded, the initial state included.
+    The states are those the full model recorded, the initial state included. springs_kind: only this set.
     """
     full = get_path(springs, path)
-    source = path if full.attrs["role"] == "calibration" else None
-    return {kind: _along(full, MacroModel.from_springs(springs, kind, source)) for kind in SPRING_SETS}
+    kinds = spring_sets(springs) if springs_kind is None else [springs_kind]
+    return {kind: _along(full, MacroModel.from_springs(springs, kind, _source(full, kind))) for kind in kinds}
+
+
+def _source(full: xr.Dataset, spring_set: str) -> str | None:
+    """Path whose springs answer a path of the full model: its own when it calibrates; None for the usual ones."""
+    return full.attrs["path"] if spring_set != "fan" and full.attrs["role"] == "calibration" else None
 
 
 def _along(full: xr.Dataset, model: MacroModel) -> xr.Dataset:
@@ -86,12 +98,13 @@ def _along(full: xr.Dataset, model: MacroModel) -> xr.Dataset:
 
 
 def _thinned(springs: xr.DataTree, path: str) -> xr.DataTree:
-    """Springs of one path without every second recorded state; both ends stay."""
+    """Springs without every second recorded state of one path; its ends stay."""
     full = get_path(springs, path)
     last = full.sizes["step"] - 1
     kept = sorted({*range(0, last + 1, 2), last})
-    root = springs.to_dataset(inherit=False)
-    return xr.DataTree.from_dict({"/": root, f"/paths/{path}": full.isel(step=kept)})
+    thinned = springs.copy()
+    thinned[f"paths/{path}"] = xr.DataTree(full.isel(step=kept))
+    return thinned
 
 
 def states(springs: xr.DataTree) -> pd.DataFrame:
@@ -179,8 +192,10 @@ def _between(springs: xr.DataTree, full: xr.Dataset, spring_set: str, answers: t
     """Largest error [%] on a calibration path when every second state is left out of its own springs."""
     out = {f"{label}_error_between_pct": np.nan for label in _ERRORS}
     name, driver = full.attrs["path"], _DRIVERS[full.attrs["kind"]][1]
-    if full.attrs["role"] == "calibration" and full.sizes["step"] > 4:
-        trace = _along(full, MacroModel.from_springs(_thinned(springs, name), spring_set, name))
+    own = name in fan_paths(springs) if spring_set == "fan" else full.attrs["role"] == "calibration"
+    if own and full.sizes["step"] > 4:
+        model = MacroModel.from_springs(_thinned(springs, name), spring_set, _source(full, spring_set))
+        trace = _along(full, model)
         found = _errors(full, trace, full[driver].values[: trace.sizes["step"]], answers)
         out = {f"{label}_error_between_pct": found[f"{label}_error_max_pct"] for label in _ERRORS}
     return out
@@ -210,7 +225,6 @@ def _rotation_point(data: Mapping[Any, Any], n: int, length: float) -> float:
 
 _TEXT_COLUMNS = {
     "path": "path",
-    "role": "role",
     "arm_m": "arm [m]",
     "springs": "springs",
     "springs_from": "from",
@@ -227,17 +241,40 @@ _TEXT_COLUMNS = {
 }
 
 
+_ROLE_TITLES = {
+    "calibration": "calibration paths: springs are made from them",
+    "held-back": "held-back paths: springs are checked on them",
+}
+
+
 def to_text(frame: pd.DataFrame) -> str:
-    """Return the comparison as a table for a terminal, with its definitions; '-' is imposed or undefined."""
+    """Return the comparison as tables for a terminal, one a role, with definitions; '-' is imposed or undefined."""
     shown = frame[list(_TEXT_COLUMNS)].dropna(axis=1, how="all").rename(columns=_TEXT_COLUMNS)
-    cells = [[str(name) for name in shown.columns]]
-    cells += [[_cell(value, str(name)) for name, value in row.items()] for _, row in shown.iterrows()]
-    widths = [max(len(row[j]) for row in cells) for j in range(len(cells[0]))]
+    head = [str(name) for name in shown.columns]
+    cells = [[_cell(value, str(name)) for name, value in row.items()] for _, row in shown.iterrows()]
+    widths = [max(len(row[j]) for row in [head, *cells]) for j in range(len(head))]
     adjust = [str.rjust if shown[name].dtype.kind == "f" else str.ljust for name in shown.columns]
-    lines = ["  ".join(f(text, w) for text, w, f in zip(row, widths, adjust, strict=True)) for row in cells]
-    lines.insert(1, "  ".join("-" * w for w in widths))
+
+    def line(texts: list[str]) -> str:
+        return "  ".join(f(text, w) for text, w, f in zip(texts, widths, adjust, strict=True)).rstrip()
+
+    lines: list[str] = []
+    for role in ROLES:
+        rows = [line(row) for row, own in zip(cells, frame["role"] == role, strict=True) if own]
+        if rows:
+            lines += [_ROLE_TITLES[role], line(head), "  ".join("-" * w for w in widths), *rows, ""]
     ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
-    return "\n".join([line.rstrip() for line in lines] + _NOTES + ended) + "\n"
+    return "\n".join(lines + _NOTES + ended + _marked(frame)) + "\n"
+
+
+def _marked(frame: pd.DataFrame) -> list[str]:
+    """One line for each answer of the fan that it supports only in part."""
+    return [
+        f"{r['path']}, fan: of {r['states']} states {r['extrapolated_states']} are extrapolated and "
+        f"{r['off_path_states']} between paths too far apart"
+        for r in frame.to_dict("records")
+        if r["springs"] == "fan" and (r["extrapolated_states"] or r["off_path_states"])
+    ]
 
 
 _NOTES = [
@@ -246,7 +283,8 @@ _NOTES = [
     "between: the largest error when every second recorded state is left out of the springs",
     "eta = 1 - area between the load-displacement curves / area of the full model's; "
     f"small: to outer diameter / {1 / SMALL_OVER_DIAMETER:.0f}",
-    "springs: py = lateral p-y alone; full = p-y, distributed moment, tip and lid terms",
+    "springs: py = lateral p-y alone; full = p-y, distributed moment, tip and lid terms; "
+    "fan = all of them by (u, rotation), from all calibration paths of constant rotation/u",
 ]
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,10 +12,12 @@ from numpy.typing import NDArray
 
 from pysprings import variables
 from pysprings.errors import Problem, UserInputError
+from pysprings.macro_fan import WIDEST, FanTable
 from pysprings.macro_solver import row_values
 
 if TYPE_CHECKING:
     from pysprings.macro import MacroModel
+    from pysprings.macro_tables import SpringTable
 
 Array = NDArray[np.float64]
 
@@ -44,9 +47,9 @@ def answer_dataset(
     height; message tells where a path ended before its aim.
     """
     u, rotation = states.T
-    w, vertical, elastic = _vertical(model, u, rotation, V)
-    used = _range_used(model, states)
-    distance = _distance(_track(model), states * [1.0, model.length])
+    table = model.table
+    found = _on_fan(model, table, states) if isinstance(table, FanTable) else _on_path(model, table, states)
+    w, vertical, elastic = _vertical(model, found, V)
     depth = model.origin["depth"].values
     values = {
         "u": u,
@@ -57,24 +60,59 @@ def answer_dataset(
         "M": loads[:, 1],
         "converged": np.ones(u.size, dtype=np.int8),
         "depth_bounds": model.origin["depth_bounds"].values,
-        "usable": _usable(model),
+        "usable": found.usable,
         "y": u + rotation * depth[:, None],
-        "p": _lateral(model, states),
-        "range_used": used,
-        "extrapolated": (used > 1.0 + RANGE_SLACK).astype(np.int8),
-        "path_distance": distance,
-        "off_path": (distance > OFF_PATH).astype(np.int8),
+        "p": found.p,
+        "range_used": found.used,
+        "extrapolated": (found.used > 1.0 + RANGE_SLACK).astype(np.int8),
+        "path_distance": found.distance,
+        "off_path": found.off.astype(np.int8),
     }
-    notes = _notes(model, values, V if elastic else None)
+    notes = found.notes + ([_other_load(model, V)] if elastic and V is not None else [])
     attrs = (
         _provenance(model)
         | drive
         | {"status": "partial" if message else "complete", "message": message, "warnings": " | ".join(notes)}
     )
-    table = variables.GROUPS["prediction"]
-    data = {name: (table[name].dims, value, table[name].attributes()) for name, value in values.items()}
-    coords = {"depth": ("depth", depth, table["depth"].attributes()), "step": np.arange(u.size)}
+    known = variables.GROUPS["prediction"]
+    data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
+    coords = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
     return xr.Dataset(data, coords, attrs)
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """What the springs say at states besides the loads: w [m], V [N] by step, p (depth, step), and their support."""
+
+    w: Array
+    V: Array
+    p: Array
+    usable: NDArray[np.int8]
+    used: Array
+    distance: Array
+    off: NDArray[np.bool_]
+    notes: list[str]
+
+
+def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Found:
+    """Springs of one path."""
+    depth, used = model.origin["depth"].values, _range_used(table, states)
+    distance = _distance(_track(model), states * [1.0, model.length])
+    off = distance > OFF_PATH
+    w, V = _path_vertical(model, *states.T)
+    notes = _path_notes(model, used, distance, off)
+    return _Found(w, V, _lateral(table, depth, states), _usable(table, depth), used, distance, off, notes)
+
+
+def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Found:
+    """Springs of a fan of rays."""
+    rows, places = table.rows(states)
+    used, sector, nearest = table.support(states, places)
+    off = (sector > WIDEST + RANGE_SLACK) & (states != 0.0).any(axis=1)
+    usable = np.ones(model.origin.sizes["depth"], dtype=np.int8)
+    (w,), (V,), p = (rows[table.name == name] for name in ("w", "V", "p"))
+    notes = _fan_notes(table, used, sector, off)
+    return _Found(w, V, p, usable, used, np.sin(nearest), off, notes)
 
 
 def _track(model: MacroModel) -> Array:
@@ -82,15 +120,14 @@ def _track(model: MacroModel) -> Array:
     return np.stack([model.origin["u"].values, model.origin["rotation"].values * model.length], axis=1)
 
 
-def _range_used(model: MacroModel, states: Array) -> Array:
+def _range_used(t: SpringTable, states: Array) -> Array:
     """Largest displacement over its range, by state; curves kept in part are left out (flat beyond)."""
-    whole = ~model.table.cut
-    return (np.abs(states @ model.table.a[whole].T) / model.table.range[whole]).max(axis=1, initial=0.0)
+    whole = ~t.cut
+    return (np.abs(states @ t.a[whole].T) / t.range[whole]).max(axis=1, initial=0.0)
 
 
-def _lateral(model: MacroModel, states: Array) -> Array:
+def _lateral(t: SpringTable, depth: Array, states: Array) -> Array:
     """Net p (depth, step) [N/m] that the springs give; 0 where the set has no spring."""
-    t, depth = model.table, model.origin["depth"].values
     rows = np.flatnonzero(np.array(t.name) == "p")
     p = np.zeros((depth.size, len(states)))
     p[np.searchsorted(depth, t.depth[rows])] = row_values(
@@ -99,29 +136,29 @@ def _lateral(model: MacroModel, states: Array) -> Array:
     return p
 
 
-def _usable(model: MacroModel) -> NDArray[np.int8]:
+def _usable(t: SpringTable, depth: Array) -> NDArray[np.int8]:
     """1 at depths whose p is read from y over the whole path, else 0."""
-    t, depth = model.table, model.origin["depth"].values
     own = (np.array(t.name) == "p") & t.natural & ~t.cut
     return np.isin(depth, t.depth[own]).astype(np.int8)
 
 
-def _vertical(model: MacroModel, u: Array, rotation: Array, V: float | None) -> tuple[Array, Array, bool]:
-    """w [m] and V [N] by step, and whether V is another than the path's (then w has an elastic part).
-
-    On the path, w is a function of |u| (of |rotation| where that is the larger motion), held flat beyond.
-    """
+def _path_vertical(model: MacroModel, u: Array, rotation: Array) -> tuple[Array, Array]:
+    """w [m] and V [N] by step: functions of |u| (of |rotation| where that is the larger motion), flat beyond."""
     track = np.abs(_track(model))
     lead = int(np.argmax(track[-1] * [1.0, 0.999]))
     motion = np.abs(u) if lead == 0 else np.abs(rotation) * model.length
     grows = np.maximum.accumulate(track[:, lead])
     path_w, path_v = model.origin["w"].values, model.origin["V"].values
-    w, on_path = np.interp(motion, grows, path_w - path_w[0]), np.interp(motion, grows, path_v)
+    return np.interp(motion, grows, path_w - path_w[0]), np.interp(motion, grows, path_v)
+
+
+def _vertical(model: MacroModel, found: _Found, V: float | None) -> tuple[Array, Array, bool]:
+    """w [m] and V [N] by step, and whether V is another than the springs' (then w has an elastic part)."""
     if V is None:
-        return w, on_path, False
+        return found.w, found.V, False
     check_finite(V=V)
-    other = np.abs(V - on_path).max() > 1e-6 * max(abs(V), np.abs(on_path).max())
-    return w + (V - on_path) / model.stiffness_initial[1, 1], np.full_like(u, V), bool(other)
+    other = np.abs(V - found.V).max() > 1e-6 * max(abs(V), np.abs(found.V).max())
+    return found.w + (V - found.V) / model.stiffness_initial[1, 1], np.full_like(found.V, V), bool(other)
 
 
 def _distance(track: Array, states: Array) -> Array:
@@ -139,37 +176,60 @@ def _distance(track: Array, states: Array) -> Array:
     return np.sqrt(shortest / np.where(size > 0.0, size, np.inf))
 
 
-def _notes(model: MacroModel, values: dict[str, Array], other_v: float | None) -> list[str]:
-    """Sentences, with their numbers and limits, on what the springs do not support in an answer."""
-    notes, n, name = [], values["u"].size, model.origin.attrs["path"]
-    beyond, off = int(values["extrapolated"].sum()), int(values["off_path"].sum())
+def _path_notes(model: MacroModel, used: Array, distance: Array, off: NDArray[np.bool_]) -> list[str]:
+    """Sentences, with their numbers and limits, on what the springs of one path do not support."""
+    notes, n, name = [], used.size, model.origin.attrs["path"]
+    beyond = int((used > 1.0 + RANGE_SLACK).sum())
     if beyond:
         notes.append(
             f"{beyond} of {n} states are beyond the range of path '{name}': springs reach "
-            f"{values['range_used'].max():.3g} times their calibrated displacement (limit 1)"
+            f"{used.max():.3g} times their calibrated displacement (limit 1)"
         )
-    if off:
+    if off.any():
         notes.append(
-            f"{off} of {n} states are off the path '{name}' (load height {model.origin.attrs['arm_m']:g} m) "
-            f"they come from, by up to {values['path_distance'].max():.0%} (limit {OFF_PATH:.0%}): "
+            f"{off.sum()} of {n} states are off the path '{name}' (load height {model.origin.attrs['arm_m']:g} m) "
+            f"they come from, by up to {distance.max():.0%} (limit {OFF_PATH:.0%}): "
             "springs do not transfer between load paths, check against the full model"
-        )
-    if other_v is not None:
-        notes.append(
-            f"V = {other_v:.4g} N is not that of path '{name}' ({model.origin['V'].values[-1]:.4g} N): "
-            "w from the elastic vertical stiffness, lateral springs unchanged"
         )
     return notes
 
 
+def _fan_notes(table: FanTable, used: Array, sector: Array, off: NDArray[np.bool_]) -> list[str]:
+    """Sentences, with their numbers and limits, on what a fan does not support."""
+    notes, n = [], used.size
+    beyond = int((used > 1.0 + RANGE_SLACK).sum())
+    if beyond:
+        notes.append(
+            f"{beyond} of {n} states are beyond the range of the fan of {len(table.path)} paths: they reach "
+            f"{used.max():.3g} times the calibrated displacement (limit 1)"
+        )
+    if off.any():
+        notes.append(
+            f"{off.sum()} of {n} states are between calibration paths {np.degrees(sector[off].max()):.3g} degrees "
+            f"apart in (u, rotation*skirt_length) (limit {np.degrees(WIDEST):.3g}): add a path between them"
+        )
+    return notes
+
+
+def _other_load(model: MacroModel, V: float) -> str:
+    return (
+        f"V = {V:.4g} N is not that of path '{model.origin.attrs['path']}' ({model.origin['V'].values[-1]:.4g} N): "
+        "w from the elastic vertical stiffness, lateral springs unchanged"
+    )
+
+
 def _provenance(model: MacroModel) -> dict[str, Any]:
+    kept = {name: model.attrs[name] for name in _KEPT if name in model.attrs} | {"springs": model.spring_set}
+    kept["curves"] = "monotonic backbone, odd, last slope beyond the calibrated range"
+    if isinstance(model.table, FanTable):
+        rays = zip(model.table.path, np.degrees(model.table.angle), strict=True)
+        rays_text = ", ".join(f"{name} ({angle:.1f} deg)" for name, angle in rays)
+        return kept | {"path": f"{len(model.table.path)} paths", "rays": rays_text}
     origin = model.origin.attrs
-    return {name: model.attrs[name] for name in _KEPT if name in model.attrs} | {
-        "springs": model.spring_set,
+    return kept | {
         "path": origin["path"],
         "kind": origin["kind"],
         "calibration_arm_m": float(origin["arm_m"]),
-        "curves": "monotonic backbone, odd, last slope beyond the calibrated range",
         "n_other_carrier": int((~model.table.natural).sum()),
         "n_cut": int(model.table.cut.sum()),
     }

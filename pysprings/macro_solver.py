@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Equilibrium of a rigid body on nonlinear springs: reactions of a state and path following, jitted.
 
-State x = (u, rotation); loads F(x) = (H, M) = sum_j b_j r_j(a_j . x), tangent K = sum_j b_j k_j a_j^T (2, 2).
+State x = (u, rotation); loads F(x) = (H, M) and their tangent K (2, 2), by the law of the springs:
+
+- ROWS: F = sum_j b_j r_j(a_j . x), K = sum_j b_j k_j a_j^T; a row reads one displacement;
+- FAN: F = sum_k w_k(phi) R_k(rho) with rho = |(u, rotation*L)|, phi its angle, R_k the loads along ray k
+  (`fan_loads`); rows 2k and 2k+1 hold H and M of ray k, knots are rho, a = (angle of the ray, L).
+
 Every way to drive the body is a pair of constant 2x2 matrices:  g(x) = G x + C F(x) - c = 0
 
 - lateral displacement, load at height arm: G = [[1, 0], [0, 0]], C = [[0, 0], [arm, 1]], c = (u, 0)
@@ -28,6 +33,12 @@ MAX_HALVINGS = 12
 # Line search: shortest damping, and the decrease of the squared residual that a step must bring.
 MIN_DAMPING = 1.0 / 64.0
 ARMIJO = 1e-4
+# Laws of springs, see above.
+ROWS, FAN = 0, 1
+# Below this distance from the origin [m] a fan has the tangent of the ray u > 0.
+ORIGIN = 1e-12
+# Rays whose reactions make up a state: those on both sides, and their neighbours, for the slope in angle.
+STENCIL = 4
 
 
 @njit(cache=True)
@@ -65,8 +76,11 @@ def row_values(knots, values, slopes, count, q):
 
 
 @njit(cache=True)
-def reactions(a, b, knots, values, slopes, count, u, rotation, F, K):
+def reactions(law, a, b, knots, values, slopes, count, u, rotation, F, K):
     """Write the loads F (2,) = (H [N], M [N m]) and the tangent K (2, 2) of a state into the given arrays."""
+    if law == FAN:
+        fan_loads(a, knots, values, slopes, count, u, rotation, F, K)
+        return
     F[:] = 0.0
     K[:, :] = 0.0
     for j in range(count.size):
@@ -79,6 +93,101 @@ def reactions(a, b, knots, values, slopes, count, u, rotation, F, K):
 
 
 @njit(cache=True)
+def fan_stencil(angles, phi, rays, signs, weights, turns):
+    """Write the rays around an angle phi, their signs, weights w and dw/dphi, each (4,); return the place t in between.
+
+    Rays are half-lines at increasing angles (n,) in (-pi/2, pi/2]; their mirror images (sign -1) fill the other
+    half of the plane. Between the rays 1 and 2 (1, 2 of the stencil 0, 1, 2, 3; D the angle between them) the
+    reaction per rho is, with t = (phi - phi1)/D,
+        g(phi) = [sin(phi2 - phi) S1 + sin(phi - phi1) S2] / sin D + D [c1 t (1-t)^2 - c2 t^2 (1-t)].
+    The first part is exact for any linear response, g = A cos(phi) + B sin(phi). c1, c2 turn its slopes at the
+    rays into the mean of both sides', weighted as in a parabola through three points (they vanish for a linear
+    response): g has a continuous slope and an error of third order in D.
+    """
+    n, sign = angles.size, 1.0
+    while phi < angles[0]:
+        phi += math.pi
+        sign = -sign
+    while phi >= angles[0] + math.pi:
+        phi -= math.pi
+        sign = -sign
+    low = 0
+    while low < n - 1 and phi >= angles[low + 1]:
+        low += 1
+    at = np.empty(STENCIL)
+    for k in range(STENCIL):
+        place = low - 1 + k
+        rays[k] = place % n
+        lap = place // n
+        at[k] = angles[rays[k]] + lap * math.pi
+        signs[k] = sign if lap % 2 == 0 else -sign
+    d0, d, d2 = at[1] - at[0], at[2] - at[1], at[3] - at[2]
+    t = (phi - at[1]) / d
+    weights[:], turns[:] = 0.0, 0.0
+    weights[1], weights[2] = math.sin(at[2] - phi) / math.sin(d), math.sin(phi - at[1]) / math.sin(d)
+    turns[1], turns[2] = -math.cos(at[2] - phi) / math.sin(d), math.cos(phi - at[1]) / math.sin(d)
+    bump1, bump2 = d * t * (1.0 - t) ** 2, -d * t * t * (1.0 - t)
+    tilt1, tilt2 = (1.0 - t) * (1.0 - 3.0 * t), t * (3.0 * t - 2.0)
+    # c1 = share1 (slope from the left - slope from the right) at ray 1; c2 = share2 (right - left) at ray 2
+    share1, share2 = d / (d0 + d), d / (d + d2)
+    for k, c1, c2 in (
+        (0, -1.0 / math.sin(d0), 0.0),
+        (1, 1.0 / math.tan(d0) + 1.0 / math.tan(d), 1.0 / math.sin(d)),
+        (2, -1.0 / math.sin(d), -1.0 / math.tan(d2) - 1.0 / math.tan(d)),
+        (3, 0.0, 1.0 / math.sin(d2)),
+    ):
+        weights[k] += share1 * c1 * bump1 + share2 * c2 * bump2
+        turns[k] += share1 * c1 * tilt1 + share2 * c2 * tilt2
+    return t
+
+
+@njit(cache=True)
+def fan_loads(a, knots, values, slopes, count, u, rotation, F, K):
+    """Write the loads F (2,) and the tangent K (2, 2) of a state on a fan of rays into the given arrays."""
+    length = a[0, 1]
+    v = rotation * length
+    rho = math.hypot(u, v)
+    cosine, sine = (u / rho, v / rho) if rho > ORIGIN else (1.0, 0.0)
+    rays, signs = np.empty(STENCIL, np.int64), np.empty(STENCIL)
+    weights, turns = np.empty(STENCIL), np.empty(STENCIL)
+    fan_stencil(a[::2, 0], math.atan2(sine, cosine), rays, signs, weights, turns)
+    for i in range(2):
+        force, along, across = 0.0, 0.0, 0.0
+        for k in range(STENCIL):
+            j = 2 * rays[k] + i
+            r, slope = spring_row(knots[j], values[j], slopes[j], count[j], rho)
+            force += signs[k] * weights[k] * r
+            along += signs[k] * weights[k] * slope
+            across += signs[k] * turns[k] * (r / rho if rho > ORIGIN else slope)
+        F[i] = force
+        K[i, 0] = along * cosine - across * sine
+        K[i, 1] = (along * sine + across * cosine) * length
+
+
+@njit(cache=True)
+def fan_rows(angles, knots, values, slopes, count, even, rho, phi):
+    """Return all reactions (rows, states) of a fan, and the place of each state in its sector (states, 3).
+
+    knots (rays, k), values and slopes (rows, rays, k); rho [m] and phi [rad] by state. Rows that keep their sign in
+    the mirror image of a motion (`even`) are interpolated linearly in angle. The place: ray before, ray behind, share.
+    """
+    out, places = np.zeros((even.size, rho.size)), np.empty((rho.size, 3))
+    rays, signs = np.empty(STENCIL, np.int64), np.empty(STENCIL)
+    weights, turns = np.empty(STENCIL), np.empty(STENCIL)
+    for i in range(rho.size):
+        t = fan_stencil(angles, phi[i], rays, signs, weights, turns)
+        places[i, 0], places[i, 1], places[i, 2] = rays[1], rays[2], t
+        for k in range(STENCIL):
+            mean = (0.0, 1.0 - t, t, 0.0)[k]
+            ray = rays[k]
+            for j in range(even.size):
+                factor = mean if even[j] else signs[k] * weights[k]
+                if factor != 0.0:
+                    out[j, i] += factor * spring_row(knots[ray], values[j, ray], slopes[j, ray], count[ray], rho[i])[0]
+    return out, places
+
+
+@njit(cache=True)
 def _merit(G, C, F, x0, x1, c0, c1, scale):
     """Residual of both equations over their sizes, and the largest of them."""
     g0 = (G[0, 0] * x0 + G[0, 1] * x1 + C[0, 0] * F[0] + C[0, 1] * F[1] - c0) / scale[0]
@@ -87,10 +196,10 @@ def _merit(G, C, F, x0, x1, c0, c1, scale):
 
 
 @njit(cache=True)
-def _newton(a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, K):
+def _newton(law, a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, K):
     """Solve g(x) = 0 from x by Newton with line search; answer in x; return iterations, -1 on failure."""
     x0, x1 = x[0], x[1]
-    reactions(a, b, knots, values, slopes, count, x0, x1, F, K)
+    reactions(law, a, b, knots, values, slopes, count, x0, x1, F, K)
     g0, g1, size = _merit(G, C, F, x0, x1, c0, c1, scale)
     for iteration in range(MAX_ITERATIONS):
         if size <= TOLERANCE:
@@ -107,7 +216,7 @@ def _newton(a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, K):
         before, damping = g0 * g0 + g1 * g1, 1.0
         while True:
             y0, y1 = x0 + damping * d0, x1 + damping * d1
-            reactions(a, b, knots, values, slopes, count, y0, y1, F, K)
+            reactions(law, a, b, knots, values, slopes, count, y0, y1, F, K)
             g0, g1, size = _merit(G, C, F, y0, y1, c0, c1, scale)
             if size <= TOLERANCE or g0 * g0 + g1 * g1 <= (1.0 - 2.0 * ARMIJO * damping) * before:
                 break
@@ -119,7 +228,7 @@ def _newton(a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, K):
 
 
 @njit(cache=True)
-def follow(a, b, knots, values, slopes, count, G, C, scale, start, targets, states, loads):
+def follow(law, a, b, knots, values, slopes, count, G, C, scale, start, targets, states, loads):
     """Follow the equilibrium from state `start` (where c is the first target) through all targets c (n, 2).
 
     Writes states (n, 2) = (u, rotation) and loads (n, 2) = (H, M). Between targets a failed step is halved.
@@ -138,7 +247,7 @@ def follow(a, b, knots, values, slopes, count, G, C, scale, start, targets, stat
             aim = min(1.0, done + width)
             c0, c1 = from0 + aim * (targets[n, 0] - from0), from1 + aim * (targets[n, 1] - from1)
             trial[:] = x
-            if _newton(a, b, knots, values, slopes, count, G, C, scale, c0, c1, trial, F, K) < 0:
+            if _newton(law, a, b, knots, values, slopes, count, G, C, scale, c0, c1, trial, F, K) < 0:
                 halvings += 1
                 width *= 0.5
                 if halvings > MAX_HALVINGS:
@@ -146,6 +255,6 @@ def follow(a, b, knots, values, slopes, count, G, C, scale, start, targets, stat
             else:
                 x[:], done, at0, at1 = trial, aim, c0, c1
         states[n] = x
-        reactions(a, b, knots, values, slopes, count, x[0], x[1], F, K)
+        reactions(law, a, b, knots, values, slopes, count, x[0], x[1], F, K)
         loads[n] = F
     return targets.shape[0], at0, at1

@@ -22,8 +22,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-SpringSet = Literal["full", "py"]
-SPRING_SETS: tuple[SpringSet, ...] = ("py", "full")
+SpringSet = Literal["py", "full", "fan"]
+SPRING_SETS: tuple[SpringSet, ...] = ("py", "full", "fan")
 
 # A displacement must cover this share of the largest one on the path to carry a curve: less is noise near the
 # point of rotation, where p/y runs to infinity.
@@ -72,6 +72,11 @@ class SpringTable:
     def range(self) -> Array:
         """Largest calibrated displacement of each row [m or rad]."""
         return self.q[np.arange(len(self.count)), self.count - 1]
+
+    @property
+    def solver_arrays(self) -> tuple[Array, Array, Array, Array, Array, NDArray[np.int64]]:
+        """The rows as `macro_solver` wants them."""
+        return self.a, self.b, self.q, self.r, self.slope, self.count
 
     @property
     def load_scale(self) -> Array:

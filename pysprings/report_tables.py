@@ -276,6 +276,7 @@ def _range_sentence(name: str, path: Any, length: float) -> str:
 # column of the comparison -> (heading, decimals of a number)
 COMPARED: dict[str, tuple[str, int]] = {
     "path": ("path", 0),
+    "role": ("role", 0),
     "springs": ("springs", 0),
     "springs_from": ("springs from", 0),
     "eta_small": ("eta small", 4),
@@ -303,7 +304,8 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
         "when every second recorded state is left out of the springs. eta = 1 - area between the "
         "load-displacement curves over the area under the full model's, to a small displacement and to the "
         "end. extrapolated, off path: states that the springs do not cover. py: lateral p-y springs alone; "
-        "full: with distributed moment, tip and lid terms."
+        "full: with distributed moment, tip and lid terms; fan: all of them by displacement and rotation, from all "
+        "calibration paths of constant ratio."
     )
     ended = [
         f" {row['path']}, {row['springs']}: {row['status']}."

@@ -209,9 +209,9 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_BODY.values(),
       "above 1 is extrapolation"),
     V("extrapolated", "1 where a spring is used beyond its calibrated range", "1", ("step",)),
     V("path_distance", "distance from the path the springs come from", "1", ("step",),
-      "in (u, rotation*skirt_length), relative to the size of the state"),
+      "in (u, rotation*skirt_length), relative to the size of the state; of a fan: from its nearest ray"),
     V("off_path", "1 where the state is far from the path the springs come from", "1", ("step",),
-      "springs of one path do not hold on another"),
+      "springs of one path do not hold on another; of a fan: 1 between rays more than 60 degrees apart"),
 )
 
 GROUPS: dict[str, dict[str, Variable]] = {

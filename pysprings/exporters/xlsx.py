@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from pysprings.comparison import compare, curves
 from pysprings.exporters.tables import with_net
 from pysprings.exporters.xlsx_about import about_lines
-from pysprings.macro import MacroModel
-from pysprings.macro_tables import SPRING_SETS
+from pysprings.macro import MacroModel, spring_sets
 from pysprings.springs import path_dataset, path_names
 from pysprings.storage import replacing
 
@@ -207,7 +206,7 @@ def _load(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     paths = _paths(springs)
     columns = [_series(paths, f"full model {heading}", name, scale) for heading, name, scale in LOAD_HEADINGS]
     traces = [curves(springs, name) for name in book.rows]
-    for spring_set in SPRING_SETS:
+    for spring_set in spring_sets(springs):
         for heading, name, scale in (LOAD_HEADINGS[3], LOAD_HEADINGS[2], LOAD_HEADINGS[5]):
             parts = [
                 _spread(trace[spring_set][name].values * scale, path) for trace, path in zip(traces, paths, strict=True)
@@ -229,8 +228,11 @@ def _stiffness(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     sheet.set_column(0, 0, 30)
     sheet.set_column(1, 3, 22)
     blocks = [("full model", springs.dataset["stiffness_initial"].values)]
+    sets = spring_sets(springs)
+    if "fan" in sets:
+        blocks.append(("fan springs of all rays", MacroModel.from_springs(springs, "fan").tangent_stiffness().values))
     for name in book.rows:
-        for spring_set in SPRING_SETS:
+        for spring_set in (each for each in sets if each != "fan"):
             matrix = MacroModel.from_springs(springs, spring_set, name).tangent_stiffness().values
             blocks.append((f"{spring_set} springs of path {name}", matrix))
     row = 0
@@ -242,14 +244,15 @@ def _stiffness(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
             sheet.write_string(row + 2 + line, 0, words, book.head)
             sheet.write_row(row + 2 + line, 1, (matrix[line] * KN).tolist(), book.number)
         row += 6
-    sheet.write_string(row, 0, "Springs: slope of the first recorded step; w is the full model's elastic stiffness.")
+    note = "Springs of one path: slope of the first recorded step; w is the full model's elastic stiffness."
+    sheet.write_string(row, 0, note)
 
 
 def _charts(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     """One row of charts a path: load-displacement, p-y by depth, m by depth."""
     depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
     shown = np.unique(np.linspace(0, depths.size - 1, CHART_DEPTHS).astype(int))
-    load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(SPRING_SETS)]
+    load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(spring_sets(springs))]
     py = [(f"{depths[k]:.2f} m", 2 + 4 * k, 3 + 4 * k) for k in shown]
     mtheta = [(f"{depths[k]:.2f} m", 2, 4 + 4 * k) for k in shown]
     for place, (name, rows) in enumerate(book.rows.items()):

@@ -29,8 +29,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-LOOKS = {"full": (BLUE, "--", "o"), "py": (VERMILLION, "--", "s")}
-NAMES = {"full": "macro-model, full spring set", "py": "macro-model, p-y springs only"}
+LOOKS = {"fan": (GREEN, "-.", "^"), "full": (BLUE, "--", "o"), "py": (VERMILLION, "--", "s")}
+NAMES = {
+    "fan": "macro-model, fan of all calibration paths",
+    "full": "macro-model, full spring set of one path",
+    "py": "macro-model, p-y springs only",
+}
 
 
 @styled
@@ -42,7 +46,7 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
     full
         The full model's path: u [m], H [N] (M [N m] on a rotation path), rotation [rad], all by step.
     curves
-        Predictions by spring set (``"full"``, ``"py"``, or any name), with the same variables by step.
+        Predictions by spring set (``"fan"``, ``"full"``, ``"py"``, or any name), with the same variables by step.
     """
     rotates = full.attrs.get("kind") == "rotation"
     load = "M" if rotates else "H"

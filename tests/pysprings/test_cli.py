@@ -141,7 +141,7 @@ def test_init_never_overwrites_without_force() -> None:
             ["--template", "paper-draind"],
             "--template: no template 'paper-draind' (did you mean 'paper-drained'?)",
         ),
-        (["--template", "x"], "--template: no template 'x' (there is: paper-drained)"),
+        (["--template", "x"], "--template: no template 'x' (there is: fan, paper-drained)"),
         (
             ["pysprings.schema.json"],
             "pysprings.schema.json: is the name of the schema; choose another for the scene",
@@ -551,7 +551,7 @@ def test_predict_passes_si_values_on(monkeypatch: pytest.MonkeyPatch, springs_fi
         8.0,
         None,
         5e5,
-        "full",
+        None,
     )
     assert Result("predict", springs_file, "--H", "-200 kN", "--M", "-3 MN m", "--springs", "py").code == 0
     assert (seen["H"], seen["arm"], seen["M"], seen["springs_kind"]) == (-2e5, None, -3e6, "py")
@@ -625,6 +625,40 @@ def test_predict_refuses(springs_file: Path, args: list[str], messages: list[str
     done = Result("predict", springs_file, *args)
     assert (done.code, done.out) == (2, "")
     assert done.err == "".join(f"fatal: user input: {message}\n" for message in messages)
+
+
+def test_predict_strict_refuses_what_the_springs_do_not_cover(springs_file: Path) -> None:
+    done = Result("predict", springs_file, "--H", "9e9 N", "--strict")
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith("fatal: user input: strict: ")
+    assert "beyond the range of path 'pull'" in done.err
+    assert len(done.err.splitlines()) == 1
+    assert Result("predict", springs_file, "--u-max", "2 mm", "--strict").code == 0
+
+
+def test_fan_is_the_default_where_there_is_one(springs_file: Path) -> None:
+    rays = (synthetic.Path("push", "translation"), synthetic.Path("turn", "rotation", 1e-3))
+    fan = save_springs(synthetic.make_springs(rays), Path("fan/springs.nc"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # two rays are 90 degrees apart
+        data = json.loads(Result("predict", fan, "--H", "1 MN", "--json").out)
+        assert data["attributes"]["springs"] == "fan"
+        one = json.loads(Result("predict", fan, "--H", "1 MN", "--springs", "full", "--json").out)
+        assert one["attributes"]["path"] == "push"
+    strict = Result("predict", fan, "--H", "1 MN", "--strict")
+    assert (strict.code, strict.out) == (2, "")
+    assert "between calibration paths 90 degrees apart" in strict.err
+    assert len(strict.err.splitlines()) == 1
+    rows = json.loads(Result("compare", fan, "--springs", "fan", "--json").out)["rows"]
+    assert [(row["path"], row["springs"]) for row in rows] == [("push", "fan"), ("turn", "fan")]
+    none = Result("predict", springs_file, "--H", "1 MN", "--springs", "fan")
+    assert (none.code, len(none.err.splitlines())) == (2, 1)
+    assert "a fan needs at least 2 calibration paths" in none.err
+    there = Result("compare", springs_file, "--springs", "fan")
+    assert (there.code, there.err) == (
+        2,
+        "fatal: user input: springs_kind: no springs 'fan' here; there are: py, full\n",
+    )
 
 
 def test_predict_beyond_the_springs_warns(springs_file: Path) -> None:

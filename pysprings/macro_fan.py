@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: MIT
+"""A fan of rays: reactions tabulated along several fixed ratios of rotation to displacement, and used in between.
+
+p(y) and m(rotation) of one path do not hold on another. A state of a rigid caisson under a lateral load is a point
+of the plane (u, rotation*L), L the skirt length: rho = |(u, rotation*L)|, phi = atan2(rotation*L, u). A ray is a
+calibration path of constant phi (kind "translation", with or without rotation, or "rotation"). Along it every
+reaction is tabulated over rho from the origin on: p, m and t by depth, tip and lid terms, and the heave. Between
+the rays `macro_solver.fan_stencil` interpolates in angle: exactly for a linear response, at every load height.
+
+The mirror image of a ray (a motion towards -x) completes the plane: lateral reactions and moments change their sign,
+vertical ones and w do not. Those are interpolated linearly in angle.
+
+At the origin the slopes add up to the initial stiffness of the full model. Interpolation along a ray is cubic, and
+linear in the data: so the sum of the reactions is the load at every state, as it is at the recorded ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.errors import Problem, UserInputError
+from pysprings.macro_solver import fan_rows
+from pysprings.springs import get_path, net_m, net_p, path_names, slice_heights
+
+Array = NDArray[np.float64]
+
+# A path is a ray when its states keep its direction within this angle [rad].
+STRAIGHT = 1e-3
+# Rays closer than this are one ray [rad]; the longest is used.
+SAME = np.radians(1.0)
+# Between rays farther apart than this an answer is marked off_path [rad].
+WIDEST = np.radians(60.0)
+FEWEST = 2
+
+_ENDS = ("H_tip", "M_tip", "H_lid", "M_lid")
+_VERTICAL = ("V_tip", "V_lid", "w", "V")
+
+
+@dataclass(frozen=True, slots=True)
+class FanTable:
+    """Reactions along rays. n rays at increasing angles, rows of reactions, k knots at most.
+
+    Attributes
+    ----------
+    path : tuple of str
+        Calibration path of each ray.
+    length : float
+        Skirt length L [m].
+    angle : (n,) float
+        phi of each ray [rad], in (-pi/2, pi/2].
+    rho : (n, k) float
+        Knots [m], 0 first; inf beyond `count`.
+    count : (n,) int
+        Number of knots.
+    name, depth : (rows,)
+        Family (p, m, t, H_tip, M_tip, H_lid, M_lid, V_tip, V_lid, w, V) and depth [m] of each row.
+    even : (rows,) bool
+        Whether the row keeps its sign in the mirror image of a motion.
+    b : (rows, 2) float
+        Action of a row on (H, M).
+    r, slope : (rows, n, k) float
+        Reactions and their slopes dr/drho.
+    """
+
+    path: tuple[str, ...]
+    length: float
+    angle: Array
+    rho: Array
+    count: NDArray[np.int64]
+    name: NDArray[np.str_]
+    depth: Array
+    even: NDArray[np.bool_]
+    b: Array
+    r: Array
+    slope: Array
+
+    @property
+    def range(self) -> Array:
+        """Largest calibrated rho of each ray [m]."""
+        return self.rho[np.arange(self.count.size), self.count - 1]
+
+    @property
+    def load_scale(self) -> Array:
+        """Size of H [N] and M [N m] that the springs can build up, for tolerances."""
+        peak = np.abs(self.r).max(axis=(1, 2))
+        return np.maximum((np.abs(self.b) * peak[:, None]).sum(axis=0), 1e-300)
+
+    @property
+    def solver_arrays(self) -> tuple[Array, Array, Array, Array, Array, NDArray[np.int64]]:
+        """The loads (H, M) along each ray as `macro_solver` wants them: rows 2k and 2k+1 are those of ray k."""
+        n = self.angle.size
+        loads, slopes = (np.tensordot(x, self.b, axes=(0, 0)).transpose(0, 2, 1) for x in (self.r, self.slope))
+        a = np.stack([np.repeat(self.angle, 2), np.full(2 * n, self.length)], axis=1)
+        return (
+            a,
+            np.tile(np.eye(2), (n, 1)),
+            np.repeat(self.rho, 2, axis=0),
+            np.ascontiguousarray(loads.reshape(2 * n, -1)),
+            np.ascontiguousarray(slopes.reshape(2 * n, -1)),
+            np.repeat(self.count, 2),
+        )
+
+    def polar(self, states: Array) -> tuple[Array, Array]:
+        """Return rho [m] and phi [rad] of states (n, 2) = (u, rotation)."""
+        u, v = states[:, 0], states[:, 1] * self.length
+        return np.hypot(u, v), np.arctan2(v, u)
+
+    def rows(self, states: Array) -> tuple[Array, Array]:
+        """Return all reactions (rows, n) at states (n, 2) = (u, rotation), and their places: see `fan_rows`."""
+        out: tuple[Array, Array] = fan_rows(
+            self.angle, self.rho, self.r, self.slope, self.count, self.even, *self.polar(states)
+        )
+        return out
+
+    def support(self, states: Array, places: Array) -> tuple[Array, Array, Array]:
+        """Return how far states are supported, each (n,): rho over the range, sector [rad], angle to a ray [rad].
+
+        The range is the shorter one of the rays on both sides; on a ray, its own, and the sector is 0.
+        """
+        low, high, place = places[:, 0].astype(int), places[:, 1].astype(int), places[:, 2]
+        # a single ray and its mirror image cannot be: there are two rays at least, so no sector is 0 modulo pi
+        sector = (self.angle[high] - self.angle[low]) % np.pi
+        nearest = np.minimum(place, 1.0 - place) * sector
+        on_ray = nearest < STRAIGHT
+        own = np.where(place < 0.5, self.range[low], self.range[high])
+        reach = np.where(on_ray, own, np.minimum(self.range[low], self.range[high]))
+        return self.polar(states)[0] / reach, np.where(on_ray, 0.0, sector), nearest
+
+
+def fan_paths(springs: xr.DataTree) -> dict[str, float]:
+    """Return the calibration paths that are rays and their angles [rad], by increasing angle; close ones once."""
+    length = float(springs.attrs["skirt_length_m"])
+    found: list[tuple[float, float, str]] = []
+    for name in path_names(springs, "calibration"):
+        angle, size = _direction(get_path(springs, name), length)
+        if np.isfinite(angle):
+            found.append((size, angle, name))
+    kept: list[tuple[float, str]] = []
+    for _, angle, name in sorted(found, key=lambda ray: -ray[0]):
+        if all(min(abs(angle - other), np.pi - abs(angle - other)) > SAME for other, _ in kept):
+            kept.append((angle, name))
+    return {name: angle for angle, name in sorted(kept)}
+
+
+def has_fan(springs: xr.DataTree) -> bool:
+    """Tell whether a spring set has the rays that a fan needs."""
+    return len(fan_paths(springs)) >= FEWEST
+
+
+def build_fan(springs: xr.DataTree) -> FanTable:
+    """Return the fan of all calibration paths of a spring set that are rays; refuse fewer than two."""
+    paths = fan_paths(springs)
+    if len(paths) < FEWEST:
+        message = (
+            f"a fan needs at least {FEWEST} calibration paths of different, constant ratios rotation to lateral "
+            f"displacement (kinds translation and rotation); there are {len(paths)}"
+        )
+        raise UserInputError([Problem(key="springs", message=message)])
+    data = [get_path(springs, name) for name in paths]
+    length = float(springs.attrs["skirt_length_m"])
+    depth, dz = data[0]["depth"].values, slice_heights(data[0])
+    if any(not np.array_equal(path["depth"].values, depth) for path in data):
+        raise UserInputError([Problem(key="springs", message="the calibration paths of a fan differ in their depths")])
+    stiffness = springs.dataset["stiffness_initial"].values[np.ix_([0, 2], [0, 2])]
+    angle = np.array(list(paths.values()))
+    count = np.array([path.sizes["step"] for path in data], dtype=np.int64)
+    rho = np.full((len(data), int(count.max())), np.inf)
+    name, place, even, b = _layout(depth, dz, length)
+    r = np.zeros((len(name), *rho.shape))
+    slope = np.zeros_like(r)
+    for k, path in enumerate(data):
+        u, v = path["u"].values, path["rotation"].values * length
+        along = u * np.cos(angle[k]) + v * np.sin(angle[k])  # < 0 where the path is the mirror image of the ray
+        along[0] = 0.0
+        rows = _rows(path) * np.where(even, 1.0, np.sign(along[-1]))[:, None]
+        rho[k, : count[k]] = np.abs(along)
+        r[:, k, : count[k]] = rows
+        wanted = stiffness @ [np.cos(angle[k]), np.sin(angle[k]) / length]
+        initial = _initial_slopes((rows[:, 1] - rows[:, 0]) / rho[k, 1], b, wanted)
+        slope[:, k, : count[k]] = secant_slopes(np.abs(along), rows, initial)
+    return FanTable(tuple(paths), length, angle, rho, count, name, place, even, b, r, slope)
+
+
+def _direction(path: xr.Dataset, length: float) -> tuple[float, float]:
+    """Angle [rad] in (-pi/2, pi/2] and size [m] of a straight path from the origin; NaN for any other."""
+    u, v = path["u"].values, path["rotation"].values * length
+    rho = np.hypot(u, v)
+    if rho[0] > 1e-9 * rho[-1] or not (np.diff(rho) > 0.0).all():
+        return np.nan, 0.0
+    if (np.abs(u * v[-1] - v * u[-1]) > STRAIGHT * rho * rho[-1])[1:].any():  # the origin is met to rounding only
+        return np.nan, 0.0
+    angle = float(np.arctan2(v[-1], u[-1]))
+    # an imposed displacement of 0 is met to rounding only: pure rotation is +pi/2, whatever the sign of u
+    if abs(abs(angle) - 0.5 * np.pi) < 1e-9:
+        return 0.5 * np.pi, float(rho[-1])
+    return (angle + 0.5 * np.pi) % np.pi - 0.5 * np.pi, float(rho[-1])
+
+
+def _layout(depth: Array, dz: Array, length: float) -> tuple[NDArray[np.str_], Array, NDArray[np.bool_], Array]:
+    """Name, depth, parity and action on (H, M) of the rows, in the order of `_rows`."""
+    n = depth.size
+    name = np.array(["p"] * n + ["m"] * n + ["t"] * n + [*_ENDS, *_VERTICAL])
+    place = np.concatenate([np.tile(depth, 3), [length, length, 0.0, 0.0, length, 0.0, 0.0, 0.0]])
+    zero = np.zeros(n)
+    b = np.concatenate(
+        [
+            np.stack([dz, depth * dz], axis=1),
+            np.stack([zero, dz], axis=1),
+            np.stack([zero, zero], axis=1),
+            [[1.0, length], [0.0, 1.0], [1.0, 0.0], [0.0, 1.0]],
+            np.zeros((len(_VERTICAL), 2)),
+        ]
+    )
+    return name, place, np.isin(name, ("t", *_VERTICAL)), b
+
+
+def _rows(path: xr.Dataset) -> Array:
+    """Reactions (rows, step); odd ones and w as changes from the initial state."""
+    t = path["t"].sum("side").transpose("depth", "step").values
+    ends = np.stack([path[name].values for name in _ENDS])
+    odd = np.concatenate([net_p(path).values, net_m(path).values])
+    vertical = np.stack([path[name].values - (path[name].values[0] if name == "w" else 0.0) for name in _VERTICAL])
+    return np.concatenate([odd - odd[:, :1], t, ends - ends[:, :1], vertical])
+
+
+def _initial_slopes(secant: Array, b: Array, wanted: Array) -> Array:
+    """Slopes (rows,) at the origin whose sums in (H, M) are those of the full model's initial stiffness, `wanted` (2,).
+
+    They are the secants of the first step, changed in proportion to their size as little as the sums allow.
+    """
+    size = np.abs(secant)
+    missing = wanted - secant @ b
+    multiplier = np.linalg.lstsq((b * size[:, None]).T @ b, missing, rcond=None)[0]
+    return secant + size * (b @ multiplier)
+
+
+def secant_slopes(rho: Array, r: Array, initial: Array) -> Array:
+    """Return slopes dr/drho (rows, k) at the knots rho (k,), 0 first, from the secants S = (r - r(0))/rho.
+
+    S(0) = initial (rows,). dS/ds is that of a parabola through three neighbours in s = ln(1 + rho/rho_1), as steps
+    grow from the first one on. Exact for a linear response; linear in r and initial, unlike
+    `macro_tables.pchip_slopes`: slopes of a sum are the sum of the slopes.
+    """
+    secant = np.concatenate([initial[:, None], (r[:, 1:] - r[:, :1]) / rho[1:]], axis=1)
+    h = np.diff(np.log1p(rho / rho[1]))
+    rise = np.diff(secant, axis=1) / h
+    bend = np.empty_like(r)
+    if h.size == 1:
+        bend[:] = rise
+    else:
+        share = h[1:] / (h[1:] + h[:-1])
+        bend[:, 1:-1] = share * rise[:, :-1] + (1.0 - share) * rise[:, 1:]
+        bend[:, 0], bend[:, -1] = 2.0 * rise[:, 0] - bend[:, 1], 2.0 * rise[:, -1] - bend[:, -2]
+    return secant + bend * rho / (rho + rho[1])

@@ -1,0 +1,328 @@
+# SPDX-License-Identifier: MIT
+"""A fan of rays: exact for a linear response, odd, continuous, marked outside; load paths it was not made from."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.optimize import brentq
+
+from pysprings import variables
+from pysprings.comparison import compare, to_text
+from pysprings.errors import UserInputError
+from pysprings.macro import MacroModel, MacroWarning, curve, predict, spring_sets
+from pysprings.macro_fan import build_fan, fan_paths, has_fan, secant_slopes
+from pysprings.springs import balance, get_path
+from tests.pysprings.synthetic import Caisson, Path, make_springs
+
+LENGTH, RINGS = 4.0, 9
+DEPTH = np.linspace(0.0, LENGTH, RINGS)
+HEIGHT = np.diff(np.concatenate([[0.0], 0.5 * (DEPTH[1:] + DEPTH[:-1]), [LENGTH]]))
+ANGLES = (0.0, -20.0, -30.0, -40.0, -50.0, -60.0, 45.0, 90.0)  # degrees of (u, rotation*L)
+RHO = 8e-3 * np.linspace(0.0, 1.0, 25) ** 1.5
+
+# Symmetric stiffness (p to y and m to rotation coupled) at each depth: p = A y + C rotation, m = C y + B rotation.
+A, B, C = 3e8, 2e9, 1.5e8
+STIFFNESS_V = 3.5e9
+
+
+def linear(z, y, rotation):
+    return A * y + C * rotation, C * y + B * rotation
+
+
+def potential(z, y, rotation):
+    """p and m from the potential W = k e^2 (1 + z/L) sqrt(1 + q/e^2), q = quadratic form of (y, rotation): coupled."""
+    e = 2e-3
+    stress = np.array(linear(z, y, rotation))
+    q = (stress[0] * y + stress[1] * rotation) / A
+    return stress / np.sqrt(1.0 + q / e**2) * (1.0 + z / LENGTH)
+
+
+def loads(law, u, rotation):
+    p, m = law(DEPTH, u + rotation * DEPTH, rotation)
+    return np.array([HEIGHT @ p, HEIGHT @ (p * DEPTH + m)])
+
+
+def fan_springs(law, angles=ANGLES, rho=RHO, held_back=()) -> xr.DataTree:
+    """Springs of rays (and held-back pulls at the arms given) of a caisson whose p and m follow a law."""
+    names = {f"ray_{k}": a for k, a in enumerate(angles)}
+    paths = [Path(name, "translation", steps=rho.size - 1) for name in names]
+    paths += [Path(f"pull_{arm:g}", arm=arm, role="held-back", steps=rho.size - 1) for arm in held_back]
+    tree = make_springs(tuple(paths), Caisson(rings=RINGS, sectors=4))
+    for path in paths:
+        if path.kind == "translation":
+            angle = np.radians(names[path.name])
+            states = np.stack([rho * np.cos(angle), rho * np.sin(angle) / LENGTH])
+        else:
+            states = pull_states(law, path.arm, 0.5 * rho)
+        _replace(tree, path.name, law, *states)
+    h = 1e-9
+    k = np.zeros((3, 3))
+    k[np.ix_([0, 2], [0, 2])] = np.stack([loads(law, h, 0.0), loads(law, 0.0, h)], axis=1) / h
+    k[1, 1] = STIFFNESS_V
+    tree["stiffness_initial"].values = k
+    return tree
+
+
+def pull_states(law, arm, u):
+    def unbalance(rotation, x):
+        force, moment = loads(law, x, rotation)
+        return moment + arm * force
+
+    return u, np.array([brentq(unbalance, -2.0 * x, x, args=(x,), xtol=1e-18) if x else 0.0 for x in u])
+
+
+def _replace(tree, name, law, u, rotation):
+    data = tree[f"paths/{name}"].to_dataset(inherit=False).copy(deep=True)
+    y = u + rotation * DEPTH[:, None]
+    p, m = law(DEPTH[:, None], y, rotation + 0.0 * y)
+    edges = np.concatenate([[0.0], np.cumsum(HEIGHT)])
+    zero = np.zeros_like(u)
+    net, moment, shear = (np.zeros(data[key].shape) for key in ("p", "m", "t"))
+    net[:, 0, 0, :], moment[:, 0, :], shear[:, 0, :] = p, m, 1e5
+    force, couple = HEIGHT @ p, (HEIGHT * DEPTH) @ p + HEIGHT @ m
+    new = {key: ("step", zero) for key in ("H_tip", "M_tip", "H_lid", "M_lid", "V_lid")}
+    new |= {"p": (data["p"].dims, net), "m": (data["m"].dims, moment), "t": (data["t"].dims, shear)}
+    new |= {"u": ("step", u), "rotation": ("step", rotation), "y": (("depth", "step"), y)}
+    new |= {"H": ("step", force), "M": ("step", couple), "V_tip": ("step", data["V"].values - 1e5 * LENGTH)}
+    new |= {"w": ("step", -0.2 * np.hypot(u, LENGTH * rotation))}
+    data = data.drop_vars("depth_bounds").assign_coords(depth=DEPTH).assign(new)
+    data["depth_bounds"] = (("depth", "bound"), np.stack([edges[:-1], edges[1:]], axis=1))
+    tree[f"paths/{name}"].dataset = variables.attach(data, "springs_path")
+
+
+def scattered(n=200, size=7e-3, seed=3):
+    """States (n, 2) = (u, rotation) all over the plane."""
+    random = np.random.default_rng(seed)
+    rho, phi = size * random.random(n), 2 * np.pi * random.random(n)
+    return np.stack([rho * np.cos(phi), rho * np.sin(phi) / LENGTH], axis=1)
+
+
+@pytest.fixture(scope="module")
+def bent() -> MacroModel:
+    return MacroModel.from_springs(fan_springs(potential), "fan")
+
+
+@pytest.mark.parametrize("angles", [ANGLES, (0.0, 90.0), (-60.0, 20.0, 70.0), (180.0, -155.0, 100.0)])
+def test_exact_for_a_linear_response(angles):
+    """At every state of the plane, however wide the sectors, rays with u < 0 included; tangent too."""
+    springs = fan_springs(linear, angles)
+    model = MacroModel.from_springs(springs, "fan")
+    k = springs["stiffness_initial"].values[np.ix_([0, 2], [0, 2])]
+    for state in scattered():
+        force, tangent = model.reactions(*state)
+        np.testing.assert_allclose(force, k @ state, rtol=1e-10, atol=1e-9 * np.abs(k @ state).max())
+        np.testing.assert_allclose(tangent, k, rtol=1e-7)
+
+
+@pytest.mark.parametrize("arm", [0.0, 0.5, 8.0, 40.0, -3.0])
+def test_elastic_limit_is_the_full_model_at_all_load_heights(arm):
+    """By construction, for a law that yields from the start: the slopes at the origin sum to the full stiffness."""
+    springs = fan_springs(potential, rho=np.linspace(0.0, 8e-3, 9))  # first step far beyond the elastic limit
+    k = springs["stiffness_initial"].values[np.ix_([0, 2], [0, 2])]
+    answer = predict(springs, H=10.0, arm=arm, n=2).isel(step=-1)
+    expected = np.linalg.solve(k, [10.0, -arm * 10.0])
+    np.testing.assert_allclose([answer["u"], answer["rotation"]], expected, rtol=1e-4)
+
+
+def test_recorded_states_come_back_and_the_reactions_sum_to_the_load(bent):
+    springs = fan_springs(potential)
+    for name in fan_paths(springs):
+        path = get_path(springs, name)
+        states = np.stack([path["u"].values, path["rotation"].values], axis=1)
+        found = np.array([bent.reactions(*state)[0] for state in states])
+        np.testing.assert_allclose(found, np.stack([path["H"], path["M"]], axis=1), rtol=1e-9, atol=1e-3)
+    states = scattered(40)
+    rows, _ = bent.table.rows(states)
+    forces = np.array([bent.reactions(*state)[0] for state in states])
+    np.testing.assert_allclose(rows.T @ bent.table.b, forces, rtol=1e-9, atol=1e-6)
+    z, t = DEPTH, bent.table
+    p, m = rows[t.name == "p"], rows[t.name == "m"]
+    np.testing.assert_allclose(HEIGHT @ p, forces[:, 0], rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose((HEIGHT * z) @ p + HEIGHT @ m, forces[:, 1], rtol=1e-9, atol=1e-6)
+    vertical = HEIGHT @ rows[t.name == "t"] + rows[t.name == "V_tip"] + rows[t.name == "V_lid"]
+    np.testing.assert_allclose(vertical, rows[t.name == "V"], rtol=1e-9)
+
+
+def test_odd_symmetry(bent):
+    """A motion mirrored has mirrored loads; heave and V are the same, and w goes through the origin with no sign."""
+    states = scattered(50)
+    for state in states:
+        (there, tangent), (back, tangent_back) = bent.reactions(*state), bent.reactions(*-state)
+        np.testing.assert_allclose(back, -there, rtol=1e-12)
+        np.testing.assert_allclose(tangent_back, tangent, rtol=1e-10, atol=1e-3)
+    one, other = bent.trace("state", states), bent.trace("state", -states)
+    np.testing.assert_allclose(other["w"], one["w"], rtol=1e-9)
+    np.testing.assert_allclose(other["V"], one["V"], rtol=1e-9)
+    assert (one["w"] < 0.0).all()
+
+
+def test_continuous_across_rays_with_its_slope(bent):
+    """Loads and tangent just before and behind every ray and its mirror image, and across the negative u axis."""
+    rays = np.concatenate([bent.table.angle, bent.table.angle + np.pi, [np.pi]])
+    for phi in rays:
+        sides = []
+        for shift in (-1e-9, 1e-9):
+            u, v = 4e-3 * np.cos(phi + shift), 4e-3 * np.sin(phi + shift)
+            sides.append(bent.reactions(u, v / LENGTH))
+        np.testing.assert_allclose(sides[0][0], sides[1][0], rtol=1e-6, atol=1.0)
+        np.testing.assert_allclose(sides[0][1], sides[1][1], rtol=1e-5, atol=1e-5 * np.abs(sides[0][1]).max())
+
+
+@pytest.mark.parametrize("state", [(1e-3, -2e-4), (3e-3, -7e-4), (2e-3, 1e-4), (-3e-4, -1.5e-3), (0.0, 1e-3)])
+def test_tangent_by_taylor_slope(bent, state):
+    x, d = np.array(state), np.array([1.0e-4, -2.3e-5])
+    force, tangent = bent.reactions(*x)
+    steps = 0.1 / 2.0 ** np.arange(4)
+    rest = [np.abs(bent.reactions(*(x + h * d))[0] - force - h * tangent @ d) / [1.0, LENGTH] for h in steps]
+    assert np.polyfit(np.log(steps), np.log(np.linalg.norm(rest, axis=1)), 1)[0] == pytest.approx(2.0, abs=0.2)
+
+
+def test_error_falls_with_the_third_power_of_the_angle_between_rays():
+    """At fixed rho, in the middle of sectors of 15, 7.5 and 3.75 degrees; plain secants give the second power."""
+    errors = []
+    for width in (15.0, 7.5, 3.75):
+        model = MacroModel.from_springs(fan_springs(potential, np.arange(-90.0 + width, 90.1, width)), "fan")
+        phi = np.radians(np.arange(-90.0, 90.0, width) + 0.5 * width)
+        worst = 0.0
+        for u, v in RHO[20] * np.stack([np.cos(phi), np.sin(phi)], axis=1):
+            missing = (model.reactions(u, v / LENGTH)[0] - loads(potential, u, v / LENGTH)) / [1.0, LENGTH]
+            worst = max(worst, float(np.linalg.norm(missing)))
+        errors.append(worst)
+    rates = [np.log2(a / b) for a, b in pairwise(errors)]
+    assert min(rates) > 2.7
+
+
+def test_pulls_that_the_fan_was_not_made_from():
+    """Coupled nonlinear soil: load and rotation within 1 % at every state of pulls at five load heights."""
+    springs = fan_springs(potential, held_back=(0.0, 2.0, 8.0, 40.0, -2.0))
+    assert max(balance(get_path(springs, "pull_8")).values()) < 1e-9
+    frame = compare(springs)
+    held = frame[frame["role"] == "held-back"]
+    fan = held[held["springs"] == "fan"]
+    assert len(fan) == 5
+    assert fan[["H_error_max_pct", "rotation_error_max_pct"]].abs().max(axis=None) < 1.0
+    assert fan[["eta_small", "eta_large"]].min(axis=None) > 0.995
+    assert not fan[["extrapolated_states", "off_path_states"]].to_numpy().any()
+    assert fan["springs_from"].tolist() == ["8 paths"] * 5
+    assert held[held["springs"] == "full"]["eta_large"].max() < 0.9  # springs of one path do not do it
+
+
+def test_compare_keeps_the_roles_apart():
+    springs = fan_springs(potential, held_back=(0.0,))
+    text = to_text(compare(springs))
+    titles = "calibration paths: springs are made", "held-back paths: springs are checked"
+    places = [text.index(words) for words in (titles[0], "ray_0", "ray_7", titles[1], "pull_0")]
+    assert places == sorted(places)
+    one = compare(springs, "fan")
+    assert set(one["springs"]) == {"fan"}
+    assert one.loc[one["role"] == "calibration", "H_error_between_pct"].abs().max() < 2.0
+
+
+def test_beyond_the_range_is_marked_warned_and_refused():
+    springs = fan_springs(potential)
+    with pytest.warns(MacroWarning, match=r"beyond the range of the fan of 8 paths: they reach 1\.\d+ times"):
+        far = curve(springs, u_max=9e-3, n=4)
+    assert far["extrapolated"].values.tolist() == [0, 0, 0, 1]
+    with pytest.raises(UserInputError, match="strict: 1 of 4 states are beyond the range") as caught:
+        curve(springs, u_max=9e-3, n=4, strict=True)
+    assert len(str(caught.value).splitlines()) == 1
+    inside = curve(springs, u_max=5e-3, n=4, strict=True)
+    assert not inside["extrapolated"].any()
+
+
+def test_the_shorter_ray_of_a_sector_limits_the_range():
+    springs = fan_springs(linear, (0.0, -45.0, 90.0))
+    data = springs["paths/ray_0"].to_dataset(inherit=False)
+    springs["paths/ray_0"] = xr.DataTree(data.isel(step=slice(0, 13)))
+    model = MacroModel.from_springs(springs, "fan")
+    between = 0.9 * RHO[-1] * np.array([[np.cos(-0.4), np.sin(-0.4) / LENGTH]])
+    on_the_long_one = 0.9 * RHO[-1] * np.array([[1.0, -1.0 / LENGTH]]) / np.sqrt(2.0)
+    assert model.trace("state", between)["extrapolated"].values.tolist() == [1]
+    assert model.trace("state", on_the_long_one)["extrapolated"].values.tolist() == [0]
+
+
+def test_a_wide_sector_is_marked_and_refused_but_not_its_rays():
+    springs = fan_springs(linear, (0.0, -50.0, 90.0))  # 90 degrees between 0 and 90
+    model = MacroModel.from_springs(springs, "fan")
+    states = np.array([[1e-3, 0.0], [1e-3, 1e-4], [1e-3, -1e-4], [0.0, 1e-4], [-1e-3, -1e-4], [0.0, 0.0]])
+    assert model.trace("state", states)["off_path"].values.tolist() == [0, 1, 0, 0, 1, 0]
+    force, moment = (float(x) for x in model.reactions(1e-3, 1e-4)[0])
+    with pytest.warns(MacroWarning, match=r"between calibration paths 90 degrees apart.*limit 60"):
+        predict(springs, H=force, M=moment)
+    with pytest.raises(UserInputError, match=r"strict: .*90 degrees apart"):
+        predict(springs, H=force, M=moment, strict=True)
+
+
+def test_which_paths_are_rays():
+    """Calibration paths of constant ratio; of two at the same angle the longer one; a pull is curved."""
+    springs = fan_springs(potential, (0.0, -30.0, 179.5, 90.0), held_back=(8.0,))
+    assert list(fan_paths(springs)) == ["ray_1", "ray_0", "ray_3"]
+    springs["paths/pull_8"].attrs["role"] = "calibration"
+    assert "pull_8" not in fan_paths(springs)
+    springs["paths/ray_1"].attrs["role"] = "held-back"
+    assert "ray_1" not in fan_paths(springs)
+
+
+def test_an_origin_met_to_rounding_only_is_an_origin():
+    """A dead load before the path leaves displacements of 1e-19 m in any direction."""
+    springs = fan_springs(linear)
+    for name in fan_paths(springs):
+        path = springs[f"paths/{name}"]
+        u, rotation = path["u"].values.copy(), path["rotation"].values.copy()
+        u[0], rotation[0] = -1e-19, 1e-20
+        path["u"].values, path["rotation"].values = u, rotation
+    assert len(fan_paths(springs)) == len(ANGLES)
+    assert (build_fan(springs).rho[:, 0] == 0.0).all()
+
+
+def test_default_is_the_fan_where_there_is_one():
+    springs = fan_springs(linear)
+    assert spring_sets(springs) == ["py", "full", "fan"]
+    assert MacroModel.from_springs(springs).spring_set == "fan"
+    assert MacroModel.from_springs(springs, path="ray_1").spring_set == "full"
+    answer = predict(springs, H=1e4)
+    assert answer.attrs["springs"] == "fan"
+    assert "ray_1 (-20.0 deg)" in answer.attrs["rays"]
+    assert list(variables.problems(answer, "prediction")) == []
+    alone = make_springs()
+    assert not has_fan(alone)
+    assert spring_sets(alone) == ["py", "full"]
+    assert MacroModel.from_springs(alone).spring_set == "full"
+
+
+def test_refusals():
+    with pytest.raises(UserInputError, match=r"a fan needs at least 2 calibration paths.*there are 0"):
+        predict(make_springs(), H=1e5, springs_kind="fan")
+    springs = fan_springs(linear)
+    with pytest.raises(UserInputError, match="path: a fan comes from all calibration paths"):
+        predict(springs, H=1e5, springs_kind="fan", path="ray_1")
+    with pytest.raises(UserInputError, match="no springs 'fan' here; there are: py, full"):
+        compare(make_springs(), "fan")
+    data = springs["paths/ray_1"].to_dataset(inherit=False)
+    springs["paths/ray_1"].dataset = data.assign_coords(depth=data["depth"].values * 0.999)
+    with pytest.raises(UserInputError, match="differ in their depths"):
+        build_fan(springs)
+
+
+def test_strict_refuses_springs_of_one_path_on_another():
+    with pytest.raises(UserInputError, match=r"strict: .*off the path 'pull'"):
+        curve(make_springs(), u_max=1e-3, arm=8.0, strict=True)
+    assert curve(make_springs(), u_max=1e-3, arm=0.0, strict=True).sizes["step"] == 50
+
+
+def test_slopes_from_secants():
+    """Exact for a straight line and for the linear part of any sum; close for a hyperbola with graded steps."""
+    rho = 2e-5 * (1.5 ** np.arange(16) - 1.0)
+    line = 3.0 * rho[None, :]
+    np.testing.assert_allclose(secant_slopes(rho, line, np.array([3.0])), 3.0)
+    bend = (rho / (1.0 + rho / 1e-3))[None, :]
+    found = secant_slopes(rho, bend, np.array([1.0]))
+    np.testing.assert_allclose(found[0], 1.0 / (1.0 + rho / 1e-3) ** 2, atol=0.02)
+    np.testing.assert_allclose(secant_slopes(rho, bend + line, np.array([4.0])), found + 3.0)
+    np.testing.assert_allclose(secant_slopes(rho, bend + 7.0, np.array([1.0])), found, atol=1e-9)
+    two = secant_slopes(np.array([0.0, 1.0]), np.array([[0.0, 2.0]]), np.array([3.0]))
+    np.testing.assert_allclose(two, [[3.0, 2.0 - 0.5 / np.log(2.0)]])
