@@ -67,7 +67,7 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
     left.set_title("Load")
     right.set_title("Motion that comes with it")
     handles, names = left.get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside lower center", ncols=min(len(names), 4))
+    figure.legend(handles, names, loc="outside lower center", ncols=2 if len(names) > 3 else len(names))
     set_title(figure, "Rigid body on springs against the full model", full.attrs)
     return figure
 
