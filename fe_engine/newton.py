@@ -172,10 +172,10 @@ class Newton:
 
     def _merit(self, residual: Residual, loading: Loading) -> tuple[float, float]:
         """Residual norm in N, and the same relative to the contact forces (or the border's reactions or loads)."""
-        border = loading.unbalanced(residual.border) / self.scale
         with np.errstate(over="ignore", invalid="ignore"):  # an iterate that diverges has no finite merit
+            border = loading.unbalanced(residual.border) / self.scale
             merit = float(np.sqrt(np.sum(residual.free**2) + np.sum(border**2)))
-        reaction, load = (float(np.linalg.norm(f / self.scale)) for f in (residual.border, loading.force))
+            reaction, load = (float(np.linalg.norm(f / self.scale)) for f in (residual.border, loading.force))
         reference = max(residual.contact_norm, reaction, load)
         return merit, merit / reference if merit > 0.0 else 0.0
 
