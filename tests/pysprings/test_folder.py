@@ -310,7 +310,12 @@ def test_ctrl_c_keeps_the_converged_steps(tmp_path: Path) -> None:
     path = {**tiny.PULL, "lateral_displacement": 50e-3}
     slow = tiny.scene(solver={"first_step_fraction": 1e-3, "max_step_fraction": 1e-3}, paths=(path,))
     file = tiny.write(slow, tmp_path / "caisson.toml")
-    args = [sys.executable, "-m", "pysprings", "run", str(file), "--out", str(tmp_path / "out")]
+    # a shell that puts its jobs in the background has them ignore the signal; a terminal does not
+    start = (
+        "import runpy, signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "runpy.run_module('pysprings', run_name='__main__', alter_sys=True)"
+    )
+    args = [sys.executable, "-c", start, "run", str(file), "--out", str(tmp_path / "out")]
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
     with subprocess.Popen(args, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env) as run:
         assert run.stderr is not None
