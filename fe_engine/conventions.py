@@ -20,9 +20,7 @@ u_z = w - rotation (x - x0); rotation is the right-hand rotation about +y.
 
 # Voigt positions
 XX, YY, ZZ, XY, YZ, ZX = range(6)
-N_VOIGT = 6
-# Components of a jump or a traction
-NORMAL, TANGENT_1, TANGENT_2 = range(3)
+# Components of a jump or a traction: 0 normal, 1 and 2 tangential (see interface.local_frames)
 # Rigid-body degrees of freedom
 U, W, ROTATION = range(3)
 
@@ -37,4 +35,3 @@ CONTACT_STICK, CONTACT_SLIP, CONTACT_OPEN = 0, 1, 2
 # Status of a kernel: zero is success, anything else becomes a Python error
 OK = 0
 LAW_NOT_CONVERGED = 1
-NOT_FINITE = 2
