@@ -116,23 +116,36 @@ def contact_parameters(scene: Scene) -> np.ndarray:
 
 
 def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
-    """Nodal stations on the skirt (outside, inside), under the lid and under the tip."""
+    """Stations on the skirt (outside, inside), under the lid and under the tip.
+
+    Nodal, but central on the faces of lid and tip that meet a wall: the nodes there carry the wall's stations.
+    """
     nodes = caisson.mesh.nodes
+    walls = np.unique(np.concatenate([wall.ravel() for wall in caisson.walls.values()]))
     parts = []
     for name in SURFACES:
-        node, normal, area = interface.nodal_stations(nodes, caisson.mesh.face_sets[name], _exact_normals(nodes, name))
-        parts.append((node, normal, area, np.full(len(node), SURFACE[name])))
-    node, normal, area, surface = (np.concatenate(column) for column in zip(*parts, strict=True))
-    position = nodes[node]
+        faces = caisson.mesh.face_sets[name]
+        at_wall = np.isin(faces, walls).any(axis=1) & (name in ("lid", "tip"))
+        found = [interface.central_stations(nodes, faces[at_wall]), _nodal(nodes, faces[~at_wall], name)]
+        parts += [(*columns, np.full(len(columns[0]), SURFACE[name])) for columns in found]
+    near, weight, normal, area, surface = (np.concatenate(column) for column in zip(*parts, strict=True))
+    position = np.einsum("sa,sai->si", weight, nodes[near])
     return Stations(
         position=position,
         frame=interface.local_frames(normal),
         area=area,
-        nodes=node[:, None],
-        weight=np.ones((len(node), 1)),
+        nodes=near,
+        weight=weight,
         body=rigid.displacement_operator(position, np.zeros(3)),
         surface=surface,
     )
+
+
+def _nodal(nodes: np.ndarray, faces: np.ndarray, surface: str) -> tuple[np.ndarray, ...]:
+    """Nodal stations in the shape of central ones: four times the same node, all weight on the first."""
+    node, normal, area = interface.nodal_stations(nodes, faces, _exact_normals(nodes, surface))
+    weight = np.tile([1.0, 0.0, 0.0, 0.0], (len(node), 1))
+    return np.repeat(node[:, None], 4, axis=1), weight, normal, area
 
 
 def _exact_normals(nodes: np.ndarray, surface: str) -> np.ndarray:
