@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from fe_engine import hex8, kernels
+from fe_engine import biot, hex8, kernels, kernels_water
 from fe_engine.clock import Clock
 from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, REGIME_APEX, REGIME_CONE
 from fe_engine.errors import LawError
@@ -23,7 +23,8 @@ class Residual:
 
     ``free`` (n_free,) and ``border`` (nb,) are internal minus nothing: external border forces are subtracted by
     the caller. ``contact_norm`` is the 2-norm of the change of the interface's nodal forces, the scale that
-    tolerances refer to.
+    tolerances refer to. ``volume_norm`` is that of the water: the 2-norm of the changes of volume (m3) of the elements
+    and the gaps, 0 when drained; rows of the water are volumes times -scale (see model.Water).
     """
 
     free: np.ndarray
@@ -33,6 +34,7 @@ class Residual:
     n_apex: int
     n_slip: int
     n_open: int
+    volume_norm: float = 0.0
 
 
 @dataclass
@@ -58,16 +60,30 @@ class System:
         self.laws = np.array([m.law for m in model.materials])
         self.parameters = np.array([m.parameters for m in model.materials])
         self.frame_of, self.frames = _frame_table(model)
+        self.time_step = 0.0  # s, of the present increment; only water asks for it
         self.stations = kernels.pack_stations(model)
         self.regime = np.zeros((model.mesh.n_elements, 8), dtype=np.int8)
         self.contact_state = np.zeros(len(self.stations.area), dtype=np.int8)
         p = self.pattern
         self._scatter = kernels.Scatter(p.equation, p.weight, p.rank, p.indptr)
+        self._set_up_water()
         ns = len(self.stations.area)
         self._iterate = (np.zeros((ns, 3)), np.zeros((ns, 3)), np.zeros((ns, 3, 3)))
         self._matrix = csr_matrix(
             (np.zeros(len(p.indices)), p.indices, p.indptr.astype(np.int32)), shape=(p.n_free, p.n_free)
         )
+
+    def _set_up_water(self) -> None:
+        water = self.model.water
+        self.is_pressure = np.zeros(self.pattern.n_free, dtype=bool)
+        if water is None:
+            return
+        free = self.pattern.equation[:, 3]
+        self.is_pressure[free[free >= 0]] = True
+        shapes = self.gradient, self.volume, self.mean_gradient
+        coupling = _in_nodal_axes(self.mean_gradient, self.hexes, self.frame_of, self.frames)
+        self.pores = biot.make_pores(shapes, coupling, water.mobility, water.storage, water.stabilisation)
+        self.film = None if water.film is None else kernels_water.pack_film(self.model, self.pattern)
 
     def apply(self, state: State, free: np.ndarray, border: np.ndarray) -> None:
         """Set the trial displacement to the committed one plus the increments (n_free,), (nb,)."""
@@ -77,13 +93,17 @@ class System:
         move[is_free] = free[equation[is_free]]
         follows = equation <= -2
         move[follows] = weight[follows] * border[-2 - equation[follows]]
-        state.trial.displacement[...] = state.committed.displacement + move
+        state.trial.displacement[...] = state.committed.displacement + move[: self.model.mesh.n_nodes, :3]
         state.trial.border[...] = state.committed.border + border
+        if self.model.water is not None:
+            state.trial.pressure[...] = state.committed.pressure + self.model.water.scale * move[:, 3]
 
     def residual(self, state: State) -> Residual:
         """Evaluate the residual of the laws at the trial displacement; the committed copy is only read."""
         with self.clock.phase("assembly"):
-            return self._contact(state, *self._soil(state, None))
+            free, border = self._soil(state, None)
+            volume = self._water(state, None, free, border)
+            return self._contact(state, free, border, volume)
 
     def linearise(self, state: State, fresh: bool) -> tuple[Residual, Residual, Tangent]:
         """Evaluate the residual of the laws, and the linear model that Newton solves next.
@@ -100,8 +120,9 @@ class System:
         tangent = Tangent(self._matrix, np.zeros((n, nb_)), np.zeros((nb_, n)), np.zeros((nb_, nb_)))
         tangent.matrix.data[...] = 0.0
         free, border = self._soil(state, tangent)
+        volume = self._water(state, tangent, free, border)
         linear_free, linear_border = free.copy(), border.copy()
-        judged = self._contact(state, free, border)
+        judged = self._contact(state, free, border, volume)
         old, new, p = state.committed, state.trial, self.pattern
         kernels.station_tangent(
             self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
@@ -124,16 +145,38 @@ class System:
             raise LawError(self._place("soil law did not converge", bad))
         return free, border
 
-    def _contact(self, state: State, free: np.ndarray, border: np.ndarray) -> Residual:
+    def _water(self, state: State, tangent: Tangent | None, free: np.ndarray, border: np.ndarray) -> float:
+        """Add the forces and volumes of the water; return the norm of the changes of volume, m3."""
+        water = self.model.water
+        if water is None:
+            return 0.0
+        old, new, want, targets = state.committed, state.trial, tangent is not None, _targets(tangent)
+        matrices = self.pores.seepage, self.pores.storage, self.pores.volume, self.pores.coupling
+        square = kernels_water.soil_water(
+            self.hexes, matrices, self.time_step, water.scale, (old.displacement, old.pressure),
+            (new.displacement, new.pressure), self._scatter, self.pattern.element_offset, want, free, border, targets,
+        )  # fmt: skip
+        if self.film is not None:
+            gap_old, gap = (kernels_water.station_gaps(self.stations, f.displacement, f.border) for f in (old, new))
+            step = self.time_step, water.scale
+            square += kernels_water.station_water(
+                self.stations, self.film, *step, gap_old, gap, new.pressure, self._scatter, want, free, border, targets
+            )
+            square += kernels_water.face_water(
+                self.stations, self.film, *step, gap, new.pressure, self._scatter, want, free, border, targets
+            )
+        return float(np.sqrt(square))
+
+    def _contact(self, state: State, free: np.ndarray, border: np.ndarray, volume: float) -> Residual:
         """Add the contact forces of the law and sum up."""
         old, new = state.committed, state.trial
         square = kernels.station_residual(
             self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
             self.contact_state, self._scatter, free, border,
         )  # fmt: skip
-        return self._summary(free, border, square)
+        return self._summary(free, border, square, volume)
 
-    def _summary(self, free: np.ndarray, border: np.ndarray, contact: float) -> Residual:
+    def _summary(self, free: np.ndarray, border: np.ndarray, contact: float, volume: float) -> Residual:
         regime, contact_state = self.regime, self.contact_state
         return Residual(
             free, border, float(np.sqrt(contact)),
@@ -141,6 +184,7 @@ class System:
             n_apex=int(np.count_nonzero(regime == REGIME_APEX)),
             n_slip=int(np.count_nonzero(contact_state == CONTACT_SLIP)),
             n_open=int(np.count_nonzero(contact_state == CONTACT_OPEN)),
+            volume_norm=volume,
         )  # fmt: skip
 
     def _place(self, what: str, element: int) -> str:
@@ -150,10 +194,14 @@ class System:
     def place_of_equation(self, equation: int) -> str:
         """Node, an element of it, direction and coordinates of a free equation, for messages."""
         node, component = np.argwhere(self.pattern.equation == equation)[0]
+        n = self.model.mesh.n_nodes
+        if node >= n:
+            return f"film node {node - n}"
         x, y, z = self.model.mesh.nodes[node]
         element = int(np.argmax((self.hexes == node).any(axis=1)))
         where = f"at x={x:.3f}, y={y:.3f}, z={z:.3f} m"
-        return f"node {node} of element {element}, direction {'xyz'[component]}, {where}"
+        what = "pore pressure" if component == 3 else f"direction {'xyz'[component]}"
+        return f"node {node} of element {element}, {what}, {where}"
 
 
 def _targets(tangent: Tangent | None) -> tuple[np.ndarray, ...]:
@@ -161,6 +209,15 @@ def _targets(tangent: Tangent | None) -> tuple[np.ndarray, ...]:
 
 
 _NOWHERE = (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
+
+
+def _in_nodal_axes(gradient: np.ndarray, hexes: np.ndarray, frame_of: np.ndarray, frames: np.ndarray) -> np.ndarray:
+    """Turn gradients (ne, 8, 3) into the axes of the nodes they belong to."""
+    turned = gradient.copy()
+    element, corner = np.nonzero(frame_of[hexes] >= 0)
+    axes = frames[frame_of[hexes[element, corner]]]
+    turned[element, corner] = np.einsum("kij,kj->ki", axes, gradient[element, corner])
+    return turned
 
 
 def _frame_table(model: Model) -> tuple[np.ndarray, np.ndarray]:

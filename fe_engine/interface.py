@@ -55,6 +55,47 @@ class Stations:
         return len(self.area)
 
 
+@dataclass(frozen=True)
+class Film:
+    """Water inside the interface: pressure nodes of its own, and the faces along which it flows.
+
+    Attributes
+    ----------
+    n_nodes : number of film nodes.
+    nodes : (ns, k) film nodes of every station, weight : (ns, k) their shares (sum 1).
+    faces : (m, 4) film nodes, corners : (m, 4) the station whose gap holds at each corner.
+    gradient : (m, 4 gauss, 4 nodes, 3) surface gradients in 1/m, area : (m, 4) m2; see film_geometry.
+    residual_aperture : D_0, m; transfer : T_w, m/(Pa s); viscosity : Pa s.
+    """
+
+    n_nodes: int
+    nodes: np.ndarray
+    weight: np.ndarray
+    faces: np.ndarray
+    corners: np.ndarray
+    gradient: np.ndarray
+    area: np.ndarray
+    residual_aperture: float
+    transfer: float
+    viscosity: float
+
+
+def film_geometry(nodes: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Surface gradients (m, 4 gauss, 4 nodes, 3) of bilinear faces in 1/m, and areas (m, 4) in m2.
+
+    With the tangents t_a = dx/dxi_a and the metric g_ab = t_a.t_b, grad N = t_a g^ab dN/dxi_b.
+    """
+    corner = nodes[faces]
+    gradient, area = np.empty((len(faces), 4, 4, 3)), np.empty((len(faces), 4))
+    for g, (xi, eta) in enumerate(_GAUSS):
+        local = _shape_gradient(xi, eta)
+        tangent = np.einsum("aj,fai->fji", local, corner)
+        metric = np.einsum("fji,fki->fjk", tangent, tangent)
+        gradient[:, g] = np.einsum("aj,fjk,fki->fai", local, np.linalg.inv(metric), tangent)
+        area[:, g] = np.sqrt(np.linalg.det(metric))
+    return gradient, area
+
+
 def nodal_stations(
     nodes: np.ndarray, faces: np.ndarray, normals: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -107,14 +148,21 @@ def _face_points(corner: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.nd
     points = []
     for xi, eta in _GAUSS:
         shape = _shape(xi, eta)
-        d_xi = np.einsum("a,fai->fi", _CORNERS[:, 0] * (1.0 + _CORNERS[:, 1] * eta) / 4.0, corner)
-        d_eta = np.einsum("a,fai->fi", _CORNERS[:, 1] * (1.0 + _CORNERS[:, 0] * xi) / 4.0, corner)
+        d_xi, d_eta = np.einsum("aj,fai->jfi", _shape_gradient(xi, eta), corner)
         points.append((np.einsum("a,fai->fi", shape, corner), shape, np.cross(d_xi, d_eta)))
     return points
 
 
 def _shape(xi: float, eta: float) -> np.ndarray:
     return (1.0 + _CORNERS[:, 0] * xi) * (1.0 + _CORNERS[:, 1] * eta) / 4.0
+
+
+def _shape_gradient(xi: float, eta: float) -> np.ndarray:
+    """Local gradient (4, 2) of the bilinear shape functions."""
+    return _CORNERS * (1.0 + _CORNERS[:, ::-1] * [eta, xi]) / 4.0
+
+
+GAUSS_SHAPES = np.stack([_shape(xi, eta) for xi, eta in _GAUSS])
 
 
 def local_frames(normal: np.ndarray) -> np.ndarray:

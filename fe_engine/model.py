@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fe_engine.errors import ModelError
-from fe_engine.interface import Stations
+from fe_engine.interface import Film, Stations
 from fe_engine.mesh import Mesh
 
 
@@ -39,6 +39,34 @@ class Stage:
     stops: tuple[float, ...] = (1.0,)
     first_fraction: float = 0.01
     max_fraction: float = 0.1
+    duration: float = 0.0
+
+
+@dataclass(frozen=True)
+class Water:
+    """Pore water of the soil, and of the interface where there is a film.
+
+    Pressures are excess pressures over hydrostatic, Pa, compression positive; a vector of them holds the n mesh
+    nodes first, then the nf film nodes.
+
+    Attributes
+    ----------
+    mobility : hydraulic conductivity over unit weight of water, m2/(Pa s).
+    storage : porosity over bulk modulus of water, 1/Pa; 0 is incompressible water.
+    stabilisation : 1/Pa, factor of the pressure projection of the elements (see biot).
+    fixed : (n + nf,) bool, where the pressure keeps its initial value.
+    initial : (n + nf,) Pa, pressures at the start.
+    scale : Pa/m, turns a pressure into an unknown of the size of a displacement.
+    film : water in the interface, None where the interface holds none.
+    """
+
+    mobility: float
+    storage: float
+    stabilisation: float
+    fixed: np.ndarray
+    initial: np.ndarray
+    scale: float
+    film: Film | None = None
 
 
 @dataclass
@@ -57,7 +85,8 @@ class Model:
     n_border : number of border dofs (3 for a rigid body).
     border_scale : (nb,) lengths that turn border dofs into displacements (norms and scaling only).
     stations, contact : interface stations, (n_surfaces, 3) contact parameters.
-    initial_pressure : (ns,) Pa, contact pressure of each station in the initial state.
+    initial_pressure : (ns,) Pa, effective contact pressure of each station in the initial state.
+    water : pore water; None leaves every pressure unknown out (drained).
     """
 
     mesh: Mesh
@@ -72,6 +101,12 @@ class Model:
     stations: Stations | None = None
     contact: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     initial_pressure: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    water: Water | None = None
+
+    @property
+    def n_film(self) -> int:
+        """Number of film nodes."""
+        return 0 if self.water is None or self.water.film is None else self.water.film.n_nodes
 
     def check(self) -> None:
         """Raise ModelError where the parts contradict each other."""
@@ -84,6 +119,11 @@ class Model:
         }
         if self.stations is not None:
             wanted["initial_pressure"] = (self.initial_pressure.shape, (len(self.stations),))
+        if self.water is not None:
+            wanted["water.fixed"] = (self.water.fixed.shape, (n + self.n_film,))
+            wanted["water.initial"] = (self.water.initial.shape, (n + self.n_film,))
+            if self.n_film and self.stations is None:
+                raise ModelError("a film needs the stations of an interface")
         for name, (got, want) in wanted.items():
             if got != want:
                 raise ModelError(f"{name} has shape {got}, expected {want}")

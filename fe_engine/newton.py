@@ -45,12 +45,13 @@ class Settings:
 
 @dataclass(frozen=True)
 class Loading:
-    """What an increment has to reach: see model.Stage; target (nc,) and force (nb,) are end values."""
+    """What an increment has to reach, in which time: see model.Stage; target (nc,) and force (nb,) are end values."""
 
     control: np.ndarray
     target: np.ndarray
     load: np.ndarray
     force: np.ndarray
+    time_step: float = 0.0
 
     def multipliers(self, border: np.ndarray) -> np.ndarray:
         """Sizes (nc,) of the unknown forces that balance the controlled combinations."""
@@ -94,6 +95,7 @@ class Newton:
 
         The trial fields hold the solution on return; nothing is committed. Raises NotConverged.
         """
+        self.system.time_step = loading.time_step
         record: list[dict[str, Any]] = []
         merits: list[float] = []
         for iteration in range(self.settings.max_iterations + 1):
@@ -171,13 +173,21 @@ class Newton:
         return best
 
     def _merit(self, residual: Residual, loading: Loading) -> tuple[float, float]:
-        """Residual norm in N, and the same relative to the contact forces (or the border's reactions or loads)."""
+        """Residual norm in N, and the worse of its relative errors.
+
+        Forces count relative to the contact forces (or the border's reactions or loads), volumes of water relative to
+        the volumes that have changed or flowed.
+        """
         with np.errstate(over="ignore", invalid="ignore"):  # an iterate that diverges has no finite merit
+            square, water = residual.free**2, self.system.is_pressure
             border = loading.unbalanced(residual.border) / self.scale
-            merit = float(np.sqrt(np.sum(residual.free**2) + np.sum(border**2)))
+            volumes = float(np.sum(square[water]))
+            forces = float(np.sum(square) - volumes + np.sum(border**2))
             reaction, load = (float(np.linalg.norm(f / self.scale)) for f in (residual.border, loading.force))
-        reference = max(residual.contact_norm, reaction, load)
-        return merit, merit / reference if merit > 0.0 else 0.0
+        error = _ratio(np.sqrt(max(forces, 0.0)), max(residual.contact_norm, reaction, load))
+        if self.system.model.water is not None:
+            error = max(error, _ratio(np.sqrt(volumes) / self.system.model.water.scale, residual.volume_norm))
+        return float(np.sqrt(forces + volumes)), error
 
     def _size(self, free: np.ndarray, border: np.ndarray) -> float:
         """Root mean square displacement of a step in m."""
@@ -192,6 +202,11 @@ class Newton:
         if not len(residual.free):
             return ""
         return self.system.place_of_equation(int(np.argmax(np.abs(residual.free))))
+
+
+def _ratio(part: float, whole: float) -> float:
+    """part/whole, 0 of nothing being 0."""
+    return float(part / whole) if whole > 0.0 else (0.0 if part == 0.0 else np.inf)
 
 
 def _met(violation: np.ndarray, target: np.ndarray) -> bool:

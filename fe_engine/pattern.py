@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Equation numbers and the fixed sparsity pattern of the tangent.
 
-Every nodal dof is free (equation >= 0), fixed (-1), or follows border dof j (-2 - j) with a weight. The free
+Every nodal dof is free (equation >= 0), fixed (-1), or follows border dof j (-2 - j) with a weight. With water a
+node has a fourth dof, its pressure, and the film's nodes stand behind those of the mesh with that dof alone. The free
 equations form the sparse matrix; the few border dofs (rigid body, imposed patterns) stand beside it as dense
 columns and rows, so that the sparse part is factorised without dense rows.
 """
@@ -23,9 +24,12 @@ FIXED = -1
 class Pattern:
     """Equation numbers, CSR structure, and where each node pair of an element or station lands in a row.
 
-    equation : (n, 3); weight : (n, 3) of followers; rank : (n, 3) number of free dofs of the node before this
-    one; indptr, indices : CSR of the free equations; element_offset : (ne, 8, 8), station_offset (ns, nn, nn):
-    position inside the row of node a where the free dofs of node b begin.
+    equation : (n, 3), with water (n + nf, 4); weight : the same shape, of followers; rank : number of free dofs of
+    the node before this one; indptr, indices : CSR of the free equations; element_offset : (ne, 8, 8),
+    station_offset (ns, nn, nn), film_offset (ns, nn + k, nn + k) and face_offset (m, 4 + 4 nn, 4 + 4 nn): position
+    inside the row of node a where the free dofs of node b begin. station_film (ns, nn + k) are the mesh nodes and the
+    film nodes of each station, face_nodes (m, 4 + 4 nn) the film nodes of each face and the mesh nodes that its gaps
+    hang on; film nodes are numbered behind the mesh here.
     """
 
     equation: np.ndarray
@@ -35,6 +39,15 @@ class Pattern:
     indices: np.ndarray
     element_offset: np.ndarray
     station_offset: np.ndarray
+    station_film: np.ndarray
+    film_offset: np.ndarray
+    face_nodes: np.ndarray
+    face_offset: np.ndarray
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes of mesh and film."""
+        return len(self.equation)
 
     @property
     def n_free(self) -> int:
@@ -45,25 +58,36 @@ class Pattern:
 def make_pattern(model: Model) -> Pattern:
     """Number the equations and lay out the matrix."""
     equation, weight = _number(model)
-    groups = [model.mesh.hexes]
-    if model.stations is not None:
-        groups.append(model.stations.nodes)
-    start, neighbours = _node_graph(model.mesh.n_nodes, groups)
+    stations = np.zeros((0, 1), dtype=np.int64) if model.stations is None else model.stations.nodes
+    station_film, face_nodes = _film_groups(model, stations)
+    groups = [model.mesh.hexes, stations, station_film, face_nodes]
+    start, neighbours = _node_graph(len(equation), groups)
     free = equation >= 0
     rank: np.ndarray = np.subtract(np.cumsum(free, axis=1), free).astype(np.int8)
-    count = free.sum(axis=1)
-    offset, indptr, indices = _csr(start, neighbours, equation, count)
-    element_offset = _lookup(model.mesh.hexes, start, neighbours, offset)
-    stations = np.zeros((0, 1), dtype=np.int64) if model.stations is None else model.stations.nodes
-    return Pattern(
-        equation, weight, rank, indptr, indices, element_offset, _lookup(stations, start, neighbours, offset)
-    )
+    offset, indptr, indices = _csr(start, neighbours, equation, free.sum(axis=1))
+    element, station, film, face = (_lookup(group, start, neighbours, offset) for group in groups)
+    return Pattern(equation, weight, rank, indptr, indices, element, station, station_film, film, face_nodes, face)
+
+
+def _film_groups(model: Model, stations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (of mesh and film) that meet in a station and in a face of the film."""
+    if model.water is None or model.water.film is None:
+        return np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1), dtype=np.int64)
+    film, n = model.water.film, model.mesh.n_nodes
+    moving = stations[film.corners].reshape(len(film.faces), -1)
+    return np.hstack([stations, n + film.nodes]), np.hstack([n + film.faces, moving])
 
 
 def _number(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    equation = np.zeros((model.mesh.n_nodes, 3), dtype=np.int64)
-    weight = np.ones((model.mesh.n_nodes, 3))
-    equation[model.fixed] = FIXED
+    n, water = model.mesh.n_nodes, model.water
+    fixed = model.fixed
+    if water is not None:
+        fixed = np.ones((n + model.n_film, 4), dtype=bool)
+        fixed[:n, :3] = model.fixed
+        fixed[:, 3] = water.fixed
+    equation = np.zeros(fixed.shape, dtype=np.int64)
+    weight = np.ones(fixed.shape)
+    equation[fixed] = FIXED
     for node, component, border, share in model.followers:
         if not 0 <= border < model.n_border:
             raise ModelError(f"node {int(node)} follows border dof {int(border)}, which does not exist")
@@ -106,12 +130,12 @@ def _csr(start, neighbours, equation, count):
     row = 0
     position = 0
     for a in range(n):
-        for i in range(3):
+        for i in range(equation.shape[1]):
             if equation[a, i] < 0:
                 continue
             for k in range(start[a], start[a + 1]):
                 b = neighbours[k]
-                for j in range(3):
+                for j in range(equation.shape[1]):
                     if equation[b, j] >= 0:
                         indices[position] = equation[b, j]
                         position += 1

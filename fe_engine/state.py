@@ -10,7 +10,7 @@ import numpy as np
 from fe_engine.model import Model
 from fe_engine.soil.dispatch import N_HISTORY
 
-FIELDS = ("displacement", "border", "stress", "history", "traction")
+FIELDS = ("displacement", "border", "stress", "history", "traction", "pressure")
 
 
 @dataclass
@@ -18,7 +18,7 @@ class Fields:
     """One copy of everything that evolves.
 
     displacement (n, 3) m in nodal axes; border (nb,); stress (ne, 8, 6) Pa; history (ne, 8, nh);
-    traction (ns, 3) Pa in station frames.
+    traction (ns, 3) Pa, effective, in station frames; pressure (n + nf,) Pa of the water (empty when drained).
     """
 
     displacement: np.ndarray
@@ -26,6 +26,7 @@ class Fields:
     stress: np.ndarray
     history: np.ndarray
     traction: np.ndarray
+    pressure: np.ndarray
 
     def copy_from(self, other: Fields) -> None:
         """Overwrite every array in place."""
@@ -60,4 +61,5 @@ def _initial_fields(model: Model) -> Fields:
         stress=np.array(model.initial_stress, dtype=float, copy=True),
         history=np.zeros((ne, 8, N_HISTORY)),
         traction=traction,
+        pressure=np.zeros(0) if model.water is None else np.array(model.water.initial, dtype=float, copy=True),
     )

@@ -64,6 +64,7 @@ class Driver:
                 start + target * (stage.target - start),
                 stage.load,
                 force + target * (stage.force - force),
+                (target - done) * stage.duration,
             )
             try:
                 increment = self._attempt(stage, loading, target, self._guess(last, target - done))

@@ -42,7 +42,8 @@ def test_every_variable_is_in_the_table_with_units_and_dimensions() -> None:
 def test_the_path_ends_where_the_scene_says() -> None:
     path = tiny.result()["paths/pull"]
     assert path.attrs["status"] == "complete"
-    assert float(path["u"][0]) == float(path["H"][0]) == 0.0
+    assert float(path["u"][0]) == 0.0
+    assert abs(float(path["H"][0])) < 1e-12 * abs(float(path["H"][-1]))  # the rings' initial pressures cancel
     assert end(tiny.result(), "u") == pytest.approx(0.5e-3, rel=1e-9)
     assert (np.diff(path["u"]) > 0).all() and (np.diff(path["H"]) > 0).all()
     assert end(tiny.result(), "rotation") < 0.0  # a pull at the lid with free head

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: MIT
+"""Pore water in a hex8: seepage, storage, coupling and stabilisation (Biot 1941, u-p form).
+
+With the excess pore pressure p (compression positive) on the nodes of the displacement, total stress
+sigma = sigma' - p I, and theta the mean volumetric strain of the element (the same B-bar as in hex8),
+
+    force of the water on node a      f_a = -mean(grad N_a) int p dV
+    water that leaves node a          V_a dtheta + (S M + T)_ab dp_b + dt H_ab p_b = 0       (backward Euler)
+
+    V_a = int N_a dV,  M_ab = int N_a N_b dV,  H_ab = int (k/gamma_w) grad N_a . grad N_b dV
+
+Force and volume change are transposes of each other. T is the polynomial pressure projection
+(Dohrmann & Bochev 2004; White & Borja 2008)
+
+    T_ab = tau int (N_a - mean N_a) (N_b - mean N_b) dV,   tau = 1/(2G),
+
+which the equal order of displacement and pressure needs where k dt tends to 0: theta sees the element's mean pressure
+only, and T holds what it does not see. T is zero for a pressure that is constant in the element.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fe_engine import hex8
+
+
+@dataclass(frozen=True)
+class Pores:
+    """Constant matrices of the elements.
+
+    seepage : (ne, 8, 8) H in m3/(Pa s); storage : (ne, 8, 8) S M + T in m3/Pa; compression : (ne, 8, 8) S M alone;
+    volume : (ne, 8) V_a in m3; coupling : (ne, 8, 3) mean gradients in the nodal axes, 1/m.
+    """
+
+    seepage: np.ndarray
+    storage: np.ndarray
+    compression: np.ndarray
+    volume: np.ndarray
+    coupling: np.ndarray
+
+
+def make_pores(
+    shapes: tuple[np.ndarray, np.ndarray, np.ndarray], coupling: np.ndarray, mobility: float, storage: float, tau: float
+) -> Pores:
+    """Integrate the matrices.
+
+    Parameters
+    ----------
+    shapes : gradient, volume, mean gradient of hex8.geometry.
+    coupling : (ne, 8, 3) mean gradients in the nodal axes.
+    mobility : k/gamma_w in m2/(Pa s); storage : S in 1/Pa; tau : 1/Pa.
+    """
+    gradient, volume, _ = shapes
+    n = hex8.GAUSS_SHAPES
+    nodal = np.einsum("eg,ga->ea", volume, n)
+    mass = np.einsum("eg,ga,gb->eab", volume, n, n)
+    projection = mass - nodal[:, :, None] * nodal[:, None, :] / volume.sum(axis=1)[:, None, None]
+    seepage = mobility * np.einsum("eg,egai,egbi->eab", volume, gradient, gradient, optimize=True)
+    return Pores(seepage, storage * mass + tau * projection, storage * mass, nodal, coupling)

@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: MIT
+"""Compiled loops of the water: elements, stations and faces of the film.
+
+Rows of the water are volumes that leave a node over the time step, times -scale (Pa/m): together with pressures in
+units of scale this makes the coupling of forces and volumes symmetric, and gives the rows the size of forces.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numba as nb
+import numpy as np
+
+from fe_engine.contact import flow
+from fe_engine.interface import GAUSS_SHAPES
+from fe_engine.kernels import _add_border, _add_dof, station_jumps
+from fe_engine.model import Model
+from fe_engine.pattern import Pattern
+
+_opening = flow.opening
+_transmissivity = flow.transmissivity
+_PRESSURE = 3  # the fourth dof of a node
+
+
+class PackedFilm(NamedTuple):
+    """The film as arrays: see interface.Film and pattern.Pattern; ``law`` is (D_0, T_w, mu_w)."""
+
+    station_nodes: np.ndarray
+    station_offset: np.ndarray
+    weight: np.ndarray
+    face_nodes: np.ndarray
+    face_offset: np.ndarray
+    corners: np.ndarray
+    gradient: np.ndarray
+    area: np.ndarray
+    law: np.ndarray
+
+
+def pack_film(model: Model, pattern: Pattern) -> PackedFilm:
+    """Return the film of a model as contiguous arrays; a model with water must have one."""
+    film = model.water.film  # type: ignore[union-attr]
+    assert film is not None
+    return PackedFilm(
+        pattern.station_film, pattern.film_offset, film.weight.astype(float), pattern.face_nodes, pattern.face_offset,
+        film.corners.astype(np.int64), np.ascontiguousarray(film.gradient), np.ascontiguousarray(film.area),
+        np.array([film.residual_aperture, film.transfer, film.viscosity]),
+    )  # fmt: skip
+
+
+@nb.njit(cache=True)
+def _add(scatter, row_node, i, column_node, j, offset, value, targets):
+    """Add one entry of the tangent; ``offset`` leads from the row to the column's node."""
+    r, c = scatter.equation[row_node, i], scatter.equation[column_node, j]
+    if r == -1 or c == -1:
+        return
+    if r >= 0 and c >= 0:
+        targets[0][scatter.indptr[r] + offset + scatter.rank[column_node, j]] += value
+    elif r >= 0:
+        targets[1][r, -2 - c] += scatter.weight[column_node, j] * value
+    elif c >= 0:
+        targets[2][-2 - r, c] += scatter.weight[row_node, i] * value
+    else:
+        targets[3][-2 - r, -2 - c] += scatter.weight[row_node, i] * scatter.weight[column_node, j] * value
+
+
+@nb.njit(cache=True)
+def soil_water(hexes, pores, dt, scale, old, new, scatter, offset, want, free, border, targets):
+    """Add the water of all elements; ``pores`` is (H, S M + T, V, coupling), old and new (displacement, pressure).
+
+    Returns the sum of the squares of what the elements' volumes have changed and what flows through their corners, m6.
+    """
+    seepage, storage, volume, coupling = pores
+    square = 0.0
+    for e in range(hexes.shape[0]):
+        nodes = hexes[e]
+        change, total, mean = 0.0, 0.0, 0.0
+        for a in range(8):
+            n = nodes[a]
+            mean += volume[e, a] * new[1][n]
+            for i in range(3):
+                total += coupling[e, a, i] * new[0][n, i]
+                change += coupling[e, a, i] * (new[0][n, i] - old[0][n, i])
+        whole = volume[e].sum()
+        square += (whole * total) ** 2
+        for a in range(8):
+            n = nodes[a]
+            leaves, flows = volume[e, a] * change, 0.0
+            for b in range(8):
+                p_new, p_old = new[1][nodes[b]], old[1][nodes[b]]
+                leaves += storage[e, a, b] * (p_new - p_old)
+                flows += dt * seepage[e, a, b] * p_new
+            leaves += flows
+            square += flows * flows
+            _add_dof(scatter, n, _PRESSURE, -scale * leaves, free, border)
+            for i in range(3):
+                _add_dof(scatter, n, i, -coupling[e, a, i] * mean, free, border)
+            if not want:
+                continue
+            for b in range(8):
+                m = nodes[b]
+                flow_ab = storage[e, a, b] + dt * seepage[e, a, b]
+                _add(scatter, n, _PRESSURE, m, _PRESSURE, offset[e, a, b], -scale * scale * flow_ab, targets)
+                for i in range(3):
+                    _add(scatter, n, i, m, _PRESSURE, offset[e, a, b],
+                         -scale * coupling[e, a, i] * volume[e, b], targets)  # fmt: skip
+                    _add(scatter, n, _PRESSURE, m, i, offset[e, a, b],
+                         -scale * coupling[e, b, i] * volume[e, a], targets)  # fmt: skip
+    return square
+
+
+@nb.njit(cache=True)
+def station_gaps(s, displacement, border):
+    """Gaps (ns,) in m of all stations."""
+    jump = station_jumps(s, displacement, border)
+    gap = np.empty(len(s.area))
+    for k in range(len(gap)):
+        gap[k] = _opening(s.contact[s.surface[k], 0], s.initial_pressure[k], jump[k, 0])
+    return gap
+
+
+@nb.njit(cache=True)
+def _pressures(s, f, k, pressure):
+    """Pressure on side 1, in the film and on side 2 of a station, and whether side 2 holds water."""
+    nn = s.nodes.shape[1]
+    p1, p2, p3, porous = 0.0, 0.0, 0.0, False
+    for a in range(nn):
+        share = s.weight[k, a]
+        if share > 0.0:
+            p1 += share * pressure[s.nodes[k, a]]
+        elif share < 0.0:
+            p2 -= share * pressure[s.nodes[k, a]]
+            porous = True
+    for c in range(f.weight.shape[1]):
+        p3 += f.weight[k, c] * pressure[f.station_nodes[k, nn + c]]
+    return p1, p3, p2, porous
+
+
+@nb.njit(cache=True)
+def _station_shares(s, f, k, side_1, side_2, film):
+    """Write the shares of the station's nodes (mesh, then film) in p1, p2 and p3."""
+    nn = s.nodes.shape[1]
+    side_1[:] = 0.0
+    side_2[:] = 0.0
+    film[:] = 0.0
+    for a in range(nn):
+        side_1[a] = max(s.weight[k, a], 0.0)
+        side_2[a] = max(-s.weight[k, a], 0.0)
+    for c in range(f.weight.shape[1]):
+        film[nn + c] = f.weight[k, c]
+
+
+@nb.njit(cache=True)
+def station_water(s, f, dt, scale, gap_old, gap, pressure, scatter, want, free, border, targets):
+    """Add film pressure on both faces, storage of the gap and transfer to the sides.
+
+    Returns the sum over the stations of the squared volumes of the gap and of the transfer, m6.
+    """
+    size = f.station_nodes.shape[1]
+    side_1, side_2, film = np.empty(size), np.empty(size), np.empty(size)
+    square = 0.0
+    for k in range(len(s.area)):
+        p1, p3, p2, porous = _pressures(s, f, k, pressure)
+        _station_shares(s, f, k, side_1, side_2, film)
+        transfer = dt * f.law[1]
+        second = transfer if porous else 0.0
+        to_film, to_side_2 = transfer * (p1 - p3), second * (p3 - p2)
+        stored = gap[k] - gap_old[k]
+        square += s.area[k] ** 2 * (gap[k] ** 2 + to_film**2 + to_side_2**2)
+        for a in range(size):
+            leaves = side_1[a] * to_film - side_2[a] * to_side_2 + film[a] * (stored - to_film + to_side_2)
+            _add_dof(scatter, f.station_nodes[k, a], _PRESSURE, -scale * s.area[k] * leaves, free, border)
+        _press(s, k, p3, scatter, free, border)
+        if want:
+            _station_tangent(s, f, k, (transfer, second), scale, gap[k] > 0.0, (side_1, side_2, film), scatter, targets)
+    return square
+
+
+@nb.njit(cache=True)
+def _press(s, k, p3, scatter, free, border):
+    """Add the force of the film pressure on the two faces of a station."""
+    for i in range(3):
+        force = -s.area[k] * p3 * s.frame[k, 0, i]
+        for a in range(s.nodes.shape[1]):
+            _add_dof(scatter, s.nodes[k, a], i, s.weight[k, a] * force, free, border)
+        for j in range(len(border)):
+            border[j] -= s.body[k, i, j] * force
+
+
+@nb.njit(cache=True)
+def _station_tangent(s, f, k, transfers, scale, is_open, shares, scatter, targets):
+    nn, size = s.nodes.shape[1], f.station_nodes.shape[1]
+    side_1, side_2, film = shares
+    n_border = targets[3].shape[0]
+    for a in range(size):
+        row = f.station_nodes[k, a]
+        for b in range(size):
+            column = f.station_nodes[k, b]
+            first = (side_1[a] - film[a]) * transfers[0] * (side_1[b] - film[b])
+            second = (side_2[a] - film[a]) * transfers[1] * (side_2[b] - film[b])
+            value = -scale * scale * s.area[k] * (first + second)
+            if value != 0.0:
+                _add(scatter, row, _PRESSURE, column, _PRESSURE, f.station_offset[k, a, b], value, targets)
+        if film[a] == 0.0:
+            continue
+        share = -scale * s.area[k] * film[a]
+        for b in range(nn):
+            column = s.nodes[k, b]
+            for i in range(3):
+                value = share * s.frame[k, 0, i] * s.weight[k, b]
+                if value == 0.0:
+                    continue
+                _add(scatter, column, i, row, _PRESSURE, f.station_offset[k, b, a], value, targets)
+                if is_open:
+                    _add(scatter, row, _PRESSURE, column, i, f.station_offset[k, a, b], value, targets)
+        for m in range(n_border):
+            value = 0.0
+            for i in range(3):
+                value -= share * s.frame[k, 0, i] * s.body[k, i, m]
+            _add_border(scatter, row, _PRESSURE, m, value if is_open else 0.0, value, targets)
+
+
+@nb.njit(cache=True)
+def face_water(s, f, dt, scale, gap, pressure, scatter, want, free, border, targets):
+    """Add the flow along the film; return the sum of the squared flows of its faces, m6."""
+    nn = s.nodes.shape[1]
+    square = 0.0
+    conductance, slope = np.empty(4), np.empty(4)
+    for k in range(len(f.area)):
+        for c in range(4):
+            conductance[c], slope[c] = _transmissivity(f.law[0], gap[f.corners[k, c]], f.law[2])
+        for g in range(4):
+            mean = 0.0
+            for c in range(4):
+                mean += GAUSS_SHAPES[g, c] * conductance[c]
+            flux = np.zeros(3)
+            for b in range(4):
+                for i in range(3):
+                    flux[i] += f.gradient[k, g, b, i] * pressure[f.face_nodes[k, b]]
+            for a in range(4):
+                row, along = f.face_nodes[k, a], 0.0
+                for i in range(3):
+                    along += f.gradient[k, g, a, i] * flux[i]
+                share = -scale * dt * f.area[k, g]
+                _add_dof(scatter, row, _PRESSURE, share * mean * along, free, border)
+                square += (share / scale * mean * along) ** 2
+                if not want:
+                    continue
+                for b in range(4):
+                    product = 0.0
+                    for i in range(3):
+                        product += f.gradient[k, g, a, i] * f.gradient[k, g, b, i]
+                    _add(scatter, row, _PRESSURE, f.face_nodes[k, b], _PRESSURE, f.face_offset[k, a, b],
+                         scale * share * mean * product, targets)  # fmt: skip
+                for c in range(4):
+                    if slope[c] > 0.0:
+                        _add_gap(s, f, k, c, a, share * GAUSS_SHAPES[g, c] * slope[c] * along, nn, scatter, targets)
+    return square
+
+
+@nb.njit(cache=True)
+def _add_gap(s, f, k, c, a, value, nn, scatter, targets):
+    """Couple film node a of face k with the motion that opens the gap at its corner c."""
+    station, row = f.corners[k, c], f.face_nodes[k, a]
+    for b in range(nn):
+        for i in range(3):
+            part = value * s.frame[station, 0, i] * s.weight[station, b]
+            if part != 0.0:
+                column, place = s.nodes[station, b], 4 + c * nn + b
+                _add(scatter, row, _PRESSURE, column, i, f.face_offset[k, a, place], part, targets)
+    for m in range(targets[3].shape[0]):
+        part = 0.0
+        for i in range(3):
+            part -= value * s.frame[station, 0, i] * s.body[station, i, m]
+        _add_border(scatter, row, _PRESSURE, m, part, 0.0, targets)
