@@ -205,10 +205,7 @@ class System:
 
 
 def _targets(tangent: Tangent | None) -> tuple[np.ndarray, ...]:
-    return (tangent.matrix.data, tangent.columns, tangent.rows, tangent.corner) if tangent else _NOWHERE
-
-
-_NOWHERE = (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
+    return (tangent.matrix.data, tangent.columns, tangent.rows, tangent.corner) if tangent else kernels_water.NOWHERE
 
 
 def _in_nodal_axes(gradient: np.ndarray, hexes: np.ndarray, frame_of: np.ndarray, frames: np.ndarray) -> np.ndarray:

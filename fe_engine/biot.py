@@ -12,10 +12,12 @@ sigma = sigma' - p I, and theta the mean volumetric strain of the element (the s
 Force and volume change are transposes of each other. T is the polynomial pressure projection
 (Dohrmann & Bochev 2004; White & Borja 2008)
 
-    T_ab = tau int (N_a - mean N_a) (N_b - mean N_b) dV,   tau = 1/(2G),
+    T_ab = tau int (N_a - mean N_a) (N_b - mean N_b) dV,   tau = max(1/(2G), 3/(K + 4G/3)),
 
 which the equal order of displacement and pressure needs where k dt tends to 0: theta sees the element's mean pressure
-only, and T holds what it does not see. T is zero for a pressure that is constant in the element.
+only, and T holds what it does not see. T is zero for a pressure that is constant in the element. The second value of
+tau is ours: in a column (modulus M = K + 4G/3) the undrained matrix of the pressures is that of the means,
+(1 2 1)/(4M), plus tau (-1 2 -1)/12; from tau = 3/M on it has no positive off-diagonal, and pressures cannot overshoot.
 """
 
 from __future__ import annotations
@@ -40,6 +42,11 @@ class Pores:
     compression: np.ndarray
     volume: np.ndarray
     coupling: np.ndarray
+
+
+def projection_factor(bulk: float, shear: float) -> float:
+    """Factor tau of the pressure projection in 1/Pa, from the elastic moduli of the soil in Pa."""
+    return max(0.5 / shear, 3.0 / (bulk + 4.0 * shear / 3.0))
 
 
 def make_pores(

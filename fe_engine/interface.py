@@ -111,16 +111,19 @@ def nodal_stations(
     node : (ns,) node numbers; normal : (ns, 3) unit normals; area : (ns,) lumped area projected on the normal,
     so that a uniform pressure has the resultant of the faceted surface.
     """
-    corner = nodes[faces]
-    vectors = np.zeros((len(nodes), 3))
-    for (xi, eta), (_, _, area_vector) in zip(_GAUSS, _face_points(corner), strict=True):
-        shape = _shape(xi, eta)
-        for a in range(4):
-            np.add.at(vectors, faces[:, a], shape[a] * area_vector)
     node = np.unique(faces)
-    vector = vectors[node]
+    vector = nodal_area_vectors(nodes, faces)[node]
     normal = vector / np.linalg.norm(vector, axis=1)[:, None] if normals is None else normals[node]
     return node, normal, np.einsum("si,si->s", vector, normal)
+
+
+def nodal_area_vectors(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Integrals (n, 3) of N_a n dA over bilinear faces (nf, 4), in m2."""
+    vectors = np.zeros((len(nodes), 3))
+    for _, shape, area_vector in _face_points(nodes[faces]):
+        for a in range(4):
+            np.add.at(vectors, faces[:, a], shape[a] * area_vector)
+    return vectors
 
 
 def gauss_stations(nodes: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

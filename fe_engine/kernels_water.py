@@ -21,6 +21,7 @@ from fe_engine.pattern import Pattern
 _opening = flow.opening
 _transmissivity = flow.transmissivity
 _PRESSURE = 3  # the fourth dof of a node
+NOWHERE = (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))  # targets where no tangent is wanted
 
 
 class PackedFilm(NamedTuple):

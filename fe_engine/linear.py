@@ -140,10 +140,15 @@ def make_backend(name: str, n_unknowns: int) -> Backend:
 
 
 class LinearSolver:
-    """Counts, times and checks the work of a backend."""
+    """Counts, times and checks the work of a backend.
 
-    def __init__(self, name: str, n_unknowns: int, clock: Clock | None = None) -> None:
+    ``equilibrate`` solves D A D y = D b, x = D y with D = 1/sqrt|diagonal of A|: the rows of water are smaller than
+    those of forces by any factor, and a backend judges pivots by the largest entry of the matrix.
+    """
+
+    def __init__(self, name: str, n_unknowns: int, clock: Clock | None = None, equilibrate: bool = False) -> None:
         self.backend = make_backend(name, n_unknowns)
+        self.equilibrate = equilibrate
         self.clock = clock or Clock()
         self.n_factorisations = 0
         self.n_solves = 0
@@ -152,13 +157,15 @@ class LinearSolver:
     def factorise(self, matrix: csr_matrix) -> None:
         """Factorise a tangent."""
         with self.clock.phase("factorisation"):
-            self._matrix = matrix
-            self.backend.factorise(matrix)
+            self._matrix = self._scaled(matrix) if self.equilibrate else matrix
+            self.backend.factorise(self._matrix)
         self.n_factorisations += 1
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """Solve for rhs (n,) or (n, k); refine once and refuse a solution that does not satisfy the equations."""
         with self.clock.phase("solve"):
+            d = (self._scale if rhs.ndim == 1 else self._scale[:, None]) if self.equilibrate else 1.0
+            rhs = d * rhs
             x = self.backend.solve(rhs).reshape(rhs.shape)
             error = self._relative_residual(x, rhs)
             if error > _REFINE_ABOVE:
@@ -168,11 +175,19 @@ class LinearSolver:
         self.worst_residual = max(self.worst_residual, error)
         if not error <= _RESIDUAL_LIMIT:
             raise LinearSolverError(f"{self.backend.name} returned a solution with relative residual {error:.1e}")
-        return x
+        return d * x
 
     def close(self) -> None:
         """Release the factors."""
         self.backend.close()
+
+    def _scaled(self, matrix: csr_matrix) -> csr_matrix:
+        """Return D A D; keeps D, with 1 where the diagonal is 0."""
+        diagonal = np.abs(matrix.diagonal())
+        self._scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+        rows = np.repeat(self._scale, np.diff(matrix.indptr))
+        data = matrix.data * rows * self._scale[matrix.indices]
+        return csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
 
     def _relative_residual(self, x: np.ndarray, rhs: np.ndarray) -> float:
         """Largest residual over right-hand side, column by column."""

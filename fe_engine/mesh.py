@@ -58,6 +58,11 @@ class Mesh:
         """Number of hexahedra."""
         return len(self.hexes)
 
+    def shortest_edge(self) -> float:
+        """Length of the shortest edge, m."""
+        corner = self.nodes[self.hexes]
+        return float(np.linalg.norm(corner[:, EDGES[:, 1]] - corner[:, EDGES[:, 0]], axis=2).min())
+
     def check(self) -> Quality:
         """Return the quality figures; raise MeshError on inverted elements or unused nodes."""
         used = np.zeros(self.n_nodes, dtype=bool)

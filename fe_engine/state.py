@@ -38,8 +38,8 @@ class State:
     """Committed fields and the trial fields that an increment works on."""
 
     def __init__(self, model: Model) -> None:
-        self.committed = _initial_fields(model)
-        self.trial = _initial_fields(model)
+        self.committed = initial_fields(model)
+        self.trial = initial_fields(model)
 
     def reset_trial(self) -> None:
         """Throw the trial away."""
@@ -50,7 +50,8 @@ class State:
         self.committed.copy_from(self.trial)
 
 
-def _initial_fields(model: Model) -> Fields:
+def initial_fields(model: Model) -> Fields:
+    """Return the fields of a model before anything has moved."""
     ne, ns = model.mesh.n_elements, 0 if model.stations is None else len(model.stations)
     traction = np.zeros((ns, 3))
     if ns:

@@ -21,13 +21,14 @@ _SMALLEST = 1.0e-7
 
 @dataclass
 class Step:
-    """A committed step: where in the stage it ended and what it took."""
+    """A committed step: where in the stage it ended, the time it lasted (s) and what it took."""
 
     stage: str
     fraction: float
     multipliers: np.ndarray
     increment: Increment
     cut_backs: int
+    time_step: float = 0.0
 
 
 @dataclass
@@ -78,7 +79,8 @@ class Driver:
             last = (target - done, increment)
             size = _adapt(target - done, increment.iterations, stage.max_fraction, cuts)
             done = target
-            on_step(Step(stage.name, done, loading.multipliers(increment.residual.border), increment, cuts))
+            forces = loading.multipliers(increment.residual.border)
+            on_step(Step(stage.name, done, forces, increment, cuts, loading.time_step))
             cuts = 0
         self.force = np.array(stage.force, dtype=float)
 

@@ -16,6 +16,7 @@ from fe_engine.interface import Stations
 from fe_engine.mesh import Quality
 from fe_engine.model import Material, Model
 from fe_engine.soil import plasol
+from pysprings.build_water import make_water
 from pysprings.caisson_mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
 
 if TYPE_CHECKING:
@@ -80,6 +81,7 @@ def build_model(scene: Scene) -> Built:
         stations=stations,
         contact=contact_parameters(scene),
         initial_pressure=pressure,
+        water=make_water(scene, caisson, stations),
     )
     extra = 0.0 if wanted == "balanced" else 0.5 * float(wanted) - balanced
     return Built(model, caisson, quality, balanced, extra)
@@ -200,6 +202,13 @@ def _constraints(scene: Scene, caisson: CaissonMesh) -> tuple[np.ndarray, dict[i
     return fixed, frames
 
 
+_WATER_KEYS = (
+    "soil.hydraulic_conductivity", "interface.transversal_conductivity", "interface.residual_aperture",
+    "domain.side_drainage", "drainage.porosity", "drainage.water_bulk_modulus", "drainage.water_unit_weight",
+    "drainage.water_viscosity", "drainage.water_depth", "drainage.stabilisation",
+)  # fmt: skip
+
+
 def left_out(scene: Scene) -> list[tuple[str, str]]:
     """What the scene does not need and the model does not carry: (what, why)."""
     rigid_body = "the caisson is rigid: three degrees of freedom stand for it (the lid's thickness is only drawn)"
@@ -208,8 +217,13 @@ def left_out(scene: Scene) -> list[tuple[str, str]]:
         ("half of the domain", "symmetry about the loading plane"),
     ]
     if scene.drainage.mode == "drained":
-        flow = "soil.hydraulic_conductivity, interface.transversal_conductivity, interface.residual_aperture"
-        out.append((f"pore pressure of soil and interface ({flow})", "drained: no excess pressure"))
+        out.append((f"pore pressure of soil and interface ({', '.join(_WATER_KEYS)})", "drained: no excess pressure"))
+    else:
+        out.append(("water pressure on the caisson's side of the interface", "the rigid caisson is impervious"))
+        if scene.drainage.water_depth is None:
+            out.append(("check of suction against cavitation", "drainage.water_depth is not given"))
+    if scene.drainage.mode == "undrained":
+        out.append(("time (path: rate, duration, times in then)", "undrained: the fast limit, nothing flows"))
     if scene.soil.yield_surface == "elastic":
         strength = "friction_angle_initial, friction_angle_final, hardening_parameter, dilation_angle, cohesion"
         out.append((f"plastic strain and its history (soil: {strength})", "the soil is elastic"))

@@ -16,6 +16,7 @@ from fe_engine.assembly import System
 from fe_engine.contact import coulomb
 from fe_engine.kernels import station_jumps
 from fe_engine.state import Fields
+from fe_engine.water_balance import WaterBalance
 from pysprings import variables
 from pysprings.build import SURFACE, Built
 
@@ -23,9 +24,15 @@ SIDES = {"outside": "outer", "inside": "inner"}
 
 
 class Collector:
-    """Gathers one row per converged step of a path and turns them into a Dataset."""
+    """Gathers one row per converged step of a path and turns them into a Dataset.
 
-    def __init__(self, built: Built, system: System, fields: bool, section: bool) -> None:
+    ``balance`` follows the water of the path; it is None where the scene is drained.
+    """
+
+    def __init__(
+        self, built: Built, system: System, fields: bool, section: bool, balance: WaterBalance | None = None
+    ) -> None:
+        self.balance = balance
         self.built, self.system = built, system
         self.keep_fields, self.keep_section = fields, section
         stations = system.stations
@@ -44,16 +51,19 @@ class Collector:
 
     def add(self, state: Fields, time: float, converged: bool = True) -> None:
         """Record a state, as converged unless said otherwise."""
-        traction = np.einsum("sij,si->sj", self.system.stations.frame, state.traction)
-        force = -2.0 * self.system.stations.area[:, None] * traction
+        stations = self.system.stations
+        traction = np.einsum("sij,si->sj", stations.frame, state.traction)
+        water = self._film_pressure(state)
+        force = -2.0 * stations.area[:, None] * (traction - stations.frame[:, 0] * water[:, None])
         u, w, rotation = (float(v) for v in state.border)
         row: dict[str, Any] = {"time": time, "u": u, "w": w, "rotation": rotation, "converged": np.int8(converged)}
         row |= self._resultants(force)
-        row |= self._rings(state, force)
+        row |= self._rings(state, force, water)
         row["y"] = u + rotation * self.built.caisson.depth
-        row |= self._patches(state)
+        row |= self._patches(state, water)
+        row |= self._water(state, water)
         if self.keep_fields:
-            row |= self._wall_fields(state, traction)
+            row |= self._wall_fields(state, traction, water)
         if self.keep_section:
             row |= self._section(state)
         self.rows.append(row)
@@ -70,12 +80,35 @@ class Collector:
         row["M_tip"] -= self.built.caisson.depth[-1] * row["H_tip"]
         return row
 
-    def _rings(self, state: Fields, force: np.ndarray) -> dict[str, np.ndarray]:
+    def _film_pressure(self, state: Fields) -> np.ndarray:
+        """Excess pressure (ns,) of the water between soil and caisson, Pa; 0 when drained."""
+        water = self.built.model.water
+        if water is None or water.film is None:
+            return np.zeros(len(self.surface))
+        film = state.pressure[self.built.model.mesh.n_nodes :]
+        return np.einsum("sc,sc->s", water.film.weight, film[water.film.nodes])
+
+    def _water(self, state: Fields, water: np.ndarray) -> dict[str, float]:
+        """Water force under the lid, the balance of the water and its lowest pressure (whole caisson)."""
+        lid = self.surface == SURFACE["lid"]
+        stations = self.system.stations
+        row = {"F_pw": 2.0 * float(np.sum((stations.area * stations.frame[:, 0, 2] * water)[lid]))}
+        if self.balance is None:
+            return row
+        now = self.balance.now(state)
+        volumes = {"expelled": now.expelled, "compressed": now.compressed, "film": now.film, "outflow": now.outflow,
+                   "moved": now.moved, "imbalance": now.imbalance}  # fmt: skip
+        n = self.built.model.mesh.n_nodes
+        row |= {f"water_{name}": 2.0 * volume for name, volume in volumes.items()}
+        return row | {"pressure_min": float(state.pressure.min()), "pressure_max": float(state.pressure[:n].max())}
+
+    def _rings(self, state: Fields, force: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """p by depth, side and component; m and t by depth and side."""
         height = np.diff(self.bounds, axis=1)[:, 0]
         stations = self.system.stations
-        normal_x = -2.0 * stations.area * state.traction[:, 0] * stations.frame[:, 0, 0]
-        parts = {"normal": normal_x, "shear": force[:, 0] - normal_x, "water": np.zeros(len(force))}
+        toward_x = 2.0 * stations.area * stations.frame[:, 0, 0]
+        normal_x, water_x = -toward_x * state.traction[:, 0], toward_x * water
+        parts = {"normal": normal_x, "shear": force[:, 0] - normal_x - water_x, "water": water_x}
         x = self.position[:, 0]
         p = np.empty((len(height), len(SIDES), len(parts)))
         m, t = np.empty(p.shape[:2]), np.empty(p.shape[:2])
@@ -91,30 +124,33 @@ class Collector:
         jump = station_jumps(stations, state.displacement, state.border)
         return coulomb.gap(stations.contact[stations.surface], stations.initial_pressure, jump[:, 0])
 
-    def _patches(self, state: Fields) -> dict[str, np.ndarray]:
-        """Normal stress and gap under the lid and the tip."""
+    def _patches(self, state: Fields, water: np.ndarray) -> dict[str, np.ndarray]:
+        """Normal stress, water pressure and gap under the lid and the tip."""
         gap, row = self._gap(state), {}
         for name in ("lid", "tip"):
             mine = self.surface == SURFACE[name]
             row[f"{name}_normal_effective_stress"] = -state.traction[mine, 0]
             row[f"{name}_gap"] = gap[mine]
+            if self.balance is not None:
+                row[f"{name}_pore_pressure"] = water[mine]
         return row
 
-    def _wall_fields(self, state: Fields, traction: np.ndarray) -> dict[str, np.ndarray]:
+    def _wall_fields(self, state: Fields, traction: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """Fields on both walls, (side, azimuth, depth); shear is the traction of the caisson on the soil."""
         shear = -traction + self.system.stations.frame[:, 0] * state.traction[:, :1]
         by_station = {
             "normal_effective_stress": -state.traction[:, 0],
             "shear_lateral": shear[:, 0],
             "shear_vertical": shear[:, 2],
-            "pore_pressure": np.zeros(len(shear)),
+            "pore_pressure": water,
             "gap": self._gap(state),
         }
         return {k: np.stack([v[ring] for ring in self.rings.values()]) for k, v in by_station.items()}
 
     def _section(self, state: Fields) -> dict[str, np.ndarray]:
         node = np.unique(self.built.caisson.section)
-        return {"section_ux": state.displacement[node, 0], "section_uz": state.displacement[node, 2]}
+        row = {"section_ux": state.displacement[node, 0], "section_uz": state.displacement[node, 2]}
+        return row if self.balance is None else row | {"section_pore_pressure": state.pressure[node]}
 
     def dataset(self) -> xr.Dataset:
         """All rows as a Dataset with the variables of `variables.GROUPS["result_path"]`."""
@@ -129,7 +165,6 @@ class Collector:
             mine = self.position[self.surface == SURFACE[part]]
             data[f"{part}_x"] = ((f"{part}_point",), mine[:, 0])
             data[f"{part}_y"] = ((f"{part}_point",), mine[:, 1])
-        data["F_pw"] = ("step", np.zeros(len(self.rows)))
         for name, surface in (("F_in", "V_inner"), ("F_out", "V_outer")):
             values = np.array([row[surface] for row in self.rows])
             data[name] = ("step", values - values[0])

@@ -20,15 +20,17 @@ from fe_engine.clock import Clock
 from fe_engine.errors import FEError, LinearSolverError, NotConverged
 from fe_engine.linear import LinearSolver
 from fe_engine.newton import Newton, Settings
-from fe_engine.state import State
+from fe_engine.state import State, initial_fields
 from fe_engine.stepping import Driver, Step
+from fe_engine.water_balance import WaterBalance
 from pysprings import variables
 from pysprings.build import Built, build_model, left_out
+from pysprings.build_water import undrained_time
 from pysprings.collect import Collector, section_dataset
 from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
 from pysprings.progress import Progress
 from pysprings.run_record import DEAD_LOAD, Meter, convergence_dataset, cut_back, summarise
-from pysprings.stages import dead_load_stage, path_stage
+from pysprings.stages import dead_load_stage, path_stages
 
 if TYPE_CHECKING:
     from pysprings.scene import Path, Scene
@@ -117,7 +119,8 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> _Run:
     with clock.phase("set-up"):
         system = System(built.model, clock)
         try:
-            solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock)
+            water = built.model.water is not None
+            solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, equilibrate=water)
         except LinearSolverError as error:
             raise ResourceError(str(error)) from error
         newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations))
@@ -126,7 +129,8 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> _Run:
 
 
 def _initial_stiffness(work: _Run) -> np.ndarray:
-    """Tangent stiffness (3, 3) of the whole caisson at the initial state."""
+    """Tangent stiffness (3, 3) of the whole caisson at the initial state; undrained where there is water."""
+    work.system.time_step = undrained_time(work.scene, work.built.model.mesh)
     try:
         return 2.0 * work.newton.border_stiffness(State(work.built.model))
     except FEError as error:
@@ -138,21 +142,32 @@ def _run_path(work: _Run, path: Path) -> None:
     state = State(work.built.model)
     driver = Driver(work.newton, state)
     output, extra = work.scene.output, work.built.extra_load
-    collector = Collector(work.built, work.system, output.interface_fields, output.section)
-    status = "complete"
+    water = None if work.built.model.water is None else WaterBalance(work.system, initial_fields(work.built.model))
+    collector = Collector(work.built, work.system, output.interface_fields, output.section, water)
+    stages = path_stages(work.scene, path, extra, undrained_time(work.scene, work.built.model.mesh))
+    status, time, done = "complete", 0.0, 0
 
     def on_step(step: Step) -> None:
-        _collect(work, collector, state, _time_of(path, step.fraction))
+        if water is not None:
+            water.advance(state.committed, step.time_step)
+        if step.stage == DEAD_LOAD:
+            work.progress(path.name, 0.0, DEAD_LOAD)
+            return
+        nonlocal time
+        time += step.time_step
+        _collect(work, collector, state, time)
         message = f"step {len(collector.rows) - 1}, {step.increment.iterations} iterations"
-        work.progress(path.name, step.fraction, message)
+        work.progress(path.name, (done + step.fraction) / len(stages), message)
         if path.kind == "load":
             _refuse_flight(work.scene, state)
 
     try:
         if extra:
-            driver.run(dead_load_stage(extra), lambda _: work.progress(path.name, 0.0, "dead load"))
+            driver.run(dead_load_stage(extra), on_step)
         _collect(work, collector, state, 0.0)
-        driver.run(path_stage(work.scene, path, extra), on_step)
+        for stage in stages:
+            driver.run(stage, on_step)
+            done += 1
     except NotConverged as error:
         status = "partial"
         work.failures.append(_failure(path, driver, error))
@@ -197,13 +212,6 @@ def _keep(work: _Run, path: Path, collector: Collector, driver: Driver, status: 
         work.summaries[path.name] = {"status": status} | summarise(
             driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset
         )
-
-
-def _time_of(path: Path, fraction: float) -> float:
-    """Time in s at a fraction of the path; 0 without a rate (a drained path has no time of its own)."""
-    if path.rate is None or path.lateral_displacement is None:
-        return 0.0
-    return fraction * abs(path.lateral_displacement) / path.rate
 
 
 def _record(work: _Run, started: datetime) -> dict[str, Any]:

@@ -41,6 +41,8 @@ def clashes(scene: Scene) -> Iterator[Clash]:
     yield from _initial_state(scene.soil, scene.domain)
     yield from _solver(scene.solver)
     yield from _paths(scene.paths)
+    if scene.drainage.mode == "coupled":
+        yield from _times(scene.paths)
 
 
 def dotted(path: KeyPath) -> str:
@@ -149,6 +151,11 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
     for name in ("lateral_displacement", "rotation", "lateral_force", "arm", "rate"):
         if name != imposed and name not in used and getattr(path, name):
             yield Clash(((*here, name), (*here, "kind")), f'a path of kind "{path.kind}" does not use it')
+    if path.rate is not None and path.duration is not None:
+        yield Clash(((*here, "duration"), (*here, "rate")), "give rate or duration, not both")
+    if path.then and path.role == "calibration":
+        text = "springs are made from monotonic paths only: a path with `then` needs role = \"held-back\""
+        yield Clash(((*here, "then"), (*here, "role")), text)
     target = getattr(path, imposed)
     if target is None:
         yield Clash((here, (*here, "kind"), (*here, imposed)), f'a path of kind "{path.kind}" needs {imposed}')
@@ -156,6 +163,20 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
         yield Clash(((*here, imposed), (*here, "kind")), "must not be zero")
     else:
         yield from _stops(here, imposed, target, path.report_at)
+
+
+def _times(paths: tuple[Path, ...]) -> Iterator[Clash]:
+    """Check that every part of every path has its time."""
+    for index, path in enumerate(paths):
+        here: KeyPath = ("path", index)
+        mode = ("drainage", "mode")
+        if path.rate is None and path.duration is None:
+            allowed = "rate or duration" if path.kind in ("pull", "translation") else "duration"
+            yield Clash((here, (*here, "kind"), mode), f'drainage.mode = "coupled" needs {allowed} on every path')
+        for entry, then in enumerate(path.then):
+            if then.rate is None and then.time is None:
+                text = 'drainage.mode = "coupled" needs a time: "... in 10 min" or "... at 0.05 mm/s"'
+                yield Clash(((*here, "then", entry), (*here, "then"), mode), text)
 
 
 def _stops(here: KeyPath, imposed: str, target: float, stops: tuple[float, ...]) -> Iterator[Clash]:

@@ -286,6 +286,10 @@ class QuantityList(Field):
     def _example(self) -> str:
         return self.quantities[0][1].example
 
+    def entries_in_toml(self, kind: str, values: Sequence[Any]) -> list[str]:
+        """Return the entries as TOML would hold them, for the given value of the other field."""
+        return [dict(self.quantities)[kind].in_toml(value) for value in values]
+
     def schema(self) -> dict[str, Any]:
         entry = {"type": "string", "pattern": QUANTITY_PATTERN}
         return {"description": self.text, "type": "array", "items": entry, "examples": [[self._example()]]}

@@ -17,6 +17,7 @@ from pydantic import Field as Key
 
 from pysprings.scene_checks import clashes, dotted
 from pysprings.scene_fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text, refuse
+from pysprings.scene_then import Then, ThenList
 
 _DEGREE = math.pi / 180.0
 
@@ -33,6 +34,12 @@ _TURN = Quantity(
 _PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN", optional=True)
 _ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
 _RATE = Quantity("mm/s", "(0, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
+_TIME = Quantity("s", "(0, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
+_IMPOSED = (("pull", _SHIFT), ("translation", _SHIFT), ("rotation", _TURN), ("load", _PUSH))
+_SEA = "depth of the sea; where given, suction is checked for cavitation"
+_DEPTH = Quantity("m", "[0, 2e4]", _SEA, "30 m", optional=True)
+_VISCOSITY = Quantity("Pa s", "[1e-6, 1e3]", "dynamic viscosity of water", "0.001 Pa s")
+_BULK = 'bulk modulus of water; "incompressible" is possible too'
 _BALANCED = 'constant load on the whole caisson, positive down; "balanced" carries the initial contact stresses'
 _FRACTION = Number("(0, 1]", "first step, as a fraction of the path", 0.02, optional=True)
 
@@ -69,6 +76,9 @@ class Domain(Section):
     radius: Annotated[float, Quantity("m", "(0, 1e4]", "radius of the cylinder of soil", "24 m")] = 24.0
     depth: Annotated[float, Quantity("m", "(0, 1e4]", "depth of the cylinder of soil", "12 m")] = 12.0
     side: Annotated[str, Choice(("roller", "fixed"), "the outer side slides (roller) or is held (fixed)")] = "roller"
+    side_drainage: Annotated[
+        str, Choice(("drained", "sealed"), "the outer side keeps hydrostatic pressure, or lets no water through")
+    ] = "sealed"
 
 
 class Soil(Section):
@@ -119,9 +129,23 @@ class Interface(Section):
 
 
 class Drainage(Section):
-    """How the water takes part."""
+    """How the water takes part: not at all, with its flow in time, or without time to flow.
 
-    mode: Annotated[str, Choice(("drained",), "how the water takes part", planned=("coupled", "undrained"))] = "drained"
+    All but `mode` is not used when drained. The bottom of the domain and the lid are sealed, the mudline outside the
+    caisson keeps hydrostatic pressure.
+    """
+
+    mode: Annotated[str, Choice(("drained", "coupled", "undrained"), "how the water takes part")] = "drained"
+    porosity: Annotated[float, Number("(0, 1)", "volume of water per volume of soil", 0.4)] = 0.4
+    water_bulk_modulus: Annotated[
+        float | str, Quantity("GPa", "[1e-6, 1e6]", _BULK, "2.2 GPa", word="incompressible")
+    ] = 2.2e9
+    water_unit_weight: Annotated[float, Quantity("kN/m^3", "[1, 30]", "unit weight of water", "9.81 kN/m^3")] = 9.81e3
+    water_viscosity: Annotated[float, _VISCOSITY] = 1e-3
+    water_depth: Annotated[float | None, _DEPTH] = None
+    stabilisation: Annotated[
+        float, Number("[0, 100]", "factor on the stabilisation of the pore pressure (0 to see why it is there)", 1.0)
+    ] = 1.0
 
 
 class Path(Section):
@@ -130,7 +154,8 @@ class Path(Section):
     pull: the lid centre is moved, the rotation is free, the load acts at height `arm`. translation: the lid
     centre is moved, the rotation is imposed in proportion (zero by default). rotation: imposed about the lid
     centre. load: a lateral force at height `arm`. `report_at` lists values of the imposed quantity where a
-    converged step must land.
+    converged step must land. `then` goes on from the end value: "rest 2 hour" holds what is imposed,
+    "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value.
     """
 
     name: Annotated[
@@ -147,6 +172,7 @@ class Path(Section):
     lateral_force: Annotated[float | None, _PUSH] = None
     arm: Annotated[float, _ARM] = 0.0
     rate: Annotated[float | None, _RATE] = None
+    duration: Annotated[float | None, _TIME] = None
     heave: Annotated[str, Choice(("free", "fixed"), "the vertical displacement of the caisson")] = "free"
     role: Annotated[
         str,
@@ -154,11 +180,11 @@ class Path(Section):
     ] = "calibration"
     report_at: Annotated[
         tuple[float, ...],
-        QuantityList(
-            "kind",
-            (("pull", _SHIFT), ("translation", _SHIFT), ("rotation", _TURN), ("load", _PUSH)),
-            "values of the imposed quantity where a converged step must land",
-        ),
+        QuantityList("kind", _IMPOSED, "values of the imposed quantity where a converged step must land"),
+    ] = ()
+    then: Annotated[
+        tuple[Then, ...],
+        ThenList("kind", _IMPOSED, "what follows: a rest, or a new end value with its velocity or time"),
     ] = ()
 
 

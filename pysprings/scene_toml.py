@@ -40,8 +40,7 @@ def _pairs(section: BaseModel) -> Iterator[str]:
 
 def _in_toml(field: Field, value: Any, section: BaseModel) -> Any:
     if isinstance(field, QuantityList):
-        quantity = dict(field.quantities)[getattr(section, field.by_field)]
-        return [quantity.in_toml(entry) for entry in value]
+        return field.entries_in_toml(getattr(section, field.by_field), value)
     return field.in_toml(value)
 
 

@@ -16,10 +16,16 @@ if TYPE_CHECKING:
 # where most points switch regime and nothing can be extrapolated yet.
 _FIRST_STEP = 2.5e-6
 _LARGEST_STEP = 0.05
+# Steps of a rest, which grow geometrically between these fractions
+_FIRST_OF_REST, _LARGEST_OF_REST = 1.0e-4, 0.2
+
+
+# A dead load has acted for so long (s) that its pore pressures are gone
+_LONG_AGO = 1.0e12
 
 
 def dead_load_stage(extra_load: float) -> Stage:
-    """Vertical load (N, half caisson) beyond the one that balances the initial contact stresses."""
+    """Vertical load (N, half caisson) beyond the one that balances the initial contact stresses; drained."""
     return Stage(
         name="dead load",
         control=np.zeros((0, 3)),
@@ -28,30 +34,62 @@ def dead_load_stage(extra_load: float) -> Stage:
         force=np.array([0.0, extra_load, 0.0]),
         first_fraction=0.1,
         max_fraction=0.25,
+        duration=_LONG_AGO,
     )
 
 
-def path_stage(scene: Scene, path: Path, extra_load: float) -> Stage:
-    """The stage of a path: what is imposed at the lid centre, and by which forces."""
-    rows, targets, patterns = _imposed(path)
+def path_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float = 0.0) -> list[Stage]:
+    """The stages of a path, one after the other: what is imposed at the lid centre, by which forces, in which time.
+
+    Every stage of an undrained path takes ``undrained_time`` (s), in which nothing flows.
+    """
+    rows, pattern = _imposed(path)
+    ends = [(imposed_end(path), _time(path, path.rate, path.duration, 0.0, imposed_end(path)), path.report_at)]
+    for then in path.then:
+        start = ends[-1][0]
+        value = start if then.value is None else then.value
+        ends.append((value, _time(path, then.rate, then.time, start, value), ()))
+    start, stages = 0.0, []
+    for number, (end, time, report_at) in enumerate(ends):
+        duration = undrained_time if scene.drainage.mode == "undrained" else time
+        name = path.name if number == 0 else f"{path.name}, then {number}"
+        stages.append(_stage(scene, path, name, (rows, pattern), (start, end), report_at, extra_load, duration))
+        start = end
+    return stages
+
+
+def _stage(
+    scene: Scene, path: Path, name: str, imposed: tuple[list, list], ends: tuple[float, float],
+    report_at: tuple[float, ...], extra_load: float, duration: float,
+) -> Stage:  # fmt: skip
+    rows, patterns = list(imposed[0]), list(imposed[1])
+    targets = _targets(path, ends[1])
     force = np.array([0.0, extra_load, 0.0])
     if path.kind == "load":
-        force += 0.5 * _need(path.lateral_force) * np.array([1.0, 0.0, -path.arm])
+        force += 0.5 * ends[1] * np.array([1.0, 0.0, -path.arm])
     if path.heave == "fixed":
         rows.append([0.0, 1.0, 0.0])
         targets.append(0.0)
         patterns.append([0.0, 1.0, 0.0])
-    first, largest = _step_fractions(scene, path)
+    first, largest = _step_fractions(scene, path, ends[1] - ends[0])
     return Stage(
-        name=path.name,
+        name=name,
         control=np.array(rows).reshape(-1, 3),
         target=np.array(targets),
         load=np.array(patterns).reshape(-1, 3).T,
         force=force,
-        stops=tuple(sorted({abs(value / imposed_end(path)) for value in path.report_at} | {1.0})),
+        stops=tuple(sorted({abs(value / ends[1]) for value in report_at} | {1.0})),
         first_fraction=first,
         max_fraction=largest,
+        duration=duration,
     )
+
+
+def _time(path: Path, rate: float | None, time: float | None, start: float, end: float) -> float:
+    """Time in s that a part of a path takes; 0 where nothing says so (drained)."""
+    if time is not None:
+        return time
+    return 0.0 if rate is None else abs(end - start) / rate
 
 
 def imposed_end(path: Path) -> float:
@@ -59,25 +97,34 @@ def imposed_end(path: Path) -> float:
     return _need({"rotation": path.rotation, "load": path.lateral_force}.get(path.kind, path.lateral_displacement))
 
 
-def _imposed(path: Path) -> tuple[list, list, list]:
-    """Rows of the control, their end values and the force patterns, in (u, w, rotation)."""
+def _imposed(path: Path) -> tuple[list, list]:
+    """Rows of the control and the force patterns that impose them, in (u, w, rotation)."""
     lateral, turn = [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]
     if path.kind == "pull":
-        return [lateral], [_need(path.lateral_displacement)], [[1.0, 0.0, -path.arm]]
+        return [lateral], [[1.0, 0.0, -path.arm]]
+    if path.kind in ("translation", "rotation"):
+        return [lateral, turn], [lateral, turn]
+    return [], []
+
+
+def _targets(path: Path, end: float) -> list[float]:
+    """End values of what `_imposed` controls, when the imposed quantity of the path is at ``end``."""
+    if path.kind == "pull":
+        return [end]
     if path.kind == "translation":
-        return [lateral, turn], [_need(path.lateral_displacement), path.rotation or 0.0], [lateral, turn]
-    if path.kind == "rotation":
-        return [lateral, turn], [0.0, _need(path.rotation)], [lateral, turn]
-    return [], [], []
+        return [end, (path.rotation or 0.0) * end / imposed_end(path)]
+    return [0.0, end] if path.kind == "rotation" else []
 
 
-def _step_fractions(scene: Scene, path: Path) -> tuple[float, float]:
-    """First and largest step as fractions of the path."""
+def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, float]:
+    """First and largest step as fractions of a stage that moves on by ``travel``."""
+    if travel == 0.0:  # a rest: water moves fast at first, and ever more slowly
+        return _FIRST_OF_REST, _LARGEST_OF_REST
     largest = scene.solver.max_step_fraction or _LARGEST_STEP
     first = scene.solver.first_step_fraction
     if first is None:
         scale = {"rotation": scene.caisson.skirt_length, "load": 0.0}.get(path.kind, 1.0)
-        reach = abs(imposed_end(path)) * scale
+        reach = abs(travel) * scale
         first = min(1.0, _FIRST_STEP * scene.caisson.outer_diameter / reach) if reach else 0.01
     return min(first, 1.0), max(first, largest)
 

@@ -34,6 +34,7 @@ MEANING = {
     "N/m^3": "a force per volume",
     "rad": "an angle",
     "m/(Pa s)": "a velocity per pressure",
+    "Pa s": "a viscosity",
 }
 
 _NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?)(?![0-9.,_'])\s*(\S.*)", re.DOTALL)

@@ -119,8 +119,29 @@ def _patch(part: str, words: str) -> tuple[Variable, ...]:
         V(f"{part}_normal_effective_stress", f"effective normal stress under {words}", "Pa", ("step", point),
           "compression positive"),
         V(f"{part}_gap", f"opening under {words}", "m", ("step", point), "zero or positive"),
+        V(f"{part}_pore_pressure", f"excess pore pressure under {words}", "Pa", ("step", point),
+          "compression positive, over hydrostatic", required=False),
     )
 
+
+def _volume(name: str, words: str, comment: str = "since the initial state; whole caisson") -> Variable:
+    return V(f"water_{name}", words, "m3", ("step",), comment, required=False)
+
+
+_WATER = (
+    _volume("expelled", "pore volume that the soil has lost", "from the displacements of its boundary alone"),
+    _volume("compressed", "volume stored by compression of the water"),
+    _volume("film", "volume of water in the gaps of the interface"),
+    _volume("outflow", "volume that has left over the drained boundary",
+            "Darcy flow into its nodes, and what the cells of these nodes gave off themselves"),
+    _volume("moved", "volume that has flowed between nodes, whatever the direction"),
+    _volume("imbalance", "water_expelled less water_compressed, water_film and water_outflow"),
+    V("pressure_min", "lowest excess pore pressure in soil and interface", "Pa", ("step",),
+      "suction is negative", required=False),
+    V("pressure_max", "highest excess pore pressure in the soil", "Pa", ("step",), required=False),
+    V("section_pore_pressure", "excess pore pressure in the symmetry plane", "Pa", ("step", "section_node"),
+      "compression positive, over hydrostatic", required=False),
+)
 
 _RESULT_PATH = (
     _AXES
@@ -133,7 +154,7 @@ _RESULT_PATH = (
         *_LID,
         *_TIP,
         V("F_pw", "change of the water force under the lid", "N", ("step",),
-          "from the initial state, positive down; 0 when drained"),
+          "force of the lid on the water from the initial state, positive down: suction is negative; 0 when drained"),
         V("F_in", "change of the vertical shear force on the inner face", "N", ("step",),
           "force of the caisson on the soil from the initial state, positive down"),
         V("F_out", "change of the vertical shear force on the outer face", "N", ("step",),
@@ -150,6 +171,7 @@ _RESULT_PATH = (
         V("pore_pressure", "excess pore pressure in the interface", "Pa", _FIELD,
           "compression positive, over hydrostatic", required=False),
         V("gap", "opening between soil and skirt", "m", _FIELD, "zero or positive", required=False),
+        *_WATER,
         *_patch("lid", "the lid"),
         *_patch("tip", "the skirt tip"),
         V("section_ux", "lateral displacement in the symmetry plane", "m", ("step", "section_node"),

@@ -17,11 +17,10 @@ from fe_engine.soil import plasol
 from fe_engine.state import State
 from pysprings import Scene, build
 from pysprings.build import SURFACE, Built, build_model, left_out
-from pysprings.full_model import _time_of
 from pysprings.scene import SECTIONS
 from pysprings.scene_fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
 from pysprings.scene_toml import field_of
-from pysprings.stages import path_stage
+from pysprings.stages import path_stages
 from tests.pysprings import tiny
 
 R_OUT, R_IN, LENGTH = 3.9, 3.8, 4.0
@@ -154,12 +153,22 @@ def test_left_out_names_what_and_why() -> None:
 UNUSED = {
     ("caisson", "young_modulus"): 2e11,  # rigid
     ("caisson", "poisson_ratio"): 0.25,  # rigid
-    ("soil", "hydraulic_conductivity"): 1e-5,  # drained
-    ("interface", "transversal_conductivity"): 1e-9,  # drained
-    ("interface", "residual_aperture"): 2e-5,  # drained
+}
+# Fields that need water: they change nothing in a drained scene.
+WATER = {
+    ("soil", "hydraulic_conductivity"): 1e-5,
+    ("interface", "transversal_conductivity"): 1e-9,
+    ("interface", "residual_aperture"): 2e-5,
+    ("domain", "side_drainage"): "sealed",
+    ("drainage", "porosity"): 0.3,
+    ("drainage", "water_bulk_modulus"): "incompressible",
+    ("drainage", "water_unit_weight"): 1e4,
+    ("drainage", "water_viscosity"): 2e-3,
+    ("drainage", "water_depth"): 30.0,
+    ("drainage", "stabilisation"): 0.5,
 }
 # Fields with one value so far.
-SINGLE = {("caisson", "behaviour"), ("drainage", "mode")}
+SINGLE = {("caisson", "behaviour")}
 # Another value, where a change by a tenth is not one.
 CHANGES: dict[tuple[str, str], Any] = {
     ("caisson", "vertical_load"): 3e6,
@@ -179,12 +188,16 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("path", "heave"): "fixed",
     ("path", "role"): "held-back",
     ("path", "report_at"): (0.25e-3,),
+    ("path", "duration"): 100.0,
+    ("path", "then"): ("1 mm",),
+    ("drainage", "mode"): "coupled",
 }
 # What a path must be for a field of it to be used.
 PATHS: dict[str, dict[str, Any]] = {
     "rotation": {"kind": "translation"},
     "lateral_force": {"name": "a", "kind": "load", "lateral_force": 1e6, "lateral_displacement": None},
     "rate": {"rate": 1e-4},
+    "then": {"role": "held-back"},
 }
 
 
@@ -193,9 +206,9 @@ def outputs(scene: Scene) -> dict[str, Any]:
     built = build_model(scene)
     path = scene.paths[0]
     return {
-        "model": flat(built.model), "stage": flat(path_stage(scene, path, built.extra_load)),
+        "model": flat(built.model), "stages": flat(path_stages(scene, path, built.extra_load)),
         "newton": flat(Settings(scene.solver.tolerance, scene.solver.max_iterations)), "linear": scene.solver.linear,
-        "kept": scene.output, "time": _time_of(path, 1.0), "names": (scene.title, path.name, path.role),
+        "kept": scene.output, "names": (scene.title, path.name, path.role), "sea": scene.drainage.water_depth,
         # the lid is only drawn; the diameter and skirt are measured in the mesh
         "drawn": scene.caisson.lid_thickness,
     }  # fmt: skip
@@ -224,8 +237,8 @@ ALL = [(section, name) for section, model in SECTIONS.items() for name in model.
 def other_value(section: str, name: str, scene: Scene) -> Any:
     """Another valid value of a field: from the list above, or the present one a tenth larger."""
     key = (section, name)
-    if key in {**CHANGES, **UNUSED}:
-        return {**CHANGES, **UNUSED}[key]
+    if key in {**CHANGES, **UNUSED, **WATER}:
+        return {**CHANGES, **UNUSED, **WATER}[key]
     field = field_of(SECTIONS[section].model_fields[name])
     table = scene.paths[0] if section == "path" else getattr(scene, section)
     value = getattr(table, name)
@@ -252,17 +265,27 @@ def test_every_field_changes_some_output(section: str, name: str, base_outputs: 
     if (section, name) == ("soil", "K0"):
         scene = scene.replace(soil={"cohesion": 50e3})
     before = base_outputs.setdefault(scene.sha256, outputs(scene))
+    if (section, name) == ("drainage", "mode"):
+        scene = changed(scene, "path", "rate", 1e-4)
     after = outputs(changed(scene, section, name, other_value(section, name, scene)))
-    differs = [key for key in before if before[key] != after[key]]
-    if (section, name) in UNUSED:
+    differs = [key for key in before if before[key] != after[key] and key != "sea"]
+    if (section, name) in {**UNUSED, **WATER}:
         assert differs == []
         assert any(f"{section}.{name}" in what for what, _ in left_out(scene))
     else:
         assert differs
 
 
+@pytest.mark.parametrize(("section", "name"), WATER)
+def test_every_field_of_the_water_changes_some_output_of_a_coupled_scene(section: str, name: str) -> None:
+    path = {**tiny.PULL, "rate": 1e-4}
+    scene = tiny.scene(drainage={"mode": "coupled"}, paths=(path,))
+    before, after = outputs(scene), outputs(changed(scene, section, name, WATER[section, name]))
+    assert any(before[key] != after[key] for key in before)
+
+
 def test_the_lists_of_fields_are_current() -> None:
-    assert {*UNUSED, *SINGLE, *CHANGES} <= set(ALL)
+    assert {*UNUSED, *WATER, *SINGLE, *CHANGES} <= set(ALL)
     for section, name in SINGLE:
         field = field_of(SECTIONS[section].model_fields[name])
         assert isinstance(field, Choice) and len(field.words) == 1

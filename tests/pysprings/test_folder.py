@@ -234,7 +234,7 @@ def test_what_is_refused_leaves_the_folder_untouched(
         monkeypatch.setattr(build, "make_mesh", fail)
     if where == "solver":
 
-        def missing(*_: object) -> None:
+        def missing(*_: object, **_options: object) -> None:
             raise full_model.LinearSolverError("no library")
 
         monkeypatch.setattr(full_model, "LinearSolver", missing)

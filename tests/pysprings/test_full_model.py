@@ -294,7 +294,7 @@ def test_an_interrupt_keeps_the_converged_steps() -> None:
 
 
 def test_a_linear_solver_that_is_not_there_is_a_missing_resource(monkeypatch: pytest.MonkeyPatch) -> None:
-    def missing(*_: object) -> None:
+    def missing(*_: object, **_options: object) -> None:
         raise LinearSolverError("pardiso does not load here: no library")
 
     monkeypatch.setattr(full_model, "LinearSolver", missing)

@@ -58,7 +58,7 @@ def test_template_holds_every_default() -> None:
     text = template_text("paper-drained")
     assert parse_scene(text) == Scene()
     for name, model in SECTIONS.items():
-        optional = {key for key, info in model.model_fields.items() if info.default is None}
+        optional = {key for key, info in model.model_fields.items() if info.default in (None, ())} - {"report_at"}
         for key in set(model.model_fields) - optional:
             assert f"\n{key} = " in text, f"{name}.{key}"
 

@@ -10,14 +10,14 @@ import pytest
 
 from fe_engine.model import Stage
 from pysprings import Scene
-from pysprings.stages import dead_load_stage, imposed_end, path_stage
+from pysprings.stages import dead_load_stage, imposed_end, path_stages
 
 D, L = 7.8, 4.0
 
 
 def stage(kind: str, extra_load: float = 0.0, solver: dict[str, Any] | None = None, **path: Any) -> Stage:
     scene = Scene(paths=[{"name": "a", "kind": kind, **path}], solver=solver or {})
-    return path_stage(scene, scene.paths[0], extra_load)
+    return path_stages(scene, scene.paths[0], extra_load)[0]
 
 
 def test_a_pull_imposes_u_by_a_force_at_its_height() -> None:

@@ -20,7 +20,7 @@ from pysprings import Scene
 from pysprings.build import SURFACE, Built, build_model
 from pysprings.caisson_mesh import SURFACES
 from pysprings.collect import Collector
-from pysprings.stages import path_stage
+from pysprings.stages import path_stages
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def push(scene: Scene, gauss: bool = False, facets: bool = True) -> Push:
     newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations))
     driver = Driver(newton, State(built.model))
     path = scene.paths[0]
-    stage = path_stage(scene, path, 0.0)
+    stage = path_stages(scene, path, 0.0)[0]
     kept: dict[float, Stop] = {}
     steps: list[Step] = []
     states: list[Fields] = []

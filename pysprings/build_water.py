@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""Scene -> pore water of soil and interface: what flows, where it drains, which film joins the faces."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fe_engine import biot, interface
+from fe_engine.interface import Film, Stations
+from fe_engine.mesh import Mesh
+from fe_engine.model import Water
+from fe_engine.soil.elastic import moduli
+from pysprings.caisson_mesh import SURFACES, CaissonMesh
+
+if TYPE_CHECKING:
+    from pysprings.scene import Scene
+
+# An undrained path lasts this share of the time in which water crosses the smallest cell: nothing flows.
+_UNDRAINED = 1.0e-6
+
+
+def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> Water | None:
+    """Water of the scene; None where it is drained."""
+    if scene.drainage.mode == "drained":
+        return None
+    mesh, drainage = caisson.mesh, scene.drainage
+    film_mesh_node, film = _film(scene, mesh, stations)
+    fixed = _drained_nodes(scene, caisson)
+    bulk, shear = moduli(scene.soil.young_modulus, scene.soil.poisson_ratio)
+    modulus = drainage.water_bulk_modulus
+    return Water(
+        mobility=mobility(scene),
+        storage=0.0 if isinstance(modulus, str) else drainage.porosity / modulus,
+        stabilisation=drainage.stabilisation * biot.projection_factor(bulk, shear),
+        fixed=np.concatenate([fixed, fixed[film_mesh_node]]),
+        initial=np.zeros(mesh.n_nodes + film.n_nodes),
+        scale=shear / _cell_size(mesh),
+        film=film,
+    )
+
+
+def mobility(scene: Scene) -> float:
+    """Hydraulic conductivity over the unit weight of water, m2/(Pa s)."""
+    return scene.soil.hydraulic_conductivity / scene.drainage.water_unit_weight
+
+
+def undrained_time(scene: Scene, mesh: Mesh) -> float:
+    """Time in s of an undrained path: a millionth of h2/c_v, with the shortest edge h and c_v = k M/gamma_w."""
+    bulk, shear = moduli(scene.soil.young_modulus, scene.soil.poisson_ratio)
+    consolidation = mobility(scene) * (bulk + 4.0 * shear / 3.0)
+    return _UNDRAINED * mesh.shortest_edge() ** 2 / consolidation
+
+
+def _cell_size(mesh: Mesh) -> float:
+    """Typical edge of the cells, m: most of them are near the caisson."""
+    return float(np.median(np.linalg.norm(mesh.nodes[mesh.hexes[:, 6]] - mesh.nodes[mesh.hexes[:, 0]], axis=1)))
+
+
+def _drained_nodes(scene: Scene, caisson: CaissonMesh) -> np.ndarray:
+    """Mesh nodes (n,) bool at hydrostatic pressure: mudline outside the caisson, and the side where it drains."""
+    mesh = caisson.mesh
+    radius = np.hypot(mesh.nodes[:, 0], mesh.nodes[:, 1])
+    rim = radius[caisson.walls["outside"][:, 0]].min()
+    fixed: np.ndarray = (mesh.nodes[:, 2] == 0.0) & (radius > rim * (1.0 - 1e-9))
+    if scene.domain.side_drainage == "drained":
+        fixed[mesh.node_sets["side"]] = True
+    return fixed
+
+
+def _film(scene: Scene, mesh: Mesh, stations: Stations) -> tuple[np.ndarray, Film]:
+    """One film from mudline outside round the tip to the lid: mesh node of each film node, and the film."""
+    faces = np.concatenate([mesh.face_sets[name] for name in SURFACES])
+    surface = np.repeat(np.arange(len(SURFACES)), [len(mesh.face_sets[name]) for name in SURFACES])
+    node = np.unique(faces)
+    number = np.full(mesh.n_nodes, -1)
+    number[node] = np.arange(len(node))
+    gradient, area = interface.film_geometry(mesh.nodes[node], number[faces])
+    film = Film(
+        n_nodes=len(node),
+        nodes=number[stations.nodes],
+        weight=stations.weight,
+        faces=number[faces],
+        corners=_corners(faces, surface, stations),
+        gradient=gradient,
+        area=area,
+        residual_aperture=scene.interface.residual_aperture,
+        transfer=scene.interface.transversal_conductivity,
+        viscosity=scene.drainage.water_viscosity,
+    )
+    return node, film
+
+
+def _corners(faces: np.ndarray, surface: np.ndarray, stations: Stations) -> np.ndarray:
+    """Station (m, 4) whose gap holds at each corner of each face: the face's own central one, else the node's."""
+    central = stations.weight[:, 0] < 1.0
+    of_face = {tuple(stations.nodes[k]): k for k in np.flatnonzero(central)}
+    of_node = {(stations.surface[k], stations.nodes[k, 0]): k for k in np.flatnonzero(~central)}
+    found = []
+    for nodes, on in zip(faces, surface, strict=True):
+        own = of_face.get(tuple(nodes))
+        found.append([own] * 4 if own is not None else [of_node[on, node] for node in nodes])
+    return np.array(found)

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: MIT
+"""What follows on a load path after its first part: rests, and further end values with their pace."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from pydantic import ValidationInfo
+from pydantic_core import PydanticCustomError
+
+from pysprings.scene_fields import Quantity, QuantityList, refuse
+from pysprings.units import quoted
+
+_EXAMPLES = ("rest 2 hour", "20 mm at 0.5 mm/s", "0 mm in 10 min")
+
+
+class Then(NamedTuple):
+    """What follows on a path: a new end value (None: a rest), with its velocity (SI) or its time in s."""
+
+    value: float | None
+    rate: float | None = None
+    time: float | None = None
+
+
+_THEN = re.compile(r"(?P<value>.+?)(?: (?P<how>at|in) (?P<pace>.+))?")
+_RATE = Quantity("mm/s", "(0, 1e4]", "", "0.05 mm/s")
+_RATES = {"pull": _RATE, "translation": _RATE}  # kinds of path that have a velocity
+_TIME = Quantity("s", "(0, 1e12]", "", "2 hour")
+
+
+@dataclass(frozen=True)
+class ThenList(QuantityList):
+    """What follows one after the other: "rest 2 hour", "20 mm at 0.5 mm/s", "0 mm in 10 min", "5 mm"."""
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if not isinstance(value, list | tuple):
+            examples = ", ".join(quoted(text) for text in _EXAMPLES[:2])
+            raise refuse(f"expected a list such as [{examples}], got {quoted(value)}")
+        kind = info.data.get(self.by_field, "")
+        quantity = dict(self.quantities).get(kind)
+        if quantity is None:
+            return ()
+        found, wrong = [], []
+        for index, entry in enumerate(value):
+            try:
+                found.append(entry if isinstance(entry, Then) else self._read(entry, kind, quantity, info))
+            except PydanticCustomError as error:
+                wrong.append((index, error.message()))
+        if wrong:
+            raise refuse("; ".join(message for _, message in wrong), entries=wrong)
+        return tuple(found)
+
+    def _read(self, entry: Any, kind: str, quantity: Quantity, info: ValidationInfo) -> Then:
+        if isinstance(entry, list | tuple) and len(entry) == 3:  # a scene of Python, dumped and validated again
+            return Then(*entry)
+        if not isinstance(entry, str):
+            raise refuse(f"expected a text such as {quoted(_EXAMPLES[0])}, got {quoted(entry)}")
+        words = " ".join(entry.split())
+        if words == "rest":
+            raise refuse(f"a rest needs its time: {quoted(_EXAMPLES[0])}")
+        if words.startswith("rest "):
+            return Then(None, None, _TIME.validate(words[5:], info))
+        found = _THEN.fullmatch(words)
+        if found is None:
+            raise refuse(f"expected a text such as {quoted(_EXAMPLES[0])}, got {quoted(entry)}")
+        value, pace = quantity.validate(found["value"], info), found["pace"]
+        if found["how"] == "in":
+            return Then(value, None, _TIME.validate(pace, info))
+        if found["how"] == "at" and kind not in _RATES:
+            raise refuse(f'a path of kind "{kind}" has no velocity: say "... in 10 min"')
+        return Then(value, None if pace is None else _RATES[kind].validate(pace, info), None)
+
+    def entries_in_toml(self, kind: str, values: Sequence[Any]) -> list[str]:
+        return [self._show(kind, value) for value in values]
+
+    def _show(self, kind: str, then: Then) -> str:
+        if then.value is None:
+            return f"rest {_TIME.in_toml(then.time)}"
+        text = str(dict(self.quantities)[kind].in_toml(then.value))
+        if then.rate is not None:
+            return f"{text} at {_RATES[kind].in_toml(then.rate)}"
+        return text if then.time is None else f"{text} in {_TIME.in_toml(then.time)}"
+
+    def schema(self) -> dict[str, Any]:
+        examples = [list(_EXAMPLES)]
+        return {"description": self.text, "type": "array", "items": {"type": "string"}, "examples": examples}
