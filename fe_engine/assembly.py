@@ -84,6 +84,20 @@ class System:
         coupling = _in_nodal_axes(self.mean_gradient, self.hexes, self.frame_of, self.frames)
         self.pores = biot.make_pores(shapes, coupling, water.mobility, water.storage, water.stabilisation)
         self.film = None if water.film is None else kernels_water.pack_film(self.model, self.pattern)
+        self._soil_water = self._soil_water_tangent(1.0, 0.0), self._soil_water_tangent(0.0, 1.0)
+
+    def _soil_water_tangent(self, still: float, flowing: float) -> tuple[np.ndarray, ...]:
+        """Constant parts of the tangent: storage and coupling, and seepage in one second."""
+        assert self.model.water is not None
+        n, nb_, p = self.pattern.n_free, self.model.n_border, self.pattern
+        out = np.zeros(len(p.indices)), np.zeros((n, nb_)), np.zeros((nb_, n)), np.zeros((nb_, nb_))
+        kernels_water.soil_water_tangent(
+            self.hexes, self._pores(), (still, flowing), self.model.water.scale, self._scatter, p.element_offset, out
+        )
+        return out
+
+    def _pores(self) -> tuple[np.ndarray, ...]:
+        return self.pores.seepage, self.pores.storage, self.pores.volume, self.pores.coupling
 
     def apply(self, state: State, free: np.ndarray, border: np.ndarray) -> None:
         """Set the trial displacement to the committed one plus the increments (n_free,), (nb,)."""
@@ -151,11 +165,14 @@ class System:
         if water is None:
             return 0.0
         old, new, want, targets = state.committed, state.trial, tangent is not None, _targets(tangent)
-        matrices = self.pores.seepage, self.pores.storage, self.pores.volume, self.pores.coupling
         square = kernels_water.soil_water(
-            self.hexes, matrices, self.time_step, water.scale, (old.displacement, old.pressure),
-            (new.displacement, new.pressure), self._scatter, self.pattern.element_offset, want, free, border, targets,
+            self.hexes, self._pores(), self.time_step, water.scale, (old.displacement, old.pressure),
+            (new.displacement, new.pressure), self._scatter, free, border,
         )  # fmt: skip
+        if want:
+            for target, still, flowing in zip(targets, *self._soil_water, strict=True):
+                target += still
+                target += self.time_step * flowing
         if self.film is not None:
             gap_old, gap = (kernels_water.station_gaps(self.stations, f.displacement, f.border) for f in (old, new))
             step = self.time_step, water.scale

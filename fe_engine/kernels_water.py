@@ -66,7 +66,7 @@ def _add(scatter, row_node, i, column_node, j, offset, value, targets):
 
 
 @nb.njit(cache=True)
-def soil_water(hexes, pores, dt, scale, old, new, scatter, offset, want, free, border, targets):
+def soil_water(hexes, pores, dt, scale, old, new, scatter, free, border):
     """Add the water of all elements; ``pores`` is (H, S M + T, V, coupling), old and new (displacement, pressure).
 
     Returns the sum of the squares of what the elements' volumes have changed and what flows through their corners, m6.
@@ -82,8 +82,7 @@ def soil_water(hexes, pores, dt, scale, old, new, scatter, offset, want, free, b
             for i in range(3):
                 total += coupling[e, a, i] * new[0][n, i]
                 change += coupling[e, a, i] * (new[0][n, i] - old[0][n, i])
-        whole = volume[e].sum()
-        square += (whole * total) ** 2
+        square += (volume[e].sum() * total) ** 2
         for a in range(8):
             n = nodes[a]
             leaves, flows = volume[e, a] * change, 0.0
@@ -91,23 +90,31 @@ def soil_water(hexes, pores, dt, scale, old, new, scatter, offset, want, free, b
                 p_new, p_old = new[1][nodes[b]], old[1][nodes[b]]
                 leaves += storage[e, a, b] * (p_new - p_old)
                 flows += dt * seepage[e, a, b] * p_new
-            leaves += flows
             square += flows * flows
-            _add_dof(scatter, n, _PRESSURE, -scale * leaves, free, border)
+            _add_dof(scatter, n, _PRESSURE, -scale * (leaves + flows), free, border)
             for i in range(3):
                 _add_dof(scatter, n, i, -coupling[e, a, i] * mean, free, border)
-            if not want:
-                continue
-            for b in range(8):
-                m = nodes[b]
-                flow_ab = storage[e, a, b] + dt * seepage[e, a, b]
-                _add(scatter, n, _PRESSURE, m, _PRESSURE, offset[e, a, b], -scale * scale * flow_ab, targets)
-                for i in range(3):
-                    _add(scatter, n, i, m, _PRESSURE, offset[e, a, b],
-                         -scale * coupling[e, a, i] * volume[e, b], targets)  # fmt: skip
-                    _add(scatter, n, _PRESSURE, m, i, offset[e, a, b],
-                         -scale * coupling[e, b, i] * volume[e, a], targets)  # fmt: skip
     return square
+
+
+@nb.njit(cache=True)
+def soil_water_tangent(hexes, pores, shares, scale, scatter, offset, targets):
+    """Add the tangent of the elements' water, which is constant: ``shares`` of storage and coupling, and of seepage."""
+    seepage, storage, volume, coupling = pores
+    still, flowing = shares
+    for e in range(hexes.shape[0]):
+        for a in range(8):
+            n = hexes[e, a]
+            for b in range(8):
+                m, place = hexes[e, b], offset[e, a, b]
+                flow_ab = still * storage[e, a, b] + flowing * seepage[e, a, b]
+                _add(scatter, n, _PRESSURE, m, _PRESSURE, place, -scale * scale * flow_ab, targets)
+                if still == 0.0:
+                    continue
+                for i in range(3):
+                    force, squeezed = coupling[e, a, i] * volume[e, b], coupling[e, b, i] * volume[e, a]
+                    _add(scatter, n, i, m, _PRESSURE, place, -scale * still * force, targets)
+                    _add(scatter, n, _PRESSURE, m, i, place, -scale * still * squeezed, targets)
 
 
 @nb.njit(cache=True)

@@ -74,7 +74,7 @@ def _film_groups(model: Model, stations: np.ndarray) -> tuple[np.ndarray, np.nda
     if model.water is None or model.water.film is None:
         return np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1), dtype=np.int64)
     film, n = model.water.film, model.mesh.n_nodes
-    moving = stations[film.corners].reshape(len(film.faces), -1)
+    moving = stations[film.corners].reshape(len(film.faces), 4 * stations.shape[1])
     return np.hstack([stations, n + film.nodes]), np.hstack([n + film.faces, moving])
 
 

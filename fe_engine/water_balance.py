@@ -80,12 +80,9 @@ class WaterBalance:
         s, out, nothing = self.system, np.zeros(self.system.pattern.n_nodes), np.zeros(0)
         pores = s.pores.seepage, s.pores.storage, s.pores.volume, s.pores.coupling
         fields = (old.displacement, old.pressure), (new.displacement, new.pressure)
-        end = self._scatter, False, out, nothing, kernels_water.NOWHERE
-        kernels_water.soil_water(
-            s.hexes, pores, time_step, -1.0, *fields, self._scatter, s.pattern.element_offset, *end[1:]
-        )
+        kernels_water.soil_water(s.hexes, pores, time_step, -1.0, *fields, self._scatter, out, nothing)
         if s.film is not None:
-            gaps = self._gap(old), self._gap(new)
+            gaps, end = (self._gap(old), self._gap(new)), (self._scatter, False, out, nothing, kernels_water.NOWHERE)
             kernels_water.station_water(s.stations, s.film, time_step, -1.0, *gaps, new.pressure, *end)
             kernels_water.face_water(s.stations, s.film, time_step, -1.0, gaps[1], new.pressure, *end)
         return out

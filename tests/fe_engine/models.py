@@ -12,10 +12,10 @@ from fe_engine import hex8, rigid
 from fe_engine.assembly import System
 from fe_engine.contact import coulomb
 from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
-from fe_engine.interface import Stations, gauss_stations, local_frames, nodal_stations
+from fe_engine.interface import Film, Stations, film_geometry, gauss_stations, local_frames, nodal_stations
 from fe_engine.linear import LinearSolver
 from fe_engine.mesh import Mesh
-from fe_engine.model import Material, Model, Stage
+from fe_engine.model import Material, Model, Stage, Water
 from fe_engine.newton import Newton, Settings
 from fe_engine.soil import plasol
 from fe_engine.state import State
@@ -187,3 +187,27 @@ def run(model: Model, *stages: Stage, linear: str = "superlu", **settings) -> Ru
     for each in stages:
         out.driver.run(each, out.steps.append)
     return out
+
+
+def wet(rule: str = "nodal", storage: float = 2.0e-10) -> Model:
+    """The mixed model with pore water: a film on the stations, some pressures held, at values that are not zero.
+
+    ``rule`` as in mixed; between pairs of nodes both sides are porous, and the film has no faces to flow along.
+    """
+    model, rng = mixed(rule), np.random.default_rng(5)
+    n, stations, faces = model.mesh.n_nodes, model.stations, model.mesh.face_sets["top"]
+    if rule == "pairs":
+        n_film, nodes, corners = len(stations), np.arange(len(stations))[:, None], np.zeros((0, 4), dtype=int)
+        weight, film_faces, position = np.ones((n_film, 1)), np.zeros((0, 4), dtype=int), stations.position
+    else:
+        node = np.unique(faces)
+        number = np.full(n, -1)
+        number[node] = np.arange(len(node))
+        n_film, nodes, weight = len(node), number[stations.nodes], stations.weight
+        film_faces, position = number[faces], model.mesh.nodes[node]
+        corners = film_faces if rule == "nodal" else np.arange(len(stations)).reshape(-1, 4)
+    film = Film(n_film, nodes, weight, film_faces, corners, *film_geometry(position, film_faces), 2e-5, 3e-7, 1e-3)
+    fixed = rng.uniform(size=n + n_film) < 0.2
+    initial = np.where(fixed, rng.uniform(-1e4, 1e4, n + n_film), 0.0)
+    model.water = Water(1.0e-9, storage, 5.0e-9, fixed, initial, 3.0e8, film)
+    return model
