@@ -16,11 +16,20 @@ from tests.verification.cases import (
     alternation,
     caisson_stiffness,
     cavity,
+    cryer,
     drained_push,
+    film_flow,
+    film_transfer,
+    mandel,
     patch,
+    porous_interface,
+    pressure_patch,
     sliding_block,
+    stefan_film,
     tangents,
+    terzaghi,
     triaxial,
+    undrained_column,
 )
 from tests.verification.rows import HEADINGS, Row, cells
 
@@ -32,12 +41,21 @@ QUICK: dict[str, Rows] = {
     "patch tests": patch.rows,
     "sliding block": sliding_block.rows,
     "tangents": tangents.rows,
+    "pore pressure patch": pressure_patch.rows,
+    "Terzaghi": terzaghi.rows,
+    "Mandel": mandel.rows,
+    "undrained column": undrained_column.rows,
+    "flow along a film": film_flow.rows,
+    "flow across a film": film_transfer.rows,
+    "opening film": stefan_film.rows,
+    "interface between soils": porous_interface.rows,
     "stiffness, coarse mesh": caisson_stiffness.rows,
     "drained push": drained_push.rows,
     "contact around the ring": alternation.rows,
 }
 # Up to a minute each
 SLOW: dict[str, Rows] = {
+    "Cryer": cryer.rows,
     "drained push, variants": drained_push.slow_rows,
     "contact around the ring, variants": alternation.slow_rows,
 }

@@ -9,7 +9,17 @@ import numpy as np
 import pytest
 
 from tests.verification import table
-from tests.verification.cases import cavity, triaxial
+from tests.verification.cases import (
+    cavity,
+    cryer,
+    film_transfer,
+    mandel,
+    porous_interface,
+    stefan_film,
+    terzaghi,
+    triaxial,
+    undrained_column,
+)
 from tests.verification.rings import Ring, alternation
 from tests.verification.rows import Row, cells, failures, fitted_rate
 
@@ -39,6 +49,51 @@ def test_cavity_closed_form_is_the_printed_table(b):
     pressure, associated = cavity.TABLE[b][0], cavity.TABLE[b][2]
     assert cavity.closed_form(b, 0.0) == pytest.approx((1e3 * pressure, cavity.TABLE[b][1]), rel=2e-5)
     assert cavity.closed_form(b, 30.0) == pytest.approx((1e3 * pressure, associated), rel=2e-5)
+
+
+@pytest.mark.parametrize("time", sorted(terzaghi.SETTLEMENT | terzaghi.BASE_PRESSURE))
+def test_terzaghi_series_is_the_printed_table(time):
+    degree, base = terzaghi.closed_form(time)
+    assert degree == pytest.approx(terzaghi.SETTLEMENT.get(time, degree), abs=0.51e-5)
+    assert base == pytest.approx(terzaghi.BASE_PRESSURE.get(time, base), abs=0.51e-5)
+
+
+def test_terzaghi_series_in_steps_tends_to_the_series():
+    steps = np.full(10_000, 0.5 / 10_000)
+    assert terzaghi.closed_form(0.5, steps) == pytest.approx(terzaghi.closed_form(0.5), rel=1e-4)
+
+
+@pytest.mark.parametrize("case", [mandel, cryer])
+def test_series_with_a_peak_are_the_printed_tables(case):
+    for time, pressure in case.CENTRE.items():
+        assert case.closed_form(time) == pytest.approx(pressure, abs=0.51e-4)
+    assert case.closed_form(case.PEAK_TIME) == pytest.approx(case.PEAK, abs=0.51e-3)
+    around = [case.closed_form(case.PEAK_TIME + step) for step in (-2e-3, 2e-3)]
+    assert max(around) < case.closed_form(case.PEAK_TIME)
+
+
+def test_mandel_series_ends_drained_at_the_side():
+    assert mandel.closed_form(0.1, x=1.0) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_column_with_a_film_of_no_resistance_is_terzaghis():
+    for time in (0.05, 0.2, 1.0):
+        assert porous_interface.closed_form(time, 1e-9) == pytest.approx(terzaghi.closed_form(time), rel=1e-4)
+
+
+def test_film_closed_forms_are_the_printed_numbers():
+    suction, force = stefan_film.closed_form()
+    assert (suction, force) == pytest.approx((stefan_film.PRESSURE, stefan_film.FORCE), rel=1e-3)
+    over_film = film_transfer.SPEED / film_transfer.TRANSFER
+    assert over_film == pytest.approx(film_transfer.OVER_FILM)
+
+
+def test_checkerboard_measures_an_alternation_and_no_slope():
+    mesh, _ = undrained_column.undrained_pressure(True, 0.0)
+    z = mesh.nodes[:, 2]
+    levels = np.round(z * undrained_column.CELLS[2]).astype(int)
+    assert undrained_column.checkerboard(mesh, 0.1 * z) < 0.002
+    assert undrained_column.checkerboard(mesh, 0.1 * (-1.0) ** levels) > 0.03
 
 
 @pytest.mark.parametrize("ours, reference, tolerance, holds", [
