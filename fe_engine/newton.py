@@ -30,6 +30,9 @@ _MEMORY = 2
 _HALVINGS = 6
 # Close to the solution the residual may rise once and still converge quadratically.
 _CLOSE = 1.0e-3
+# Undrained soil under a uniform load moves no water at all, and rounding would be judged beside rounding: volumes count
+# beside this share of the volume that the forces would press out at the stiffness of model.Water.scale, at the least.
+_STILL = 1.0e-6
 # Contact states that flip to and fro give two residuals in turn: an increment stops where the last two are no
 # better than those before. Stopping is cheap, since the smaller step that follows has fewer states to find.
 _STALL_FROM, _STALL_WINDOW = 4, 2
@@ -184,9 +187,12 @@ class Newton:
             volumes = float(np.sum(square[water]))
             forces = float(np.sum(square) - volumes + np.sum(border**2))
             reaction, load = (float(np.linalg.norm(f / self.scale)) for f in (residual.border, loading.force))
-        error = _ratio(np.sqrt(max(forces, 0.0)), max(residual.contact_norm, reaction, load))
+        reference = max(residual.contact_norm, reaction, load)
+        error = _ratio(np.sqrt(max(forces, 0.0)), reference)
         if self.system.model.water is not None:
-            error = max(error, _ratio(np.sqrt(volumes) / self.system.model.water.scale, residual.volume_norm))
+            scale = self.system.model.water.scale
+            changed = max(residual.volume_norm, _STILL * reference / scale)
+            error = max(error, _ratio(np.sqrt(volumes) / scale, changed))
         return float(np.sqrt(forces + volumes)), error
 
     def _size(self, free: np.ndarray, border: np.ndarray) -> float:
