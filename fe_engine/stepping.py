@@ -17,11 +17,17 @@ from fe_engine.state import State
 _GROWTH, _EASY, _HARD = 1.5, 6, 10
 _CUT = 0.5
 _SMALLEST = 1.0e-7
+# What can limit a step: it opens a stage; it may only grow by a factor; it is the largest allowed; it must land on a
+# stop; Newton needed many iterations on the last one; an attempt at a larger one failed
+LIMITS = ("first step", "growth", "largest step", "stop", "iterations", "cut-back")
 
 
 @dataclass
 class Step:
-    """A committed step: where in the stage it ended, the time it lasted (s) and what it took."""
+    """A committed step: where in the stage it ended, the time it lasted (s), what it took, and what limited its size.
+
+    ``limit`` is one of LIMITS.
+    """
 
     stage: str
     fraction: float
@@ -29,6 +35,7 @@ class Step:
     increment: Increment
     cut_backs: int
     time_step: float = 0.0
+    limit: str = ""
 
 
 @dataclass
@@ -55,7 +62,7 @@ class Driver:
         """Run a stage; ``on_step`` is called after each commit. Raises NotConverged with the last history."""
         start = stage.control @ self.state.committed.border
         force = np.zeros(len(stage.force)) if self.force is None else self.force
-        done, size = 0.0, min(stage.first_fraction, 1.0)
+        done, size, limit = 0.0, min(stage.first_fraction, 1.0), "first step"
         last: tuple[float, Increment] | None = None
         cuts = 0
         while done < 1.0:
@@ -71,16 +78,17 @@ class Driver:
                 increment = self._attempt(stage, loading, target, self._guess(last, target - done))
             except NotConverged:
                 cuts += 1
-                size = _CUT * (target - done)
+                size, limit = _CUT * (target - done), "cut-back"
                 if size < _SMALLEST:
                     raise
                 continue
             self.state.commit()
             last = (target - done, increment)
-            size = _adapt(target - done, increment.iterations, stage.max_fraction, cuts)
+            held = "stop" if target - done < size * (1.0 - 1.0e-9) and limit != "cut-back" else limit
+            size, limit = _adapt(target - done, increment.iterations, stage.max_fraction, cuts)
             done = target
             forces = loading.multipliers(increment.residual.border)
-            on_step(Step(stage.name, done, forces, increment, cuts, loading.time_step))
+            on_step(Step(stage.name, done, forces, increment, cuts, loading.time_step, held))
             cuts = 0
         self.force = np.array(stage.force, dtype=float)
 
@@ -116,10 +124,12 @@ def _next(done: float, size: float, stops: tuple[float, ...]) -> float:
     return done + (0.5 * room if 2.0 * size > room else size)
 
 
-def _adapt(size: float, iterations: int, largest: float, cuts: int) -> float:
-    """Size of the next increment: grow when Newton was short, shrink when it was long."""
-    if iterations <= _EASY and cuts == 0:
-        size *= _GROWTH
-    elif iterations > _HARD:
-        size *= 0.7
-    return min(size, largest)
+def _adapt(size: float, iterations: int, largest: float, cuts: int) -> tuple[float, str]:
+    """Size of the next increment, and what limits it: grow when Newton was short, shrink when it was long."""
+    if cuts:
+        wanted, limit = (0.7 if iterations > _HARD else 1.0) * size, "cut-back"
+    elif iterations <= _EASY:
+        wanted, limit = _GROWTH * size, "growth"
+    else:
+        wanted, limit = (0.7 if iterations > _HARD else 1.0) * size, "iterations"
+    return (largest, "largest step") if wanted >= largest else (wanted, limit)

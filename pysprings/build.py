@@ -27,13 +27,17 @@ SURFACE = {name: code for code, name in enumerate(SURFACES)}
 
 @dataclass(frozen=True)
 class Built:
-    """A model with the mesh it came from and the vertical dead load of the half caisson (N)."""
+    """A model with the mesh it came from and the vertical dead load of the half caisson (N).
+
+    ``film_mesh_node`` is the mesh node of each film node (none when drained).
+    """
 
     model: Model
     caisson: CaissonMesh
     quality: Quality
     balanced_load: float
     extra_load: float
+    film_mesh_node: np.ndarray
 
 
 def geometry_of(scene: Scene) -> Geometry:
@@ -69,6 +73,7 @@ def build_model(scene: Scene) -> Built:
     pressure = _initial_pressure(scene, stations)
     balanced = float(np.sum(pressure * stations.area * stations.frame[:, 0, 2]))
     wanted = scene.caisson.vertical_load
+    water, film_mesh_node = make_water(scene, caisson, stations)
     model = Model(
         mesh=mesh,
         materials=[soil_material(scene)],
@@ -81,10 +86,10 @@ def build_model(scene: Scene) -> Built:
         stations=stations,
         contact=contact_parameters(scene),
         initial_pressure=pressure,
-        water=make_water(scene, caisson, stations),
+        water=water,
     )
     extra = 0.0 if wanted == "balanced" else 0.5 * float(wanted) - balanced
-    return Built(model, caisson, quality, balanced, extra)
+    return Built(model, caisson, quality, balanced, extra, film_mesh_node)
 
 
 def _mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:

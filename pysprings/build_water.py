@@ -21,16 +21,16 @@ if TYPE_CHECKING:
 _UNDRAINED = 1.0e-6
 
 
-def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> Water | None:
-    """Water of the scene; None where it is drained."""
+def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> tuple[Water | None, np.ndarray]:
+    """Water of the scene, and the mesh node of each film node; None and no film where it is drained."""
     if scene.drainage.mode == "drained":
-        return None
+        return None, np.zeros(0, dtype=np.int64)
     mesh, drainage = caisson.mesh, scene.drainage
     film_mesh_node, film = _film(scene, mesh, stations)
     fixed = _drained_nodes(scene, caisson)
     bulk, shear = moduli(scene.soil.young_modulus, scene.soil.poisson_ratio)
     modulus = drainage.water_bulk_modulus
-    return Water(
+    water = Water(
         mobility=mobility(scene),
         storage=0.0 if isinstance(modulus, str) else drainage.porosity / modulus,
         stabilisation=drainage.stabilisation * biot.projection_factor(bulk, shear),
@@ -39,6 +39,7 @@ def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> Water 
         scale=shear / _cell_size(mesh),
         film=film,
     )
+    return water, film_mesh_node
 
 
 def mobility(scene: Scene) -> float:

@@ -97,7 +97,10 @@ def print_results(folder: Path) -> None:
     width = max((len(name) for name, _ in rows), default=0)
     for name, text in rows:
         print(f"  {name.ljust(width)}  {text}")
+    for text in record.get("warnings", ()):
+        print(f"warning: {text}")
     print_paths(record)
+    print_water(record)
     print_cost(record)
     if _has_springs(folder, record):
         print("\nprediction with the springs against the full model:")
@@ -169,6 +172,28 @@ def ring_text(rings: Mapping[str, Any] | None) -> str:
         for key, words in (("alternation", "alternation"), ("second_difference", "largest second difference"))
     ]
     return f"{', '.join(found)} of the ring's mean; open stations between two loaded ones: {rings['isolated_open']}"
+
+
+_WATER = {
+    "expelled_m3": "expelled",
+    "compressed_m3": "compressed",
+    "film_m3": "in gaps",
+    "outflow_m3": "outflow",
+    "imbalance_m3": "imbalance",
+    "worst_imbalance_over_exchanged": "worst over exchanged",
+    "pressure_min_Pa": "lowest p [Pa]",
+    "pressure_max_Pa": "highest p [Pa]",
+}
+
+
+def print_water(record: Mapping[str, Any]) -> None:
+    """Print the balance of the water at the end of each path, and the range of its pressures."""
+    paths = {name: path["water"] for name, path in record.get("paths", {}).items() if "water" in path}
+    if not paths:
+        return
+    print("\nwater, m3 since the initial state (expelled = compressed + in gaps + outflow):")
+    rows = [(name, *(number(water[key]) for key in _WATER)) for name, water in paths.items()]
+    print_table(("path", *_WATER.values()), rows)
 
 
 def print_cost(record: Mapping[str, Any]) -> None:

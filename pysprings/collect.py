@@ -19,6 +19,7 @@ from fe_engine.state import Fields
 from fe_engine.water_balance import WaterBalance
 from pysprings import variables
 from pysprings.build import SURFACE, Built
+from pysprings.cavitation import Margin, smallest_margin
 
 SIDES = {"outside": "outer", "inside": "inner"}
 
@@ -26,13 +27,18 @@ SIDES = {"outside": "outer", "inside": "inner"}
 class Collector:
     """Gathers one row per converged step of a path and turns them into a Dataset.
 
-    ``balance`` follows the water of the path; it is None where the scene is drained.
+    ``balance`` follows the water of the path; it is None where the scene is drained. ``sea`` is (unit weight of water
+    in N/m3, water depth in m); None leaves suction unchecked.
     """
 
     def __init__(
-        self, built: Built, system: System, fields: bool, section: bool, balance: WaterBalance | None = None
-    ) -> None:
-        self.balance = balance
+        self, built: Built, system: System, fields: bool, section: bool,
+        balance: WaterBalance | None = None, sea: tuple[float, float] | None = None,
+    ) -> None:  # fmt: skip
+        self.balance, self.sea = balance, sea
+        self.cavitation: tuple[float, Margin] | None = None
+        nodes, film = built.model.mesh.nodes, built.film_mesh_node
+        self.water_position = np.concatenate([nodes, nodes[film]])
         self.built, self.system = built, system
         self.keep_fields, self.keep_section = fields, section
         stations = system.stations
@@ -100,7 +106,17 @@ class Collector:
                    "moved": now.moved, "imbalance": now.imbalance}  # fmt: skip
         n = self.built.model.mesh.n_nodes
         row |= {f"water_{name}": 2.0 * volume for name, volume in volumes.items()}
-        return row | {"pressure_min": float(state.pressure.min()), "pressure_max": float(state.pressure[:n].max())}
+        row |= {"pressure_min": float(state.pressure.min()), "pressure_max": float(state.pressure[:n].max())}
+        return row | self._cavitation(state)
+
+    def _cavitation(self, state: Fields) -> dict[str, float]:
+        """Margin of the absolute pressure over vapour pressure; keeps the first state where it is gone."""
+        if self.sea is None:
+            return {}
+        found = smallest_margin(self.water_position, state.pressure, *self.sea)
+        if found.margin < 0.0 and self.cavitation is None:
+            self.cavitation = float(state.border[0]), found
+        return {"cavitation_margin": found.margin}
 
     def _rings(self, state: Fields, force: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """p by depth, side and component; m and t by depth and side."""

@@ -26,6 +26,7 @@ from fe_engine.water_balance import WaterBalance
 from pysprings import variables
 from pysprings.build import Built, build_model, left_out
 from pysprings.build_water import undrained_time
+from pysprings.cavitation import warning as cavitation_warning
 from pysprings.collect import Collector, section_dataset
 from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
 from pysprings.progress import Progress
@@ -52,6 +53,7 @@ class _Run:
     paths: dict[str, xr.Dataset] = field(default_factory=dict)
     summaries: dict[str, dict[str, Any]] = field(default_factory=dict)
     failures: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
     interrupted: bool = False
 
 
@@ -69,11 +71,13 @@ def run(
     Returns
     -------
     DataTree with one group per path (see `pysprings.variables`). ``attrs["status"]`` is "complete", or "partial"
-    when a path did not converge to its end (with a warning), or "interrupted"; what converged is kept.
+    when a path did not converge to its end (with a warning), or "interrupted"; what converged is kept. Water that
+    would cavitate at the scene's water depth is warned of.
     """
     result = compute(scene, mesh, progress, linear)
-    for failure in json.loads(result.attrs["run_json"])["failures"]:
-        warnings.warn(failure, stacklevel=2)
+    record = json.loads(result.attrs["run_json"])
+    for text in [*record["failures"], *record["warnings"]]:
+        warnings.warn(text, stacklevel=2)
     return result
 
 
@@ -143,13 +147,15 @@ def _run_path(work: _Run, path: Path) -> None:
     driver = Driver(work.newton, state)
     output, extra = work.scene.output, work.built.extra_load
     water = None if work.built.model.water is None else WaterBalance(work.system, initial_fields(work.built.model))
-    collector = Collector(work.built, work.system, output.interface_fields, output.section, water)
+    collector = Collector(work.built, work.system, output.interface_fields, output.section, water, _sea(work.scene))
     stages = path_stages(work.scene, path, extra, undrained_time(work.scene, work.built.model.mesh))
     status, time, done = "complete", 0.0, 0
+    limits: list[str] = []
 
     def on_step(step: Step) -> None:
         if water is not None:
             water.advance(state.committed, step.time_step)
+        limits.append(step.limit)
         if step.stage == DEAD_LOAD:
             work.progress(path.name, 0.0, DEAD_LOAD)
             return
@@ -178,7 +184,7 @@ def _run_path(work: _Run, path: Path) -> None:
         raise
     finally:
         if collector.rows:
-            _keep(work, path, collector, driver, status)
+            _keep(work, path, collector, driver, status, limits)
 
 
 def _collect(work: _Run, collector: Collector, state: State, time: float, converged: bool = True) -> None:
@@ -201,7 +207,15 @@ def _failure(path: Path, driver: Driver, error: NotConverged) -> str:
     return f"path '{path.name}' stopped on its way to {100 * target:.4g} %{of}: {error}"
 
 
-def _keep(work: _Run, path: Path, collector: Collector, driver: Driver, status: str) -> None:
+def _sea(scene: Scene) -> tuple[float, float] | None:
+    """Unit weight (N/m3) and depth (m) of the sea, where suction is checked against cavitation."""
+    drainage = scene.drainage
+    return None if drainage.water_depth is None else (drainage.water_unit_weight, drainage.water_depth)
+
+
+def _keep(
+    work: _Run, path: Path, collector: Collector, driver: Driver, status: str, limits: list[str]
+) -> None:
     with work.clock.phase("output"):
         dataset = collector.dataset()
         dataset.attrs = {"kind": path.kind, "arm_m": path.arm, "role": path.role, "status": status, "heave": path.heave}
@@ -210,8 +224,10 @@ def _keep(work: _Run, path: Path, collector: Collector, driver: Driver, status: 
         work.paths[f"/paths/{path.name}"] = dataset
         work.paths[f"/paths/{path.name}/convergence"] = convergence_dataset(driver.record)
         work.summaries[path.name] = {"status": status} | summarise(
-            driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset
+            driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, limits
         )
+        if collector.cavitation is not None:
+            work.warnings.append(cavitation_warning(path.name, *collector.cavitation))
 
 
 def _record(work: _Run, started: datetime) -> dict[str, Any]:
@@ -220,6 +236,7 @@ def _record(work: _Run, started: datetime) -> dict[str, Any]:
     return {
         "status": "interrupted" if work.interrupted else "partial" if work.failures else "complete",
         "failures": work.failures,
+        "warnings": work.warnings,
         "version": pysprings.__version__,
         "started_utc": started.isoformat(timespec="seconds"),
         "python": platform.python_version(),

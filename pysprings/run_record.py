@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import Counter
+from collections.abc import Sequence
 from itertools import groupby
 from typing import Any
 
@@ -50,7 +52,9 @@ def convergence_dataset(record: list[dict[str, Any]]) -> xr.Dataset:
     return variables.attach(xr.Dataset(data), "convergence")
 
 
-def summarise(record: list[dict[str, Any]], cut_backs: list[dict[str, Any]], path: xr.Dataset) -> dict[str, Any]:
+def summarise(
+    record: list[dict[str, Any]], cut_backs: list[dict[str, Any]], path: xr.Dataset, limits: Sequence[str] = ()
+) -> dict[str, Any]:
     """Figures of a path: increments, iterations, cut-backs and where they came from, order of convergence, end.
 
     Parameters
@@ -58,6 +62,7 @@ def summarise(record: list[dict[str, Any]], cut_backs: list[dict[str, Any]], pat
     record : one row per iteration (`fe_engine.stepping.Driver`).
     cut_backs : one entry per attempt that was given up, see `cut_back`.
     path : what was collected along the path.
+    limits : what limited the size of each step (`fe_engine.stepping.LIMITS`).
     """
     attempts = [list(rows) for _, rows in groupby(with_attempts(record), lambda r: (r["increment"], r["attempt"]))]
     good = [rows for rows in attempts if rows[-1]["converged"]]
@@ -72,12 +77,31 @@ def summarise(record: list[dict[str, Any]], cut_backs: list[dict[str, Any]], pat
         "cut_backs": len(cut_backs),
         "iterations_in_cut_backs": sum(each["iterations"] for each in cut_backs),
         "cut_backs_at": cut_backs,
+        "steps_limited_by": dict(Counter(limits)),
         "worst_residual": max((rows[-1]["residual"] for rows in good), default=0.0),
         "order_of_last_iterations": _order(good),
         "last_residual_ratio": _last_ratio(good),
         "end": {name: float(path[name][-1]) for name in ("u", "w", "rotation", "H", "V", "M")},
         "contact_rings": contact_alternation(path),
+        **_water(path),
     }
+
+
+def _water(path: xr.Dataset) -> dict[str, Any]:
+    """Balance of the water at the end and the range of its pressures; nothing when drained."""
+    if "water_moved" not in path:
+        return {}
+    volumes = {name: float(path[f"water_{name}"][-1]) for name in _VOLUMES}
+    exchanged = max(volumes["moved"], abs(volumes["expelled"]), volumes["film"])
+    worst = float(np.abs(path["water_imbalance"]).max())
+    return {"water": {
+        **{f"{name}_m3": value for name, value in volumes.items()},
+        "worst_imbalance_over_exchanged": worst / exchanged if exchanged else 0.0,
+        "pressure_min_Pa": float(path["pressure_min"].min()), "pressure_max_Pa": float(path["pressure_max"].max()),
+    }}  # fmt: skip
+
+
+_VOLUMES = ("expelled", "compressed", "film", "outflow", "moved", "imbalance")
 
 
 def cut_back(stage: str, fraction: float, error: NotConverged) -> dict[str, Any]:

@@ -139,6 +139,8 @@ _WATER = (
     V("pressure_min", "lowest excess pore pressure in soil and interface", "Pa", ("step",),
       "suction is negative", required=False),
     V("pressure_max", "highest excess pore pressure in the soil", "Pa", ("step",), required=False),
+    V("cavitation_margin", "lowest absolute water pressure over vapour pressure", "Pa", ("step",),
+      "below zero the water would cavitate, which the model does not know", required=False),
     V("section_pore_pressure", "excess pore pressure in the symmetry plane", "Pa", ("step", "section_node"),
       "compression positive, over hydrostatic", required=False),
 )

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fe_engine.errors import NotConverged
-from fe_engine.stepping import _adapt, _next
+from fe_engine.stepping import LIMITS, _adapt, _next
 from tests.fe_engine.models import footing, run, soil, stage, start
 
 CAPACITY = 0.5 * 2.0e4 * 0.5  # N: mu times pressure times area
@@ -73,8 +73,27 @@ def test_a_stop_a_rounding_error_before_the_end():
     ("iterations", "cuts", "expected"), [(3, 0, 0.03), (6, 0, 0.03), (8, 0, 0.02), (11, 0, 0.014), (3, 1, 0.02)]
 )
 def test_step_size_follows_the_iterations(iterations, cuts, expected):
-    assert _adapt(0.02, iterations, 1.0, cuts) == pytest.approx(expected)
-    assert _adapt(0.02, iterations, 0.01, cuts) == 0.01
+    size, limit = _adapt(0.02, iterations, 1.0, cuts)
+    assert size == pytest.approx(expected)
+    assert limit == ("cut-back" if cuts else "growth" if expected > 0.02 else "iterations")
+    assert _adapt(0.02, iterations, 0.01, cuts) == (0.01, "largest step")
+
+
+def test_every_step_says_what_limited_it():
+    out = run(footing(), KINDS["pull"])
+    limits = [step.limit for step in out.steps]
+    assert limits[0] == "first step"
+    assert set(limits) <= set(LIMITS)
+    at_stops = [step.limit for step in out.steps if step.fraction in (0.33, 0.7)]
+    assert set(at_stops) <= {"stop", "cut-back"}
+    for step, limit in zip(out.steps, limits, strict=True):
+        assert (limit == "cut-back") or step.cut_backs == 0
+
+
+def test_time_runs_with_the_fraction():
+    timed = stage({0: 5.0e-4}, arm=0.3, duration=40.0)
+    out = run(footing(), timed, KINDS["load"])
+    assert sum(step.time_step for step in out.steps) == pytest.approx(40.0)
 
 
 def test_a_linear_model_needs_one_iteration_and_then_none():

@@ -10,7 +10,7 @@ from fe_engine import biot, hex8
 from fe_engine.assembly import System
 from fe_engine.contact.flow import opening, transmissivity
 from fe_engine.errors import ModelError
-from fe_engine.kernels import station_jumps
+from fe_engine.kernels_water import station_gaps
 from fe_engine.model import Model
 from fe_engine.state import State, initial_fields
 from fe_engine.water_balance import WaterBalance
@@ -96,8 +96,9 @@ def plain_water(model: Model, state: State) -> tuple[np.ndarray, np.ndarray, np.
                 flows_in += transfer
         np.add.at(leaves, n + film.nodes[k], -DT * s.area[k] * film.weight[k] * flows_in)
     for f, nodes in enumerate(film.faces):
-        for g, (xi, eta) in enumerate(np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / np.sqrt(3.0)):
-            shape = np.array([(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta), (1 - xi) * (1 + eta)]) / 4
+        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        for g, point in enumerate(corners / np.sqrt(3.0)):
+            shape = np.prod(1 + corners * point, axis=1) / 4
             h = film.residual_aperture + gap[film.corners[f]]
             gradient = film.gradient[f, g]
             mobility = shape @ h**3 / (12.0 * film.viscosity)
@@ -133,8 +134,7 @@ def test_tangent_of_the_water(rule):
     model = wet(rule)
     system, state, at = moved(model)
     n = system.pattern.n_free
-    _, _, tangent = system.linearise(state, True)
-    slope = np.block([[tangent.matrix.toarray(), tangent.columns], [tangent.rows, tangent.corner]])
+    slope = dense(system.linearise(state, True)[2])
 
     def residual(x):
         system.apply(state, x[:n], x[n:])
@@ -159,19 +159,13 @@ def test_every_entry_of_the_waters_tangent(rule):
         system._water(state, None, free, border)
         return np.concatenate([free, border])
 
-    zero, one = system.linearise(state, True)[2], None
-    dense = [zero.matrix.toarray(), zero.columns.copy(), zero.rows.copy(), zero.corner.copy()]
-    model.water, water_of = None, model.water  # the rest of the tangent, without water
-    model.water = water_of
-    one = tangent_without_water(system, state)
-    slope = np.block([[dense[0], dense[1]], [dense[2], dense[3]]]) - one
+    slope = dense(system.linearise(state, True)[2]) - tangent_without_water(system, state)
     for column in range(n + model.n_border):
         step = np.zeros(n + model.n_border)
         step[column] = size
         difference = (water(at + step) - water(at - step)) / (2.0 * size)
         scale = np.abs(slope[:, column]).max()
         np.testing.assert_allclose(slope[:, column], difference, atol=2e-6 * scale, rtol=2e-5)
-    system.apply(state, at[:n], at[n:])
 
 
 def tangent_without_water(system: System, state: State) -> np.ndarray:
@@ -180,6 +174,11 @@ def tangent_without_water(system: System, state: State) -> np.ndarray:
     system._water = lambda *_: 0.0
     tangent = system.linearise(state, True)[2]
     system._water = water
+    return dense(tangent)
+
+
+def dense(tangent) -> np.ndarray:
+    """The bordered tangent as one array."""
     return np.block([[tangent.matrix.toarray(), tangent.columns], [tangent.rows, tangent.corner]])
 
 
@@ -309,8 +308,5 @@ def test_water_that_cannot_leave_stays():
 def test_gaps_of_the_kernel_are_those_of_the_law():
     model = wet()
     system, state, _ = moved(model)
-    from fe_engine.kernels_water import station_gaps
-
     found = station_gaps(system.stations, state.trial.displacement, state.trial.border)
     np.testing.assert_allclose(found, gaps(model, state.trial), rtol=1e-12)
-    assert len(station_jumps(system.stations, state.trial.displacement, state.trial.border)) == len(found)

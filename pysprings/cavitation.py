@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: MIT
+"""How far the pore water is from cavitation: absolute pressure over vapour pressure.
+
+    p_abs = p_atm + gamma_w (water depth + z) + p,   p the excess pressure at depth z below mudline
+
+Below the vapour pressure water boils and carries no further suction, which the equations do not know.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+ATMOSPHERE = 101_325.0  # Pa, standard atmosphere (ISO 2533)
+VAPOUR = 2_339.0  # Pa, saturated vapour of water at 20 deg C (IAPWS)
+
+
+@dataclass(frozen=True)
+class Margin:
+    """Lowest absolute pressure over vapour pressure (Pa), the excess pressure there (Pa) and the place (m)."""
+
+    margin: float
+    pressure: float
+    place: tuple[float, float, float]
+
+
+def smallest_margin(position: np.ndarray, pressure: np.ndarray, unit_weight: float, water_depth: float) -> Margin:
+    """Find the point nearest to cavitation.
+
+    position : (n, 3) m, z down from mudline; pressure : (n,) excess, Pa; unit_weight of water in N/m3;
+    water_depth in m above mudline.
+    """
+    margin = ATMOSPHERE - VAPOUR + unit_weight * (water_depth + position[:, 2]) + pressure
+    worst = int(np.argmin(margin))
+    x, y, z = (float(value) for value in position[worst])
+    return Margin(float(margin[worst]), float(pressure[worst]), (x, y, z))
+
+
+def warning(path: str, u: float, found: Margin) -> str:
+    """Say in one line where and when water would cavitate."""
+    x, y, z = found.place
+    where = f"x={x:.3f}, y={y:.3f}, z={z:.3f} m"
+    return (
+        f"path '{path}': water would cavitate from u = {1e3 * u:.4g} mm on, first at {where}, where the excess "
+        f"pressure is {found.pressure / 1e3:.4g} kPa; the suction beyond is not there in reality"
+    )
