@@ -31,6 +31,8 @@ PICTURES = {
     "stress_inside": "Normal effective stress around the caisson, inside",
     "gap": "Gap opening",
     "section": "Displacement in the symmetry plane",
+    "pressure": "Excess pore pressure around the skirt",
+    "section_pressure": "Excess pore pressure in the symmetry plane",
     "newton": "Newton iterations",
 }
 WHOLE_RUN = ("mesh",)

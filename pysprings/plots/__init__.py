@@ -11,9 +11,10 @@ from pysprings.plots.files import save, save_all
 from pysprings.plots.gap import gap_map
 from pysprings.plots.load import load_displacement
 from pysprings.plots.newton import newton_record
+from pysprings.plots.pressure_rose import pressure_rose
 from pysprings.plots.reactions import py_curves
 from pysprings.plots.rose import stress_rose
-from pysprings.plots.section import mesh, section_displacement
+from pysprings.plots.section import mesh, section_displacement, section_pressure
 from pysprings.springs import path_names
 
 __all__ = [
@@ -25,10 +26,12 @@ __all__ = [
     "newton_record",
     "path_data",
     "path_names",
+    "pressure_rose",
     "py_curves",
     "save",
     "save_all",
     "section_data",
     "section_displacement",
+    "section_pressure",
     "stress_rose",
 ]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 
-from pysprings.plots import comparison, gap, load, newton, reactions, rose, section
+from pysprings.plots import comparison, gap, load, newton, pressure_rose, reactions, rose, section
 from pysprings.plots.data import (
     convergence_data,
     path_data,
@@ -109,6 +109,10 @@ def _state_figures(path: xr.Dataset, plane: xr.Dataset | None) -> Iterator[tuple
             yield f"{name}_gap_{tag}", gap.gap_map(path, step)
         if plane is not None and "section_ux" in path:
             yield f"{name}_section_{tag}", section.section_displacement(plane, path, step)
+        if "pressure_min" in path and "pore_pressure" in path:
+            yield f"{name}_pressure_{tag}", pressure_rose.pressure_rose(path, step)
+        if plane is not None and "section_pore_pressure" in path:
+            yield f"{name}_section_pressure_{tag}", section.section_pressure(plane, path, step)
 
 
 def shown_steps(path: xr.Dataset) -> dict[str, int]:

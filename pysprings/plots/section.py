@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from pysprings.plots.data import caisson_size, pick_step, step_text
-from pysprings.plots.style import INK, MM, SOIL, STEEL, VERMILLION, new_figure, set_title, styled
+from pysprings.plots.style import INK, KPA, MM, SOIL, STEEL, VERMILLION, new_figure, set_title, styled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,6 +95,33 @@ def section_displacement(
     return figure
 
 
+@styled
+def section_pressure(
+    section: xr.Dataset, path: xr.Dataset, step: int | None = None, displacement: float | None = None
+) -> Figure:
+    """Draw the excess pore pressure [kPa] of the soil in the symmetry plane (paper's figure 13).
+
+    Parameters
+    ----------
+    section
+        ``/section`` of a result.
+    path
+        One path with section_pore_pressure (step, section_node) [Pa].
+    step, displacement
+        A step, or the lateral displacement [m] it should be nearest to; default the last converged step.
+    """
+    step = pick_step(path, step, displacement)
+    figure = new_figure(8.2, 5.4, compressed=True)
+    axes = figure.subplots()
+    _draw_field(axes, section, path["section_pore_pressure"].isel(step=step).values * KPA, "kPa")
+    _draw_caisson(axes, section)
+    _zoom(axes, section, 2.6, 2.4)
+    _label_axes(axes)
+    _load_arrow(axes, section)
+    set_title(figure, "Excess pore pressure in the symmetry plane", path.attrs, f"at {step_text(path, step)}")
+    return figure
+
+
 def quad_corners(section: xr.Dataset) -> NDArray[np.float64]:
     """Return the corners of the section's cells, shape (cell, corner, 2): x and depth [m]."""
     nodes = np.column_stack([section["section_x"].values, section["section_depth"].values])
@@ -116,18 +143,18 @@ def _draw_mesh(axes: Axes, section: xr.Dataset) -> None:
     axes.grid(False)
 
 
-def _draw_field(axes: Axes, section: xr.Dataset, values: NDArray[np.float64]) -> None:
+def _draw_field(axes: Axes, section: xr.Dataset, values: NDArray[np.float64], unit: str = "mm") -> None:
     from matplotlib.tri import Triangulation
 
     grid = Triangulation(section["section_x"].values, section["section_depth"].values, triangles(section))
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     norm: Normalize
-    if low < 0 < high and -low > 0.05 * high:
+    if low < 0.0 and -low > 0.05 * high:
         norm, colours = TwoSlopeNorm(0.0, -max(high, -low), max(high, -low)), "RdBu_r"
     else:
         norm, colours = Normalize(min(low, 0.0), max(high, 1e-9)), "viridis"
     shade = axes.tripcolor(grid, values, shading="gouraud", norm=norm, cmap=colours, rasterized=True)
-    bar = axes.figure.colorbar(shade, ax=axes, label="mm", shrink=0.85, pad=0.02)
+    bar = axes.figure.colorbar(shade, ax=axes, label=unit, shrink=0.85, pad=0.02)
     bar.ax.set_ylim(low, max(high, low + 1e-9))
     levels = np.asarray(MaxNLocator(9).tick_values(low, high) if high > low else [])
     if levels.size:

@@ -581,3 +581,45 @@ def test_no_pyplot(tmp_path: Path) -> None:
 def test_colours_of_the_surfaces_differ(loads: Figure) -> None:
     named = [line for line in loads.axes[0].get_lines() if not str(line.get_label()).startswith("_")]
     assert len({to_hex(line.get_color()) for line in named}) == 5
+
+
+# --- water ---
+
+
+def with_water() -> tuple[xr.Dataset, xr.Dataset]:
+    """A path with suction inside the skirt, and its section."""
+    result = synthetic.make_result()
+    path, plane = plots.path_data(result, "pull"), plots.section_data(result)
+    assert plane is not None
+    azimuth = xr.DataArray(np.cos(path["azimuth"].values), dims="azimuth")
+    inside = xr.where(path["side"] == "inside", -8e3, 1e3)
+    path["pore_pressure"] = (inside * (1.0 + 0.2 * azimuth) * xr.ones_like(path["pore_pressure"])).transpose(
+        *path["pore_pressure"].dims
+    )
+    steps, nodes = path.sizes["step"], plane.sizes["section_node"]
+    path["section_pore_pressure"] = (("step", "section_node"), np.linspace(-8e3, 0.0, steps * nodes).reshape(steps, -1))
+    path["pressure_min"] = ("step", np.full(steps, -8e3))
+    return path, plane
+
+
+def test_pressure_rose_draws_suction_inside_the_trace() -> None:
+    figure = plots.pressure_rose(with_water()[0])
+    for axes in figure.axes:
+        radius = {line.get_gid(): np.hypot(*line.get_data()) for line in axes.lines}
+        assert np.all(radius["pressure_inside"] < 1.0) and np.all(radius["pressure_outside"] > 1.0)
+        # -9.6 kPa at the front is the largest, on one scale with +1.2 kPa
+        assert 1.0 - radius["pressure_inside"][0] == pytest.approx(8.0 * (radius["pressure_outside"][0] - 1.0))
+
+
+def test_section_pressure_shows_kilopascals() -> None:
+    path, plane = with_water()
+    figure = plots.section_pressure(plane, path)
+    assert any(axes.get_ylabel() == "kPa" for axes in figure.axes)
+
+
+def test_a_wet_run_has_pictures_of_its_water_and_a_drained_one_none() -> None:
+    path, plane = with_water()
+    names = [name for name, _ in files._state_figures(path, plane)]
+    assert "pull_pressure_last" in names and "pull_section_pressure_last" in names
+    dry = path.drop_vars(["pressure_min", "section_pore_pressure"])
+    assert not [name for name, _ in files._state_figures(dry, plane) if "pressure" in name]
