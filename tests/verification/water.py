@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fe_engine import biot
 from fe_engine.conventions import ELASTIC
 from fe_engine.mesh import Mesh
 from fe_engine.model import Film, Material, Model, Stage, Water
@@ -59,12 +60,14 @@ def fill(
     Parameters
     ----------
     held : (n + nf,) bool, mesh nodes before film nodes: where the pressure stays at its initial value.
-    initial : (n + nf,) Pa or one value for all; stabilisation : 1/Pa, 1/(2 G) if not given; storage : 1/Pa.
+    initial : (n + nf,) Pa or one value for all; stabilisation : 1/Pa, the tool's if not given; storage : 1/Pa.
     """
-    shear = shear_modulus(poisson)
+    shear, oedometric = shear_modulus(poisson), oedometric_modulus(poisson)
+    if stabilisation is None:
+        stabilisation = biot.projection_factor(oedometric - 4.0 * shear / 3.0, shear)
     first = model.mesh.nodes[model.mesh.hexes[0]]
     model.water = Water(
-        mobility=mobility, storage=storage, stabilisation=0.5 / shear if stabilisation is None else stabilisation,
+        mobility=mobility, storage=storage, stabilisation=stabilisation,
         fixed=held, initial=np.broadcast_to(np.asarray(initial, dtype=float), held.shape).copy(),
         scale=shear / float(np.linalg.norm(first[1] - first[0])), film=film,
     )  # fmt: skip

@@ -8,7 +8,8 @@ sealed at its top, the pressure is p = q/(1 + S E_oed) at every node, with the s
     efficiency: Jacob 1940; van der Kamp & Gale 1983), and q with incompressible water, where nothing moves at all;
 drained at its top, with incompressible water, it is q everywhere below. Equal orders of displacement and pressure,
     left alone, answer with 0, 2 q, 0, 2 q ... (the equilibrium sees the mean pressure of an element only); the
-    stabilisation leaves an error of 0.15 q at the first nodes below the top, which falls seven-fold a layer.
+    tool's stabilisation leaves nothing of that in a column of even layers (1/(2 G) would leave 0.15 q at the first
+    nodes below the top, falling seven-fold a layer).
 
 The measure of a checkerboard: half the root mean square of a node's error less the mean error of its neighbours
 along edges, over q. Errors of +e and -e in turn have the measure e/q, smooth ones nearly none.
@@ -35,7 +36,7 @@ CELLS = (3, 3, 12)
 
 
 def undrained_pressure(drained: bool, storage: float, stabilisation: float | None = None) -> tuple[Mesh, np.ndarray]:
-    """Mesh and pressure (n,) in Pa after the step, with the top drained or sealed; stabilisation 1/(2 G) by default."""
+    """Mesh and pressure (n,) in Pa after the step, with the top drained or sealed; the tool's stabilisation by default."""
     mesh = distorted(CELLS, keep_levels=True)
     model, top = oedometer(mesh)
     if not drained:
