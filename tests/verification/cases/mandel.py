@@ -35,9 +35,9 @@ _SOURCE = "Mandel 1953, series"
 def closed_form(time: float, x: float = 0.0, poisson: float = NU) -> float:
     """p/p0 at x/a and a time factor."""
     slope = (1.0 - poisson) / (0.5 - poisson)
-    start = np.pi * np.arange(400)
-    start[0] = 0.1  # 0 itself is no root
-    root = np.array([brentq(lambda a: np.sin(a) - slope * a * np.cos(a), s, (s // np.pi + 0.5) * np.pi) for s in start])
+    # one root in each quarter turn where the tangent is positive; 0 itself is none
+    ends = [(max(n * np.pi, 0.1), (n + 0.5) * np.pi) for n in range(400)]
+    root = np.array([brentq(lambda a: np.sin(a) - slope * a * np.cos(a), *pair) for pair in ends])
     share = 2.0 * np.sin(root) / (root - np.sin(root) * np.cos(root))
     return float(np.sum(share * (np.cos(root * x) - np.cos(root)) * np.exp(-(root**2) * time)))
 
