@@ -159,7 +159,7 @@ WATER = {
     ("soil", "hydraulic_conductivity"): 1e-5,
     ("interface", "transversal_conductivity"): 1e-9,
     ("interface", "residual_aperture"): 2e-5,
-    ("domain", "side_drainage"): "sealed",
+    ("domain", "side_drainage"): "drained",
     ("drainage", "porosity"): 0.3,
     ("drainage", "water_bulk_modulus"): "incompressible",
     ("drainage", "water_unit_weight"): 1e4,
