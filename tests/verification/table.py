@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Sequence
 from tests.verification.cases import (
     alternation,
     caisson_stiffness,
+    caisson_water,
     cavity,
     cryer,
     drained_push,
@@ -55,12 +56,16 @@ QUICK: dict[str, Rows] = {
 }
 # Up to a minute each
 SLOW: dict[str, Rows] = {
+    "caisson with water": caisson_water.rows,
     "Cryer": cryer.rows,
     "drained push, variants": drained_push.slow_rows,
     "contact around the ring, variants": alternation.slow_rows,
 }
 # Several factorisations of the paper mesh
-LONG: dict[str, Rows] = {"stiffness, paper mesh": caisson_stiffness.slow_rows}
+LONG: dict[str, Rows] = {
+    "stiffness, paper mesh": caisson_stiffness.slow_rows,
+    "caisson with water, paper mesh": caisson_water.slow_rows,
+}
 
 
 def compute(name: str, case: Rows) -> tuple[Row, ...]:

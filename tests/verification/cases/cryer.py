@@ -31,7 +31,7 @@ CENTRE = {0.01: 1.1297, 0.05: 1.2476, 0.1: 1.0394, 0.5: 0.0630}
 PEAK, PEAK_TIME = 1.249, 0.046
 # Time factor: number of equal steps that lead to it, in the first of the two runs
 PLAN = {0.01: 5, PEAK_TIME: 6, 0.05: 1, 0.1: 5, 0.5: 20}
-CORE, SHELL = 5, 5
+CORE, SHELL = 6, 7
 _SOURCE = "Cryer 1963, series"
 
 
