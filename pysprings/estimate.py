@@ -26,6 +26,8 @@ def describe(scene: Scene) -> dict[str, Any]:
     built = build_model(scene)
     mesh, quality = built.model.mesh, built.quality
     unknowns = int(3 * mesh.n_nodes - built.model.fixed.sum()) + built.model.n_border
+    if built.model.water is not None:
+        unknowns += int((~built.model.water.fixed).sum())
     return {
         "mesh": {
             "nodes": mesh.n_nodes,

@@ -27,6 +27,7 @@ from pysprings.report_tables import (
     mesh_table,
     ring_table,
     validity,
+    water_table,
 )
 from pysprings.result_files import PICTURES, picture_kind, pictures_in
 from pysprings.sketch import axes_svg
@@ -120,6 +121,7 @@ def render(
         status=str(run.get("status") or result.attrs.get("status", "")),
         started=str(run.get("started_utc") or ""),
         failures=[str(failure) for failure in run.get("failures", ())],
+        warnings=[str(text) for text in run.get("warnings", ())],
         sketch=_uri(axes_svg().encode(), ".svg"),
         inputs=input_tables(str(result.attrs.get("scene_toml", ""))),
         validity=validity(result, springs),
@@ -129,6 +131,7 @@ def render(
         convergence=convergence_table(paths, run),
         cut_backs=cut_back_table(run),
         rings=ring_table(paths),
+        water=water_table(run),
         equilibrium=equilibrium_table(springs if springs is not None else result),
         paths=[
             PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n)) for n, p in paths.items()

@@ -202,6 +202,30 @@ def equilibrium_table(tree: xr.DataTree) -> Table:
     return Table("Equilibrium check", ("path", "load", "largest load", "missing (relative)"), rows, note)
 
 
+def water_table(run: Mapping[str, Any]) -> Table | None:
+    """Make the table of the balance of the water at the end of each path; None for a drained run."""
+    paths = {name: path["water"] for name, path in run.get("paths", {}).items() if "water" in path}
+    if not paths:
+        return None
+    columns = ("path", "expelled [m\u00b3]", "compressed [m\u00b3]", "in gaps [m\u00b3]", "outflow [m\u00b3]",
+               "imbalance / exchanged", "pressure [kPa]")  # fmt: skip
+    rows = [
+        (
+            name,
+            *(number(water[f"{key}_m3"]) for key in ("expelled", "compressed", "film", "outflow")),
+            f"{water['worst_imbalance_over_exchanged']:.1e}",
+            f"{water['pressure_min_Pa'] / 1e3:.3g} to {water['pressure_max_Pa'] / 1e3:.3g}",
+        )
+        for name, water in paths.items()
+    ]
+    note = (
+        "Since the initial state, whole caisson: expelled = compressed + in gaps + outflow. Expelled is the pore "
+        "volume that the soil has lost, from the displacements of its boundary; the outflow is Darcy flow over the "
+        "drained boundary. The largest imbalance of all steps is shown. Pressure: the range of the excess on the path."
+    )
+    return Table("Balance of the water", columns, rows, note)
+
+
 def end_table(path: Any) -> Table:
     """List loads and motion at the last converged step of a path, in units for people."""
     good = np.flatnonzero(path["converged"].values.astype(bool))

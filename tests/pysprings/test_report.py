@@ -374,3 +374,13 @@ def test_text_sketch_fits_a_page_and_states_the_signs() -> None:
     assert sketch.AXES_ASCII.isascii()
     assert re.search(r"M = -H\*h", sketch.AXES_ASCII)
     assert "M = sum (p z + m) dz + L H_tip + M_tip + M_lid" in sketch.AXES_ASCII
+
+
+def test_a_wet_run_reports_the_balance_of_its_water_and_its_warnings() -> None:
+    water = {"expelled_m3": 2e-3, "compressed_m3": 1e-4, "film_m3": 4e-4, "outflow_m3": 1.5e-3,
+             "worst_imbalance_over_exchanged": 3e-12, "pressure_min_Pa": -7.9e3, "pressure_max_Pa": 1e2}  # fmt: skip
+    run = {"paths": {"pull": {"water": water}}, "warnings": ["water would <b>cavitate</b>"]}
+    text = report.render(synthetic.make_result(), run=run)
+    assert "Balance of the water" in text and "3.0e-12" in text and "-7.9 to 0.1" in text
+    assert "water would &lt;b&gt;cavitate" in text  # shown, and never taken for HTML
+    assert "Balance of the water" not in report.render(synthetic.make_result(), run={})

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Water around the paper's caisson: undrained and drained limits, no checkerboard, balance of the water.
 
-Stiffness: elastic soil, incompressible water, K_N = K_T = 1e12 N/m3, a skirt of 1 mm, contact closed; the tangent of the
-lid centre for a time step in which nothing flows. The reference is the same soil with nu -> 0.5 and the same G, bonded
-to a skirt of no thickness: 3,541 MN/m under a free-head pull, from axisymmetric elements of order 4 and from mixed
-elements at nu = 0.5 exactly (axisymmetric.py beside this package gives the former).
+Stiffness: elastic soil, incompressible water, K_N = K_T = 1e12 N/m3, a skirt of 1 mm, contact closed; the tangent of
+the lid centre for a time step in which nothing flows. The reference is the same soil with nu -> 0.5 and the same G,
+bonded to a skirt of no thickness: 3,541 MN/m under a free-head pull, from axisymmetric elements of order 4 and from
+mixed elements at nu = 0.5 exactly (axisymmetric.py beside this package gives the former).
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def push(mode: str, rate: float, end: float, drainage: dict | None = None, **sec
 def checkerboard_rows() -> list[Row]:
     """First step of 1e-3 s at k = 1e-12 m/s, with and without the stabilisation."""
     rows, quantity = [], "checkerboard of p over its rms"
-    variants = (("", 1e-12, 1.0), (", without the stabilisation", 1e-12, 0.0), (", k 1e-6 m/s: water flows", 1e-6, 1.0))
+    variants = (("", 1e-12, 1.0), (", without the stabilisation", 1e-12, 0.0), (", k 0.01 m/s: water flows", 1e-2, 1.0))
     for words, conductivity, factor in variants:
         scene = Scene(
             mesh={"preset": "coarse"}, soil={"hydraulic_conductivity": conductivity},
@@ -139,7 +139,7 @@ def drained_limit_rows() -> list[Row]:
         Row.error(case, "H at a rate 1e4 times faster, over undrained, less 1", _last(fast) / _last(undrained) - 1.0,
                   "ours, undrained", 0.02),
         Row.error(case, "water: imbalance over what has moved, largest", float(moved), "each term on its own", 1e-8),
-        Row(case, "H at 0.05 mm/s over drained", "", _last(paper) / _last(drained), 1.0, "an independent run: 1 %", 0.015),
+        Row(case, "H at 0.05 mm/s over drained", "", _last(paper) / _last(drained), 1.0, "independent run", 0.015),
         Row(case, "H undrained over drained", "", _last(undrained) / _last(drained), 1.0, "shown", None),
     ]  # fmt: skip
 

@@ -36,7 +36,7 @@ CELLS = (3, 3, 12)
 
 
 def undrained_pressure(drained: bool, storage: float, stabilisation: float | None = None) -> tuple[Mesh, np.ndarray]:
-    """Mesh and pressure (n,) in Pa after the step, with the top drained or sealed; the tool's stabilisation by default."""
+    """Mesh and pressure (n,) in Pa after the step, top drained or sealed; the tool's stabilisation by default."""
     mesh = distorted(CELLS, keep_levels=True)
     model, top = oedometer(mesh)
     if not drained:
