@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: MIT
+"""Springs at a rate: sets of paths at several rates, and what lies between them.
+
+The rate of a path is that of its state, v = rho/t at its end, with rho = |(u, rotation*L)| and L the skirt length: for
+a path that keeps its direction this is constant. Paths within half a decade of each other are one set. Between two sets
+every reaction is interpolated at the same state, linearly in log v,
+
+    r(rho, v) = (1 - s) r_a(rho) + s r_b(rho),   s = log(v/v_a)/log(v_b/v_a),
+
+so that the sums of reactions stay the loads, and the water stays a component of its own. (Pulls are compared at the
+same u, and their rotation is interpolated too.) Consolidation under a ramp passes from drained to undrained over about
+two decades of v; sets a decade apart follow it. Beyond the slowest and the fastest set nothing is extrapolated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from pysprings.errors import Problem, UserInputError
+from pysprings.springs import get_path, path_names, validate_springs
+
+# Paths whose rates differ by less than this factor belong together
+TOGETHER = 10.0**0.5
+# Rates this close to a set's are that set's
+CLOSE = 1.05
+# Paths within this angle [rad] go in the same direction
+_SAME_DIRECTION = np.radians(1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class RateSet:
+    """Calibration paths at one rate [m/s]: the geometric mean of theirs."""
+
+    rate: float
+    paths: tuple[str, ...]
+
+
+def path_rate(path: xr.Dataset, length: float) -> float | None:
+    """Return the rate rho/t of a path at its end [m/s]; None where it has no time."""
+    if "time" not in path or not float(path["time"][-1]) > 0.0:
+        return None
+    rho = float(np.hypot(path["u"][-1], float(path["rotation"][-1]) * length))
+    return rho / float(path["time"][-1]) if rho > 0.0 else None
+
+
+def rate_sets(springs: xr.DataTree) -> list[RateSet]:
+    """Return the sets of calibration paths by rate, slowest first; none where no path has a time."""
+    length = float(springs.attrs["skirt_length_m"])
+    found = [(path_rate(get_path(springs, name), length), name) for name in path_names(springs, "calibration")]
+    timed = sorted((rate, name) for rate, name in found if rate is not None)
+    groups: list[list[tuple[float, str]]] = []
+    for rate, name in timed:
+        if groups and rate < TOGETHER * groups[-1][-1][0]:
+            groups[-1].append((rate, name))
+        else:
+            groups.append([(rate, name)])
+    return [RateSet(float(np.exp(np.mean([np.log(r) for r, _ in g]))), tuple(n for _, n in g)) for g in groups]
+
+
+def at_rate(springs: xr.DataTree, rate: float) -> xr.DataTree:
+    """Return springs at a rate [m/s]: those of the set at that rate, or between the two sets around it.
+
+    Raises
+    ------
+    UserInputError
+        The springs are drained or have no times, the rate is outside the range of the sets, or the two sets around
+        it have no path in common.
+    """
+    sets = rate_sets(springs)
+    if springs.attrs.get("drainage") != "coupled" or not sets:
+        raise _refused(f"the springs are {springs.attrs.get('drainage')}: they do not depend on a rate")
+    for each in sets:
+        if max(rate / each.rate, each.rate / rate) <= CLOSE:
+            return _tree(springs, {name: get_path(springs, name) for name in each.paths}, rate)
+    if not sets[0].rate < rate < sets[-1].rate:
+        have = ", ".join(f"{1e3 * each.rate:.4g}" for each in sets)
+        raise _refused(f"{1e3 * rate:.4g} mm/s is outside the rates of the springs ({have} mm/s, of rho)")
+    above = next(k for k, each in enumerate(sets) if each.rate > rate)
+    slow, fast = sets[above - 1], sets[above]
+    share = float(np.log(rate / slow.rate) / np.log(fast.rate / slow.rate))
+    length = float(springs.attrs["skirt_length_m"])
+    pairs = _pairs(springs, slow, fast, length)
+    if not pairs:
+        between = f"{1e3 * slow.rate:.4g} and {1e3 * fast.rate:.4g} mm/s"
+        raise _refused(f"the paths at {between} go in different directions: nothing to interpolate between")
+    blended = {a: blend(get_path(springs, a), get_path(springs, b), share, length) for a, b in pairs}
+    return _tree(springs, blended, rate)
+
+
+def blend(slow: xr.Dataset, fast: xr.Dataset, share: float, length: float) -> xr.Dataset:
+    """Return (1 - share) slow + share fast at the states of the slow path that the fast one reaches too.
+
+    On paths that keep their direction u, rotation and y are those of the slow path; on pulls u is.
+    """
+    way, kept = _way(slow, length), {"u", "converged"}
+    if slow.attrs["kind"] in _STRAIGHT:
+        kept |= {"rotation", "y"}
+    other_way = _way(fast, length)
+    out = slow.isel(step=np.flatnonzero(way <= other_way[-1] * (1.0 + 1e-9)))
+    way = _way(out, length)
+    for name, values in out.data_vars.items():
+        if "step" not in values.dims or name in kept:
+            continue
+        axis = values.dims.index("step")
+        other = fast[name].transpose(*values.dims).values
+        moved = np.apply_along_axis(lambda column: np.interp(way, other_way, column), axis, other)
+        out[name] = values.copy(data=(1.0 - share) * values.values + share * moved)
+    return out
+
+
+_STRAIGHT = ("translation", "rotation")  # kinds of path that keep their direction
+
+
+def _way(path: xr.Dataset, length: float) -> np.ndarray:
+    """How far each step of a path has come [m]: rho, or |u| where the rotation is free."""
+    u = path["u"].values
+    return np.hypot(u, path["rotation"].values * length) if path.attrs["kind"] in _STRAIGHT else np.abs(u)
+
+
+def _pairs(springs: xr.DataTree, slow: RateSet, fast: RateSet, length: float) -> list[tuple[str, str]]:
+    """Paths of two sets that go the same way, each once."""
+    pairs, free = [], list(fast.paths)
+    for name in slow.paths:
+        path = get_path(springs, name)
+        same = [other for other in free if _go_together(path, get_path(springs, other), length)]
+        if same:
+            pairs.append((name, same[0]))
+            free.remove(same[0])
+    return pairs
+
+
+def _go_together(a: xr.Dataset, b: xr.Dataset, length: float) -> bool:
+    if (a.attrs["kind"], float(a.attrs["arm_m"])) != (b.attrs["kind"], float(b.attrs["arm_m"])):
+        return False
+    if a.attrs["kind"] not in _STRAIGHT:
+        return bool(np.sign(a["u"][-1]) == np.sign(b["u"][-1]))
+    ways = (np.arctan2(float(path["rotation"][-1]) * length, float(path["u"][-1])) for path in (a, b))
+    return abs(next(ways) - next(ways)) < _SAME_DIRECTION
+
+
+def _tree(springs: xr.DataTree, paths: dict[str, xr.Dataset], rate: float) -> xr.DataTree:
+    root = springs.to_dataset(inherit=False)
+    root.attrs = {**springs.attrs, "rate_m_per_s": rate}
+    groups: dict[str, xr.Dataset] = {"/": root}
+    for name, path in paths.items():
+        kept = path.copy()
+        kept.attrs = {key: value for key, value in path.attrs.items() if key != "path"}
+        groups[f"/paths/{name}"] = kept
+    tree = xr.DataTree.from_dict(groups, name="springs")
+    validate_springs(tree)
+    return tree
+
+
+def _refused(message: str) -> UserInputError:
+    return UserInputError([Problem(key="rate", message=message)])

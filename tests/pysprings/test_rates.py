@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""Springs at a rate between those of the runs they come from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pysprings import rates
+from pysprings.errors import UserInputError
+from pysprings.springs import balance, get_path, path_names
+from tests.pysprings import synthetic
+
+LENGTH = 4.0
+RAYS = [
+    synthetic.Path("slide", "translation", size=1e-2, steps=12),
+    synthetic.Path("turn", "rotation", size=-2e-3, steps=12),
+]
+
+
+def at_two_rates(stronger: float = 1.2, speeds: tuple[float, ...] = (1e-5, 1e-3)) -> xr.DataTree:
+    """Two rays, each once at a slow and once at a fast rate (m/s of rho), where all reactions are stronger."""
+    base = synthetic.make_springs(RAYS)
+    groups: dict[str, xr.Dataset] = {"/": base.to_dataset(inherit=False)}
+    groups["/"].attrs = {**base.attrs, "drainage": "coupled"}
+    for number, speed in enumerate(speeds):
+        for name in path_names(base):
+            path = base[f"paths/{name}"].to_dataset(inherit=False).copy(deep=True)
+            rho = np.hypot(path["u"], path["rotation"] * LENGTH)
+            path["time"] = ("step", (rho / speed).values, base[f"paths/{name}/V"].attrs | {"units": "s"})
+            path["time"].attrs = {"long_name": "time", "units": "s"}
+            for variable in ("p", "m", "t", "H", "V", "M", "H_tip", "V_tip", "M_tip", "H_lid", "V_lid", "M_lid"):
+                path[variable] = path[variable] * stronger**number
+                path[variable].attrs = base[f"paths/{name}/{variable}"].attrs
+            groups[f"/paths/{name}{number}"] = path
+    return xr.DataTree.from_dict(groups)
+
+
+def test_sets_are_found_by_rate_slowest_first() -> None:
+    sets = rates.rate_sets(at_two_rates(speeds=(1e-3, 1e-5)))
+    assert [each.rate for each in sets] == pytest.approx([1e-5, 1e-3])
+    assert [set(each.paths) for each in sets] == [{"slide1", "turn1"}, {"slide0", "turn0"}]
+
+
+def test_half_way_in_the_logarithm_is_the_mean() -> None:
+    springs = at_two_rates()
+    found = rates.at_rate(springs, 1e-4)
+    assert path_names(found) == ["slide0", "turn0"]
+    assert found.attrs["rate_m_per_s"] == 1e-4
+    for name in ("slide", "turn"):
+        new, slow = get_path(found, f"{name}0"), get_path(springs, f"{name}0")
+        for variable in ("p", "m", "H", "M_lid"):
+            np.testing.assert_allclose(new[variable], 1.1 * slow[variable], rtol=1e-12)
+        np.testing.assert_array_equal(new["y"], slow["y"])
+        assert max(balance(new).values()) < 1e-9  # the reactions still sum to the load
+        np.testing.assert_allclose(new["p"].sel(component="normal"), 1.1 * slow["p"].sel(component="normal"))
+
+
+def test_at_the_rate_of_a_set_its_own_springs_are_given() -> None:
+    springs = at_two_rates()
+    found = rates.at_rate(springs, 1.02e-3)
+    np.testing.assert_array_equal(get_path(found, "slide1")["p"], get_path(springs, "slide1")["p"])
+
+
+@pytest.mark.parametrize("rate", [0.9e-5, 1.1e-3])
+def test_beyond_the_slowest_and_the_fastest_nothing_is_extrapolated(rate: float) -> None:
+    with pytest.raises(UserInputError, match=r"outside the rates of the springs \(0\.01, 1 mm/s"):
+        rates.at_rate(at_two_rates(), rate)
+
+
+def test_drained_springs_have_no_rate() -> None:
+    with pytest.raises(UserInputError, match="drained: they do not depend on a rate"):
+        rates.at_rate(synthetic.make_springs(RAYS), 1e-4)
+
+
+def test_paths_without_a_partner_are_left_out_and_none_at_all_is_refused() -> None:
+    springs = at_two_rates()
+    lone, none = without(springs, "turn1"), without(springs, "turn1", "slide0")
+    assert path_names(rates.at_rate(lone, 1e-4)) == ["slide0"]
+    with pytest.raises(UserInputError, match="different directions"):
+        rates.at_rate(none, 1e-4)
+
+
+def without(springs: xr.DataTree, *names: str) -> xr.DataTree:
+    """The springs less some paths."""
+    kept = [node for node in springs.subtree if node.path.split("/")[-1] not in names]
+    return xr.DataTree.from_dict({node.path: node.to_dataset(inherit=False) for node in kept})
+
+
+def test_a_shorter_fast_path_shortens_the_answer() -> None:
+    springs = at_two_rates()
+    fast = get_path(springs, "slide1").isel(step=slice(0, 7))
+    slow = get_path(springs, "slide0")
+    found = rates.blend(slow, fast, 0.5, LENGTH)
+    assert float(found["u"][-1]) == pytest.approx(float(fast["u"][-1]))
