@@ -77,8 +77,8 @@ def _draw(
     for side, values in rings.items():
         angle = np.concatenate([azimuth, 2 * np.pi - azimuth[::-1], azimuth[:1]])
         angle, pressure = refine(angle, np.concatenate([values, values[::-1], values[:1]]))
-        radius = TRACE + scale * pressure
-        axes.plot(radius * np.cos(angle), radius * np.sin(angle), color=SIDE_COLOURS[side], gid=f"pressure_{side}",
+        distance = TRACE + scale * pressure
+        axes.plot(distance * np.cos(angle), distance * np.sin(angle), color=SIDE_COLOURS[side], gid=f"pressure_{side}",
                   linestyle="-" if side == "outside" else "--", linewidth=2.0, zorder=5)  # fmt: skip
     axes.annotate("", (TRACE - 0.04, 0), xytext=(TRACE - 0.25, 0), zorder=6,
                   arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.4})  # fmt: skip
