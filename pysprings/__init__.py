@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pysprings.macro import curve, predict
     from pysprings.scene import Scene, load_scene
     from pysprings.springs import open_springs
+    from pysprings.tables import open_table
 
 __version__ = "0.1.0"
 
@@ -27,6 +28,7 @@ __all__ = [
     "extract_springs",
     "load_scene",
     "open_springs",
+    "open_table",
     "predict",
     "run",
 ]
@@ -36,6 +38,7 @@ _HOMES = {
     "load_scene": "scene",
     "extract_springs": "extract",
     "open_springs": "springs",
+    "open_table": "tables",
     "predict": "macro",
     "curve": "macro",
     "run": "full_model",

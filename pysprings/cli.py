@@ -21,6 +21,7 @@ from pysprings.cli_support import (
     result_folder,
     say,
     springs_of,
+    springs_or_table,
 )
 from pysprings.errors import RunIncomplete
 
@@ -199,7 +200,7 @@ def _format(form: Format | None, out: Path | None) -> str:
 @app.command()
 @guarded
 def predict(
-    result: Annotated[Path, typer.Argument(metavar="SPRINGS", help="springs.nc, or the folder of a run")],
+    result: Annotated[Path, typer.Argument(metavar="SPRINGS", help="springs.nc, the folder of a run, or a p-y table")],
     load: Annotated[str | None, typer.Option("--H", metavar="FORCE", help='lateral load, e.g. "2 MN"')] = None,
     arm: Annotated[
         str | None, typer.Option("--arm", metavar="LENGTH", help='its height above mudline, e.g. "8 m"')
@@ -223,10 +224,16 @@ def predict(
     strict: Annotated[
         bool, typer.Option("--strict", help="refuse an answer that the springs support only in part")
     ] = False,
+    skirt_length: Annotated[
+        str | None, typer.Option("--skirt-length", metavar="LENGTH", help="of a table without depth_bottom_m")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Predict displacement and rotation of the rigid caisson on its springs, or a load-displacement curve."""
-    from pysprings.cli_reports import prediction_json, print_prediction
+    """Predict displacement and rotation of the rigid caisson on its springs, or a load-displacement curve.
+
+    SPRINGS may be a table of p-y curves (CSV, Excel) with columns depth_m, y_m, p_N_per_m, and companions if any.
+    """
+    from pysprings.cli_reports import prediction_json, print_prediction, remarks_of
 
     given = quantities(
         {
@@ -235,10 +242,11 @@ def predict(
             "--M": (moment, "N m", "-3 MN m"),
             "--V": (vertical, "N", "4 MN"),
             "--u-max": (u_max, "m", "5 mm"),
+            "--skirt-length": (skirt_length, "m", "4 m"),
         }
     )
     _refuse_wrong_loads(given)
-    tree = springs_of(result)
+    tree = springs_or_table(result, given["--skirt-length"])
     from pysprings import macro
 
     force, height, limit, down = given["--H"], given["--arm"], given["--u-max"], given["--V"]
@@ -257,6 +265,8 @@ def predict(
         print_json(prediction_json(states))
     else:
         print_prediction(states)
+        if remarks := remarks_of(states):
+            say(remarks)
 
 
 def _refuse_wrong_loads(given: dict[str, float | None]) -> None:

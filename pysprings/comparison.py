@@ -29,9 +29,11 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.macro import Control, MacroModel, spring_sets
+from pysprings.macro import MacroModel
 from pysprings.macro_answer import refused
+from pysprings.macro_control import Control
 from pysprings.macro_fan import fan_paths
+from pysprings.macro_sets import spring_sets
 from pysprings.springs import ROLES, SCHEMA, get_path, path_names
 
 Array = NDArray[np.float64]

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -33,13 +33,18 @@ from numpy.typing import NDArray
 from pysprings import variables
 from pysprings.errors import RunIncomplete
 from pysprings.macro_answer import answer_dataset, check_finite, refused
-from pysprings.macro_fan import FanTable, build_fan, has_fan
+from pysprings.macro_control import Control, ending, equations
+from pysprings.macro_curves import CurveSprings
+from pysprings.macro_fan import FanTable, build_fan
+from pysprings.macro_sets import ALONE, Springs, choose_set
 from pysprings.macro_solver import FAN, ROWS, follow, reactions
-from pysprings.macro_tables import SPRING_SETS, SpringSet, SpringTable, build_table
+from pysprings.macro_tables import SpringSet, SpringTable, build_table
 from pysprings.springs import get_path
 
 Array = NDArray[np.float64]
-Control = Literal["displacement", "rotation", "load", "state"]
+
+
+NO_VERTICAL = "a table has no vertical springs: w and V are left out"
 
 
 class MacroWarning(UserWarning):
@@ -63,24 +68,35 @@ class MacroModel:
     origin
         Converged steps of the path the springs come from; of the first ray of a fan.
     stiffness_initial
-        (3, 3) initial tangent of the full model for (u, w, rotation).
+        (3, 3) initial tangent of the full model for (u, w, rotation); None where the springs come from a table:
+        then nothing is known of w and V.
     attrs
         Attributes of the spring set (geometry, provenance).
+    remarks
+        Sentences that go with every answer.
     """
 
     table: SpringTable | FanTable
     spring_set: SpringSet
     origin: xr.Dataset
-    stiffness_initial: Array
+    stiffness_initial: Array | None
     attrs: dict[str, Any]
+    remarks: tuple[str, ...] = ()
 
     @classmethod
-    def from_springs(cls, springs: xr.DataTree, springs_kind: str | None = None, path: str | None = None) -> MacroModel:
-        """Build the model from a spring set: its fan where it has one, else all springs of its first calibration path.
+    def from_springs(cls, springs: Springs, springs_kind: str | None = None, path: str | None = None) -> MacroModel:
+        """Build the model from springs: their fan where they have one, else all springs of the first calibration path.
 
         springs_kind chooses "fan", "full" or "py"; path the path whose springs serve (for "full" and "py").
+        p-y curves without companions give "py" and say so.
         """
-        kind = _spring_set(springs, springs_kind, path)
+        kind = choose_set(springs, springs_kind, path)
+        remarks: tuple[str, ...] = (ALONE,) if kind == "py" else ()
+        if isinstance(springs, CurveSprings):
+            name, curves = springs.pick(path)
+            attrs = {"title": f"table {springs.source}", "skirt_length_m": curves.length}
+            remarks += tuple(filter(None, (curves.note, NO_VERTICAL)))
+            return cls(curves.table(kind), kind, springs.origin(name), None, attrs, remarks)
         table: SpringTable | FanTable
         if kind == "fan":
             table = build_fan(springs)
@@ -89,7 +105,9 @@ class MacroModel:
             origin = get_path(springs, path)
             table = build_table(origin, kind)
         stiffness = springs.dataset["stiffness_initial"].values
-        return cls(table, kind, origin, stiffness, {str(name): value for name, value in springs.attrs.items()})
+        known = stiffness if stiffness.shape == (3, 3) else None
+        remarks += () if known is not None else (NO_VERTICAL,)
+        return cls(table, kind, origin, known, {str(name): value for name, value in springs.attrs.items()}, remarks)
 
     @property
     def length(self) -> float:
@@ -106,16 +124,21 @@ class MacroModel:
         reactions(*self._springs, float(u), float(rotation), force, tangent)
         return force, tangent
 
+    def _knows(self, dof: str) -> bool:
+        return dof != "w" or self.stiffness_initial is not None
+
     def tangent_stiffness(self, u: float = 0.0, rotation: float = 0.0) -> xr.DataArray:
         """Return the tangent stiffness (3, 3) at mudline for (u, w, rotation) at a state.
 
-        u and rotation come from the springs; w is the elastic stiffness of the full model, uncoupled.
+        u and rotation come from the springs; w is the elastic stiffness of the full model, uncoupled; springs from
+        a table do not know it, and the matrix is (2, 2) for (u, rotation).
         Units: N/m for displacements, N m/rad for rotation, N/rad = N m/m between them.
         """
-        matrix = np.zeros((3, 3))
-        matrix[np.ix_([0, 2], [0, 2])] = self.reactions(u, rotation)[1]
-        matrix[1, 1] = self.stiffness_initial[1, 1]
-        dofs = list(variables.DOFS)
+        lateral, dofs = self.reactions(u, rotation)[1], [name for name in variables.DOFS if self._knows(name)]
+        matrix = np.zeros((len(dofs), len(dofs)))
+        matrix[np.ix_([0, -1], [0, -1])] = lateral
+        if self.stiffness_initial is not None:
+            matrix[1, 1] = self.stiffness_initial[1, 1]
         attrs = {
             "long_name": "tangent stiffness at the lid centre",
             "units": "1",
@@ -143,7 +166,7 @@ class MacroModel:
             States (k, 2) = (u, rotation), loads (k, 2) = (H, M), and a message that says where it ended
             when k < n.
         """
-        G, C, scale, aims = _equations(control, np.asarray(targets, dtype=float), arm, self.table.load_scale)
+        G, C, scale, aims = equations(control, np.asarray(targets, dtype=float), arm, self.table.load_scale)
         steps = np.concatenate([np.zeros((1, 2)), aims])
         out = np.zeros((2, *steps.shape))
         n, at0, at1 = follow(*self._springs, G, C, scale, np.zeros(2), steps, out[0], out[1])
@@ -151,7 +174,7 @@ class MacroModel:
         return (
             states,
             loads,
-            "" if n == len(steps) else _ending(control, (at0, at1), aims[n - 1], states, loads),
+            "" if n == len(steps) else ending(control, (at0, at1), aims[n - 1], states, loads),
         )
 
     def trace(self, control: Control, targets: Array, arm: float = 0.0, V: float | None = None) -> xr.Dataset:
@@ -194,7 +217,7 @@ class MacroModel:
 
 
 def predict(
-    springs: xr.DataTree | MacroModel,
+    springs: Springs | MacroModel,
     *,
     H: float,
     arm: float | None = None,
@@ -221,7 +244,7 @@ def predict(
 
 
 def curve(
-    springs: xr.DataTree | MacroModel,
+    springs: Springs | MacroModel,
     *,
     u_max: float,
     arm: float = 0.0,
@@ -236,7 +259,7 @@ def curve(
 
 
 def tangent_stiffness(
-    springs: xr.DataTree,
+    springs: Springs,
     u: float = 0.0,
     rotation: float = 0.0,
     springs_kind: str | None = None,
@@ -246,55 +269,8 @@ def tangent_stiffness(
     return MacroModel.from_springs(springs, springs_kind, path).tangent_stiffness(u, rotation)
 
 
-def _model(springs: xr.DataTree | MacroModel, springs_kind: str | None, path: str | None) -> MacroModel:
+def _model(springs: Springs | MacroModel, springs_kind: str | None, path: str | None) -> MacroModel:
     return springs if isinstance(springs, MacroModel) else MacroModel.from_springs(springs, springs_kind, path)
-
-
-def spring_sets(springs: xr.DataTree) -> list[SpringSet]:
-    """Return the spring sets that a spring file can give: a fan needs two rays at least."""
-    return [name for name in SPRING_SETS if name != "fan" or has_fan(springs)]
-
-
-def _spring_set(springs: xr.DataTree, name: str | None, path: str | None) -> SpringSet:
-    if name is None:
-        return "fan" if path is None and has_fan(springs) else "full"
-    for known in SPRING_SETS:
-        if name == known:
-            if known == "fan" and path is not None:
-                raise refused("path", "a fan comes from all calibration paths: ask for the springs 'full' or 'py'")
-            return known
-    raise refused("springs_kind", f"'{name}' is not one of {', '.join(SPRING_SETS)}")
-
-
-def _equations(control: Control, targets: Array, arm: float, size: Array) -> tuple[Array, Array, Array, Array]:
-    """G, C (2, 2), the sizes of both equations, and the right sides c (n, 2): see `macro_solver`."""
-    zero, one = np.zeros((2, 2)), np.eye(2)
-    if control == "load":
-        return zero, one, size, targets
-    motion = np.maximum(np.abs(targets).max(axis=0), 1e-12)
-    if control == "state":
-        return one, zero, motion, targets
-    row = 0 if control == "displacement" else 1
-    G, C = zero.copy(), np.array([[0.0, 0.0], [arm, 1.0]])
-    G[0, row] = 1.0
-    aims = np.stack([targets[:, 0], np.zeros(len(targets))], axis=1)
-    return G, C, np.array([motion[0], size[1] + abs(arm) * size[0]]), aims
-
-
-def _ending(control: Control, reached: tuple[float, float], wanted: Array, states: Array, loads: Array) -> str:
-    """Say where a path ended: what was held, what was wanted next, the last state."""
-    words = {
-        "displacement": ("u = {:.6g} m",),
-        "rotation": ("rotation = {:.6g} rad",),
-        "load": ("H = {:.6g} N", "M = {:.6g} N m"),
-        "state": ("u = {:.6g} m", "rotation = {:.6g} rad"),
-    }[control]
-    got, aim = (", ".join(w.format(x) for w, x in zip(words, values, strict=False)) for values in (reached, wanted))
-    last = "no step was reached"
-    if len(states):
-        (u, rotation), (H, M) = states[-1], loads[-1]
-        last = f"last step: u = {u:.6g} m, rotation = {rotation:.6g} rad, H = {H:.6g} N, M = {M:.6g} N m"
-    return f"macro-model: no equilibrium beyond {got} on the way to {aim}; {last}"
 
 
 def _spoken(answer: xr.Dataset, strict: bool) -> xr.Dataset:

@@ -49,14 +49,12 @@ def answer_dataset(
     u, rotation = states.T
     table = model.table
     found = _on_fan(model, table, states) if isinstance(table, FanTable) else _on_path(model, table, states)
-    w, vertical, elastic = _vertical(model, found, V)
+    vertical, elastic = _vertical(model, found, V)
     depth = model.origin["depth"].values
     values = {
         "u": u,
-        "w": w,
         "rotation": rotation,
         "H": loads[:, 0],
-        "V": vertical,
         "M": loads[:, 1],
         "converged": np.ones(u.size, dtype=np.int8),
         "depth_bounds": model.origin["depth_bounds"].values,
@@ -65,14 +63,15 @@ def answer_dataset(
         "p": found.p,
         "range_used": found.used,
         "extrapolated": (found.used > 1.0 + RANGE_SLACK).astype(np.int8),
-        "path_distance": found.distance,
-        "off_path": found.off.astype(np.int8),
-    }
+    } | vertical
+    if found.distance is not None:
+        values |= {"path_distance": found.distance, "off_path": found.off.astype(np.int8)}
     notes = found.notes + ([_other_load(model, V)] if elastic and V is not None else [])
     attrs = (
         _provenance(model)
         | drive
         | {"status": "partial" if message else "complete", "message": message, "warnings": " | ".join(notes)}
+        | {"remarks": " | ".join(model.remarks)}
     )
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
@@ -82,14 +81,17 @@ def answer_dataset(
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """What the springs say at states besides the loads: w [m], V [N] by step, p (depth, step), and their support."""
+    """What the springs say at states besides the loads: w [m], V [N] by step, p (depth, step), and their support.
 
-    w: Array
-    V: Array
+    w and V are None for springs from a table; distance is None where no path is known.
+    """
+
+    w: Array | None
+    V: Array | None
     p: Array
     usable: NDArray[np.int8]
     used: Array
-    distance: Array
+    distance: Array | None
     off: NDArray[np.bool_]
     notes: list[str]
 
@@ -97,11 +99,15 @@ class _Found:
 def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Found:
     """Springs of one path."""
     depth, used = model.origin["depth"].values, _range_used(table, states)
+    p, usable = _lateral(table, depth, states), _usable(table, depth)
+    if "u" not in model.origin:
+        nowhere = np.zeros(used.size, dtype=bool)
+        return _Found(None, None, p, usable, used, None, nowhere, _range_notes(model, used))
     distance = _distance(_track(model), states * [1.0, model.length])
     off = distance > OFF_PATH
-    w, V = _path_vertical(model, *states.T)
-    notes = _path_notes(model, used, distance, off)
-    return _Found(w, V, _lateral(table, depth, states), _usable(table, depth), used, distance, off, notes)
+    w, V = (None, None) if model.stiffness_initial is None else _path_vertical(model, *states.T)
+    notes = _range_notes(model, used) + _path_notes(model, distance, off)
+    return _Found(w, V, p, usable, used, distance, off, notes)
 
 
 def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Found:
@@ -112,7 +118,8 @@ def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Found:
     usable = np.ones(model.origin.sizes["depth"], dtype=np.int8)
     (w,), (V,), p = (rows[table.name == name] for name in ("w", "V", "p"))
     notes = _fan_notes(table, used, sector, off)
-    return _Found(w, V, p, usable, used, np.sin(nearest), off, notes)
+    known = model.stiffness_initial is not None
+    return _Found(w if known else None, V if known else None, p, usable, used, np.sin(nearest), off, notes)
 
 
 def _track(model: MacroModel) -> Array:
@@ -152,13 +159,18 @@ def _path_vertical(model: MacroModel, u: Array, rotation: Array) -> tuple[Array,
     return np.interp(motion, grows, path_w - path_w[0]), np.interp(motion, grows, path_v)
 
 
-def _vertical(model: MacroModel, found: _Found, V: float | None) -> tuple[Array, Array, bool]:
-    """w [m] and V [N] by step, and whether V is another than the springs' (then w has an elastic part)."""
+def _vertical(model: MacroModel, found: _Found, V: float | None) -> tuple[dict[str, Array], bool]:
+    """w [m] and V [N] by step where they are known, and whether V is another than the springs' (w is elastic then)."""
+    stiffness = model.stiffness_initial
+    if stiffness is None or found.w is None or found.V is None:
+        if V is not None:
+            raise refused("V", "these springs come from a table, which has no vertical stiffness: leave V out")
+        return {}, False
     if V is None:
-        return found.w, found.V, False
+        return {"w": found.w, "V": found.V}, False
     check_finite(V=V)
     other = np.abs(V - found.V).max() > 1e-6 * max(abs(V), np.abs(found.V).max())
-    return found.w + (V - found.V) / model.stiffness_initial[1, 1], np.full_like(found.V, V), bool(other)
+    return {"w": found.w + (V - found.V) / stiffness[1, 1], "V": np.full_like(found.V, V)}, bool(other)
 
 
 def _distance(track: Array, states: Array) -> Array:
@@ -176,22 +188,26 @@ def _distance(track: Array, states: Array) -> Array:
     return np.sqrt(shortest / np.where(size > 0.0, size, np.inf))
 
 
-def _path_notes(model: MacroModel, used: Array, distance: Array, off: NDArray[np.bool_]) -> list[str]:
-    """Sentences, with their numbers and limits, on what the springs of one path do not support."""
-    notes, n, name = [], used.size, model.origin.attrs["path"]
+def _range_notes(model: MacroModel, used: Array) -> list[str]:
+    """A sentence on states beyond the range of the springs of one path."""
     beyond = int((used > 1.0 + RANGE_SLACK).sum())
-    if beyond:
-        notes.append(
-            f"{beyond} of {n} states are beyond the range of path '{name}': springs reach "
-            f"{used.max():.3g} times their calibrated displacement (limit 1)"
-        )
-    if off.any():
-        notes.append(
-            f"{off.sum()} of {n} states are off the path '{name}' (load height {model.origin.attrs['arm_m']:g} m) "
-            f"they come from, by up to {distance.max():.0%} (limit {OFF_PATH:.0%}): "
-            "springs do not transfer between load paths, check against the full model"
-        )
-    return notes
+    text = (
+        f"{beyond} of {used.size} states are beyond the range of path '{model.origin.attrs['path']}': springs reach "
+        f"{used.max(initial=0.0):.3g} times their calibrated displacement (limit 1)"
+    )
+    return [text] if beyond else []
+
+
+def _path_notes(model: MacroModel, distance: Array, off: NDArray[np.bool_]) -> list[str]:
+    """A sentence on states that are far from the one path the springs come from."""
+    arm = float(model.origin.attrs["arm_m"])
+    height = f" (load height {arm:g} m)" if np.isfinite(arm) else ""
+    text = (
+        f"{off.sum()} of {off.size} states are off the path '{model.origin.attrs['path']}'{height} "
+        f"they come from, by up to {distance.max(initial=0.0):.0%} (limit {OFF_PATH:.0%}): "
+        "springs do not transfer between load paths, check against the full model"
+    )
+    return [text] if off.any() else []
 
 
 def _fan_notes(table: FanTable, used: Array, sector: Array, off: NDArray[np.bool_]) -> list[str]:
@@ -226,10 +242,11 @@ def _provenance(model: MacroModel) -> dict[str, Any]:
         rays_text = ", ".join(f"{name} ({angle:.1f} deg)" for name, angle in rays)
         return kept | {"path": f"{len(model.table.path)} paths", "rays": rays_text}
     origin = model.origin.attrs
+    arm = float(origin.get("arm_m", np.nan))
+    kept |= {"calibration_arm_m": arm} if np.isfinite(arm) else {}
     return kept | {
         "path": origin["path"],
         "kind": origin["kind"],
-        "calibration_arm_m": float(origin["arm_m"]),
         "n_other_carrier": int((~model.table.natural).sum()),
         "n_cut": int(model.table.cut.sum()),
     }
