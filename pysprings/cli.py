@@ -215,6 +215,15 @@ def predict(
         typer.Option("--u-max", metavar="LENGTH", help='a whole curve up to this displacement, e.g. "5 mm"'),
     ] = None,
     points: Annotated[int, typer.Option("--points", help="points of the curve", min=2, max=10_000)] = 50,
+    u: Annotated[str | None, typer.Option("--u", metavar="LENGTH", help="the load at this displacement")] = None,
+    rotation: Annotated[
+        str | None,
+        typer.Option("--rotation", metavar="ANGLE", help="the load at this rotation; with --u: both imposed"),
+    ] = None,
+    sequence: Annotated[
+        Path | None,
+        typer.Option("--sequence", metavar="FILE", help="CSV with a load (H_N, M_Nm, V_N) or motion (u_m ...) a line"),
+    ] = None,
     spring_set: Annotated[
         SpringSet | None, typer.Option("--springs", help="springs to use [default: fan where there is one, else full]")
     ] = None,
@@ -223,6 +232,9 @@ def predict(
     ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="refuse an answer that the springs support only in part")
+    ] = False,
+    stiffness: Annotated[
+        bool, typer.Option("--stiffness", help="also the tangent stiffness at mudline, and the initial one, 6x6")
     ] = False,
     skirt_length: Annotated[
         str | None, typer.Option("--skirt-length", metavar="LENGTH", help="of a table without depth_bottom_m")
@@ -233,6 +245,7 @@ def predict(
 
     SPRINGS may be a table of p-y curves (CSV, Excel) with columns depth_m, y_m, p_N_per_m, and companions if any.
     """
+    from pysprings import cli_predict as asked
     from pysprings.cli_reports import prediction_json, print_prediction, remarks_of
 
     given = quantities(
@@ -242,44 +255,23 @@ def predict(
             "--M": (moment, "N m", "-3 MN m"),
             "--V": (vertical, "N", "4 MN"),
             "--u-max": (u_max, "m", "5 mm"),
+            "--u": (u, "m", "3 mm"),
+            "--rotation": (rotation, "rad", "0.5 mrad"),
             "--skirt-length": (skirt_length, "m", "4 m"),
         }
     )
-    _refuse_wrong_loads(given)
-    tree = springs_or_table(result, given["--skirt-length"])
-    from pysprings import macro
-
-    force, height, limit, down = given["--H"], given["--arm"], given["--u-max"], given["--V"]
-    kind = spring_set.value if spring_set else None
-    if limit is not None:
-        states = macro.curve(
-            tree, u_max=limit, arm=height or 0.0, n=points, V=down, springs_kind=kind, path=path, strict=strict
-        )
-    else:
-        assert force is not None  # seen to by _refuse_wrong_loads
-        answer = macro.predict(
-            tree, H=force, arm=height, M=given["--M"], V=down, springs_kind=kind, path=path, strict=strict
-        )
-        states = answer.isel(step=[-1])
+    asked.refuse_contradictions(given, sequence)
+    springs, kind = springs_or_table(result, given["--skirt-length"]), spring_set.value if spring_set else None
+    states = asked.answer(springs, given, sequence, kind, path, points, strict)
+    six = asked.initial_six(springs, kind, path) if stiffness else None
     if as_json:
-        print_json(prediction_json(states))
-    else:
-        print_prediction(states)
-        if remarks := remarks_of(states):
-            say(remarks)
-
-
-def _refuse_wrong_loads(given: dict[str, float | None]) -> None:
-    """Refuse loads that are missing or given twice."""
-    there = {option for option, value in given.items() if value is not None}
-    if not there & {"--H", "--u-max"}:
-        refuse("--H", 'missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve')
-    if {"--H", "--u-max"} <= there:
-        refuse("--u-max", "give either --H or --u-max: the load is an answer of the curve")
-    if {"--arm", "--M"} <= there:
-        refuse("--M", "give either --arm or --M, not both (M = -H*arm)")
-    if {"--u-max", "--M"} <= there:
-        refuse("--M", "a curve needs the height of the load: give --arm instead")
+        print_json(prediction_json(states) | (asked.stiffness_json(states, six) if stiffness else {}))
+        return
+    print_prediction(states)
+    if stiffness:
+        asked.print_stiffness(states, six)
+    if remarks := remarks_of(states):
+        say(remarks)
 
 
 @app.command()

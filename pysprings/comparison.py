@@ -29,10 +29,10 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.macro import MacroModel
 from pysprings.macro_answer import refused
 from pysprings.macro_control import Control
 from pysprings.macro_fan import fan_paths
+from pysprings.macro_model import MacroModel
 from pysprings.macro_sets import spring_sets
 from pysprings.springs import ROLES, SCHEMA, get_path, path_names
 

@@ -228,10 +228,19 @@ def _newton(law, a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, 
 
 
 @njit(cache=True)
+def tangents(law, a, b, knots, values, slopes, count, states, out):
+    """Write the tangents (n, 2, 2) of states (n, 2) = (u, rotation)."""
+    F = np.zeros(2)
+    for i in range(states.shape[0]):
+        reactions(law, a, b, knots, values, slopes, count, states[i, 0], states[i, 1], F, out[i])
+
+
+@njit(cache=True)
 def follow(law, a, b, knots, values, slopes, count, G, C, scale, start, targets, states, loads):
     """Follow the equilibrium from state `start` (where c is the first target) through all targets c (n, 2).
 
-    Writes states (n, 2) = (u, rotation) and loads (n, 2) = (H, M). Between targets a failed step is halved.
+    Writes states (n, 2) = (u, rotation) and loads (n, 2) = (H, M). Between targets a failed step is halved; where that
+    does not help, the last state found stands at the target that was not reached.
 
     Returns
     -------
@@ -251,6 +260,8 @@ def follow(law, a, b, knots, values, slopes, count, G, C, scale, start, targets,
                 halvings += 1
                 width *= 0.5
                 if halvings > MAX_HALVINGS:
+                    states[n] = x
+                    reactions(law, a, b, knots, values, slopes, count, x[0], x[1], loads[n], K)
                     return n, at0, at1
             else:
                 x[:], done, at0, at1 = trial, aim, c0, c1
@@ -258,3 +269,17 @@ def follow(law, a, b, knots, values, slopes, count, G, C, scale, start, targets,
         reactions(law, a, b, knots, values, slopes, count, x[0], x[1], F, K)
         loads[n] = F
     return targets.shape[0], at0, at1
+
+
+@njit(cache=True)
+def solve_cases(law, a, b, knots, values, slopes, count, G, C, scale, targets, states, loads, reached):
+    """Solve independent cases c (n, 2), each from the origin; write their states and loads (n, 2), reached 1 or 0.
+
+    A case without equilibrium holds the last state that was found on the straight way to it.
+    """
+    start, way = np.zeros(2), np.zeros((2, 2))
+    x, F = np.zeros((2, 2)), np.zeros((2, 2))
+    for i in range(targets.shape[0]):
+        way[1] = targets[i]
+        n, _, _ = follow(law, a, b, knots, values, slopes, count, G, C, scale, start, way, x, F)
+        states[i], loads[i], reached[i] = x[1], F[1], n - 1

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pysprings.comparison import compare, curves
 from pysprings.exporters.tables import with_net
 from pysprings.exporters.xlsx_about import about_lines
-from pysprings.macro import MacroModel
+from pysprings.macro_model import MacroModel
 from pysprings.macro_sets import spring_sets
 from pysprings.springs import path_dataset, path_names
 from pysprings.storage import replacing

@@ -75,14 +75,20 @@ def read_rows(path: str | os.PathLike[str], faults: Faults) -> pd.DataFrame:
     return rows
 
 
+def sheet_of(path: Path) -> tuple[list[str], list[tuple[int, list[Any]]]]:
+    """Return heading and (line, cells) of a CSV file."""
+    (place,) = _sheets(path, csv_only=True)
+    return place[2], place[3]
+
+
 Sheet = tuple[str, str | None, list[str], list[tuple[int, list[Any]]]]
 
 
-def _sheets(path: Path) -> Iterator[Sheet]:
+def _sheets(path: Path, csv_only: bool = False) -> Iterator[Sheet]:
     """Yield (place, family of the sheet or None, heading, [(line, cells)]) for each sheet with a table."""
     if not path.is_file():
         raise UserInputError([Problem(file=str(path), message="is a folder" if path.is_dir() else "no such file")])
-    if path.suffix.lower() == ".csv":
+    if csv_only or path.suffix.lower() == ".csv":
         yield str(path), None, *_first_and_rest(_csv_lines(path))
         return
     for name, lines in _workbook(path):
@@ -146,7 +152,7 @@ def _typed(
         if name in TEXTS:
             data[name] = ["" if cell is None else str(cell).strip() for cell in given]
         else:
-            data[name] = _numbers(place, name, given, lines, faults)
+            data[name] = numbers(place, name, given, lines, faults)
     frame = pd.DataFrame(data)
     frame["family"] = frame["family"].where(frame["family"] != "", family or "py")
     known = frame["family"].isin(FAMILIES)
@@ -160,7 +166,7 @@ def _check_head(place: str, head: list[str], family: str | None, faults: Faults)
     for name, count in Counter(head).items():
         if count > 1:
             faults.add(at, quoted(name), f"column stands {count} times")
-    wrong = {name: _meant(name) for name in head if name not in PY_COLUMNS}
+    wrong = {name: meant(name) for name in head if name not in PY_COLUMNS}
     for name, meant in wrong.items():
         if meant:
             faults.add(at, quoted(name), f"wrong name or unit: expected '{meant}' (SI; convert the numbers)")
@@ -173,17 +179,20 @@ def _check_head(place: str, head: list[str], family: str | None, faults: Faults)
             faults.add(at, name, f"missing column (needed: {', '.join(NEEDED)})")
 
 
-def _meant(name: str) -> str | None:
-    """Column that differs from a name in its unit only: `y_m` for `y_mm` or `y [mm]`."""
+def meant(name: str, columns: Sequence[str] = PY_COLUMNS) -> str | None:
+    """Return the column that differs from a name in its unit only: `y_m` for `y_mm` or `y [mm]`."""
     stem = re.split(r"[\s_\[(/,]", name.strip(), maxsplit=1)[0]
-    if name.startswith("depth_top") or name.startswith("depth_bottom"):
+    if name.startswith(("depth_top", "depth_bottom")):
         stem = "_".join(name.split("_")[:2])
-    known = {column.rsplit("_m", 1)[0] if column.startswith("depth") else column.split("_")[0]: column
-             for column in PY_COLUMNS if "_" in column}  # fmt: skip
+    known = {_stem(column): column for column in columns if "_" in column}
     return known.get(stem)
 
 
-def _numbers(place: str, name: str, given: list[Any], lines: np.ndarray, faults: Faults) -> np.ndarray:
+def _stem(column: str) -> str:
+    return column.rsplit("_m", 1)[0] if column.startswith("depth") else column.split("_")[0]
+
+
+def numbers(place: str, name: str, given: list[Any], lines: np.ndarray, faults: Faults) -> np.ndarray:
     """Numbers of a column; NaN where a cell is blank."""
     out = np.full(len(given), np.nan)
     for k, cell in enumerate(given):
