@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from pysprings.errors import Problem, UserInputError
 from pysprings.macro_model import MacroModel
@@ -30,12 +31,7 @@ def stiffness_six(model: MacroModel) -> xr.DataArray:
     if model.stiffness_initial is None:
         message = "springs from a table have no vertical stiffness: a 6x6 matrix needs springs.nc"
         raise UserInputError([Problem(key="springs", message=message)])
-    k = model.tangent_stiffness().values
-    k = 0.5 * (k + k.T)
-    lateral, coupling, rocking, vertical = k[0, 0], k[0, 2], k[2, 2], k[1, 1]
-    matrix = np.diag([lateral, lateral, vertical, rocking, rocking, 0.0])
-    matrix[0, 4] = matrix[4, 0] = coupling
-    matrix[1, 3] = matrix[3, 1] = -coupling
+    matrix = axisymmetric(model.tangent_stiffness().values)
     coords = {"dof": list(DOFS), "dof_conjugate": list(DOFS)}
     attrs = {
         "long_name": "initial stiffness at the lid centre",
@@ -45,3 +41,13 @@ def stiffness_six(model: MacroModel) -> xr.DataArray:
         "torsion": TORSION,
     }
     return xr.DataArray(matrix, coords, ("dof", "dof_conjugate"), attrs=attrs, name="stiffness_6x6")
+
+
+def axisymmetric(tangent: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the symmetric (6, 6) matrix of an axisymmetric body from its (3, 3) one for (u, w, rotation)."""
+    k = 0.5 * (tangent + tangent.T)
+    lateral, coupling, rocking, vertical = k[0, 0], k[0, 2], k[2, 2], k[1, 1]
+    matrix = np.diag([lateral, lateral, vertical, rocking, rocking, 0.0])
+    matrix[0, 4] = matrix[4, 0] = coupling
+    matrix[1, 3] = matrix[3, 1] = -coupling
+    return matrix

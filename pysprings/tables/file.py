@@ -24,7 +24,7 @@ NEEDED = ("depth_m", "y_m", "p_N_per_m")
 FAMILIES = ("py", "mtheta", "base", "lid")
 TEXTS = ("path", "family", "side", "component")
 # Sheets that are not read: words and pictures.
-OTHER_SHEETS = ("about", "charts", "load-displacement", "stiffness")
+OTHER_SHEETS = ("about", "charts", "load-displacement", "stiffness 6x6")
 SHEETS = {"py": "py", "p-y": "py", "mtheta": "mtheta", "m-theta": "mtheta", "base": "base", "tip": "base", "lid": "lid"}
 MOST = 20  # problems shown
 
