@@ -24,6 +24,7 @@ from pysprings.cli_support import (
     springs_or_table,
 )
 from pysprings.errors import RunIncomplete
+from pysprings.jit import choose_for_command
 
 EPILOG = (
     "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; 130 interrupted."
@@ -279,14 +280,25 @@ def predict(
 def compare(
     result: Result,
     spring_set: Annotated[SpringSet | None, typer.Option("--springs", help="only these springs [default: all]")] = None,
+    slices: Annotated[bool, typer.Option("--slices", help="error and cost by number of depth slices instead")] = False,
     as_json: Json = False,
 ) -> None:
     """Set the prediction with the springs beside the full model, by path: eta and errors."""
     tree = springs_of(result)
-    from pysprings.comparison import compare as compare_models
-    from pysprings.comparison import to_dict, to_text
+    kind = spring_set.value if spring_set else None
+    if slices:
+        from pysprings import slices as by_slices
 
-    frame = compare_models(tree, spring_set.value if spring_set else None)
+        table = by_slices.slice_convergence(tree, springs_kind=kind)
+        if as_json:
+            print_json({"rows": table.to_dict(orient="records")})
+        else:
+            print(by_slices.to_text(table), end="")
+        return
+    from pysprings.comparison import compare as compare_models
+    from pysprings.comparison_text import to_dict, to_text
+
+    frame = compare_models(tree, kind)
     if as_json:
         print_json(to_dict(frame))
     else:
@@ -298,6 +310,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
+    choose_for_command(sys.argv[1:])
     app(prog_name="pysprings")
 
 

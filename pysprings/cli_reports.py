@@ -67,7 +67,8 @@ def _rows(key: str, value: Any) -> list[tuple[str, str]]:
 
 def results_json(folder: Path) -> dict[str, Any]:
     """Return what `pysprings run --json` prints: run.json, the files and the comparison."""
-    from pysprings.comparison import compare, to_dict
+    from pysprings.comparison import compare
+    from pysprings.comparison_text import to_dict
 
     record = read_record(folder)
     files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
@@ -88,7 +89,8 @@ def _has_springs(folder: Path, record: Mapping[str, Any]) -> bool:
 
 def print_results(folder: Path) -> None:
     """Print where the results of a run are, how the paths went, the cost, and the comparison."""
-    from pysprings.comparison import compare, to_text
+    from pysprings.comparison import compare
+    from pysprings.comparison_text import to_text
 
     record = read_record(folder)
     print(f"results in {folder} ({record['status']})")

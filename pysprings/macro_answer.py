@@ -85,7 +85,9 @@ def answer_dataset(
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
     coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
-    return xr.Dataset(data, coords, attrs).assign(stiffness=model.tangents(states))
+    tangent = model.tangents(states)
+    coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
+    return xr.Dataset(data | {"stiffness": tangent.variable}, coords, attrs)
 
 
 @dataclass(frozen=True, slots=True)

@@ -145,7 +145,8 @@ class MacroModel:
         way = np.concatenate([[first], np.asarray(targets, dtype=float)])
         G, C, scale, aims = equations(control, way, arm, self.table.load_scale)
         out = np.zeros((2, *aims.shape))
-        n, at0, at1 = follow(*self._springs, G, C, scale, state, aims, out[0], out[1])
+        with np.errstate(all="ignore"):  # an iterate that runs away is given up, with or without Numba
+            n, at0, at1 = follow(*self._springs, G, C, scale, state, aims, out[0], out[1])
         states, loads = out[0, 1:n], out[1, 1:n]
         return states, loads, "" if n == len(aims) else ending(control, (at0, at1), aims[n], states, loads)
 

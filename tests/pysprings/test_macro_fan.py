@@ -11,7 +11,8 @@ import xarray as xr
 from scipy.optimize import brentq
 
 from pysprings import variables
-from pysprings.comparison import compare, to_text
+from pysprings.comparison import compare
+from pysprings.comparison_text import to_text
 from pysprings.errors import UserInputError
 from pysprings.macro import MacroModel, MacroWarning, curve, predict
 from pysprings.macro_fan import build_fan, fan_paths, has_fan, secant_slopes
