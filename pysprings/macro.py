@@ -220,7 +220,11 @@ def tangent_stiffness(
 
 def model_of(springs: Springs | MacroModel, springs_kind: str | None = None, path: str | None = None) -> MacroModel:
     """Return the model of springs (`MacroModel.from_springs`); a model itself as it is."""
-    return springs if isinstance(springs, MacroModel) else MacroModel.from_springs(springs, springs_kind, path)
+    if not isinstance(springs, MacroModel):
+        return MacroModel.from_springs(springs, springs_kind, path)
+    if springs_kind is not None or path is not None:
+        raise refused("springs_kind", "a model has its springs already: choose them where it is built (`model_of`)")
+    return springs
 
 
 def _loads(H: float | Array | None, arm: float | Array | None, M: float | Array | None) -> tuple[Array, Array]:

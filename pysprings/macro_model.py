@@ -24,6 +24,7 @@ from pysprings.springs import get_path
 Array = NDArray[np.float64]
 
 NO_VERTICAL = "a table has no vertical springs: w and V are left out"
+FIRST_STEPS = "a table has no initial stiffness: the fan starts with that of the first recorded steps"
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +78,8 @@ class MacroModel:
             table = build_table(origin, kind)
         stiffness = springs.dataset["stiffness_initial"].values
         known = stiffness if stiffness.shape == (3, 3) else None
-        remarks += () if known is not None else (NO_VERTICAL,)
+        if known is None:
+            remarks += (NO_VERTICAL, FIRST_STEPS) if kind == "fan" else (NO_VERTICAL,)
         return cls(table, kind, origin, known, {str(name): value for name, value in springs.attrs.items()}, remarks)
 
     @property

@@ -111,7 +111,7 @@ def _range(springs: xr.DataTree, name: str) -> str:
 
 
 def _error(row: pd.Series) -> str:
-    names = {"H": "load", "rotation": "rotation", "M": "moment"}
+    names = {"H": "load", "rotation": "rotation", "M": "moment", "u": "displacement at equal load"}
     parts = [
         f"{words} {round(row[f'{key}_error_max_pct'], 2) + 0.0:+.2f} %"
         for key, words in names.items()

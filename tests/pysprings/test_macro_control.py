@@ -127,6 +127,8 @@ def test_stiffness_is_the_slope_of_the_prediction(bent):
         impose(bent)
     with pytest.raises(UserInputError, match="H: give a load or a moment"):
         predict(bent)
+    with pytest.raises(UserInputError, match="springs_kind: a model has its springs already"):
+        predict(bent, H=1e5, springs_kind="py")
 
 
 def test_six_by_six_does_not_know_the_direction_of_the_load(bent):

@@ -64,6 +64,7 @@ def test_our_own_table_makes_the_same_fan(tmp_path):
     table = open_table(file)
     ours, theirs = (curve(source, u_max=3e-3, arm=2.0, n=7) for source in (springs, table))
     assert theirs.attrs["springs"] == "fan"
+    assert "the fan starts with that of the first recorded steps" in theirs.attrs["remarks"]
     np.testing.assert_allclose(theirs["H"], ours["H"], rtol=5e-3)  # the initial slope is that of the first steps
     np.testing.assert_allclose(theirs["rotation"], ours["rotation"], rtol=5e-3)
     np.testing.assert_allclose(table["stiffness_initial"], springs["stiffness_initial"][::2, ::2], rtol=2e-2)
