@@ -167,9 +167,9 @@ def _check_head(place: str, head: list[str], family: str | None, faults: Faults)
         if count > 1:
             faults.add(at, quoted(name), f"column stands {count} times")
     wrong = {name: meant(name) for name in head if name not in PY_COLUMNS}
-    for name, meant in wrong.items():
-        if meant:
-            faults.add(at, quoted(name), f"wrong name or unit: expected '{meant}' (SI; convert the numbers)")
+    for name, column in wrong.items():
+        if column:
+            faults.add(at, quoted(name), f"wrong name or unit: expected '{column}' (SI; convert the numbers)")
         else:
             near = difflib.get_close_matches(name, PY_COLUMNS, n=1, cutoff=0.6)
             hint = f" (did you mean '{near[0]}'?)" if near else f"; known are {', '.join(PY_COLUMNS)}"
