@@ -13,9 +13,11 @@ if TYPE_CHECKING:
     from pysprings.comparison import compare
     from pysprings.extract import extract_springs
     from pysprings.full_model import run
-    from pysprings.macro import curve, predict
+    from pysprings.macro import curve, impose, model_of, predict, predict_batch, sequence, stiffness
+    from pysprings.macro_six import stiffness_six
     from pysprings.scene import Scene, load_scene
     from pysprings.springs import open_springs
+    from pysprings.tables import open_table
 
 __version__ = "0.1.0"
 
@@ -25,10 +27,17 @@ __all__ = [
     "compare",
     "curve",
     "extract_springs",
+    "impose",
     "load_scene",
+    "model_of",
     "open_springs",
+    "open_table",
     "predict",
+    "predict_batch",
     "run",
+    "sequence",
+    "stiffness",
+    "stiffness_six",
 ]
 
 _HOMES = {
@@ -36,8 +45,15 @@ _HOMES = {
     "load_scene": "scene",
     "extract_springs": "extract",
     "open_springs": "springs",
+    "open_table": "tables",
     "predict": "macro",
     "curve": "macro",
+    "stiffness": "macro",
+    "sequence": "macro",
+    "predict_batch": "macro",
+    "model_of": "macro",
+    "impose": "macro",
+    "stiffness_six": "macro_six",
     "run": "full_model",
     "compare": "comparison",
 }

@@ -21,8 +21,10 @@ from pysprings.cli_support import (
     result_folder,
     say,
     springs_of,
+    springs_or_table,
 )
 from pysprings.errors import RunIncomplete
+from pysprings.jit import choose_for_command
 
 EPILOG = (
     "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; 130 interrupted."
@@ -199,7 +201,7 @@ def _format(form: Format | None, out: Path | None) -> str:
 @app.command()
 @guarded
 def predict(
-    result: Annotated[Path, typer.Argument(metavar="SPRINGS", help="springs.nc, or the folder of a run")],
+    result: Annotated[Path, typer.Argument(metavar="SPRINGS", help="springs.nc, the folder of a run, or a p-y table")],
     load: Annotated[str | None, typer.Option("--H", metavar="FORCE", help='lateral load, e.g. "2 MN"')] = None,
     arm: Annotated[
         str | None, typer.Option("--arm", metavar="LENGTH", help='its height above mudline, e.g. "8 m"')
@@ -214,6 +216,15 @@ def predict(
         typer.Option("--u-max", metavar="LENGTH", help='a whole curve up to this displacement, e.g. "5 mm"'),
     ] = None,
     points: Annotated[int, typer.Option("--points", help="points of the curve", min=2, max=10_000)] = 50,
+    u: Annotated[str | None, typer.Option("--u", metavar="LENGTH", help="the load at this displacement")] = None,
+    rotation: Annotated[
+        str | None,
+        typer.Option("--rotation", metavar="ANGLE", help="the load at this rotation; with --u: both imposed"),
+    ] = None,
+    sequence: Annotated[
+        Path | None,
+        typer.Option("--sequence", metavar="FILE", help="CSV with a load (H_N, M_Nm, V_N) or motion (u_m ...) a line"),
+    ] = None,
     spring_set: Annotated[
         SpringSet | None, typer.Option("--springs", help="springs to use [default: fan where there is one, else full]")
     ] = None,
@@ -223,10 +234,20 @@ def predict(
     strict: Annotated[
         bool, typer.Option("--strict", help="refuse an answer that the springs support only in part")
     ] = False,
+    stiffness: Annotated[
+        bool, typer.Option("--stiffness", help="also the tangent stiffness at mudline, and the initial one, 6x6")
+    ] = False,
+    skirt_length: Annotated[
+        str | None, typer.Option("--skirt-length", metavar="LENGTH", help="of a table without depth_bottom_m")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Predict displacement and rotation of the rigid caisson on its springs, or a load-displacement curve."""
-    from pysprings.cli_reports import prediction_json, print_prediction
+    """Predict displacement and rotation of the rigid caisson on its springs, or a load-displacement curve.
+
+    SPRINGS may be a table of p-y curves (CSV, Excel) with columns depth_m, y_m, p_N_per_m, and companions if any.
+    """
+    from pysprings import cli_predict as asked
+    from pysprings.cli_reports import prediction_json, print_prediction, remarks_of
 
     given = quantities(
         {
@@ -235,41 +256,23 @@ def predict(
             "--M": (moment, "N m", "-3 MN m"),
             "--V": (vertical, "N", "4 MN"),
             "--u-max": (u_max, "m", "5 mm"),
+            "--u": (u, "m", "3 mm"),
+            "--rotation": (rotation, "rad", "0.5 mrad"),
+            "--skirt-length": (skirt_length, "m", "4 m"),
         }
     )
-    _refuse_wrong_loads(given)
-    tree = springs_of(result)
-    from pysprings import macro
-
-    force, height, limit, down = given["--H"], given["--arm"], given["--u-max"], given["--V"]
-    kind = spring_set.value if spring_set else None
-    if limit is not None:
-        states = macro.curve(
-            tree, u_max=limit, arm=height or 0.0, n=points, V=down, springs_kind=kind, path=path, strict=strict
-        )
-    else:
-        assert force is not None  # seen to by _refuse_wrong_loads
-        answer = macro.predict(
-            tree, H=force, arm=height, M=given["--M"], V=down, springs_kind=kind, path=path, strict=strict
-        )
-        states = answer.isel(step=[-1])
+    asked.refuse_contradictions(given, sequence)
+    springs, kind = springs_or_table(result, given["--skirt-length"]), spring_set.value if spring_set else None
+    states = asked.answer(springs, given, sequence, kind, path, points, strict)
+    six = asked.initial_six(springs, kind, path) if stiffness else None
     if as_json:
-        print_json(prediction_json(states))
-    else:
-        print_prediction(states)
-
-
-def _refuse_wrong_loads(given: dict[str, float | None]) -> None:
-    """Refuse loads that are missing or given twice."""
-    there = {option for option, value in given.items() if value is not None}
-    if not there & {"--H", "--u-max"}:
-        refuse("--H", 'missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve')
-    if {"--H", "--u-max"} <= there:
-        refuse("--u-max", "give either --H or --u-max: the load is an answer of the curve")
-    if {"--arm", "--M"} <= there:
-        refuse("--M", "give either --arm or --M, not both (M = -H*arm)")
-    if {"--u-max", "--M"} <= there:
-        refuse("--M", "a curve needs the height of the load: give --arm instead")
+        print_json(prediction_json(states) | (asked.stiffness_json(states, six) if stiffness else {}))
+        return
+    print_prediction(states)
+    if stiffness:
+        asked.print_stiffness(states, six)
+    if remarks := remarks_of(states):
+        say(remarks)
 
 
 @app.command()
@@ -277,14 +280,25 @@ def _refuse_wrong_loads(given: dict[str, float | None]) -> None:
 def compare(
     result: Result,
     spring_set: Annotated[SpringSet | None, typer.Option("--springs", help="only these springs [default: all]")] = None,
+    slices: Annotated[bool, typer.Option("--slices", help="error and cost by number of depth slices instead")] = False,
     as_json: Json = False,
 ) -> None:
     """Set the prediction with the springs beside the full model, by path: eta and errors."""
     tree = springs_of(result)
-    from pysprings.comparison import compare as compare_models
-    from pysprings.comparison import to_dict, to_text
+    kind = spring_set.value if spring_set else None
+    if slices:
+        from pysprings import slices as by_slices
 
-    frame = compare_models(tree, spring_set.value if spring_set else None)
+        table = by_slices.slice_convergence(tree, springs_kind=kind)
+        if as_json:
+            print_json({"rows": table.to_dict(orient="records")})
+        else:
+            print(by_slices.to_text(table), end="")
+        return
+    from pysprings.comparison import compare as compare_models
+    from pysprings.comparison_text import to_dict, to_text
+
+    frame = compare_models(tree, kind)
     if as_json:
         print_json(to_dict(frame))
     else:
@@ -296,6 +310,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
+    choose_for_command(sys.argv[1:])
     app(prog_name="pysprings")
 
 

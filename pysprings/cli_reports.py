@@ -67,7 +67,8 @@ def _rows(key: str, value: Any) -> list[tuple[str, str]]:
 
 def results_json(folder: Path) -> dict[str, Any]:
     """Return what `pysprings run --json` prints: run.json, the files and the comparison."""
-    from pysprings.comparison import compare, to_dict
+    from pysprings.comparison import compare
+    from pysprings.comparison_text import to_dict
 
     record = read_record(folder)
     files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
@@ -88,7 +89,8 @@ def _has_springs(folder: Path, record: Mapping[str, Any]) -> bool:
 
 def print_results(folder: Path) -> None:
     """Print where the results of a run are, how the paths went, the cost, and the comparison."""
-    from pysprings.comparison import compare, to_text
+    from pysprings.comparison import compare
+    from pysprings.comparison_text import to_text
 
     record = read_record(folder)
     print(f"results in {folder} ({record['status']})")
@@ -231,10 +233,16 @@ def print_prediction(states: xr.Dataset) -> None:
     """Print states (dimension step) as a table, in the units people use."""
     columns = [column for column in COLUMNS if column[0] in states]
     headers = [f"{name} [{unit}]" for name, unit, _ in columns]
-    largest = max(abs(float(value)) for name in ("H", "V", "M") for value in states[name].values)
+    largest = max(abs(float(value)) for name in ("H", "V", "M") if name in states for value in states[name].values)
     noise = {name: ROUNDING * largest if name in ("H", "V", "M") else 0.0 for name, *_ in columns}
     cells = [[_figures(value, factor, noise[name]) for value in states[name].values] for name, _, factor in columns]
     print_table(headers, [list(row) for row in zip(*cells, strict=True)])
+
+
+def remarks_of(states: xr.Dataset) -> str:
+    """Return what an answer says of the springs it comes from, a line each."""
+    remarks = str(states.attrs.get("remarks", "")).split(" | ")
+    return "\n".join(f"note: {remark}" for remark in remarks if remark)
 
 
 def _figures(value: float, factor: float, noise: float) -> str:

@@ -34,6 +34,8 @@ from pysprings.result_files import results_in
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pysprings.macro_sets import Springs
+
 P = ParamSpec("P")
 
 DEBUG = {"on": False}  # set by `pysprings --debug`
@@ -137,6 +139,17 @@ def springs_of(result: Path) -> xr.DataTree:
         return extract_springs(tree)
     validate_springs(tree, file=path)
     return tree
+
+
+def springs_or_table(source: Path, skirt_length: float | None) -> Springs:
+    """Open what a prediction is made with: springs as `springs_of` does, or somebody's CSV or Excel table."""
+    from pysprings.tables import is_table, open_table
+
+    if is_table(source):
+        return open_table(source, skirt_length)
+    if skirt_length is not None:
+        refuse("--skirt-length", "is for tables; a spring file has it", source)
+    return springs_of(source)
 
 
 @contextmanager

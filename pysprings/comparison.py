@@ -7,6 +7,9 @@ rotation for the first, H and M for the second. With the sets "py" and "full" a 
 own springs, a held-back path by the springs of the first calibration path. The set "fan" is made from all rays
 among the calibration paths and answers every path.
 
+Read the other way, `u_error_...` is the displacement that the macro-model needs for the full model's load (H and M of
+each recorded state), over the full model's, minus 1. `rotation_point_...`: depth of the point of the axis at rest.
+
 On their own paths the full set and the fan meet the recorded states by construction. What they do between them is
 measured too: `..._error_between_pct` is the largest error when every second recorded state is left out of the
 springs.
@@ -29,10 +32,12 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.macro import Control, MacroModel, spring_sets
 from pysprings.macro_answer import refused
+from pysprings.macro_control import Control
 from pysprings.macro_fan import fan_paths
-from pysprings.springs import ROLES, SCHEMA, get_path, path_names
+from pysprings.macro_model import MacroModel
+from pysprings.macro_sets import spring_sets
+from pysprings.springs import SCHEMA, get_path, path_names
 
 Array = NDArray[np.float64]
 
@@ -49,6 +54,11 @@ _DRIVERS: dict[str, tuple[Control, str, str, tuple[str, ...]]] = {
 }
 
 _ERRORS = ("H", "rotation", "M")
+
+AT_LOAD = {"long_name": "lateral displacement of the lid centre under the load of the full model", "units": "m"}
+# The point of rotation is followed on paths with a free head, where it is nearer than this many diameters.
+FREE_HEAD = ("pull", "load")
+FAR = 100.0
 
 
 def compare(model: xr.DataTree, springs_kind: str | None = None) -> pd.DataFrame:
@@ -94,7 +104,14 @@ def _along(full: xr.Dataset, model: MacroModel) -> xr.Dataset:
     """Drive a macro-model as the full model was driven, through the states it recorded."""
     control, *_ = _DRIVERS[full.attrs["kind"]]
     targets = np.stack([full["u"].values, full["rotation"].values], axis=1)
-    return model.trace(control, targets, float(full.attrs["arm_m"]))
+    trace = model.trace(control, targets, float(full.attrs["arm_m"]))
+    return trace.assign(u_at_load=("step", _at_load(full, model, trace.sizes["step"]), AT_LOAD))
+
+
+def _at_load(full: xr.Dataset, model: MacroModel, n: int) -> Array:
+    """Displacement u [m] of the macro-model under the loads of the full model, by state; NaN beyond what it carries."""
+    states, _, _ = model.solve("load", np.stack([full["H"].values[:n], full["M"].values[:n]], axis=1))
+    return np.append(states[:, 0], np.full(n - len(states), np.nan))
 
 
 def _thinned(springs: xr.DataTree, path: str) -> xr.DataTree:
@@ -158,6 +175,7 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
     length = float(springs.attrs["skirt_length_m"])
     both = (("full", full), ("macro", trace))
     row |= {f"rotation_point_{who}_m": _rotation_point(data, n, length) for who, data in both}
+    row |= _at_equal_load(full, trace) | {"rotation_point_error_max_m": _point_error(full, trace, length)}
     return row | {
         "small_at": small,
         "skip_below": SKIP_BELOW,
@@ -216,101 +234,30 @@ def eta(x: Array, reference: Array, answer: Array, end: float | None = None) -> 
     return 1.0 - float(np.trapezoid(np.abs(answer - reference), size)) / area if area else float("nan")
 
 
+def _at_equal_load(full: xr.Dataset, trace: xr.Dataset) -> dict[str, Any]:
+    """Largest and last error [%] of the displacement at equal load, and the states whose load is carried."""
+    answer = trace["u_at_load"].values
+    reached = np.isfinite(answer)
+    x, worst, last = full["u"].values[: answer.size][reached], np.nan, np.nan
+    if full.attrs["kind"] != "rotation":  # there u is 0, or what rounding has left of it
+        worst, last = _relative_errors(x, x, answer[reached])
+    return {"u_error_max_pct": worst, "u_error_end_pct": last, "states_at_load": int(reached.sum()) - 1}
+
+
+def _point_error(full: xr.Dataset, trace: xr.Dataset, length: float) -> float:
+    """Largest distance [m] between both points of rotation, at equal displacement; NaN: none to follow."""
+    n = trace.sizes["step"]
+    u, rotation = full["u"].values[:n], full["rotation"].values[:n]
+    near = (np.abs(rotation) * length * FAR > np.abs(u)) & (np.abs(u) >= SKIP_BELOW * np.abs(u).max(initial=0.0))
+    near &= (u != 0.0) & (trace["rotation"].values != 0.0)
+    if full.attrs["kind"] not in FREE_HEAD or not near.any():
+        return float("nan")
+    own = trace["u"].values[near] / trace["rotation"].values[near]
+    return float(np.abs(own - u[near] / rotation[near]).max())
+
+
 def _rotation_point(data: Mapping[Any, Any], n: int, length: float) -> float:
     """Depth [m] of the point of the axis at rest in the last state, -u/rotation; NaN for a translation."""
     u, rotation = (float(data[name][n - 1]) if n else 0.0 for name in ("u", "rotation"))
     # an imposed rotation of 0 is met to rounding only
     return -u / rotation if abs(rotation) * length > 1e-9 * abs(u) else float("nan")
-
-
-_TEXT_COLUMNS = {
-    "path": "path",
-    "arm_m": "arm [m]",
-    "springs": "springs",
-    "springs_from": "from",
-    "eta_small": "eta small",
-    "eta_large": "eta large",
-    "H_error_max_pct": "H max [%]",
-    "H_error_end_pct": "H end [%]",
-    "H_error_between_pct": "H between [%]",
-    "rotation_error_max_pct": "rot max [%]",
-    "rotation_error_end_pct": "rot end [%]",
-    "M_error_max_pct": "M max [%]",
-    "rotation_point_full_m": "z_rot full [m]",
-    "rotation_point_macro_m": "z_rot macro [m]",
-}
-
-
-_ROLE_TITLES = {
-    "calibration": "calibration paths: springs are made from them",
-    "held-back": "held-back paths: springs are checked on them",
-}
-
-
-def to_text(frame: pd.DataFrame) -> str:
-    """Return the comparison as tables for a terminal, one a role, with definitions; '-' is imposed or undefined."""
-    shown = frame[list(_TEXT_COLUMNS)].dropna(axis=1, how="all").rename(columns=_TEXT_COLUMNS)
-    head = [str(name) for name in shown.columns]
-    cells = [[_cell(value, str(name)) for name, value in row.items()] for _, row in shown.iterrows()]
-    widths = [max(len(row[j]) for row in [head, *cells]) for j in range(len(head))]
-    adjust = [str.rjust if shown[name].dtype.kind == "f" else str.ljust for name in shown.columns]
-
-    def line(texts: list[str]) -> str:
-        return "  ".join(f(text, w) for text, w, f in zip(texts, widths, adjust, strict=True)).rstrip()
-
-    lines: list[str] = []
-    for role in ROLES:
-        rows = [line(row) for row, own in zip(cells, frame["role"] == role, strict=True) if own]
-        if rows:
-            lines += [_ROLE_TITLES[role], line(head), "  ".join("-" * w for w in widths), *rows, ""]
-    ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
-    return "\n".join(lines + _NOTES + ended + _marked(frame)) + "\n"
-
-
-def _marked(frame: pd.DataFrame) -> list[str]:
-    """One line for each answer of the fan that it supports only in part."""
-    return [
-        f"{r['path']}, fan: of {r['states']} states {r['extrapolated_states']} are extrapolated and "
-        f"{r['off_path_states']} between paths too far apart"
-        for r in frame.to_dict("records")
-        if r["springs"] == "fan" and (r["extrapolated_states"] or r["off_path_states"])
-    ]
-
-
-_NOTES = [
-    f"errors: macro-model over full model minus 1, at equal displacement; states below {SKIP_BELOW:.0%} of "
-    "the largest are left out; '-': imposed or undefined",
-    "between: the largest error when every second recorded state is left out of the springs",
-    "eta = 1 - area between the load-displacement curves / area of the full model's; "
-    f"small: to outer diameter / {1 / SMALL_OVER_DIAMETER:.0f}",
-    "springs: py = lateral p-y alone; full = p-y, distributed moment, tip and lid terms; "
-    "fan = all of them by (u, rotation), from all calibration paths of constant rotation/u",
-]
-
-
-def _cell(value: Any, column: str) -> str:
-    if isinstance(value, float):
-        digits = 4 if column.startswith("eta") else 2
-        # + 0.0 turns a rounded -0.00 into 0.00
-        return "-" if np.isnan(value) else f"{round(value, digits) + 0.0:.{digits}f}"
-    return str(value)
-
-
-def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
-    """Return the comparison for JSON: definitions and rows; what is undefined is None."""
-    records = frame.to_dict(orient="records")
-    rows = [{str(name): _finite(value) for name, value in row.items()} for row in records]
-    definitions = {
-        "eta": "1 - area between load-displacement curves / area under the full model's",
-        "eta_small_to": f"outer diameter * {SMALL_OVER_DIAMETER:g}; over the skirt length on a rotation path",
-        "errors": "(macro - full) / full in percent, at equal displacement",
-        "skip_below": SKIP_BELOW,
-    }
-    return {str(name): value for name, value in frame.attrs.items()} | {
-        "definitions": definitions,
-        "rows": rows,
-    }
-
-
-def _finite(value: Any) -> Any:
-    return None if isinstance(value, float) and not np.isfinite(value) else value

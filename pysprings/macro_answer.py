@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,18 +14,17 @@ from numpy.typing import NDArray
 from pysprings import variables
 from pysprings.errors import Problem, UserInputError
 from pysprings.macro_fan import WIDEST, FanTable
+from pysprings.macro_limit import RANGE_SLACK, Limit, range_used
 from pysprings.macro_solver import row_values
 
 if TYPE_CHECKING:
-    from pysprings.macro import MacroModel
+    from pysprings.macro_model import MacroModel
     from pysprings.macro_tables import SpringTable
 
 Array = NDArray[np.float64]
 
 # States farther than this from the calibration path, relative to their size, are marked off_path.
 OFF_PATH = 0.10
-# A spring may exceed its range by this share before it counts as extrapolated (rounding).
-RANGE_SLACK = 1e-6
 
 _KEPT = (
     "Conventions",
@@ -39,24 +39,29 @@ _KEPT = (
 
 
 def answer_dataset(
-    model: MacroModel, states: Array, loads: Array, V: float | None, drive: dict[str, Any], message: str
+    model: MacroModel,
+    states: Array,
+    loads: Array,
+    V: float | Array | None,
+    drive: dict[str, Any],
+    message: str,
+    limit: Callable[[int], Limit] | None = None,
 ) -> xr.Dataset:
     """Return states (n, 2) = (u, rotation) and loads (n, 2) = (H, M) as a dataset, with w, V, p and marks.
 
     V [N] is the vertical load asked for (None: that of the path); drive names the control and the load
-    height; message tells where a path ended before its aim.
+    height; message tells where a path ended before its aim; limit finds the largest load within the range of the
+    springs, given the first state beyond it.
     """
     u, rotation = states.T
     table = model.table
     found = _on_fan(model, table, states) if isinstance(table, FanTable) else _on_path(model, table, states)
-    w, vertical, elastic = _vertical(model, found, V)
+    vertical, elastic = _vertical(model, found, V)
     depth = model.origin["depth"].values
     values = {
         "u": u,
-        "w": w,
         "rotation": rotation,
         "H": loads[:, 0],
-        "V": vertical,
         "M": loads[:, 1],
         "converged": np.ones(u.size, dtype=np.int8),
         "depth_bounds": model.origin["depth_bounds"].values,
@@ -65,43 +70,55 @@ def answer_dataset(
         "p": found.p,
         "range_used": found.used,
         "extrapolated": (found.used > 1.0 + RANGE_SLACK).astype(np.int8),
-        "path_distance": found.distance,
-        "off_path": found.off.astype(np.int8),
-    }
-    notes = found.notes + ([_other_load(model, V)] if elastic and V is not None else [])
+    } | vertical
+    if found.distance is not None:
+        values |= {"path_distance": found.distance, "off_path": found.off.astype(np.int8)}
+    beyond = np.flatnonzero(found.used > 1.0 + RANGE_SLACK)
+    notes = _beyond(model, found.used, limit(int(beyond[0])) if limit else None, drive) if beyond.size else []
+    notes += found.notes + ([_other_load(model, V)] if elastic and V is not None else [])
     attrs = (
         _provenance(model)
         | drive
         | {"status": "partial" if message else "complete", "message": message, "warnings": " | ".join(notes)}
+        | {"remarks": " | ".join(model.remarks)}
     )
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
-    coords = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
-    return xr.Dataset(data, coords, attrs)
+    coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
+    tangent = model.tangents(states)
+    coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
+    return xr.Dataset(data | {"stiffness": tangent.variable}, coords, attrs)
 
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """What the springs say at states besides the loads: w [m], V [N] by step, p (depth, step), and their support."""
+    """What the springs say at states besides the loads: w [m], V [N] by step, p (depth, step), and their support.
 
-    w: Array
-    V: Array
+    w and V are None for springs from a table; distance is None where no path is known.
+    """
+
+    w: Array | None
+    V: Array | None
     p: Array
     usable: NDArray[np.int8]
     used: Array
-    distance: Array
+    distance: Array | None
     off: NDArray[np.bool_]
     notes: list[str]
 
 
 def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Found:
     """Springs of one path."""
-    depth, used = model.origin["depth"].values, _range_used(table, states)
+    depth, used = model.origin["depth"].values, range_used(table, states)
+    p, usable = _lateral(table, depth, states), _usable(table, depth)
+    if "u" not in model.origin:
+        nowhere = np.zeros(used.size, dtype=bool)
+        return _Found(None, None, p, usable, used, None, nowhere, [])
     distance = _distance(_track(model), states * [1.0, model.length])
     off = distance > OFF_PATH
-    w, V = _path_vertical(model, *states.T)
-    notes = _path_notes(model, used, distance, off)
-    return _Found(w, V, _lateral(table, depth, states), _usable(table, depth), used, distance, off, notes)
+    w, V = (None, None) if model.stiffness_initial is None else _path_vertical(model, *states.T)
+    notes = _path_notes(model, distance, off)
+    return _Found(w, V, p, usable, used, distance, off, notes)
 
 
 def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Found:
@@ -111,19 +128,14 @@ def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Found:
     off = (sector > WIDEST + RANGE_SLACK) & (states != 0.0).any(axis=1)
     usable = np.ones(model.origin.sizes["depth"], dtype=np.int8)
     (w,), (V,), p = (rows[table.name == name] for name in ("w", "V", "p"))
-    notes = _fan_notes(table, used, sector, off)
-    return _Found(w, V, p, usable, used, np.sin(nearest), off, notes)
+    notes = _fan_notes(sector, off)
+    known = model.stiffness_initial is not None
+    return _Found(w if known else None, V if known else None, p, usable, used, np.sin(nearest), off, notes)
 
 
 def _track(model: MacroModel) -> Array:
     """States (u, rotation*L) [m] of the path the springs come from."""
     return np.stack([model.origin["u"].values, model.origin["rotation"].values * model.length], axis=1)
-
-
-def _range_used(t: SpringTable, states: Array) -> Array:
-    """Largest displacement over its range, by state; curves kept in part are left out (flat beyond)."""
-    whole = ~t.cut
-    return (np.abs(states @ t.a[whole].T) / t.range[whole]).max(axis=1, initial=0.0)
 
 
 def _lateral(t: SpringTable, depth: Array, states: Array) -> Array:
@@ -152,13 +164,20 @@ def _path_vertical(model: MacroModel, u: Array, rotation: Array) -> tuple[Array,
     return np.interp(motion, grows, path_w - path_w[0]), np.interp(motion, grows, path_v)
 
 
-def _vertical(model: MacroModel, found: _Found, V: float | None) -> tuple[Array, Array, bool]:
-    """w [m] and V [N] by step, and whether V is another than the springs' (then w has an elastic part)."""
+def _vertical(model: MacroModel, found: _Found, V: float | Array | None) -> tuple[dict[str, Array], bool]:
+    """w [m] and V [N] by step where they are known, and whether V is another than the springs' (w is elastic then)."""
+    stiffness = model.stiffness_initial
+    if stiffness is None or found.w is None or found.V is None:
+        if V is not None:
+            raise refused("V", "these springs come from a table, which has no vertical stiffness: leave V out")
+        return {}, False
     if V is None:
-        return found.w, found.V, False
-    check_finite(V=V)
-    other = np.abs(V - found.V).max() > 1e-6 * max(abs(V), np.abs(found.V).max())
-    return found.w + (V - found.V) / model.stiffness_initial[1, 1], np.full_like(found.V, V), bool(other)
+        return {"w": found.w, "V": found.V}, False
+    down = np.full_like(found.V, V)
+    check_finite(V=float(np.abs(down).max(initial=0.0)))
+    size = max(np.abs(down).max(initial=0.0), np.abs(found.V).max(initial=0.0))
+    other = np.abs(down - found.V).max(initial=0.0) > 1e-6 * size
+    return {"w": found.w + (down - found.V) / stiffness[1, 1], "V": down}, bool(other)
 
 
 def _distance(track: Array, states: Array) -> Array:
@@ -176,45 +195,48 @@ def _distance(track: Array, states: Array) -> Array:
     return np.sqrt(shortest / np.where(size > 0.0, size, np.inf))
 
 
-def _path_notes(model: MacroModel, used: Array, distance: Array, off: NDArray[np.bool_]) -> list[str]:
-    """Sentences, with their numbers and limits, on what the springs of one path do not support."""
-    notes, n, name = [], used.size, model.origin.attrs["path"]
-    beyond = int((used > 1.0 + RANGE_SLACK).sum())
-    if beyond:
-        notes.append(
-            f"{beyond} of {n} states are beyond the range of path '{name}': springs reach "
-            f"{used.max():.3g} times their calibrated displacement (limit 1)"
-        )
-    if off.any():
-        notes.append(
-            f"{off.sum()} of {n} states are off the path '{name}' (load height {model.origin.attrs['arm_m']:g} m) "
-            f"they come from, by up to {distance.max():.0%} (limit {OFF_PATH:.0%}): "
-            "springs do not transfer between load paths, check against the full model"
-        )
-    return notes
+def _beyond(model: MacroModel, used: Array, limit: Limit | None, drive: dict[str, Any]) -> list[str]:
+    """A sentence on states beyond the range of the springs; what they carry within it goes to the attributes, too."""
+    n, table = int((used > 1.0 + RANGE_SLACK).sum()), model.table
+    if isinstance(table, FanTable):
+        where, what = f"the fan of {len(table.path)} paths: they reach", "the"
+    else:
+        where, what = f"path '{model.origin.attrs['path']}': springs reach", "their"
+    text = f"{n} of {used.size} states are beyond the range of {where} {used.max():.3g} times {what} calibrated "
+    text += "displacement (limit 1)"
+    if limit is None:
+        return [text]
+    drive |= {"limit_H_N": limit.H, "limit_M_Nm": limit.M, "limit_u_m": limit.u, "limit_rotation_rad": limit.rotation}
+    return [f"{text}; {limit}"]
 
 
-def _fan_notes(table: FanTable, used: Array, sector: Array, off: NDArray[np.bool_]) -> list[str]:
-    """Sentences, with their numbers and limits, on what a fan does not support."""
-    notes, n = [], used.size
-    beyond = int((used > 1.0 + RANGE_SLACK).sum())
-    if beyond:
-        notes.append(
-            f"{beyond} of {n} states are beyond the range of the fan of {len(table.path)} paths: they reach "
-            f"{used.max():.3g} times the calibrated displacement (limit 1)"
-        )
-    if off.any():
-        notes.append(
-            f"{off.sum()} of {n} states are between calibration paths {np.degrees(sector[off].max()):.3g} degrees "
-            f"apart in (u, rotation*skirt_length) (limit {np.degrees(WIDEST):.3g}): add a path between them"
-        )
-    return notes
+def _path_notes(model: MacroModel, distance: Array, off: NDArray[np.bool_]) -> list[str]:
+    """A sentence on states that are far from the one path the springs come from."""
+    arm = float(model.origin.attrs["arm_m"])
+    height = f" (load height {arm:g} m)" if np.isfinite(arm) else ""
+    text = (
+        f"{off.sum()} of {off.size} states are off the path '{model.origin.attrs['path']}'{height} "
+        f"they come from, by up to {distance.max(initial=0.0):.0%} (limit {OFF_PATH:.0%}): "
+        "springs do not transfer between load paths, check against the full model"
+    )
+    return [text] if off.any() else []
 
 
-def _other_load(model: MacroModel, V: float) -> str:
+def _fan_notes(sector: Array, off: NDArray[np.bool_]) -> list[str]:
+    """A sentence on states between rays too far apart."""
+    text = (
+        f"{off.sum()} of {off.size} states are between calibration paths {np.degrees(sector.max(initial=0.0)):.3g} "
+        f"degrees apart in (u, rotation*skirt_length) (limit {np.degrees(WIDEST):.3g}): add a path between them"
+    )
+    return [text] if off.any() else []
+
+
+def _other_load(model: MacroModel, V: float | Array) -> str:
+    values = ", ".join(f"{value:.7g}" for value in np.unique(V)[:3])
+    more = " ..." if np.unique(V).size > 3 else ""
     return (
-        f"V = {V:.4g} N is not that of path '{model.origin.attrs['path']}' ({model.origin['V'].values[-1]:.4g} N): "
-        "w from the elastic vertical stiffness, lateral springs unchanged"
+        f"V = {values}{more} N is not that of path '{model.origin.attrs['path']}' "
+        f"({model.origin['V'].values[-1]:.7g} N): w from the elastic vertical stiffness, lateral springs unchanged"
     )
 
 
@@ -226,10 +248,11 @@ def _provenance(model: MacroModel) -> dict[str, Any]:
         rays_text = ", ".join(f"{name} ({angle:.1f} deg)" for name, angle in rays)
         return kept | {"path": f"{len(model.table.path)} paths", "rays": rays_text}
     origin = model.origin.attrs
+    arm = float(origin.get("arm_m", np.nan))
+    kept |= {"calibration_arm_m": arm} if np.isfinite(arm) else {}
     return kept | {
         "path": origin["path"],
         "kind": origin["kind"],
-        "calibration_arm_m": float(origin["arm_m"]),
         "n_other_carrier": int((~model.table.natural).sum()),
         "n_cut": int(model.table.cut.sum()),
     }

@@ -165,7 +165,8 @@ def build_fan(springs: xr.DataTree) -> FanTable:
     depth, dz = data[0]["depth"].values, slice_heights(data[0])
     if any(not np.array_equal(path["depth"].values, depth) for path in data):
         raise UserInputError([Problem(key="springs", message="the calibration paths of a fan differ in their depths")])
-    stiffness = springs.dataset["stiffness_initial"].values[np.ix_([0, 2], [0, 2])]
+    stiffness = springs.dataset["stiffness_initial"].values
+    stiffness = stiffness[np.ix_([0, -1], [0, -1])]  # u and rotation, with or without w between them
     angle = np.array(list(paths.values()))
     count = np.array([path.sizes["step"] for path in data], dtype=np.int64)
     rho = np.full((len(data), int(count.max())), np.inf)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Equilibrium of a rigid body on nonlinear springs: reactions of a state and path following, jitted.
+"""Equilibrium of a rigid body on nonlinear springs: reactions of a state and path following, jitted (`pysprings.jit`).
 
 State x = (u, rotation); loads F(x) = (H, M) and their tangent K (2, 2), by the law of the springs:
 
@@ -20,8 +20,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from pysprings.jit import jitted
 
 Array = NDArray[np.float64]
 
@@ -41,7 +42,7 @@ ORIGIN = 1e-12
 STENCIL = 4
 
 
-@njit(cache=True)
+@jitted
 def spring_row(knots, values, slopes, count, q):
     """Reaction and stiffness dr/dq of one odd curve at q: cubic Hermite, last slope beyond the end."""
     x = abs(q)
@@ -65,7 +66,7 @@ def spring_row(knots, values, slopes, count, q):
     return (-r if q < 0.0 else r), k
 
 
-@njit(cache=True)
+@jitted
 def row_values(knots, values, slopes, count, q):
     """Reactions (n, states) of rows at their displacements q (n, states)."""
     out = np.empty_like(q)
@@ -75,7 +76,7 @@ def row_values(knots, values, slopes, count, q):
     return out
 
 
-@njit(cache=True)
+@jitted
 def reactions(law, a, b, knots, values, slopes, count, u, rotation, F, K):
     """Write the loads F (2,) = (H [N], M [N m]) and the tangent K (2, 2) of a state into the given arrays."""
     if law == FAN:
@@ -92,7 +93,7 @@ def reactions(law, a, b, knots, values, slopes, count, u, rotation, F, K):
             K[i, 1] += b[j, i] * k * a[j, 1]
 
 
-@njit(cache=True)
+@jitted
 def fan_stencil(angles, phi, rays, signs, weights, turns):
     """Write the rays around an angle phi, their signs, weights w and dw/dphi, each (4,); return the place t in between.
 
@@ -141,7 +142,7 @@ def fan_stencil(angles, phi, rays, signs, weights, turns):
     return t
 
 
-@njit(cache=True)
+@jitted
 def fan_loads(a, knots, values, slopes, count, u, rotation, F, K):
     """Write the loads F (2,) and the tangent K (2, 2) of a state on a fan of rays into the given arrays."""
     length = a[0, 1]
@@ -164,7 +165,7 @@ def fan_loads(a, knots, values, slopes, count, u, rotation, F, K):
         K[i, 1] = (along * sine + across * cosine) * length
 
 
-@njit(cache=True)
+@jitted
 def fan_rows(angles, knots, values, slopes, count, even, rho, phi):
     """Return all reactions (rows, states) of a fan, and the place of each state in its sector (states, 3).
 
@@ -187,7 +188,7 @@ def fan_rows(angles, knots, values, slopes, count, even, rho, phi):
     return out, places
 
 
-@njit(cache=True)
+@jitted
 def _merit(G, C, F, x0, x1, c0, c1, scale):
     """Residual of both equations over their sizes, and the largest of them."""
     g0 = (G[0, 0] * x0 + G[0, 1] * x1 + C[0, 0] * F[0] + C[0, 1] * F[1] - c0) / scale[0]
@@ -195,7 +196,7 @@ def _merit(G, C, F, x0, x1, c0, c1, scale):
     return g0, g1, max(abs(g0), abs(g1))
 
 
-@njit(cache=True)
+@jitted
 def _newton(law, a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, K):
     """Solve g(x) = 0 from x by Newton with line search; answer in x; return iterations, -1 on failure."""
     x0, x1 = x[0], x[1]
@@ -227,11 +228,20 @@ def _newton(law, a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, 
     return -1
 
 
-@njit(cache=True)
+@jitted
+def tangents(law, a, b, knots, values, slopes, count, states, out):
+    """Write the tangents (n, 2, 2) of states (n, 2) = (u, rotation)."""
+    F = np.zeros(2)
+    for i in range(states.shape[0]):
+        reactions(law, a, b, knots, values, slopes, count, states[i, 0], states[i, 1], F, out[i])
+
+
+@jitted
 def follow(law, a, b, knots, values, slopes, count, G, C, scale, start, targets, states, loads):
     """Follow the equilibrium from state `start` (where c is the first target) through all targets c (n, 2).
 
-    Writes states (n, 2) = (u, rotation) and loads (n, 2) = (H, M). Between targets a failed step is halved.
+    Writes states (n, 2) = (u, rotation) and loads (n, 2) = (H, M). Between targets a failed step is halved; where that
+    does not help, the last state found stands at the target that was not reached.
 
     Returns
     -------
@@ -251,6 +261,8 @@ def follow(law, a, b, knots, values, slopes, count, G, C, scale, start, targets,
                 halvings += 1
                 width *= 0.5
                 if halvings > MAX_HALVINGS:
+                    states[n] = x
+                    reactions(law, a, b, knots, values, slopes, count, x[0], x[1], loads[n], K)
                     return n, at0, at1
             else:
                 x[:], done, at0, at1 = trial, aim, c0, c1
@@ -258,3 +270,17 @@ def follow(law, a, b, knots, values, slopes, count, G, C, scale, start, targets,
         reactions(law, a, b, knots, values, slopes, count, x[0], x[1], F, K)
         loads[n] = F
     return targets.shape[0], at0, at1
+
+
+@jitted
+def solve_cases(law, a, b, knots, values, slopes, count, G, C, scale, targets, states, loads, reached):
+    """Solve independent cases c (n, 2), each from the origin; write their states and loads (n, 2), reached 1 or 0.
+
+    A case without equilibrium holds the last state that was found on the straight way to it.
+    """
+    start, way = np.zeros(2), np.zeros((2, 2))
+    x, F = np.zeros((2, 2)), np.zeros((2, 2))
+    for i in range(targets.shape[0]):
+        way[1] = targets[i]
+        n, _, _ = follow(law, a, b, knots, values, slopes, count, G, C, scale, start, way, x, F)
+        states[i], loads[i], reached[i] = x[1], F[1], n - 1

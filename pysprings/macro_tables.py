@@ -112,7 +112,7 @@ def build_table(path: xr.Dataset, spring_set: SpringSet) -> SpringTable:
     rows = [_lateral_row(recorded, k, spring_set) for k in range(recorded.z.size)]
     if spring_set == "full":
         rows += [_moment_row(recorded, k) for k in range(recorded.z.size)] + _end_rows(recorded)
-    return _stack([row for row in rows if row is not None])
+    return stack([row for row in rows if row is not None])
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,9 +136,10 @@ class _Recorded:
             values = variable.values
             return values - values[..., :1]
 
-        p, m = data["p"].sum(("side", "component")), data["m"].sum("side")
-        p, m = (variable.transpose("depth", "step") for variable in (p, m))
-        ends = {name: change(data[name]) for name in ("H_tip", "M_tip", "H_lid", "M_lid")}
+        p = data["p"].sum(("side", "component")).transpose("depth", "step")
+        # p-y curves from a table may stand alone
+        m = data["m"].sum("side").transpose("depth", "step") if "m" in data else 0.0 * p
+        ends = {name: change(data[name]) for name in ("H_tip", "M_tip", "H_lid", "M_lid") if name in data}
         bounds = data["depth_bounds"].values
         heights, length = bounds[:, 1] - bounds[:, 0], float(bounds[-1, 1])
         moves = change(data["u"]), change(data["rotation"])
@@ -160,7 +161,9 @@ class _Recorded:
 
 
 @dataclass(frozen=True, slots=True)
-class _Row:
+class Row:
+    """One spring before it is stacked: see `SpringTable`; q starts at 0, its size grows, r belongs to q."""
+
     name: str
     depth: float
     carrier: str
@@ -183,7 +186,7 @@ def _served(q: Array, r: Array, size: float, resists: bool = True) -> int:
 
 def _carried(
     rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, order: tuple[str, ...]
-) -> _Row | None:
+) -> Row | None:
     """Row of reaction r, read from the first displacement in the given order that serves over the whole path.
 
     Where r resists none of them, growth alone must do; its own displacement, the first, comes last then.
@@ -193,18 +196,18 @@ def _carried(
         for carrier in carriers:
             a, q, size = options[carrier]
             if _served(q, r, size, resists) == q.size:
-                return _Row(name, depth, carrier, a, b, q, r, natural=carrier == order[0])
+                return Row(name, depth, carrier, a, b, q, r, natural=carrier == order[0])
     return _cut(rec, name, depth, b, r, order[0])
 
 
-def _cut(rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, carrier: str) -> _Row | None:
+def _cut(rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, carrier: str) -> Row | None:
     """Row of the first part of a curve that serves (at best all of it); None where there is none."""
     a, q, size = rec.carriers(depth)[carrier]
     n = _served(q, r, size)
-    return _Row(name, depth, carrier, a, b, q[:n], r[:n], cut=n < q.size) if n else None
+    return Row(name, depth, carrier, a, b, q[:n], r[:n], cut=n < q.size) if n else None
 
 
-def _lateral_row(rec: _Recorded, k: int, spring_set: SpringSet) -> _Row | None:
+def _lateral_row(rec: _Recorded, k: int, spring_set: SpringSet) -> Row | None:
     z, dz, r = float(rec.z[k]), float(rec.dz[k]), rec.p[k]
     b = (dz, z * dz)
     if spring_set == "full":
@@ -212,11 +215,11 @@ def _lateral_row(rec: _Recorded, k: int, spring_set: SpringSet) -> _Row | None:
     return _cut(rec, "p", z, b, r, "y")
 
 
-def _moment_row(rec: _Recorded, k: int) -> _Row | None:
+def _moment_row(rec: _Recorded, k: int) -> Row | None:
     return _carried(rec, "m", float(rec.z[k]), (0.0, float(rec.dz[k])), rec.m[k], ("rotation", "y", "u"))
 
 
-def _end_rows(rec: _Recorded) -> list[_Row | None]:
+def _end_rows(rec: _Recorded) -> list[Row | None]:
     """Rows of the tip (reading the displacement and rotation there) and of the lid."""
     length, ends = rec.length, rec.ends
     return [
@@ -227,7 +230,8 @@ def _end_rows(rec: _Recorded) -> list[_Row | None]:
     ]
 
 
-def _stack(rows: list[_Row]) -> SpringTable:
+def stack(rows: list[Row]) -> SpringTable:
+    """Return rows as one table, each curve turned to positive displacements, with its slopes."""
     count = np.array([row.q.size for row in rows], dtype=np.int64)
     q = np.full((len(rows), int(count.max(initial=2))), np.inf)
     r, slope = np.zeros_like(q), np.zeros_like(q)

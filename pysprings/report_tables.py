@@ -308,6 +308,8 @@ COMPARED: dict[str, tuple[str, int]] = {
     "H_error_max_pct": ("H max [%]", 2),
     "rotation_error_max_pct": ("rotation max [%]", 2),
     "M_error_max_pct": ("M max [%]", 2),
+    "u_error_max_pct": ("u max [%]", 2),
+    "rotation_point_error_max_m": ("z_rot max [m]", 3),
     "H_error_between_pct": ("H between [%]", 2),
     "rotation_error_between_pct": ("rotation between [%]", 2),
     "M_error_between_pct": ("M between [%]", 2),
@@ -324,7 +326,8 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
     decimals = [COMPARED[str(name)][1] for name in shown.columns]
     rows = [[_fixed(v, n) for v, n in zip(row, decimals, strict=True)] for row in shown.itertuples(index=False)]
     note = (
-        "max: largest error, macro-model over full model minus 1, at equal displacement. between: the same "
+        "max: largest error, macro-model over full model minus 1, at equal displacement; u: displacement "
+        "at equal load; z_rot: depth of the point of rotation. between: the same "
         "when every second recorded state is left out of the springs. eta = 1 - area between the "
         "load-displacement curves over the area under the full model's, to a small displacement and to the "
         "end. extrapolated, off path: states that the springs do not cover. py: lateral p-y springs alone; "

@@ -55,6 +55,16 @@ _MOMENTS = {prefix + "Nm": prefix + "N" for prefix in ("", "k", "M", "G")}
 
 Dimension = tuple[tuple[str, float], ...]
 
+_METRE: Dimension = (("meter", 1.0),)
+_NEWTON: Dimension = (("kilogram", 1.0), ("meter", 1.0), ("second", -2.0))
+_RADIAN: Dimension = (("radian", 1.0),)
+# What a command line is written in: pint takes 0.3 s to load, and would say the same (a test asks it).
+COMMON: dict[str, tuple[float, Dimension]] = {
+    "m": (1.0, _METRE), "cm": (1e-2, _METRE), "mm": (1e-3, _METRE),
+    "N": (1.0, _NEWTON), "kN": (1e3, _NEWTON), "MN": (1e6, _NEWTON),
+    "rad": (1.0, _RADIAN), "mrad": (1e-3, _RADIAN),
+}  # fmt: skip
+
 
 class QuantityError(ValueError):
     """A text that is not the quantity expected; the message is for the user."""
@@ -203,6 +213,8 @@ def _named(name: str) -> tuple[float, Dimension]:
     if name in _MOMENTS:
         scale, newton = _named(_MOMENTS[name])
         return scale, tuple((unit, power + (unit == "meter")) for unit, power in newton)
+    if name in COMMON:
+        return COMMON[name]
     registry = _registry()
     try:
         scale, base = registry.get_base_units(registry.parse_units(name))

@@ -226,16 +226,26 @@ _SPRINGS_PATH = (
     )
 )
 
-_PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_BODY.values(), _RESULT_PATH["p"]) | _table(
+# springs from a table know nothing of the vertical direction, and curves of their own no path
+_PREDICTED = (replace(v, required=False) if v.name in ("w", "V") else v for v in _BODY.values())
+_TANGENT = (
+    "mixed units: N m-1 for u and w; N radian-1 between u and rotation; N m radian-1 for rotation; "
+    "w: elastic stiffness of the full model, uncoupled"
+)
+_PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RESULT_PATH["p"]) | _table(
     V("usable", "1 where the p-y curve of the depth serves over the whole path", "1", ("depth",),
       "0: y turns back, changes sign or stays small; p is read from another displacement, or in part"),
     V("range_used", "largest spring displacement over its calibrated range", "1", ("step",),
       "above 1 is extrapolation"),
     V("extrapolated", "1 where a spring is used beyond its calibrated range", "1", ("step",)),
     V("path_distance", "distance from the path the springs come from", "1", ("step",),
-      "in (u, rotation*skirt_length), relative to the size of the state; of a fan: from its nearest ray"),
+      "in (u, rotation*skirt_length), relative to the size of the state; of a fan: from its nearest ray",
+      required=False),
     V("off_path", "1 where the state is far from the path the springs come from", "1", ("step",),
-      "springs of one path do not hold on another; of a fan: 1 between rays more than 60 degrees apart"),
+      "springs of one path do not hold on another; of a fan: 1 between rays more than 60 degrees apart",
+      required=False),
+    _SPRINGS_ROOT["dof"], _SPRINGS_ROOT["dof_conjugate"],
+    V("stiffness", "tangent stiffness at the lid centre", "1", ("step", "dof", "dof_conjugate"), _TANGENT),
 )
 
 GROUPS: dict[str, dict[str, Variable]] = {

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Excel workbook of a spring set for design spreadsheets: kN, m, mm, mrad, with charts.
 
-Sheets: About, charts, p-y, m-theta, base, lid, load-displacement, stiffness. Data sheets hold all paths below
-each other: columns path and step, then the values; the unit stands in every heading.
+Sheets: About, charts, p-y, m-theta, base, lid, load-displacement, stiffness 6x6. Data sheets hold all paths below
+each other: columns path and step, then the values; the unit stands in every heading. Every curve has a defined name
+(`xlsx_names`), so that formulas need no cell addresses.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,9 @@ from numpy.typing import NDArray
 from pysprings.comparison import compare, curves
 from pysprings.exporters.tables import with_net
 from pysprings.exporters.xlsx_about import about_lines
-from pysprings.macro import MacroModel, spring_sets
+from pysprings.exporters.xlsx_names import LENGTHS, Names
+from pysprings.exporters.xlsx_stiffness import write_stiffness
+from pysprings.macro_sets import spring_sets
 from pysprings.springs import path_dataset, path_names
 from pysprings.storage import replacing
 
@@ -39,7 +42,9 @@ class _Book:
     number: Any
     text: Any
     mono: Any
+    left: Any
     rows: dict[str, tuple[int, int]]
+    names: Names
 
 
 def write_workbook(springs: xr.DataTree, path: str | os.PathLike[str]) -> Path:
@@ -52,7 +57,7 @@ def write_workbook(springs: xr.DataTree, path: str | os.PathLike[str]) -> Path:
         comparison = compare(springs)
         sheets = {
             name: file.add_worksheet(name)
-            for name in ("About", "charts", "p-y", "m-theta", "base", "lid", "load-displacement", "stiffness")
+            for name in ("About", "charts", "p-y", "m-theta", "base", "lid", "load-displacement", "stiffness 6x6")
         }
         _about(book, sheets["About"], about_lines(springs, comparison))
         _py(book, sheets["p-y"], springs)
@@ -60,7 +65,7 @@ def write_workbook(springs: xr.DataTree, path: str | os.PathLike[str]) -> Path:
         for part, name in (("tip", "base"), ("lid", "lid")):
             _end(book, sheets[name], springs, part)
         _load(book, sheets["load-displacement"], springs)
-        _stiffness(book, sheets["stiffness"], springs)
+        write_stiffness(sheets["stiffness 6x6"], springs, book.names, book.title, book.head)
         _charts(book, sheets["charts"], springs)
     return Path(path)
 
@@ -81,7 +86,9 @@ def _open(file: xlsxwriter.Workbook, springs: xr.DataTree) -> _Book:
         number=file.add_format({"num_format": "0.000"}),
         text=file.add_format({"text_wrap": True, "valign": "top"}),
         mono=file.add_format({"font_name": "Consolas"}),
+        left=file.add_format({"align": "left"}),
         rows=rows,
+        names=Names(file, rows),
     )
 
 
@@ -91,7 +98,10 @@ def _about(book: _Book, sheet: Any, lines: Iterable[tuple[str, str, str]]) -> No
     formats = {"title": book.title, "text": book.text, "mono": book.mono}
     for row, (kind, name, words) in enumerate(lines):
         sheet.write_string(row, 0, name, book.title if kind == "title" else book.text)
-        if words:
+        if name in LENGTHS:
+            sheet.write_number(row, 1, float(words), book.left)
+            book.names.define(LENGTHS[name], "About", (row, 1), (row, 1))
+        elif words:
             sheet.write_string(row, 1, words, formats[kind])
 
 
@@ -115,6 +125,8 @@ def _fill(book: _Book, sheet: Any, springs: xr.DataTree, columns: Sequence[_Colu
         values = np.concatenate([np.asarray(part, dtype=float) for part in column.parts])
         cells = [None if np.isnan(value) else value for value in values.tolist()]
         sheet.write_column(HEAD_ROWS, col, cells, None if col == len(columns) + 2 else book.number)
+        for path, (first, last) in book.rows.items() if column.name else ():
+            book.names.define(column.name, sheet.name, (HEAD_ROWS + first, col), (HEAD_ROWS + last, col), path)
     sheet.set_row(HEAD_ROWS - 1, 45)
     sheet.set_column(0, 0, 14)
     sheet.set_column(1, 1, 6)
@@ -124,31 +136,33 @@ def _fill(book: _Book, sheet: Any, springs: xr.DataTree, columns: Sequence[_Colu
 
 @dataclass
 class _Column:
-    """One column: heading with unit, values by path, the depth and slice it belongs to (blank: none)."""
+    """One column: heading with unit, values by path, the depth and slice it belongs to, its name (blank: none)."""
 
     heading: str
     parts: list[NDArray[np.float64]]
     depth: float | str = ""
     slice: str = ""
+    name: str = ""
 
 
 def _paths(springs: xr.DataTree) -> list[xr.Dataset]:
     return [path_dataset(springs, name) for name in path_names(springs)]
 
 
-def _by_depth(springs: xr.DataTree, headings: Sequence[str], values: Sequence[list[Any]]) -> list[_Column]:
-    """Columns of arrays (depth, step): for each depth one column per heading."""
+def _by_depth(springs: xr.DataTree, headings: Mapping[str, str], values: Sequence[list[Any]]) -> list[_Column]:
+    """Columns of arrays (depth, step): for each depth one column per heading (and its name, a number behind it)."""
     first = _paths(springs)[0]
     columns = []
     for k, depth in enumerate(first["depth"].values):
         top, bottom = first["depth_bounds"].values[k]
         label = f"{top:.3f} - {bottom:.3f}"
-        for heading, parts in zip(headings, values, strict=True):
-            columns.append(_Column(heading, [part[k] for part in parts], round(float(depth), 4), label))
+        for (heading, name), parts in zip(headings.items(), values, strict=True):
+            named = f"{name}_{k + 1}" if name else ""
+            columns.append(_Column(heading, [part[k] for part in parts], round(float(depth), 4), label, named))
     return columns
 
 
-PY_HEADINGS = ("y [mm]", "p net [kN/m]", "p outside [kN/m]", "p inside [kN/m]")
+PY_HEADINGS = {"y [mm]": "y", "p net [kN/m]": "p", "p outside [kN/m]": "", "p inside [kN/m]": ""}
 
 
 def _py(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
@@ -159,7 +173,7 @@ def _py(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     _fill(book, sheet, springs, _by_depth(springs, PY_HEADINGS, values))
 
 
-M_HEADINGS = ("m net [kN m/m]", "m outside [kN m/m]", "m inside [kN m/m]", "t net [kN/m]")
+M_HEADINGS = {"m net [kN m/m]": "m", "m outside [kN m/m]": "", "m inside [kN m/m]": "", "t net [kN/m]": "t"}
 
 
 def _mtheta(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
@@ -167,24 +181,26 @@ def _mtheta(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     m = [with_net(path["m"].transpose("side", "depth", "step").values * KN, 0) for path in paths]
     t = [path["t"].sum("side").transpose("depth", "step").values * KN for path in paths]
     values = [[part[2] for part in m], [part[0] for part in m], [part[1] for part in m], t]
-    columns = [_series(paths, "rotation [mrad]", "rotation", MRAD), _series(paths, "w [mm]", "w", MM)]
+    columns = [_series(paths, "rotation [mrad]", "rotation", MRAD, "theta"), _series(paths, "w [mm]", "w", MM)]
     _fill(book, sheet, springs, columns + _by_depth(springs, M_HEADINGS, values))
 
 
-def _series(paths: list[xr.Dataset], heading: str, name: str, scale: float) -> _Column:
-    return _Column(heading, [path[name].values * scale for path in paths])
+def _series(paths: list[xr.Dataset], heading: str, name: str, scale: float, named: str = "") -> _Column:
+    return _Column(heading, [path[name].values * scale for path in paths], name=named)
 
 
 def _end(book: _Book, sheet: Any, springs: xr.DataTree, part: str) -> None:
     paths = _paths(springs)
     depth = float(springs.attrs["skirt_length_m"]) if part == "tip" else 0.0
+    sheet_name = sheet.name
+    y = [(path["u"].values + path["rotation"].values * depth) * MM for path in paths]
     columns = [
-        _Column("y [mm]", [(path["u"].values + path["rotation"].values * depth) * MM for path in paths]),
+        _Column("y [mm]", y, name=f"y_{sheet_name}"),
         _series(paths, "rotation [mrad]", "rotation", MRAD),
         _series(paths, "w [mm]", "w", MM),
-        _series(paths, "H [kN]", f"H_{part}", KN),
-        _series(paths, "V [kN]", f"V_{part}", KN),
-        _series(paths, "M [kN m]", f"M_{part}", KN),
+        _series(paths, "H [kN]", f"H_{part}", KN, f"H_{sheet_name}"),
+        _series(paths, "V [kN]", f"V_{part}", KN, f"V_{sheet_name}"),
+        _series(paths, "M [kN m]", f"M_{part}", KN, f"M_{sheet_name}"),
     ]
     for column in columns:
         column.depth = depth
@@ -204,7 +220,7 @@ LOAD_HEADINGS = (
 def _load(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     """Full model, then the macro-model on each spring set at the same states; unreached cells stay empty."""
     paths = _paths(springs)
-    columns = [_series(paths, f"full model {heading}", name, scale) for heading, name, scale in LOAD_HEADINGS]
+    columns = [_series(paths, f"full model {heading}", name, scale, name) for heading, name, scale in LOAD_HEADINGS]
     traces = [curves(springs, name) for name in book.rows]
     for spring_set in spring_sets(springs):
         for heading, name, scale in (LOAD_HEADINGS[3], LOAD_HEADINGS[2], LOAD_HEADINGS[5]):
@@ -223,33 +239,8 @@ def _spread(values: NDArray[np.float64], path: xr.Dataset) -> NDArray[np.float64
     return out
 
 
-def _stiffness(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
-    """Initial stiffness (3, 3) at the lid centre: full model, then the springs of each path."""
-    sheet.set_column(0, 0, 30)
-    sheet.set_column(1, 3, 22)
-    blocks = [("full model", springs.dataset["stiffness_initial"].values)]
-    sets = spring_sets(springs)
-    if "fan" in sets:
-        blocks.append(("fan springs of all rays", MacroModel.from_springs(springs, "fan").tangent_stiffness().values))
-    for name in book.rows:
-        for spring_set in (each for each in sets if each != "fan"):
-            matrix = MacroModel.from_springs(springs, spring_set, name).tangent_stiffness().values
-            blocks.append((f"{spring_set} springs of path {name}", matrix))
-    row = 0
-    for title, matrix in blocks:
-        sheet.write_string(row, 0, f"initial tangent, {title}", book.title)
-        for col, words in enumerate(("per u [m]", "per w [m]", "per rotation [rad]"), start=1):
-            sheet.write_string(row + 1, col, words, book.head)
-        for line, words in enumerate(("H [kN]", "V [kN]", "M [kN m]")):
-            sheet.write_string(row + 2 + line, 0, words, book.head)
-            sheet.write_row(row + 2 + line, 1, (matrix[line] * KN).tolist(), book.number)
-        row += 6
-    note = "Springs of one path: slope of the first recorded step; w is the full model's elastic stiffness."
-    sheet.write_string(row, 0, note)
-
-
 def _charts(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
-    """One row of charts a path: load-displacement, p-y by depth, m by depth."""
+    """One row of charts a path: load-displacement, p-y by depth, m by depth, tip and lid."""
     depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
     shown = np.unique(np.linspace(0, depths.size - 1, CHART_DEPTHS).astype(int))
     load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(spring_sets(springs))]
@@ -260,6 +251,8 @@ def _charts(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
             ("load-displacement", f"{name}: load at the lid", load, "u [mm]", "H [kN]"),
             ("p-y", f"{name}: p-y, both sides, by depth", py, "y [mm]", "p [kN/m]"),
             ("m-theta", f"{name}: distributed moment by depth", mtheta, "rotation [mrad]", "m [kN m/m]"),
+            ("base", f"{name}: force on the tip", [("H", 2, 5)], "y of the tip [mm]", "H [kN]"),
+            ("lid", f"{name}: force under the lid", [("H", 2, 5)], "u [mm]", "H [kN]"),
         )
         for col, (data, title, series, x, y) in enumerate(charts):
             chart = _scatter(book, data, rows, series)

@@ -9,6 +9,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pysprings.exporters.xlsx_names import MEANING
+from pysprings.macro_fan import build_fan, has_fan
 from pysprings.springs import balance, get_path, path_names
 
 _ORIGIN = {
@@ -71,11 +73,28 @@ def about_lines(springs: xr.DataTree, comparison: pd.DataFrame) -> Iterator[tupl
     yield "title", "What the numbers are", ""
     yield from (("text", name, words) for name, words in _MEANING)
     yield "text", "", ""
+    yield "title", "Names for formulas (PATH: a load path; K: number of a depth from the top)", ""
+    yield from (("text", "", f"{pattern}: {words}") for pattern, words in MEANING.items())
+    yield "text", "", ""
     yield "title", "Range of validity", ""
+    yield from (("text", "fan", words) for words in _fan(springs))
     yield from (("text", f"path {name}", _range(springs, name)) for name in path_names(springs))
     yield "text", "", ""
     yield "title", "Error of a rigid body on these springs", ""
     yield from (("text", f"{row['path']}, {row['springs']}", _error(row)) for _, row in comparison.iterrows())
+
+
+def _fan(springs: xr.DataTree) -> Iterator[str]:
+    """How far the fan goes, where there is one, and what a spreadsheet cannot do with it."""
+    if not has_fan(springs):
+        return
+    table = build_fan(springs)
+    rays = zip(table.path, np.degrees(table.angle), 1e3 * table.range, strict=True)
+    shown = ", ".join(f"{name} ({angle:.1f} deg, to {reach:.4g} mm)" for name, angle, reach in rays)
+    yield (
+        f"rays of constant rotation/u, angle in the plane (u, rotation*skirt_length), length in it: {shown}. "
+        "`pysprings predict` interpolates between them; a curve in these sheets holds on its own ray only."
+    )
 
 
 def _range(springs: xr.DataTree, name: str) -> str:
@@ -92,7 +111,7 @@ def _range(springs: xr.DataTree, name: str) -> str:
 
 
 def _error(row: pd.Series) -> str:
-    names = {"H": "load", "rotation": "rotation", "M": "moment"}
+    names = {"H": "load", "rotation": "rotation", "M": "moment", "u": "displacement at equal load"}
     parts = [
         f"{words} {round(row[f'{key}_error_max_pct'], 2) + 0.0:+.2f} %"
         for key, words in names.items()

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Rigid body on springs beside the full model: load and rotation against displacement."""
+"""Rigid body on springs beside the full model: load, rotation, its point, and the displacement at equal load."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LOOKS = {"fan": (GREEN, "-.", "^"), "full": (BLUE, "--", "o"), "py": (VERMILLION, "--", "s")}
+FREE_HEAD = ("pull", "load")
+SMALLEST = 0.01  # states below this share of the largest displacement have no error and no point of rotation
 NAMES = {
     "fan": "macro-model, fan of all calibration paths",
     "full": "macro-model, full spring set of one path",
@@ -46,14 +48,16 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
     full
         The full model's path: u [m], H [N] (M [N m] on a rotation path), rotation [rad], all by step.
     curves
-        Predictions by spring set (``"fan"``, ``"full"``, ``"py"``, or any name), with the same variables by step.
+        Predictions by spring set (``"fan"``, ``"full"``, ``"py"``, or any name), with the same variables by step; with
+        ``u_at_load`` [m] the displacement error at equal load is drawn, too. A free head shows its point of rotation.
     """
     rotates = full.attrs.get("kind") == "rotation"
     load = "M" if rotates else "H"
     driver, label = ("rotation", "rotation [mrad]") if rotates else ("u", "lateral displacement u of the lid [mm]")
     answer, reply = ("u", "u [mm]") if rotates else ("rotation", "rotation [mrad]")
-    figure = new_figure(9.6, 4.8)
-    left, right = figure.subplots(1, 2)
+    free = full.attrs.get("kind") in FREE_HEAD
+    figure = new_figure(9.6, 8.6 if free else 4.8)
+    left, right, *below = figure.subplots(2 if free else 1, 2).ravel()
     factor, unit = unit_text(full[load].values)
     sides = ((left, load, factor), (right, answer, MM if answer == "u" else MRAD))
     for axes, name, scale in sides:
@@ -66,10 +70,58 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
     right.set_ylabel(reply)
     left.set_title("Load")
     right.set_title("Motion that comes with it")
+    if free:
+        _draw_error_at_load(below[0], full, curves)
+        _draw_point(below[1], full, curves)
     handles, names = left.get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=2 if len(names) > 3 else len(names))
     set_title(figure, "Rigid body on springs against the full model", full.attrs)
     return figure
+
+
+def _look(kind: str) -> dict[str, Any]:
+    colour, dash, marker = LOOKS.get(kind, (GREEN, "-.", "^"))
+    return {"color": colour, "linestyle": dash, "marker": marker, "markersize": 4.5}
+
+
+def _draw_error_at_load(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> None:
+    """Displacement of the prediction over that of the full model under the same load, less 1."""
+    for kind, curve in curves.items():
+        if "u_at_load" not in curve:
+            continue
+        u = full["u"].values[converged(full)][: curve.sizes["step"]]  # a curve holds the converged steps
+        shown = np.abs(u) > SMALLEST * np.abs(u).max()
+        error = 100.0 * (curve["u_at_load"].values[shown] / u[shown] - 1.0)
+        axes.plot(u[shown] * MM, error, markevery=max(1, shown.sum() // 12), **_look(kind))
+    axes.set_yscale("symlog", linthresh=10.0)
+    axes.axhline(0.0, color=INK, linewidth=2.6)
+    axes.set_xlabel("lateral displacement u of the full model [mm]")
+    axes.set_ylabel("error of u [%] (linear to 10 %)")
+    axes.set_title("Displacement at equal load")
+
+
+def _draw_point(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> None:
+    """Depth of the point of the axis at rest, downwards; the range is that of the full model, with room."""
+    depths = [_point(full)]
+    axes.plot(full["u"].values * MM, depths[0], color=INK, linewidth=2.6)
+    for kind, curve in curves.items():
+        depth = _point(curve)
+        axes.plot(curve["u"].values * MM, depth, markevery=max(1, depth.size // 12), **_look(kind))
+    known = depths[0][np.isfinite(depths[0])]
+    if known.size:
+        low, high = np.percentile(known, [5, 95])
+        room = max(high - low, 0.5 * abs(high), 1e-3)
+        axes.set_ylim(high + room, low - room)
+    axes.set_xlabel("lateral displacement u of the lid [mm]")
+    axes.set_ylabel("depth [m]")
+    axes.set_title("Point of rotation")
+
+
+def _point(data: xr.Dataset) -> np.ndarray:
+    """Depth -u/rotation [m] by step; NaN where the motion is too small to tell."""
+    u, rotation = data["u"].values, data["rotation"].values
+    shown = (np.abs(u) > SMALLEST * np.abs(u).max(initial=0.0)) & (rotation != 0.0)
+    return np.where(shown, -u / np.where(shown, rotation, 1.0), np.nan)
 
 
 def _draw(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset], driver: str, name: str, scale: float) -> None:

@@ -8,7 +8,9 @@ import json
 import numpy as np
 import pytest
 
-from pysprings.comparison import compare, curves, eta, states, to_dict, to_text
+from pysprings.comparison import compare, curves, eta, states
+from pysprings.comparison_text import to_dict, to_text
+from pysprings.macro import MacroModel, MacroWarning, predict
 from pysprings.springs import get_path
 from tests.pysprings.synthetic import Path, make_springs
 
@@ -149,3 +151,54 @@ def test_a_translation_has_no_point_of_rotation_though_its_zero_is_rounded():
     frame = compare(springs)
     assert np.isnan(row(frame, "push", "full")["rotation_point_full_m"])
     assert row(frame, "pull", "full")["rotation_point_full_m"] > 0.0
+
+
+def test_displacement_at_equal_load(springs, frame):
+    """u of the macro-model under the recorded H and M, found again by `predict`; none where u is 0."""
+    full, model = get_path(springs, "high"), MacroModel.from_springs(springs, "fan")
+    trace = curves(springs, "high")["fan"]
+    with pytest.warns(MacroWarning):
+        asked = predict(model, H=float(full["H"][-1]), M=float(full["M"][-1]), n=60)
+    assert float(trace["u_at_load"][-1]) == pytest.approx(float(asked["u"][-1]), rel=1e-6)
+    error = 100.0 * (trace["u_at_load"].values[1:] / full["u"].values[1:] - 1.0)
+    counted = error[np.abs(full["u"].values[1:]) >= 0.01 * 5e-3]
+    found = row(frame, "high", "fan")
+    assert found["u_error_end_pct"] == pytest.approx(error[-1])
+    assert found["u_error_max_pct"] == pytest.approx(counted[np.argmax(np.abs(counted))])
+    assert found["states_at_load"] == found["states"]
+    assert row(frame, "pull", "full")["u_error_max_pct"] == pytest.approx(0.0, abs=1e-5)
+    assert row(frame, "pull", "py")["u_error_end_pct"] > 100.0
+    assert np.isnan(row(frame, "turn", "full")["u_error_max_pct"])
+
+
+def test_load_that_the_springs_cannot_carry_is_counted_not_invented():
+    """p-y springs flat at the end: the states beyond their capacity have no displacement."""
+    springs = make_springs((Path("push", kind="translation"),))
+    path = springs["paths/push"]
+    p = path["p"].values.copy()
+    p[..., 5:] = p[..., 5:6] * 0.999
+    path["p"].values = p
+    (found,) = [r for _, r in compare(springs, "py").iterrows()]
+    assert 0 < found["states_at_load"] < found["states"]
+    assert np.isfinite(found["u_error_end_pct"])
+
+
+def test_depth_of_the_rotation_point(springs, frame):
+    full, trace = get_path(springs, "high"), curves(springs, "high")["fan"]
+    u = full["u"].values
+    counted = u >= 0.01 * u[-1]
+    depths = [-data["u"].values[counted] / data["rotation"].values[counted] for data in (full, trace)]
+    found = row(frame, "high", "fan")
+    assert found["rotation_point_error_max_m"] == pytest.approx(np.abs(depths[1] - depths[0]).max())
+    assert row(frame, "pull", "full")["rotation_point_error_max_m"] == pytest.approx(0.0, abs=1e-6)
+    assert row(frame, "high", "py")["rotation_point_error_max_m"] > 0.1
+    assert np.isnan(row(frame, "push", "full")["rotation_point_error_max_m"])
+
+
+def test_text_and_json_have_displacement_and_rotation_point(frame):
+    assert "u max [%]" in to_text(frame)
+    assert "z_rot max [m]" in to_text(frame)
+    document = to_dict(frame)
+    assert {"u_error", "rotation_point"} <= set(document["definitions"])
+    (turn,) = [r for r in document["rows"] if (r["path"], r["springs"]) == ("turn", "full")]
+    assert turn["u_error_max_pct"] is None

@@ -13,7 +13,9 @@ import pytest
 from pysprings import exporters
 from pysprings.comparison import compare
 from pysprings.errors import UserInputError
+from pysprings.exporters.xlsx_names import Names
 from tests.pysprings.synthetic import Path, make_result, make_springs
+from tests.pysprings.test_macro_fan import fan_springs, potential
 
 PATHS = (Path("pull"), Path("high", arm=8.0, role="held-back"))
 STEPS, RINGS = 21, 13
@@ -133,9 +135,9 @@ def book(folder):
 
 
 def test_workbook_sheets_frozen_and_charted(book):
-    names = ["About", "charts", "p-y", "m-theta", "base", "lid", "load-displacement", "stiffness"]
+    names = ["About", "charts", "p-y", "m-theta", "base", "lid", "load-displacement", "stiffness 6x6"]
     assert book.sheetnames == names
-    assert len(book["charts"]._charts) == 6
+    assert len(book["charts"]._charts) == 10
     assert {book[name].freeze_panes for name in names[2:7]} == {"C4"}
 
 
@@ -174,7 +176,71 @@ def test_workbook_values_with_their_units(book, springs):
     full = _column(book["load-displacement"], "full model H [kN]")
     macro = _column(book["load-displacement"], "macro-model, full springs: H [kN]")
     np.testing.assert_allclose(macro[:STEPS], full[:STEPS], rtol=1e-6, atol=1e-6)
-    assert book["stiffness"]["B3"].value == pytest.approx(springs["stiffness_initial"].values[0, 0] / 1e3)
+
+
+def test_stiffness_sheet(book, springs):
+    full, sheet = springs["stiffness_initial"].values / 1e3, book["stiffness 6x6"]
+    six = np.array([[cell.value for cell in row] for row in sheet["B3:G8"]])
+    np.testing.assert_allclose(six[np.ix_([0, 2, 4], [0, 2, 4])], 0.5 * (full + full.T), rtol=1e-9)
+    assert six[1, 3] == pytest.approx(-six[0, 4])
+    words = [sheet.cell(row, 1).value for row in range(9, 20)]
+    assert any("Torsion (rz) is not known" in str(text) for text in words)
+    assert "initial tangent, full model" in words
+
+
+def _cells(book, name):
+    ((sheet, cells),) = book.defined_names[name].destinations
+    return sheet, cells
+
+
+def test_defined_names_point_at_the_data(book, springs):
+    path = springs["paths/high"]
+    for name, values in (
+        ("y_5.high", path["y"].values[4] * 1e3),
+        ("p_5.high", path["p"].sum(("side", "component")).values[4] / 1e3),
+        ("theta.high", path["rotation"].values * 1e3),
+        ("m_1.high", path["m"].sum("side").values[0] / 1e3),
+        ("M_base.high", path["M_tip"].values / 1e3),
+        ("H_lid.high", path["H_lid"].values / 1e3),
+        ("H.high", path["H"].values / 1e3),
+    ):
+        sheet, cells = _cells(book, name)
+        found = [cell.value for row in book[sheet][cells] for cell in row]
+        np.testing.assert_allclose(found, values, rtol=1e-9, atol=1e-9)
+    sheet, cells = _cells(book, "skirt_length")
+    assert book[sheet][cells].value == 4.0
+    for name, size in (("K_3x3", 3), ("K_6x6", 6)):
+        sheet, cells = _cells(book, name)
+        k = np.array([[cell.value for cell in row] for row in book[sheet][cells]])
+        assert k.shape == (size, size)
+        assert k[0, 0] == pytest.approx(springs["stiffness_initial"].values[0, 0] / 1e3)
+
+
+def test_names_are_unique_and_legal():
+    defined = []
+
+    class File:
+        def define_name(self, name, formula):
+            defined.append((name, formula))
+
+    names = Names(File(), ["a-b", "a b", "A_B"])
+    for path in names.path:
+        names.define("p_1", "p-y", (3, 2), (5, 2), path)
+    assert [name for name, _ in defined] == ["p_1.a_b", "p_1.a_b_", "p_1.A_B__"]
+    assert defined[0][1] == "='p-y'!$C$4:$C$6"
+
+
+def test_workbook_of_a_fan(tmp_path):
+    """Rays, their range and the fan's columns; one name a path and curve."""
+    springs = fan_springs(potential, angles=(0.0, -40.0, 90.0), held_back=(8.0,))
+    book = openpyxl.load_workbook(exporters.excel(tmp_path / "fan.xlsx", springs))
+    words = "\n".join(str(cell.value) for row in book["About"].iter_rows() for cell in row if cell.value)
+    assert "ray_1 (-40.0 deg, to 8 mm)" in words
+    assert "a curve in these sheets holds on its own ray only" in words
+    headings = [cell.value for cell in book["load-displacement"][3]]
+    assert "macro-model, fan springs: H [kN]" in headings
+    assert {f"p_9.{name}" for name in ("ray_0", "ray_1", "ray_2", "pull_8")} <= set(book.defined_names)
+    assert len(book["charts"]._charts) == 4 * 5
 
 
 def test_charts_point_at_the_data(folder):

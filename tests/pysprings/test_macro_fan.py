@@ -11,10 +11,12 @@ import xarray as xr
 from scipy.optimize import brentq
 
 from pysprings import variables
-from pysprings.comparison import compare, to_text
+from pysprings.comparison import compare
+from pysprings.comparison_text import to_text
 from pysprings.errors import UserInputError
-from pysprings.macro import MacroModel, MacroWarning, curve, predict, spring_sets
+from pysprings.macro import MacroModel, MacroWarning, curve, predict
 from pysprings.macro_fan import build_fan, fan_paths, has_fan, secant_slopes
+from pysprings.macro_sets import spring_sets
 from pysprings.springs import balance, get_path
 from tests.pysprings.synthetic import Caisson, Path, make_springs
 

@@ -411,6 +411,23 @@ def test_macro_curves_are_those_given(pull: xr.Dataset) -> None:
         np.testing.assert_allclose(curve(figure, 0, label)[0], path["u"].values * 1e3)
 
 
+def test_macro_shows_displacement_at_equal_load_and_the_point_of_rotation(pull: xr.Dataset) -> None:
+    softer = pull.assign(u_at_load=1.25 * pull["u"], rotation=2.0 * pull["rotation"])
+    figure = plots.macro_against_full(pull, {"py": softer})
+    assert [axes.get_title(loc="left") or axes.get_title() for axes in figure.axes][2:] == [
+        "Displacement at equal load",
+        "Point of rotation",
+    ]
+    error, point = figure.axes[2].lines[0], figure.axes[3].lines
+    np.testing.assert_allclose(error.get_ydata(), 25.0)
+    good = np.isfinite(point[0].get_ydata())
+    np.testing.assert_allclose(point[1].get_ydata()[good], 0.5 * point[0].get_ydata()[good])
+    low, high = figure.axes[3].get_ylim()
+    assert low > high  # depth downwards
+    pushed = plots.macro_against_full(pull.assign_attrs(kind="translation"), {"py": softer})
+    assert len(pushed.axes) == 2
+
+
 @pytest.fixture
 def record(trees: tuple[xr.DataTree, xr.DataTree]) -> xr.Dataset:
     found = plots.convergence_data(trees[0], "pull")

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pysprings import units
 from pysprings.units import MEANING, QuantityError, quoted, read, show, si_of
 
 
@@ -183,3 +184,10 @@ def test_quoted_is_short_and_on_one_line() -> None:
     assert quoted(10**5000) == "a number with hundreds of digits"
     assert quoted([1]) == "a list"
     assert quoted({}) == "a table"
+
+
+@pytest.mark.parametrize("name", list(units.COMMON))
+def test_common_units_are_those_of_pint(name: str) -> None:
+    scale, base = units._registry().get_base_units(units._registry().parse_units(name))
+    assert units.COMMON[name][0] == pytest.approx(float(scale), rel=1e-15)
+    assert sorted(units.COMMON[name][1]) == sorted((str(unit), float(power)) for unit, power in base._units.items())

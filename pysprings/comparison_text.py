@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""The comparison of both models as a table for a terminal, and for JSON, with its definitions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pysprings.comparison import SKIP_BELOW, SMALL_OVER_DIAMETER
+from pysprings.springs import ROLES
+
+_TEXT_COLUMNS = {
+    "path": "path",
+    "arm_m": "arm [m]",
+    "springs": "springs",
+    "springs_from": "from",
+    "eta_small": "eta small",
+    "eta_large": "eta large",
+    "H_error_max_pct": "H max [%]",
+    "H_error_end_pct": "H end [%]",
+    "H_error_between_pct": "H between [%]",
+    "rotation_error_max_pct": "rot max [%]",
+    "rotation_error_end_pct": "rot end [%]",
+    "M_error_max_pct": "M max [%]",
+    "u_error_max_pct": "u max [%]",
+    "rotation_point_full_m": "z_rot full [m]",
+    "rotation_point_macro_m": "z_rot macro [m]",
+    "rotation_point_error_max_m": "z_rot max [m]",
+}
+
+
+_ROLE_TITLES = {
+    "calibration": "calibration paths: springs are made from them",
+    "held-back": "held-back paths: springs are checked on them",
+}
+
+
+def to_text(frame: pd.DataFrame) -> str:
+    """Return the comparison as tables for a terminal, one a role, with definitions; '-' is imposed or undefined."""
+    shown = frame[list(_TEXT_COLUMNS)].dropna(axis=1, how="all").rename(columns=_TEXT_COLUMNS)
+    head = [str(name) for name in shown.columns]
+    cells = [[_cell(value, str(name)) for name, value in row.items()] for _, row in shown.iterrows()]
+    widths = [max(len(row[j]) for row in [head, *cells]) for j in range(len(head))]
+    adjust = [str.rjust if shown[name].dtype.kind == "f" else str.ljust for name in shown.columns]
+
+    def line(texts: list[str]) -> str:
+        return "  ".join(f(text, w) for text, w, f in zip(texts, widths, adjust, strict=True)).rstrip()
+
+    lines: list[str] = []
+    for role in ROLES:
+        rows = [line(row) for row, own in zip(cells, frame["role"] == role, strict=True) if own]
+        if rows:
+            lines += [_ROLE_TITLES[role], line(head), "  ".join("-" * w for w in widths), *rows, ""]
+    ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
+    return "\n".join(lines + _NOTES + ended + _marked(frame)) + "\n"
+
+
+def _marked(frame: pd.DataFrame) -> list[str]:
+    """One line for each answer of the fan that it supports only in part."""
+    return [
+        f"{r['path']}, fan: of {r['states']} states {r['extrapolated_states']} are extrapolated and "
+        f"{r['off_path_states']} between paths too far apart"
+        for r in frame.to_dict("records")
+        if r["springs"] == "fan" and (r["extrapolated_states"] or r["off_path_states"])
+    ]
+
+
+_NOTES = [
+    f"errors: macro-model over full model minus 1, at equal displacement; states below {SKIP_BELOW:.0%} of "
+    "the largest are left out; '-': imposed or undefined",
+    "u: error of the displacement at equal load; z_rot: depth of the point of rotation, at the end and largest error",
+    "between: the largest error when every second recorded state is left out of the springs",
+    "eta = 1 - area between the load-displacement curves / area of the full model's; "
+    f"small: to outer diameter / {1 / SMALL_OVER_DIAMETER:.0f}",
+    "springs: py = lateral p-y alone; full = p-y, distributed moment, tip and lid terms; "
+    "fan = all of them by (u, rotation), from all calibration paths of constant rotation/u",
+]
+
+
+def _cell(value: Any, column: str) -> str:
+    if isinstance(value, float):
+        digits = 4 if column.startswith("eta") else 2
+        # + 0.0 turns a rounded -0.00 into 0.00
+        return "-" if np.isnan(value) else f"{round(value, digits) + 0.0:.{digits}f}"
+    return str(value)
+
+
+def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
+    """Return the comparison for JSON: definitions and rows; what is undefined is None."""
+    records = frame.to_dict(orient="records")
+    rows = [{str(name): _finite(value) for name, value in row.items()} for row in records]
+    definitions = {
+        "eta": "1 - area between load-displacement curves / area under the full model's",
+        "eta_small_to": f"outer diameter * {SMALL_OVER_DIAMETER:g}; over the skirt length on a rotation path",
+        "errors": "(macro - full) / full in percent, at equal displacement",
+        "u_error": "displacement at equal load (H and M of each state), macro / full - 1 in percent",
+        "states_at_load": "states whose load the springs carry",
+        "rotation_point": "depth of the point of the axis at rest, -u/rotation, at the end; error_max: over all states",
+        "skip_below": SKIP_BELOW,
+    }
+    return {str(name): value for name, value in frame.attrs.items()} | {
+        "definitions": definitions,
+        "rows": rows,
+    }
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not np.isfinite(value) else value

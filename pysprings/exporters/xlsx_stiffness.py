@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: MIT
+"""The workbook's stiffness sheet: 6 x 6 for programs that want a foundation as one matrix, then 3 x 3 by spring set."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.exporters.xlsx_names import Names
+from pysprings.macro_model import MacroModel
+from pysprings.macro_sets import spring_sets
+from pysprings.macro_six import TORSION, axisymmetric
+from pysprings.springs import path_names
+
+KN = 1e-3
+_SIX = (("Fx [kN]", "Fy [kN]", "Fz [kN]", "Mx [kN m]", "My [kN m]", "Mz [kN m]"),
+        ("per x [m]", "per y [m]", "per z [m]", "per rx [rad]", "per ry [rad]", "per rz [rad]"))  # fmt: skip
+_THREE = (("H [kN]", "V [kN]", "M [kN m]"), ("per u [m]", "per w [m]", "per rotation [rad]"))
+
+_NOTES = (
+    "Axes: x along the load, z down, y completing a right-handed set; rotations right-hand. The caisson at rest is "
+    "axisymmetric: what holds for (x, ry) holds for (y, -rx).",
+    TORSION[0].upper() + TORSION[1:] + ".",
+    "For other axes (z up, another point) transform the matrix before use.",
+    "Springs of one path: slope of the first recorded step; w is the full model's elastic stiffness.",
+)
+
+
+def write_stiffness(sheet: Any, springs: xr.DataTree, names: Names, title: Any, head: Any) -> None:
+    """Write the full model's initial stiffness as 6 x 6, then the 3 x 3 of the full model and of each spring set."""
+    sheet.set_column(0, 0, 30)
+    sheet.set_column(1, 6, 16)
+    full = springs.dataset["stiffness_initial"].values
+    row = _block(
+        sheet, 0, "initial stiffness of the full model at the lid centre, 6 x 6", axisymmetric(full), _SIX, title, head
+    )
+    names.define("K_6x6", sheet.name, (2, 1), (7, 6))
+    for note in _NOTES:
+        sheet.write_string(row, 0, note)
+        row += 1
+    row += 1
+    names.define("K_3x3", sheet.name, (row + 2, 1), (row + 4, 3))
+    for words, matrix in [("full model", full), *_sets(springs)]:
+        row = _block(sheet, row, f"initial tangent, {words}", matrix, _THREE, title, head)
+
+
+def _sets(springs: xr.DataTree) -> list[tuple[str, NDArray[np.float64]]]:
+    sets = spring_sets(springs)
+    blocks = []
+    if "fan" in sets:
+        blocks.append(("fan springs of all rays", MacroModel.from_springs(springs, "fan").tangent_stiffness().values))
+    for name in path_names(springs):
+        for spring_set in (each for each in sets if each != "fan"):
+            matrix = MacroModel.from_springs(springs, spring_set, name).tangent_stiffness().values
+            blocks.append((f"{spring_set} springs of path {name}", matrix))
+    return blocks
+
+
+def _block(
+    sheet: Any,
+    row: int,
+    words: str,
+    matrix: NDArray[np.float64],
+    labels: tuple[tuple[str, ...], ...],
+    title: Any,
+    head: Any,
+) -> int:
+    """Write one matrix in kN, m, rad with its labels; return the row behind it."""
+    sheet.write_string(row, 0, words, title)
+    for column, label in enumerate(labels[1], start=1):
+        sheet.write_string(row + 1, column, label, head)
+    for line, label in enumerate(labels[0]):
+        sheet.write_string(row + 2 + line, 0, label, head)
+        sheet.write_row(row + 2 + line, 1, (matrix[line] * KN + 0.0).tolist())
+    return row + 3 + len(labels[0])

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: MIT
+"""Numba for the macro-model's loops, or not: one prediction in plain Python is over before Numba is loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar, cast
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+# Set before `pysprings.macro_solver` is imported; what is decorated then stays as it is.
+PLAIN = {"on": False}
+
+# Options of `pysprings predict` that ask for many states: there Numba pays.
+_MANY = ("--points", "--sequence")
+
+
+def jitted(function: F) -> F:
+    """Compile a function at its first call (kept between processes), or leave it as it is."""
+    if PLAIN["on"]:
+        return function
+    from numba import njit
+
+    compiled: Any = njit(cache=True)(function)
+    return cast(F, compiled)
+
+
+def choose_for_command(arguments: Sequence[str]) -> None:
+    """Do without Numba when the command is one prediction or a usual curve (it takes 0.5 s to load and bind)."""
+    many = any(argument.split("=")[0] in _MANY for argument in arguments)
+    command = next((argument for argument in arguments if not argument.startswith("-")), "")
+    PLAIN["on"] = command == "predict" and not many

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: MIT
+"""Ways to drive the rigid body: the equations of each, as `macro_solver` wants them, and words for where it ended."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Control = Literal["displacement", "rotation", "load", "state"]
+
+
+def equations(control: Control, targets: Array, arm: float, size: Array) -> tuple[Array, Array, Array, Array]:
+    """Return G, C (2, 2), the sizes of both equations, and the right sides c (n, 2): see `macro_solver`."""
+    zero, one = np.zeros((2, 2)), np.eye(2)
+    if control == "load":
+        return zero, one, size, targets
+    motion = np.maximum(np.abs(targets).max(axis=0), 1e-12)
+    if control == "state":
+        return one, zero, motion, targets
+    row = 0 if control == "displacement" else 1
+    G, C = zero.copy(), np.array([[0.0, 0.0], [arm, 1.0]])
+    G[0, row] = 1.0
+    aims = np.stack([targets[:, 0], np.zeros(len(targets))], axis=1)
+    return G, C, np.array([motion[0], size[1] + abs(arm) * size[0]]), aims
+
+
+def ending(control: Control, reached: tuple[float, float], wanted: Array, states: Array, loads: Array) -> str:
+    """Say where a path ended: what was held, what was wanted next, the last state."""
+    words = {
+        "displacement": ("u = {:.6g} m",),
+        "rotation": ("rotation = {:.6g} rad",),
+        "load": ("H = {:.6g} N", "M = {:.6g} N m"),
+        "state": ("u = {:.6g} m", "rotation = {:.6g} rad"),
+    }[control]
+    got, aim = (", ".join(w.format(x) for w, x in zip(words, values, strict=False)) for values in (reached, wanted))
+    last = "no step was reached"
+    if len(states):
+        (u, rotation), (H, M) = states[-1], loads[-1]
+        last = f"last step: u = {u:.6g} m, rotation = {rotation:.6g} rad, H = {H:.6g} N, M = {M:.6g} N m"
+    return f"macro-model: no equilibrium beyond {got} on the way to {aim}; {last}"

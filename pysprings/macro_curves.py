@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: MIT
+"""Springs that are curves of their own, as in a user's table: no recorded path of a full model stands behind them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.errors import Problem, UserInputError
+from pysprings.macro_tables import Row, SpringSet, SpringTable, stack
+
+Array = NDArray[np.float64]
+
+# What each companion family of a table holds.
+FAMILIES = {"mtheta": ("m",), "base": ("H_tip", "M_tip"), "lid": ("H_lid", "M_lid")}
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """One curve: spring (p, m, H_tip, M_tip, H_lid, M_lid), depth [m], displacements q (0 first) and reactions r."""
+
+    name: str
+    depth: float
+    q: Array
+    r: Array
+
+
+@dataclass(frozen=True, slots=True)
+class CurveSet:
+    """Curves of one name: depths (n,) and slices (n, 2) of p [m], all curves, a sentence on what was assumed."""
+
+    depth: Array
+    bounds: Array
+    curves: list[Curve]
+    note: str = ""
+
+    @property
+    def length(self) -> float:
+        """Skirt length [m]: the bottom of the lowest slice."""
+        return float(self.bounds[-1, 1])
+
+    def missing(self) -> list[str]:
+        """Companion families that the full set needs and the table does not have."""
+        there = {curve.name for curve in self.curves}
+        return [family for family, names in FAMILIES.items() if not set(names) <= there]
+
+    def table(self, spring_set: SpringSet) -> SpringTable:
+        """Return the rows of a spring set ("py" or "full")."""
+        heights = dict(zip(self.depth, self.bounds[:, 1] - self.bounds[:, 0], strict=True))
+        used = [curve for curve in self.curves if spring_set == "full" or curve.name == "p"]
+        return stack([self._row(curve, heights.get(curve.depth, 0.0)) for curve in used])
+
+    def _row(self, curve: Curve, dz: float) -> Row:
+        z, length = curve.depth, self.length
+        a, b, at = {
+            "p": ((1.0, z), (dz, z * dz), z),
+            "m": ((0.0, 1.0), (0.0, dz), z),
+            "H_tip": ((1.0, length), (1.0, length), length),
+            "M_tip": ((0.0, 1.0), (0.0, 1.0), length),
+            "H_lid": ((1.0, 0.0), (1.0, 0.0), 0.0),
+            "M_lid": ((0.0, 1.0), (0.0, 1.0), 0.0),
+        }[curve.name]
+        carrier = "rotation" if a[0] == 0.0 else ("u" if curve.name == "H_lid" else "y")
+        return Row(curve.name, at, carrier, a, b, curve.q, curve.r)
+
+
+@dataclass(frozen=True, slots=True)
+class CurveSprings:
+    """Sets of curves by name (the column `path` of a table), and the file they come from."""
+
+    source: str
+    sets: dict[str, CurveSet]
+
+    def pick(self, name: str | None) -> tuple[str, CurveSet]:
+        """Return the set of a name, or the first one."""
+        chosen = next(iter(self.sets)) if name is None else name
+        if chosen not in self.sets:
+            message = f"no path '{chosen}'; the table has: {', '.join(self.sets)}"
+            raise UserInputError([Problem(file=self.source, key="path", message=message)])
+        return chosen, self.sets[chosen]
+
+    def origin(self, name: str) -> xr.Dataset:
+        """Return depths and slices of a set; there is no path to hold more."""
+        chosen = self.sets[name]
+        bounds = ("depth", "bound"), chosen.bounds
+        return xr.Dataset({"depth_bounds": bounds}, {"depth": chosen.depth}, {"path": name, "kind": "table"})

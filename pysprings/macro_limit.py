@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: MIT
+"""The largest load that springs carry within their calibrated range, on the way to a load or displacement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.macro_control import Control
+from pysprings.macro_fan import FanTable
+
+if TYPE_CHECKING:
+    from pysprings.macro_model import MacroModel
+    from pysprings.macro_tables import SpringTable
+
+Array = NDArray[np.float64]
+
+# A spring may exceed its range by this share before it counts as extrapolated (rounding).
+RANGE_SLACK = 1e-6
+BISECTIONS = 40
+# Loads below this share of the other one are what rounding has left of zero.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """Last state within the range of the springs: u [m], rotation [rad], and its loads H [N], M [N m]."""
+
+    u: float
+    rotation: float
+    H: float
+    M: float
+
+    def __str__(self) -> str:
+        largest = max(abs(self.H), abs(self.M))
+        force, moment = (0.0 if abs(x) < ROUNDING * largest else x for x in (self.H, self.M))
+        return (
+            f"within their range they carry H = {force:.4g} N with M = {moment:.4g} N m "
+            f"(at u = {self.u:.4g} m, rotation = {self.rotation:.4g} rad)"
+        )
+
+
+def range_used(table: SpringTable | FanTable, states: Array) -> Array:
+    """Return the largest displacement of a spring over its range, by state (n, 2); curves kept in part do not count."""
+    if isinstance(table, FanTable):
+        return table.support(states, table.rows(states)[1])[0]
+    whole = ~table.cut
+    return (np.abs(states @ table.a[whole].T) / table.range[whole]).max(axis=1, initial=0.0)
+
+
+def range_limit(model: MacroModel, control: Control, targets: Array, arm: float, states: Array) -> Limit:
+    """Return where the way to the last of some targets (n, 2) leaves the range, by bisection of its last piece.
+
+    states (n-1, 2) are those of the targets before it, all of them within the range.
+    """
+    origin = np.zeros((1, 2))
+    before, state = np.concatenate([origin, targets[:-1]])[-1], np.concatenate([origin, states])[-1]
+    last, load = state, model.reactions(*state)[0]
+    low, high = 0.0, 1.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        aim = before + middle * (targets[-1] - before)
+        found, loads, message = model.solve(control, aim[None], arm, (state, before))
+        if not message and range_used(model.table, found)[0] <= 1.0 + RANGE_SLACK:
+            low, last, load = middle, found[0], loads[0]
+        else:
+            high = middle
+    return Limit(float(last[0]), float(last[1]), float(load[0]), float(load[1]))

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: MIT
+"""The rigid caisson on its springs: built once from a spring set, then asked for reactions, tangents and paths."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings import variables
+from pysprings.macro_answer import answer_dataset
+from pysprings.macro_control import Control, ending, equations
+from pysprings.macro_curves import CurveSprings
+from pysprings.macro_fan import FanTable, build_fan
+from pysprings.macro_limit import Limit, range_limit
+from pysprings.macro_sets import ALONE, Springs, choose_set
+from pysprings.macro_solver import FAN, ROWS, follow, reactions, solve_cases, tangents
+from pysprings.macro_tables import SpringSet, SpringTable, build_table
+from pysprings.springs import get_path
+
+Array = NDArray[np.float64]
+
+NO_VERTICAL = "a table has no vertical springs: w and V are left out"
+FIRST_STEPS = "a table has no initial stiffness: the fan starts with that of the first recorded steps"
+
+
+@dataclass(frozen=True, slots=True)
+class MacroModel:
+    """A rigid caisson on the springs of one path, or of a fan of paths; built once, asked often.
+
+    Attributes
+    ----------
+    table
+        The springs as interpolation tables.
+    spring_set
+        "fan", "full" or "py".
+    origin
+        Converged steps of the path the springs come from; of the first ray of a fan.
+    stiffness_initial
+        (3, 3) initial tangent of the full model for (u, w, rotation); None where the springs come from a table:
+        then nothing is known of w and V.
+    attrs
+        Attributes of the spring set (geometry, provenance).
+    remarks
+        Sentences that go with every answer.
+    """
+
+    table: SpringTable | FanTable
+    spring_set: SpringSet
+    origin: xr.Dataset
+    stiffness_initial: Array | None
+    attrs: dict[str, Any]
+    remarks: tuple[str, ...] = ()
+
+    @classmethod
+    def from_springs(cls, springs: Springs, springs_kind: str | None = None, path: str | None = None) -> MacroModel:
+        """Build the model from springs: their fan where they have one, else all springs of the first calibration path.
+
+        springs_kind chooses "fan", "full" or "py"; path the path whose springs serve (for "full" and "py").
+        p-y curves without companions give "py" and say so.
+        """
+        kind = choose_set(springs, springs_kind, path)
+        remarks: tuple[str, ...] = (ALONE,) if kind == "py" else ()
+        if isinstance(springs, CurveSprings):
+            name, curves = springs.pick(path)
+            attrs = {"title": f"table {springs.source}", "skirt_length_m": curves.length}
+            remarks += tuple(filter(None, (curves.note, NO_VERTICAL)))
+            return cls(curves.table(kind), kind, springs.origin(name), None, attrs, remarks)
+        table: SpringTable | FanTable
+        if kind == "fan":
+            table = build_fan(springs)
+            origin = get_path(springs, table.path[0])
+        else:
+            origin = get_path(springs, path)
+            table = build_table(origin, kind)
+        stiffness = springs.dataset["stiffness_initial"].values
+        known = stiffness if stiffness.shape == (3, 3) else None
+        if known is None:
+            remarks += (NO_VERTICAL, FIRST_STEPS) if kind == "fan" else (NO_VERTICAL,)
+        return cls(table, kind, origin, known, {str(name): value for name, value in springs.attrs.items()}, remarks)
+
+    @property
+    def length(self) -> float:
+        """Skirt length [m]."""
+        return float(self.attrs["skirt_length_m"])
+
+    @property
+    def _springs(self) -> tuple[int, Array, Array, Array, Array, Array, NDArray[np.int64]]:
+        return FAN if isinstance(self.table, FanTable) else ROWS, *self.table.solver_arrays
+
+    def reactions(self, u: float, rotation: float) -> tuple[Array, Array]:
+        """Return the loads (H [N], M [N m]) that hold a state, and their tangent (2, 2) to (u, rotation)."""
+        force, tangent = np.zeros(2), np.zeros((2, 2))
+        reactions(*self._springs, float(u), float(rotation), force, tangent)
+        return force, tangent
+
+    def tangents(self, states: Array) -> xr.DataArray:
+        """Return the tangent stiffness at mudline at states (n, 2) = (u, rotation), with dimension step.
+
+        u and rotation come from the springs; w is the elastic stiffness of the full model, uncoupled; springs from
+        a table do not know it, and the matrix is (2, 2) for (u, rotation). Units: N/m for displacements, N m/rad for
+        rotation, N/rad = N m/m between them.
+        """
+        lateral = np.zeros((len(states), 2, 2))
+        tangents(*self._springs, np.ascontiguousarray(states, dtype=float), lateral)
+        dofs = list(variables.DOFS) if self.stiffness_initial is not None else ["u", "rotation"]
+        matrix = lateral
+        if self.stiffness_initial is not None:
+            matrix = np.zeros((len(states), 3, 3))
+            matrix[:, ::2, ::2], matrix[:, 1, 1] = lateral, self.stiffness_initial[1, 1]
+        known_as = variables.GROUPS["prediction"]
+        coords = {name: (name, dofs, known_as[name].attributes()) for name in ("dof", "dof_conjugate")}
+        attrs = known_as["stiffness"].attributes() | {"springs": self.spring_set}
+        return xr.DataArray(matrix, coords, known_as["stiffness"].dims, attrs=attrs)
+
+    def tangent_stiffness(self, u: float = 0.0, rotation: float = 0.0) -> xr.DataArray:
+        """Return the tangent stiffness (3, 3) at mudline for (u, w, rotation) at a state: see `tangents`."""
+        return self.tangents(np.array([[u, rotation]])).isel(step=0, drop=True)
+
+    def solve(
+        self, control: Control, targets: Array, arm: float = 0.0, start: tuple[Array, Array] | None = None
+    ) -> tuple[Array, Array, str]:
+        """Follow the equilibrium from the origin through targets.
+
+        Parameters
+        ----------
+        control
+            "displacement" (u with the load at height arm), "rotation" (rotation with the load at height arm),
+            "load" (H, M) or "state" (u and rotation imposed).
+        targets
+            (n, 2): (u, -), (rotation, -), (H, M) or (u, rotation); the - columns are not read.
+        arm
+            Height of the load above mudline [m].
+        start
+            State (u, rotation) to start from instead of the origin, and its target.
+
+        Returns
+        -------
+        tuple
+            States (k, 2) = (u, rotation), loads (k, 2) = (H, M), and a message that says where it ended
+            when k < n.
+        """
+        state, first = start or (np.zeros(2), np.zeros(2))
+        way = np.concatenate([[first], np.asarray(targets, dtype=float)])
+        G, C, scale, aims = equations(control, way, arm, self.table.load_scale)
+        out = np.zeros((2, *aims.shape))
+        with np.errstate(all="ignore"):  # an iterate that runs away is given up, with or without Numba
+            n, at0, at1 = follow(*self._springs, G, C, scale, state, aims, out[0], out[1])
+        states, loads = out[0, 1:n], out[1, 1:n]
+        return states, loads, "" if n == len(aims) else ending(control, (at0, at1), aims[n], states, loads)
+
+    def solve_cases(self, control: Control, targets: Array, arm: float = 0.0) -> tuple[Array, Array, NDArray[np.int8]]:
+        """Return states, loads (n, 2) and a mark reached (n,) of independent targets, each from the origin."""
+        G, C, scale, aims = equations(control, np.asarray(targets, dtype=float), arm, self.table.load_scale)
+        states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(aims), dtype=np.int8)
+        solve_cases(*self._springs, G, C, scale, np.ascontiguousarray(aims), states, loads, reached)
+        return states, loads, reached
+
+    def trace(self, control: Control, targets: Array, arm: float = 0.0, V: float | Array | None = None) -> xr.Dataset:
+        """Return the answer to `solve` as a dataset by step, with marks for what the springs do not support.
+
+        A path that ends early holds the steps reached; `status` is then "partial" and `message` says where.
+        V [N] is one number, or one a target.
+        """
+        targets = np.asarray(targets, dtype=float)
+        states, loads, message = self.solve(control, targets, arm)
+        down = V[: len(states)] if isinstance(V, np.ndarray) else V
+
+        def limit(first: int) -> Limit:
+            return range_limit(self, control, targets[: first + 1], arm, states[:first])
+
+        drive = {"control": control, "arm_m": float(arm)}
+        return answer_dataset(self, states, loads, down, drive, message, limit)

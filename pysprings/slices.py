@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""Convergence of the macro-model with the number of depth slices: error against cost."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from pysprings.comparison import compare
+from pysprings.errors import Problem, UserInputError
+from pysprings.macro_model import MacroModel
+from pysprings.springs import get_path, path_dataset, path_names, slice_heights
+
+REPEATS = 5
+POINTS = 50
+_ERRORS = ("H_error_max_pct", "rotation_error_max_pct", "M_error_max_pct", "u_error_max_pct")
+
+
+def merge_slices(springs: xr.DataTree, n: int) -> xr.DataTree:
+    """Return springs with n depth slices, made of neighbours: p, m and t are means, y is that of the mean depth.
+
+    Forces and distributed moments stay what they are; the moment of p within a merged slice is lost, as in a table
+    with so few depths.
+    """
+    depths = path_dataset(springs, path_names(springs)[0]).sizes["depth"]
+    if not 1 <= n <= depths:
+        raise UserInputError([Problem(key="slices", message=f"{n} slices: the springs have 1 to {depths}")])
+    merged = springs.copy()
+    for name in path_names(springs):
+        merged[f"paths/{name}"] = xr.DataTree(_merged(path_dataset(springs, name), n))
+    return merged
+
+
+def _merged(path: xr.Dataset, n: int) -> xr.Dataset:
+    height, bounds = slice_heights(path), path["depth_bounds"].values
+    groups = np.array_split(np.arange(height.size), n)
+    share = np.zeros((n, height.size))
+    for row, group in enumerate(groups):
+        share[row, group] = height[group] / height[group].sum()
+    depth = share @ path["depth"].values
+    ends = np.array([[bounds[group[0], 0], bounds[group[-1], 1]] for group in groups])
+    data: dict[str, Any] = {}
+    for name, variable in path.data_vars.items():
+        if "depth" not in variable.dims:
+            data[str(name)] = variable.variable
+        elif name not in ("depth_bounds", "y"):
+            data[str(name)] = (variable.dims, np.tensordot(share, variable.values, axes=(1, 0)), variable.attrs)
+    y = path["u"].values + path["rotation"].values * depth[:, None]
+    data |= {"depth_bounds": (path["depth_bounds"].dims, ends, path["depth_bounds"].attrs)}
+    data |= {"y": (("depth", "step"), y, path["y"].attrs)}
+    coords = {name: value.variable for name, value in path.coords.items() if "depth" not in value.dims}
+    return xr.Dataset(data, coords | {"depth": ("depth", depth, path["depth"].attrs)}, path.attrs)
+
+
+def slice_counts(springs: xr.DataTree) -> list[int]:
+    """Return 1, 2, 4 ... and the number of slices that the springs have."""
+    depths = path_dataset(springs, path_names(springs)[0]).sizes["depth"]
+    return sorted({2**k for k in range(depths.bit_length()) if 2**k < depths} | {depths})
+
+
+def slice_convergence(
+    springs: xr.DataTree, counts: Sequence[int] | None = None, springs_kind: str | None = None
+) -> pd.DataFrame:
+    """Return one row per number of slices, spring set and role of path: largest errors [%], eta, and cost.
+
+    Errors are those of `comparison.compare` (their sizes), largest over the paths of a role. curve_ms is the time of a
+    curve of 50 points on the last path, in this process, after a first one.
+    """
+    rows = []
+    for n in counts or slice_counts(springs):
+        coarse = merge_slices(springs, n)
+        frame = compare(coarse, springs_kind)
+        for (spring_set, role), part in frame.groupby(["springs", "role"], sort=False):
+            row: dict[str, Any] = {"slices": n, "springs": spring_set, "role": role}
+            row |= {name: part[name].abs().max() for name in _ERRORS if name in part}
+            row |= {"eta_large": part["eta_large"].min()}
+            rows.append(row | {"curve_ms": 1e3 * _seconds(coarse, str(spring_set))})
+    return pd.DataFrame(rows)
+
+
+def _seconds(springs: xr.DataTree, spring_set: str) -> float:
+    """Median time [s] of a curve of 50 points."""
+    path = get_path(springs, path_names(springs)[-1])
+    model = MacroModel.from_springs(springs, spring_set)
+    targets = np.zeros((POINTS, 2))
+    targets[:, 0] = np.linspace(0.0, 0.5 * float(np.abs(path["u"].values).max()), POINTS)
+    times = []
+    for _ in range(REPEATS + 1):
+        start = time.perf_counter()
+        model.solve("displacement", targets)
+        times.append(time.perf_counter() - start)
+    return float(np.median(times[1:]))
+
+
+_COLUMNS = {
+    "slices": "slices",
+    "springs": "springs",
+    "H_error_max_pct": "H max [%]",
+    "u_error_max_pct": "u max [%]",
+    "rotation_error_max_pct": "rot max [%]",
+    "M_error_max_pct": "M max [%]",
+    "eta_large": "eta large",
+    "curve_ms": "50 points [ms]",
+}
+
+
+def to_text(frame: pd.DataFrame) -> str:
+    """Return the convergence as tables for a terminal, one a role."""
+    lines = []
+    for role, part in frame.groupby("role", sort=False):
+        shown = part[[name for name in _COLUMNS if name in part]].dropna(axis=1, how="all").rename(columns=_COLUMNS)
+        text = shown.to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")
+        lines += [f"{role} paths, largest errors by number of depth slices", text, ""]
+    return "\n".join(lines)

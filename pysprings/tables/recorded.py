@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: MIT
+"""A table that records paths of a rigid body, as our own `py.csv` does: back to a spring tree."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.macro_fan import fan_paths
+from pysprings.springs import get_path, net_m, net_p, slice_heights
+from pysprings.tables.file import Faults
+from pysprings.tables.places import ROUNDING, net_rows, place_of, slices
+
+Array = NDArray[np.float64]
+Grid = dict[str, Array]  # column -> (depth, step)
+
+COMPANIONS = ("mtheta", "base", "lid")
+_NUMBERS = {
+    "py": ("y_m", "p_N_per_m", "rotation_rad"),
+    "mtheta": ("m_Nm_per_m",),
+    "base": ("H_N", "M_Nm"),
+    "lid": ("H_N", "M_Nm"),
+}
+
+
+def is_record(rows: pd.DataFrame) -> bool:
+    """Tell whether all rows of p have a step and a rotation: then they record a rigid body on its way."""
+    py = rows[rows["family"] == "py"]
+    return bool(py["step"].notna().all() and py["rotation_rad"].notna().all())
+
+
+def build_tree(rows: pd.DataFrame, faults: Faults) -> xr.DataTree:
+    """Return the spring tree of recorded paths, all of them for calibration; refuse every fault with its line.
+
+    What a table does not hold: the full model's initial stiffness (that of the first steps of all rays stands in
+    for it, by least squares) and the vertical stiffness, so that w and V are left out.
+    """
+    paths = dict[str, xr.Dataset]()
+    for name, own in rows[rows["converged"] != 0].groupby("path", sort=False):
+        path = _path(own.reset_index(drop=True), faults)
+        if path is not None:
+            paths[str(name) or "table"] = path
+    if not paths and not faults.problems:
+        faults.add(place_of(rows), "converged", "no converged step")
+    faults.stop()
+    length = max(float(path["depth_bounds"].values[-1, 1]) for path in paths.values())
+    attrs = {"title": f"table {rows['file'].iloc[0]}", "skirt_length_m": length}
+    groups = {f"/paths/{name}": path for name, path in paths.items()}
+    tree = xr.DataTree.from_dict({"/": xr.Dataset(attrs=attrs)} | groups)
+    dofs = ["u", "rotation"]
+    stiffness = xr.DataArray(_first_stiffness(tree), {"dof": dofs, "dof_conjugate": dofs}, ("dof", "dof_conjugate"))
+    tree.dataset = tree.to_dataset().assign(stiffness_initial=stiffness)
+    return tree
+
+
+def _path(rows: pd.DataFrame, faults: Faults) -> xr.Dataset | None:
+    """One path as a dataset; None where something is wrong with it."""
+    families = {str(name): part for name, part in rows.groupby("family", sort=False)}
+    own, known = Faults(), [family for family in COMPANIONS if family in families]
+    lost = [family for family in COMPANIONS if family not in families]
+    if known and lost:
+        message = (
+            f"companions {', '.join(known)} without {', '.join(lost)}: give all three (zeros where there is none), "
+            "or p-y curves alone"
+        )
+        own.add(place_of(rows), "family", message)
+    depth, bounds, _ = slices(net_rows(families["py"], own), None, own)
+    if np.isnan(bounds).any() and not own.problems:
+        own.add(place_of(rows), "depth_top_m", "depth_top_m and depth_bottom_m are needed beside step and rotation_rad")
+    grids = {name: _grid(net_rows(families[name], own), name, own) for name in ("py", *known)}
+    if own.problems:
+        for each in own.problems:
+            faults.add((each.file or "", each.line), each.key, each.message)
+        return None
+    return _assembled(depth, bounds, grids, families, faults)
+
+
+def _grid(part: pd.DataFrame, family: str, faults: Faults) -> Grid:
+    """Columns of one family as arrays (depth, step); note blanks, what stands twice and what is missing."""
+    for column in (*_NUMBERS[family], "step", "depth_m"):
+        for row in part[part[column].isna()].itertuples(index=False):
+            faults.at(row, column, "blank")
+    twice = part.duplicated(["depth_m", "step"])
+    for row in part[twice].itertuples(index=False):
+        faults.at(row, "step", f"step {row.step:g} at depth {row.depth_m:g} m stands twice")
+    shape = part["depth_m"].nunique(), part["step"].nunique()
+    once = part[~twice].sort_values(["depth_m", "step"])
+    if len(once) != shape[0] * shape[1] and not faults.problems:
+        counts = once.groupby("depth_m")["step"].count()
+        for depth in counts.index[counts < shape[1]]:
+            place = place_of(once[once["depth_m"] == depth])
+            faults.add(place, "step", f"depth {depth:g} m has {counts[depth]} of {shape[1]} steps ({family})")
+    if faults.problems:
+        return {}
+    return {name: once[name].to_numpy(dtype=float).reshape(shape) for name in (*_NUMBERS[family], "line", "step")}
+
+
+def _assembled(
+    depth: Array, bounds: Array, grids: dict[str, Grid], families: dict[str, pd.DataFrame], faults: Faults
+) -> xr.Dataset | None:
+    py, file = grids["py"], str(families["py"]["file"].iloc[0])
+    before, n = len(faults.problems), py["step"].shape[1]
+    rotation = py["rotation_rad"][0]
+    u = (py["y_m"] - rotation * depth[:, None])[0]
+    size = max(np.abs(py["y_m"]).max(), np.abs(rotation).max() * depth[-1], 1e-300)
+    wrong = np.abs(py["y_m"] - u - rotation * depth[:, None]) > ROUNDING * size
+    wrong |= np.abs(py["rotation_rad"] - rotation) * bounds[-1, 1] > ROUNDING * size
+    for line in py["line"][wrong]:
+        message = (
+            "is not u + rotation_rad*depth_m with one u and rotation a step; for free curves leave rotation_rad out"
+        )
+        faults.add((file, int(line)), "y_m", message)
+    if n < 2:
+        faults.add((file, int(py["line"][0, 0])), "step", "the initial state and at least one more step are needed")
+    for family, grid in grids.items():
+        rows = depth.size if family in ("py", "mtheta") else 1
+        if grid["step"].shape != (rows, n):
+            wanted = f"{rows} depths and {n} steps"
+            faults.add(place_of(families[family]), "family", f"{family} does not have the {wanted} of p")
+    if len(faults.problems) > before:
+        return None
+    zero = np.zeros(n)
+    data: dict[str, tuple[tuple[str, ...], Array]] = {
+        "u": (("step",), u),
+        "rotation": (("step",), rotation),
+        "depth_bounds": (("depth", "bound"), bounds),
+        "p": (("depth", "side", "component", "step"), py["p_N_per_m"][:, None, None, :]),
+        "converged": (("step",), np.ones(n)),
+    }
+    if "mtheta" in grids:  # what is not known of the vertical direction is nothing here, and is not shown
+        data |= {name: (("step",), zero) for name in ("w", "V", "V_tip", "V_lid")}
+        data |= {"m": (("depth", "side", "step"), grids["mtheta"]["m_Nm_per_m"][:, None, :])}
+        data |= {"t": (("depth", "side", "step"), np.zeros((depth.size, 1, n)))}
+        for family, part in (("base", "tip"), ("lid", "lid")):
+            data |= {
+                f"H_{part}": (("step",), grids[family]["H_N"][0]),
+                f"M_{part}": (("step",), grids[family]["M_Nm"][0]),
+            }
+    attrs = {"role": "calibration", "kind": "table", "arm_m": np.nan}
+    coords = {"depth": depth, "side": ["net"], "component": ["total"], "step": np.arange(n)}
+    return xr.Dataset(data, coords, attrs)
+
+
+def _first_stiffness(tree: xr.DataTree) -> Array:
+    """Stiffness (2, 2) that fits the first steps of all rays best; of one path p is known of: zero."""
+    first, loads = [], []
+    for name in fan_paths(tree):
+        path = get_path(tree, name)
+        if "m" not in path:
+            return np.zeros((2, 2))
+        p, m, dz, z = net_p(path).values, net_m(path).values, slice_heights(path), path["depth"].values
+        H = dz @ p + path["H_tip"].values + path["H_lid"].values
+        M = (dz * z) @ p + dz @ m + path["depth_bounds"].values[-1, 1] * path["H_tip"].values
+        M = M + path["M_tip"].values + path["M_lid"].values
+        size = np.hypot(path["u"].values[1], path["rotation"].values[1])
+        first.append(np.array([path["u"].values[1], path["rotation"].values[1]]) / size)
+        loads.append(np.array([H[1] - H[0], M[1] - M[0]]) / size)
+    if len(first) < 2:
+        return np.zeros((2, 2))
+    return np.linalg.lstsq(np.array(first), np.array(loads), rcond=None)[0].T

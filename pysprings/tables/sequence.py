@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: MIT
+"""A sequence of loads or motions from a small CSV file: one a line, in order."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.macro_control import Control
+from pysprings.tables.file import Faults, meant, numbers, sheet_of
+from pysprings.units import quoted
+
+Array = NDArray[np.float64]
+
+COLUMNS = ("H_N", "M_Nm", "V_N", "u_m", "rotation_rad", "arm_m")
+FORMS = "H_N with M_Nm or arm_m; u_m and rotation_rad; or one of u_m and rotation_rad with arm_m; V_N with any"
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """Targets (n, 2) of a control, the height of the load [m], V [N] by row (None: that of the springs)."""
+
+    control: Control
+    targets: Array
+    arm: float
+    V: Array | None
+
+
+def read_sequence(path: str | os.PathLike[str]) -> Sequence:
+    """Read a sequence from a CSV file with columns of `COLUMNS`; loads, or motions, not both.
+
+    Raises
+    ------
+    UserInputError
+        Every fault, with file and line.
+    """
+    faults, path = Faults(), Path(path)
+    head, lines = sheet_of(path)
+    _check_head(str(path), head, faults)
+    faults.stop()
+    at = np.array([line for line, _ in lines], dtype=np.int64)
+    columns = {
+        name: numbers(str(path), name, [row[k] if k < len(row) else None for _, row in lines], at, faults)
+        for k, name in enumerate(head)
+    }
+    for name, values in columns.items():
+        for line in at[np.isnan(values)]:
+            faults.add((str(path), int(line)), name, "blank")
+    if not len(at):
+        faults.add((str(path), None), None, "no rows")
+    if "u_m" in columns or "rotation_rad" in columns:
+        arms = columns.get("arm_m", np.zeros(1))
+        if np.unique(arms[np.isfinite(arms)]).size > 1:
+            faults.add((str(path), 1), "arm_m", "a motion is followed at one load height: arm_m must not change")
+    faults.stop()
+    return _built(columns)
+
+
+def _built(columns: dict[str, Array]) -> Sequence:
+    n, down = len(next(iter(columns.values()))), columns.get("V_N")
+    zero = np.zeros(n)
+    u, rotation = columns.get("u_m"), columns.get("rotation_rad")
+    if u is not None and rotation is not None:
+        return Sequence("state", np.stack([u, rotation], axis=1), 0.0, down)
+    arm = columns.get("arm_m", zero)
+    if u is not None:
+        return Sequence("displacement", np.stack([u, zero], axis=1), float(arm[0]), down)
+    if rotation is not None:
+        return Sequence("rotation", np.stack([rotation, zero], axis=1), float(arm[0]), down)
+    force = columns.get("H_N", zero)
+    return Sequence("load", np.stack([force, columns.get("M_Nm", -force * arm)], axis=1), 0.0, down)
+
+
+def _check_head(place: str, head: list[str], faults: Faults) -> None:
+    at, there = (place, 1), set(head)
+    for name, count in Counter(head).items():
+        if count > 1:
+            faults.add(at, quoted(name), f"column stands {count} times")
+        if name not in COLUMNS:
+            near: Any = meant(name, COLUMNS)
+            text = f"wrong name or unit: expected '{near}' (SI; convert the numbers)" if near else "unknown column"
+            faults.add(at, quoted(name), f"{text}; columns are {FORMS}")
+    if faults.problems:
+        return
+    loads, motions = there & {"H_N", "M_Nm"}, there & {"u_m", "rotation_rad"}
+    if bool(loads) == bool(motions):
+        faults.add(at, None, f"expected either loads or motions: {FORMS}")
+    elif {"M_Nm", "arm_m"} <= there or ("arm_m" in there and (len(motions) == 2 or loads == {"M_Nm"})):
+        faults.add(at, "arm_m", f"one column too many: {FORMS}")

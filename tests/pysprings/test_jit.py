@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: MIT
+"""The macro-model in plain Python, as the command uses it for one answer: the same numbers, without Numba."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pysprings import jit, macro_solver
+from pysprings.macro import MacroModel
+from pysprings.springs import save_springs
+from tests.pysprings.synthetic import make_springs
+from tests.pysprings.test_macro_fan import fan_springs, potential
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def plain(monkeypatch):
+    """The solver once more, undecorated."""
+    monkeypatch.setitem(jit.PLAIN, "on", True)
+    spec = importlib.util.spec_from_file_location("plain_solver", macro_solver.__file__)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("spring_set", ["full", "fan"])
+def test_plain_python_says_the_same(plain, spring_set):
+    springs = fan_springs(potential) if spring_set == "fan" else make_springs()
+    model = MacroModel.from_springs(springs, spring_set)
+    law = plain.FAN if spring_set == "fan" else plain.ROWS
+    states = np.array([[1e-3, -1e-4], [-2e-3, 3e-4], [0.0, 0.0], [8e-3, -1e-3]])
+    for state in states:
+        force, tangent = np.zeros(2), np.zeros((2, 2))
+        plain.reactions(law, *model.table.solver_arrays, *state, force, tangent)
+        expected = model.reactions(*state)
+        np.testing.assert_allclose(force, expected[0], rtol=1e-12, atol=1e-6)
+        np.testing.assert_allclose(tangent, expected[1], rtol=1e-12, atol=1e-3)
+    assert not hasattr(plain.reactions, "py_func")
+    assert hasattr(macro_solver.reactions, "py_func")
+
+
+def test_which_commands_do_without_numba(monkeypatch):
+    monkeypatch.setitem(jit.PLAIN, "on", False)
+    for arguments, plain in (
+        (["predict", "x.nc", "--H", "1 MN"], True),
+        (["--debug", "predict", "x.nc", "--u-max", "1 mm"], True),
+        (["predict", "x.nc", "--points=5000"], False),
+        (["predict", "x.nc", "--sequence", "s.csv"], False),
+        (["compare", "predict"], False),
+        (["run", "scene.toml"], False),
+    ):
+        jit.choose_for_command(arguments)
+        assert jit.PLAIN["on"] is plain, arguments
+
+
+def test_the_command_loads_no_numba_and_finds_the_same(tmp_path):
+    file = save_springs(make_springs(), tmp_path / "springs.nc")
+    code = (
+        "import sys; from pysprings.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "print('numba' in sys.modules, 'pint' in sys.modules and 'pint.registry' in sys.modules, file=sys.stderr)"
+    )
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", code, "predict", str(file), "--H", "1 MN", "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, env=env, timeout=60, check=True)
+    assert done.stderr.split()[0] == "False"
+    (state,) = json.loads(done.stdout)["states"]
+    from pysprings.macro import predict
+
+    assert state["u"] == pytest.approx(float(predict(make_springs(), H=1e6)["u"][-1]), rel=1e-9)

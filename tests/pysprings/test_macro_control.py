@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: MIT
+"""Driving the rigid body: motions, sequences, limits; tangent stiffness 3x3 and 6x6; the command that asks for them."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from pysprings import cli, open_table
+from pysprings.errors import UserInputError
+from pysprings.macro import (
+    MacroModel,
+    MacroWarning,
+    PredictionNotConverged,
+    impose,
+    predict,
+    predict_batch,
+    sequence,
+    stiffness,
+)
+from pysprings.macro_six import stiffness_six
+from pysprings.springs import save_springs
+from pysprings.tables.sequence import read_sequence
+from tests.pysprings.synthetic import make_springs
+from tests.pysprings.test_macro import bilinear_springs, linear_springs, linear_stiffness
+from tests.pysprings.test_macro_fan import fan_springs, potential
+
+
+@pytest.fixture(scope="module")
+def bent():
+    return MacroModel.from_springs(fan_springs(potential))
+
+
+def test_motions_and_loads_are_one_curve(bent):
+    """The load of an imposed rotation brings that rotation back, and so do its displacement and both together."""
+    turned = impose(bent, rotation=-5e-4, arm=3.0).isel(step=-1)
+    assert float(turned["M"]) == pytest.approx(-3.0 * float(turned["H"]), rel=1e-9)
+    for again in (
+        predict(bent, H=float(turned["H"]), arm=3.0),
+        impose(bent, u=float(turned["u"]), arm=3.0),
+        impose(bent, u=float(turned["u"]), rotation=-5e-4),
+    ):
+        for name in ("u", "rotation", "H", "M"):
+            assert float(again[name][-1]) == pytest.approx(float(turned[name]), rel=1e-7)
+    moment = predict(bent, M=-1e6).isel(step=-1)
+    assert float(moment["H"]) == pytest.approx(0.0, abs=1e-3)
+    assert float(moment["rotation"]) < 0.0 < float(moment["u"])
+
+
+def test_a_sequence_goes_back_on_the_same_curve(bent):
+    """Nonlinear elastic: the answer to a load does not depend on what came before, and says so."""
+    loads = np.array([[4e5, -4e5], [8e5, -8e5], [4e5, -4e5], [0.0, 0.0], [-8e5, 8e5], [3e5, 5e5]])
+    answer = sequence(bent, loads)
+    assert "without hysteresis" in answer.attrs["remarks"]
+    for step, (H, M) in enumerate(loads):
+        alone = predict(bent, H=H, M=M).isel(step=-1) if H else answer.isel(step=3)
+        for name in ("u", "rotation", "w"):
+            assert float(answer[name][step]) == pytest.approx(float(alone[name]), rel=1e-7, abs=1e-12)
+    assert float(answer["u"][3]) == pytest.approx(0.0, abs=1e-12)
+    with pytest.raises(UserInputError, match=r"targets: must have the shape \(n, 2\)"):
+        sequence(bent, np.zeros(3))
+    with pytest.raises(UserInputError, match="targets: not finite"):
+        sequence(bent, np.array([[np.nan, 0.0]]))
+
+
+def test_vertical_load_by_row():
+    springs = make_springs()
+    with pytest.warns(MacroWarning, match=r"V = 2000000, 2700000 N is not that of path 'pull'"):
+        answer = sequence(springs, np.array([[1e5, 0.0], [1e5, 0.0]]), V=np.array([2.0e6, 2.7e6]))
+    assert float(answer["w"][1] - answer["w"][0]) == pytest.approx(0.7e6 / 3.5e9)
+    np.testing.assert_allclose(answer["V"], [2.0e6, 2.7e6])
+
+
+def test_largest_load_within_the_range_is_named():
+    """A uniform p to 5e5 N/m over 4 m at 3 mm: 2 MN with its resultant at half depth, and no more."""
+    springs = bilinear_springs()
+    with pytest.warns(
+        MacroWarning, match=r"beyond the range.*within their range they carry H = 2e\+06 N with M = 4e\+06"
+    ):
+        answer = predict(springs, H=3e6, M=6e6)
+    assert answer.attrs["limit_H_N"] == pytest.approx(2e6, rel=1e-5)
+    assert answer.attrs["limit_M_Nm"] == pytest.approx(4e6, rel=1e-5)
+    assert answer.attrs["limit_u_m"] == pytest.approx(3e-3, rel=1e-5)
+    with pytest.raises(UserInputError, match=r"strict: .*within their range they carry H = 2e\+06 N"):
+        predict(springs, H=3e6, M=6e6, strict=True)
+    assert "limit_H_N" not in predict(springs, H=1.9e6, M=3.8e6).attrs
+
+
+def test_the_limit_of_a_fan_is_where_its_range_ends(bent):
+    with pytest.warns(MacroWarning, match="within their range they carry"):
+        answer = predict(bent, H=5e6, arm=2.0)
+    inside = predict(bent, H=answer.attrs["limit_H_N"], arm=2.0, strict=True).isel(step=-1)
+    assert float(inside["range_used"]) == pytest.approx(1.0, rel=1e-5)
+
+
+def test_capacity_of_flat_springs(tmp_path):
+    """Perfectly plastic p = 1e5 N/m over 4 m: 400 kN at half depth can be carried; 500 kN cannot, by any motion."""
+    rows = [f"{z},{y},{p}" for z in (0.5, 1.5, 2.5, 3.5) for y, p in ((1e-3, 1e5), (2e-3, 1e5), (1e-2, 1e5))]
+    (tmp_path / "py.csv").write_text("\n".join(["depth_m,y_m,p_N_per_m", *rows]) + "\n")
+    table = open_table(tmp_path / "py.csv", skirt_length=4.0)
+    assert float(predict(table, H=3.9e5, arm=-2.0)["u"][-1]) < 1e-3
+    with pytest.raises(PredictionNotConverged, match=r"no equilibrium beyond H = (400000|399\d\d\d)"):
+        predict(table, H=5e5, arm=-2.0)
+    batch = predict_batch(table, H=np.array([3.9e5, 5e5]), arm=-2.0)
+    assert batch["converged"].values.tolist() == [1, 0]
+    assert float(batch["H"][1]) == pytest.approx(4e5, rel=1e-3)
+
+
+def test_stiffness_is_the_slope_of_the_prediction(bent):
+    """3x3 at rest, at a load and at a motion: a small change of load over it gives the change of motion."""
+    np.testing.assert_allclose(stiffness(linear_springs())[::2, ::2], linear_stiffness("full"), rtol=1e-12)
+    k = stiffness(bent, H=6e5, arm=2.0)
+    assert k.dims == ("dof", "dof_conjugate")
+    a, b = (predict(bent, H=6e5 + d, M=-1.2e6 - 3.0 * d).isel(step=-1) for d in (-10.0, 10.0))
+    change = [float(b[name] - a[name]) for name in ("u", "rotation")]
+    np.testing.assert_allclose(k.values[::2, ::2] @ change, [20.0, -60.0], rtol=1e-5)
+    state = predict(bent, H=6e5, arm=2.0).isel(step=-1)
+    moved = stiffness(bent, u=float(state["u"]), rotation=float(state["rotation"]))
+    np.testing.assert_allclose(moved, k, rtol=1e-7)
+    assert float(k.sel(dof="w", dof_conjugate="w")) == 3.5e9
+    with pytest.raises(UserInputError, match="u: give a displacement"):
+        impose(bent)
+    with pytest.raises(UserInputError, match="H: give a load or a moment"):
+        predict(bent)
+    with pytest.raises(UserInputError, match="springs_kind: a model has its springs already"):
+        predict(bent, H=1e5, springs_kind="py")
+
+
+def test_six_by_six_does_not_know_the_direction_of_the_load(bent):
+    """Turning the axes about the vertical leaves it as it is; the in-plane block is the 3x3 one."""
+    six = stiffness_six(bent).values
+    for angle in (0.5 * np.pi, 0.7):
+        c, s = np.cos(angle), np.sin(angle)
+        turn = np.kron(np.eye(2), [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        np.testing.assert_allclose(turn @ six @ turn.T, six, rtol=1e-9, atol=1e-6 * six.max())
+    k = bent.tangent_stiffness().values
+    np.testing.assert_allclose(six[np.ix_([0, 2, 4], [0, 2, 4])], 0.5 * (k + k.T))
+    np.testing.assert_array_equal(six, six.T)
+    assert (np.linalg.eigvalsh(six)[1:] > 0.0).all()
+    assert (six[5] == 0.0).all()
+    assert "torsion (rz) is not known" in stiffness_six(bent).attrs["torsion"]
+
+
+def test_batch_is_predict_case_by_case(bent):
+    rng = np.random.default_rng(1)
+    H, arm = rng.uniform(-9e5, 9e5, 40), rng.uniform(-1.0, 30.0, 40)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MacroWarning)
+        batch = predict_batch(bent, H=H, arm=arm)
+        one = [predict(bent, H=h, arm=a).isel(step=-1) for h, a in zip(H, arm, strict=True)]
+    assert batch["u"].dims == ("case",)
+    for name in ("u", "rotation", "w", "H", "M", "V"):
+        expected = np.array([float(answer[name]) for answer in one])
+        np.testing.assert_allclose(batch[name], expected, rtol=1e-7, atol=1e-9 * np.abs(expected).max())
+    assert batch["extrapolated"].values.tolist() == [int(answer["extrapolated"]) for answer in one]
+    assert batch["converged"].values.all()
+    np.testing.assert_allclose(predict_batch(bent, H=1e5, M=np.array([0.0, 1e5]))["M"], [0.0, 1e5], atol=1e-3)
+
+
+def write(path: Path, *lines: str) -> Path:
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("lines", "control", "targets", "arm", "V"),
+    [
+        (("H_N,M_Nm,V_N", "1,2,3", "4,5,6"), "load", [[1, 2], [4, 5]], 0.0, [3, 6]),
+        (("H_N,arm_m", "1,2", "3,4"), "load", [[1, -2], [3, -12]], 0.0, None),
+        (("H_N", "1"), "load", [[1, 0]], 0.0, None),
+        (("M_Nm", "1"), "load", [[0, 1]], 0.0, None),
+        (("u_m,rotation_rad", "1,2"), "state", [[1, 2]], 0.0, None),
+        (("u_m,arm_m", "1,8", "2,8"), "displacement", [[1, 0], [2, 0]], 8.0, None),
+        (("rotation_rad", "1"), "rotation", [[1, 0]], 0.0, None),
+    ],
+)
+def test_sequence_files(tmp_path, lines, control, targets, arm, V):
+    read = read_sequence(write(tmp_path / "s.csv", *lines))
+    assert (read.control, read.targets.tolist(), read.arm) == (control, targets, arm)
+    assert (None if read.V is None else read.V.tolist()) == V
+
+
+@pytest.mark.parametrize(
+    ("lines", "found"),
+    [
+        (("u_mm", "1"), "1: \"u_mm\": wrong name or unit: expected 'u_m'"),
+        (("H_N,u_m", "1,1"), "1: None: expected either loads or motions"),
+        (("V_N", "1"), "1: None: expected either loads or motions"),
+        (("M_Nm,arm_m", "1,1"), "1: arm_m: one column too many"),
+        (("u_m,arm_m", "1,1", "2,2"), "1: arm_m: a motion is followed at one load height"),
+        (("H_N,M_Nm", "1,", "x,1"), "2: M_Nm: blank"),
+        (("H_N",), "None: None: no rows"),
+        (("H_N,H_N", "1,1"), '1: "H_N": column stands 2 times'),
+        (("H_N,what", "1,1"), '1: "what": unknown column'),
+    ],
+)
+def test_sequence_files_refused(tmp_path, lines, found):
+    with pytest.raises(UserInputError) as caught:
+        read_sequence(write(tmp_path / "s.csv", *lines))
+    first = caught.value.problems[0]
+    assert f"{first.line}: {first.key}: {first.message}".startswith(found)
+
+
+class Result:
+    def __init__(self, *args: object) -> None:
+        done = CliRunner().invoke(cli.app, [str(arg) for arg in args])
+        self.code, self.out, self.err = done.exit_code, done.stdout, done.stderr
+
+
+@pytest.fixture(scope="module")
+def fan_file(tmp_path_factory):
+    return save_springs(fan_springs(potential), tmp_path_factory.mktemp("fan") / "springs.nc")
+
+
+def test_command_motions_sequence_and_stiffness(fan_file, tmp_path):
+    file = write(tmp_path / "s.csv", "H_N,arm_m", "2e5,2", "4e5,2", "0,2")
+    done = Result("predict", fan_file, "--sequence", file, "--stiffness")
+    assert done.code == 0
+    assert len(done.out.split("tangent stiffness")[0].strip().splitlines()) == 5
+    assert "step" in done.out.split("tangent stiffness")[1]
+    assert "note: torsion (rz) is not known" in done.err
+    assert "without hysteresis" in done.err
+    data = json.loads(
+        Result("predict", fan_file, "--u", "1 mm", "--rotation", "-0.1 mrad", "--stiffness", "--json").out
+    )
+    (state,) = data["states"]
+    assert (state["u"], state["rotation"]) == pytest.approx((1e-3, -1e-4))
+    assert np.array(data["stiffness"]["matrices"]).shape == (1, 3, 3)
+    assert data["stiffness_6x6"]["dofs"] == ["x", "y", "z", "rx", "ry", "rz"]
+    assert "torsion" in data["stiffness_6x6"]
+    assert "stiffness" not in json.loads(Result("predict", fan_file, "--M", "-1 MN m", "--json").out)
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (["--u", "1 mm", "--H", "1 MN"], "--u: give either this or --H: a load is the answer to a motion"),
+        (
+            ["--u", "1 mm", "--rotation", "1 mrad", "--arm", "1 m"],
+            "--arm: with --u and --rotation both loads are answers",
+        ),
+        (["--arm", "1 m", "--M", "1 MN m"], "--M: give either --arm or --M"),
+        (["--arm", "1 m"], "--H: missing"),
+        (["--sequence", "x.csv", "--H", "1 MN"], "--H: give either this or --sequence"),
+        (["--sequence", "x.csv"], "x.csv: no such file"),
+    ],
+)
+def test_command_refuses(fan_file, args, message):
+    done = Result("predict", fan_file, *args)
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith(f"fatal: user input: {message}")
+
+
+def test_command_names_the_capacity_and_strict_refuses(fan_file):
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        done = Result("predict", fan_file, "--H", "9 MN")
+    assert done.code == 0
+    assert "within their range they carry H = " in done.err
+    assert Result("predict", fan_file, "--H", "9 MN", "--strict").code == 2

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""Fewer depth slices: what is kept, what is lost, and how fast the loss falls."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from pysprings import cli
+from pysprings.errors import UserInputError
+from pysprings.slices import merge_slices, slice_convergence, slice_counts, to_text
+from pysprings.springs import balance, get_path, net_p, save_springs, slice_heights, validate_springs
+from tests.pysprings.synthetic import Caisson, Path, make_springs
+
+PATHS = (
+    Path("pull", steps=6),
+    Path("push", kind="translation", steps=6),
+    Path("high", arm=8.0, role="held-back", steps=6),
+)
+
+
+@pytest.fixture(scope="module")
+def springs():
+    return make_springs(PATHS, Caisson(rings=33, sectors=8))
+
+
+def test_merged_springs_are_springs_with_the_same_forces(springs):
+    merged = merge_slices(springs, 4)
+    validate_springs(merged)
+    fine, coarse = get_path(springs, "pull"), get_path(merged, "pull")
+    assert coarse.sizes["depth"] == 4
+    for path in (fine, coarse):
+        assert (
+            float(np.abs(slice_heights(path) @ net_p(path).values - (path["H"] - path["H_tip"] - path["H_lid"])).max())
+            < 1.0
+        )
+    missing = balance(coarse)
+    assert missing["H"] < 1e-9
+    assert missing["V"] < 1e-9
+    assert missing["M"] > 1e-4  # the moment of p inside a slice
+    np.testing.assert_allclose(coarse["depth_bounds"].values[1:, 0], coarse["depth_bounds"].values[:-1, 1])
+
+
+def test_all_slices_are_the_springs_themselves(springs):
+    same = get_path(merge_slices(springs, 33), "high")
+    np.testing.assert_allclose(same["p"], get_path(springs, "high")["p"])
+    np.testing.assert_allclose(same["depth"], get_path(springs, "high")["depth"], atol=1e-12)
+    assert slice_counts(springs) == [1, 2, 4, 8, 16, 32, 33]
+    for n in (0, 34):
+        with pytest.raises(UserInputError, match=r"slices: .* the springs have 1 to 33"):
+            merge_slices(springs, n)
+
+
+def test_error_falls_with_the_square_of_the_slice_height(springs):
+    """Full set on the path it comes from: only the slices are wrong."""
+    frame = slice_convergence(springs, [2, 4, 8], "full")
+    own = frame[frame["role"] == "calibration"]
+    error = own["M_error_max_pct"].to_numpy()
+    rates = np.log2(error[:-1] / error[1:])
+    assert rates.min() > 1.7
+    assert (own["curve_ms"] > 0.0).all()
+    assert set(frame["role"]) == {"calibration", "held-back"}
+    assert "held-back paths, largest errors by number of depth slices" in to_text(frame)
+
+
+def test_command(springs, tmp_path):
+    file = save_springs(springs, tmp_path / "springs.nc")
+    done = CliRunner().invoke(cli.app, ["compare", str(file), "--slices", "--springs", "full", "--json"])
+    rows = json.loads(done.stdout)["rows"]
+    assert [row["slices"] for row in rows if row["role"] == "held-back"] == [1, 2, 4, 8, 16, 32, 33]
+    assert "50 points [ms]" in CliRunner().invoke(cli.app, ["compare", str(file), "--slices", "--springs", "py"]).stdout
