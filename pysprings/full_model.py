@@ -213,9 +213,7 @@ def _sea(scene: Scene) -> tuple[float, float] | None:
     return None if drainage.water_depth is None else (drainage.water_unit_weight, drainage.water_depth)
 
 
-def _keep(
-    work: _Run, path: Path, collector: Collector, driver: Driver, status: str, limits: list[str]
-) -> None:
+def _keep(work: _Run, path: Path, collector: Collector, driver: Driver, status: str, limits: list[str]) -> None:
     with work.clock.phase("output"):
         dataset = collector.dataset()
         dataset.attrs = {"kind": path.kind, "arm_m": path.arm, "role": path.role, "status": status, "heave": path.heave}

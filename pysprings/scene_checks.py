@@ -154,7 +154,7 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
     if path.rate is not None and path.duration is not None:
         yield Clash(((*here, "duration"), (*here, "rate")), "give rate or duration, not both")
     if path.then and path.role == "calibration":
-        text = "springs are made from monotonic paths only: a path with `then` needs role = \"held-back\""
+        text = 'springs are made from monotonic paths only: a path with `then` needs role = "held-back"'
         yield Clash(((*here, "then"), (*here, "role")), text)
     target = getattr(path, imposed)
     if target is None:
