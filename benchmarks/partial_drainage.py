@@ -51,14 +51,15 @@ def run(preset: str, mode: str, rate: float, sections: dict) -> xr.DataTree:
 
 def row(name: str, path: xr.Dataset, drained: xr.Dataset) -> tuple[str, ...]:
     """Figures of a run beside its drained one."""
+    reached = float(path["u"][-1])
     ratios = [np.interp(u, path["u"], path["H"]) / np.interp(u, drained["u"], drained["H"]) for u in (*STOPS, END)]
+    ratios = [ratio if u < 1.001 * reached else np.nan for u, ratio in zip((*STOPS, END), ratios, strict=True)]
     pressure = path["pore_pressure"].min(["azimuth", "depth", "step"]) / 1e3
     back = path["normal_effective_stress"].sel(side="outside").isel(azimuth=-1)
     back = back.isel(depth=int(np.argmin(np.abs(path["depth"].values - 3.25))))
     gap = 1e3 * float(path["gap"].sel(side="outside").max())
     cells = [f"{ratio:.4f}" for ratio in ratios] + [f"{float(path['F_pw'][-1]) / 1e3:.1f}"]
     cells += [f"{float(pressure.sel(side=side)):.3f}" for side in ("inside", "outside")]
-    reached = float(path["u"][-1])
     end = "" if reached > 0.999 * END else f" (stopped at {1e3 * reached:.1f} mm)"
     return (name + end, *cells, f"{float(back.min() / back[0]):.2f}", f"{gap:.3f}")
 

@@ -58,10 +58,11 @@ class Format(StrEnum):
 
 
 class SpringSet(StrEnum):
-    """What a prediction uses: the fan of all calibration paths, all springs of one path, or its p-y springs alone."""
+    """What a prediction uses: see `pysprings.macro`."""
 
     fan = "fan"
     full = "full"
+    pisa = "pisa"
     py = "py"
 
 
@@ -234,6 +235,10 @@ def predict(
     strict: Annotated[
         bool, typer.Option("--strict", help="refuse an answer that the springs support only in part")
     ] = False,
+    rate: Annotated[
+        str | None,
+        typer.Option("--rate", metavar="VELOCITY", help='of springs from coupled runs at several rates: "0.1 mm/s"'),
+    ] = None,
     stiffness: Annotated[
         bool, typer.Option("--stiffness", help="also the tangent stiffness at mudline, and the initial one, 6x6")
     ] = False,
@@ -259,10 +264,12 @@ def predict(
             "--u": (u, "m", "3 mm"),
             "--rotation": (rotation, "rad", "0.5 mrad"),
             "--skirt-length": (skirt_length, "m", "4 m"),
+            "--rate": (rate, "m/s", "0.1 mm/s"),
         }
     )
     asked.refuse_contradictions(given, sequence)
-    springs, kind = springs_or_table(result, given["--skirt-length"]), spring_set.value if spring_set else None
+    kind = spring_set.value if spring_set else None
+    springs = asked.at_rate(springs_or_table(result, given["--skirt-length"]), given["--rate"])
     states = asked.answer(springs, given, sequence, kind, path, points, strict)
     six = asked.initial_six(springs, kind, path) if stiffness else None
     if as_json:

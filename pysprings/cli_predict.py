@@ -43,6 +43,21 @@ def answer(
     return states
 
 
+def at_rate(springs: Springs, rate: float | None) -> Springs:
+    """Return the springs at the rate [m/s] asked for; as they are without one."""
+    if rate is None:
+        return springs
+    import xarray as xr
+
+    from pysprings import rates
+
+    if not isinstance(springs, xr.DataTree):
+        refuse("--rate", "a table has no rates")
+    if rate <= 0.0:
+        refuse("--rate", f"{1e3 * rate:g} mm/s is not positive")
+    return rates.at_rate(springs, rate)
+
+
 def initial_six(springs: Springs, kind: str | None, path: str | None) -> xr.DataArray | None:
     """Return the initial stiffness 6x6; None where springs from a table do not know it."""
     from pysprings.macro import model_of
@@ -57,7 +72,7 @@ def refuse_contradictions(given: Given, sequence: Path | None) -> None:
     there = {option for option, value in given.items() if value is not None}
     motions = there & {"--u", "--rotation"}
     if sequence is not None:
-        for option in sorted(there - {"--V", "--skirt-length"}):
+        for option in sorted(there - {"--V", "--skirt-length", "--rate"}):
             refuse(option, "give either this or --sequence: the file holds loads, motions and their height")
         return
     if not there & {"--H", "--M", "--u-max", "--u", "--rotation"}:

@@ -5,7 +5,9 @@ A path is followed as the full model was driven: lateral displacement with the l
 load), or displacement and rotation imposed (translation, rotation). Errors are those of the answer: load and
 rotation for the first, H and M for the second. With the sets "py" and "full" a calibration path is answered by its
 own springs, a held-back path by the springs of the first calibration path. The set "fan" is made from all rays
-among the calibration paths and answers every path.
+among the calibration paths and answers every path; "pisa" takes its lateral families from the pure translation among
+them and its moments from the pure rotation. Where calibration paths have several rates, every path is answered at its
+own (`pysprings.rates`).
 
 Read the other way, `u_error_...` is the displacement that the macro-model needs for the full model's load (H and M of
 each recorded state), over the full model's, minus 1. `rotation_point_...`: depth of the point of the axis at rest.
@@ -37,6 +39,7 @@ from pysprings.macro_control import Control
 from pysprings.macro_fan import fan_paths
 from pysprings.macro_model import MacroModel
 from pysprings.macro_sets import spring_sets
+from pysprings.rates import for_path
 from pysprings.springs import SCHEMA, get_path, path_names
 
 Array = NDArray[np.float64]
@@ -72,7 +75,7 @@ def compare(model: xr.DataTree, springs_kind: str | None = None) -> pd.DataFrame
         One spring set instead of all those that the model has.
     """
     springs = _springs_of(model)
-    sets = spring_sets(springs)
+    sets = spring_sets(for_path(springs, get_path(springs)))
     if springs_kind is not None and springs_kind not in sets:
         raise refused("springs_kind", f"no springs '{springs_kind}' here; there are: {', '.join(sets)}")
     rows = [
@@ -91,13 +94,15 @@ def curves(springs: xr.DataTree, path: str, springs_kind: str | None = None) -> 
     The states are those the full model recorded, the initial state included. springs_kind: only this set.
     """
     full = get_path(springs, path)
+    springs = for_path(springs, full)
     kinds = spring_sets(springs) if springs_kind is None else [springs_kind]
     return {kind: _along(full, MacroModel.from_springs(springs, kind, _source(full, kind))) for kind in kinds}
 
 
 def _source(full: xr.Dataset, spring_set: str) -> str | None:
     """Path whose springs answer a path of the full model: its own when it calibrates; None for the usual ones."""
-    return full.attrs["path"] if spring_set != "fan" and full.attrs["role"] == "calibration" else None
+    own = spring_set not in ("fan", "pisa") and full.attrs["role"] == "calibration"
+    return full.attrs["path"] if own else None
 
 
 def _along(full: xr.Dataset, model: MacroModel) -> xr.Dataset:
@@ -210,7 +215,9 @@ def _between(springs: xr.DataTree, full: xr.Dataset, spring_set: str, answers: t
     """Largest error [%] on a calibration path when every second state is left out of its own springs."""
     out = {f"{label}_error_between_pct": np.nan for label in _ERRORS}
     name, driver = full.attrs["path"], _DRIVERS[full.attrs["kind"]][1]
+    springs = for_path(springs, full)
     own = name in fan_paths(springs) if spring_set == "fan" else full.attrs["role"] == "calibration"
+    own = own and spring_set != "pisa"  # its families come from different paths
     if own and full.sizes["step"] > 4:
         model = MacroModel.from_springs(_thinned(springs, name), spring_set, _source(full, spring_set))
         trace = _along(full, model)

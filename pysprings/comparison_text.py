@@ -74,7 +74,8 @@ _NOTES = [
     "between: the largest error when every second recorded state is left out of the springs",
     "eta = 1 - area between the load-displacement curves / area of the full model's; "
     f"small: to outer diameter / {1 / SMALL_OVER_DIAMETER:.0f}",
-    "springs: py = lateral p-y alone; full = p-y, distributed moment, tip and lid terms; "
+    "springs: py = lateral p-y alone; full = p-y, distributed moment, tip and lid terms of one path;",
+    "pisa = the same families, lateral ones of the pure translation, moments of the pure rotation; "
     "fan = all of them by (u, rotation), from all calibration paths of constant rotation/u",
 ]
 

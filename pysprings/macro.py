@@ -4,13 +4,14 @@
 Degrees of freedom: u (lateral, lid centre at mudline, +x), rotation (right-hand about +y); w follows.
 Loads: H (N) at height arm (m) above mudline, that is M = -H*arm about the lid centre.
 
-Three spring sets. From the reactions along one path of the full model:
+Four spring sets. From the reactions along one path of the full model:
 
 - "full": p(y) by depth, m(rotation) by depth, tip H(y_tip) and M(rotation), lid H(u) and M(rotation);
 - "py": p(y) alone, as in a plain Winkler model; the moment is resisted by p*z only.
 
-From all its calibration paths of constant ratio rotation/u, two at least:
+From several calibration paths of constant ratio rotation/u:
 
+- "pisa": the families of "full", uncoupled: lateral ones from a pure translation, moments from a pure rotation;
 - "fan": all reactions by (u, rotation*L) in magnitude and angle (`macro_fan`); it predicts on other paths.
 
 What the springs do not know, an answer says: `extrapolated` (beyond the calibrated displacements, where curves go on

@@ -146,6 +146,14 @@ def fan_paths(springs: xr.DataTree) -> dict[str, float]:
     return {name: angle for angle, name in sorted(kept)}
 
 
+def pure_paths(springs: xr.DataTree) -> tuple[str, str] | None:
+    """Return the rays that are a pure translation and a pure rotation, None where one of them is missing."""
+    angles = fan_paths(springs)
+    translation = [name for name, angle in angles.items() if abs(angle) < SAME]
+    rotation = [name for name, angle in angles.items() if abs(angle) > 0.5 * np.pi - SAME]
+    return (translation[0], rotation[0]) if translation and rotation else None
+
+
 def has_fan(springs: xr.DataTree) -> bool:
     """Tell whether a spring set has the rays that a fan needs."""
     return len(fan_paths(springs)) >= FEWEST

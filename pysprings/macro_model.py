@@ -14,11 +14,11 @@ from pysprings import variables
 from pysprings.macro_answer import answer_dataset
 from pysprings.macro_control import Control, ending, equations
 from pysprings.macro_curves import CurveSprings
-from pysprings.macro_fan import FanTable, build_fan
+from pysprings.macro_fan import FanTable, build_fan, pure_paths
 from pysprings.macro_limit import Limit, range_limit
 from pysprings.macro_sets import ALONE, Springs, choose_set
 from pysprings.macro_solver import FAN, ROWS, follow, reactions, solve_cases, tangents
-from pysprings.macro_tables import SpringSet, SpringTable, build_table
+from pysprings.macro_tables import SpringSet, SpringTable, build_pisa, build_table
 from pysprings.springs import get_path
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ class MacroModel:
     table
         The springs as interpolation tables.
     spring_set
-        "fan", "full" or "py".
+        "fan", "full", "pisa" or "py".
     origin
         Converged steps of the path the springs come from; of the first ray of a fan.
     stiffness_initial
@@ -59,7 +59,7 @@ class MacroModel:
     def from_springs(cls, springs: Springs, springs_kind: str | None = None, path: str | None = None) -> MacroModel:
         """Build the model from springs: their fan where they have one, else all springs of the first calibration path.
 
-        springs_kind chooses "fan", "full" or "py"; path the path whose springs serve (for "full" and "py").
+        springs_kind chooses "fan", "full", "pisa" or "py"; path the path whose springs serve (for "full" and "py").
         p-y curves without companions give "py" and say so.
         """
         kind = choose_set(springs, springs_kind, path)
@@ -73,6 +73,11 @@ class MacroModel:
         if kind == "fan":
             table = build_fan(springs)
             origin = get_path(springs, table.path[0])
+        elif kind == "pisa":
+            pure = pure_paths(springs)
+            assert pure is not None  # `choose_set` has seen to it
+            origin = get_path(springs, pure[0])
+            table = build_pisa(origin, get_path(springs, pure[1]))
         else:
             origin = get_path(springs, path)
             table = build_table(origin, kind)

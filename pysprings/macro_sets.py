@@ -7,8 +7,9 @@ import xarray as xr
 
 from pysprings.errors import Problem, UserInputError
 from pysprings.macro_curves import FAMILIES, CurveSprings
-from pysprings.macro_fan import has_fan
+from pysprings.macro_fan import has_fan, pure_paths
 from pysprings.macro_tables import SPRING_SETS, SpringSet
+from pysprings.rates import RateSet, rate_sets
 from pysprings.springs import path_dataset, path_names
 
 Springs = xr.DataTree | CurveSprings
@@ -20,9 +21,14 @@ ALONE = (
 
 
 def spring_sets(springs: Springs, path: str | None = None) -> list[SpringSet]:
-    """Return the spring sets that springs can give: "full" needs the companions of p, a fan two rays at least."""
-    lost = missing_companions(springs, path)
-    return [name for name in SPRING_SETS if name == "py" or (not lost and (name != "fan" or _fan(springs)))]
+    """Return the spring sets that springs can give.
+
+    "full" needs the companions of p, "pisa" a pure translation and a pure rotation, a fan two rays at least.
+    """
+    if missing_companions(springs, path):
+        return ["py"]
+    needs = {"pisa": _pisa, "fan": _fan}
+    return [name for name in SPRING_SETS if name not in needs or needs[name](springs)]
 
 
 def missing_companions(springs: Springs, path: str | None = None) -> list[str]:
@@ -39,7 +45,8 @@ def choose_set(springs: Springs, name: str | None, path: str | None) -> SpringSe
     if name is None:
         if len(lost) == len(FAMILIES):
             return "py"
-        name = "fan" if path is None and not lost and _fan(springs) else "full"
+        rays = not isinstance(springs, CurveSprings) and has_fan(springs)
+        name = "fan" if path is None and not lost and rays else "full"
     for known in SPRING_SETS:
         if name == known:
             if known != "py" and lost:
@@ -48,16 +55,43 @@ def choose_set(springs: Springs, name: str | None, path: str | None) -> SpringSe
                     f"the set '{known}' needs the companions of p: {', '.join(lost)} missing "
                     "(give zeros where there is none, or ask for the springs 'py')",
                 )
-            if known == "fan" and isinstance(springs, CurveSprings):
-                raise _refused("springs", "a fan needs recorded paths: rows with step, y_m and rotation_rad")
-            if known == "fan" and path is not None:
-                raise _refused("path", "a fan comes from all calibration paths: ask for the springs 'full' or 'py'")
+            if known in _SEVERAL:
+                _check_several(springs, known, path)
             return known
     raise _refused("springs_kind", f"'{name}' is not one of {', '.join(SPRING_SETS)}")
 
 
+_SEVERAL = ("fan", "pisa")  # sets that several calibration paths make together
+
+
+def _check_several(springs: Springs, name: str, path: str | None) -> None:
+    """Refuse a set of several paths where they are not there, or do not belong together."""
+    if isinstance(springs, CurveSprings):
+        words = "a fan needs" if name == "fan" else "the set 'pisa' needs"
+        raise _refused("springs", f"{words} recorded paths: rows with step, y_m and rotation_rad")
+    if path is not None:
+        words = "a fan comes from all" if name == "fan" else "the set 'pisa' comes from several"
+        raise _refused("path", f"{words} calibration paths: ask for the springs 'full' or 'py'")
+    if len(sets := _rates(springs)) > 1:
+        have = ", ".join(f"{1e3 * each.rate:.4g}" for each in sets)
+        raise _refused(
+            "rate", f"the calibration paths have several rates ({have} mm/s, of rho): give one in their range"
+        )
+    if name == "pisa" and pure_paths(springs) is None:
+        raise _refused("springs", "the set 'pisa' needs a pure translation and a pure rotation to calibrate it")
+
+
+def _rates(springs: xr.DataTree) -> list[RateSet]:
+    """Sets of calibration paths by rate; none where the springs do not depend on it."""
+    return rate_sets(springs) if springs.attrs.get("drainage") == "coupled" else []
+
+
+def _pisa(springs: Springs) -> bool:
+    return not isinstance(springs, CurveSprings) and pure_paths(springs) is not None and len(_rates(springs)) < 2
+
+
 def _fan(springs: Springs) -> bool:
-    return not isinstance(springs, CurveSprings) and has_fan(springs)
+    return not isinstance(springs, CurveSprings) and has_fan(springs) and len(_rates(springs)) < 2
 
 
 def _refused(key: str, message: str) -> UserInputError:

@@ -22,8 +22,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-SpringSet = Literal["py", "full", "fan"]
-SPRING_SETS: tuple[SpringSet, ...] = ("py", "full", "fan")
+SpringSet = Literal["py", "pisa", "full", "fan"]
+SPRING_SETS: tuple[SpringSet, ...] = ("py", "pisa", "full", "fan")
 
 # A displacement must cover this share of the largest one on the path to carry a curve: less is noise near the
 # point of rotation, where p/y runs to infinity.
@@ -113,6 +113,26 @@ def build_table(path: xr.Dataset, spring_set: SpringSet) -> SpringTable:
     if spring_set == "full":
         rows += [_moment_row(recorded, k) for k in range(recorded.z.size)] + _end_rows(recorded)
     return stack([row for row in rows if row is not None])
+
+
+# What a pure translation and a pure rotation each give to the set "pisa"
+_OF_TRANSLATION, _OF_ROTATION = ("p", "H_tip", "H_lid"), ("m", "M_tip", "M_lid")
+
+
+def build_pisa(translation: xr.Dataset, rotation: xr.Dataset) -> SpringTable:
+    """Return uncoupled families after PISA (Byrne et al. 2020), adapted to a bucket, from two paths.
+
+    Lateral reactions p(y), H_tip(y_tip), H_lid(u) come from a translation without rotation, moments m(rotation),
+    M_tip(rotation), M_lid(rotation) from a rotation about the lid centre; neither knows of the other's motion.
+    """
+    parts = ((translation, _OF_TRANSLATION), (rotation, _OF_ROTATION))
+    rows = []
+    for path, families in parts:
+        recorded = _Recorded.of(path)
+        found = [_lateral_row(recorded, k, "full") for k in range(recorded.z.size)]
+        found += [_moment_row(recorded, k) for k in range(recorded.z.size)] + _end_rows(recorded)
+        rows += [row for row in found if row is not None and row.name in families]
+    return stack(rows)
 
 
 @dataclass(frozen=True, slots=True)

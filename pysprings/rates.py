@@ -60,6 +60,19 @@ def rate_sets(springs: xr.DataTree) -> list[RateSet]:
     return [RateSet(float(np.exp(np.mean([np.log(r) for r, _ in g]))), tuple(n for _, n in g)) for g in groups]
 
 
+def for_path(springs: xr.DataTree, path: xr.Dataset) -> xr.DataTree:
+    """Return the springs that answer a path of the same run: at its rate, where calibration knows several.
+
+    A calibration path is answered by its own set; a path beyond the slowest or fastest set by that one.
+    """
+    sets = rate_sets(springs) if springs.attrs.get("drainage") == "coupled" else []
+    if len(sets) < 2:
+        return springs
+    own = [each for each in sets if path.attrs.get("path") in each.paths]
+    rate = path_rate(path, float(springs.attrs["skirt_length_m"])) or sets[0].rate
+    return at_rate(springs, own[0].rate if own else min(max(rate, sets[0].rate), sets[-1].rate))
+
+
 def at_rate(springs: xr.DataTree, rate: float) -> xr.DataTree:
     """Return springs at a rate [m/s]: those of the set at that rate, or between the two sets around it.
 

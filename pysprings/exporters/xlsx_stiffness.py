@@ -49,11 +49,14 @@ def write_stiffness(sheet: Any, springs: xr.DataTree, names: Names, title: Any, 
 
 def _sets(springs: xr.DataTree) -> list[tuple[str, NDArray[np.float64]]]:
     sets = spring_sets(springs)
-    blocks = []
-    if "fan" in sets:
-        blocks.append(("fan springs of all rays", MacroModel.from_springs(springs, "fan").tangent_stiffness().values))
+    several = [("fan", "fan springs of all rays"), ("pisa", "uncoupled families of the pure translation and rotation")]
+    blocks = [
+        (words, MacroModel.from_springs(springs, each).tangent_stiffness().values)
+        for each, words in several
+        if each in sets
+    ]
     for name in path_names(springs):
-        for spring_set in (each for each in sets if each != "fan"):
+        for spring_set in (each for each in sets if each not in ("fan", "pisa")):
             matrix = MacroModel.from_springs(springs, spring_set, name).tangent_stiffness().values
             blocks.append((f"{spring_set} springs of path {name}", matrix))
     return blocks

@@ -15,6 +15,7 @@ from pysprings.plots.style import (
     INK,
     MM,
     MRAD,
+    ORANGE,
     VERMILLION,
     new_figure,
     note_unconverged,
@@ -29,12 +30,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-LOOKS = {"fan": (GREEN, "-.", "^"), "full": (BLUE, "--", "o"), "py": (VERMILLION, "--", "s")}
+LOOKS = {
+    "fan": (GREEN, "-.", "^"),
+    "full": (BLUE, "--", "o"),
+    "pisa": (ORANGE, ":", "D"),
+    "py": (VERMILLION, "--", "s"),
+}
 FREE_HEAD = ("pull", "load")
 SMALLEST = 0.01  # states below this share of the largest displacement have no error and no point of rotation
 NAMES = {
     "fan": "macro-model, fan of all calibration paths",
     "full": "macro-model, full spring set of one path",
+    "pisa": "macro-model, uncoupled families (PISA)",
     "py": "macro-model, p-y springs only",
 }
 

@@ -141,7 +141,7 @@ def test_init_never_overwrites_without_force() -> None:
             ["--template", "paper-draind"],
             "--template: no template 'paper-draind' (did you mean 'paper-drained'?)",
         ),
-        (["--template", "x"], "--template: no template 'x' (there is: fan, paper-drained)"),
+        (["--template", "x"], "--template: no template 'x' (there is: fan, paper-drained, paper-partially-drained)"),
         (
             ["pysprings.schema.json"],
             "pysprings.schema.json: is the name of the schema; choose another for the scene",

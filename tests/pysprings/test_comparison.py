@@ -51,7 +51,7 @@ def test_eta_of_known_areas():
 
 def test_one_row_a_path_and_spring_set(frame):
     found = list(zip(frame["path"], frame["springs"], strict=True))
-    assert found == [(path.name, spring_set) for path in PATHS for spring_set in ("py", "full", "fan")]
+    assert found == [(path.name, spring_set) for path in PATHS for spring_set in ("py", "pisa", "full", "fan")]
     assert set(frame["status"]) == {"complete"}
 
 
@@ -119,14 +119,14 @@ def test_text_table_reads_and_names_its_terms(frame):
 
 def test_dict_is_strict_json(frame):
     document = json.loads(json.dumps(to_dict(frame), allow_nan=False))
-    assert len(document["rows"]) == 12
+    assert len(document["rows"]) == 16
     assert document["rows"][0]["M_error_max_pct"] is None
     assert document["scene_sha256"] == "0" * 64
 
 
 def test_states_side_by_side(springs):
     table = states(springs)
-    assert len(table) == 4 * 3 * 21
+    assert len(table) == 4 * 4 * 21
     full = table[(table["path"] == "push") & (table["springs"] == "full")]
     np.testing.assert_allclose(full["M_macro_Nm"], full["M_full_Nm"], rtol=1e-9, atol=1e-3)
 

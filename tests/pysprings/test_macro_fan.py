@@ -283,7 +283,7 @@ def test_an_origin_met_to_rounding_only_is_an_origin():
 
 def test_default_is_the_fan_where_there_is_one():
     springs = fan_springs(linear)
-    assert spring_sets(springs) == ["py", "full", "fan"]
+    assert spring_sets(springs) == ["py", "pisa", "full", "fan"]
     assert MacroModel.from_springs(springs).spring_set == "fan"
     assert MacroModel.from_springs(springs, path="ray_1").spring_set == "full"
     answer = predict(springs, H=1e4)

@@ -8,7 +8,10 @@ import pytest
 import xarray as xr
 
 from pysprings import rates
+from pysprings.comparison import compare
 from pysprings.errors import UserInputError
+from pysprings.macro_model import MacroModel
+from pysprings.macro_sets import spring_sets
 from pysprings.springs import balance, get_path, path_names
 from tests.pysprings import synthetic
 
@@ -94,3 +97,35 @@ def test_a_shorter_fast_path_shortens_the_answer() -> None:
     slow = get_path(springs, "slide0")
     found = rates.blend(slow, fast, 0.5, LENGTH)
     assert float(found["u"][-1]) == pytest.approx(float(fast["u"][-1]))
+
+
+# --- what the macro-model makes of them ---
+
+
+def test_a_fan_of_several_rates_is_refused_until_a_rate_is_given() -> None:
+    springs = at_two_rates()
+    for kind in (None, "fan", "pisa"):
+        with pytest.raises(UserInputError, match=r"several rates \(0\.01, 1 mm/s, of rho\): give one"):
+            MacroModel.from_springs(springs, kind)
+    assert "fan" not in spring_sets(springs) and "full" in spring_sets(springs)
+    found = rates.at_rate(springs, 1e-4)
+    assert {"fan", "pisa"} <= set(spring_sets(found))
+    slow = rates.at_rate(springs, 1e-5)
+    loads = [MacroModel.from_springs(each, "fan").reactions(4e-3, -5e-4)[0] for each in (slow, found)]
+    # the initial stiffness, the same at all rates, shapes the curve between recorded states
+    np.testing.assert_allclose(loads[1], 1.1 * loads[0], rtol=1e-3)
+
+
+def test_compare_answers_every_path_at_its_own_rate() -> None:
+    frame = compare(at_two_rates())
+    fan = frame[frame["springs"] == "fan"].set_index("path")
+    assert set(fan.index) == {"slide0", "turn0", "slide1", "turn1"}
+    assert fan["H_error_max_pct"].abs().max() < 1e-6  # each set holds on its own paths
+
+
+def test_a_path_beyond_the_sets_is_answered_by_the_nearest_one() -> None:
+    springs = at_two_rates()
+    fast = get_path(springs, "slide1")
+    fast["time"] = fast["time"] / 100.0
+    fast.attrs["path"] = "faster"
+    assert path_names(rates.for_path(springs, fast)) == ["slide1", "turn1"]

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: MIT
+"""Uncoupled families after PISA: lateral ones of a translation, moments of a rotation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pysprings.errors import UserInputError
+from pysprings.macro_model import MacroModel
+from pysprings.macro_sets import spring_sets
+from pysprings.macro_solver import ROWS, reactions
+from pysprings.springs import get_path
+from tests.pysprings import synthetic
+
+SLIDE = synthetic.Path("slide", "translation", size=1e-2, steps=16)
+TURN = synthetic.Path("turn", "rotation", size=2e-3, steps=16)
+
+
+def test_each_family_comes_from_its_path() -> None:
+    springs = synthetic.make_springs([SLIDE, TURN])
+    model = MacroModel.from_springs(springs, "pisa")
+    assert set(model.table.name) == {"p", "H_tip", "H_lid", "m", "M_tip", "M_lid"}
+    assert set(model.table.carrier) <= {"y", "u", "rotation"}
+    slide, turn = get_path(springs, "slide"), get_path(springs, "turn")
+    # under the pure translation: its own lateral load, and the moment of its lateral reactions alone
+    force, _ = model.reactions(float(slide["u"][-1]), 0.0)
+    assert force[0] == pytest.approx(float(slide["H"][-1]), rel=1e-9)
+    # what a rotation adds to the moment beside the lateral families is that of its own path
+    dz = np.diff(turn["depth_bounds"].values, axis=1)[:, 0]
+    own = float(
+        dz @ turn["m"].sum("side").transpose("depth", "step").values[:, -1] + turn["M_tip"][-1] + turn["M_lid"][-1]
+    )
+    start = float(
+        dz @ turn["m"].sum("side").transpose("depth", "step").values[:, 0] + turn["M_tip"][0] + turn["M_lid"][0]
+    )
+    rotation = float(turn["rotation"][-1])
+    lateral = [row for row, name in enumerate(model.table.name) if name in ("p", "H_tip", "H_lid")]
+    moment = sum(model.table.b[row, 1] * curve(model, row, rotation) for row in lateral)
+    assert model.reactions(0.0, rotation)[0][1] == pytest.approx(moment + own - start, rel=1e-9)
+
+
+def curve(model: MacroModel, row: int, rotation: float) -> float:
+    """Reaction of one row at a pure rotation."""
+    a, _, q, r, slope, count = model.table.solver_arrays
+    force, tangent = np.zeros(2), np.zeros((2, 2))
+    one = slice(row, row + 1)
+    unit = np.array([[1.0, 0.0]])
+    reactions(ROWS, a[one], unit, q[one], r[one], slope[one], count[one], 0.0, rotation, force, tangent)
+    return float(force[0])
+
+
+def test_it_needs_a_pure_translation_and_a_pure_rotation() -> None:
+    springs = synthetic.make_springs([SLIDE])
+    assert "pisa" not in spring_sets(springs)
+    with pytest.raises(UserInputError, match="pure translation and a pure rotation"):
+        MacroModel.from_springs(springs, "pisa")
+
+
+def test_it_comes_from_several_paths() -> None:
+    springs = synthetic.make_springs([SLIDE, TURN])
+    with pytest.raises(UserInputError, match="several calibration paths"):
+        MacroModel.from_springs(springs, "pisa", "slide")
