@@ -2,7 +2,7 @@
 """The macro-model beside the full model: errors by path and spring set, at the recorded displacements.
 
 A path is followed as the full model was driven: lateral displacement with the load at its height (pull,
-load), or displacement and rotation imposed (translation, rotation). Errors are those of the answer: load and
+load), or displacement and rotation imposed (translation, rotation, swipe). Errors are those of the answer: load and
 rotation for the first, H and M for the second. With the sets "py" and "full" a calibration path is answered by its
 own springs, a held-back path by the springs of the first calibration path. The set "fan" is made from all rays
 among the calibration paths and answers every path; "pisa" takes its lateral families from the pure translation among
@@ -54,6 +54,7 @@ _DRIVERS: dict[str, tuple[Control, str, str, tuple[str, ...]]] = {
     "load": ("displacement", "u", "H", ("H", "rotation")),
     "translation": ("state", "u", "H", ("H", "M")),
     "rotation": ("state", "rotation", "M", ("H", "M")),
+    "swipe": ("state", "u", "H", ("H", "M")),
 }
 
 _ERRORS = ("H", "rotation", "M")
@@ -156,7 +157,8 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
     full = get_path(springs, name)
     _, driver, load, answers = _DRIVERS[full.attrs["kind"]]
     n = trace.sizes["step"]
-    x, reference, answer = full[driver].values[:n], full[load].values[:n], trace[load].values
+    length = float(springs.attrs["skirt_length_m"])
+    x, reference, answer = _abscissa(full, driver, length)[:n], full[load].values[:n], trace[load].values
     small = springs.attrs["outer_diameter_m"] * SMALL_OVER_DIAMETER
     small = small / springs.attrs["skirt_length_m"] if driver == "rotation" else small
     row: dict[str, Any] = {
@@ -177,7 +179,6 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
             f"{label}_end_full_{units}": float(full[label].values[n - 1]) if n else np.nan,
             f"{label}_end_macro_{units}": float(trace[label].values[-1]) if n else np.nan,
         }
-    length = float(springs.attrs["skirt_length_m"])
     both = (("full", full), ("macro", trace))
     row |= {f"rotation_point_{who}_m": _rotation_point(data, n, length) for who, data in both}
     row |= _at_equal_load(full, trace) | {"rotation_point_error_max_m": _point_error(full, trace, length)}
@@ -189,6 +190,12 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
         "extrapolated_states": int(trace["extrapolated"].sum()),
         "off_path_states": int(trace["off_path"].sum()),
     }
+
+
+def _abscissa(full: xr.Dataset, driver: str, length: float) -> Array:
+    """Displacement (or rotation) that drives a path; of a swipe the way it has come, in m."""
+    x: Array = full[driver].values
+    return np.abs(x) + length * np.abs(full["rotation"].values) if full.attrs["kind"] == "swipe" else x
 
 
 def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, ...]) -> dict[str, float]:
@@ -221,7 +228,8 @@ def _between(springs: xr.DataTree, full: xr.Dataset, spring_set: str, answers: t
     if own and full.sizes["step"] > 4:
         model = MacroModel.from_springs(_thinned(springs, name), spring_set, _source(full, spring_set))
         trace = _along(full, model)
-        found = _errors(full, trace, full[driver].values[: trace.sizes["step"]], answers)
+        x = _abscissa(full, driver, float(springs.attrs["skirt_length_m"]))
+        found = _errors(full, trace, x[: trace.sizes["step"]], answers)
         out = {f"{label}_error_between_pct": found[f"{label}_error_max_pct"] for label in _ERRORS}
     return out
 

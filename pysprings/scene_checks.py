@@ -21,6 +21,7 @@ _IMPOSED = {
     "pull": ("lateral_displacement", {"arm", "rate"}),
     "translation": ("lateral_displacement", {"rotation", "rate"}),
     "rotation": ("rotation", set()),
+    "swipe": ("lateral_displacement", {"rotation", "rate"}),
     "load": ("lateral_force", {"arm"}),
 }
 _UNITS = {"lateral_displacement": "mm", "rotation": "deg", "lateral_force": "MN"}
@@ -156,6 +157,8 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
     if path.then and path.role == "calibration":
         text = 'springs are made from monotonic paths only: a path with `then` needs role = "held-back"'
         yield Clash(((*here, "then"), (*here, "role")), text)
+    if path.kind == "swipe":
+        yield from _swipe(here, path)
     target = getattr(path, imposed)
     if target is None:
         yield Clash((here, (*here, "kind"), (*here, imposed)), f'a path of kind "{path.kind}" needs {imposed}')
@@ -177,6 +180,19 @@ def _times(paths: tuple[Path, ...]) -> Iterator[Clash]:
             if then.rate is None and then.time is None:
                 text = 'drainage.mode = "coupled" needs a time: "... in 10 min" or "... at 0.05 mm/s"'
                 yield Clash(((*here, "then", entry), (*here, "then"), mode), text)
+
+
+def _swipe(here: KeyPath, path: Path) -> Iterator[Clash]:
+    """Check what a swipe needs beside its displacement."""
+    kind = (*here, "kind")
+    if not path.rotation:
+        yield Clash(((*here, "rotation"), kind), 'a path of kind "swipe" needs a rotation')
+    if path.role == "calibration":
+        text = 'springs are made from paths of one direction only: a swipe needs role = "held-back"'
+        yield Clash(((*here, "role"), kind), text)
+    for name in ("then", "duration"):
+        if getattr(path, name):
+            yield Clash(((*here, name), kind), 'a path of kind "swipe" does not use it')
 
 
 def _stops(here: KeyPath, imposed: str, target: float, stops: tuple[float, ...]) -> Iterator[Clash]:

@@ -35,7 +35,7 @@ _PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towar
 _ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
 _RATE = Quantity("mm/s", "(0, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
 _TIME = Quantity("s", "(0, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
-_IMPOSED = (("pull", _SHIFT), ("translation", _SHIFT), ("rotation", _TURN), ("load", _PUSH))
+_IMPOSED = (("pull", _SHIFT), ("translation", _SHIFT), ("rotation", _TURN), ("swipe", _SHIFT), ("load", _PUSH))
 _SEA = "depth of the sea; where given, suction is checked for cavitation"
 _DEPTH = Quantity("m", "[0, 2e4]", _SEA, "30 m", optional=True)
 _VISCOSITY = Quantity("Pa s", "[1e-6, 1e3]", "dynamic viscosity of water", "0.001 Pa s")
@@ -153,9 +153,10 @@ class Path(Section):
 
     pull: the lid centre is moved, the rotation is free, the load acts at height `arm`. translation: the lid
     centre is moved, the rotation is imposed in proportion (zero by default). rotation: imposed about the lid
-    centre. load: a lateral force at height `arm`. `report_at` lists values of the imposed quantity where a
-    converged step must land. `then` goes on from the end value: "rest 2 hour" holds what is imposed,
-    "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value.
+    centre. swipe: a translation, and then the rotation about the lid centre, whose displacement is held: H and M
+    change places under a constant vertical load. load: a lateral force at height `arm`. `report_at` lists values of
+    the imposed quantity where a converged step must land. `then` goes on from the end value: "rest 2 hour" holds what
+    is imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value.
     """
 
     name: Annotated[
@@ -166,7 +167,7 @@ class Path(Section):
             meaning="a name (a letter, then letters, digits, _ or -, at most 60)",
         ),
     ]
-    kind: Annotated[str, Choice(("pull", "translation", "rotation", "load"), "what is imposed")]
+    kind: Annotated[str, Choice(("pull", "translation", "rotation", "swipe", "load"), "what is imposed")]
     lateral_displacement: Annotated[float | None, _SHIFT] = None
     rotation: Annotated[float | None, _TURN] = None
     lateral_force: Annotated[float | None, _PUSH] = None

@@ -20,7 +20,7 @@ from pysprings.errors import Problem, UserInputError
 from pysprings.storage import read_tree, refusal, write_tree
 
 SCHEMA = "pysprings-springs-1"
-KINDS = ("pull", "translation", "rotation", "load")
+KINDS = ("pull", "translation", "rotation", "swipe", "load")
 ROLES = ("calibration", "held-back")
 FEWEST_STATES = 2  # a curve needs the initial state and one more
 

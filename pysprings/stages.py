@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,6 +50,8 @@ def path_stages(scene: Scene, path: Path, extra_load: float, undrained_time: flo
         start = ends[-1][0]
         value = start if then.value is None else then.value
         ends.append((value, _time(path, then.rate, then.time, start, value), ()))
+    if path.kind == "swipe":
+        return _swipe_stages(scene, path, extra_load, undrained_time)
     start, stages = 0.0, []
     for number, (end, time, report_at) in enumerate(ends):
         duration = undrained_time if scene.drainage.mode == "undrained" else time
@@ -56,6 +59,22 @@ def path_stages(scene: Scene, path: Path, extra_load: float, undrained_time: flo
         stages.append(_stage(scene, path, name, (rows, pattern), (start, end), report_at, extra_load, duration))
         start = end
     return stages
+
+
+def _swipe_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
+    """A translation, and a rotation at the displacement that it has reached; the tip turns at the rate of the lid."""
+    u, turn, length = imposed_end(path), _need(path.rotation), scene.caisson.skirt_length
+    times = [0.0, 0.0] if path.rate is None else [abs(u) / path.rate, abs(turn) * length / path.rate]
+    if scene.drainage.mode == "undrained":
+        times = [undrained_time, undrained_time]
+    imposed = _imposed(path)
+    first = _stage(scene, path, path.name, imposed, (0.0, u), path.report_at, extra_load, times[0])
+    small, large = _step_fractions(scene, path, turn * length)
+    second = replace(
+        first, name=f"{path.name}, then turned", target=np.array([u, turn, *first.target[2:]]), stops=(1.0,),
+        duration=times[1], first_fraction=small, max_fraction=large,
+    )  # fmt: skip
+    return [first, second]
 
 
 def _stage(
@@ -102,7 +121,7 @@ def _imposed(path: Path) -> tuple[list, list]:
     lateral, turn = [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]
     if path.kind == "pull":
         return [lateral], [[1.0, 0.0, -path.arm]]
-    if path.kind in ("translation", "rotation"):
+    if path.kind in ("translation", "rotation", "swipe"):
         return [lateral, turn], [lateral, turn]
     return [], []
 
@@ -113,7 +132,7 @@ def _targets(path: Path, end: float) -> list[float]:
         return [end]
     if path.kind == "translation":
         return [end, (path.rotation or 0.0) * end / imposed_end(path)]
-    return [0.0, end] if path.kind == "rotation" else []
+    return {"rotation": [0.0, end], "swipe": [end, 0.0]}.get(path.kind, [])
 
 
 def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, float]:

@@ -7,8 +7,9 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from pysprings.comparison import compare, curves, eta, states
+from pysprings.comparison import _abscissa, compare, curves, eta, states
 from pysprings.comparison_text import to_dict, to_text
 from pysprings.macro import MacroModel, MacroWarning, predict
 from pysprings.springs import get_path
@@ -202,3 +203,10 @@ def test_text_and_json_have_displacement_and_rotation_point(frame):
     assert {"u_error", "rotation_point"} <= set(document["definitions"])
     (turn,) = [r for r in document["rows"] if (r["path"], r["springs"]) == ("turn", "full")]
     assert turn["u_error_max_pct"] is None
+
+
+def test_a_swipe_counts_by_the_way_it_has_come() -> None:
+    u, rotation = np.array([0.0, 1e-3, 2e-3, 2e-3, 2e-3]), np.array([0.0, 0.0, 0.0, -1e-3, -2e-3])
+    full = xr.Dataset({"u": ("step", u), "rotation": ("step", rotation)}, attrs={"kind": "swipe"})
+    np.testing.assert_allclose(_abscissa(full, "u", 4.0), [0.0, 1e-3, 2e-3, 6e-3, 10e-3])
+    np.testing.assert_array_equal(_abscissa(full.assign_attrs(kind="pull"), "u", 4.0), u)

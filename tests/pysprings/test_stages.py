@@ -105,3 +105,15 @@ def test_the_scenes_step_sizes_win() -> None:
     assert (found.first_fraction, found.max_fraction) == (0.02, 0.3)
     only_first = stage("pull", lateral_displacement=0.02, solver={"first_step_fraction": 0.5})
     assert only_first.max_fraction >= only_first.first_fraction == 0.5
+
+
+def test_a_swipe_turns_where_it_has_slid_to() -> None:
+    path = {"name": "a", "kind": "swipe", "lateral_displacement": 5e-3, "rotation": -2e-3, "rate": 1e-3,
+            "role": "held-back"}  # fmt: skip
+    scene = Scene(paths=[path])
+    slide, turn = path_stages(scene, scene.paths[0], 0.0)
+    np.testing.assert_array_equal(slide.target, [5e-3, 0.0])
+    np.testing.assert_array_equal(turn.target, [5e-3, -2e-3])
+    np.testing.assert_array_equal(turn.control, slide.control)
+    assert (slide.duration, turn.duration) == pytest.approx((5.0, 2e-3 * L / 1e-3))
+    assert turn.first_fraction == pytest.approx(2.5e-6 * D / (2e-3 * L))
