@@ -9,6 +9,8 @@ among the calibration paths and answers every path; "pisa" takes its lateral fam
 them and its moments from the pure rotation. Where calibration paths have several rates, every path is answered at its
 own (`pysprings.rates`).
 
+On a swipe, where H and M pass through zero, errors are relative to the largest H or M of the path.
+
 Read the other way, `u_error_...` is the displacement that the macro-model needs for the full model's load (H and M of
 each recorded state), over the full model's, minus 1. `rotation_point_...`: depth of the point of the axis at rest.
 
@@ -195,7 +197,11 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
 def _abscissa(full: xr.Dataset, driver: str, length: float) -> Array:
     """Displacement (or rotation) that drives a path; of a swipe the way it has come, in m."""
     x: Array = full[driver].values
-    return np.abs(x) + length * np.abs(full["rotation"].values) if full.attrs["kind"] == "swipe" else x
+    return np.abs(x) + length * np.abs(full["rotation"].values) if _swipes(full) else x
+
+
+def _swipes(full: xr.Dataset) -> bool:
+    return bool(full.attrs["kind"] == "swipe")
 
 
 def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, ...]) -> dict[str, float]:
@@ -204,7 +210,10 @@ def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, .
     for label in _ERRORS:
         worst = last = np.nan
         if label in answers:
-            worst, last = _relative_errors(x, full[label].values[: x.size], trace[label].values)
+            reference = full[label].values[: x.size]
+            # on a swipe H and M pass through zero: their errors count beside the largest of the path
+            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if _swipes(full) else reference
+            worst, last = _relative_errors(x, scale, scale + trace[label].values - reference)
         out |= {f"{label}_error_max_pct": worst, f"{label}_error_end_pct": last}
     return out
 

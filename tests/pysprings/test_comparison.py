@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.comparison import _abscissa, compare, curves, eta, states
+from pysprings.comparison import _abscissa, _errors, compare, curves, eta, states
 from pysprings.comparison_text import to_dict, to_text
 from pysprings.macro import MacroModel, MacroWarning, predict
 from pysprings.springs import get_path
@@ -210,3 +210,13 @@ def test_a_swipe_counts_by_the_way_it_has_come() -> None:
     full = xr.Dataset({"u": ("step", u), "rotation": ("step", rotation)}, attrs={"kind": "swipe"})
     np.testing.assert_allclose(_abscissa(full, "u", 4.0), [0.0, 1e-3, 2e-3, 6e-3, 10e-3])
     np.testing.assert_array_equal(_abscissa(full.assign_attrs(kind="pull"), "u", 4.0), u)
+
+
+def test_errors_of_a_swipe_are_relative_to_its_largest_load() -> None:
+    path = {"u": [1e-3, 1e-3, 1e-3], "rotation": [0.0, -1e-3, -2e-3]}
+    loads = {"H": [2.0, 0.0, -1.0], "M": [4.0, 4.0, 4.0]}
+    full = xr.Dataset({k: ("step", np.array(v)) for k, v in (path | loads).items()}, attrs={"kind": "swipe"})
+    trace = full.assign(H=full["H"] + 0.1, M=1.01 * full["M"])
+    found = _errors(full, trace, np.array([1e-3, 2e-3, 3e-3]), ("H", "M"))
+    assert found["H_error_max_pct"] == pytest.approx(5.0)
+    assert found["M_error_end_pct"] == pytest.approx(1.0)
