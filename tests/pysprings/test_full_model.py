@@ -155,7 +155,7 @@ def test_kinds_of_paths_in_one_run() -> None:
     assert end(result, "H", "wind") == pytest.approx(1e5, rel=1e-5)
     assert end(result, "M", "wind") == pytest.approx(-1e6, rel=1e-5)
     assert result["paths/wind"].attrs["role"] == "held-back"
-    assert compare(extract_springs(result)).shape[0] == 9  # push and turn make a fan
+    assert compare(extract_springs(result)).shape[0] == 12  # push and turn make a fan, and the set pisa
 
 
 def test_a_dead_load_settles_the_caisson_before_the_path() -> None:
@@ -309,3 +309,14 @@ def test_a_singular_start_is_a_run_that_stopped(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(full_model.Newton, "border_stiffness", singular)
     with pytest.raises(RunIncomplete, match="stiffness of the initial state cannot be computed: zero pivot"):
         run(tiny.scene())
+
+
+def test_a_swipe_turns_at_the_displacement_it_has_reached() -> None:
+    path = {"name": "swipe", "kind": "swipe", "lateral_displacement": 2e-4, "rotation": -5e-5, "role": "held-back"}
+    swipe = run(tiny.scene(paths=(path,)))["paths/swipe"].to_dataset()
+    turned = swipe["rotation"].values != 0.0
+    assert 1 < turned.sum() < turned.size - 1
+    np.testing.assert_allclose(swipe["u"][turned], 2e-4, rtol=1e-9)
+    assert float(swipe["rotation"][-1]) == pytest.approx(-5e-5)
+    assert float(swipe["H"][-1]) < float(swipe["H"][~turned][-1])  # H falls while the caisson turns back
+    np.testing.assert_allclose(swipe["V"], swipe["V"][0], rtol=1e-4)

@@ -100,7 +100,7 @@ def _nan_stiffness(tree):
         (_attribute("drainage", 1), "drainage", "missing attribute"),
         (_no_path, "paths", "no path in the file"),
         (_nan_stiffness, "stiffness_initial", "not finite"),
-        (_kind, "paths/pull/kind", "must be one of pull, translation, rotation, load"),
+        (_kind, "paths/pull/kind", "must be one of pull, translation, rotation, swipe, load"),
         (_values("H", _one_nan), "paths/pull/H", "not finite at a converged step"),
         (_values("converged", lambda v: 0 * v), "paths/pull/converged", "at least one converged step"),
         (_values("y", lambda v: -v), "paths/pull/y", "is not u + rotation*depth"),
