@@ -18,11 +18,24 @@ Nothing of the project's own elements, meshes or solvers is used here, nor shoul
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.sparse import csc_array
+from scipy.sparse import coo_array, csc_array, csr_array, kron
 from scipy.sparse.linalg import splu
+
+U, S, W = range(3)
+# Terms of the strains' amplitudes rr, tt, zz, rz, rt, zt (engineering shear): factor, unknown, how often it is derived
+# with respect to r and to z, power of r it is multiplied by
+_STRAINS = (
+    ((1.0, U, 1, 0, 0),),
+    ((1.0, S, 0, 0, -1),),
+    ((1.0, W, 0, 1, 0),),
+    ((1.0, U, 0, 1, 0), (1.0, W, 1, 0, 0)),
+    ((-1.0, U, 1, 0, 0), (1.0, S, 1, 0, 0), (-1.0, S, 0, 0, -1)),
+    ((-1.0, U, 0, 1, 0), (1.0, S, 0, 1, 0), (-1.0, W, 0, 0, -1)),
+)
 
 
 def stiffness(
@@ -71,36 +84,34 @@ def matrix(
     r_lines, z_lines = _lines(radius, length, domain_radius, domain_depth, cells, grading)
     rule = Rule.of(order)
     r, z = (coordinate.ravel() for coordinate in np.meshgrid(rule.spread(r_lines), rule.spread(z_lines)))
-    dofs = 3 * _connectivity(len(r_lines) - 1, len(z_lines) - 1, order)[:, :, None] + np.arange(3)
-    k = _assembled(_element_matrices(r_lines, z_lines, rule, shear, poisson), dofs.reshape(len(dofs), -1), 3 * len(r))
     body = (r <= radius) & (z == 0.0) | (r == radius) & (z <= length)
     motion = np.zeros((len(r), 3, 2))
-    motion[body, 0, 0] = 1.0
-    motion[body, 0, 1] = z[body]
-    motion[body, 2, 1] = -r[body]
+    motion[body, U, 0] = 1.0
+    motion[body, U, 1] = z[body]
+    motion[body, W, 1] = -r[body]
     fixed = np.zeros((len(r), 3), bool)
     fixed[body | (z == domain_depth)] = True
-    fixed[r == domain_radius, 0] = True
-    fixed[r == 0.0, 1:] = True
+    fixed[r == domain_radius, U] = True
+    fixed[r == 0.0, S:] = True
+    k = _system(r_lines, z_lines, rule, shear, poisson)
     return _reactions(k, motion.reshape(-1, 2), np.flatnonzero(~fixed))
 
 
 @dataclass(frozen=True)
 class Rule:
-    """Lagrange polynomials on Gauss-Lobatto nodes, at Gauss points that integrate their products exactly.
+    """Lagrange polynomials on Gauss-Lobatto nodes, and Gauss points that integrate their products (nearly, if over r).
 
     Attributes
     ----------
     nodes : (p + 1,) in -1 .. 1.
     points, weights : (g,) of Gauss.
-    shape, slope : (g, p + 1) polynomials and their derivatives at the points.
+    shapes : (2, g, p + 1) polynomials at the points, and their derivatives.
     """
 
     nodes: np.ndarray
     points: np.ndarray
     weights: np.ndarray
-    shape: np.ndarray
-    slope: np.ndarray
+    shapes: np.ndarray
 
     @classmethod
     def of(cls, order: int) -> Rule:
@@ -109,8 +120,8 @@ class Rule:
         nodes = np.concatenate(([-1.0], np.sort(inner), [1.0]))
         points, weights = legendre.leggauss(order + 1)
         series = np.linalg.inv(legendre.legvander(nodes, order))
-        shape, slope = legendre.legval(points, series).T, legendre.legval(points, legendre.legder(series)).T
-        return cls(nodes, points, weights, shape, slope)
+        shapes = [legendre.legval(points, series).T, legendre.legval(points, legendre.legder(series)).T]
+        return cls(nodes, points, weights, np.array(shapes))
 
     def spread(self, lines: np.ndarray) -> np.ndarray:
         """Coordinates of all nodes between lines (n + 1,), in their order; the lines themselves are kept exactly."""
@@ -144,47 +155,30 @@ def _outward(start: float, end: float, first: float, grading: float) -> np.ndarr
     return lines
 
 
-def _connectivity(columns: int, rows: int, order: int) -> np.ndarray:
-    """Nodes (e, m) of each cell; nodes are numbered along r first, and so are those within a cell."""
-    width = columns * order + 1
-    corner = order * (np.arange(columns) + width * np.arange(rows)[:, None])
-    inside = np.arange(order + 1) + width * np.arange(order + 1)[:, None]
-    return corner.reshape(-1, 1) + inside.ravel()
+def _system(r_lines, z_lines, rule: Rule, shear: float, poisson: float) -> csc_array:
+    """Stiffness (3 n, 3 n) over U, S, W of the nodes, which are numbered along r first.
 
-
-def _element_matrices(r_lines, z_lines, rule: Rule, shear: float, poisson: float) -> np.ndarray:
-    """Stiffness (e, 3 m, 3 m) of the cells over U, S, W of their nodes."""
-    width, height = (size.reshape(-1, 1) for size in np.meshgrid(np.diff(r_lines), np.diff(z_lines)))
-    left = np.tile(r_lines[:-1], len(z_lines) - 1)[:, None]
-    count = len(rule.points)
-    r = left + 0.5 * width * (1.0 + np.tile(rule.points, count))
-    weight = np.pi * r * 0.25 * width * height * np.kron(rule.weights, rule.weights)
-    along_r, along_z = np.kron(rule.shape, rule.slope), np.kron(rule.slope, rule.shape)
-    b = _strains(np.kron(rule.shape, rule.shape) / r[:, :, None],
-                 2.0 / width[:, :, None] * along_r, 2.0 / height[:, :, None] * along_z)  # fmt: skip
+    The cells are rectangles: each integral is one along r times one along z, and so is the matrix (Kronecker).
+    """
     elastic = shear * np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
     elastic[:3, :3] += 2.0 * shear * poisson / (1.0 - 2.0 * poisson)
-    root = np.linalg.cholesky(elastic).T @ b
-    root *= np.sqrt(weight)[:, :, None, None]
-    root = root.reshape(len(r), 6 * count**2, -1)
-    return root.transpose(0, 2, 1) @ root
+    along_r: dict[tuple[int, int], csr_array] = {}
+    for i, j in zip(*np.nonzero(elastic), strict=True):
+        for (f, m, r1, z1, p1), (g, n, r2, z2, p2) in product(_STRAINS[i], _STRAINS[j]):
+            pair = coo_array(([np.pi * elastic[i, j] * f * g], ([m], [n])), shape=(3, 3))
+            part = kron(_products(r_lines, rule, (r1, r2), 1 + p1 + p2), pair, "csr")
+            along_r[z1, z2] = along_r.get((z1, z2), 0) + part
+    return sum(kron(_products(z_lines, rule, derived, 0), part, "csc") for derived, part in along_r.items())
 
 
-def _strains(over_r: np.ndarray, d_r: np.ndarray, d_z: np.ndarray) -> np.ndarray:
-    """Amplitudes of rr, tt, zz, rz, rt, zt (engineering shear), (e, g, 6, 3 m), from N/r, dN/dr, dN/dz (e, g, m)."""
-    b = np.zeros((*over_r.shape[:2], 6, over_r.shape[2], 3))
-    u, s, w = np.moveaxis(b, -1, 0)
-    u[:, :, 0], s[:, :, 1], w[:, :, 2] = d_r, over_r, d_z
-    u[:, :, 3], w[:, :, 3] = d_z, d_r
-    u[:, :, 4], s[:, :, 4] = -d_r, d_r - over_r
-    u[:, :, 5], s[:, :, 5], w[:, :, 5] = -d_z, d_z, -over_r
-    return b.reshape(*b.shape[:3], -1)
-
-
-def _assembled(elements: np.ndarray, dofs: np.ndarray, size: int) -> csc_array:
-    """Sparse matrix from those of the elements (e, n, n), whose dofs are (e, n)."""
-    rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
-    return csc_array((elements.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
+def _products(lines: np.ndarray, rule: Rule, derived: tuple[int, int], power: int) -> csr_array:
+    """Integrals (n, n) along a line of x^power times two shape functions, each derived so many times."""
+    half = 0.5 * np.diff(lines)[:, None]
+    weight = rule.weights * half ** (1 - sum(derived)) * (lines[:-1, None] + half * (1.0 + rule.points)) ** power
+    cells = np.einsum("eg,gi,gj->eij", weight, *rule.shapes[[*derived]])
+    nodes = len(rule.nodes[1:]) * np.arange(len(half))[:, None] + np.arange(len(rule.nodes))
+    rows, columns = np.broadcast_arrays(nodes[:, :, None], nodes[:, None, :])
+    return csr_array((cells.ravel(), (rows.ravel(), columns.ravel())))
 
 
 def _reactions(k: csc_array, motion: np.ndarray, free: np.ndarray) -> np.ndarray:
