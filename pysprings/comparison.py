@@ -9,7 +9,8 @@ among the calibration paths and answers every path; "pisa" takes its lateral fam
 them and its moments from the pure rotation. Where calibration paths have several rates, every path is answered at its
 own (`pysprings.rates`).
 
-On a swipe, where H and M pass through zero, errors are relative to the largest H or M of the path.
+On a swipe and under a load that climbs, whose states are imposed, errors are relative to the largest H or M of the
+path.
 
 Read the other way, `u_error_...` is the displacement that the macro-model needs for the full model's load (H and M of
 each recorded state), over the full model's, minus 1. `rotation_point_...`: depth of the point of the axis at rest.
@@ -110,7 +111,7 @@ def _source(full: xr.Dataset, spring_set: str) -> str | None:
 
 def _along(full: xr.Dataset, model: MacroModel) -> xr.Dataset:
     """Drive a macro-model as the full model was driven, through the states it recorded."""
-    control, *_ = _DRIVERS[full.attrs["kind"]]
+    control, *_ = _driver(full)
     targets = np.stack([full["u"].values, full["rotation"].values], axis=1)
     trace = model.trace(control, targets, float(full.attrs["arm_m"]))
     return trace.assign(u_at_load=("step", _at_load(full, model, trace.sizes["step"]), AT_LOAD))
@@ -157,7 +158,7 @@ def _springs_of(model: xr.DataTree) -> xr.DataTree:
 
 def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) -> dict[str, Any]:
     full = get_path(springs, name)
-    _, driver, load, answers = _DRIVERS[full.attrs["kind"]]
+    _, driver, load, answers = _driver(full)
     n = trace.sizes["step"]
     length = float(springs.attrs["skirt_length_m"])
     x, reference, answer = _abscissa(full, driver, length)[:n], full[load].values[:n], trace[load].values
@@ -195,13 +196,19 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
 
 
 def _abscissa(full: xr.Dataset, driver: str, length: float) -> Array:
-    """Displacement (or rotation) that drives a path; of a swipe the way it has come, in m."""
+    """Displacement (or rotation) that drives a path; of a path that bends the way it has come, in m."""
     x: Array = full[driver].values
-    return np.abs(x) + length * np.abs(full["rotation"].values) if _swipes(full) else x
+    return np.abs(x) + length * np.abs(full["rotation"].values) if _bends(full) else x
 
 
-def _swipes(full: xr.Dataset) -> bool:
-    return bool(full.attrs["kind"] == "swipe")
+def _bends(full: xr.Dataset) -> bool:
+    """Tell whether H and M do not keep their ratio on a path: a swipe, a load that climbs."""
+    return bool(full.attrs["kind"] == "swipe" or "arm_from_m" in full.attrs)
+
+
+def _driver(full: xr.Dataset) -> tuple[Control, str, str, tuple[str, ...]]:
+    """How a path of the full model is followed: see `_DRIVERS`."""
+    return _DRIVERS["swipe" if _bends(full) else full.attrs["kind"]]
 
 
 def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, ...]) -> dict[str, float]:
@@ -211,8 +218,8 @@ def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, .
         worst = last = np.nan
         if label in answers:
             reference = full[label].values[: x.size]
-            # on a swipe H and M pass through zero: their errors count beside the largest of the path
-            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if _swipes(full) else reference
+            # H or M may pass through zero there: errors count beside the largest of the path
+            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if _bends(full) else reference
             worst, last = _relative_errors(x, scale, scale + trace[label].values - reference)
         out |= {f"{label}_error_max_pct": worst, f"{label}_error_end_pct": last}
     return out
@@ -230,7 +237,7 @@ def _relative_errors(x: Array, reference: Array, answer: Array) -> tuple[float, 
 def _between(springs: xr.DataTree, full: xr.Dataset, spring_set: str, answers: tuple[str, ...]) -> dict[str, float]:
     """Largest error [%] on a calibration path when every second state is left out of its own springs."""
     out = {f"{label}_error_between_pct": np.nan for label in _ERRORS}
-    name, driver = full.attrs["path"], _DRIVERS[full.attrs["kind"]][1]
+    name, driver = full.attrs["path"], _driver(full)[1]
     springs = for_path(springs, full)
     own = name in fan_paths(springs) if spring_set == "fan" else full.attrs["role"] == "calibration"
     own = own and spring_set != "pisa"  # its families come from different paths

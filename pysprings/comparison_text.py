@@ -69,7 +69,8 @@ def _marked(frame: pd.DataFrame) -> list[str]:
 
 _NOTES = [
     f"errors: macro-model over full model minus 1, at equal displacement; states below {SKIP_BELOW:.0%} of "
-    "the largest are left out; '-': imposed or undefined; on a swipe relative to the largest load of the path",
+    "the largest are left out; '-': imposed or undefined",
+    "on a swipe and under a load that climbs errors are relative to the largest H or M of the path",
     "u: error of the displacement at equal load; z_rot: depth of the point of rotation, at the end and largest error",
     "between: the largest error when every second recorded state is left out of the springs",
     "eta = 1 - area between the load-displacement curves / area of the full model's; "

@@ -219,6 +219,8 @@ def _keep(work: _Run, path: Path, collector: Collector, driver: Driver, status: 
         dataset.attrs = {"kind": path.kind, "arm_m": path.arm, "role": path.role, "status": status, "heave": path.heave}
         if path.rate is not None:
             dataset.attrs["rate_m_per_s"] = path.rate
+        if path.arm_from is not None:
+            dataset.attrs["arm_from_m"] = path.arm_from
         work.paths[f"/paths/{path.name}"] = dataset
         work.paths[f"/paths/{path.name}/convergence"] = convergence_dataset(driver.record)
         work.summaries[path.name] = {"status": status} | summarise(

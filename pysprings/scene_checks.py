@@ -22,7 +22,7 @@ _IMPOSED = {
     "translation": ("lateral_displacement", {"rotation", "rate"}),
     "rotation": ("rotation", set()),
     "swipe": ("lateral_displacement", {"rotation", "rate"}),
-    "load": ("lateral_force", {"arm"}),
+    "load": ("lateral_force", {"arm", "arm_from"}),
 }
 _UNITS = {"lateral_displacement": "mm", "rotation": "deg", "lateral_force": "MN"}
 
@@ -149,8 +149,9 @@ def _paths(paths: tuple[Path, ...]) -> Iterator[Clash]:
 def _path(index: int, path: Path) -> Iterator[Clash]:
     here: KeyPath = ("path", index)
     imposed, used = _IMPOSED[path.kind]
-    for name in ("lateral_displacement", "rotation", "lateral_force", "arm", "rate"):
-        if name != imposed and name not in used and getattr(path, name):
+    for name in ("lateral_displacement", "rotation", "lateral_force", "arm", "arm_from", "rate"):
+        given = path.arm_from is not None if name == "arm_from" else getattr(path, name)
+        if given and name != imposed and name not in used:
             yield Clash(((*here, name), (*here, "kind")), f'a path of kind "{path.kind}" does not use it')
     if path.rate is not None and path.duration is not None:
         yield Clash(((*here, "duration"), (*here, "rate")), "give rate or duration, not both")
@@ -159,6 +160,11 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
         yield Clash(((*here, "then"), (*here, "role")), text)
     if path.kind == "swipe":
         yield from _swipe(here, path)
+    if path.arm_from is not None and path.then:
+        yield Clash(((*here, "then"), (*here, "arm_from")), "a load that climbs (arm_from) has nothing after it")
+    if path.arm_from is not None and path.role == "calibration":
+        text = 'springs are made from paths of one direction only: a load that climbs needs role = "held-back"'
+        yield Clash(((*here, "role"), (*here, "arm_from")), text)
     target = getattr(path, imposed)
     if target is None:
         yield Clash((here, (*here, "kind"), (*here, imposed)), f'a path of kind "{path.kind}" needs {imposed}')

@@ -33,6 +33,7 @@ _TURN = Quantity(
 )
 _PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN", optional=True)
 _ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
+_ARM_FROM = Quantity("m", "[-1e3, 1e3]", "height where a load acts first; it then climbs to arm", "0 m", optional=True)
 _RATE = Quantity("mm/s", "(0, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
 _TIME = Quantity("s", "(0, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
 _IMPOSED = (("pull", _SHIFT), ("translation", _SHIFT), ("rotation", _TURN), ("swipe", _SHIFT), ("load", _PUSH))
@@ -154,9 +155,10 @@ class Path(Section):
     pull: the lid centre is moved, the rotation is free, the load acts at height `arm`. translation: the lid
     centre is moved, the rotation is imposed in proportion (zero by default). rotation: imposed about the lid
     centre. swipe: a translation, and then the rotation about the lid centre, whose displacement is held: H and M
-    change places under a constant vertical load. load: a lateral force at height `arm`. `report_at` lists values of
-    the imposed quantity where a converged step must land. `then` goes on from the end value: "rest 2 hour" holds what
-    is imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value.
+    change places under a constant vertical load. load: a lateral force at height `arm`; with `arm_from` it grows at
+    that height and then climbs to `arm`, so that M grows under constant H and V. `report_at` lists values of the
+    imposed quantity where a converged step must land. `then` goes on from the end value: "rest 2 hour" holds what is
+    imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value.
     """
 
     name: Annotated[
@@ -172,6 +174,7 @@ class Path(Section):
     rotation: Annotated[float | None, _TURN] = None
     lateral_force: Annotated[float | None, _PUSH] = None
     arm: Annotated[float, _ARM] = 0.0
+    arm_from: Annotated[float | None, _ARM_FROM] = None
     rate: Annotated[float | None, _RATE] = None
     duration: Annotated[float | None, _TIME] = None
     heave: Annotated[str, Choice(("free", "fixed"), "the vertical displacement of the caisson")] = "free"

@@ -52,6 +52,8 @@ def path_stages(scene: Scene, path: Path, extra_load: float, undrained_time: flo
         ends.append((value, _time(path, then.rate, then.time, start, value), ()))
     if path.kind == "swipe":
         return _swipe_stages(scene, path, extra_load, undrained_time)
+    if path.arm_from is not None:
+        return _climbing_stages(scene, path, extra_load, undrained_time)
     start, stages = 0.0, []
     for number, (end, time, report_at) in enumerate(ends):
         duration = undrained_time if scene.drainage.mode == "undrained" else time
@@ -75,6 +77,15 @@ def _swipe_stages(scene: Scene, path: Path, extra_load: float, undrained_time: f
         duration=times[1], first_fraction=small, max_fraction=large,
     )  # fmt: skip
     return [first, second]
+
+
+def _climbing_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
+    """A load that grows at its first height, and then climbs to its last one: M grows under constant H and V."""
+    grows = path.model_copy(update={"arm": path.arm_from, "arm_from": None})
+    (first,) = path_stages(scene, grows, extra_load, undrained_time)
+    moment = -0.5 * imposed_end(path) * (path.arm - _need(path.arm_from))
+    force = first.force + np.array([0.0, 0.0, moment])
+    return [first, replace(first, name=f"{path.name}, then climbing", force=force, stops=(1.0,))]
 
 
 def _stage(

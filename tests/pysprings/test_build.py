@@ -190,6 +190,7 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("path", "report_at"): (0.25e-3,),
     ("path", "duration"): 100.0,
     ("path", "then"): ("1 mm",),
+    ("path", "arm_from"): 1.0,
     ("drainage", "mode"): "coupled",
 }
 # What a path must be for a field of it to be used.
@@ -198,6 +199,7 @@ PATHS: dict[str, dict[str, Any]] = {
     "lateral_force": {"name": "a", "kind": "load", "lateral_force": 1e6, "lateral_displacement": None},
     "rate": {"rate": 1e-4},
     "then": {"role": "held-back"},
+    "arm_from": {"kind": "load", "lateral_force": 1e6, "lateral_displacement": None, "role": "held-back", "arm": 2.0},
 }
 
 

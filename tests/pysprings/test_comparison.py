@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.comparison import _abscissa, _errors, compare, curves, eta, states
+from pysprings.comparison import _abscissa, _driver, _errors, compare, curves, eta, states
 from pysprings.comparison_text import to_dict, to_text
 from pysprings.macro import MacroModel, MacroWarning, predict
 from pysprings.springs import get_path
@@ -210,6 +210,12 @@ def test_a_swipe_counts_by_the_way_it_has_come() -> None:
     full = xr.Dataset({"u": ("step", u), "rotation": ("step", rotation)}, attrs={"kind": "swipe"})
     np.testing.assert_allclose(_abscissa(full, "u", 4.0), [0.0, 1e-3, 2e-3, 6e-3, 10e-3])
     np.testing.assert_array_equal(_abscissa(full.assign_attrs(kind="pull"), "u", 4.0), u)
+
+
+def test_a_load_that_climbs_is_followed_by_its_states() -> None:
+    full = xr.Dataset(attrs={"kind": "load", "arm_from_m": 0.0})
+    assert _driver(full)[0] == "state"
+    assert _driver(xr.Dataset(attrs={"kind": "load"}))[0] == "displacement"
 
 
 def test_errors_of_a_swipe_are_relative_to_its_largest_load() -> None:

@@ -153,6 +153,10 @@ def test_the_form_of_the_contract() -> None:
         ('[[path]]\nname = "a"\nkind = "swipe"\nlateral_displacement = "5 mm"\nrotation = "1 mrad"\nduration = "1 s"\n',
          ['3:8: path[0].role: springs are made from paths of one direction only: a swipe needs role = "held-back"',
           '6:12: path[0].duration: a path of kind "swipe" does not use it']),
+        ('[[path]]\nname = "a"\nkind = "load"\nlateral_force = "1 MN"\narm_from = "0 m"\n',
+         '5:12: path[0].role: springs are made from paths of one direction only: a load that climbs needs role = "held-back"'),
+        (PULL + 'arm_from = "0 m"\n' + 'role = "held-back"\n',
+         '5:12: path[0].arm_from: a path of kind "pull" does not use it'),
         # paths
         ('[[path]]\nkind = "pull"\nlateral_displacement = "1 mm"\n', "1:1: path[0].name: missing; every [[path]] needs it"),
         ('[[path]]\nname = "a"\n', "1:1: path[0].kind: missing; every [[path]] needs it"),

@@ -117,3 +117,12 @@ def test_a_swipe_turns_where_it_has_slid_to() -> None:
     np.testing.assert_array_equal(turn.control, slide.control)
     assert (slide.duration, turn.duration) == pytest.approx((5.0, 2e-3 * L / 1e-3))
     assert turn.first_fraction == pytest.approx(2.5e-6 * D / (2e-3 * L))
+
+
+def test_a_load_that_climbs_grows_its_moment_under_a_constant_force() -> None:
+    path = {"name": "a", "kind": "load", "lateral_force": 2e6, "arm_from": 1.0, "arm": 8.0, "role": "held-back"}
+    scene = Scene(paths=[path])
+    grow, climb = path_stages(scene, scene.paths[0], 1e5)
+    np.testing.assert_allclose(grow.force, [1e6, 1e5, -1e6])
+    np.testing.assert_allclose(climb.force, [1e6, 1e5, -8e6])
+    assert len(climb.target) == 0
