@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fe_engine.errors import NotConverged
+from fe_engine.errors import ModelError, NotConverged
 from fe_engine.model import Stage
 from fe_engine.newton import Increment, Loading, Newton
 from fe_engine.state import State
@@ -60,6 +60,8 @@ class Driver:
 
     def run(self, stage: Stage, on_step: Callable[[Step], None]) -> None:
         """Run a stage; ``on_step`` is called after each commit. Raises NotConverged with the last history."""
+        if self.newton.system.model.water is not None and not stage.duration > 0.0:
+            raise ModelError(f"stage '{stage.name}' has no duration: water needs time to flow, however short")
         start = stage.control @ self.state.committed.border
         force = np.zeros(len(stage.force)) if self.force is None else self.force
         done, size, limit = 0.0, min(stage.first_fraction, 1.0), "first step"

@@ -305,6 +305,12 @@ def test_water_that_cannot_leave_stays():
     assert np.abs(run.state.committed.pressure).max() > 0.0
 
 
+def test_a_stage_without_duration_is_refused():
+    run = start(wet_push())
+    with pytest.raises(ModelError, match="'test' has no duration"):
+        run.driver.run(stage({0: 1e-4}), run.steps.append)
+
+
 def test_gaps_of_the_kernel_are_those_of_the_law():
     model = wet()
     system, state, _ = moved(model)
