@@ -23,8 +23,9 @@ class Residual:
 
     ``free`` (n_free,) and ``border`` (nb,) are internal minus nothing: external border forces are subtracted by
     the caller. ``contact_norm`` is the 2-norm of the change of the interface's nodal forces, the scale that
-    tolerances refer to. ``volume_norm`` is that of the water: the 2-norm of the changes of volume (m3) of the elements
-    and the gaps, 0 when drained; rows of the water are volumes times -scale (see model.Water).
+    tolerances refer to. ``volume_norm`` is that of the water: the 2-norm of the volumes (m3) of elements and gaps that
+    have changed and of those that flow in the step, 0 when drained; rows of the water are volumes times -scale (see
+    model.Water).
     """
 
     free: np.ndarray
@@ -80,9 +81,10 @@ class System:
             return
         free = self.pattern.equation[:, 3]
         self.is_pressure[free[free >= 0]] = True
-        shapes = self.gradient, self.volume, self.mean_gradient
         coupling = _in_nodal_axes(self.mean_gradient, self.hexes, self.frame_of, self.frames)
-        self.pores = biot.make_pores(shapes, coupling, water.mobility, water.storage, water.stabilisation)
+        self.pores = biot.make_pores(
+            self.gradient, self.volume, coupling, water.mobility, water.storage, water.stabilisation
+        )
         self.film = None if water.film is None else kernels_water.pack_film(self.model, self.pattern)
         self._soil_water = self._soil_water_tangent(1.0, 0.0), self._soil_water_tangent(0.0, 1.0)
 
@@ -92,12 +94,15 @@ class System:
         n, nb_, p = self.pattern.n_free, self.model.n_border, self.pattern
         out = np.zeros(len(p.indices)), np.zeros((n, nb_)), np.zeros((nb_, n)), np.zeros((nb_, nb_))
         kernels_water.soil_water_tangent(
-            self.hexes, self._pores(), (still, flowing), self.model.water.scale, self._scatter, p.element_offset, out
+            self.hexes,
+            self.pores.arrays,
+            (still, flowing),
+            self.model.water.scale,
+            self._scatter,
+            p.element_offset,
+            out,
         )
         return out
-
-    def _pores(self) -> tuple[np.ndarray, ...]:
-        return self.pores.seepage, self.pores.storage, self.pores.volume, self.pores.coupling
 
     def apply(self, state: State, free: np.ndarray, border: np.ndarray) -> None:
         """Set the trial displacement to the committed one plus the increments (n_free,), (nb,)."""
@@ -166,7 +171,7 @@ class System:
             return 0.0
         old, new, want, targets = state.committed, state.trial, tangent is not None, _targets(tangent)
         square = kernels_water.soil_water(
-            self.hexes, self._pores(), self.time_step, water.scale, (old.displacement, old.pressure),
+            self.hexes, self.pores.arrays, self.time_step, water.scale, (old.displacement, old.pressure),
             (new.displacement, new.pressure), self._scatter, free, border,
         )  # fmt: skip
         if want:

@@ -43,6 +43,11 @@ class Pores:
     volume: np.ndarray
     coupling: np.ndarray
 
+    @property
+    def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """What the compiled loops need: seepage, storage, volume, coupling."""
+        return self.seepage, self.storage, self.volume, self.coupling
+
 
 def projection_factor(bulk: float, shear: float) -> float:
     """Factor tau of the pressure projection in 1/Pa, from the elastic moduli of the soil in Pa."""
@@ -50,17 +55,16 @@ def projection_factor(bulk: float, shear: float) -> float:
 
 
 def make_pores(
-    shapes: tuple[np.ndarray, np.ndarray, np.ndarray], coupling: np.ndarray, mobility: float, storage: float, tau: float
+    gradient: np.ndarray, volume: np.ndarray, coupling: np.ndarray, mobility: float, storage: float, tau: float
 ) -> Pores:
     """Integrate the matrices.
 
     Parameters
     ----------
-    shapes : gradient, volume, mean gradient of hex8.geometry.
+    gradient, volume : of hex8.geometry.
     coupling : (ne, 8, 3) mean gradients in the nodal axes.
     mobility : k/gamma_w in m2/(Pa s); storage : S in 1/Pa; tau : 1/Pa.
     """
-    gradient, volume, _ = shapes
     n = hex8.GAUSS_SHAPES
     nodal = np.einsum("eg,ga->ea", volume, n)
     mass = np.einsum("eg,ga,gb->eab", volume, n, n)

@@ -12,13 +12,12 @@ from typing import NamedTuple
 import numba as nb
 import numpy as np
 
-from fe_engine.contact import flow
+from fe_engine.contact import coulomb, flow
 from fe_engine.interface import GAUSS_SHAPES
-from fe_engine.kernels import _add_border, _add_dof, station_jumps
+from fe_engine.kernels import PackedStations, _add_border, _add_dof, station_jumps
 from fe_engine.model import Model
 from fe_engine.pattern import Pattern
 
-_opening = flow.opening
 _transmissivity = flow.transmissivity
 _PRESSURE = 3  # the fourth dof of a node
 NOWHERE = (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))  # targets where no tangent is wanted
@@ -117,14 +116,10 @@ def soil_water_tangent(hexes, pores, shares, scale, scatter, offset, targets):
                     _add(scatter, n, _PRESSURE, m, i, place, -scale * still * squeezed, targets)
 
 
-@nb.njit(cache=True)
-def station_gaps(s, displacement, border):
+def station_gaps(s: PackedStations, displacement: np.ndarray, border: np.ndarray) -> np.ndarray:
     """Gaps (ns,) in m of all stations."""
     jump = station_jumps(s, displacement, border)
-    gap = np.empty(len(s.area))
-    for k in range(len(gap)):
-        gap[k] = _opening(s.contact[s.surface[k], 0], s.initial_pressure[k], jump[k, 0])
-    return gap
+    return coulomb.gap(s.contact[s.surface], s.initial_pressure, jump[:, 0])
 
 
 @nb.njit(cache=True)

@@ -16,6 +16,9 @@ CORNERS = np.array(
 )
 EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]])
 
+# Corners of the six faces, normals pointing out of the element
+FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+
 
 @dataclass(frozen=True)
 class Quality:
@@ -60,8 +63,7 @@ class Mesh:
 
     def shortest_edge(self) -> float:
         """Length of the shortest edge, m."""
-        corner = self.nodes[self.hexes]
-        return float(np.linalg.norm(corner[:, EDGES[:, 1]] - corner[:, EDGES[:, 0]], axis=2).min())
+        return float(_edge_lengths(self.nodes[self.hexes]).min())
 
     def check(self) -> Quality:
         """Return the quality figures; raise MeshError on inverted elements or unused nodes."""
@@ -79,11 +81,17 @@ class Mesh:
 def measure_quality(nodes: np.ndarray, hexes: np.ndarray) -> Quality:
     """Return the scaled corner Jacobian and aspect ratio extremes of the elements."""
     corner = nodes[hexes]
-    length = np.linalg.norm(corner[:, EDGES[:, 1]] - corner[:, EDGES[:, 0]], axis=2)
+    length = _edge_lengths(corner)
     aspect = length.max(axis=1) / np.maximum(length.min(axis=1), 1e-300)
     scaled = np.stack([_corner_jacobian(corner, k) for k in range(8)], axis=1)
     worst = scaled.min(axis=1)
     return Quality(float(worst.min()), float(aspect.max()), int(np.argmin(worst)))
+
+
+def _edge_lengths(corner: np.ndarray) -> np.ndarray:
+    """Lengths (ne, 12) of the edges of elements with corners (ne, 8, 3), m."""
+    lengths: np.ndarray = np.linalg.norm(corner[:, EDGES[:, 1]] - corner[:, EDGES[:, 0]], axis=2)
+    return lengths
 
 
 def _corner_jacobian(corner: np.ndarray, k: int) -> np.ndarray:

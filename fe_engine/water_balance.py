@@ -18,9 +18,8 @@ import numpy as np
 from fe_engine import interface, kernels_water
 from fe_engine.assembly import System
 from fe_engine.kernels import Scatter
+from fe_engine.mesh import FACES
 from fe_engine.state import Fields
-
-_HEX_FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
 
 
 @dataclass(frozen=True)
@@ -78,9 +77,8 @@ class WaterBalance:
     def _leaving(self, old: Fields, new: Fields, time_step: float) -> np.ndarray:
         """Volume (n + nf,) in m3 that leaves each node between two states: by change of volume, and by flow."""
         s, out, nothing = self.system, np.zeros(self.system.pattern.n_nodes), np.zeros(0)
-        pores = s.pores.seepage, s.pores.storage, s.pores.volume, s.pores.coupling
         fields = (old.displacement, old.pressure), (new.displacement, new.pressure)
-        kernels_water.soil_water(s.hexes, pores, time_step, -1.0, *fields, self._scatter, out, nothing)
+        kernels_water.soil_water(s.hexes, s.pores.arrays, time_step, -1.0, *fields, self._scatter, out, nothing)
         if s.film is not None:
             gaps, end = (self._gap(old), self._gap(new)), (self._scatter, False, out, nothing, kernels_water.NOWHERE)
             kernels_water.station_water(s.stations, s.film, time_step, -1.0, *gaps, new.pressure, *end)
@@ -91,7 +89,7 @@ class WaterBalance:
 def _boundary_area_vectors(system: System) -> np.ndarray:
     """Integrals (n, 3) of N_a n dA over the boundary of the soil, in the nodal axes; exact for bilinear faces."""
     mesh = system.model.mesh
-    faces = mesh.hexes[:, _HEX_FACES].reshape(-1, 4)
+    faces = mesh.hexes[:, FACES].reshape(-1, 4)
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     vectors = interface.nodal_area_vectors(mesh.nodes, faces[first[count == 1]])
     for node, axes in system.model.frames.items():

@@ -237,7 +237,7 @@ def predict(
     ] = False,
     rate: Annotated[
         str | None,
-        typer.Option("--rate", metavar="VELOCITY", help='of springs from coupled runs at several rates: "0.1 mm/s"'),
+        typer.Option("--rate", metavar="VELOCITY", help="of rho = |(u, rotation*L)|, for springs from several rates"),
     ] = None,
     stiffness: Annotated[
         bool, typer.Option("--stiffness", help="also the tangent stiffness at mudline, and the initial one, 6x6")

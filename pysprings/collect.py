@@ -13,8 +13,7 @@ import numpy as np
 import xarray as xr
 
 from fe_engine.assembly import System
-from fe_engine.contact import coulomb
-from fe_engine.kernels import station_jumps
+from fe_engine.kernels_water import station_gaps
 from fe_engine.state import Fields
 from fe_engine.water_balance import WaterBalance
 from pysprings import variables
@@ -136,9 +135,7 @@ class Collector:
         return {"p_component": p, "m": m, "t": t, "p": p.sum(axis=(1, 2))}
 
     def _gap(self, state: Fields) -> np.ndarray:
-        stations = self.system.stations
-        jump = station_jumps(stations, state.displacement, state.border)
-        return coulomb.gap(stations.contact[stations.surface], stations.initial_pressure, jump[:, 0])
+        return station_gaps(self.system.stations, state.displacement, state.border)
 
     def _patches(self, state: Fields, water: np.ndarray) -> dict[str, np.ndarray]:
         """Normal stress, water pressure and gap under the lid and the tip."""

@@ -115,24 +115,16 @@ def build_table(path: xr.Dataset, spring_set: SpringSet) -> SpringTable:
     return stack([row for row in rows if row is not None])
 
 
-# What a pure translation and a pure rotation each give to the set "pisa"
-_OF_TRANSLATION, _OF_ROTATION = ("p", "H_tip", "H_lid"), ("m", "M_tip", "M_lid")
-
-
 def build_pisa(translation: xr.Dataset, rotation: xr.Dataset) -> SpringTable:
     """Return uncoupled families after PISA (Byrne et al. 2020), adapted to a bucket, from two paths.
 
     Lateral reactions p(y), H_tip(y_tip), H_lid(u) come from a translation without rotation, moments m(rotation),
     M_tip(rotation), M_lid(rotation) from a rotation about the lid centre; neither knows of the other's motion.
     """
-    parts = ((translation, _OF_TRANSLATION), (rotation, _OF_ROTATION))
-    rows = []
-    for path, families in parts:
-        recorded = _Recorded.of(path)
-        found = [_lateral_row(recorded, k, "full") for k in range(recorded.z.size)]
-        found += [_moment_row(recorded, k) for k in range(recorded.z.size)] + _end_rows(recorded)
-        rows += [row for row in found if row is not None and row.name in families]
-    return stack(rows)
+    slid, turned = _Recorded.of(translation), _Recorded.of(rotation)
+    rows = [_lateral_row(slid, k, "full") for k in range(slid.z.size)] + _end_rows(slid)[::2]
+    rows += [_moment_row(turned, k) for k in range(turned.z.size)] + _end_rows(turned)[1::2]
+    return stack([row for row in rows if row is not None])
 
 
 @dataclass(frozen=True, slots=True)
@@ -240,7 +232,7 @@ def _moment_row(rec: _Recorded, k: int) -> Row | None:
 
 
 def _end_rows(rec: _Recorded) -> list[Row | None]:
-    """Rows of the tip (reading the displacement and rotation there) and of the lid."""
+    """Rows of the tip (reading the displacement and rotation there) and of the lid; forces and moments in turn."""
     length, ends = rec.length, rec.ends
     return [
         _carried(rec, "H_tip", length, (1.0, length), ends["H_tip"], ("y", "u", "rotation")),

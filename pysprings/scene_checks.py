@@ -180,8 +180,10 @@ def _times(paths: tuple[Path, ...]) -> Iterator[Clash]:
         here: KeyPath = ("path", index)
         mode = ("drainage", "mode")
         if path.rate is None and path.duration is None:
-            allowed = "rate or duration" if path.kind in ("pull", "translation") else "duration"
-            yield Clash((here, (*here, "kind"), mode), f'drainage.mode = "coupled" needs {allowed} on every path')
+            allowed = {"pull": "rate or duration", "translation": "rate or duration", "swipe": "rate"}.get(
+                path.kind, "duration"
+            )
+            yield Clash((here, (*here, "kind"), mode), f'drainage.mode = "coupled" needs {allowed} here')
         for entry, then in enumerate(path.then):
             if then.rate is None and then.time is None:
                 text = 'drainage.mode = "coupled" needs a time: "... in 10 min" or "... at 0.05 mm/s"'

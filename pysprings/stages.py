@@ -44,21 +44,20 @@ def path_stages(scene: Scene, path: Path, extra_load: float, undrained_time: flo
 
     Every stage of an undrained path takes ``undrained_time`` (s), in which nothing flows.
     """
-    rows, pattern = _imposed(path)
+    if path.kind == "swipe":
+        return _swipe_stages(scene, path, extra_load, undrained_time)
+    if path.arm_from is not None:
+        return _climbing_stages(scene, path, extra_load, undrained_time)
     ends = [(imposed_end(path), _time(path, path.rate, path.duration, 0.0, imposed_end(path)), path.report_at)]
     for then in path.then:
         start = ends[-1][0]
         value = start if then.value is None else then.value
         ends.append((value, _time(path, then.rate, then.time, start, value), ()))
-    if path.kind == "swipe":
-        return _swipe_stages(scene, path, extra_load, undrained_time)
-    if path.arm_from is not None:
-        return _climbing_stages(scene, path, extra_load, undrained_time)
     start, stages = 0.0, []
     for number, (end, time, report_at) in enumerate(ends):
         duration = undrained_time if scene.drainage.mode == "undrained" else time
         name = path.name if number == 0 else f"{path.name}, then {number}"
-        stages.append(_stage(scene, path, name, (rows, pattern), (start, end), report_at, extra_load, duration))
+        stages.append(_stage(scene, path, name, (start, end), report_at, extra_load, duration))
         start = end
     return stages
 
@@ -69,8 +68,7 @@ def _swipe_stages(scene: Scene, path: Path, extra_load: float, undrained_time: f
     times = [0.0, 0.0] if path.rate is None else [abs(u) / path.rate, abs(turn) * length / path.rate]
     if scene.drainage.mode == "undrained":
         times = [undrained_time, undrained_time]
-    imposed = _imposed(path)
-    first = _stage(scene, path, path.name, imposed, (0.0, u), path.report_at, extra_load, times[0])
+    first = _stage(scene, path, path.name, (0.0, u), path.report_at, extra_load, times[0])
     small, large = _step_fractions(scene, path, turn * length)
     second = replace(
         first, name=f"{path.name}, then turned", target=np.array([u, turn, *first.target[2:]]), stops=(1.0,),
@@ -89,10 +87,11 @@ def _climbing_stages(scene: Scene, path: Path, extra_load: float, undrained_time
 
 
 def _stage(
-    scene: Scene, path: Path, name: str, imposed: tuple[list, list], ends: tuple[float, float],
+    scene: Scene, path: Path, name: str, ends: tuple[float, float],
     report_at: tuple[float, ...], extra_load: float, duration: float,
 ) -> Stage:  # fmt: skip
-    rows, patterns = list(imposed[0]), list(imposed[1])
+    """One stage, which leads the imposed quantity of the path from the first to the second of its ``ends``."""
+    rows, patterns = _imposed(path)
     targets = _targets(path, ends[1])
     force = np.array([0.0, extra_load, 0.0])
     if path.kind == "load":

@@ -16,12 +16,6 @@ import numba as nb
 
 
 @nb.njit(cache=True)
-def opening(kn, initial_pressure, normal_jump):
-    """Gap in m (>= 0) from the normal jump since the initial state, whose contact is compressed by p0/K_N."""
-    return max(normal_jump - initial_pressure / kn, 0.0)
-
-
-@nb.njit(cache=True)
 def transmissivity(residual_aperture, gap, viscosity):
     """h^3/(12 mu_w) in m3/(Pa s), and its derivative with respect to an open gap."""
     h = residual_aperture + gap

@@ -133,7 +133,7 @@ def test_the_form_of_the_contract() -> None:
          '2:22: drainage.water_bulk_modulus: expected a quantity with unit such as "2.2 GPa", got "2.2"; '
          '"incompressible" is possible too'),
         ('[drainage]\nmode = "coupled"\n' + PULL,
-         '3:1: path[0]: drainage.mode = "coupled" needs rate or duration on every path'),
+         '3:1: path[0]: drainage.mode = "coupled" needs rate or duration here'),
         ('[drainage]\nmode = "coupled"\n' + PULL + 'duration = "1 s"\nrole = "held-back"\nthen = ["2 mm"]\n',
          '9:9: path[0].then[0]: drainage.mode = "coupled" needs a time: "... in 10 min" or "... at 0.05 mm/s"'),
         (PULL + 'duration = "1 s"\nrate = "1 mm/s"\n', "5:12: path[0].duration: give rate or duration, not both"),
@@ -148,6 +148,9 @@ def test_the_form_of_the_contract() -> None:
          """5:8: path[0].then: expected a list such as ["rest 2 hour", "20 mm at 0.5 mm/s"], got "rest 1 s\""""),
         ('[[path]]\nname = "a"\nkind = "rotation"\nrotation = "1 deg"\nrole = "held-back"\nthen = ["2 deg at 1 mm/s"]\n',
          '6:9: path[0].then[0]: a path of kind "rotation" has no velocity: say "... in 10 min"'),
+        ('[drainage]\nmode = "coupled"\n[[path]]\nname = "a"\nkind = "swipe"\nlateral_displacement = "5 mm"\n'
+         'rotation = "1 mrad"\nrole = "held-back"\n',
+         '3:1: path[0]: drainage.mode = "coupled" needs rate here'),
         ('[[path]]\nname = "a"\nkind = "swipe"\nlateral_displacement = "5 mm"\nrole = "held-back"\n',
          '3:8: path[0].rotation: a path of kind "swipe" needs a rotation'),
         ('[[path]]\nname = "a"\nkind = "swipe"\nlateral_displacement = "5 mm"\nrotation = "1 mrad"\nduration = "1 s"\n',

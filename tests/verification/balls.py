@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fe_engine import hex8
-from fe_engine.mesh import Mesh
+from fe_engine.mesh import FACES, Mesh
 from tests.verification.blocks import box
 
 # Half width of the cube over the radius, how far its corners are drawn in towards a sphere, and how much thinner than
@@ -44,8 +44,7 @@ def eighth_ball(core: int, shell: int, radius: float = 1.0) -> Mesh:
 
 def faces_on(mesh: Mesh, chosen: np.ndarray) -> np.ndarray:
     """Faces (m, 4) of the elements all of whose corners are chosen, (n,) bool; normals point into the elements."""
-    corners = np.array([[0, 1, 2, 3], [7, 6, 5, 4], [0, 4, 5, 1], [2, 6, 7, 3], [0, 3, 7, 4], [1, 5, 6, 2]])
-    faces = mesh.hexes[:, corners].reshape(-1, 4)
+    faces = mesh.hexes[:, FACES[:, ::-1]].reshape(-1, 4)
     return faces[chosen[faces].all(axis=1)]
 
 
