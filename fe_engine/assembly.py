@@ -69,6 +69,7 @@ class System:
         self._scatter = kernels.Scatter(p.equation, p.weight, p.rank, p.indptr)
         self._set_up_water()
         ns = len(self.stations.area)
+        self.initial_contact_norm = float(np.linalg.norm(self.stations.area * self.stations.initial_pressure))  # N
         self._iterate = (np.zeros((ns, 3)), np.zeros((ns, 3)), np.zeros((ns, 3, 3)))
         self._matrix = csr_matrix(
             (np.zeros(len(p.indices)), p.indices, p.indptr.astype(np.int32)), shape=(p.n_free, p.n_free)

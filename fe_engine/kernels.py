@@ -62,7 +62,7 @@ def pack_stations(model: Model) -> PackedStations:
 
 
 @nb.njit(cache=True)
-def _gather(nodes, new, old, frames, out):
+def gather(nodes, new, old, frames, out):
     """Increment of displacement (8, 3) of an element in global axes."""
     frame_of, table = frames
     for a in range(8):
@@ -122,7 +122,7 @@ def _element(
     tangent = np.empty((6, 6))
     b = np.zeros((6, 24))
     cb = np.empty((6, 24))
-    _gather(hexes[e], new[0], old[0], frames, move)
+    gather(hexes[e], new[0], old[0], frames, move)
     force[:] = 0.0
     if want:
         stiffness[:, :] = 0.0

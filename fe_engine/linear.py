@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import warnings
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +19,7 @@ from fe_engine.errors import LinearSolverError
 
 SUPERLU_COMFORT = 30_000
 # relative residuals of a linear solve: refined above the first, refused above the second
+_POWER_ITERATIONS = 10  # of the condition estimate
 _REFINE_ABOVE = 1.0e-9
 _RESIDUAL_LIMIT = 1.0e-6
 
@@ -178,6 +180,21 @@ class LinearSolver:
             raise LinearSolverError(f"{self.backend.name} returned a solution with relative residual {error:.1e}")
         return d * x
 
+    def condition_estimate(self) -> float | None:
+        """Largest over smallest modulus of the eigenvalues of the last matrix, from below, by power iterations.
+
+        None where nothing has been factorised yet, or the factors give no answer.
+        """
+        if self.n_factorisations == 0:
+            return None
+        start = np.random.default_rng(1).normal(size=self._matrix.shape[0])
+        largest = _growth(lambda v: self._matrix @ v, start)
+        try:
+            smallest = _growth(self.backend.solve, start)
+        except LinearSolverError:
+            return None
+        return float(largest * smallest) if np.isfinite(largest * smallest) else None
+
     def close(self) -> None:
         """Release the factors."""
         self.backend.close()
@@ -195,3 +212,15 @@ class LinearSolver:
         residual = np.linalg.norm(rhs - self._matrix @ x, axis=0)
         scale = np.linalg.norm(rhs, axis=0)
         return float(np.max(residual / np.where(scale > 0.0, scale, 1.0)))
+
+
+def _growth(apply: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> float:
+    """Modulus of the largest eigenvalue of a linear map, from below."""
+    v, size = start / np.linalg.norm(start), 0.0
+    for _ in range(_POWER_ITERATIONS):
+        v = apply(v).reshape(start.shape)
+        size = float(np.linalg.norm(v))
+        if not 0.0 < size < np.inf:
+            return size
+        v = v / size
+    return size

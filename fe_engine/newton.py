@@ -33,16 +33,24 @@ _CLOSE = 1.0e-3
 # Undrained soil under a uniform load moves no water at all, and rounding would be judged beside rounding: volumes count
 # beside this share of the volume that the forces would press out at the stiffness of model.Water.scale, at the least.
 _STILL = 1.0e-6
-# Contact states that flip to and fro give two residuals in turn: an increment stops where the last two are no
-# better than those before. Stopping is cheap, since the smaller step that follows has fewer states to find.
+# Contact states that flip to and fro give two residuals in turn. Close to the solution the answer lies between the
+# two, and half steps find it; they go on while they gain. Else the increment stops where the last two residuals are no
+# better than those before: stopping is cheap, since the smaller step that follows has fewer states to find.
 _STALL_FROM, _STALL_WINDOW = 4, 2
+_HALF, _GAIN, _PATIENCE = 0.5, 0.7, 4
+# Forces count beside this share of the initial contact forces at the least, below which a change is rounding.
+_ROUNDING = 1.0e-6
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Newton settings; the tolerance is relative to the norm of the change of contact forces."""
+    """Newton settings; tolerances are relative to the norm of the change of contact forces.
+
+    ``loosest`` is what an increment may come to where smaller steps do not help (see stepping); each one is counted.
+    """
 
     tolerance: float = 1.0e-6
+    loosest: float = 1.0e-4
     max_iterations: int = 20
 
 
@@ -92,15 +100,37 @@ class Newton:
         self.settings = settings
         self.scale = system.model.border_scale
         self.stiffness = np.zeros((system.model.n_border, system.model.n_border))
+        self._cycle: tuple[int, float] | None = None  # since which merit half steps are taken, and what it was
 
     def solve(self, state: State, loading: Loading, free: np.ndarray, border: np.ndarray) -> Increment:
         """Find the increment from the committed state, starting at the guess free (n,), border (nb,).
 
         The trial fields hold the solution on return; nothing is committed. Raises NotConverged.
         """
+        self._best: tuple[float, np.ndarray, np.ndarray] | None = None
+        try:
+            return self._solve(state, loading, free, border)
+        except NotConverged as error:
+            error.best = self._best
+            raise
+
+    def accept(self, state: State, loading: Loading, error: NotConverged) -> Increment | None:
+        """Turn the best iterate of a failed increment into one; None where it is not good enough."""
+        if error.best is None or error.best[0] > self.settings.loosest:
+            return None
+        _, free, border = error.best
+        self.system.time_step = loading.time_step
+        self.system.apply(state, free, border)
+        judged = self.system.residual(state)
+        _, relative = self._merit(judged, loading)
+        rows = [*error.history, _row(len(error.history), relative, judged)]
+        return Increment(free, border, judged, self.stiffness, rows)
+
+    def _solve(self, state: State, loading: Loading, free: np.ndarray, border: np.ndarray) -> Increment:
         self.system.time_step = loading.time_step
         record: list[dict[str, Any]] = []
         merits: list[float] = []
+        self._cycle = None
         for iteration in range(self.settings.max_iterations + 1):
             self.system.apply(state, free, border)
             judged, linear, tangent = self._linearise(state, iteration == 0, record)
@@ -110,9 +140,12 @@ class Newton:
             record.append(_row(iteration, error, judged))
             if not np.isfinite(merit):
                 raise NotConverged("residual is not finite", self._worst(judged), record)
-            if error <= self.settings.tolerance and _met(violation, loading.target):
+            met = _met(violation, loading.target)
+            if error <= self.settings.tolerance and met:
                 return Increment(free, border, judged, self.stiffness, record)
-            self._give_up_early(iteration, merits, judged, record)
+            if met and (self._best is None or error < self._best[0]):
+                self._best = error, free, border
+            self._watch(iteration, merits, error, judged, record)
             step_free, step_border = self._direction(linear, tangent, loading, violation, record)
             damping = self._damping(state, loading, (free, border), (step_free, step_border), merits, iteration)
             free, border = free + damping * step_free, border + damping * step_border
@@ -159,6 +192,8 @@ class Newton:
         """Step length: 1, or by halving the best that a residual-only search finds."""
         if iteration == 0:
             return 1.0
+        if self._cycle is not None:
+            return _HALF
         best, best_merit, length = 1.0, np.inf, 1.0
         for _ in range(_HALVINGS):
             self.system.apply(state, at[0] + length * step[0], at[1] + length * step[1])
@@ -187,7 +222,7 @@ class Newton:
             volumes = float(np.sum(square[water]))
             forces = float(np.sum(square) - volumes + np.sum(border**2))
             reaction, load = (float(np.linalg.norm(f / self.scale)) for f in (residual.border, loading.force))
-        reference = max(residual.contact_norm, reaction, load)
+        reference = max(residual.contact_norm, reaction, load, _ROUNDING * self.system.initial_contact_norm)
         error = _ratio(np.sqrt(max(forces, 0.0)), reference)
         if self.system.model.water is not None:
             scale = self.system.model.water.scale
@@ -199,10 +234,18 @@ class Newton:
         """Root mean square displacement of a step in m."""
         return float(np.sqrt(np.mean(np.concatenate([free, border * self.scale]) ** 2)))
 
-    def _give_up_early(self, iteration: int, merits: list, judged: Residual, record: list) -> None:
-        """Stop an increment that cycles, so that the step is cut instead."""
-        if iteration >= _STALL_FROM and min(merits[-_STALL_WINDOW:]) >= min(merits[1:-_STALL_WINDOW]):
-            raise NotConverged("the residual stalls", self._worst(judged), record)
+    def _watch(self, iteration: int, merits: list, error: float, judged: Residual, record: list) -> None:
+        """Where an increment cycles: half steps close to the solution while they gain, else stop; the step is cut."""
+        if self._cycle is not None:
+            since, before = self._cycle
+            if min(merits[since:]) < _GAIN * before:
+                self._cycle = len(merits), min(merits[since:])
+            elif len(merits) - since >= _PATIENCE:
+                raise NotConverged("the residual stalls", self._worst(judged), record)
+        elif iteration >= _STALL_FROM and min(merits[-_STALL_WINDOW:]) >= min(merits[1:-_STALL_WINDOW]):
+            if error > _CLOSE:
+                raise NotConverged("the residual stalls", self._worst(judged), record)
+            self._cycle = len(merits), max(merits[-_STALL_WINDOW:])
 
     def _worst(self, residual: Residual) -> str:
         if not len(residual.free):

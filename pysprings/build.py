@@ -18,6 +18,7 @@ from fe_engine.model import Material, Model
 from fe_engine.soil import plasol
 from pysprings.build_water import make_water
 from pysprings.caisson_mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
+from pysprings.penalty import penalty_of
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene
@@ -117,8 +118,8 @@ def soil_material(scene: Scene) -> Material:
 
 def contact_parameters(scene: Scene) -> np.ndarray:
     """Contact parameters (n_surfaces, 3), the same on every surface."""
-    law = scene.interface
-    packed = coulomb.pack(kn=law.normal_stiffness, kt=law.shear_stiffness, mu=law.friction_coefficient)
+    penalty = penalty_of(scene)
+    packed = coulomb.pack(kn=penalty.normal, kt=penalty.shear, mu=scene.interface.friction_coefficient)
     return np.tile(packed, (len(SURFACES), 1))
 
 

@@ -312,6 +312,30 @@ def compare(
         print(to_text(frame), end="")
 
 
+@app.command()
+@guarded
+def stability(
+    case: Annotated[
+        list[str] | None, typer.Option("--case", metavar="NAME", help="a case or a group of cases; may be repeated")
+    ] = None,
+    mesh: Mesh = None,
+    refinement: Annotated[float, typer.Option("--refinement", help="factor on the preset's numbers of cells")] = 1.0,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="folder for the table and its picture")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Run the stiff and extreme cases: how each ends, steps, cut-backs, residuals, balances.
+
+    Ends with exit code 3 where a case stops without a named reason.
+    """
+    from pysprings import cli_stability
+
+    unexplained = cli_stability.run(case or [], mesh.value if mesh else "coarse", refinement, out, as_json)
+    if unexplained:
+        raise RunIncomplete(f"{unexplained} cases ended without a named reason")
+
+
 def main() -> None:
     """Run the command line."""
     for stream in (sys.stdout, sys.stderr):

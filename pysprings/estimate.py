@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from pysprings.build import build_model, left_out
+from pysprings.penalty import penalty_of
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene
@@ -37,10 +38,22 @@ def describe(scene: Scene) -> dict[str, Any]:
             "largest_aspect_ratio": quality.max_aspect,
         },
         "unknowns": unknowns,
+        "contact": _contact(scene),
         "vertical_load_N": 2.0 * (built.balanced_load + built.extra_load),
         "memory_GB": memory_bytes(unknowns) / 1e9,
         "time_s": seconds(scene, unknowns),
         "left_out": left_out(scene),
+    }
+
+
+def _contact(scene: Scene) -> dict[str, Any]:
+    """Penalty stiffness that the model uses, and what it costs."""
+    penalty = penalty_of(scene)
+    return {
+        "normal_stiffness_N_per_m3": penalty.normal,
+        "shear_stiffness_N_per_m3": penalty.shear,
+        "largest_initial_penetration_m": penalty.penetration,
+        "loss_of_elastic_stiffness_percent": 100.0 * penalty.stiffness_loss,
     }
 
 

@@ -17,6 +17,7 @@ import xarray as xr
 import pysprings
 from fe_engine.assembly import System
 from fe_engine.clock import Clock
+from fe_engine.energy_balance import EnergyBalance
 from fe_engine.errors import FEError, LinearSolverError, NotConverged
 from fe_engine.linear import LinearSolver
 from fe_engine.newton import Newton, Settings
@@ -28,9 +29,19 @@ from pysprings.build import Built, build_model, left_out
 from pysprings.build_water import undrained_time
 from pysprings.cavitation import warning as cavitation_warning
 from pysprings.collect import Collector, section_dataset
+from pysprings.diagnosis import LIMIT_LOAD, diagnose
 from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
+from pysprings.penalty import penalty_of
 from pysprings.progress import Progress
-from pysprings.run_record import DEAD_LOAD, Meter, convergence_dataset, cut_back, summarise
+from pysprings.run_record import (
+    DEAD_LOAD,
+    Meter,
+    convergence_dataset,
+    cut_back,
+    energy_summary,
+    loose_warning,
+    summarise,
+)
 from pysprings.stages import dead_load_stage, path_stages
 
 if TYPE_CHECKING:
@@ -55,6 +66,8 @@ class _Run:
     failures: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     interrupted: bool = False
+    condition: float | None = None
+    stiffness: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
 
 
 def run(
@@ -88,16 +101,17 @@ def compute(
     started, meter = datetime.now(UTC), Meter()
     ran = scene_to_run(scene, mesh, linear)
     work = _prepare(ran, meter.clock, progress or (lambda *_: None))
-    stiffness = _initial_stiffness(work)
+    work.stiffness = _initial_stiffness(work)
     try:
         for path in ran.paths:
             _run_path(work, path)
     except KeyboardInterrupt:
         work.interrupted = True
+    work.condition = work.newton.solver.condition_estimate()
     work.newton.solver.close()
     record = _record(work, started)
     meter.charge(record)
-    result = _tree(work, stiffness, record)
+    result = _tree(work, 2.0 * work.stiffness, record)
     if ran is not scene:
         result.attrs["scene_toml_given"] = scene.source_text
     return result
@@ -127,16 +141,17 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> _Run:
             solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, equilibrate=water)
         except LinearSolverError as error:
             raise ResourceError(str(error)) from error
-        newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations))
+        newton = Newton(system, solver, Settings(scene.solver.tolerance, max_iterations=scene.solver.max_iterations))
     progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {system.pattern.n_free} unknowns")
-    return _Run(scene, built, system, newton, clock, progress)
+    remarks = list(penalty_of(scene).remarks)
+    return _Run(scene, built, system, newton, clock, progress, warnings=remarks)
 
 
 def _initial_stiffness(work: _Run) -> np.ndarray:
-    """Tangent stiffness (3, 3) of the whole caisson at the initial state; undrained where there is water."""
+    """Tangent stiffness (3, 3) of half the caisson at the initial state; undrained where there is water."""
     work.system.time_step = undrained_time(work.scene, work.built.model.mesh)
     try:
-        return 2.0 * work.newton.border_stiffness(State(work.built.model))
+        return work.newton.border_stiffness(State(work.built.model))
     except FEError as error:
         raise RunIncomplete(f"the stiffness of the initial state cannot be computed: {error}") from error
 
@@ -150,9 +165,12 @@ def _run_path(work: _Run, path: Path) -> None:
     collector = Collector(work.built, work.system, output.interface_fields, output.section, water, _sea(work.scene))
     stages = path_stages(work.scene, path, extra, undrained_time(work.scene, work.built.model.mesh))
     status, time, done = "complete", 0.0, 0
+    energy = EnergyBalance(work.system)
     limits: list[str] = []
 
     def on_step(step: Step) -> None:
+        with work.clock.phase("output"):
+            energy.advance(state.committed, step.increment.residual.border)
         if water is not None:
             water.advance(state.committed, step.time_step)
         limits.append(step.limit)
@@ -176,7 +194,7 @@ def _run_path(work: _Run, path: Path) -> None:
             done += 1
     except NotConverged as error:
         status = "partial"
-        work.failures.append(_failure(path, driver, error))
+        work.failures.append(_failure(work, path, driver, error))
         if not collector.rows:  # the dead load itself: the state that it reached is kept, marked
             _collect(work, collector, state, 0.0, converged=False)
     except KeyboardInterrupt:
@@ -184,7 +202,7 @@ def _run_path(work: _Run, path: Path) -> None:
         raise
     finally:
         if collector.rows:
-            _keep(work, path, collector, driver, status, limits)
+            _keep(work, path, collector, driver, status, limits, energy)
 
 
 def _collect(work: _Run, collector: Collector, state: State, time: float, converged: bool = True) -> None:
@@ -197,14 +215,18 @@ def _refuse_flight(scene: Scene, state: State) -> None:
     u, _, rotation = state.committed.border
     reach = max(abs(u), abs(u + rotation * scene.caisson.skirt_length))
     if reach > _LARGEST_MOTION * scene.caisson.outer_diameter:
-        raise NotConverged(f"the caisson has moved by {reach:.3g} m: the soil does not carry the load")
+        raise NotConverged(f"{LIMIT_LOAD}: the caisson has moved by {reach:.3g} m, the soil does not carry the load")
 
 
-def _failure(path: Path, driver: Driver, error: NotConverged) -> str:
-    """One line: which path stopped, on its way to which part of the load, where in the model and why."""
+def _failure(work: _Run, path: Path, driver: Driver, error: NotConverged) -> str:
+    """One line: which path stopped, on its way to which part of the load, why, where in the model."""
     stage, target = driver.aim
     of = " of its dead load" if stage == DEAD_LOAD else ""
-    return f"path '{path.name}' stopped on its way to {100 * target:.4g} %{of}: {error}"
+    why = str(error)
+    if not why.startswith(LIMIT_LOAD):
+        forced = stage == DEAD_LOAD or path.kind == "load"
+        why = f"{diagnose(driver, forced, work.stiffness)} ({why})"
+    return f"path '{path.name}' stopped on its way to {100 * target:.4g} %{of}: {why}"
 
 
 def _sea(scene: Scene) -> tuple[float, float] | None:
@@ -213,7 +235,9 @@ def _sea(scene: Scene) -> tuple[float, float] | None:
     return None if drainage.water_depth is None else (drainage.water_unit_weight, drainage.water_depth)
 
 
-def _keep(work: _Run, path: Path, collector: Collector, driver: Driver, status: str, limits: list[str]) -> None:
+def _keep(
+    work: _Run, path: Path, collector: Collector, driver: Driver, status: str, limits: list[str], energy: EnergyBalance
+) -> None:
     with work.clock.phase("output"):
         dataset = collector.dataset()
         dataset.attrs = {"kind": path.kind, "arm_m": path.arm, "role": path.role, "status": status, "heave": path.heave}
@@ -223,9 +247,13 @@ def _keep(work: _Run, path: Path, collector: Collector, driver: Driver, status: 
             dataset.attrs["arm_from_m"] = path.arm_from
         work.paths[f"/paths/{path.name}"] = dataset
         work.paths[f"/paths/{path.name}/convergence"] = convergence_dataset(driver.record)
-        work.summaries[path.name] = {"status": status} | summarise(
-            driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, limits
+        work.summaries[path.name] = (
+            {"status": status}
+            | summarise(driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, limits)
+            | {"energy": energy_summary(energy.now())}
         )
+        if driver.loose:
+            work.warnings.append(loose_warning(path.name, driver.loose, driver.n_steps, work.newton.settings.tolerance))
         if collector.cavitation is not None:
             work.warnings.append(cavitation_warning(path.name, *collector.cavitation))
 
@@ -254,6 +282,7 @@ def _record(work: _Run, started: datetime) -> dict[str, Any]:
             "max_iterations": work.newton.settings.max_iterations,
             "factorisations": solver.n_factorisations, "solves": solver.n_solves,
             "worst_linear_residual": solver.worst_residual,
+            "condition_estimate": work.condition,
         },
         "paths": work.summaries,
         "left_out": [{"what": what, "why": why} for what, why in left_out(work.scene)],

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 
 from fe_engine.clock import Clock
+from fe_engine.energy_balance import TERMS, Energy
 from fe_engine.errors import NotConverged
 from pysprings import variables
 from pysprings.ring_measure import contact_alternation
@@ -99,6 +100,21 @@ def _water(path: xr.Dataset) -> dict[str, Any]:
         "worst_imbalance_over_exchanged": worst / exchanged if exchanged else 0.0,
         "pressure_min_Pa": float(path["pressure_min"].min()), "pressure_max_Pa": float(path["pressure_max"].max()),
     }}  # fmt: skip
+
+
+def energy_summary(energy: Energy) -> dict[str, float]:
+    """Terms of the energy balance of the whole caisson at the end of a path, J, and what they leave."""
+    terms = {f"{name}_J": 2.0 * getattr(energy, name) for name in (*TERMS, "imbalance")}
+    return terms | {"imbalance_over_largest_term": abs(energy.imbalance) / energy.moved if energy.moved else 0.0}
+
+
+def loose_warning(path: str, loose: Sequence[tuple[str, float, float]], steps: int, tolerance: float) -> str:
+    """One line on the steps of a path that were taken with a residual above the tolerance."""
+    _, fraction, _ = loose[0]
+    worst = max(residual for _, _, residual in loose)
+    where = f"{len(loose)} of {steps} steps, the first at {100.0 * fraction:.4g} %"
+    residual = f"a residual of up to {worst:.1g} (solver.tolerance {tolerance:g})"
+    return f"path '{path}': {where}, were taken with {residual}: contact or plasticity jump there at any step size"
 
 
 _VOLUMES = ("expelled", "compressed", "film", "outflow", "moved", "imbalance")

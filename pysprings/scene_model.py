@@ -22,7 +22,8 @@ from pysprings.scene_then import Then, ThenList
 _DEGREE = math.pi / 180.0
 
 # pydantic annotations of the fields, short enough to be read as a table
-_STIFFNESS = Quantity("N/m^3", "(0, 1e16]", "penalty stiffness of the interface", "1e10 N/m^3")
+_PENALTY = 'penalty stiffness of the interface; "auto" is 390 times Young modulus over diameter'
+_STIFFNESS = Quantity("N/m^3", "(0, 1e16]", _PENALTY, "1e10 N/m^3", word="auto")
 _SHIFT = Quantity("mm", "[-1e4, 1e4]", "lateral displacement of the lid centre, towards +x", "20 mm", optional=True)
 _TURN = Quantity(
     "deg",
@@ -116,8 +117,8 @@ class Soil(Section):
 class Interface(Section):
     """Contact, friction and flow between caisson and soil."""
 
-    normal_stiffness: Annotated[float, _STIFFNESS] = 1e10
-    shear_stiffness: Annotated[float, _STIFFNESS] = 1e10
+    normal_stiffness: Annotated[float | str, _STIFFNESS] = "auto"
+    shear_stiffness: Annotated[float | str, _STIFFNESS] = "auto"
     friction_coefficient: Annotated[float, Number("[0, 5]", "Coulomb friction coefficient", 0.5)] = 0.5
     transversal_conductivity: Annotated[
         float,

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings stability`: runs the catalogue, prints it line by line, writes table and picture."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pysprings import stability, stability_text
+from pysprings.cli_support import print_json, say
+from pysprings.storage import replacing, write_text
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def run(names: list[str], mesh: str, refinement: float, out: Path | None, as_json: bool) -> int:
+    """Run the cases of these names (all: none given); return how many ended without a named reason."""
+    cases = stability.cases_named(names)
+
+    def report(outcome: stability.Outcome) -> None:
+        text = stability_text.line(asdict(outcome))
+        if as_json:
+            say(text)
+        else:
+            print(text, flush=True)
+
+    if not as_json:
+        print(stability_text.heading(), flush=True)
+    table = stability.run_cases(cases, mesh, refinement, report)
+    total = stability.summary(table)
+    if out is not None:
+        _write(table, out)
+    if as_json:
+        rows = table.astype(object).where(table.notna(), None).to_dict(orient="records")
+        print_json({"mesh": mesh, "refinement": refinement, "summary": total, "cases": rows})
+    else:
+        print(f"\n{stability_text.closing(total)}")
+    return int(total[stability.UNEXPLAINED])
+
+
+def _write(table: pd.DataFrame, out: Path) -> None:
+    """Write stability.csv, stability.md and stability.png."""
+    from pysprings.plots.stability import catalogue
+
+    write_text(table.to_csv(index=False), out / "stability.csv")
+    write_text(stability_text.to_markdown(table), out / "stability.md")
+    with replacing(out / "stability.png") as temporary:
+        catalogue(table).savefig(temporary, dpi=110, format="png")

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""Why a path stopped: a named physical reason from the state itself, with the figure that shows it.
+
+``limit load``   under a given load, the caisson's tangent stiffness is gone, or the caisson has moved too far.
+``apex``         the soil around the largest residual has lost its confining stress: no stiffness, no strength.
+``localisation`` the soil's tangent there has lost its ellipticity (Rudnicki & Rice 1975): det(n.C.n) <= 0 for some
+                 direction n, so that strains may concentrate in a band of any width; plasticity without hardening
+                 whose dilation is less than its friction does that.
+``friction``     stations there stick and slip in turn: Coulomb friction with this coefficient has no state that holds.
+``unexplained``  none of these.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fe_engine import hex8, kernels
+from fe_engine.conventions import CONTACT_OPEN, REGIME_APEX, REGIME_CONE
+from fe_engine.errors import FEError
+from fe_engine.soil.dispatch import N_HISTORY, update_soil
+
+if TYPE_CHECKING:
+    from fe_engine.assembly import System
+    from fe_engine.state import State
+    from fe_engine.stepping import Driver
+
+LIMIT_LOAD = "limit load"
+REASONS = (LIMIT_LOAD, "apex", "localisation", "friction", "unexplained")
+# A caisson under a given load is at its limit where this share of its initial stiffness is left
+_LIMIT = 0.02
+# Share of the Gauss points around a place that tells what the soil there does
+_MOST = 0.25
+_VOIGT = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+
+
+def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> str:
+    """Name the reason why no next state was found from the committed one.
+
+    ``given_load`` tells that forces are imposed, ``initial`` (3, 3) is the border stiffness of the initial state (half
+    the caisson's). The trial fields are those of the last attempt.
+    """
+    system, state = driver.newton.system, driver.state
+    elements = _around(system, state)
+    if given_load and (left := _stiffness_left(driver, initial)) < _LIMIT:
+        return f"{LIMIT_LOAD}: {100.0 * max(left, 0.0):.2g} % of the initial stiffness is left"
+    apex = float(np.mean(system.regime[elements] == REGIME_APEX))
+    if apex >= _MOST:
+        return f"apex: {100.0 * apex:.0f} % of the soil there has no confining stress left"
+    worst = _ellipticity(system, state, elements)
+    if worst <= 0.0:
+        return f"localisation: the soil there has lost its ellipticity (det n.C.n is {worst:.2g} of the elastic one)"
+    if _contact_there(system, elements):
+        return "friction: stations there stick, slip and open in turn, and no set of states holds"
+    return "unexplained"
+
+
+def _around(system: System, state: State) -> np.ndarray:
+    """Elements of the node with the largest residual of the last attempt."""
+    try:
+        residual = np.abs(system.residual(state).free)
+    except FEError:  # the law itself failed: look at the elements where it does
+        return np.flatnonzero((system.regime == REGIME_CONE).any(axis=1))[:8]
+    if not np.all(np.isfinite(residual)):
+        residual = np.nan_to_num(residual, nan=np.inf)
+    node = int(np.argwhere(system.pattern.equation == int(np.argmax(residual)))[0][0])
+    found = np.flatnonzero((system.hexes == node).any(axis=1))
+    if len(found):
+        return found
+    return np.arange(min(8, len(system.hexes)))  # a film node
+
+
+def _stiffness_left(driver: Driver, initial: np.ndarray) -> float:
+    """Smallest eigenvalue of the last tangent stiffness beside that of the initial state, in displacements."""
+    if driver.stiffness is None:
+        return 1.0
+    scale = driver.newton.scale
+    both = driver.stiffness, initial
+    least = [np.linalg.eigvalsh(0.5 * (k + k.T) / np.outer(scale, scale))[0] for k in both]
+    return float(least[0] / least[1])
+
+
+def _ellipticity(system: System, state: State, elements: np.ndarray) -> float:
+    """Least det(n.C.n) over its elastic value, of the yielding points of these elements over directions n."""
+    directions = _directions()
+    worst = 1.0
+    move, strain = np.empty((8, 3)), np.empty(6)
+    stress, history, tangent = np.empty(6), np.empty(N_HISTORY), np.empty((6, 6))
+    old, new = state.committed, state.trial
+    for e in elements:
+        if not (system.regime[e] == REGIME_CONE).any():
+            continue
+        kernels.gather(system.hexes[e], new.displacement, old.displacement, (system.frame_of, system.frames), move)
+        kind = system.model.material[e]
+        for g in np.flatnonzero(system.regime[e] == REGIME_CONE):
+            hex8.strain_at(system.gradient[e, g], system.mean_gradient[e], move, strain)
+            update_soil(
+                system.laws[kind], system.parameters[kind], strain, old.stress[e, g], old.history[e, g], stress,
+                history, tangent, True,
+            )  # fmt: skip
+            worst = min(worst, float(np.min(_acoustic(tangent, directions))) / _elastic(system.parameters[kind]))
+    return worst
+
+
+def _directions() -> np.ndarray:
+    """Unit vectors (k, 3) over half a sphere, evenly (Fibonacci)."""
+    k = np.arange(400)
+    z, turn = (k + 0.5) / 400, np.pi * (1.0 + np.sqrt(5.0)) * k
+    flat = np.sqrt(1.0 - z * z)
+    return np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)
+
+
+def _acoustic(tangent: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """det(n.C.n) (k,) of a tangent (6, 6) in Voigt order."""
+    c = tangent[_VOIGT[:, :, None, None], _VOIGT[None, None, :, :]]
+    return np.linalg.det(np.einsum("ni,ijkl,nl->njk", directions, c, directions))
+
+
+def _elastic(parameters: np.ndarray) -> float:
+    """det(n.C.n) of the elastic tangent: (K + 4G/3) G^2, in Pa3."""
+    bulk, shear = parameters[0], parameters[1]
+    return float((bulk + 4.0 / 3.0 * shear) * shear * shear)
+
+
+def _contact_there(system: System, elements: np.ndarray) -> bool:
+    """Tell whether closed stations stand on these elements."""
+    nodes = np.unique(system.hexes[elements])
+    touching = np.isin(system.stations.nodes, nodes).any(axis=1)
+    return bool(np.any(touching & (system.contact_state != CONTACT_OPEN)))

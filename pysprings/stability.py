@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: MIT
+"""The catalogue of stiff and extreme cases, run: how each one ends, and at which cost and error."""
+
+from __future__ import annotations
+
+import json
+import time
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import pandas as pd
+from pydantic import ValidationError
+
+from pysprings.diagnosis import REASONS
+from pysprings.errors import Problem, PyspringsError, UserInputError
+from pysprings.full_model import compute
+from pysprings.stability_cases import CASES, Case
+
+CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED = "converged", "warned", "stopped", "refused", "unexplained"
+OUTCOMES = (CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a case ended.
+
+    ``outcome`` is one of OUTCOMES, ``detail`` the warning, the named reason, or the message of the refusal. ``u_mm``
+    and ``H_kN`` are the end of what converged. Imbalances are relative to the largest term of the energy, and to the
+    water that has moved; ``condition`` is an estimate from below.
+    """
+
+    group: str
+    case: str
+    what: str
+    outcome: str
+    detail: str = ""
+    u_mm: float | None = None
+    H_kN: float | None = None
+    increments: int = 0
+    cut_backs: int = 0
+    median_iterations: float | None = None
+    max_iterations: int | None = None
+    worst_residual: float | None = None
+    energy_imbalance: float | None = None
+    water_imbalance: float | None = None
+    condition: float | None = None
+    factorisations: int = 0
+    wall_s: float = 0.0
+
+
+def cases_named(names: Sequence[str]) -> list[Case]:
+    """Return the cases of these names or groups, all where none is given; UserInputError names what there is."""
+    known = {case.name for case in CASES} | {case.group for case in CASES} | {"hard"}
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        groups = ", ".join(dict.fromkeys(case.group for case in CASES))
+        text = f"no such case; there are {', '.join(case.name for case in CASES)}; and the groups {groups}, hard"
+        raise UserInputError([Problem(key=f"--case {name}", message=text) for name in unknown])
+    wanted = set(names)
+    return [c for c in CASES if not wanted or {c.name, c.group} & wanted or (c.hard and "hard" in wanted)]
+
+
+def run_case(case: Case, mesh: str = "coarse", refinement: float = 1.0) -> Outcome:
+    """Run one case; whatever a scene can come to becomes an outcome, anything else is a bug and is raised."""
+    start = time.perf_counter()
+    head: dict[str, Any] = {"group": case.group, "case": case.name, "what": case.what}
+    try:
+        scene = case.scene(mesh).replace(mesh={"refinement": refinement})
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a run's own warnings are in its record
+            result = compute(scene)
+    except (UserInputError, ValidationError) as error:
+        return Outcome(**head, outcome=REFUSED, detail=_refusal(error))
+    except PyspringsError as error:
+        return Outcome(**head, outcome=UNEXPLAINED, detail=str(error), wall_s=time.perf_counter() - start)
+    record = json.loads(result.attrs["run_json"])
+    return Outcome(**head, **_ending(record), **_figures(record), wall_s=round(time.perf_counter() - start, 1))
+
+
+def run_cases(
+    cases: Iterable[Case], mesh: str, refinement: float = 1.0, report: Callable[[Outcome], None] = lambda _: None
+) -> pd.DataFrame:
+    """Run cases one after the other; a row each (see `Outcome`)."""
+    rows = []
+    for case in cases:
+        rows.append(run_case(case, mesh, refinement))
+        report(rows[-1])
+    return pd.DataFrame([asdict(row) for row in rows])
+
+
+def summary(table: pd.DataFrame) -> dict[str, Any]:
+    """Counts of the outcomes; median of the iterations and share of cut-backs over the cases that reached their end."""
+    done = table[table["outcome"].isin((CONVERGED, WARNED))]
+    increments = int(done["increments"].sum())
+    return {
+        **{outcome: int((table["outcome"] == outcome).sum()) for outcome in OUTCOMES},
+        "median_iterations": float(done["median_iterations"].median()) if len(done) else None,
+        "increments": increments,
+        "cut_backs": int(done["cut_backs"].sum()),
+        "cut_backs_over_increments": float(done["cut_backs"].sum() / increments) if increments else None,
+        "worst_energy_imbalance": float(done["energy_imbalance"].max()) if len(done) else None,
+    }
+
+
+def _refusal(error: Exception) -> str:
+    if isinstance(error, ValidationError):
+        found = error.errors(include_url=False, include_context=False, include_input=False)
+        return "; ".join(f"{'.'.join(str(part) for part in each['loc'])}: {each['msg']}".lstrip(": ") for each in found)
+    return str(error).removeprefix("fatal: user input: ")
+
+
+def _ending(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Outcome and detail of a run that gave a record."""
+    if record["status"] == "complete":
+        detail = "; ".join(record["warnings"])
+        return {"outcome": WARNED if detail else CONVERGED, "detail": detail}
+    detail = "; ".join(record["failures"])
+    named = any(f": {reason}" in detail for reason in REASONS if reason != "unexplained")
+    return {"outcome": STOPPED if named else UNEXPLAINED, "detail": detail}
+
+
+def _figures(record: Mapping[str, Any]) -> dict[str, Any]:
+    solver = record["solver"]
+    figures: dict[str, Any] = {"condition": solver["condition_estimate"], "factorisations": solver["factorisations"]}
+    for path in record["paths"].values():
+        figures |= {
+            "u_mm": 1e3 * path["end"]["u"],
+            "H_kN": 1e-3 * path["end"]["H"],
+            "increments": path["increments"],
+            "cut_backs": path["cut_backs"],
+            "median_iterations": path["median_iterations"],
+            "max_iterations": path["max_iterations"],
+            "worst_residual": path["worst_residual"],
+            "energy_imbalance": path["energy"]["imbalance_over_largest_term"],
+            "water_imbalance": path.get("water", {}).get("worst_imbalance_over_exchanged"),
+        }
+    return figures
