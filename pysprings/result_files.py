@@ -11,6 +11,7 @@ FILES = {
     "report.html": "report: open it in a browser",
     "load_displacement.csv": "load-displacement tables",
     "py.csv": "p-y tables",
+    "py_wide.csv": "the same, a pair of columns y, p by depth, for spreadsheets",
     "springs.xlsx": "springs as a spreadsheet",
     "springs.nc": "springs (NetCDF), for `pysprings springs, predict, compare`",
     "compare.csv": "prediction with the springs beside the full model",
