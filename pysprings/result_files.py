@@ -28,6 +28,7 @@ PICTURES = {
     "load_displacement": "Load by component, vertical forces, rotation and heave",
     "macro_against_full": "Rigid body on springs against the full model",
     "py": "p-y curves by depth",
+    "vertical": "Vertical springs",
     "stress_outside": "Normal effective stress around the caisson, outside",
     "stress_inside": "Normal effective stress around the caisson, inside",
     "gap": "Gap opening",

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.springs import net_m, net_p, path_dataset, path_names
+from pysprings.springs import is_vertical, net_m, net_p, path_dataset, path_names
 
 # Quantities by depth: pairs that belong beside each other.
 PAIRS = (("y_m", "p_N_per_m"), ("m_Nm_per_m", "t_N_per_m"))
@@ -43,13 +43,13 @@ def py_wide(springs: xr.DataTree) -> pd.DataFrame:
     """Return the springs in the wide format (SI): one row per path and step, both sides and all components together.
 
     Columns: path, step, converged, rotation_rad, w_m; for each depth the pair y_m, p_N_per_m; for each depth the pair
-    m_Nm_per_m, t_N_per_m; H, V, M of tip and lid.
+    m_Nm_per_m, t_N_per_m; H, V, M of tip and lid. A vertical path has no y, p and m.
     """
-    frames = [_path(name, path_dataset(springs, name)) for name in path_names(springs)]
+    frames = [_path(name, path_dataset(springs, name), is_vertical(springs, name)) for name in path_names(springs)]
     return pd.concat(frames, ignore_index=True)
 
 
-def _path(name: str, path: xr.Dataset) -> pd.DataFrame:
+def _path(name: str, path: xr.Dataset, vertical: bool) -> pd.DataFrame:
     n = path.sizes["step"]
     columns = {
         "path": np.full(n, name),
@@ -64,6 +64,8 @@ def _path(name: str, path: xr.Dataset) -> pd.DataFrame:
         "m_Nm_per_m": net_m(path).values,
         "t_N_per_m": path["t"].sum("side").transpose("depth", "step").values,
     }
+    if vertical:
+        values |= {quantity: np.full_like(values["y_m"], np.nan) for quantity in ("y_m", "p_N_per_m", "m_Nm_per_m")}
     depth, bounds = path["depth"].values, path["depth_bounds"].values
     for pair in PAIRS:
         for k, z in enumerate(depth):

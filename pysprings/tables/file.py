@@ -22,7 +22,7 @@ from pysprings.tables.wide import is_wide, unfold
 from pysprings.units import quoted
 
 NEEDED = ("depth_m", "y_m", "p_N_per_m")
-FAMILIES = ("py", "mtheta", "base", "lid")
+FAMILIES = ("py", "mtheta", "base", "lid", "tz")
 TEXTS = ("path", "family", "side", "component")
 # Sheets that are not read: words and pictures.
 OTHER_SHEETS = ("about", "charts", "load-displacement", "stiffness 6x6")

@@ -12,6 +12,7 @@ Lines = list[tuple[int, list[Any]]]
 Place = tuple[str, str, str]  # depth, top and bottom of the slice, as they stand in the heading
 
 _FAMILIES = ("py", "mtheta")  # of PAIRS
+_OF_LATERAL = ("y_m", "p_N_per_m", "m_Nm_per_m")  # blank on a vertical path
 
 
 def is_wide(head: list[str]) -> bool:
@@ -38,8 +39,13 @@ def unfold(head: list[str], lines: Lines) -> tuple[list[str], Lines]:
 
 
 def _depth_rows(row: list[Any], by_depth: dict[Place, dict[str, int]], quantities: list[str]) -> list[list[Any]]:
-    """Rows of the families by depth (y and p, then m and t) of one wide row."""
+    """Rows of the families by depth (y and p, then m and t; t alone where nothing else is there) of one wide row."""
     found = []
+    lateral = [column for own in by_depth.values() for name, column in own.items() if name in _OF_LATERAL]
+    if all(_cell(row, column) in (None, "") for column in lateral):
+        ends: list[Any] = [None] * len(ENDS["base"])
+        t = [[None] * 3 + [_cell(row, own.get("t_N_per_m"))] for own in by_depth.values()]
+        return [["tz", *place, *cells, *ends] for place, cells in zip(by_depth, t, strict=True)]
     for family, pair in zip(_FAMILIES, PAIRS, strict=True):
         for place, columns in by_depth.items():
             if not any(name in columns for name in pair):

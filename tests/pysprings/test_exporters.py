@@ -287,7 +287,7 @@ def test_unconverged_steps_are_empty_in_the_macro_columns(tmp_path):
 
 def test_json(springs):
     document = json.loads(exporters.text(springs, "json"))
-    assert document["attributes"]["schema"] == "pysprings-springs-1"
+    assert document["attributes"]["schema"] == "pysprings-springs-2"
     p = document["paths"]["high"]["variables"]["p"]
     assert p["units"] == "N m-1"
     assert p["dims"] == ["depth", "side", "component", "step"]
