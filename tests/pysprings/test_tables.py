@@ -154,7 +154,8 @@ def full_stiffness() -> np.ndarray:
 def test_companions_by_family(tmp_path):
     table = open_table(write(tmp_path / "springs.csv", *companions()))
     model = MacroModel.from_springs(table)
-    assert (model.spring_set, model.remarks) == ("full", ("a table without a vertical path has no vertical springs: w and V are left out",))
+    remark = "a table without a vertical path has no vertical springs: w and V are left out"
+    assert (model.spring_set, model.remarks) == ("full", (remark,))
     np.testing.assert_allclose(model.tangent_stiffness(1e-3, -1e-4), full_stiffness())
     assert MacroModel.from_springs(table, "py").remarks[0].startswith("p-y springs alone")
 

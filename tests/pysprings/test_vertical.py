@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from pysprings import cli, exporters, open_table, variables
+from pysprings import Scene, cli, exporters, open_table, variables
 from pysprings.comparison import compare, curves
 from pysprings.comparison_text import to_text
 from pysprings.errors import UserInputError
@@ -50,7 +50,7 @@ def vertical_path(base: xr.Dataset, end: float, steps: int = 25) -> xr.Dataset:
 
 
 def springs(ends: tuple[float, ...] = (1e-2, -1e-2), heavier: tuple[float, ...] = ()) -> xr.DataTree:
-    """Two rays, vertical paths to w = ends, and the rays again at more vertical load, their reactions stronger by it."""
+    """Two rays, vertical paths to w = ends, and the rays again under more V, with reactions stronger by it."""
     base = synthetic.make_springs(RAYS)
     groups = {"/": base.to_dataset(inherit=False)}
     K_zz = groups["/"]["stiffness_initial"].copy(deep=True)
@@ -300,6 +300,36 @@ def test_predict_with_a_vertical_load_alone(tmp_path):
     assert done.exit_code == 0, done.output
     assert '"w": 0.0020' in done.stdout.replace("0.00199", "0.0020")
     assert open_springs(file).attrs["schema"] == "pysprings-springs-2"
+
+
+# --- scenes ---
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ({}, 'path[0]: a path of kind "vertical" needs vertical_displacement'),
+        ({"vertical_displacement": 0.0}, "path[0].vertical_displacement: must not be zero"),
+        ({"vertical_displacement": 1e-3, "arm": 2.0}, 'path[0].arm: a path of kind "vertical" does not use it'),
+        ({"vertical_displacement": 1e-3, "heave": "fixed"}, 'path[0].heave: a path of kind "vertical" moves'),
+        ({"vertical_displacement": 1e-3, "report_at": [2e-3]}, "2 mm is not on the way from 0 to vertical_"),
+        ({"kind": "pull", "lateral_displacement": 1e-3, "vertical_displacement": 1e-3},
+         'path[0].vertical_displacement: a path of kind "pull" does not use it'),
+        ({"vertical_displacement": 1e-3, "vertical_load": "balance"}, '"balanced" is possible too'),
+    ],
+)  # fmt: skip
+def test_a_scene_refuses_what_a_vertical_path_cannot_be(path, message):
+    with pytest.raises(ValueError) as caught:
+        Scene(paths=[{"name": "down", "kind": "vertical", **path}])
+    assert message in str(caught.value)
+
+
+def test_a_vertical_path_needs_a_time_where_there_is_water():
+    path = {"name": "down", "kind": "vertical", "vertical_displacement": 1e-3}
+    with pytest.raises(ValueError, match=r'drainage\.mode = "coupled" needs rate or duration here'):
+        Scene(drainage={"mode": "coupled"}, paths=[path])
+    kept = Scene(drainage={"mode": "coupled"}, paths=[{**path, "rate": 1e-4, "vertical_load": "balanced"}])
+    assert kept.vertical_load_of(kept.paths[0]) == "balanced"
 
 
 # --- through the full model ---
