@@ -19,6 +19,7 @@ from pysprings.extract import extract_springs
 from pysprings.full_model import run
 from pysprings.loads import at_load, load_sets, main_paths
 from pysprings.macro import MacroModel, MacroWarning, PredictionNotConverged, impose, model_of, predict, stiffness
+from pysprings.macro_fan import fan_paths
 from pysprings.macro_six import stiffness_six
 from pysprings.macro_vertical import build_vertical
 from pysprings.springs import get_path, open_springs, save_springs
@@ -183,7 +184,10 @@ def test_between_two_loads_reactions_are_interpolated_and_w_is_that_of_the_verti
     """The invented reactions grow in proportion to V, so that interpolation is exact; no warning is given."""
     tree = springs(heavier=(6e6,))
     assert [each.V for each in load_sets(tree)] == [2e6, 6e6]
-    assert main_paths(tree) == ("slide", "turn")
+    assert main_paths(tree) == tuple(fan_paths(tree)) == ("slide", "turn")
+    heavy = tree.copy()
+    heavy.attrs["vertical_load_N"] = 6e6
+    assert sorted(fan_paths(heavy)) == ["slide_6", "turn_6"]
     usual, loaded = (impose(tree, u=2e-3, rotation=0.0, V=V) for V in (None, 3e6))
     np.testing.assert_allclose(loaded["H"][10:], 1.5 * usual["H"][10:], rtol=1e-9)  # beyond the first steps
     np.testing.assert_allclose(loaded["M"][10:], 1.5 * usual["M"][10:], rtol=1e-9)
@@ -200,6 +204,8 @@ def test_at_and_beyond_the_loads_of_the_sets():
         beyond = impose(tree, u=2e-3, rotation=0.0, V=8e6)
     np.testing.assert_allclose(beyond["H"], own["H"], rtol=1e-9)
     assert beyond["off_load"].values[-1] == 1
+    settles = [build_vertical(tree).displacement(V)[0] for V in (8e6, 6e6)]
+    np.testing.assert_allclose(beyond["w"] - own["w"], settles[0] - settles[1], rtol=1e-9)
 
 
 def test_a_lonely_path_at_another_load_is_no_set():
