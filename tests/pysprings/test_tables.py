@@ -244,7 +244,7 @@ def test_columns_are_refused(tmp_path, head, found):
 
 def test_other_refusals(tmp_path):
     file = write(tmp_path / "a.csv", "family,depth_m,y_m,p_N_per_m", "px,1,0.001,1e5", "py,1,0.001,1e5")
-    assert problems(file) == ['2: family: "px" is not one of py, mtheta, base, lid']
+    assert problems(file) == ['2: family: "px" is not one of py, mtheta, base, lid, tz']
     file = write(tmp_path / "b.csv", "depth_m,side,y_m,p_N_per_m", "1,outside,0.001,1e5")
     assert problems(file) == ["2: side: only parts are given: side 'net' and component 'total' (or blanks) are needed"]
     file = write(tmp_path / "c.csv", "depth_m,y_m,p_N_per_m", "-1,0.001,1e5", "5,0.001,1e5")

@@ -391,6 +391,21 @@ def test_the_initial_vertical_stiffness_stays_the_full_models():
     assert abs(frame.loc["down", "vertical"]["V_error_max_pct"]) < 1e-6
 
 
+def test_a_vertical_path_has_a_picture_of_its_own():
+    from pysprings import plots
+    from pysprings.plots.files import figures
+
+    names = [name for name, _ in figures(pushed(), None, {})]
+    assert "up_vertical" in names and "pull_py" in names
+    assert not {"up_py", "up_load_displacement", "pull_vertical"} & set(names)
+    left, right = plots.vertical_springs(plots.path_data(pushed(), "up")).axes[:2]
+    assert left.get_xlabel() == right.get_xlabel() == "vertical displacement w [mm], down +"
+    assert left.xaxis_inverted()  # upwards runs to the right, where the labels are
+    assert (left.get_ylabel(), right.get_ylabel()) == ("V [MN], down +", "reaction t [kN/m], both sides")
+    total = next(line for line in left.get_lines() if line.get_label() == "total V")
+    np.testing.assert_allclose(total.get_ydata(), pushed()["paths/up/V"] / 1e6)
+
+
 def test_fixed_heave_holds_the_caisson_where_its_dead_load_has_put_it():
     result = run(tiny.scene(paths=[{**tiny.PULL, "heave": "fixed", "vertical_load": 2e6}]))
     w = result["paths/pull/w"].values
