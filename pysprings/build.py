@@ -40,6 +40,10 @@ class Built:
     extra_load: float
     film_mesh_node: np.ndarray
 
+    def extra_load_of(self, wanted: float | str) -> float:
+        """What a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
+        return _extra_load(wanted, self.balanced_load)
+
 
 def geometry_of(scene: Scene) -> Geometry:
     """Radii and depths of the scene, in m."""
@@ -73,7 +77,6 @@ def build_model(scene: Scene) -> Built:
     stations = make_stations(geometry, caisson)
     pressure = _initial_pressure(scene, stations)
     balanced = float(np.sum(pressure * stations.area * stations.frame[:, 0, 2]))
-    wanted = scene.caisson.vertical_load
     water, film_mesh_node = make_water(scene, caisson, stations)
     model = Model(
         mesh=mesh,
@@ -89,8 +92,12 @@ def build_model(scene: Scene) -> Built:
         initial_pressure=pressure,
         water=water,
     )
-    extra = 0.0 if wanted == "balanced" else 0.5 * float(wanted) - balanced
+    extra = _extra_load(scene.caisson.vertical_load, balanced)
     return Built(model, caisson, quality, balanced, extra, film_mesh_node)
+
+
+def _extra_load(wanted: float | str, balanced: float) -> float:
+    return 0.0 if wanted == "balanced" else 0.5 * float(wanted) - balanced
 
 
 def _mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:

@@ -166,10 +166,14 @@ def springs(
     result: Result,
     form: Annotated[Format | None, typer.Option("--format", help="[default: from --out, else csv]")] = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="file to write [default: stdout]")] = None,
+    wide: Annotated[bool, typer.Option("--wide", help="csv: rows are steps, a pair of columns y, p a depth")] = False,
     as_json: Json = False,
 ) -> None:
     """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
     wanted = "json" if as_json else _format(form, out)
+    if wide and wanted != Format.csv:
+        refuse("--wide", f"is a form of csv, not of {wanted}")
+    wanted = "wide" if wide else wanted
     tree = springs_of(result)
     if out is None:
         from pysprings.exporters import text

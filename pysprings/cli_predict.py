@@ -75,7 +75,7 @@ def refuse_contradictions(given: Given, sequence: Path | None) -> None:
         for option in sorted(there - {"--V", "--skirt-length", "--rate"}):
             refuse(option, "give either this or --sequence: the file holds loads, motions and their height")
         return
-    if not there & {"--H", "--M", "--u-max", "--u", "--rotation"}:
+    if not there & {"--H", "--M", "--V", "--u-max", "--u", "--rotation"}:
         refuse("--H", MISSING)
     if {"--H", "--u-max"} <= there:
         refuse("--u-max", "give either --H or --u-max: the load is an answer of the curve")
@@ -120,7 +120,7 @@ def print_stiffness(states: xr.Dataset, six: xr.DataArray | None) -> None:
         ]
         print_table(["step", *(f"{dofs[i]},{dofs[j]}" for i, j in coupled)], lines)
     if six is None:
-        say("note: no 6x6 stiffness: a table has no vertical stiffness")
+        say("note: no 6x6 stiffness: a table without a vertical path has no vertical stiffness")
         return
     print("\ninitial stiffness 6x6 at mudline (MN, m, rad):")
     print_table(["", *(f"per {name}" for name in six["dof"].values)], _lines(six, [str(x) for x in six["dof"].values]))

@@ -7,7 +7,11 @@ rotation for the first, H and M for the second. With the sets "py" and "full" a 
 own springs, a held-back path by the springs of the first calibration path. The set "fan" is made from all rays
 among the calibration paths and answers every path; "pisa" takes its lateral families from the pure translation among
 them and its moments from the pure rotation. Where calibration paths have several rates, every path is answered at its
-own (`pysprings.rates`).
+own, and so it is with several vertical loads (`pysprings.rates`, `pysprings.loads`). A path of kind "vertical" is
+answered by the vertical springs (set "vertical"): V at equal w, its errors relative to the change of V from rest.
+
+A held-back path with a `vertical_load` of its own is answered under that load; `off_load_states` counts the states
+where no lateral springs know it, `w_error_...` is the largest distance of w.
 
 On a swipe and under a load that climbs, whose states are imposed, errors are relative to the largest H or M of the
 path.
@@ -37,13 +41,14 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.macro_answer import refused
+from pysprings.loads import for_path
 from pysprings.macro_control import Control
+from pysprings.macro_down import along_vertical, refused
 from pysprings.macro_fan import fan_paths
 from pysprings.macro_model import MacroModel
 from pysprings.macro_sets import spring_sets
-from pysprings.rates import for_path
-from pysprings.springs import SCHEMA, get_path, path_names
+from pysprings.macro_vertical import build_vertical
+from pysprings.springs import SCHEMA, get_path, path_load, path_names
 
 Array = NDArray[np.float64]
 
@@ -58,14 +63,17 @@ _DRIVERS: dict[str, tuple[Control, str, str, tuple[str, ...]]] = {
     "translation": ("state", "u", "H", ("H", "M")),
     "rotation": ("state", "rotation", "M", ("H", "M")),
     "swipe": ("state", "u", "H", ("H", "M")),
+    "vertical": ("state", "w", "V", ("V",)),
 }
 
-_ERRORS = ("H", "rotation", "M")
+VERTICAL = "vertical"  # kind of path, and the springs that answer it
+_ERRORS = ("H", "rotation", "M", "V")
 
 AT_LOAD = {"long_name": "lateral displacement of the lid centre under the load of the full model", "units": "m"}
 # The point of rotation is followed on paths with a free head, where it is nearer than this many diameters.
 FREE_HEAD = ("pull", "load")
 FAR = 100.0
+NO_TURN = 1e-15  # rad: what rounding leaves of a rotation that is held
 
 
 def compare(model: xr.DataTree, springs_kind: str | None = None) -> pd.DataFrame:
@@ -95,10 +103,14 @@ def compare(model: xr.DataTree, springs_kind: str | None = None) -> pd.DataFrame
 def curves(springs: xr.DataTree, path: str, springs_kind: str | None = None) -> dict[str, xr.Dataset]:
     """Return the macro-model's answer along one path of the full model, by spring set ("py", "full", "fan").
 
-    The states are those the full model recorded, the initial state included. springs_kind: only this set.
+    The states are those the full model recorded, the initial state included. springs_kind: only this set. A vertical
+    path has the one set "vertical", or none where there are no vertical springs.
     """
     full = get_path(springs, path)
     springs = for_path(springs, full)
+    if full.attrs["kind"] == VERTICAL:
+        table = build_vertical(springs) if springs_kind is None else None
+        return {} if table is None else {VERTICAL: along_vertical(table, full)}
     kinds = spring_sets(springs) if springs_kind is None else [springs_kind]
     return {kind: _along(full, MacroModel.from_springs(springs, kind, _source(full, kind))) for kind in kinds}
 
@@ -113,7 +125,8 @@ def _along(full: xr.Dataset, model: MacroModel) -> xr.Dataset:
     """Drive a macro-model as the full model was driven, through the states it recorded."""
     control, *_ = _driver(full)
     targets = np.stack([full["u"].values, full["rotation"].values], axis=1)
-    trace = model.trace(control, targets, float(full.attrs["arm_m"]))
+    V = path_load(full) if full.attrs.get("heave", "free") == "free" else None
+    trace = model.trace(control, targets, float(full.attrs["arm_m"]), V)
     return trace.assign(u_at_load=("step", _at_load(full, model, trace.sizes["step"]), AT_LOAD))
 
 
@@ -164,6 +177,8 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
     x, reference, answer = _abscissa(full, driver, length)[:n], full[load].values[:n], trace[load].values
     small = springs.attrs["outer_diameter_m"] * SMALL_OVER_DIAMETER
     small = small / springs.attrs["skirt_length_m"] if driver == "rotation" else small
+    if driver == "w":  # what is there at rest is no answer
+        x, reference, answer = x - x[0], reference - reference[0], answer - reference[0]
     row: dict[str, Any] = {
         "path": name,
         "role": full.attrs["role"],
@@ -171,13 +186,14 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
         "arm_m": float(full.attrs["arm_m"]),
         "springs": spring_set,
         "springs_from": trace.attrs["path"],
+        "V_N": path_load(full),
         "status": trace.attrs["message"] or "complete",
         "states": n - 1,
         "eta_small": eta(x, reference, answer, small),
         "eta_large": eta(x, reference, answer),
     }
     row |= _errors(full, trace, x, answers) | _between(springs, full, spring_set, answers)
-    for label, units in (("u", "m"), ("rotation", "rad"), ("H", "N"), ("M", "Nm")):
+    for label, units in (("u", "m"), ("w", "m"), ("rotation", "rad"), ("H", "N"), ("V", "N"), ("M", "Nm")):
         row |= {
             f"{label}_end_full_{units}": float(full[label].values[n - 1]) if n else np.nan,
             f"{label}_end_macro_{units}": float(trace[label].values[-1]) if n else np.nan,
@@ -185,6 +201,7 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
     both = (("full", full), ("macro", trace))
     row |= {f"rotation_point_{who}_m": _rotation_point(data, n, length) for who, data in both}
     row |= _at_equal_load(full, trace) | {"rotation_point_error_max_m": _point_error(full, trace, length)}
+    row["w_error_max_m"] = _largest(trace["w"].values - full["w"].values[:n])
     return row | {
         "small_at": small,
         "skip_below": SKIP_BELOW,
@@ -192,7 +209,13 @@ def _row(springs: xr.DataTree, name: str, spring_set: str, trace: xr.Dataset) ->
         "depths_unusable": int((trace["usable"] == 0).sum()),
         "extrapolated_states": int(trace["extrapolated"].sum()),
         "off_path_states": int(trace["off_path"].sum()),
+        "off_load_states": int(trace["off_load"].sum()),
     }
+
+
+def _largest(difference: Array) -> float:
+    """The value of the largest size, NaN of none."""
+    return float(difference[np.argmax(np.abs(difference))]) if difference.size else np.nan
 
 
 def _abscissa(full: xr.Dataset, driver: str, length: float) -> Array:
@@ -218,8 +241,9 @@ def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, .
         worst = last = np.nan
         if label in answers:
             reference = full[label].values[: x.size]
+            change = reference - reference[0] if label == "V" and reference.size else reference
             # H or M may pass through zero there: errors count beside the largest of the path
-            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if _bends(full) else reference
+            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if _bends(full) else change
             worst, last = _relative_errors(x, scale, scale + trace[label].values - reference)
         out |= {f"{label}_error_max_pct": worst, f"{label}_error_end_pct": last}
     return out
@@ -239,6 +263,8 @@ def _between(springs: xr.DataTree, full: xr.Dataset, spring_set: str, answers: t
     out = {f"{label}_error_between_pct": np.nan for label in _ERRORS}
     name, driver = full.attrs["path"], _driver(full)[1]
     springs = for_path(springs, full)
+    if spring_set == VERTICAL:
+        return out | _between_vertical(springs, full)
     own = name in fan_paths(springs) if spring_set == "fan" else full.attrs["role"] == "calibration"
     own = own and spring_set != "pisa"  # its families come from different paths
     if own and full.sizes["step"] > 4:
@@ -248,6 +274,16 @@ def _between(springs: xr.DataTree, full: xr.Dataset, spring_set: str, answers: t
         found = _errors(full, trace, x[: trace.sizes["step"]], answers)
         out = {f"{label}_error_between_pct": found[f"{label}_error_max_pct"] for label in _ERRORS}
     return out
+
+
+def _between_vertical(springs: xr.DataTree, full: xr.Dataset) -> dict[str, float]:
+    """Largest error [%] of V on a vertical calibration path when every second state is left out of its springs."""
+    if full.attrs["role"] != "calibration" or full.sizes["step"] <= 4:
+        return {}
+    table = build_vertical(_thinned(springs, full.attrs["path"]))
+    assert table is not None  # the path itself
+    w = full["w"].values
+    return {"V_error_between_pct": _errors(full, along_vertical(table, full), w - w[0], ("V",))["V_error_max_pct"]}
 
 
 def eta(x: Array, reference: Array, answer: Array, end: float | None = None) -> float:
@@ -270,7 +306,7 @@ def _at_equal_load(full: xr.Dataset, trace: xr.Dataset) -> dict[str, Any]:
     answer = trace["u_at_load"].values
     reached = np.isfinite(answer)
     x, worst, last = full["u"].values[: answer.size][reached], np.nan, np.nan
-    if full.attrs["kind"] != "rotation":  # there u is 0, or what rounding has left of it
+    if full.attrs["kind"] not in ("rotation", VERTICAL):  # there u is 0, or what rounding has left of it
         worst, last = _relative_errors(x, x, answer[reached])
     return {"u_error_max_pct": worst, "u_error_end_pct": last, "states_at_load": int(reached.sum()) - 1}
 
@@ -291,4 +327,5 @@ def _rotation_point(data: Mapping[Any, Any], n: int, length: float) -> float:
     """Depth [m] of the point of the axis at rest in the last state, -u/rotation; NaN for a translation."""
     u, rotation = (float(data[name][n - 1]) if n else 0.0 for name in ("u", "rotation"))
     # an imposed rotation of 0 is met to rounding only
-    return -u / rotation if abs(rotation) * length > 1e-9 * abs(u) else float("nan")
+    turns = abs(rotation) * length > max(1e-9 * abs(u), NO_TURN * length)
+    return -u / rotation if turns else float("nan")

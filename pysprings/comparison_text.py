@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from pysprings.comparison import SKIP_BELOW, SMALL_OVER_DIAMETER
-from pysprings.springs import ROLES
+from pysprings.springs import ROLES, same_load
 
 _TEXT_COLUMNS = {
     "path": "path",
@@ -29,6 +29,13 @@ _TEXT_COLUMNS = {
     "rotation_point_macro_m": "z_rot macro [m]",
     "rotation_point_error_max_m": "z_rot max [m]",
 }
+# Columns of runs that have vertical paths, or paths at several vertical loads: name, factor from SI
+_VERTICAL_COLUMNS = {
+    "V_N": ("V [MN]", 1e-6),
+    "w_error_max_m": ("w max [mm]", 1e3),
+    "V_error_max_pct": ("V max [%]", 1.0),
+    "V_error_between_pct": ("V between [%]", 1.0),
+}
 
 
 _ROLE_TITLES = {
@@ -39,7 +46,11 @@ _ROLE_TITLES = {
 
 def to_text(frame: pd.DataFrame) -> str:
     """Return the comparison as tables for a terminal, one a role, with definitions; '-' is imposed or undefined."""
-    shown = frame[list(_TEXT_COLUMNS)].dropna(axis=1, how="all").rename(columns=_TEXT_COLUMNS)
+    shown = frame[list(_TEXT_COLUMNS)].rename(columns=_TEXT_COLUMNS)
+    vertical = several_loads(frame)
+    for place, (name, (title, factor)) in enumerate(_VERTICAL_COLUMNS.items() if vertical else ()):
+        shown.insert(2 if place == 0 else shown.shape[1], title, frame[name] * factor)
+    shown = shown.dropna(axis=1, how="all")
     head = [str(name) for name in shown.columns]
     cells = [[_cell(value, str(name)) for name, value in row.items()] for _, row in shown.iterrows()]
     widths = [max(len(row[j]) for row in [head, *cells]) for j in range(len(head))]
@@ -54,12 +65,24 @@ def to_text(frame: pd.DataFrame) -> str:
         if rows:
             lines += [_ROLE_TITLES[role], line(head), "  ".join("-" * w for w in widths), *rows, ""]
     ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
-    return "\n".join(lines + _NOTES + ended + _marked(frame)) + "\n"
+    notes = _NOTES + (_VERTICAL_NOTES if vertical else [])
+    return "\n".join(lines + notes + ended + _marked(frame)) + "\n"
+
+
+def several_loads(frame: pd.DataFrame) -> bool:
+    """Tell whether a comparison has vertical paths, or paths at several vertical loads."""
+    load = frame["V_N"]
+    return bool((frame["kind"] == "vertical").any() or not all(same_load(V, load.iloc[0]) for V in load))
 
 
 def _marked(frame: pd.DataFrame) -> list[str]:
     """One line for each answer of the fan that it supports only in part."""
-    return [
+    off_load = [
+        f"{r['path']}, fan: no calibration paths cover its vertical load ({r['V_N'] * 1e-6:.4g} MN)"
+        for r in frame.to_dict("records")
+        if r["springs"] == "fan" and r["off_load_states"]
+    ]
+    return off_load + [
         f"{r['path']}, fan: of {r['states']} states {r['extrapolated_states']} are extrapolated and "
         f"{r['off_path_states']} between paths too far apart"
         for r in frame.to_dict("records")
@@ -78,6 +101,12 @@ _NOTES = [
     "springs: py = lateral p-y alone; full = p-y, distributed moment, tip and lid terms of one path;",
     "pisa = the same families, lateral ones of the pure translation, moments of the pure rotation; "
     "fan = all of them by (u, rotation), from all calibration paths of constant rotation/u",
+]
+
+_VERTICAL_NOTES = [
+    "V: vertical load at the start of the path, under which the springs answer; w max: largest distance of w; "
+    "V max: error of V at equal w, over its change from rest",
+    "vertical = vertical springs t(w), V_tip(w), V_lid(w) of the vertical calibration paths",
 ]
 
 
@@ -101,6 +130,9 @@ def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
         "states_at_load": "states whose load the springs carry",
         "rotation_point": "depth of the point of the axis at rest, -u/rotation, at the end; error_max: over all states",
         "skip_below": SKIP_BELOW,
+        "V_error": "V at equal w, (macro - full) over the change of V from rest, in percent",
+        "w_error_max": "largest distance of the vertical displacements, macro - full",
+        "off_load_states": "states under a vertical load that no lateral springs know",
     }
     return {str(name): value for name, value in frame.attrs.items()} | {
         "definitions": definitions,

@@ -160,11 +160,11 @@ def _run_path(work: _Run, path: Path) -> None:
     """Run one path from the initial state; a path that stops early is kept up to where it converged."""
     state = State(work.built.model)
     driver = Driver(work.newton, state)
-    output, extra = work.scene.output, work.built.extra_load
+    output, extra = work.scene.output, work.built.extra_load_of(work.scene.vertical_load_of(path))
     water = None if work.built.model.water is None else WaterBalance(work.system, initial_fields(work.built.model))
     collector = Collector(work.built, work.system, output.interface_fields, output.section, water, _sea(work.scene))
-    stages = path_stages(work.scene, path, extra, undrained_time(work.scene, work.built.model.mesh))
-    status, time, done = "complete", 0.0, 0
+    fast = undrained_time(work.scene, work.built.model.mesh)
+    status, time, done, n_stages = "complete", 0.0, 0, 1
     energy = EnergyBalance(work.system)
     limits: list[str] = []
 
@@ -181,7 +181,7 @@ def _run_path(work: _Run, path: Path) -> None:
         time += step.time_step
         _collect(work, collector, state, time)
         message = f"step {len(collector.rows) - 1}, {step.increment.iterations} iterations"
-        work.progress(path.name, (done + step.fraction) / len(stages), message)
+        work.progress(path.name, (done + step.fraction) / n_stages, message)
         if path.kind == "load":
             _refuse_flight(work.scene, state)
 
@@ -189,6 +189,8 @@ def _run_path(work: _Run, path: Path) -> None:
         if extra:
             driver.run(dead_load_stage(extra), on_step)
         _collect(work, collector, state, 0.0)
+        stages = path_stages(work.scene, path, extra, fast, rest=float(state.committed.border[1]))
+        n_stages = len(stages)
         for stage in stages:
             driver.run(stage, on_step)
             done += 1

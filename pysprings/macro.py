@@ -16,8 +16,10 @@ From several calibration paths of constant ratio rotation/u:
 
 What the springs do not know, an answer says: `extrapolated` (beyond the calibrated displacements, where curves go on
 with their last slope; the largest load within them is named), `off_path` (springs of one path: far from it, their p
-and m hold on that path only; a fan: between rays more than 60 degrees apart) and a vertical load other than that of
-the path (answered by the elastic vertical stiffness of the full model). With `strict` such an answer is refused.
+and m hold on that path only; a fan: between rays more than 60 degrees apart) and `off_load`, a vertical load other
+than those of the lateral springs (`loads`: between sets at several loads they are interpolated), where w follows the
+vertical springs (`macro_vertical`; without them the elastic vertical stiffness) and H and M are those at the nearest
+load. With `strict` such an answer is refused.
 Springs are odd: a load towards -x is the mirror image of one towards +x. They are monotonic backbones, used as they
 are in both ways: the body is nonlinear elastic, and a load path that turns back goes back on the same curve.
 """
@@ -31,8 +33,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.errors import RunIncomplete
-from pysprings.macro_answer import answer_dataset, check_finite, refused
+from pysprings.macro_answer import answer_dataset
 from pysprings.macro_control import Control
+from pysprings.macro_down import check_finite, refused
 from pysprings.macro_model import MacroModel
 from pysprings.macro_sets import Springs
 
@@ -69,8 +72,8 @@ def predict(
     """Predict the motion under a lateral load H [N] at height arm [m] above mudline, or with moment M [N m].
 
     Returns n states (dimension step) from the origin to the load, H and M growing in proportion; the last one is
-    the answer. With neither arm nor M the load acts at the mudline; with M alone H is 0. `springs` may be a model
-    built before (`model_of`), when many cases are asked.
+    the answer. With neither arm nor M the load acts at the mudline; with M alone H is 0; with V [N] alone the vertical
+    load grows from that of the springs. `springs` may be a model built before (`model_of`), when many cases are asked.
 
     Raises
     ------
@@ -79,10 +82,14 @@ def predict(
     UserInputError
         With strict: the springs support the answer only in part. Without, that is a MacroWarning.
     """
+    model, share = model_of(springs, springs_kind, path, V), np.linspace(0.0, 1.0, _points(n))
+    if V is not None and H is None and M is None and arm is None:
+        check_finite(V=V)
+        rest = model.rest_load
+        return spoken(model.trace("load", np.zeros((n, 2)), 0.0, rest + share * (V - rest)), strict)
     force, moment = (float(value) for value in _loads(H, arm, M))
     height = arm if arm is not None else (-moment / force if force else 0.0)
-    targets = np.linspace(0.0, 1.0, _points(n))[:, None] * np.array([force, moment])
-    return spoken(model_of(springs, springs_kind, path).trace("load", targets, height, V), strict)
+    return spoken(model.trace("load", share[:, None] * np.array([force, moment]), height, V), strict)
 
 
 def curve(
@@ -126,7 +133,7 @@ def impose(
         targets[:, column] = np.linspace(0.0, value, n)
     controls: dict[tuple[str, ...], Control] = {("u",): "displacement", ("rotation",): "rotation"}
     control = controls.get(tuple(given), "state")
-    return spoken(model_of(springs, springs_kind, path).trace(control, targets, arm, V), strict)
+    return spoken(model_of(springs, springs_kind, path, V).trace(control, targets, arm, V), strict)
 
 
 def sequence(
@@ -143,15 +150,17 @@ def sequence(
     """Return the states along a sequence of loads or motions, one a row of targets (n, 2), from the origin on.
 
     control is "load" (H [N], M [N m]), "state" (u [m], rotation [rad] imposed), "displacement" or "rotation" (first
-    column, load at height arm [m]). V [N]: one number, or one a row. The springs are nonlinear elastic: where the
-    sequence turns back, so does the answer, on the same curve.
+    column, load at height arm [m]). V [N]: one number, or one a row (of springs at several vertical loads those at its
+    first value serve). The springs are nonlinear elastic: where the sequence turns back, so does the answer, on the
+    same curve.
     """
     wanted = np.asarray(targets, dtype=float)
     if wanted.ndim != 2 or wanted.shape[1] != 2 or not len(wanted):
         raise refused("targets", f"must have the shape (n, 2), not {wanted.shape}")
     if not np.isfinite(wanted).all():
         raise refused("targets", "not finite")
-    answer = model_of(springs, springs_kind, path).trace(control, wanted, arm, V)
+    first = None if V is None else float(np.ravel(V)[0])
+    answer = model_of(springs, springs_kind, path, first).trace(control, wanted, arm, V)
     remarks = filter(None, (answer.attrs["remarks"], ELASTIC))
     return spoken(answer.assign_attrs(remarks=" | ".join(remarks)), strict)
 
@@ -162,19 +171,21 @@ def predict_batch(
     H: float | Array,
     arm: float | Array | None = None,
     M: float | Array | None = None,
+    V: float | None = None,
     springs_kind: str | None = None,
     path: str | None = None,
 ) -> xr.Dataset:
     """Predict the motion under many independent loads (dimension case): arrays of H [N], and of arm [m] or M [N m].
 
-    What `predict` warns of is a mark by case here: `extrapolated`, `off_path`, and `converged` 0 where the springs
-    cannot carry the load (the case then holds the largest load that was reached on the straight way to it).
+    V [N] is one for all. What `predict` warns of is a mark by case here: `extrapolated`, `off_path`, `off_load`, and
+    `converged` 0 where the springs cannot carry the load (the case then holds the largest load that was reached on the
+    straight way to it).
     """
     force, moment = np.broadcast_arrays(*_loads(H, arm, M))
     targets = np.stack([force.ravel(), moment.ravel()], axis=1)
-    model = model_of(springs, springs_kind, path)
+    model = model_of(springs, springs_kind, path, V)
     states, loads, reached = model.solve_cases("load", targets)
-    answer = answer_dataset(model, states, loads, None, {"control": "load"}, "")
+    answer = answer_dataset(model, states, loads, V, {"control": "load"}, "")
     answer["converged"] = answer["converged"].copy(data=reached)
     return answer.drop_vars(["p", "y", "usable", "stiffness", "depth", "depth_bounds", "dof", "dof_conjugate"]).rename(
         step="case"
@@ -187,6 +198,7 @@ def stiffness(
     H: float | None = None,
     arm: float | None = None,
     M: float | None = None,
+    V: float | None = None,
     u: float | None = None,
     rotation: float | None = None,
     springs_kind: str | None = None,
@@ -198,11 +210,11 @@ def stiffness(
     Under a load H [N] at height arm [m] or with moment M [N m] (`predict`), or at u [m] and rotation [rad], imposed
     (one of them: the load acts at height arm, as in `impose`). See `MacroModel.tangents` for units and for w.
     """
-    model = model_of(springs, springs_kind, path)
+    model = model_of(springs, springs_kind, path, V)
     if u is not None or rotation is not None:
-        answer = impose(model, u=u, rotation=rotation, arm=arm or 0.0, strict=strict)
-    elif H is not None or M is not None:
-        answer = predict(model, H=H, arm=arm, M=M, strict=strict)
+        answer = impose(model, u=u, rotation=rotation, arm=arm or 0.0, V=V, strict=strict)
+    elif H is not None or M is not None or V is not None:
+        answer = predict(model, H=H, arm=arm, M=M, V=V, strict=strict)
     else:
         return model.tangent_stiffness()
     return answer["stiffness"].isel(step=-1, drop=True)
@@ -219,10 +231,12 @@ def tangent_stiffness(
     return model_of(springs, springs_kind, path).tangent_stiffness(u, rotation)
 
 
-def model_of(springs: Springs | MacroModel, springs_kind: str | None = None, path: str | None = None) -> MacroModel:
+def model_of(
+    springs: Springs | MacroModel, springs_kind: str | None = None, path: str | None = None, V: float | None = None
+) -> MacroModel:
     """Return the model of springs (`MacroModel.from_springs`); a model itself as it is."""
     if not isinstance(springs, MacroModel):
-        return MacroModel.from_springs(springs, springs_kind, path)
+        return MacroModel.from_springs(springs, springs_kind, path, V)
     if springs_kind is not None or path is not None:
         raise refused("springs_kind", "a model has its springs already: choose them where it is built (`model_of`)")
     return springs

@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings import variables
-from pysprings.errors import Problem, UserInputError
+from pysprings.macro_down import vertical_answer
 from pysprings.macro_fan import WIDEST, FanTable
 from pysprings.macro_limit import RANGE_SLACK, Limit, range_used
 from pysprings.macro_solver import row_values
@@ -56,7 +56,8 @@ def answer_dataset(
     u, rotation = states.T
     table = model.table
     found = _on_fan(model, table, states) if isinstance(table, FanTable) else _on_path(model, table, states)
-    vertical, elastic = _vertical(model, found, V)
+    down = vertical_answer(model, found.w, found.V, V, states)
+    message = " ".join(filter(None, (message, down.message)))
     depth = model.origin["depth"].values
     values = {
         "u": u,
@@ -69,13 +70,13 @@ def answer_dataset(
         "y": u + rotation * depth[:, None],
         "p": found.p,
         "range_used": found.used,
-        "extrapolated": (found.used > 1.0 + RANGE_SLACK).astype(np.int8),
-    } | vertical
+        "extrapolated": (np.fmax(found.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
+    } | down.values
     if found.distance is not None:
         values |= {"path_distance": found.distance, "off_path": found.off.astype(np.int8)}
     beyond = np.flatnonzero(found.used > 1.0 + RANGE_SLACK)
     notes = _beyond(model, found.used, limit(int(beyond[0])) if limit else None, drive) if beyond.size else []
-    notes += found.notes + ([_other_load(model, V)] if elastic and V is not None else [])
+    notes += found.notes + down.notes
     attrs = (
         _provenance(model)
         | drive
@@ -85,7 +86,7 @@ def answer_dataset(
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
     coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
-    tangent = model.tangents(states)
+    tangent = model.tangents(states, down.tangent)
     coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
     return xr.Dataset(data | {"stiffness": tangent.variable}, coords, attrs)
 
@@ -160,24 +161,7 @@ def _path_vertical(model: MacroModel, u: Array, rotation: Array) -> tuple[Array,
     lead = int(np.argmax(track[-1] * [1.0, 0.999]))
     motion = np.abs(u) if lead == 0 else np.abs(rotation) * model.length
     grows = np.maximum.accumulate(track[:, lead])
-    path_w, path_v = model.origin["w"].values, model.origin["V"].values
-    return np.interp(motion, grows, path_w - path_w[0]), np.interp(motion, grows, path_v)
-
-
-def _vertical(model: MacroModel, found: _Found, V: float | Array | None) -> tuple[dict[str, Array], bool]:
-    """w [m] and V [N] by step where they are known, and whether V is another than the springs' (w is elastic then)."""
-    stiffness = model.stiffness_initial
-    if stiffness is None or found.w is None or found.V is None:
-        if V is not None:
-            raise refused("V", "these springs come from a table, which has no vertical stiffness: leave V out")
-        return {}, False
-    if V is None:
-        return {"w": found.w, "V": found.V}, False
-    down = np.full_like(found.V, V)
-    check_finite(V=float(np.abs(down).max(initial=0.0)))
-    size = max(np.abs(down).max(initial=0.0), np.abs(found.V).max(initial=0.0))
-    other = np.abs(down - found.V).max(initial=0.0) > 1e-6 * size
-    return {"w": found.w + (down - found.V) / stiffness[1, 1], "V": down}, bool(other)
+    return np.interp(motion, grows, model.origin["w"].values), np.interp(motion, grows, model.origin["V"].values)
 
 
 def _distance(track: Array, states: Array) -> Array:
@@ -231,15 +215,6 @@ def _fan_notes(sector: Array, off: NDArray[np.bool_]) -> list[str]:
     return [text] if off.any() else []
 
 
-def _other_load(model: MacroModel, V: float | Array) -> str:
-    values = ", ".join(f"{value:.7g}" for value in np.unique(V)[:3])
-    more = " ..." if np.unique(V).size > 3 else ""
-    return (
-        f"V = {values}{more} N is not that of path '{model.origin.attrs['path']}' "
-        f"({model.origin['V'].values[-1]:.7g} N): w from the elastic vertical stiffness, lateral springs unchanged"
-    )
-
-
 def _provenance(model: MacroModel) -> dict[str, Any]:
     kept = {name: model.attrs[name] for name in _KEPT if name in model.attrs} | {"springs": model.spring_set}
     kept["curves"] = "monotonic backbone, odd, last slope beyond the calibrated range"
@@ -256,15 +231,3 @@ def _provenance(model: MacroModel) -> dict[str, Any]:
         "n_other_carrier": int((~model.table.natural).sum()),
         "n_cut": int(model.table.cut.sum()),
     }
-
-
-def check_finite(**values: float) -> None:
-    """Refuse numbers that are not finite, by name."""
-    bad = [name for name, value in values.items() if not np.isfinite(value)]
-    if bad:
-        raise UserInputError([Problem(key=name, message="not a finite number") for name in bad])
-
-
-def refused(key: str, message: str) -> UserInputError:
-    """Return the error for one bad argument."""
-    return UserInputError([Problem(key=key, message=message)])

@@ -10,7 +10,8 @@ the rays `macro_solver.fan_stencil` interpolates in angle: exactly for a linear 
 The mirror image of a ray (a motion towards -x) completes the plane: lateral reactions and moments change their sign,
 vertical ones and w do not. Those are interpolated linearly in angle.
 
-At the origin the slopes add up to the initial stiffness of the full model. Interpolation along a ray is cubic, and
+At the origin the slopes add up to the initial stiffness of the full model (under a dead load beyond the balanced one,
+which may have made the soil yield, they are those of the first step). Interpolation along a ray is cubic, and
 linear in the data: so the sum of the reactions is the load at every state, as it is at the recorded ones.
 """
 
@@ -23,8 +24,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.errors import Problem, UserInputError
+from pysprings.loads import main_paths
 from pysprings.macro_solver import fan_rows
-from pysprings.springs import get_path, net_m, net_p, path_names, slice_heights
+from pysprings.springs import get_path, net_m, net_p, slice_heights
 
 Array = NDArray[np.float64]
 
@@ -132,10 +134,13 @@ class FanTable:
 
 
 def fan_paths(springs: xr.DataTree) -> dict[str, float]:
-    """Return the calibration paths that are rays and their angles [rad], by increasing angle; close ones once."""
+    """Return the rays among the calibration paths at the springs' vertical load, by increasing angle [rad].
+
+    Close ones count once.
+    """
     length = float(springs.attrs["skirt_length_m"])
     found: list[tuple[float, float, str]] = []
-    for name in path_names(springs, "calibration"):
+    for name in main_paths(springs):
         angle, size = _direction(get_path(springs, name), length)
         if np.isfinite(angle):
             found.append((size, angle, name))
@@ -188,8 +193,9 @@ def build_fan(springs: xr.DataTree) -> FanTable:
         rows = _rows(path) * np.where(even, 1.0, np.sign(along[-1]))[:, None]
         rho[k, : count[k]] = np.abs(along)
         r[:, k, : count[k]] = rows
-        wanted = stiffness @ [np.cos(angle[k]), np.sin(angle[k]) / length]
-        initial = _initial_slopes((rows[:, 1] - rows[:, 0]) / rho[k, 1], b, wanted)
+        initial = (rows[:, 1] - rows[:, 0]) / rho[k, 1]
+        if "w" not in path or float(path["w"].values[0]) == 0.0:  # no dead load has changed the state at rest
+            initial = initial_slopes(initial, b, stiffness @ [np.cos(angle[k]), np.sin(angle[k]) / length])
         slope[:, k, : count[k]] = secant_slopes(np.abs(along), rows, initial)
     return FanTable(tuple(paths), length, angle, rho, count, name, place, even, b, r, slope)
 
@@ -228,16 +234,16 @@ def _layout(depth: Array, dz: Array, length: float) -> tuple[NDArray[np.str_], A
 
 
 def _rows(path: xr.Dataset) -> Array:
-    """Reactions (rows, step); odd ones and w as changes from the initial state."""
+    """Reactions (rows, step); odd ones as changes from the initial state."""
     t = path["t"].sum("side").transpose("depth", "step").values
     ends = np.stack([path[name].values for name in _ENDS])
     odd = np.concatenate([net_p(path).values, net_m(path).values])
-    vertical = np.stack([path[name].values - (path[name].values[0] if name == "w" else 0.0) for name in _VERTICAL])
+    vertical = np.stack([path[name].values for name in _VERTICAL])
     return np.concatenate([odd - odd[:, :1], t, ends - ends[:, :1], vertical])
 
 
-def _initial_slopes(secant: Array, b: Array, wanted: Array) -> Array:
-    """Slopes (rows,) at the origin whose sums in (H, M) are those of the full model's initial stiffness, `wanted` (2,).
+def initial_slopes(secant: Array, b: Array, wanted: Array) -> Array:
+    """Return slopes (rows,) at the origin whose sums b.T @ slopes are those of the full model, `wanted`.
 
     They are the secants of the first step, changed in proportion to their size as little as the sums allow.
     """

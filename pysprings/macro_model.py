@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings import variables
+from pysprings.loads import at_load
 from pysprings.macro_answer import answer_dataset
 from pysprings.macro_control import Control, ending, equations
 from pysprings.macro_curves import CurveSprings
@@ -19,11 +20,12 @@ from pysprings.macro_limit import Limit, range_limit
 from pysprings.macro_sets import ALONE, Springs, choose_set
 from pysprings.macro_solver import FAN, ROWS, follow, reactions, solve_cases, tangents
 from pysprings.macro_tables import SpringSet, SpringTable, build_pisa, build_table
-from pysprings.springs import get_path
+from pysprings.macro_vertical import VerticalTable, build_vertical
+from pysprings.springs import get_path, path_load
 
 Array = NDArray[np.float64]
 
-NO_VERTICAL = "a table has no vertical springs: w and V are left out"
+NO_VERTICAL = "a table without a vertical path has no vertical springs: w and V are left out"
 FIRST_STEPS = "a table has no initial stiffness: the fan starts with that of the first recorded steps"
 
 
@@ -46,6 +48,11 @@ class MacroModel:
         Attributes of the spring set (geometry, provenance).
     remarks
         Sentences that go with every answer.
+    vertical
+        Vertical springs; None where there are none: then w under another V is elastic.
+    settled
+        What is missing in w [m] of lateral springs that lie between two vertical loads: their settlement is that of
+        the vertical springs.
     """
 
     table: SpringTable | FanTable
@@ -54,14 +61,21 @@ class MacroModel:
     stiffness_initial: Array | None
     attrs: dict[str, Any]
     remarks: tuple[str, ...] = ()
+    vertical: VerticalTable | None = None
+    settled: float = 0.0
 
     @classmethod
-    def from_springs(cls, springs: Springs, springs_kind: str | None = None, path: str | None = None) -> MacroModel:
+    def from_springs(
+        cls, springs: Springs, springs_kind: str | None = None, path: str | None = None, V: float | None = None
+    ) -> MacroModel:
         """Build the model from springs: their fan where they have one, else all springs of the first calibration path.
 
         springs_kind chooses "fan", "full", "pisa" or "py"; path the path whose springs serve (for "full" and "py").
-        p-y curves without companions give "py" and say so.
+        p-y curves without companions give "py" and say so. Of springs at several vertical loads those at V [N] serve
+        (`pysprings.loads`; None: the load of the scene).
         """
+        if path is None and isinstance(springs, xr.DataTree):
+            springs = at_load(springs, V)
         kind = choose_set(springs, springs_kind, path)
         remarks: tuple[str, ...] = (ALONE,) if kind == "py" else ()
         if isinstance(springs, CurveSprings):
@@ -84,13 +98,24 @@ class MacroModel:
         stiffness = springs.dataset["stiffness_initial"].values
         known = stiffness if stiffness.shape == (3, 3) else None
         if known is None:
-            remarks += (NO_VERTICAL, FIRST_STEPS) if kind == "fan" else (NO_VERTICAL,)
-        return cls(table, kind, origin, known, {str(name): value for name, value in springs.attrs.items()}, remarks)
+            remarks += (NO_VERTICAL,)
+        if kind == "fan" and (known is None or "first_steps" in springs.attrs):
+            remarks += (FIRST_STEPS,)
+        attrs = {str(name): value for name, value in springs.attrs.items()}
+        vertical, settled = build_vertical(springs), 0.0
+        if vertical is not None and "blended_loads_N" in attrs:
+            settled = vertical.displacement(path_load(origin))[0] - float(origin["w"][0])
+        return cls(table, kind, origin, known, attrs, remarks, vertical, settled)
 
     @property
     def length(self) -> float:
         """Skirt length [m]."""
         return float(self.attrs["skirt_length_m"])
+
+    @property
+    def rest_load(self) -> float:
+        """Vertical load [N] of the state at rest: of the vertical springs, else of the lateral ones."""
+        return path_load(self.origin) if self.vertical is None else self.vertical.rest[1]
 
     @property
     def _springs(self) -> tuple[int, Array, Array, Array, Array, Array, NDArray[np.int64]]:
@@ -102,12 +127,12 @@ class MacroModel:
         reactions(*self._springs, float(u), float(rotation), force, tangent)
         return force, tangent
 
-    def tangents(self, states: Array) -> xr.DataArray:
+    def tangents(self, states: Array, down: Array | None = None) -> xr.DataArray:
         """Return the tangent stiffness at mudline at states (n, 2) = (u, rotation), with dimension step.
 
-        u and rotation come from the springs; w is the elastic stiffness of the full model, uncoupled; springs from
-        a table do not know it, and the matrix is (2, 2) for (u, rotation). Units: N/m for displacements, N m/rad for
-        rotation, N/rad = N m/m between them.
+        u and rotation come from the springs; w, uncoupled, is `down` (n,) where it is given, else the elastic stiffness
+        of the full model; springs from a table do not know it, and the matrix is (2, 2) for (u, rotation). Units: N/m
+        for displacements, N m/rad for rotation, N/rad = N m/m between them.
         """
         lateral = np.zeros((len(states), 2, 2))
         tangents(*self._springs, np.ascontiguousarray(states, dtype=float), lateral)
@@ -115,7 +140,7 @@ class MacroModel:
         matrix = lateral
         if self.stiffness_initial is not None:
             matrix = np.zeros((len(states), 3, 3))
-            matrix[:, ::2, ::2], matrix[:, 1, 1] = lateral, self.stiffness_initial[1, 1]
+            matrix[:, ::2, ::2], matrix[:, 1, 1] = lateral, self.stiffness_initial[1, 1] if down is None else down
         known_as = variables.GROUPS["prediction"]
         coords = {name: (name, dofs, known_as[name].attributes()) for name in ("dof", "dof_conjugate")}
         attrs = known_as["stiffness"].attributes() | {"springs": self.spring_set}

@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.errors import Problem, UserInputError
-from pysprings.springs import get_path, path_names, validate_springs
+from pysprings.springs import get_path, is_vertical, path_load, path_names, same_load, validate_springs
 
 # Paths whose rates differ by less than this factor belong together
 TOGETHER = 10.0**0.5
@@ -49,7 +49,8 @@ def path_rate(path: xr.Dataset, length: float) -> float | None:
 def rate_sets(springs: xr.DataTree) -> list[RateSet]:
     """Return the sets of calibration paths by rate, slowest first; none where no path has a time."""
     length = float(springs.attrs["skirt_length_m"])
-    found = [(path_rate(get_path(springs, name), length), name) for name in path_names(springs, "calibration")]
+    names = [name for name in path_names(springs, "calibration") if not is_vertical(springs, name)]
+    found = [(path_rate(get_path(springs, name), length), name) for name in names]
     timed = sorted((rate, name) for rate, name in found if rate is not None)
     groups: list[list[tuple[float, str]]] = []
     for rate, name in timed:
@@ -95,11 +96,11 @@ def at_rate(springs: xr.DataTree, rate: float) -> xr.DataTree:
     slow, fast = sets[above - 1], sets[above]
     share = float(np.log(rate / slow.rate) / np.log(fast.rate / slow.rate))
     length = float(springs.attrs["skirt_length_m"])
-    pairs = _pairs(springs, slow, fast, length)
-    if not pairs:
+    found = pairs(springs, slow.paths, fast.paths, length)
+    if not found:
         between = f"{1e3 * slow.rate:.4g} and {1e3 * fast.rate:.4g} mm/s"
         raise _refused(f"the paths at {between} go in different directions: nothing to interpolate between")
-    blended = {a: blend(get_path(springs, a), get_path(springs, b), share, length) for a, b in pairs}
+    blended = {a: blend(get_path(springs, a), get_path(springs, b), share, length) for a, b in found}
     return _tree(springs, blended, rate)
 
 
@@ -109,7 +110,7 @@ def blend(slow: xr.Dataset, fast: xr.Dataset, share: float, length: float) -> xr
     On paths that keep their direction u, rotation and y are those of the slow path; on pulls u is.
     """
     way, kept = _way(slow, length), {"u", "converged"}
-    if slow.attrs["kind"] in _STRAIGHT:
+    if _is_straight(slow):
         kept |= {"rotation", "y"}
     other_way = _way(fast, length)
     out = slow.isel(step=np.flatnonzero(way <= other_way[-1] * (1.0 + 1e-9)))
@@ -127,28 +128,51 @@ def blend(slow: xr.Dataset, fast: xr.Dataset, share: float, length: float) -> xr
 _STRAIGHT = ("translation", "rotation")  # kinds of path that keep their direction
 
 
+def _is_straight(path: xr.Dataset) -> bool:
+    """Tell whether a path keeps its direction: by its kind, or as a table has been found to do."""
+    return path.attrs["kind"] in _STRAIGHT or bool(path.attrs.get("straight"))
+
+
 def _way(path: xr.Dataset, length: float) -> np.ndarray:
     """How far each step of a path has come [m]: rho, or |u| where the rotation is free."""
     u = path["u"].values
-    return np.hypot(u, path["rotation"].values * length) if path.attrs["kind"] in _STRAIGHT else np.abs(u)
+    return np.hypot(u, path["rotation"].values * length) if _is_straight(path) else np.abs(u)
 
 
-def _pairs(springs: xr.DataTree, slow: RateSet, fast: RateSet, length: float) -> list[tuple[str, str]]:
-    """Paths of two sets that go the same way, each once."""
-    pairs, free = [], list(fast.paths)
-    for name in slow.paths:
+def pairs(
+    springs: xr.DataTree, first: tuple[str, ...], second: tuple[str, ...], length: float, by_load: bool = False
+) -> list[tuple[str, str]]:
+    """Return the paths of two sets that go the same way, each once.
+
+    They differ in their rate and have one vertical load; by_load: they differ in that and have one rate.
+    """
+    agree = _one_rate if by_load else _one_load
+    found, free = [], list(second)
+    for name in first:
         path = get_path(springs, name)
-        same = [other for other in free if _go_together(path, get_path(springs, other), length)]
-        if same:
-            pairs.append((name, same[0]))
-            free.remove(same[0])
-    return pairs
+        for other in free:
+            partner = get_path(springs, other)
+            if _go_together(path, partner, length) and agree(path, partner, length):
+                found.append((name, other))
+                free.remove(other)
+                break
+    return found
+
+
+def _one_load(a: xr.Dataset, b: xr.Dataset, _length: float) -> bool:
+    return same_load(path_load(a), path_load(b))
+
+
+def _one_rate(a: xr.Dataset, b: xr.Dataset, length: float) -> bool:
+    slow, fast = path_rate(a, length), path_rate(b, length)
+    return (slow is None) is (fast is None) and (not slow or not fast or 1.0 / TOGETHER < slow / fast < TOGETHER)
 
 
 def _go_together(a: xr.Dataset, b: xr.Dataset, length: float) -> bool:
-    if (a.attrs["kind"], float(a.attrs["arm_m"])) != (b.attrs["kind"], float(b.attrs["arm_m"])):
+    arms = [float(path.attrs["arm_m"]) for path in (a, b)]
+    if a.attrs["kind"] != b.attrs["kind"] or not np.array_equal(arms[:1], arms[1:], equal_nan=True):
         return False
-    if a.attrs["kind"] not in _STRAIGHT:
+    if not (_is_straight(a) and _is_straight(b)):
         return bool(np.sign(a["u"][-1]) == np.sign(b["u"][-1]))
     ways = (np.arctan2(float(path["rotation"][-1]) * length, float(path["u"][-1])) for path in (a, b))
     return abs(next(ways) - next(ways)) < _SAME_DIRECTION
@@ -158,7 +182,8 @@ def _tree(springs: xr.DataTree, paths: dict[str, xr.Dataset], rate: float) -> xr
     root = springs.to_dataset(inherit=False)
     root.attrs = {**springs.attrs, "rate_m_per_s": rate}
     groups: dict[str, xr.Dataset] = {"/": root}
-    for name, path in paths.items():
+    down = {name: get_path(springs, name) for name in path_names(springs, "calibration") if is_vertical(springs, name)}
+    for name, path in (paths | down).items():  # vertical springs have the rate of their own path
         kept = path.copy()
         kept.attrs = {key: value for key, value in path.attrs.items() if key != "path"}
         groups[f"/paths/{name}"] = kept

@@ -290,6 +290,9 @@ def _range_sentence(name: str, path: Any, length: float) -> str:
     text = f"Path {name} ({path.attrs.get('kind', '')}, {path.attrs.get('role', '')}): "
     if not good.any():
         return text + "no converged step."
+    if path.attrs.get("kind") == "vertical":
+        w, V = path["w"].values[good] * 1e3, path["V"].values[good] / 1e3
+        return f"{text}w from {w[0]:.3g} to {w[-1]:.3g} mm, V from {V[0]:.4g} to {V[-1]:.4g} kN."
     text += f"u from {u.min() * 1e3:.3g} to {u.max() * 1e3:.3g} mm, "
     text += f"rotation from {rotation.min() * 1e3:.3g} to {rotation.max() * 1e3:.3g} mrad"
     if np.isfinite(length) and abs(u[-1]) > 0:
@@ -308,6 +311,7 @@ COMPARED: dict[str, tuple[str, int]] = {
     "H_error_max_pct": ("H max [%]", 2),
     "rotation_error_max_pct": ("rotation max [%]", 2),
     "M_error_max_pct": ("M max [%]", 2),
+    "V_error_max_pct": ("V max [%]", 2),
     "u_error_max_pct": ("u max [%]", 2),
     "rotation_point_error_max_m": ("z_rot max [m]", 3),
     "H_error_between_pct": ("H between [%]", 2),
@@ -315,6 +319,7 @@ COMPARED: dict[str, tuple[str, int]] = {
     "M_error_between_pct": ("M between [%]", 2),
     "extrapolated_states": ("extra\u00adpolated", 0),
     "off_path_states": ("off path", 0),
+    "off_load_states": ("other V", 0),
 }
 
 
@@ -330,7 +335,7 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
         "at equal load; z_rot: depth of the point of rotation. between: the same "
         "when every second recorded state is left out of the springs. eta = 1 - area between the "
         "load-displacement curves over the area under the full model's, to a small displacement and to the "
-        "end. extrapolated, off path: states that the springs do not cover. py: lateral p-y springs alone; "
+        "end. extrapolated, off path, other V: states that the springs do not cover. py: lateral p-y springs alone; "
         "full: with distributed moment, tip and lid terms; fan: all of them by displacement and rotation, from all "
         "calibration paths of constant ratio."
     )

@@ -23,8 +23,10 @@ _IMPOSED = {
     "rotation": ("rotation", set()),
     "swipe": ("lateral_displacement", {"rotation", "rate"}),
     "load": ("lateral_force", {"arm", "arm_from"}),
+    "vertical": ("vertical_displacement", {"rate"}),
 }
-_UNITS = {"lateral_displacement": "mm", "rotation": "deg", "lateral_force": "MN"}
+_MOTIONS = {"lateral_displacement": "mm", "rotation": "deg", "vertical_displacement": "mm"}
+_UNITS = _MOTIONS | {"lateral_force": "MN"}
 
 
 class Clash(NamedTuple):
@@ -149,10 +151,12 @@ def _paths(paths: tuple[Path, ...]) -> Iterator[Clash]:
 def _path(index: int, path: Path) -> Iterator[Clash]:
     here: KeyPath = ("path", index)
     imposed, used = _IMPOSED[path.kind]
-    for name in ("lateral_displacement", "rotation", "lateral_force", "arm", "arm_from", "rate"):
+    for name in (*_UNITS, "arm", "arm_from", "rate"):
         given = path.arm_from is not None if name == "arm_from" else getattr(path, name)
         if given and name != imposed and name not in used:
             yield Clash(((*here, name), (*here, "kind")), f'a path of kind "{path.kind}" does not use it')
+    if path.kind == "vertical" and path.heave == "fixed":
+        yield Clash(((*here, "heave"), (*here, "kind")), 'a path of kind "vertical" moves the caisson up or down')
     if path.rate is not None and path.duration is not None:
         yield Clash(((*here, "duration"), (*here, "rate")), "give rate or duration, not both")
     if path.then and path.role == "calibration":
@@ -180,9 +184,8 @@ def _times(paths: tuple[Path, ...]) -> Iterator[Clash]:
         here: KeyPath = ("path", index)
         mode = ("drainage", "mode")
         if path.rate is None and path.duration is None:
-            allowed = {"pull": "rate or duration", "translation": "rate or duration", "swipe": "rate"}.get(
-                path.kind, "duration"
-            )
+            both = dict.fromkeys(("pull", "translation", "vertical"), "rate or duration")
+            allowed = (both | {"swipe": "rate"}).get(path.kind, "duration")
             yield Clash((here, (*here, "kind"), mode), f'drainage.mode = "coupled" needs {allowed} here')
         for entry, then in enumerate(path.then):
             if then.rate is None and then.time is None:

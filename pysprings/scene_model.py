@@ -32,17 +32,21 @@ _TURN = Quantity(
     "0.1 deg",
     optional=True,
 )
+_SINK_TEXT = "vertical displacement of the lid centre, positive down (pull-out is negative)"
+_SINK = Quantity("mm", "[-1e4, 1e4]", _SINK_TEXT, "20 mm", optional=True)
 _PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN", optional=True)
 _ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
 _ARM_FROM = Quantity("m", "[-1e3, 1e3]", "height where a load acts first; it then climbs to arm", "0 m", optional=True)
 _RATE = Quantity("mm/s", "(0, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
 _TIME = Quantity("s", "(0, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
-_IMPOSED = (("pull", _SHIFT), ("translation", _SHIFT), ("rotation", _TURN), ("swipe", _SHIFT), ("load", _PUSH))
+_SHIFTS = (("pull", _SHIFT), ("translation", _SHIFT), ("swipe", _SHIFT))
+_IMPOSED = (*_SHIFTS, ("rotation", _TURN), ("load", _PUSH), ("vertical", _SINK))
 _SEA = "depth of the sea; where given, suction is checked for cavitation"
 _DEPTH = Quantity("m", "[0, 2e4]", _SEA, "30 m", optional=True)
 _VISCOSITY = Quantity("Pa s", "[1e-6, 1e3]", "dynamic viscosity of water", "0.001 Pa s")
 _BULK = 'bulk modulus of water; "incompressible" is possible too'
 _BALANCED = 'constant load on the whole caisson, positive down; "balanced" carries the initial contact stresses'
+_OWN_LOAD = 'vertical load of this path instead of caisson.vertical_load; or "balanced"'
 _FRACTION = Number("(0, 1]", "first step, as a fraction of the path", 0.02, optional=True)
 
 
@@ -157,9 +161,10 @@ class Path(Section):
     centre is moved, the rotation is imposed in proportion (zero by default). rotation: imposed about the lid
     centre. swipe: a translation, and then the rotation about the lid centre, whose displacement is held: H and M
     change places under a constant vertical load. load: a lateral force at height `arm`; with `arm_from` it grows at
-    that height and then climbs to `arm`, so that M grows under constant H and V. `report_at` lists values of the
-    imposed quantity where a converged step must land. `then` goes on from the end value: "rest 2 hour" holds what is
-    imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value.
+    that height and then climbs to `arm`, so that M grows under constant H and V. vertical: the lid centre moves down
+    (or up: pull-out), u and rotation are held at zero. `vertical_load` is the dead load of this path alone. `report_at`
+    lists values of the imposed quantity where a converged step must land. `then` goes on from the end value: "rest 2
+    hour" holds what is imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value.
     """
 
     name: Annotated[
@@ -170,14 +175,18 @@ class Path(Section):
             meaning="a name (a letter, then letters, digits, _ or -, at most 60)",
         ),
     ]
-    kind: Annotated[str, Choice(("pull", "translation", "rotation", "swipe", "load"), "what is imposed")]
+    kind: Annotated[str, Choice(("pull", "translation", "rotation", "swipe", "load", "vertical"), "what is imposed")]
     lateral_displacement: Annotated[float | None, _SHIFT] = None
     rotation: Annotated[float | None, _TURN] = None
     lateral_force: Annotated[float | None, _PUSH] = None
+    vertical_displacement: Annotated[float | None, _SINK] = None
     arm: Annotated[float, _ARM] = 0.0
     arm_from: Annotated[float | None, _ARM_FROM] = None
     rate: Annotated[float | None, _RATE] = None
     duration: Annotated[float | None, _TIME] = None
+    vertical_load: Annotated[
+        float | str | None, Quantity("MN", "[-1e4, 1e4]", _OWN_LOAD, "4 MN", word="balanced", optional=True)
+    ] = None
     heave: Annotated[str, Choice(("free", "fixed"), "the vertical displacement of the caisson")] = "free"
     role: Annotated[
         str,
@@ -249,6 +258,10 @@ class Scene(Section):
             lines = "; ".join(f"{dotted(clash.keys[0])}: {clash.message}" for clash in found)
             raise refuse(lines, clashes=found)
         return self
+
+    def vertical_load_of(self, path: Path) -> float | str:
+        """Vertical load of a path: its own, or the caisson's (N, positive down, or "balanced")."""
+        return self.caisson.vertical_load if path.vertical_load is None else path.vertical_load
 
     @property
     def sha256(self) -> str:

@@ -19,10 +19,12 @@ from pysprings import variables
 from pysprings.errors import Problem, UserInputError
 from pysprings.storage import read_tree, refusal, write_tree
 
-SCHEMA = "pysprings-springs-1"
-KINDS = ("pull", "translation", "rotation", "swipe", "load")
+SCHEMA = "pysprings-springs-2"
+KINDS = ("pull", "translation", "rotation", "swipe", "load", "vertical")
 ROLES = ("calibration", "held-back")
 FEWEST_STATES = 2  # a curve needs the initial state and one more
+SAME_LOAD = 1e-3  # vertical loads that differ by less than this share are one
+NO_LOAD = 1.0  # or by this [N]
 
 _ROOT_NUMBERS = ("outer_diameter_m", "skirt_length_m", "skirt_thickness_m", "vertical_load_N")
 _ROOT_TEXTS = ("drainage", "pysprings_version", "scene_sha256")
@@ -141,16 +143,33 @@ def path_dataset(tree: xr.DataTree, name: str) -> xr.Dataset:
 
 
 def get_path(tree: xr.DataTree, name: str | None = None) -> xr.Dataset:
-    """Return the converged steps of one path; without a name the first calibration path (or the first)."""
+    """Return the converged steps of one path; without a name the first lateral calibration path (or the first)."""
     names = path_names(tree)
     if name is None:
-        name = next(iter(path_names(tree, "calibration") or names), None)
+        lateral = [each for each in names if not is_vertical(tree, each)]
+        calibration = path_names(tree, "calibration")
+        name = next(iter([each for each in lateral if each in calibration] or lateral or names), None)
     if name is None or name not in names:
         raise refusal(None, "path", f"no path '{name}'; the springs have: {', '.join(names) or 'none'}")
     dataset = path_dataset(tree, name)
     good = np.flatnonzero(dataset["converged"].values == 1)
     kept = dataset if good.size == dataset.sizes["step"] else dataset.isel(step=good)
     return kept.assign_attrs(path=name)
+
+
+def is_vertical(tree: xr.DataTree, name: str) -> bool:
+    """Tell whether a path moves the caisson vertically only."""
+    return bool(tree.children["paths"].children[name].attrs.get("kind") == "vertical")
+
+
+def path_load(path: xr.Dataset) -> float:
+    """Return the vertical load [N] at the start of a path; 0 where a table does not know it."""
+    return float(path["V"].values[0]) if "V" in path else 0.0
+
+
+def same_load(a: float, b: float) -> bool:
+    """Tell whether two vertical loads [N] are one: solver tolerances are between them."""
+    return abs(a - b) <= max(SAME_LOAD * max(abs(a), abs(b)), NO_LOAD)
 
 
 def slice_heights(dataset: xr.Dataset) -> np.ndarray:

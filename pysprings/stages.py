@@ -39,11 +39,20 @@ def dead_load_stage(extra_load: float) -> Stage:
     )
 
 
-def path_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float = 0.0) -> list[Stage]:
+def path_stages(
+    scene: Scene, path: Path, extra_load: float, undrained_time: float = 0.0, rest: float = 0.0
+) -> list[Stage]:
     """The stages of a path, one after the other: what is imposed at the lid centre, by which forces, in which time.
 
-    Every stage of an undrained path takes ``undrained_time`` (s), in which nothing flows.
+    Every stage of an undrained path takes ``undrained_time`` (s), in which nothing flows. ``rest`` is the vertical
+    displacement (m) under the dead load: what is imposed vertically counts from there.
     """
+    stages = _stages(scene, path, extra_load, undrained_time)
+    return [replace(stage, target=stage.target + rest * stage.control[:, 1]) for stage in stages] if rest else stages
+
+
+def _stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
+    """The stages of a path that starts at w = 0."""
     if path.kind == "swipe":
         return _swipe_stages(scene, path, extra_load, undrained_time)
     if path.arm_from is not None:
@@ -80,7 +89,7 @@ def _swipe_stages(scene: Scene, path: Path, extra_load: float, undrained_time: f
 def _climbing_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
     """A load that grows at its first height, and then climbs to its last one: M grows under constant H and V."""
     grows = path.model_copy(update={"arm": path.arm_from, "arm_from": None})
-    (first,) = path_stages(scene, grows, extra_load, undrained_time)
+    (first,) = _stages(scene, grows, extra_load, undrained_time)
     moment = -0.5 * imposed_end(path) * (path.arm - _need(path.arm_from))
     force = first.force + np.array([0.0, 0.0, moment])
     return [first, replace(first, name=f"{path.name}, then climbing", force=force, stops=(1.0,))]
@@ -122,17 +131,20 @@ def _time(path: Path, rate: float | None, time: float | None, start: float, end:
 
 
 def imposed_end(path: Path) -> float:
-    """End value of the imposed quantity: lateral displacement (m), rotation (rad) or lateral force (N)."""
-    return _need({"rotation": path.rotation, "load": path.lateral_force}.get(path.kind, path.lateral_displacement))
+    """End value of the imposed quantity: displacement (m), rotation (rad) or lateral force (N)."""
+    other = {"rotation": path.rotation, "load": path.lateral_force, "vertical": path.vertical_displacement}
+    return _need(other.get(path.kind, path.lateral_displacement))
 
 
 def _imposed(path: Path) -> tuple[list, list]:
     """Rows of the control and the force patterns that impose them, in (u, w, rotation)."""
-    lateral, turn = [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]
+    lateral, down, turn = np.eye(3).tolist()
     if path.kind == "pull":
         return [lateral], [[1.0, 0.0, -path.arm]]
     if path.kind in ("translation", "rotation", "swipe"):
         return [lateral, turn], [lateral, turn]
+    if path.kind == "vertical":
+        return [lateral, down, turn], [lateral, down, turn]
     return [], []
 
 
@@ -142,7 +154,7 @@ def _targets(path: Path, end: float) -> list[float]:
         return [end]
     if path.kind == "translation":
         return [end, (path.rotation or 0.0) * end / imposed_end(path)]
-    return {"rotation": [0.0, end], "swipe": [end, 0.0]}.get(path.kind, [])
+    return {"rotation": [0.0, end], "swipe": [end, 0.0], "vertical": [0.0, end, 0.0]}.get(path.kind, [])
 
 
 def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, float]:

@@ -230,7 +230,7 @@ _SPRINGS_PATH = (
 _PREDICTED = (replace(v, required=False) if v.name in ("w", "V") else v for v in _BODY.values())
 _TANGENT = (
     "mixed units: N m-1 for u and w; N radian-1 between u and rotation; N m radian-1 for rotation; "
-    "w: elastic stiffness of the full model, uncoupled"
+    "w: slope of the vertical springs under the V asked for, else elastic stiffness of the full model; uncoupled"
 )
 _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RESULT_PATH["p"]) | _table(
     V("usable", "1 where the p-y curve of the depth serves over the whole path", "1", ("depth",),
@@ -244,6 +244,8 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
     V("off_path", "1 where the state is far from the path the springs come from", "1", ("step",),
       "springs of one path do not hold on another; of a fan: 1 between rays more than 60 degrees apart",
       required=False),
+    V("off_load", "1 where V is not covered by the lateral springs", "1", ("step",),
+      "reactions to u and rotation are those at the nearest vertical load that is", required=False),
     _SPRINGS_ROOT["dof"], _SPRINGS_ROOT["dof_conjugate"],
     V("stiffness", "tangent stiffness at the lid centre", "1", ("step", "dof", "dof_conjugate"), _TANGENT),
 )

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-FORMATS = ("csv", "xlsx", "json")
+FORMATS = ("csv", "wide", "xlsx", "json")
 
 PathLike = str | os.PathLike[str]
 
@@ -25,10 +25,10 @@ def csv_tables(
     result: xr.DataTree | None = None,
     comparison: pd.DataFrame | None = None,
 ) -> list[Path]:
-    """Write `py.csv`, given the data also `load_displacement.csv` and `compare.csv`; return the paths."""
+    """Write `py.csv` and `py_wide.csv`, given the data also `load_displacement.csv` and `compare.csv`."""
     from pysprings.exporters import csv
 
-    written = [csv.write_py(springs, Path(folder) / "py.csv")]
+    written = [csv.write_py(springs, Path(folder) / "py.csv"), csv.write_wide(springs, Path(folder) / "py_wide.csv")]
     if result is not None:
         written.append(load_displacement_table(folder, result))
     if comparison is not None:
@@ -51,7 +51,7 @@ def excel(path: PathLike, springs: xr.DataTree) -> Path:
 
 
 def export(springs: xr.DataTree, form: str, path: PathLike) -> Path:
-    """Write the springs to one file in a form of `FORMATS` ("csv" is the long p-y table); return its path."""
+    """Write the springs to one file in a form of `FORMATS` (csv: long p-y table, wide: wide one); return its path."""
     if form == "xlsx":
         return excel(path, springs)
     from pysprings.storage import write_text
@@ -60,11 +60,11 @@ def export(springs: xr.DataTree, form: str, path: PathLike) -> Path:
 
 
 def text(springs: xr.DataTree, form: str) -> str:
-    """Return the springs as text, for a terminal or a pipe: "csv" (long p-y table) or "json"."""
-    if form == "csv":
+    """Return the springs as text, for a terminal or a pipe: "csv" (long p-y table), "wide" (wide one) or "json"."""
+    if form in ("csv", "wide"):
         from pysprings.exporters import csv
 
-        return csv.py_text(springs)
+        return csv.py_text(springs) if form == "csv" else csv.wide_text(springs)
     if form == "json":
         from pysprings.exporters import json
 

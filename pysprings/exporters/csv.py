@@ -10,6 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.exporters.tables import load_displacement, py_long
+from pysprings.exporters.wide import py_wide
 from pysprings.storage import write_text
 
 # Ten digits: far below what the model knows, and short enough to read.
@@ -24,6 +25,16 @@ def py_text(springs: xr.DataTree) -> str:
 def write_py(springs: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     """Write the long p-y table; return the path."""
     return write_text(py_text(springs), path)
+
+
+def wide_text(springs: xr.DataTree) -> str:
+    """Return the wide p-y table (rows are steps, a pair of columns y, p a depth) as CSV text."""
+    return _csv(py_wide(springs))
+
+
+def write_wide(springs: xr.DataTree, path: str | os.PathLike[str]) -> Path:
+    """Write the wide p-y table; return the path."""
+    return write_text(wide_text(springs), path)
 
 
 def write_load_displacement(result: xr.DataTree, path: str | os.PathLike[str]) -> Path:

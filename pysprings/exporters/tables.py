@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.springs import path_dataset, path_names
+from pysprings.springs import is_vertical, path_dataset, path_names
 
 # Column -> variable of a result path. The order is part of the public contract.
 LOAD_DISPLACEMENT = {
@@ -68,13 +68,15 @@ def py_long(springs: xr.DataTree) -> pd.DataFrame:
 
     Families: `py` p by side (outside, inside, net) and component (normal, shear, water, total); `mtheta`
     distributed moment m and vertical reaction t by side; `base` forces on the skirt tip; `lid` forces under
-    the lid. Each row has the displacements of its place (y, rotation, w); what a family does not have is
-    blank.
+    the lid. A vertical path has `tz` (t by side over w) in place of the first two. Each row has the displacements
+    of its place (y, rotation, w); what a family does not have is blank.
     """
     frames = []
     for name in path_names(springs):
         path = path_dataset(springs, name)
-        for family in (_py_rows(path), _mtheta_rows(path), _end_rows(path, "base"), _end_rows(path, "lid")):
+        down = is_vertical(springs, name)
+        by_depth = [_tz_rows(path)] if down else [_py_rows(path), _mtheta_rows(path)]
+        for family in (*by_depth, _end_rows(path, "base"), _end_rows(path, "lid")):
             family.insert(0, "path", name)
             frames.append(family)
     # integer columns and texts stay what they are; a missing column becomes blank cells
@@ -96,6 +98,11 @@ def _py_rows(path: xr.Dataset) -> pd.DataFrame:
 def _mtheta_rows(path: xr.Dataset) -> pd.DataFrame:
     m, t = (with_net(path[name].transpose("depth", "side", "step").values, 1) for name in ("m", "t"))
     return _rows(path, "mtheta", {"side": _SIDES}, {"m_Nm_per_m": m, "t_N_per_m": t})
+
+
+def _tz_rows(path: xr.Dataset) -> pd.DataFrame:
+    t = with_net(path["t"].transpose("depth", "side", "step").values, 1)
+    return _rows(path, "tz", {"side": _SIDES}, {"t_N_per_m": t})
 
 
 def _rows(path: xr.Dataset, family: str, labels: dict[str, tuple[str, ...]], values: dict[str, Any]) -> pd.DataFrame:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Excel workbook of a spring set for design spreadsheets: kN, m, mm, mrad, with charts.
 
-Sheets: About, charts, p-y, m-theta, base, lid, load-displacement, stiffness 6x6. Data sheets hold all paths below
+Sheets: About, charts, p-y, m-theta, t-z (of vertical paths, where there are any), base, lid, load-displacement,
+stiffness 6x6. Data sheets hold all paths below
 each other: columns path and step, then the values; the unit stands in every heading. Every curve has a defined name
 (`xlsx_names`), so that formulas need no cell addresses.
 """
@@ -10,7 +11,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ from pysprings.exporters.xlsx_about import about_lines
 from pysprings.exporters.xlsx_names import LENGTHS, Names
 from pysprings.exporters.xlsx_stiffness import write_stiffness
 from pysprings.macro_sets import spring_sets
-from pysprings.springs import path_dataset, path_names
+from pysprings.springs import is_vertical, path_dataset, path_names
 from pysprings.storage import replacing
 
 KN, MM, MRAD = 1e-3, 1e3, 1e3
@@ -55,13 +56,17 @@ def write_workbook(springs: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     ):
         book = _open(file, springs)
         comparison = compare(springs)
-        sheets = {
-            name: file.add_worksheet(name)
-            for name in ("About", "charts", "p-y", "m-theta", "base", "lid", "load-displacement", "stiffness 6x6")
-        }
+        down = [name for name in book.rows if is_vertical(springs, name)]
+        before, behind = ("About", "charts", "p-y", "m-theta"), ("base", "lid", "load-displacement", "stiffness 6x6")
+        names = (*before, *(["t-z"] if down else []), *behind)
+        sheets = {name: file.add_worksheet(name) for name in names}
         _about(book, sheets["About"], about_lines(springs, comparison))
         _py(book, sheets["p-y"], springs)
         _mtheta(book, sheets["m-theta"], springs)
+        if down:
+            vertical = replace(book, rows=_rows(springs, down))
+            _tz(vertical, sheets["t-z"], springs)
+            _vertical_charts(vertical, sheets["charts"], springs, len(book.rows) - len(down))
         for part, name in (("tip", "base"), ("lid", "lid")):
             _end(book, sheets[name], springs, part)
         _load(book, sheets["load-displacement"], springs)
@@ -74,11 +79,7 @@ def _open(file: xlsxwriter.Workbook, springs: xr.DataTree) -> _Book:
     file.set_properties(
         {"title": str(springs.attrs.get("title", "")), "comments": str(springs.attrs.get("source", ""))}
     )
-    rows, first = {}, 0
-    for name in path_names(springs):
-        n = path_dataset(springs, name).sizes["step"]
-        rows[name] = (first, first + n - 1)
-        first += n
+    rows = _rows(springs, path_names(springs))
     return _Book(
         file=file,
         head=file.add_format({"bold": True, "bg_color": "#DDE6EE", "border": 1, "text_wrap": True, "valign": "top"}),
@@ -90,6 +91,16 @@ def _open(file: xlsxwriter.Workbook, springs: xr.DataTree) -> _Book:
         rows=rows,
         names=Names(file, rows),
     )
+
+
+def _rows(springs: xr.DataTree, names: Iterable[str]) -> dict[str, tuple[int, int]]:
+    """First and last row of each path, counted from the first row of data."""
+    rows, first = {}, 0
+    for name in names:
+        n = path_dataset(springs, name).sizes["step"]
+        rows[name] = (first, first + n - 1)
+        first += n
+    return rows
 
 
 def _about(book: _Book, sheet: Any, lines: Iterable[tuple[str, str, str]]) -> None:
@@ -185,6 +196,23 @@ def _mtheta(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     _fill(book, sheet, springs, columns + _by_depth(springs, M_HEADINGS, values))
 
 
+T_HEADINGS = {"t net [kN/m]": "tz", "t outside [kN/m]": "", "t inside [kN/m]": ""}
+
+
+def _tz(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
+    """Vertical paths alone: V, its part on tip and lid, and t by depth, over w."""
+    paths = [path_dataset(springs, name) for name in book.rows]
+    t = [with_net(path["t"].transpose("side", "depth", "step").values * KN, 0) for path in paths]
+    columns = [
+        _series(paths, "w [mm]", "w", MM, "w_tz"),
+        _series(paths, "V [kN]", "V", KN, "V_tz"),
+        _series(paths, "V tip [kN]", "V_tip", KN),
+        _series(paths, "V lid [kN]", "V_lid", KN),
+    ]
+    by_depth = _by_depth(springs, T_HEADINGS, [[part[side] for part in t] for side in (2, 0, 1)])
+    _fill(book, sheet, springs, columns + by_depth)
+
+
 def _series(paths: list[xr.Dataset], heading: str, name: str, scale: float, named: str = "") -> _Column:
     return _Column(heading, [path[name].values * scale for path in paths], name=named)
 
@@ -225,7 +253,8 @@ def _load(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     for spring_set in spring_sets(springs):
         for heading, name, scale in (LOAD_HEADINGS[3], LOAD_HEADINGS[2], LOAD_HEADINGS[5]):
             parts = [
-                _spread(trace[spring_set][name].values * scale, path) for trace, path in zip(traces, paths, strict=True)
+                _spread(trace[spring_set][name].values * scale if spring_set in trace else np.zeros(0), path)
+                for trace, path in zip(traces, paths, strict=True)
             ]
             columns.append(_Column(f"macro-model, {spring_set} springs: {heading}", parts))
     _fill(book, sheet, springs, columns)
@@ -246,7 +275,8 @@ def _charts(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
     load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(spring_sets(springs))]
     py = [(f"{depths[k]:.2f} m", 2 + 4 * k, 3 + 4 * k) for k in shown]
     mtheta = [(f"{depths[k]:.2f} m", 2, 4 + 4 * k) for k in shown]
-    for place, (name, rows) in enumerate(book.rows.items()):
+    lateral = [(name, rows) for name, rows in book.rows.items() if not is_vertical(springs, name)]
+    for place, (name, rows) in enumerate(lateral):
         charts = (
             ("load-displacement", f"{name}: load at the lid", load, "u [mm]", "H [kN]"),
             ("p-y", f"{name}: p-y, both sides, by depth", py, "y [mm]", "p [kN/m]"),
@@ -255,12 +285,26 @@ def _charts(book: _Book, sheet: Any, springs: xr.DataTree) -> None:
             ("lid", f"{name}: force under the lid", [("H", 2, 5)], "u [mm]", "H [kN]"),
         )
         for col, (data, title, series, x, y) in enumerate(charts):
-            chart = _scatter(book, data, rows, series)
-            chart.set_title({"name": title, "name_font": {"size": 11}})
-            chart.set_x_axis({"name": x, "major_gridlines": {"visible": True}, "label_position": "low"})
-            chart.set_y_axis({"name": y, "label_position": "low"})
-            chart.set_size({"width": 560, "height": 380})
-            sheet.insert_chart(place * 20, col * 9, chart)
+            _insert(sheet, (place * 20, col * 9), _scatter(book, data, rows, series), title, x, y)
+
+
+def _vertical_charts(book: _Book, sheet: Any, springs: xr.DataTree, below: int) -> None:
+    """One row of charts a vertical path, below those of the lateral ones: V, and t by depth, over w."""
+    depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
+    shown = np.unique(np.linspace(0, depths.size - 1, CHART_DEPTHS).astype(int))
+    V = [("V", 2, 3), ("tip", 2, 4), ("lid", 2, 5)]
+    t = [(f"{depths[k]:.2f} m", 2, 6 + 3 * k) for k in shown]
+    for place, (name, rows) in enumerate(book.rows.items(), start=below):
+        for col, (title, series, y) in enumerate((("vertical load", V, "V [kN]"), ("t-z by depth", t, "t [kN/m]"))):
+            _insert(sheet, (place * 20, col * 9), _scatter(book, "t-z", rows, series), f"{name}: {title}", "w [mm]", y)
+
+
+def _insert(sheet: Any, cell: tuple[int, int], chart: Any, title: str, x: str, y: str) -> None:
+    chart.set_title({"name": title, "name_font": {"size": 11}})
+    chart.set_x_axis({"name": x, "major_gridlines": {"visible": True}, "label_position": "low"})
+    chart.set_y_axis({"name": y, "label_position": "low"})
+    chart.set_size({"width": 560, "height": 380})
+    sheet.insert_chart(*cell, chart)
 
 
 def _scatter(book: _Book, sheet: str, rows: tuple[int, int], series: Iterable[tuple[str, int, int]]) -> Any:

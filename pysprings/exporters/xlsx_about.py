@@ -11,7 +11,7 @@ import xarray as xr
 
 from pysprings.exporters.xlsx_names import MEANING
 from pysprings.macro_fan import build_fan, has_fan
-from pysprings.springs import balance, get_path, path_names
+from pysprings.springs import balance, get_path, is_vertical, path_load, path_names
 
 _ORIGIN = {
     "title": "scene",
@@ -101,17 +101,26 @@ def _range(springs: xr.DataTree, name: str) -> str:
     path = get_path(springs, name)
     missing = balance(path)
     u, rotation, load = (float(np.abs(path[key].values).max()) for key in ("u", "rotation", "H"))
+    if is_vertical(springs, name):
+        w, V = path["w"].values, path["V"].values
+        return (
+            f"{springs.attrs['drainage']} vertical, {path.attrs['role']}, {path.attrs['status']}: "
+            f"w from {1e3 * w[0]:.4g} to {1e3 * w[-1]:.4g} mm, "
+            f"V from {1e-3 * V[0]:.5g} to {1e-3 * V[-1]:.5g} kN; out of balance by "
+            f"{missing['V']:.1e} (V). Beyond this range every use is an extrapolation."
+        )
     return (
         f"{springs.attrs['drainage']} {path.attrs['kind']}, load {path.attrs['arm_m']:g} m above mudline, "
         f"{path.attrs['role']}, {path.attrs['status']}: |u| to {1e3 * u:.4g} mm, "
-        f"|rotation| to {1e3 * rotation:.4g} mrad, |H| to {1e-3 * load:.5g} kN; "
+        f"|rotation| to {1e3 * rotation:.4g} mrad, |H| to {1e-3 * load:.5g} kN, V {1e-3 * path_load(path):.5g} kN; "
         f"out of balance by {missing['H']:.1e} (H), {missing['M']:.1e} (M). "
         "Beyond this range every use is an extrapolation."
     )
 
 
 def _error(row: pd.Series) -> str:
-    names = {"H": "load", "rotation": "rotation", "M": "moment", "u": "displacement at equal load"}
+    names = {"H": "load", "rotation": "rotation", "M": "moment", "u": "displacement at equal load",
+             "V": "vertical load"}  # fmt: skip
     parts = [
         f"{words} {round(row[f'{key}_error_max_pct'], 2) + 0.0:+.2f} %"
         for key, words in names.items()

@@ -23,6 +23,7 @@ MEANING = {
     "y_base.PATH, H_base.PATH, V_base.PATH, M_base.PATH": "tip (mm, kN, kN m)",
     "y_lid.PATH, H_lid.PATH, V_lid.PATH, M_lid.PATH": "lid (mm, kN, kN m)",
     "u.PATH, w.PATH, rotation.PATH, H.PATH, V.PATH, M.PATH": "motion and load of the full model (mm, mrad, kN, kN m)",
+    "w_tz.PATH, V_tz.PATH, tz_K.PATH": "vertical paths: w (mm), V (kN), vertical reaction of the K-th depth (kN/m)",
     "K_3x3, K_6x6": "initial stiffness of the full model at mudline (kN, m, rad)",
     "outer_diameter, skirt_length, skirt_thickness": "lengths (m)",
     "all curves": "one row a step, the rows of unconverged steps included",

@@ -13,7 +13,7 @@ from pysprings.exporters.xlsx_names import Names
 from pysprings.macro_model import MacroModel
 from pysprings.macro_sets import spring_sets
 from pysprings.macro_six import TORSION, axisymmetric
-from pysprings.springs import path_names
+from pysprings.springs import is_vertical, path_names
 
 KN = 1e-3
 _SIX = (("Fx [kN]", "Fy [kN]", "Fz [kN]", "Mx [kN m]", "My [kN m]", "Mz [kN m]"),
@@ -55,7 +55,7 @@ def _sets(springs: xr.DataTree) -> list[tuple[str, NDArray[np.float64]]]:
         for each, words in several
         if each in sets
     ]
-    for name in path_names(springs):
+    for name in (name for name in path_names(springs) if not is_vertical(springs, name)):
         for spring_set in (each for each in sets if each not in ("fan", "pisa")):
             matrix = MacroModel.from_springs(springs, spring_set, name).tangent_stiffness().values
             blocks.append((f"{spring_set} springs of path {name}", matrix))

@@ -15,6 +15,7 @@ from pysprings.plots.pressure_rose import pressure_rose
 from pysprings.plots.reactions import py_curves
 from pysprings.plots.rose import stress_rose
 from pysprings.plots.section import mesh, section_displacement, section_pressure
+from pysprings.plots.vertical import vertical_springs
 from pysprings.springs import path_names
 
 __all__ = [
@@ -34,4 +35,5 @@ __all__ = [
     "section_displacement",
     "section_pressure",
     "stress_rose",
+    "vertical_springs",
 ]

@@ -138,7 +138,10 @@ def skirt_length(path: xr.Dataset) -> float:
 def step_text(path: xr.Dataset, step: int) -> str:
     """Describe the state of a step in words: lid displacement [mm] and rotation [mrad]."""
     u, rotation = float(path["u"][step]) * MM, float(path["rotation"][step]) * MRAD
-    text = f"u = {u:.3g} mm, rotation = {rotation:.3g} mrad".replace("-", "\N{MINUS SIGN}")
+    text = f"u = {u:.3g} mm, rotation = {rotation:.3g} mrad"
+    if path.attrs.get("kind") == "vertical":
+        text = f"w = {float(path['w'][step]) * MM:.3g} mm"
+    text = text.replace("-", "\N{MINUS SIGN}")
     return text if converged(path)[step] else text + " (NOT CONVERGED)"
 
 
@@ -146,6 +149,8 @@ def abscissa(path: xr.Dataset) -> tuple[NDArray[np.float64], str]:
     """Return what the path drives, with its axis label: u [mm], or the rotation [mrad] on a pure rotation."""
     if path.attrs.get("kind") == "rotation":
         return path["rotation"].values * MRAD, "rotation of the caisson [mrad]"
+    if path.attrs.get("kind") == "vertical":
+        return path["w"].values * MM, "vertical displacement w [mm], down +"
     return path["u"].values * MM, "lateral displacement u of the lid centre [mm]"
 
 

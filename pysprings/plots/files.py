@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 
-from pysprings.plots import comparison, gap, load, newton, pressure_rose, reactions, rose, section
+from pysprings.plots import comparison, gap, load, newton, pressure_rose, reactions, rose, section, vertical
 from pysprings.plots.data import (
     convergence_data,
     path_data,
@@ -83,11 +83,14 @@ def path_figures(
     path = path_data(result, name)
     if springs is not None:
         path = path.assign_attrs({**settings(springs), **path.attrs})
-    yield f"{name}_load_displacement", load.load_displacement(path)
-    if curves:
-        yield f"{name}_macro_against_full", comparison.macro_against_full(path, curves)
-    source = path_data(springs, name) if springs is not None and name in path_names(springs) else path
-    yield f"{name}_py", reactions.py_curves(source)
+    if path.attrs.get("kind") == "vertical":
+        yield f"{name}_vertical", vertical.vertical_springs(path)
+    else:
+        yield f"{name}_load_displacement", load.load_displacement(path)
+        if curves:
+            yield f"{name}_macro_against_full", comparison.macro_against_full(path, curves)
+        source = path_data(springs, name) if springs is not None and name in path_names(springs) else path
+        yield f"{name}_py", reactions.py_curves(source)
     yield from _state_figures(path, plane)
     record = convergence_data(result, name)
     if record is not None and record.sizes.get("iteration", 0):

@@ -18,10 +18,11 @@ import pandas as pd
 
 from pysprings.errors import Problem, UserInputError
 from pysprings.exporters.tables import PY_COLUMNS
+from pysprings.tables.wide import is_wide, unfold
 from pysprings.units import quoted
 
 NEEDED = ("depth_m", "y_m", "p_N_per_m")
-FAMILIES = ("py", "mtheta", "base", "lid")
+FAMILIES = ("py", "mtheta", "base", "lid", "tz")
 TEXTS = ("path", "family", "side", "component")
 # Sheets that are not read: words and pictures.
 OTHER_SHEETS = ("about", "charts", "load-displacement", "stiffness 6x6")
@@ -62,8 +63,10 @@ def read_rows(path: str | os.PathLike[str], faults: Faults) -> pd.DataFrame:
     unknown families, for the checks that follow to add theirs.
     """
     path = Path(path)
-    sheets = list(_sheets(path))
-    frames = [_typed(place, family, head, cells, faults) for place, family, head, cells in sheets]
+    frames = [
+        _typed(place, family, *(unfold(head, cells) if is_wide(head) else (head, cells)), faults)
+        for place, family, head, cells in _sheets(path)
+    ]
     if not frames:
         faults.add((str(path), None), None, f"no sheet with a table; expected the columns {', '.join(NEEDED)}")
     if any(each.line in (None, 1) for each in faults.problems):

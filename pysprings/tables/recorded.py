@@ -8,7 +8,8 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.macro_fan import fan_paths
+from pysprings.macro_fan import STRAIGHT, fan_paths
+from pysprings.macro_vertical import build_vertical
 from pysprings.springs import get_path, net_m, net_p, slice_heights
 from pysprings.tables.file import Faults
 from pysprings.tables.places import ROUNDING, net_rows, place_of, slices
@@ -23,6 +24,8 @@ _NUMBERS = {
     "base": ("H_N", "M_Nm"),
     "lid": ("H_N", "M_Nm"),
 }
+_SPARE = ("w_m", "t_N_per_m", "V_N")  # the vertical direction, where a table knows it
+_DOWN = {"tz": ("t_N_per_m", "w_m"), "base": ("V_N", "w_m"), "lid": ("V_N", "w_m")}  # of a vertical path
 
 
 def is_record(rows: pd.DataFrame) -> bool:
@@ -34,8 +37,9 @@ def is_record(rows: pd.DataFrame) -> bool:
 def build_tree(rows: pd.DataFrame, faults: Faults) -> xr.DataTree:
     """Return the spring tree of recorded paths, all of them for calibration; refuse every fault with its line.
 
-    What a table does not hold: the full model's initial stiffness (that of the first steps of all rays stands in
-    for it, by least squares) and the vertical stiffness, so that w and V are left out.
+    What a table does not hold is the full model's initial stiffness: that of the first steps of all rays stands in
+    for it, by least squares. The vertical direction is known where a table has a vertical path (family tz) and t, V and
+    w in the rows of the others; else w and V are left out.
     """
     paths = dict[str, xr.Dataset]()
     for name, own in rows[rows["converged"] != 0].groupby("path", sort=False):
@@ -49,15 +53,25 @@ def build_tree(rows: pd.DataFrame, faults: Faults) -> xr.DataTree:
     attrs = {"title": f"table {rows['file'].iloc[0]}", "skirt_length_m": length}
     groups = {f"/paths/{name}": path for name, path in paths.items()}
     tree = xr.DataTree.from_dict({"/": xr.Dataset(attrs=attrs)} | groups)
-    dofs = ["u", "rotation"]
-    stiffness = xr.DataArray(_first_stiffness(tree), {"dof": dofs, "dof_conjugate": dofs}, ("dof", "dof_conjugate"))
-    tree.dataset = tree.to_dataset().assign(stiffness_initial=stiffness)
+    stiffness = _first_stiffness(tree)
+    tree.dataset = tree.to_dataset().assign(stiffness_initial=_stiffness(stiffness, ["u", "rotation"]))
+    vertical = build_vertical(tree) if all("V" in path and path.attrs["down"] for path in paths.values()) else None
+    if vertical is not None:
+        full = np.insert(np.insert(stiffness, 1, 0.0, axis=0), 1, [0.0, vertical.stiffness, 0.0], axis=1)
+        known = xr.Dataset({"stiffness_initial": _stiffness(full, ["u", "w", "rotation"])})
+        tree.dataset = known.assign_attrs(attrs | {"first_steps": 1})
     return tree
+
+
+def _stiffness(matrix: Array, dofs: list[str]) -> xr.DataArray:
+    return xr.DataArray(matrix, {"dof": dofs, "dof_conjugate": dofs}, ("dof", "dof_conjugate"))
 
 
 def _path(rows: pd.DataFrame, faults: Faults) -> xr.Dataset | None:
     """One path as a dataset; None where something is wrong with it."""
     families = {str(name): part for name, part in rows.groupby("family", sort=False)}
+    if "tz" in families:
+        return _vertical_path(families, faults)
     own, known = Faults(), [family for family in COMPANIONS if family in families]
     lost = [family for family in COMPANIONS if family not in families]
     if known and lost:
@@ -77,9 +91,41 @@ def _path(rows: pd.DataFrame, faults: Faults) -> xr.Dataset | None:
     return _assembled(depth, bounds, grids, families, faults)
 
 
-def _grid(part: pd.DataFrame, family: str, faults: Faults) -> Grid:
+def _vertical_path(families: dict[str, pd.DataFrame], faults: Faults) -> xr.Dataset | None:
+    """A path of t(z), tip and lid over w as a dataset; None where something is wrong with it."""
+    own = Faults()
+    place = place_of(families["tz"])
+    if set(families) != set(_DOWN):
+        own.add(place, "family", "a vertical path has the families tz, base and lid, and no others")
+        faults.problems += own.problems
+        return None
+    depth, bounds, _ = slices(net_rows(families["tz"], own), None, own)
+    grids = {name: _grid(net_rows(part, own), name, own, _DOWN[name]) for name, part in families.items()}
+    if not own.problems and np.isnan(bounds).any():
+        own.add(place, "depth_top_m", "depth_top_m and depth_bottom_m are needed beside step and w_m")
+    if not own.problems:
+        n, w = grids["tz"]["step"].shape[1], grids["tz"]["w_m"][0]
+        for name, grid in grids.items():
+            if grid["step"].shape[1] != n or (np.abs(grid["w_m"] - w) > ROUNDING * np.abs(w).max()).any():
+                own.add(place_of(families[name]), "w_m", "the caisson is rigid: one value a step, in all families")
+        if n < 2:
+            own.add(place, "step", "the initial state and at least one more step are needed")
+    if own.problems:
+        faults.problems += own.problems
+        return None
+    t, tip, lid = grids["tz"]["t_N_per_m"], grids["base"]["V_N"][0], grids["lid"]["V_N"][0]
+    data: dict[str, tuple[tuple[str, ...], Array]] = {name: (("step",), np.zeros(n)) for name in ("u", "rotation")}
+    data |= {"w": (("step",), w), "V_tip": (("step",), tip), "V_lid": (("step",), lid)}
+    data |= {"V": (("step",), (bounds[:, 1] - bounds[:, 0]) @ t + tip + lid), "converged": (("step",), np.ones(n))}
+    data |= {"t": (("depth", "side", "step"), t[:, None, :]), "depth_bounds": (("depth", "bound"), bounds)}
+    attrs = {"role": "calibration", "kind": "vertical", "arm_m": np.nan, "down": True}
+    return xr.Dataset(data, {"depth": depth, "side": ["net"], "step": np.arange(n)}, attrs)
+
+
+def _grid(part: pd.DataFrame, family: str, faults: Faults, columns: tuple[str, ...] | None = None) -> Grid:
     """Columns of one family as arrays (depth, step); note blanks, what stands twice and what is missing."""
-    for column in (*_NUMBERS[family], "step", "depth_m"):
+    columns = columns or _NUMBERS[family]
+    for column in (*columns, "step", "depth_m"):
         for row in part[part[column].isna()].itertuples(index=False):
             faults.at(row, column, "blank")
     twice = part.duplicated(["depth_m", "step"])
@@ -94,7 +140,7 @@ def _grid(part: pd.DataFrame, family: str, faults: Faults) -> Grid:
             faults.add(place, "step", f"depth {depth:g} m has {counts[depth]} of {shape[1]} steps ({family})")
     if faults.problems:
         return {}
-    return {name: once[name].to_numpy(dtype=float).reshape(shape) for name in (*_NUMBERS[family], "line", "step")}
+    return {name: once[name].to_numpy(dtype=float).reshape(shape) for name in (*columns, *_SPARE, "line", "step")}
 
 
 def _assembled(
@@ -129,16 +175,25 @@ def _assembled(
         "p": (("depth", "side", "component", "step"), py["p_N_per_m"][:, None, None, :]),
         "converged": (("step",), np.ones(n)),
     }
+    down = False
     if "mtheta" in grids:  # what is not known of the vertical direction is nothing here, and is not shown
-        data |= {name: (("step",), zero) for name in ("w", "V", "V_tip", "V_lid")}
+        w, tip, lid = grids["py"]["w_m"][0], grids["base"]["V_N"][0], grids["lid"]["V_N"][0]
+        t = grids["mtheta"]["t_N_per_m"]
+        down = all(np.isfinite(values).all() for values in (w, tip, lid, t))
+        V = (bounds[:, 1] - bounds[:, 0]) @ t + tip + lid
+        known = {"w": w, "V": V, "V_tip": tip, "V_lid": lid}
+        data |= {name: (("step",), values if down else zero) for name, values in known.items()}
         data |= {"m": (("depth", "side", "step"), grids["mtheta"]["m_Nm_per_m"][:, None, :])}
-        data |= {"t": (("depth", "side", "step"), np.zeros((depth.size, 1, n)))}
+        data |= {"t": (("depth", "side", "step"), t[:, None, :] if down else np.zeros((depth.size, 1, n)))}
         for family, part in (("base", "tip"), ("lid", "lid")):
             data |= {
                 f"H_{part}": (("step",), grids[family]["H_N"][0]),
                 f"M_{part}": (("step",), grids[family]["M_Nm"][0]),
             }
-    attrs = {"role": "calibration", "kind": "table", "arm_m": np.nan}
+    attrs = {"role": "calibration", "kind": "table", "arm_m": np.nan, "down": down}
+    rho = np.hypot(u, rotation * bounds[-1, 1])
+    across = np.abs(u * rotation[-1] - rotation * u[-1]) * bounds[-1, 1]
+    attrs["straight"] = bool((across <= STRAIGHT * rho * rho[-1] + 1e-300).all())
     coords = {"depth": depth, "side": ["net"], "component": ["total"], "step": np.arange(n)}
     return xr.Dataset(data, coords, attrs)
 

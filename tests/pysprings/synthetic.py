@@ -371,7 +371,7 @@ def make_springs(paths: tuple[Path, ...] = (Path(),), caisson: Caisson | None = 
         "skirt_thickness_m": c.thickness,
         "vertical_load_N": DEAD_LOAD,
         "drainage": "drained",
-        "schema": "pysprings-springs-1",
+        "schema": "pysprings-springs-2",
     }
     root = xr.Dataset(
         {"stiffness_initial": (("dof", "dof_conjugate"), stiffness(c))},

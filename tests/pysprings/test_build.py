@@ -191,12 +191,14 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("path", "duration"): 100.0,
     ("path", "then"): ("1 mm",),
     ("path", "arm_from"): 1.0,
+    ("path", "vertical_load"): 3e6,
     ("drainage", "mode"): "coupled",
 }
 # What a path must be for a field of it to be used.
 PATHS: dict[str, dict[str, Any]] = {
     "rotation": {"kind": "translation"},
     "lateral_force": {"name": "a", "kind": "load", "lateral_force": 1e6, "lateral_displacement": None},
+    "vertical_displacement": {"kind": "vertical", "lateral_displacement": None, "vertical_displacement": 1e-3},
     "rate": {"rate": 1e-4},
     "then": {"role": "held-back"},
     "arm_from": {"kind": "load", "lateral_force": 1e6, "lateral_displacement": None, "role": "held-back", "arm": 2.0},
@@ -208,7 +210,8 @@ def outputs(scene: Scene) -> dict[str, Any]:
     built = build_model(scene)
     path = scene.paths[0]
     return {
-        "model": flat(built.model), "stages": flat(path_stages(scene, path, built.extra_load)),
+        "model": flat(built.model),
+        "stages": flat(path_stages(scene, path, built.extra_load_of(scene.vertical_load_of(path)))),
         "newton": flat(Settings(scene.solver.tolerance, scene.solver.max_iterations)), "linear": scene.solver.linear,
         "kept": scene.output, "names": (scene.title, path.name, path.role), "sea": scene.drainage.water_depth,
         # the lid is only drawn; the diameter and skirt are measured in the mesh

@@ -473,6 +473,7 @@ def test_springs_to_stdout(springs_file: Path) -> None:
         assert (done.code, done.err) == (0, "")
         assert done.out.startswith("path,family,depth_m,depth_top_m,depth_bottom_m,side,component,step,y_m,p_N_per_m")
     assert "pull" in json.loads(Result("springs", springs_file, "--format", "json").out)["paths"]
+    assert Result("springs", springs_file, "--wide").out.startswith("path,step,converged,rotation_rad,w_m,y_m z=0 [")
     assert Result("springs", springs_file, "--json").out == Result("springs", springs_file, "--format", "json").out
 
 
@@ -481,6 +482,7 @@ def test_springs_to_files(springs_file: Path) -> None:
         ["--out", "a.csv"],
         ["--out", "b.xlsx"],
         ["--out", "c.nc"],
+        ["--wide", "--out", "w.csv"],
         ["--format", "json", "--out", "d.txt"],
     ):
         done = Result("springs", springs_file, *args)
@@ -510,6 +512,7 @@ def test_springs_of_a_full_model_file(monkeypatch: pytest.MonkeyPatch, springs_f
             ["results", "--out", "x.foo"],
             "x.foo: --out: no format is known for 'foo'; give --format csv|xlsx|json|nc",
         ),
+        (["results", "--wide", "--format", "json"], "--wide: is a form of csv, not of json"),
         (["results", "--format", "csv", "--out", "empty"], "empty: --out: is a folder, not a file"),
     ],
 )

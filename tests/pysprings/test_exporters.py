@@ -55,6 +55,25 @@ def test_load_displacement_has_the_contracts_columns(folder):
     np.testing.assert_allclose(parts, pull["H_N"], rtol=1e-8, atol=1e-3)
 
 
+def test_wide_table_holds_what_the_long_one_does(folder, springs):
+    """Rows are steps; each depth has its pair y, p beside each other; every number is that of the long table."""
+    wide, long = pd.read_csv(folder / "py_wide.csv"), pd.read_csv(folder / "py.csv")
+    assert len(wide) == 2 * STEPS
+    assert wide.columns[5] == "y_m z=0 [0..0.204863853]"
+    pairs = [name.split(" z=")[0] for name in wide.columns[5 : 5 + 4 * RINGS]]
+    assert pairs == ["y_m", "p_N_per_m"] * RINGS + ["m_Nm_per_m", "t_N_per_m"] * RINGS
+    net = long[(long["side"] == "net") & long["component"].isin(["total", np.nan])]
+    for heading in wide.columns[5 : 5 + 4 * RINGS]:
+        quantity, place = heading.split(" z=")
+        own = net[np.isclose(net["depth_m"], float(place.split(" ")[0])) & net[quantity].notna()]
+        own = own[own["family"] == ("py" if quantity in ("y_m", "p_N_per_m") else "mtheta")]
+        assert own[["path", "step"]].values.tolist() == wide[["path", "step"]].values.tolist()
+        np.testing.assert_allclose(wide[heading], own[quantity], rtol=1e-9)
+    tip = long[long["family"] == "base"]
+    np.testing.assert_allclose(wide[["H_tip_N", "V_tip_N", "M_tip_Nm"]], tip[["H_N", "V_N", "M_Nm"]], rtol=1e-9)
+    assert exporters.text(springs, "wide") == (folder / "py_wide.csv").read_text()
+
+
 def test_py_has_the_contracts_columns_and_no_comment(folder):
     file = folder / "py.csv"
     assert file.read_text().splitlines()[0] == PY_COLUMNS
@@ -268,7 +287,7 @@ def test_unconverged_steps_are_empty_in_the_macro_columns(tmp_path):
 
 def test_json(springs):
     document = json.loads(exporters.text(springs, "json"))
-    assert document["attributes"]["schema"] == "pysprings-springs-1"
+    assert document["attributes"]["schema"] == "pysprings-springs-2"
     p = document["paths"]["high"]["variables"]["p"]
     assert p["units"] == "N m-1"
     assert p["dims"] == ["depth", "side", "component", "step"]
@@ -280,6 +299,6 @@ def test_export_by_form(springs, tmp_path):
         file = exporters.export(springs, form, tmp_path / f"springs.{form}")
         assert file.stat().st_size > 1000
     assert (tmp_path / "springs.csv").read_text() == exporters.text(springs, "csv")
-    with pytest.raises(UserInputError, match="'ods' is not one of csv, xlsx, json"):
+    with pytest.raises(UserInputError, match="'ods' is not one of csv, wide, xlsx, json"):
         exporters.export(springs, "ods", tmp_path / "x")
     assert not (tmp_path / "x").exists()

@@ -511,8 +511,8 @@ def test_every_figure_that_a_result_allows_is_written(
     assert {file.name for file in (tmp_path / "figures").iterdir()} == {file.name for file in written}
     assert result_files.pictures_in(tmp_path) == sorted(written)
     kinds = [result_files.picture_kind(stem, "pull" if stem != "mesh" else "") for stem in STEMS]
-    of_water = {"pressure", "section_pressure"}  # the result is drained
-    assert {kind[0] for kind in kinds if kind} == set(result_files.PICTURES) - of_water
+    others = {"pressure", "section_pressure", "vertical"}  # the result is drained, the path lateral
+    assert {kind[0] for kind in kinds if kind} == set(result_files.PICTURES) - others
 
 
 @pytest.mark.parametrize(

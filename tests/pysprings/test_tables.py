@@ -38,12 +38,13 @@ def problems(path: Path, **options: float) -> list[str]:
     return [f"{each.line}: {each.key}: {each.message}" for each in caught.value.problems]
 
 
+@pytest.mark.parametrize("form", [0, 1], ids=["long", "wide"])
 @pytest.mark.parametrize("spring_set", ["py", "full"])
 @pytest.mark.parametrize("path", [None, "high"])
-def test_our_own_table_predicts_what_the_springs_do(tmp_path, spring_set, path):
+def test_our_own_table_predicts_what_the_springs_do(tmp_path, spring_set, path, form):
     """y of the deep rings turns back at an arm of 8 m: the record of the path is needed, and is in the table."""
     springs = synthetic.make_springs((synthetic.Path("pull"), synthetic.Path("high", arm=8.0)))
-    (file,) = exporters.csv_tables(tmp_path, springs)
+    file = exporters.csv_tables(tmp_path, springs)[form]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MacroWarning)
         ours, theirs = (
@@ -60,7 +61,7 @@ def test_our_own_table_predicts_what_the_springs_do(tmp_path, spring_set, path):
 
 def test_our_own_table_makes_the_same_fan(tmp_path):
     springs = fan_springs(potential)
-    (file,) = exporters.csv_tables(tmp_path, springs)
+    file = exporters.csv_tables(tmp_path, springs)[0]
     table = open_table(file)
     ours, theirs = (curve(source, u_max=3e-3, arm=2.0, n=7) for source in (springs, table))
     assert theirs.attrs["springs"] == "fan"
@@ -68,6 +69,22 @@ def test_our_own_table_makes_the_same_fan(tmp_path):
     np.testing.assert_allclose(theirs["H"], ours["H"], rtol=5e-3)  # the initial slope is that of the first steps
     np.testing.assert_allclose(theirs["rotation"], ours["rotation"], rtol=5e-3)
     np.testing.assert_allclose(table["stiffness_initial"], springs["stiffness_initial"][::2, ::2], rtol=2e-2)
+
+
+def test_wide_table_faults_name_their_line(tmp_path):
+    """A word for a number, a quantity in another unit, a row that is too long."""
+    file = exporters.csv_tables(tmp_path, synthetic.make_springs())[1]
+    head, *rows = file.read_text().splitlines()
+    cells = rows[3].split(",")
+    cells[5] = "much"
+    assert problems(write(tmp_path / "word.csv", head, *rows[:3], ",".join(cells), *rows[4:])) == [
+        '5: y_m: "much" is not a number'
+    ]
+    (found,) = problems(write(tmp_path / "unit.csv", head.replace("p_N_per_m z=0 ", "p_kN_per_m z=0 "), *rows))
+    assert found.startswith('1: "p_kN_per_m z=0 [0..')
+    assert "wrong name or unit: expected 'p_N_per_m'" in found
+    found = problems(write(tmp_path / "long.csv", head, rows[0] + ",1", *rows[1:]))
+    assert found[0].startswith("2: None: more cells than")
 
 
 def test_minimal_table_and_its_closed_form(tmp_path):
@@ -137,7 +154,8 @@ def full_stiffness() -> np.ndarray:
 def test_companions_by_family(tmp_path):
     table = open_table(write(tmp_path / "springs.csv", *companions()))
     model = MacroModel.from_springs(table)
-    assert (model.spring_set, model.remarks) == ("full", ("a table has no vertical springs: w and V are left out",))
+    remark = "a table without a vertical path has no vertical springs: w and V are left out"
+    assert (model.spring_set, model.remarks) == ("full", (remark,))
     np.testing.assert_allclose(model.tangent_stiffness(1e-3, -1e-4), full_stiffness())
     assert MacroModel.from_springs(table, "py").remarks[0].startswith("p-y springs alone")
 
@@ -226,7 +244,7 @@ def test_columns_are_refused(tmp_path, head, found):
 
 def test_other_refusals(tmp_path):
     file = write(tmp_path / "a.csv", "family,depth_m,y_m,p_N_per_m", "px,1,0.001,1e5", "py,1,0.001,1e5")
-    assert problems(file) == ['2: family: "px" is not one of py, mtheta, base, lid']
+    assert problems(file) == ['2: family: "px" is not one of py, mtheta, base, lid, tz']
     file = write(tmp_path / "b.csv", "depth_m,side,y_m,p_N_per_m", "1,outside,0.001,1e5")
     assert problems(file) == ["2: side: only parts are given: side 'net' and component 'total' (or blanks) are needed"]
     file = write(tmp_path / "c.csv", "depth_m,y_m,p_N_per_m", "-1,0.001,1e5", "5,0.001,1e5")
@@ -242,7 +260,7 @@ def test_other_refusals(tmp_path):
 
 def test_faults_of_a_record(tmp_path):
     springs = synthetic.make_springs((synthetic.Path(steps=3),), synthetic.Caisson(rings=3))
-    (file,) = exporters.csv_tables(tmp_path, springs)
+    file = exporters.csv_tables(tmp_path, springs)[0]
     table = pd.read_csv(file)
     py = table[(table["family"] == "py") & (table["side"] == "net") & (table["component"] == "total")]
     moved = py.index[7]

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: MIT
+"""The vertical part of an answer: w, V, the stiffness of w, and what the springs do not know of a vertical load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings import variables
+from pysprings.errors import Problem, UserInputError
+from pysprings.macro_vertical import VerticalTable
+from pysprings.springs import path_load, same_load
+
+if TYPE_CHECKING:
+    from pysprings.macro_model import MacroModel
+
+Array = NDArray[np.float64]
+
+# A vertical spring may exceed its range by this share before it counts as extrapolated (rounding).
+SLACK = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Down:
+    """w, V and marks by step (none for springs from a table), tangent dV/dw and range used (n,), words.
+
+    message tells that no w carries V: w is that of the end of the curve then.
+    """
+
+    values: dict[str, Array] = field(default_factory=dict)
+    tangent: Array | None = None
+    used: Array | float = 0.0
+    notes: list[str] = field(default_factory=list)
+    message: str = ""
+
+
+def vertical_answer(
+    model: MacroModel, w: Array | None, V: Array | None, wanted: float | Array | None, states: Array
+) -> Down:
+    """Return what goes with lateral states (n, 2) = (u, rotation) under a vertical load.
+
+    Parameters
+    ----------
+    w, V
+        Vertical displacement [m] and load [N] of the lateral springs by step; None where a table does not know them.
+    wanted
+        Vertical load asked for [N], one number or one a step; None: that of the lateral springs.
+    """
+    if model.stiffness_initial is None or w is None or V is None:
+        if wanted is not None:
+            raise refused("V", "these springs come from a table without vertical paths (family tz): leave V out")
+        return Down()
+    w = w + model.settled
+    if wanted is None:
+        return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
+    down = np.full_like(V, wanted)
+    check_finite(V=float(np.abs(down).max(initial=0.0)))
+    other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
+    moved = other & (states != 0.0).any(axis=1)
+    marks = {"V": down, "off_load": moved.astype(np.int8)}
+    if model.vertical is None:
+        K = float(model.stiffness_initial[1, 1])
+        notes = [_not_the_paths(model, down[other]) + "w from the elastic vertical stiffness"] if other.any() else []
+        notes = [f"{note}, lateral springs unchanged" for note in notes]
+        return Down(marks | {"w": w + (down - V) / K, "off_load": other.astype(np.int8)}, notes=notes)
+    there, at_path = _displacements(model, down), _displacements(model, V)
+    notes = [_not_the_paths(model, down[moved]) + "lateral springs unchanged"] if moved.any() else []
+    used = there[2]
+    return Down(
+        marks | {"w": w + there[0] - at_path[0]},
+        there[1],
+        np.nan_to_num(used, nan=np.inf),
+        notes + _unknown(model, used),
+        _no_equilibrium(model, down[np.isnan(used)]),
+    )
+
+
+def along_vertical(table: VerticalTable, path: xr.Dataset) -> xr.Dataset:
+    """Return what the vertical springs answer at the w [m] of a path, with the variables and attrs of a prediction."""
+    w = path["w"].values
+    rows, nothing = table.reactions(w), np.zeros(w.size)
+    known = variables.GROUPS["prediction"]
+    values = {"u": nothing, "w": w, "rotation": nothing, "H": nothing, "V": rows[-1], "M": nothing}
+    used = np.array([table.used(float(value)) for value in w])
+    marks = {"converged": np.ones(w.size), "extrapolated": used > 1.0 + SLACK, "off_path": nothing, "off_load": nothing}
+    values |= {"range_used": used} | {name: mark.astype(np.int8) for name, mark in marks.items()}
+    data: dict[str, Any] = {name: (known[name].dims, x, known[name].attributes()) for name, x in values.items()}
+    data |= {
+        "t": (("depth", "step"), rows[table.name == "t"], {"units": "N m-1"}),
+        "u_at_load": ("step", nothing, {"units": "m"}),
+        "usable": ("depth", np.ones(path.sizes["depth"], dtype=np.int8), known["usable"].attributes()),
+    }
+    coords = {"depth": ("depth", path["depth"].values, known["depth"].attributes()), "step": np.arange(w.size)}
+    attrs = {"springs": "vertical", "path": table.path, "status": "complete", "message": "", "warnings": ""}
+    return xr.Dataset(data, coords, attrs)
+
+
+def _displacements(model: MacroModel, V: Array) -> Array:
+    """w [m], dV/dw [N/m] and range used of the vertical springs, (3, n)."""
+    assert model.vertical is not None
+    values, place = np.unique(V, return_inverse=True)
+    found = np.array([model.vertical.displacement(float(value)) for value in values]).reshape(-1, 3)
+    return found[place].T
+
+
+def _unknown(model: MacroModel, used: Array) -> list[str]:
+    """Sentences on vertical loads beyond the vertical springs."""
+    assert model.vertical is not None
+    notes = []
+    if np.isinf(used).any():
+        direction = "upwards" if model.vertical.branch(1.0) else "downwards"
+        notes.append(f"no vertical path leads {direction}: w from the elastic vertical stiffness")
+    beyond = used[np.isfinite(used) & (used > 1.0 + SLACK)]
+    if beyond.size:
+        notes.append(
+            f"{beyond.size} of {used.size} states are beyond the vertical springs (path {model.vertical.path}): they "
+            f"reach {beyond.max():.3g} times the calibrated displacement (limit 1); {model.vertical.limits()}"
+        )
+    return notes
+
+
+def _no_equilibrium(model: MacroModel, V: Array) -> str:
+    assert model.vertical is not None
+    if not V.size:
+        return ""
+    return f"macro-model: no vertical equilibrium under V = {_list(V)} N; the springs carry {model.vertical.limits()}"
+
+
+def _not_the_paths(model: MacroModel, V: Array) -> str:
+    path, own = model.origin.attrs["path"], path_load(model.origin)
+    return f"V = {_list(V)} N is not that of path '{path}' ({own:.7g} N): "
+
+
+def _list(V: Array) -> str:
+    values = np.unique(V)
+    return ", ".join(f"{value:.7g}" for value in values[:3]) + (" ..." if values.size > 3 else "")
+
+
+def check_finite(**values: float) -> None:
+    """Refuse numbers that are not finite, by name."""
+    bad = [name for name, value in values.items() if not np.isfinite(value)]
+    if bad:
+        raise UserInputError([Problem(key=name, message="not a finite number") for name in bad])
+
+
+def refused(key: str, message: str) -> UserInputError:
+    """Return the error for one bad argument."""
+    return UserInputError([Problem(key=key, message=message)])

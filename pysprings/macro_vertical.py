@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: MIT
+"""Vertical springs: t(z), tip and lid over the vertical displacement w, from paths of kind "vertical".
+
+Downwards and upwards differ (lid and tip bear, or lift off), so each direction has its own curves, which start at the
+state at rest, (w0, V0). Every reaction is a function of w alone, V = sum t dz + V_tip + V_lid. Interpolation is that
+of a ray of a fan (`macro_fan.secant_slopes`): cubic, through the recorded points, linear in the data, with the initial
+stiffness of the full model at rest in both directions.
+
+How they go with the lateral springs: additively in w. Under a vertical load V that is not the V' of the lateral paths,
+
+    w = w_lateral(u, rotation; V') + w_vertical(V) - w_vertical(V'),
+
+and H and M stay those at V'. The first is exact where the caisson does not move laterally, or where V = V'; what the
+second is worth away from V' is measured by `pysprings compare` on held-back paths with a `vertical_load` of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.loads import rest_load
+from pysprings.macro_fan import initial_slopes, secant_slopes
+from pysprings.macro_solver import spring_row
+from pysprings.springs import get_path, is_vertical, path_names, same_load, slice_heights
+
+Array = NDArray[np.float64]
+
+BISECTIONS = 60
+# A curve whose last step is less than this share of its initial stiffness carries no more: V has reached its capacity
+FLAT = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """Reactions in one direction over x = |w - w0|: rows (t by depth, V_tip, V_lid, V), k knots.
+
+    Attributes
+    ----------
+    path : name of the path it comes from.
+    sign : 1 downwards, -1 upwards.
+    x : (k,) knots [m], 0 first.
+    r, slope : (rows, k) reactions [N/m, N] and dr/dx.
+    """
+
+    path: str
+    sign: float
+    x: Array
+    r: Array
+    slope: Array
+
+    @property
+    def end(self) -> tuple[float, float]:
+        """Largest x [m] and its V [N]."""
+        return float(self.x[-1]), float(self.r[-1, -1])
+
+    def at(self, x: float) -> tuple[Array, Array]:
+        """Return all reactions (rows,) and their slopes dr/dx at one x [m]; the last step goes on beyond the end."""
+        if x > self.x[-1]:
+            chord = (self.r[:, -1] - self.r[:, -2]) / (self.x[-1] - self.x[-2])
+            return self.r[:, -1] + chord * (x - self.x[-1]), chord
+        pairs = [spring_row(self.x, r, s, self.x.size, x) for r, s in zip(self.r, self.slope, strict=True)]
+        return np.array([r for r, _ in pairs]), np.array([s for _, s in pairs])
+
+    def find(self, V: float) -> float | None:
+        """Return the first x [m] that carries V [N], along the last step beyond the end; None where none does."""
+        over = self.sign * (self.r[-1] - V)
+        reached = np.flatnonzero(over >= 0.0)
+        if not reached.size:
+            chord = (self.r[-1, -1] - self.r[-1, -2]) / (self.x[-1] - self.x[-2])
+            flat = self.sign * chord < FLAT * abs(self.slope[-1, 0])
+            return None if flat else float(self.x[-1] + (V - self.r[-1, -1]) / chord)
+        k = int(reached[0])
+        if k == 0 or over[k] == 0.0:
+            return float(self.x[k])
+        low, high = self.x[k - 1], self.x[k]
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            value = spring_row(self.x, self.r[-1], self.slope[-1], self.x.size, middle)[0]
+            low, high = (low, middle) if self.sign * (value - V) >= 0.0 else (middle, high)
+        return float(0.5 * (low + high))
+
+
+@dataclass(frozen=True, slots=True)
+class VerticalTable:
+    """Vertical springs of a caisson.
+
+    Attributes
+    ----------
+    rest : w0 [m] and V0 [N] of the state at rest, where both directions start.
+    depth, b : (rows,) depth [m] of each row, and its action on V: t with its slice, V_tip and V_lid with 1, V with 0.
+    name : (rows,) t, V_tip, V_lid, V.
+    stiffness : dV/dw at rest [N/m].
+    branches : the directions that are known, downwards first.
+    """
+
+    rest: tuple[float, float]
+    name: NDArray[np.str_]
+    depth: Array
+    b: Array
+    stiffness: float
+    branches: tuple[Branch, ...]
+
+    @property
+    def path(self) -> str:
+        """Names of the paths they come from."""
+        return ", ".join(branch.path for branch in self.branches)
+
+    def branch(self, change: float) -> Branch | None:
+        """Return the branch for a change of w or V from rest; None where that direction is not known."""
+        sign = 1.0 if change >= 0.0 else -1.0
+        return next((each for each in self.branches if each.sign == sign), None)
+
+    def displacement(self, V: float) -> tuple[float, float, float]:
+        """Return w [m] under V [N], the tangent dV/dw [N/m] there, and the calibrated range used.
+
+        The range used is above 1 beyond the recorded displacement, inf in a direction that is not known (the answer is
+        elastic then), NaN where no w carries V (w is that of the end of the curve then).
+        """
+        w0, V0 = self.rest
+        change = V - V0
+        branch = self.branch(change)
+        if branch is None:
+            return w0 + change / self.stiffness, self.stiffness, np.inf
+        x = branch.find(V)
+        if x is None:
+            return w0 + branch.sign * branch.x[-1], 0.0, np.nan
+        _, slopes = branch.at(x)
+        return w0 + branch.sign * x, branch.sign * float(slopes[-1]), x / float(branch.x[-1])
+
+    def reactions(self, w: Array) -> Array:
+        """Return all rows (rows, n) at vertical displacements w (n,) [m]; elastic, V alone, in an unknown direction."""
+        out = np.full((self.b.size, w.size), np.nan)
+        for i, value in enumerate(w):
+            change = float(value) - self.rest[0]
+            branch = self.branch(change)
+            if branch is None:
+                out[-1, i] = self.rest[1] + self.stiffness * change
+            else:
+                out[:, i] = branch.at(abs(change))[0]
+        return out
+
+    def used(self, w: float) -> float:
+        """Return the calibrated range used at w [m]; inf in a direction that is not known."""
+        branch = self.branch(w - self.rest[0])
+        return np.inf if branch is None else abs(w - self.rest[0]) / float(branch.x[-1])
+
+    def limits(self) -> str:
+        """Say which V [N] the known directions carry within their calibrated range."""
+        ends = sorted([self.rest[1], *(branch.end[1] for branch in self.branches)])
+        return f"V from {ends[0]:.4g} to {ends[-1]:.4g} N"
+
+
+def build_vertical(springs: xr.DataTree) -> VerticalTable | None:
+    """Return the vertical springs of a spring set, None where it has no vertical calibration path.
+
+    Of several paths in one direction the longest is used, of those that start at the vertical load of the scene where
+    there are any.
+    """
+    names = [name for name in path_names(springs, "calibration") if is_vertical(springs, name)]
+    if not names:
+        return None
+    paths = {name: get_path(springs, name) for name in names}
+    wanted, start = rest_load(springs), {name: float(path["V"][0]) for name, path in paths.items()}
+    first = min(names, key=lambda name: abs(start[name] - wanted))
+    kept = [name for name in names if same_load(start[name], start[first])]
+    stiffness = springs.dataset["stiffness_initial"].values
+    known = float(stiffness[1, 1]) if stiffness.shape == (3, 3) else None
+    longest: dict[float, str] = {}
+    for name in sorted(kept, key=lambda name: _reach(paths[name])):
+        longest[float(np.sign(_travel(paths[name])[-1]))] = name
+    branches = [_branch(paths[longest[sign]], sign, known) for sign in (1.0, -1.0) if sign in longest]
+    depth, dz = paths[first]["depth"].values, slice_heights(paths[first])
+    n = depth.size
+    return VerticalTable(
+        rest=(float(paths[first]["w"][0]), start[first]),
+        name=np.array(["t"] * n + ["V_tip", "V_lid", "V"]),
+        depth=np.concatenate([depth, [dz.sum(), 0.0, 0.0]]),
+        b=np.concatenate([dz, [1.0, 1.0, 0.0]]),
+        stiffness=known if known is not None else float(branches[0].sign * branches[0].slope[-1, 0]),
+        branches=tuple(branches),
+    )
+
+
+def _travel(path: xr.Dataset) -> Array:
+    """Change of w [m] by step, up to where it turns back."""
+    w = path["w"].values - float(path["w"][0])
+    grows = np.diff(np.abs(w)) > 0.0
+    n = w.size if grows.all() else int(np.argmin(grows)) + 1
+    return w[:n]
+
+
+def _reach(path: xr.Dataset) -> float:
+    return float(np.abs(_travel(path)[-1]))
+
+
+def _branch(path: xr.Dataset, sign: float, stiffness: float | None) -> Branch:
+    x = np.abs(_travel(path))
+    dz = slice_heights(path)
+    t = path["t"].sum("side").transpose("depth", "step").values
+    rows = np.concatenate([t, [path["V_tip"].values, path["V_lid"].values]])[:, : x.size]
+    b = np.concatenate([dz, [1.0, 1.0]])[:, None]
+    secant = (rows[:, 1] - rows[:, 0]) / x[1]
+    first = secant if stiffness is None else initial_slopes(secant, b, np.array([sign * stiffness]))
+    slope = secant_slopes(x, rows, first)
+    return Branch(str(path.attrs["path"]), sign, x, np.vstack([rows, b.T @ rows]), np.vstack([slope, b.T @ slope]))

@@ -1,0 +1,413 @@
+# SPDX-License-Identifier: MIT
+"""Vertical springs and several vertical loads: on the path, by closed form, through the full model, in files."""
+
+from __future__ import annotations
+
+import warnings
+from functools import cache
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from pysprings import Scene, cli, exporters, open_table, variables
+from pysprings.comparison import compare, curves
+from pysprings.comparison_text import to_text
+from pysprings.errors import UserInputError
+from pysprings.extract import extract_springs
+from pysprings.full_model import run
+from pysprings.loads import at_load, load_sets, main_paths
+from pysprings.macro import MacroModel, MacroWarning, PredictionNotConverged, impose, model_of, predict, stiffness
+from pysprings.macro_fan import fan_paths
+from pysprings.macro_six import stiffness_six
+from pysprings.macro_vertical import build_vertical
+from pysprings.springs import get_path, open_springs, save_springs
+from tests.pysprings import synthetic, tiny
+
+K, REST = 4e9, 2e6  # N/m, N: of the invented vertical springs
+RAYS = [
+    synthetic.Path("slide", "translation", size=1e-2, steps=12),
+    synthetic.Path("turn", "rotation", size=-2e-3, steps=12),
+]
+
+
+def down_curve(w: np.ndarray) -> np.ndarray:
+    """V(w) - V0 of the invented soil: a hyperbola, weaker upwards, with a limit of 3 MN there."""
+    return K * w / (1.0 + np.where(w > 0.0, w / 5e-3, -K * w / 3e6))
+
+
+def vertical_path(base: xr.Dataset, end: float, steps: int = 25) -> xr.Dataset:
+    """A vertical path to w = end [m]: half of the change of V on the skirt, evenly, a quarter on tip and lid each."""
+    w = end * np.linspace(0.0, 1.0, steps) ** 2
+    change, dz = down_curve(w), np.diff(base["depth_bounds"].values, axis=1)[:, 0]
+    out = base.isel(step=[0] * steps).assign_coords(step=np.arange(steps)).copy(deep=True)
+    even = np.broadcast_to(change / dz.sum() / 4.0, (dz.size, 2, steps))
+    out["t"] = out["t"] + xr.DataArray(even, dims=("depth", "side", "step"))
+    out["V_tip"], out["V_lid"], out["V"] = out["V_tip"] + change / 4, out["V_lid"] + change / 4, out["V"] + change
+    out["w"] = ("step", w)
+    out.attrs = {"kind": "vertical", "role": "calibration", "arm_m": 0.0, "status": "complete", "heave": "free"}
+    return variables.attach(out, "springs_path")
+
+
+def springs(ends: tuple[float, ...] = (1e-2, -1e-2), heavier: tuple[float, ...] = ()) -> xr.DataTree:
+    """Two rays, vertical paths to w = ends, and the rays again under more V, with reactions stronger by it."""
+    base = synthetic.make_springs(RAYS)
+    groups = {"/": base.to_dataset(inherit=False)}
+    K_zz = groups["/"]["stiffness_initial"].copy(deep=True)
+    K_zz.values[1, 1] = K
+    groups["/"] = groups["/"].assign(stiffness_initial=K_zz)
+    for name in ("slide", "turn"):
+        path = base[f"paths/{name}"].to_dataset(inherit=False)
+        groups[f"/paths/{name}"] = path
+        for V in heavier:
+            groups[f"/paths/{name}_{V / 1e6:g}".replace(".", "_")] = pressed(path, V)
+    for end in ends:
+        name = "down" if end > 0.0 else "up"
+        groups[f"/paths/{name}"] = vertical_path(groups["/paths/slide"], end)
+    return xr.DataTree.from_dict(groups, name="springs")
+
+
+def pressed(path: xr.Dataset, V: float) -> xr.Dataset:
+    """The path again under a vertical load V: lid carries the rest of V, lateral reactions grow in proportion to V."""
+    out = path.copy(deep=True)
+    for name in ("p", "m", "H", "M", "H_tip", "M_tip", "H_lid", "M_lid"):
+        start = path[name].isel(step=0)
+        out[name] = (start + (path[name] - start) * V / REST).transpose(*path[name].dims)
+    out["V"], out["V_lid"] = out["V"] + V - REST, out["V_lid"] + V - REST
+    table = build_vertical(springs())
+    assert table is not None
+    out["w"] = out["w"] + table.displacement(V)[0]
+    return variables.attach(out, "springs_path")
+
+
+@pytest.mark.parametrize("name", ["down", "up"])
+def test_pure_vertical_load_is_met_on_the_path(name):
+    """Under the V of every recorded state w is the recorded one, exactly, and no warning is given (an error here)."""
+    tree = springs()
+    path = get_path(tree, name)
+    for step in (1, 7, 24):
+        answer = predict(tree, V=float(path["V"][step]))
+        assert float(answer["w"][-1]) == pytest.approx(float(path["w"][step]), rel=1e-12)
+        assert float(answer["u"][-1]) == float(answer["H"][-1]) == 0.0
+        assert answer["off_load"].values.max() == answer["extrapolated"].values.max() == 0
+    assert list(variables.problems(answer, "prediction")) == []
+
+
+def test_between_the_recorded_states_it_is_the_curve():
+    """The closed form between 25 states: within 0.1 % of w, both ways; V ramps from the state at rest."""
+    for w in (3.3e-3, -2.1e-3):
+        wanted = REST + float(down_curve(np.array(w)))
+        answer = predict(springs(), V=wanted, n=5)
+        assert float(answer["w"][-1]) == pytest.approx(w, rel=1e-3)
+        np.testing.assert_allclose(answer["V"], np.linspace(REST, wanted, 5))
+
+
+def test_reactions_sum_to_the_load_everywhere():
+    table = build_vertical(springs())
+    rows = table.reactions(np.linspace(-1e-2, 1e-2, 41))
+    np.testing.assert_allclose(table.b @ rows, rows[-1], rtol=1e-12)
+    assert table.name[-1] == "V"
+
+
+def test_initial_stiffness_is_the_full_models_and_the_slope_follows_v():
+    tree = springs()
+    assert float(stiffness_six(model_of(tree))[2, 2]) == K
+    table = build_vertical(tree)
+    step = 1e-9
+    for sign in (1.0, -1.0):
+        slope = (table.reactions(np.array([sign * step]))[-1, 0] - REST) / (sign * step)
+        assert slope == pytest.approx(K, rel=1e-5)
+    w = 4e-3
+    slope = K / (1.0 + w / 5e-3) ** 2  # of the hyperbola
+    matrix = stiffness(tree, V=REST + float(down_curve(np.array(w))))
+    assert float(matrix.sel(dof="w", dof_conjugate="w")) == pytest.approx(slope, rel=5e-3)
+
+
+def test_a_lateral_load_under_another_v_adds_its_w_and_is_marked():
+    """w = w_lateral(V') + w_vertical(V) - w_vertical(V'), u, rotation and H as at V'."""
+    tree = springs()
+    more = REST + float(down_curve(np.array(1e-3)))
+    usual = impose(tree, u=2e-3, rotation=0.0)
+    with pytest.warns(MacroWarning, match=r"is not that of path 'slide' \(2000000 N\): lateral springs unchanged"):
+        loaded = impose(tree, u=2e-3, rotation=0.0, V=more)
+    w = build_vertical(tree).displacement(more)[0]
+    np.testing.assert_allclose(loaded["w"], usual["w"] + w, rtol=1e-9)
+    np.testing.assert_allclose(loaded["H"], usual["H"])
+    assert loaded["off_load"].values.tolist() == [0] + [1] * 25  # at rest V alone counts, and is known
+    with pytest.raises(UserInputError, match="lateral springs unchanged"):
+        impose(tree, u=2e-3, rotation=0.0, V=more, strict=True)
+
+
+def test_one_direction_only_is_elastic_in_the_other_and_says_so():
+    tree = springs(ends=(1e-2,))
+    with pytest.warns(MacroWarning, match="no vertical path leads upwards: w from the elastic vertical stiffness"):
+        answer = predict(tree, V=REST - 1e6)
+    assert float(answer["w"][-1]) == pytest.approx(-1e6 / K)
+    assert int(answer["extrapolated"][-1]) == 1
+
+
+def test_beyond_the_vertical_springs_is_marked_or_has_no_equilibrium():
+    tree = springs(ends=(5e-3, -1e-2))
+    end = REST + float(down_curve(np.array(5e-3)))
+    with pytest.warns(MacroWarning, match="beyond the vertical springs .* V from .* to 1.2e.07 N"):
+        answer = predict(tree, V=end + 1e6)
+    assert int(answer["extrapolated"][-1]) == 1
+    flat = springs()
+    for name in ("t", "V", "V_tip", "V_lid"):  # pull-out: no more resistance over the last steps
+        values = flat["paths/up"][name].values
+        values[..., -6:] = values[..., -6:-5]
+    match = "no vertical equilibrium under V = -2000000, .* N; the springs carry V from"
+    with warnings.catch_warnings(), pytest.raises(PredictionNotConverged, match=match):
+        warnings.simplefilter("ignore", MacroWarning)
+        predict(flat, V=-2e6)
+
+
+def test_vertical_paths_take_no_part_in_the_lateral_springs():
+    with_vertical = springs()
+    without = springs(ends=())
+    for kind in ("fan", "full", "py", "pisa"):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MacroWarning)
+            a, b = (impose(tree, u=2e-3, arm=1.0, springs_kind=kind) for tree in (with_vertical, without))
+        xr.testing.assert_identical(a.drop_attrs(), b.drop_attrs())
+    first = xr.DataTree.from_dict({"/": with_vertical.to_dataset(inherit=False)} | {
+        f"/paths/{name}": with_vertical[f"paths/{name}"].to_dataset(inherit=False) for name in ("down", "slide", "turn")
+    })  # fmt: skip
+    assert get_path(first).attrs["path"] == "slide"
+
+
+# --- several vertical loads ---
+
+
+def test_between_two_loads_reactions_are_interpolated_and_w_is_that_of_the_vertical_springs():
+    """The invented reactions grow in proportion to V, so that interpolation is exact; no warning is given."""
+    tree = springs(heavier=(6e6,))
+    assert [each.V for each in load_sets(tree)] == [2e6, 6e6]
+    assert main_paths(tree) == tuple(fan_paths(tree)) == ("slide", "turn")
+    heavy = tree.copy()
+    heavy.attrs["vertical_load_N"] = 6e6
+    assert sorted(fan_paths(heavy)) == ["slide_6", "turn_6"]
+    usual, loaded = (impose(tree, u=2e-3, rotation=0.0, V=V) for V in (None, 3e6))
+    np.testing.assert_allclose(loaded["H"][10:], 1.5 * usual["H"][10:], rtol=1e-9)  # beyond the first steps
+    np.testing.assert_allclose(loaded["M"][10:], 1.5 * usual["M"][10:], rtol=1e-9)
+    w = build_vertical(tree).displacement(3e6)[0]
+    np.testing.assert_allclose(loaded["w"] - w, usual["w"], atol=1e-12)
+    assert not loaded["off_load"].any()
+
+
+def test_at_and_beyond_the_loads_of_the_sets():
+    tree = springs(heavier=(6e6,))
+    usual, own = (impose(tree, u=2e-3, rotation=0.0, V=V) for V in (None, 6e6))
+    np.testing.assert_allclose(own["H"][10:], 3.0 * usual["H"][10:], rtol=1e-9)
+    with pytest.warns(MacroWarning, match=r"V = 8000000 N is not that of path 'slide_6' \(6000000 N\)"):
+        beyond = impose(tree, u=2e-3, rotation=0.0, V=8e6)
+    np.testing.assert_allclose(beyond["H"], own["H"], rtol=1e-9)
+    assert beyond["off_load"].values[-1] == 1
+    settles = [build_vertical(tree).displacement(V)[0] for V in (8e6, 6e6)]
+    np.testing.assert_allclose(beyond["w"] - own["w"], settles[0] - settles[1], rtol=1e-9)
+
+
+def test_a_lonely_path_at_another_load_is_no_set():
+    tree = springs(heavier=(6e6,))
+    kept = {f"/paths/{name}": get_path(tree, name).copy() for name in tree["paths"].children if name != "turn_6"}
+    lonely = xr.DataTree.from_dict({"/": tree.to_dataset(inherit=False)} | kept)
+    assert "slide_6" not in at_load(lonely, 6e6)["paths"].children
+    frame = compare(lonely)
+    assert set(frame[frame["path"] == "slide_6"]["springs"]) == {"py", "pisa", "full", "fan"}
+
+
+def test_compare_answers_every_path_under_its_own_load():
+    tree = springs(heavier=(6e6,))
+    heavy = tree["paths/slide_6"].to_dataset(inherit=False)
+    tree["paths/held"] = xr.DataTree(pressed(tree["paths/slide"].to_dataset(inherit=False), 3e6).assign_attrs(
+        heavy.attrs | {"role": "held-back"}))  # fmt: skip
+    frame = compare(tree).set_index(["path", "springs"])
+    held = frame.loc["held", "fan"]
+    assert (held["V_N"], held["off_load_states"]) == (3e6, 0)
+    assert abs(held["H_error_max_pct"]) < 1e-6
+    assert abs(held["w_error_max_m"]) < 1e-9
+    down = frame.loc["down", "vertical"]
+    assert down["V_error_max_pct"] == pytest.approx(0.0, abs=1e-9)
+    assert 1e-4 < abs(down["V_error_between_pct"]) < 5.0
+    assert down["eta_large"] == pytest.approx(1.0)
+    text = to_text(compare(tree))
+    assert "V [MN]" in text and "vertical = vertical springs" in text and "nan" not in text
+    assert "V [MN]" not in to_text(compare(springs(ends=())))
+
+
+def test_vertical_springs_answer_their_own_path_only_when_asked_for_all_sets():
+    tree = springs()
+    assert list(curves(tree, "up")) == ["vertical"]
+    assert curves(tree, "up", "fan") == {}
+    assert list(variables.problems(curves(tree, "up")["vertical"].drop_vars(["t", "u_at_load"]), "prediction")) != []
+
+
+# --- files ---
+
+
+@pytest.mark.parametrize("form", [0, 1], ids=["long", "wide"])
+def test_tables_give_the_vertical_springs_back(tmp_path, form):
+    tree = springs(heavier=(6e6,))
+    file = exporters.csv_tables(tmp_path, tree)[form]
+    table = open_table(file)
+    for question in ({"V": 1.2e7}, {"V": 1e6}, {"V": 3e6, "H": 2e5}):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MacroWarning)  # two rays, 90 degrees apart
+            ours, theirs = (predict(source, **question) for source in (tree, table))
+        for name in ("u", "w", "rotation", "V"):
+            np.testing.assert_allclose(theirs[name], ours[name], rtol=2e-2, atol=1e-7)
+    assert "no initial stiffness" in theirs.attrs["remarks"]
+    assert float(theirs["w"][-1]) == pytest.approx(float(ours["w"][-1]), rel=2e-2)
+
+
+def test_a_table_without_the_vertical_direction_refuses_v(tmp_path):
+    file = exporters.csv_tables(tmp_path, springs(ends=()))[0]
+    with pytest.raises(UserInputError, match="V: these springs come from a table without vertical paths"):
+        predict(open_table(file), H=1e5, V=1e6)
+
+
+def test_vertical_rows_of_a_table_are_checked(tmp_path):
+    file = exporters.csv_tables(tmp_path, springs())[0]
+    lines = file.read_text().splitlines()
+    no_lid = [line for line in lines if not line.startswith("down,lid")]
+    (tmp_path / "a.csv").write_text("\n".join(no_lid) + "\n")
+    with pytest.raises(UserInputError, match="a vertical path has the families tz, base and lid, and no others"):
+        open_table(tmp_path / "a.csv")
+    at = next(k for k, line in enumerate(lines) if line.startswith("down,lid,0,0,0,,,3"))
+    cells = lines[at].split(",")
+    cells[11] = "0.5"
+    (tmp_path / "b.csv").write_text("\n".join([*lines[:at], ",".join(cells), *lines[at + 1 :]]) + "\n")
+    with pytest.raises(UserInputError, match="w_m: the caisson is rigid: one value a step, in all families"):
+        open_table(tmp_path / "b.csv")
+
+
+def test_workbook_has_a_sheet_of_the_vertical_springs(tmp_path):
+    import openpyxl
+
+    tree = springs()
+    book = openpyxl.load_workbook(exporters.excel(tmp_path / "springs.xlsx", tree))
+    sheet = book["t-z"]
+    head = [cell.value for cell in sheet[3]]
+    assert head[:7] == ["path", "step", "w [mm]", "V [kN]", "V tip [kN]", "V lid [kN]", "t net [kN/m]"]
+    rows = [[cell.value for cell in row] for row in sheet.iter_rows(min_row=4)]
+    assert [row[0] for row in rows] == ["down"] * 25 + ["up"] * 25
+    path = get_path(tree, "up")
+    np.testing.assert_allclose([row[2] for row in rows[25:]], path["w"] * 1e3, atol=1e-12)
+    np.testing.assert_allclose([row[6] for row in rows[25:]], path["t"].sum("side")[0] * 1e-3, rtol=1e-9)
+    assert {"w_tz.up", "V_tz.up", "tz_1.up"} <= set(book.defined_names)
+    assert "t-z" not in openpyxl.load_workbook(exporters.excel(tmp_path / "no.xlsx", springs(ends=()))).sheetnames
+
+
+def test_predict_with_a_vertical_load_alone(tmp_path):
+    file = save_springs(springs(), tmp_path / "springs.nc")
+    wanted = REST + float(down_curve(np.array(2e-3)))
+    done = CliRunner().invoke(cli.app, ["predict", str(file), "--V", f"{wanted} N", "--strict", "--json"])
+    assert done.exit_code == 0, done.output
+    assert '"w": 0.0020' in done.stdout.replace("0.00199", "0.0020")
+    assert open_springs(file).attrs["schema"] == "pysprings-springs-2"
+
+
+# --- scenes ---
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ({}, 'path[0]: a path of kind "vertical" needs vertical_displacement'),
+        ({"vertical_displacement": 0.0}, "path[0].vertical_displacement: must not be zero"),
+        ({"vertical_displacement": 1e-3, "arm": 2.0}, 'path[0].arm: a path of kind "vertical" does not use it'),
+        ({"vertical_displacement": 1e-3, "heave": "fixed"}, 'path[0].heave: a path of kind "vertical" moves'),
+        ({"vertical_displacement": 1e-3, "report_at": [2e-3]}, "2 mm is not on the way from 0 to vertical_"),
+        ({"kind": "pull", "lateral_displacement": 1e-3, "vertical_displacement": 1e-3},
+         'path[0].vertical_displacement: a path of kind "pull" does not use it'),
+        ({"vertical_displacement": 1e-3, "vertical_load": "balance"}, '"balanced" is possible too'),
+    ],
+)  # fmt: skip
+def test_a_scene_refuses_what_a_vertical_path_cannot_be(path, message):
+    with pytest.raises(ValueError) as caught:
+        Scene(paths=[{"name": "down", "kind": "vertical", **path}])
+    assert message in str(caught.value)
+
+
+def test_a_vertical_path_needs_a_time_where_there_is_water():
+    path = {"name": "down", "kind": "vertical", "vertical_displacement": 1e-3}
+    with pytest.raises(ValueError, match=r'drainage\.mode = "coupled" needs rate or duration here'):
+        Scene(drainage={"mode": "coupled"}, paths=[path])
+    kept = Scene(drainage={"mode": "coupled"}, paths=[{**path, "rate": 1e-4, "vertical_load": "balanced"}])
+    assert kept.vertical_load_of(kept.paths[0]) == "balanced"
+
+
+# --- through the full model ---
+
+
+@cache
+def pushed() -> xr.DataTree:
+    """The tiny caisson down and up from its usual load, and pulled at a vertical load of its own."""
+    pull = {"lateral_displacement": 0.5e-3, "kind": "pull"}
+    return run(tiny.scene(paths=[
+        {**pull, "name": "pull"},
+        {"name": "down", "kind": "vertical", "vertical_displacement": 2e-3},
+        {"name": "up", "kind": "vertical", "vertical_displacement": -1e-3},
+        {**pull, "name": "heavy", "vertical_load": 2.5e6, "role": "held-back"},
+        {"name": "light_up", "kind": "vertical", "vertical_displacement": -0.2e-3, "vertical_load": 1e6,
+         "role": "held-back"},
+    ], solver={"first_step_fraction": 0.02, "max_step_fraction": 0.12}))  # fmt: skip
+
+
+def test_a_vertical_path_holds_u_and_rotation():
+    for name, end in (("down", 2e-3), ("up", -1e-3)):
+        path = pushed()[f"paths/{name}"]
+        assert float(path["w"][-1]) == pytest.approx(end)
+        assert np.abs(path["u"]).max() < 1e-12 and np.abs(path["rotation"]).max() < 1e-12
+        assert np.abs(path["H"]).max() < 1e-4 * np.abs(path["V"]).max()
+        assert np.sign(end) * float(path["V"][-1] - path["V"][0]) > 0.0
+
+
+def test_a_path_has_its_own_dead_load_and_counts_from_there():
+    heavy, light, pull = (pushed()[f"paths/{name}"] for name in ("heavy", "light_up", "pull"))
+    np.testing.assert_allclose(heavy["V"], 2.5e6, rtol=1e-4)
+    assert float(pull["V"][0]) == pytest.approx(pushed().attrs["vertical_load_N"], rel=1e-6)
+    assert float(heavy["w"][0]) > 0.0 and float(pull["w"][0]) == 0.0
+    assert float(light["w"][-1] - light["w"][0]) == pytest.approx(-0.2e-3)
+
+
+def test_the_vertical_springs_predict_dead_loads_of_the_full_model():
+    """The settlement under a load put on in steps of its own, which the springs have not seen, within 2 %."""
+    tree = extract_springs(pushed())
+    for name in ("heavy", "light_up"):
+        path = get_path(tree, name)
+        answer = predict(tree, V=float(path["V"][0]), strict=True)
+        assert float(answer["w"][-1]) == pytest.approx(float(path["w"][0]), rel=0.02)
+
+
+def test_the_initial_vertical_stiffness_stays_the_full_models():
+    tree = extract_springs(pushed())
+    full = float(pushed()["stiffness_initial"][1, 1])
+    assert float(stiffness_six(MacroModel.from_springs(tree))[2, 2]) == full
+    assert build_vertical(tree).stiffness == full
+    frame = compare(tree).set_index(["path", "springs"])
+    assert frame.loc["heavy", "full"]["off_load_states"] > 0
+    assert abs(frame.loc["down", "vertical"]["V_error_max_pct"]) < 1e-6
+
+
+def test_a_vertical_path_has_a_picture_of_its_own():
+    from pysprings import plots
+    from pysprings.plots.files import figures
+
+    names = [name for name, _ in figures(pushed(), None, {})]
+    assert "up_vertical" in names and "pull_py" in names
+    assert not {"up_py", "up_load_displacement", "pull_vertical"} & set(names)
+    left, right = plots.vertical_springs(plots.path_data(pushed(), "up")).axes[:2]
+    assert left.get_xlabel() == right.get_xlabel() == "vertical displacement w [mm], down +"
+    assert left.xaxis_inverted()  # upwards runs to the right, where the labels are
+    assert (left.get_ylabel(), right.get_ylabel()) == ("V [MN], down +", "reaction t [kN/m], both sides")
+    total = next(line for line in left.get_lines() if line.get_label() == "total V")
+    np.testing.assert_allclose(total.get_ydata(), pushed()["paths/up/V"] / 1e6)
+
+
+def test_fixed_heave_holds_the_caisson_where_its_dead_load_has_put_it():
+    result = run(tiny.scene(paths=[{**tiny.PULL, "heave": "fixed", "vertical_load": 2e6}]))
+    w = result["paths/pull/w"].values
+    assert w[0] > 0.0
+    np.testing.assert_allclose(w, w[0], rtol=1e-9)
