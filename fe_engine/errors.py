@@ -6,8 +6,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 
 class FEError(Exception):
     """Base of all errors raised by the engine."""
@@ -41,14 +39,11 @@ class NotConverged(FEError):
         Where the largest residual or correction stands.
     history : list of dict
         One entry per Newton iteration of the last attempt.
-    best : (error, free, border) or None
-        Iterate with the smallest relative residual that met its controls, for a driver that has no smaller step left.
     """
 
     reason: str
     place: str = ""
     history: list[dict[str, Any]] = field(default_factory=list)
-    best: tuple[float, np.ndarray, np.ndarray] | None = field(default=None, repr=False)
 
     def __str__(self) -> str:
         where = f" ({self.place})" if self.place else ""

@@ -44,13 +44,9 @@ _ROUNDING = 1.0e-6
 
 @dataclass(frozen=True)
 class Settings:
-    """Newton settings; tolerances are relative to the norm of the change of contact forces.
-
-    ``loosest`` is what an increment may come to where smaller steps do not help (see stepping); each one is counted.
-    """
+    """Newton settings; the tolerance is relative to the norm of the change of contact forces."""
 
     tolerance: float = 1.0e-6
-    loosest: float = 1.0e-4
     max_iterations: int = 20
 
 
@@ -107,26 +103,6 @@ class Newton:
 
         The trial fields hold the solution on return; nothing is committed. Raises NotConverged.
         """
-        self._best: tuple[float, np.ndarray, np.ndarray] | None = None
-        try:
-            return self._solve(state, loading, free, border)
-        except NotConverged as error:
-            error.best = self._best
-            raise
-
-    def accept(self, state: State, loading: Loading, error: NotConverged) -> Increment | None:
-        """Turn the best iterate of a failed increment into one; None where it is not good enough."""
-        if error.best is None or error.best[0] > self.settings.loosest:
-            return None
-        _, free, border = error.best
-        self.system.time_step = loading.time_step
-        self.system.apply(state, free, border)
-        judged = self.system.residual(state)
-        _, relative = self._merit(judged, loading)
-        rows = [*error.history, _row(len(error.history), relative, judged)]
-        return Increment(free, border, judged, self.stiffness, rows)
-
-    def _solve(self, state: State, loading: Loading, free: np.ndarray, border: np.ndarray) -> Increment:
         self.system.time_step = loading.time_step
         record: list[dict[str, Any]] = []
         merits: list[float] = []
@@ -140,11 +116,8 @@ class Newton:
             record.append(_row(iteration, error, judged))
             if not np.isfinite(merit):
                 raise NotConverged("residual is not finite", self._worst(judged), record)
-            met = _met(violation, loading.target)
-            if error <= self.settings.tolerance and met:
+            if error <= self.settings.tolerance and _met(violation, loading.target):
                 return Increment(free, border, judged, self.stiffness, record)
-            if met and (self._best is None or error < self._best[0]):
-                self._best = error, free, border
             self._watch(iteration, merits, error, judged, record)
             step_free, step_border = self._direction(linear, tangent, loading, violation, record)
             damping = self._damping(state, loading, (free, border), (step_free, step_border), merits, iteration)

@@ -16,10 +16,6 @@ from fe_engine.state import State
 
 _GROWTH, _EASY, _HARD = 1.5, 6, 10
 _CUT = 0.5
-# After so many cut-backs in a row a step that has met the loosest tolerance is taken: where contact or plasticity jump
-# from one branch to another, no step is small enough to follow them.
-_CUTS_IN_A_ROW = 3
-_LOOSE_IN_A_ROW = 10  # more of them are no jump, but a way on which nothing converges
 _SMALLEST = 1.0e-7
 # What can limit a step: it opens a stage; it may only grow by a factor; it is the largest allowed; it must land on a
 # stop; Newton needed many iterations on the last one; an attempt at a larger one failed
@@ -47,8 +43,7 @@ class Driver:
     """Runs stages one after the other and keeps the record of every iteration, failed attempts included.
 
     ``given_up`` holds (stage, fraction, error) of each failed attempt, ``aim`` what the present one is to reach,
-    ``stiffness`` (nb, nb) the border tangent stiffness of the last increment (None before there is one), and ``loose``
-    (stage, fraction, residual) of each step that was taken with a residual above the tolerance.
+    ``stiffness`` (nb, nb) the border tangent stiffness of the last increment (None before there is one).
     """
 
     newton: Newton
@@ -59,7 +54,6 @@ class Driver:
     n_steps: int = 0
     force: np.ndarray | None = None
     stiffness: np.ndarray | None = None
-    loose: list[tuple[str, float, float]] = field(default_factory=list)
 
     @property
     def n_cut_backs(self) -> int:
@@ -74,38 +68,32 @@ class Driver:
         force = np.zeros(len(stage.force)) if self.force is None else self.force
         done, size, limit = 0.0, min(stage.first_fraction, 1.0), "first step"
         last: tuple[float, Increment] | None = None
-        cuts, in_a_row = 0, 0
+        cuts = 0
         while done < 1.0:
-            target, loosely = _next(done, size, stage.stops), False
-            step = target - done
+            target = _next(done, size, stage.stops)
             loading = Loading(
                 stage.control,
                 start + target * (stage.target - start),
                 stage.load,
                 force + target * (stage.force - force),
-                step * stage.duration,
+                (target - done) * stage.duration,
             )
             try:
-                increment = self._attempt(stage, loading, target, self._guess(last, step))
-            except NotConverged as error:
-                enough = cuts >= _CUTS_IN_A_ROW and in_a_row < _LOOSE_IN_A_ROW
-                found = self._loosely(stage, loading, target, error) if enough else None
-                if found is None:
-                    cuts += 1
-                    size, limit = _CUT * step, "cut-back"
-                    if size < _SMALLEST:
-                        raise
-                    continue
-                increment, loosely = found, True
+                increment = self._attempt(stage, loading, target, self._guess(last, target - done))
+            except NotConverged:
+                cuts += 1
+                size, limit = _CUT * (target - done), "cut-back"
+                if size < _SMALLEST:
+                    raise
+                continue
             self.state.commit()
-            last, done = (step, increment), target
-            held = "stop" if step < size * (1.0 - 1.0e-9) and limit != "cut-back" else limit
-            size, limit = _adapt(step, increment.iterations, stage.max_fraction, cuts)
-            if loosely:  # on to the size before the cuts: what jumps is behind
-                size = min(step / _CUT**cuts, stage.max_fraction)
+            last = (target - done, increment)
+            held = "stop" if target - done < size * (1.0 - 1.0e-9) and limit != "cut-back" else limit
+            size, limit = _adapt(target - done, increment.iterations, stage.max_fraction, cuts)
+            done = target
             forces = loading.multipliers(increment.residual.border)
             on_step(Step(stage.name, done, forces, increment, cuts, loading.time_step, held))
-            cuts, in_a_row = 0, in_a_row + 1 if loosely else 0
+            cuts = 0
         self.force = np.array(stage.force, dtype=float)
 
     def _attempt(self, stage: Stage, loading: Loading, target: float, guess: tuple) -> Increment:
@@ -121,21 +109,6 @@ class Driver:
         self.record += [label | row | {"converged": True} for row in increment.record]
         self.n_steps += 1
         self.stiffness = increment.stiffness
-        return increment
-
-    def _loosely(self, stage: Stage, loading: Loading, target: float, error: NotConverged) -> Increment | None:
-        """Take the best iterate of a failed attempt where it meets the loosest tolerance."""
-        increment = self.newton.accept(self.state, loading, error)
-        if increment is None:
-            return None
-        residual = increment.record[-1]["residual"]
-        self.record.append(
-            {"stage": stage.name, "step": self.n_steps + 1, "load_fraction": target, "converged": True}
-            | increment.record[-1]
-        )
-        self.given_up.pop()  # this attempt was not, after all
-        self.loose.append((stage.name, target, residual))
-        self.n_steps += 1
         return increment
 
     def _guess(self, last: tuple[float, Increment] | None, size: float) -> tuple[np.ndarray, np.ndarray]:

@@ -39,7 +39,6 @@ from pysprings.run_record import (
     convergence_dataset,
     cut_back,
     energy_summary,
-    loose_warning,
     summarise,
 )
 from pysprings.stages import dead_load_stage, path_stages
@@ -141,7 +140,7 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> _Run:
             solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, equilibrate=water)
         except LinearSolverError as error:
             raise ResourceError(str(error)) from error
-        newton = Newton(system, solver, Settings(scene.solver.tolerance, max_iterations=scene.solver.max_iterations))
+        newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations))
     progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {system.pattern.n_free} unknowns")
     remarks = list(penalty_of(scene).remarks)
     return _Run(scene, built, system, newton, clock, progress, warnings=remarks)
@@ -254,8 +253,6 @@ def _keep(
             | summarise(driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, limits)
             | {"energy": energy_summary(energy.now())}
         )
-        if driver.loose:
-            work.warnings.append(loose_warning(path.name, driver.loose, driver.n_steps, work.newton.settings.tolerance))
         if collector.cavitation is not None:
             work.warnings.append(cavitation_warning(path.name, *collector.cavitation))
 

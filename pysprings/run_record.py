@@ -108,15 +108,6 @@ def energy_summary(energy: Energy) -> dict[str, float]:
     return terms | {"imbalance_over_largest_term": abs(energy.imbalance) / energy.moved if energy.moved else 0.0}
 
 
-def loose_warning(path: str, loose: Sequence[tuple[str, float, float]], steps: int, tolerance: float) -> str:
-    """One line on the steps of a path that were taken with a residual above the tolerance."""
-    _, fraction, _ = loose[0]
-    worst = max(residual for _, _, residual in loose)
-    where = f"{len(loose)} of {steps} steps, the first at {100.0 * fraction:.4g} %"
-    residual = f"a residual of up to {worst:.1g} (solver.tolerance {tolerance:g})"
-    return f"path '{path}': {where}, were taken with {residual}: contact or plasticity jump there at any step size"
-
-
 _VOLUMES = ("expelled", "compressed", "film", "outflow", "moved", "imbalance")
 
 
