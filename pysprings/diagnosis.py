@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Why a path stopped: a named physical reason from the state itself, with the figure that shows it.
 
-``limit load``   under a given load, the caisson's tangent stiffness is gone, or the caisson has moved too far.
+``limit load``   under a given load, the caisson's tangent stiffness is gone, nothing balances the load, or the caisson
+                 has moved too far.
 ``apex``         the soil around the largest residual has lost its confining stress: no stiffness, no strength.
 ``localisation`` the soil's tangent there has lost its ellipticity (Rudnicki & Rice 1975): det(n.C.n) <= 0 for some
                  direction n, so that strains may concentrate in a band of any width; plasticity without hardening
@@ -30,6 +31,8 @@ LIMIT_LOAD = "limit load"
 REASONS = (LIMIT_LOAD, "apex", "localisation", "friction", "unexplained")
 # A caisson under a given load is at its limit where this share of its initial stiffness is left
 _LIMIT = 0.02
+# ... or where the iterations of a step that could not be smaller leave this share of the forces
+_NO_BALANCE = 0.1
 # Share of the Gauss points around a place that tells what the soil there does
 _MOST = 0.25
 _VOIGT = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -45,6 +48,8 @@ def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> str:
     elements = _around(system, state)
     if given_load and (left := _stiffness_left(driver, initial)) < _LIMIT:
         return f"{LIMIT_LOAD}: {100.0 * max(left, 0.0):.2g} % of the initial stiffness is left"
+    if given_load and driver.given_up and (least := _least_residual(driver)) > _NO_BALANCE:
+        return f"{LIMIT_LOAD}: no motion balances any more, {100.0 * least:.0f} % of the forces are left over"
     apex = float(np.mean(system.regime[elements] == REGIME_APEX))
     if apex >= _MOST:
         return f"apex: {100.0 * apex:.0f} % of the soil there has no confining stress left"
@@ -79,6 +84,12 @@ def _stiffness_left(driver: Driver, initial: np.ndarray) -> float:
     both = driver.stiffness, initial
     least = [np.linalg.eigvalsh(0.5 * (k + k.T) / np.outer(scale, scale))[0] for k in both]
     return float(least[0] / least[1])
+
+
+def _least_residual(driver: Driver) -> float:
+    """Least relative residual that the iterations of the last attempt came to, its predictor aside."""
+    _, _, error = driver.given_up[-1]
+    return min((float(row["residual"]) for row in error.history[1:]), default=0.0)
 
 
 def _ellipticity(system: System, state: State, elements: np.ndarray) -> float:

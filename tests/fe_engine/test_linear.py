@@ -43,6 +43,19 @@ def rhs_of(matrix, shape=()):
     return np.random.default_rng(9).normal(size=(matrix.shape[0], *shape))
 
 
+# --- condition --------------------------------------------------------------------------------------------
+
+
+def test_condition_is_estimated_from_below(name):
+    values = np.r_[np.geomspace(1.0, 10.0, 40), 1e-4, 1e3]
+    matrix = csr_matrix(diags(values))
+    solver = LinearSolver(name, len(values))
+    assert solver.condition_estimate() is None
+    solver.factorise(matrix)
+    assert 0.5e7 < solver.condition_estimate() <= 1e7 * (1.0 + 1e-9)
+    solver.close()
+
+
 # --- right answers ----------------------------------------------------------------------------------------
 
 

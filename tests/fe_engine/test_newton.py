@@ -9,7 +9,7 @@ import pytest
 from fe_engine.contact import coulomb
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
 from fe_engine.linear import available_backends
-from fe_engine.newton import Loading
+from fe_engine.newton import Loading, Newton
 from fe_engine.state import State
 from tests.fe_engine.models import CONTACT, footing, replace, run, stage, start, taylor_slope
 
@@ -197,6 +197,30 @@ def test_iterations_without_progress_stop_early(monkeypatch):
     error = failure(out)
     assert error.reason == "the residual stalls"
     assert len(error.history) < 10
+
+
+def test_half_steps_lead_out_of_a_cycle_close_to_the_solution(monkeypatch):
+    """A direction twice as long as Newton's jumps across the solution for ever; half of it is the solution."""
+    out = start(footing(), tolerance=1.0e-9)
+    newton, direction = out.driver.newton, Newton._direction
+
+    def twice(self, linear, tangent, loading, violation, record):
+        far = max((row["residual"] for row in record[-1:]), default=1.0) > 5.0e-4
+        factor = 1.0 if far or not record else 2.0
+        return tuple(factor * part for part in direction(self, linear, tangent, loading, violation, record))
+
+    monkeypatch.setattr(Newton, "_direction", twice)
+    increment = newton.solve(out.state, imposed([1.0e-5, 0.0, 0.0]), *at_rest(out))
+    damped = [row["damping"] for row in increment.record]
+    assert damped.count(0.5) >= 1
+    assert increment.record[-1]["residual"] <= 1.0e-9
+
+
+def test_a_change_beneath_rounding_counts_beside_the_initial_forces():
+    """A move of 1e-15 m changes forces by 1e-12 of the initial ones: rounding, which no iteration can reduce."""
+    out = start(footing())
+    increment = out.driver.newton.solve(out.state, imposed([1.0e-15, 0.0, 0.0]), *at_rest(out))
+    assert increment.iterations <= 2
 
 
 @pytest.mark.parametrize("kind", [LawError, LinearSolverError])

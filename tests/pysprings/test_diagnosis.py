@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+"""Why a path stopped: measures with known answers, and whole paths that end for a known reason."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fe_engine.soil import plasol
+from fe_engine.soil.elastic import elastic_tangent
+from pysprings import diagnosis
+from pysprings.full_model import compute
+from tests.pysprings import tiny
+
+
+def test_the_elastic_acoustic_tensor_has_the_textbook_determinant() -> None:
+    tangent, parameters = np.zeros((6, 6)), plasol.pack(2e8, 0.3, 0.1, 0.5, 0.005, 0.0, 0.0)
+    elastic_tangent(parameters[0], parameters[1], 1.0, tangent)
+    found = diagnosis._acoustic(tangent, diagnosis._directions())
+    np.testing.assert_allclose(found, diagnosis._elastic(parameters), rtol=1e-10)
+
+
+def test_perfect_plasticity_of_mises_loses_its_ellipticity_in_pure_shear() -> None:
+    """C - 2G n x n with a unit pure shear n in xy: det(n.C.n) is 0 for n = x, as the shear stiffness on it is."""
+    bulk, shear = 1e8, 5e7
+    tangent = np.zeros((6, 6))
+    elastic_tangent(bulk, shear, 1.0, tangent)
+    tangent[3, 3] = 0.0
+    one = diagnosis._acoustic(tangent, np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+    assert one[0] == pytest.approx(0.0, abs=1e-9 * shear**3)
+    assert one[1] == pytest.approx((bulk + 4 / 3 * shear) * shear * shear)
+
+
+def test_directions_are_unit_vectors_of_half_a_sphere() -> None:
+    directions = diagnosis._directions()
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0)
+    assert directions[:, 2].min() > 0.0
+    np.testing.assert_allclose(directions[:, :2].mean(axis=0), 0.0, atol=0.01)
+
+
+def failures(**changes: Any) -> list[str]:
+    record = json.loads(compute(tiny.scene(**changes)).attrs["run_json"])
+    found: list[str] = record["failures"]
+    return found
+
+
+def test_a_load_beyond_capacity_ends_at_its_limit() -> None:
+    (line,) = failures(paths=({"name": "storm", "kind": "load", "lateral_force": 2e7},))
+    assert ": limit load: " in line
+
+
+def test_a_caisson_pulled_out_ends_at_its_limit() -> None:
+    (line,) = failures(caisson={"vertical_load": -20e6})
+    assert "of its dead load: limit load: " in line

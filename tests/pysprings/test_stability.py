@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: MIT
+"""The catalogue of stiff and extreme cases: what is in it, how endings are told apart, and that none is unexplained."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from pysprings import cli, stability, stability_text
+from pysprings.errors import ResourceError, UserInputError
+from pysprings.stability_cases import CASES, Case
+
+NAMES = [case.name for case in CASES]
+
+
+def record(status: str = "complete", failures: tuple[str, ...] = (), warnings: tuple[str, ...] = ()) -> dict[str, Any]:
+    return {"status": status, "failures": list(failures), "warnings": list(warnings)}
+
+
+def test_names_are_unique_and_the_groups_are_not_names() -> None:
+    assert len(set(NAMES)) == len(NAMES)
+    assert not {case.group for case in CASES} & set(NAMES)
+
+
+@pytest.mark.parametrize("case", CASES, ids=NAMES)
+def test_every_case_is_a_scene_or_is_refused_with_a_line(case: Case) -> None:
+    try:
+        scene = case.scene("coarse")
+    except ValueError as error:
+        assert stability._refusal(error)
+        return
+    assert scene.mesh.preset == "coarse"
+    changed = scene.model_dump()
+    for section, values in case.changes.items():
+        for key, value in values.items():
+            assert changed[section][key] == value, f"{section}.{key} is not what the catalogue says"
+
+
+def test_endings() -> None:
+    assert stability._ending(record())["outcome"] == "converged"
+    assert stability._ending(record(warnings=("water would cavitate",))) == {
+        "outcome": "warned",
+        "detail": "water would cavitate",
+    }
+    named = "path 'pull' stopped on its way to 3 %: localisation: the soil there has lost its ellipticity (...)"
+    assert stability._ending(record("partial", (named,)))["outcome"] == "stopped"
+    nameless = "path 'pull' stopped on its way to 3 %: unexplained (the residual stalls)"
+    assert stability._ending(record("partial", (nameless,)))["outcome"] == "unexplained"
+
+
+def test_an_error_of_the_tool_is_unexplained_and_a_bug_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(kind: type[Exception]) -> Any:
+        def compute(_: Any) -> None:
+            raise kind("no memory")
+
+        return compute
+
+    monkeypatch.setattr(stability, "compute", fail(ResourceError))
+    assert stability.run_case(CASES[0]).outcome == "unexplained"
+    monkeypatch.setattr(stability, "compute", fail(ZeroDivisionError))
+    with pytest.raises(ZeroDivisionError):
+        stability.run_case(CASES[0])
+
+
+def test_cases_are_chosen_by_name_and_group() -> None:
+    assert [case.name for case in stability.cases_named(["smooth"])] == ["smooth"]
+    assert {case.group for case in stability.cases_named(["water"])} == {"water"}
+    assert len(stability.cases_named(["hard"])) >= 12
+    with pytest.raises(UserInputError, match="--case smoth: no such case"):
+        stability.cases_named(["smoth"])
+
+
+def test_the_command_runs_cases_and_writes_table_and_picture(tmp_path: Path) -> None:
+    given = ["stability", "--case", "K0-3", "--case", "soft", "--refinement", "0.6", "--out", str(tmp_path), "--json"]
+    done = CliRunner().invoke(cli.app, given)
+    assert done.exit_code == 0, done.output
+    answer = json.loads(done.stdout)
+    assert answer["summary"]["converged"] == 1 and answer["summary"]["refused"] == 1
+    table = pd.read_csv(tmp_path / "stability.csv")
+    assert list(table["case"]) == ["soft", "K0-3"]
+    soft = table.iloc[0]
+    assert soft["u_mm"] == pytest.approx(20.0)
+    assert soft["energy_imbalance"] < 1e-6
+    assert 1e2 < soft["condition"] < 1e8
+    assert "| soft | converged |" in (tmp_path / "stability.md").read_text()
+    assert (tmp_path / "stability.png").stat().st_size > 10_000
+
+
+def test_the_share_of_cut_backs_counts_cases_that_reached_their_end() -> None:
+    rows = [
+        {"outcome": "converged", "increments": 30, "cut_backs": 3, "median_iterations": 4.0, "energy_imbalance": 1e-8},
+        {"outcome": "warned", "increments": 10, "cut_backs": 1, "median_iterations": 2.0, "energy_imbalance": 1e-7},
+        {"outcome": "stopped", "increments": 9, "cut_backs": 90, "median_iterations": 9.0, "energy_imbalance": 1.0},
+    ]
+    total = stability.summary(pd.DataFrame(rows))
+    assert total["cut_backs_over_increments"] == pytest.approx(0.1)
+    assert total["median_iterations"] == 3.0
+    assert total["worst_energy_imbalance"] == 1e-7
+    assert "4 steps cut in 40 increments (10 %)" in stability_text.closing(total)
+
+
+@pytest.mark.slow
+def test_no_case_ends_without_a_named_reason() -> None:
+    """The whole catalogue on a mesh of 0.6 times `coarse`; on `coarse` itself: `pysprings stability`."""
+    table = stability.run_cases(CASES, "coarse", 0.6)
+    assert not table.loc[table["outcome"] == "unexplained", ["case", "detail"]].to_numpy().tolist()
+    reached = table[table["outcome"].isin(("converged", "warned"))]
+    assert len(reached) >= 45
+    assert reached["median_iterations"].max() <= 6
+    assert reached["energy_imbalance"].max() < 1e-5
+    assert np.nanmax(reached["water_imbalance"].to_numpy(dtype=float)) < 1e-5
