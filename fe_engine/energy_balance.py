@@ -7,8 +7,8 @@ work is that of the loads' changes on the border dofs, initial that of the initi
 loads that hold the initial stress), both over the motion since the start. elastic is stored in the soil, plastic is
 dissipated there; penalty is stored in the contact springs, friction is dissipated on them, and water is what the soil
 has done against pore pressures. With the means s of old and new stress over a step, s:de = d(s:C^-1:s/2) + s:de_p holds
-without error, so that the imbalance is what Newton has left, and nothing else. Plastic and friction grow, but for what a
-station seems to give back that opens within a step, where the mean of both ends is not the traction on the way.
+without error, so that the imbalance is what Newton has left, and nothing else. Plastic and friction grow, but for what
+a station seems to give back that opens within a step, where the mean of both ends is not the traction on the way.
 """
 
 from __future__ import annotations
