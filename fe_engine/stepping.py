@@ -42,13 +42,31 @@ class Step:
     limit: str = ""
 
 
+@dataclass(frozen=True)
+class Position:
+    """Where a stage stands after a commit: what decides the next increment, beside state, force and n_steps.
+
+    start (nc,) is the controlled motion at the start of the stage, ``done`` the fraction reached, ``size`` that of the
+    next step with what limits it, ``last`` the size and the increments (n_free,), (nb,) of the last step, ``loose`` how
+    many steps in a row were taken with a residual above the tolerance.
+    """
+
+    start: np.ndarray
+    done: float
+    size: float
+    limit: str
+    last: tuple[float, np.ndarray, np.ndarray] | None = None
+    loose: int = 0
+
+
 @dataclass
 class Driver:
     """Runs stages one after the other and keeps the record of every iteration, failed attempts included.
 
     ``given_up`` holds (stage, fraction, error) of each failed attempt, ``aim`` what the present one is to reach,
     ``stiffness`` (nb, nb) the border tangent stiffness of the last increment (None before there is one), and ``loose``
-    (stage, fraction, residual) of each step that was taken with a residual above the tolerance.
+    (stage, fraction, residual) of each step that was taken with a residual above the tolerance. ``position`` is where
+    the last commit left the stage: a new driver goes on from there as this one would have.
     """
 
     newton: Newton
@@ -60,21 +78,26 @@ class Driver:
     force: np.ndarray | None = None
     stiffness: np.ndarray | None = None
     loose: list[tuple[str, float, float]] = field(default_factory=list)
+    position: Position | None = None
 
     @property
     def n_cut_backs(self) -> int:
         """Number of attempts that were given up."""
         return len(self.given_up)
 
-    def run(self, stage: Stage, on_step: Callable[[Step], None]) -> None:
-        """Run a stage; ``on_step`` is called after each commit. Raises NotConverged with the last history."""
+    def run(self, stage: Stage, on_step: Callable[[Step], None], position: Position | None = None) -> None:
+        """Run a stage, or the rest of it from a position; ``on_step`` is called after each commit.
+
+        Raises NotConverged with the last history.
+        """
         if self.newton.system.model.water is not None and not stage.duration > 0.0:
             raise ModelError(f"stage '{stage.name}' has no duration: water needs time to flow, however short")
-        start = stage.control @ self.state.committed.border
+        at = position or Position(
+            stage.control @ self.state.committed.border, 0.0, min(stage.first_fraction, 1.0), "first step"
+        )
         force = np.zeros(len(stage.force)) if self.force is None else self.force
-        done, size, limit = 0.0, min(stage.first_fraction, 1.0), "first step"
-        last: tuple[float, Increment] | None = None
-        cuts, in_a_row = 0, 0
+        start, done, size, limit, last = at.start, at.done, at.size, at.limit, at.last
+        cuts, in_a_row = 0, at.loose
         while done < 1.0:
             target, loosely = _next(done, size, stage.stops), False
             step = target - done
@@ -98,14 +121,16 @@ class Driver:
                     continue
                 increment, loosely = found, True
             self.state.commit()
-            last, done = (step, increment), target
+            last, done = (step, increment.free, increment.border), target
             held = "stop" if step < size * (1.0 - 1.0e-9) and limit != "cut-back" else limit
             size, limit = _adapt(step, increment.iterations, stage.max_fraction, cuts)
             if loosely:  # on to the size before the cuts: what jumps is behind
                 size = min(step / _CUT**cuts, stage.max_fraction)
+            in_a_row = in_a_row + 1 if loosely else 0
+            self.position = Position(start, done, size, limit, last, in_a_row)
             forces = loading.multipliers(increment.residual.border)
             on_step(Step(stage.name, done, forces, increment, cuts, loading.time_step, held))
-            cuts, in_a_row = 0, in_a_row + 1 if loosely else 0
+            cuts = 0
         self.force = np.array(stage.force, dtype=float)
 
     def _attempt(self, stage: Stage, loading: Loading, target: float, guess: tuple) -> Increment:
@@ -138,13 +163,15 @@ class Driver:
         self.n_steps += 1
         return increment
 
-    def _guess(self, last: tuple[float, Increment] | None, size: float) -> tuple[np.ndarray, np.ndarray]:
+    def _guess(
+        self, last: tuple[float, np.ndarray, np.ndarray] | None, size: float
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Extrapolate the last increment: every point then starts in the regime it is likely to stay in."""
         if last is None:
             n, nb = self.newton.system.pattern.n_free, self.newton.system.model.n_border
             return np.zeros(n), np.zeros(nb)
         ratio = size / last[0]
-        return ratio * last[1].free, ratio * last[1].border
+        return ratio * last[1], ratio * last[2]
 
 
 def _next(done: float, size: float, stops: tuple[float, ...]) -> float:
