@@ -163,9 +163,7 @@ class Driver:
         self.n_steps += 1
         return increment
 
-    def _guess(
-        self, last: tuple[float, np.ndarray, np.ndarray] | None, size: float
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _guess(self, last: tuple[float, np.ndarray, np.ndarray] | None, size: float) -> tuple[np.ndarray, np.ndarray]:
         """Extrapolate the last increment: every point then starts in the regime it is likely to stay in."""
         if last is None:
             n, nb = self.newton.system.pattern.n_free, self.newton.system.model.n_border
