@@ -62,9 +62,14 @@ def exclusive(folder: Path) -> Iterator[None]:
         yield
     finally:
         _held.discard(mine)
-        for name in (HOLDER, LOCK):  # while it is held: whoever waits for this very file looks again
-            (folder / name).unlink(missing_ok=True)
+        with suppress(OSError):  # they may stay: the next run takes them over
+            (folder / HOLDER).unlink(missing_ok=True)
+            if os.name != "nt":  # removed while it is held, so that whoever has opened this very file looks again
+                (folder / LOCK).unlink(missing_ok=True)
         lock.release()
+        if os.name == "nt":  # where an open file cannot be removed
+            with suppress(OSError):
+                (folder / LOCK).unlink(missing_ok=True)
 
 
 def _holder(folder: Path) -> str:
