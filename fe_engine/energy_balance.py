@@ -83,6 +83,17 @@ class EnergyBalance:
         self._border = np.array(border, dtype=float)
         old.copy_from(new)
 
+    @property
+    def totals(self) -> tuple[np.ndarray, np.ndarray]:
+        """Terms added up over the steps (J), and the loads (nb,) at the last; see `go_on_from`."""
+        return self.terms.copy(), self._border
+
+    def go_on_from(self, state: Fields, terms: np.ndarray, border: np.ndarray) -> None:
+        """Take up a saved state, with the `totals` that went with it."""
+        self.terms[...] = terms
+        self._border = np.array(border, dtype=float)
+        self._last.copy_from(state)
+
     def now(self) -> Energy:
         """Return the energies up to the last step."""
         return Energy(*(float(value) for value in self.terms))

@@ -98,12 +98,17 @@ class Pardiso:
         try:
             return self._solver._call_pardiso(self._matrix, np.asfortranarray(rhs, dtype=float))
         except PyPardisoError as error:
+            if error.value == _NO_MEMORY:  # a smaller step would not help
+                raise MemoryError(f"Pardiso: {error}") from error
             raise LinearSolverError(f"Pardiso: {error}") from error
 
     def close(self) -> None:
-        """Release MKL's internal memory."""
-        self._solver.free_memory(everything=True)
+        """Release MKL's internal memory; there is none before the first factorisation."""
+        if self._analysed:
+            self._solver.free_memory(everything=True)
 
+
+_NO_MEMORY = -2  # Pardiso's error code
 
 # 1-based iparm: defaults off (1), METIS (2), refinement only where pivots were perturbed (8; a step of it costs ten
 # solves, and LinearSolver refines where the residual asks for it), pivot perturbation 1e-13 (10), no scaling (11) and
@@ -185,7 +190,7 @@ class LinearSolver:
 
         None where nothing has been factorised yet, or the factors give no answer.
         """
-        if self.n_factorisations == 0:
+        if not hasattr(self, "_matrix"):
             return None
         start = np.random.default_rng(1).normal(size=self._matrix.shape[0])
         largest = _growth(lambda v: self._matrix @ v, start)

@@ -38,12 +38,28 @@ class Step:
     limit: str = ""
 
 
+@dataclass(frozen=True)
+class Position:
+    """Where a stage stands after a commit: what decides the next increment, beside state, force and n_steps.
+
+    start (nc,) is the controlled motion at the start of the stage, ``done`` the fraction reached, ``size`` that of the
+    next step with what limits it, ``last`` the size and the increments (n_free,), (nb,) of the last step.
+    """
+
+    start: np.ndarray
+    done: float
+    size: float
+    limit: str
+    last: tuple[float, np.ndarray, np.ndarray] | None = None
+
+
 @dataclass
 class Driver:
     """Runs stages one after the other and keeps the record of every iteration, failed attempts included.
 
     ``given_up`` holds (stage, fraction, error) of each failed attempt, ``aim`` what the present one is to reach,
-    ``stiffness`` (nb, nb) the border tangent stiffness of the last increment (None before there is one).
+    ``stiffness`` (nb, nb) the border tangent stiffness of the last increment (None before there is one). ``position`` is
+    where the last commit left the stage: a new driver goes on from there as this one would have.
     """
 
     newton: Newton
@@ -54,43 +70,49 @@ class Driver:
     n_steps: int = 0
     force: np.ndarray | None = None
     stiffness: np.ndarray | None = None
+    position: Position | None = None
 
     @property
     def n_cut_backs(self) -> int:
         """Number of attempts that were given up."""
         return len(self.given_up)
 
-    def run(self, stage: Stage, on_step: Callable[[Step], None]) -> None:
-        """Run a stage; ``on_step`` is called after each commit. Raises NotConverged with the last history."""
+    def run(self, stage: Stage, on_step: Callable[[Step], None], position: Position | None = None) -> None:
+        """Run a stage, or the rest of it from a position; ``on_step`` is called after each commit.
+
+        Raises NotConverged with the last history.
+        """
         if self.newton.system.model.water is not None and not stage.duration > 0.0:
             raise ModelError(f"stage '{stage.name}' has no duration: water needs time to flow, however short")
-        start = stage.control @ self.state.committed.border
+        at = position or Position(
+            stage.control @ self.state.committed.border, 0.0, min(stage.first_fraction, 1.0), "first step"
+        )
         force = np.zeros(len(stage.force)) if self.force is None else self.force
-        done, size, limit = 0.0, min(stage.first_fraction, 1.0), "first step"
-        last: tuple[float, Increment] | None = None
+        start, done, size, limit, last = at.start, at.done, at.size, at.limit, at.last
         cuts = 0
         while done < 1.0:
             target = _next(done, size, stage.stops)
+            step = target - done
             loading = Loading(
                 stage.control,
                 start + target * (stage.target - start),
                 stage.load,
                 force + target * (stage.force - force),
-                (target - done) * stage.duration,
+                step * stage.duration,
             )
             try:
-                increment = self._attempt(stage, loading, target, self._guess(last, target - done))
+                increment = self._attempt(stage, loading, target, self._guess(last, step))
             except NotConverged:
                 cuts += 1
-                size, limit = _CUT * (target - done), "cut-back"
+                size, limit = _CUT * step, "cut-back"
                 if size < _SMALLEST:
                     raise
                 continue
             self.state.commit()
-            last = (target - done, increment)
-            held = "stop" if target - done < size * (1.0 - 1.0e-9) and limit != "cut-back" else limit
-            size, limit = _adapt(target - done, increment.iterations, stage.max_fraction, cuts)
-            done = target
+            last, done = (step, increment.free, increment.border), target
+            held = "stop" if step < size * (1.0 - 1.0e-9) and limit != "cut-back" else limit
+            size, limit = _adapt(step, increment.iterations, stage.max_fraction, cuts)
+            self.position = Position(start, done, size, limit, last)
             forces = loading.multipliers(increment.residual.border)
             on_step(Step(stage.name, done, forces, increment, cuts, loading.time_step, held))
             cuts = 0
@@ -111,13 +133,13 @@ class Driver:
         self.stiffness = increment.stiffness
         return increment
 
-    def _guess(self, last: tuple[float, Increment] | None, size: float) -> tuple[np.ndarray, np.ndarray]:
+    def _guess(self, last: tuple[float, np.ndarray, np.ndarray] | None, size: float) -> tuple[np.ndarray, np.ndarray]:
         """Extrapolate the last increment: every point then starts in the regime it is likely to stay in."""
         if last is None:
             n, nb = self.newton.system.pattern.n_free, self.newton.system.model.n_border
             return np.zeros(n), np.zeros(nb)
         ratio = size / last[0]
-        return ratio * last[1].free, ratio * last[1].border
+        return ratio * last[1], ratio * last[2]
 
 
 def _next(done: float, size: float, stops: tuple[float, ...]) -> float:

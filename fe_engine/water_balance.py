@@ -52,6 +52,15 @@ class WaterBalance:
         self._scatter = Scatter(equation, np.ones((n, 4)), system.pattern.rank, system.pattern.indptr)
         self._flown_out, self._moved = 0.0, 0.0
 
+    @property
+    def totals(self) -> tuple[float, float]:
+        """What has been added up over the steps, m3: flown out, moved; set to go on from a saved state."""
+        return self._flown_out, self._moved
+
+    @totals.setter
+    def totals(self, volumes: tuple[float, float]) -> None:
+        self._flown_out, self._moved = volumes
+
     def advance(self, now: Fields, time_step: float) -> None:
         """Add the flow of a step that ended in this state."""
         flow = self._leaving(now, now, time_step)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,17 +14,23 @@ from pysprings import __version__
 from pysprings.cli_support import (
     DEBUG,
     guarded,
+    interruptible,
     print_json,
     quantities,
     record_stamp,
     refuse,
+    refuse_other_run,
     result_folder,
     say,
     springs_of,
     springs_or_table,
 )
-from pysprings.errors import RunIncomplete
+from pysprings.errors import ResourceError, RunIncomplete
 from pysprings.jit import choose_for_command
+from pysprings.result_files import is_unfinished
+
+if TYPE_CHECKING:
+    from pysprings.scene import Scene
 
 EPILOG = (
     "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; 130 interrupted."
@@ -130,34 +136,59 @@ def run(
     scene: SceneFile,
     out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/SCENE]")] = None,
     mesh: Mesh = None,
+    resume: Annotated[bool, typer.Option("--resume", help="go on with the interrupted run in the folder")] = False,
     force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
     as_json: Json = False,
 ) -> None:
     """Full model, springs, prediction with the springs, tables and pictures."""
     from pysprings.cli_reports import print_results, results_json
-    from pysprings.progress import reporter
     from pysprings.scene import load_scene
 
     loaded = load_scene(scene)
     folder = out or Path("out") / scene.stem
-    stopped: RunIncomplete | KeyboardInterrupt | None = None
-    before = record_stamp(folder)
-    with result_folder(folder, force):
-        from pysprings.folder import run_to_folder
-
-        try:
-            with reporter(sys.stderr) as progress:
-                folder = run_to_folder(loaded, folder, mesh=mesh.value if mesh else None, progress=progress)
-        except (RunIncomplete, KeyboardInterrupt) as error:
-            if record_stamp(folder) in (None, before):
-                raise
-            stopped = error
+    with result_folder(folder, force, resume):
+        if resume and not is_unfinished(folder):
+            stopped = _as_it_ended(folder, loaded.replace(mesh={"preset": mesh.value}) if mesh else loaded)
+        else:
+            stopped = _run(loaded, folder, mesh.value if mesh else None, resume)
     if as_json:
         print_json(results_json(folder))
     else:
         print_results(folder)
+    if isinstance(stopped, KeyboardInterrupt) and is_unfinished(folder):
+        option = f" --mesh {mesh.value}" if mesh else ""
+        say(f"go on with: pysprings run {scene} --out {folder}{option} --resume")
     if stopped is not None:
         raise stopped
+
+
+Stopped = RunIncomplete | ResourceError | KeyboardInterrupt | None
+
+
+def _run(scene: Scene, folder: Path, mesh: str | None, resume: bool) -> Stopped:
+    """Run a scene; return what ended it early when results were written nevertheless."""
+    from pysprings.folder import run_to_folder
+    from pysprings.progress import reporter
+
+    before = record_stamp(folder)
+    try:
+        with interruptible(), reporter(sys.stderr) as progress:
+            run_to_folder(scene, folder, mesh=mesh, progress=progress, resume=resume)
+    except (RunIncomplete, ResourceError, KeyboardInterrupt) as error:
+        if record_stamp(folder) in (None, before):
+            raise
+        return error
+    return None
+
+
+def _as_it_ended(folder: Path, scene: Scene) -> Stopped:
+    """Say that the run in a folder has ended, and how; change nothing."""
+    from pysprings.cli_reports import read_record
+
+    record = read_record(folder)
+    refuse_other_run(folder, record, scene.sha256)
+    say(f"the run in {folder} has ended ({record['status']}): nothing is left to do")
+    return None if record["status"] == "complete" else RunIncomplete("; ".join(record["failures"]), folder)
 
 
 @app.command()

@@ -215,6 +215,13 @@ def print_cost(record: Mapping[str, Any]) -> None:
     print(f"{number(spent)} Newton iterations, those in cut-backs included; ", end="")
     print(f"{number(solver.get('factorisations'))} factorisations ({solver.get('linear')}); ", end="")
     print(f"peak memory {number((record.get('peak_memory_bytes') or 0) / 1e6)} MB")
+    if saved := record.get("checkpoints"):
+        share = 100.0 * saved["share_of_wall"]
+        print(
+            f"checkpoints: {saved['written']} of steps, {saved['wall_s']:.2f} s, {share:.1f} % of the time of the paths"
+        )
+    for part in record.get("resumed", ()):
+        print(f"resumed {part['at_utc']} from {part['from']}")
 
 
 def _seconds(value: float | None) -> str:

@@ -7,11 +7,13 @@ import functools
 import json
 import math
 import os
+import signal
 import sys
+import threading
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec
 
@@ -29,7 +31,8 @@ from pysprings.errors import (
     UserInputError,
     printable,
 )
-from pysprings.result_files import results_in
+from pysprings.result_files import is_unfinished, results_in
+from pysprings.run_lock import exclusive, new_folder
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -153,30 +156,69 @@ def springs_or_table(source: Path, skirt_length: float | None) -> Springs:
 
 
 @contextmanager
-def result_folder(out: Path, force: bool) -> Iterator[None]:
-    """Create a result folder, or refuse one that holds results already; remove it again if it stays empty."""
+def result_folder(out: Path, force: bool, resume: bool = False) -> Iterator[None]:
+    """Create a result folder and hold its lock; refuse one that holds what the options do not speak of.
+
+    It is removed again if it stays empty.
+    """
+    if force and resume:
+        refuse("--resume", "goes on with a run, --force begins anew: give one of them")
     if out.exists() and not out.is_dir():
         refuse("--out", "is a file, not a folder", out)
-    found = results_in(out)
-    if found and not force:
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(new_folder(out))
+        except OSError as error:
+            refuse("--out", f"cannot be created ({error.strerror})", out)
+        if not os.access(out, os.W_OK | os.X_OK):
+            refuse("--out", "is not writable", out)
+        stack.enter_context(exclusive(out))
+        if not force:
+            _refuse_what_is_there(out, resume)
+        yield
+
+
+def _refuse_what_is_there(out: Path, resume: bool) -> None:
+    """Refuse a folder with an interrupted run or with results, or with neither where a run is to go on."""
+    found, unfinished = results_in(out), is_unfinished(out)
+    if resume and not unfinished and "run.json" not in found:
+        refuse("--resume", "nothing to resume: no interrupted run in this folder", out)
+    if unfinished and not resume:
+        refuse("--out", "holds an interrupted run; --resume goes on with it, --force begins anew", out)
+    if found and not resume:
         refuse(
             "--out",
             f"holds results already ({', '.join(found)}); choose another folder, or --force to replace",
             out,
         )
-    new = [folder for folder in (out, *out.parents) if not folder.exists()]
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        refuse("--out", f"cannot be created ({error.strerror})", out)
-    if not os.access(out, os.W_OK | os.X_OK):
-        refuse("--out", "is not writable", out)
+
+
+def refuse_other_run(folder: Path, record: Mapping[str, Any], scene_sha256: str) -> None:
+    """Refuse to take the results of a folder for those of a scene, unless they are its own and whole."""
+    if record.get("scene_sha256") != scene_sha256:
+        refuse("--resume", "the results here are those of another scene or mesh; --force begins anew", folder)
+    if record.get("status") == "interrupted":
+        refuse("--resume", "nothing to resume: the run here was interrupted, and its checkpoints are gone", folder)
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Have a request to end (SIGTERM), or a terminal that closes, interrupt the block as Ctrl-C does."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    kinds = [kind for name in names if signal.getsignal(kind := getattr(signal, name)) == signal.SIG_DFL]
+    if threading.current_thread() is not threading.main_thread():  # signals are the main thread's affair
+        kinds = []
+    for kind in kinds:
+        signal.signal(kind, interrupt)
     try:
         yield
     finally:
-        with suppress(OSError):  # not empty: that is how it should be
-            for folder in new:
-                folder.rmdir()
+        for kind in kinds:
+            signal.signal(kind, signal.SIG_DFL)
 
 
 def record_stamp(folder: Path) -> tuple[int, int] | None:

@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pysprings.checkpoint import Checkpoints
 from pysprings.comparison import compare, curves
 from pysprings.errors import UserInputError
 from pysprings.exporters import csv_tables, excel, load_displacement_table
@@ -16,9 +17,10 @@ from pysprings.full_model import compute, raise_if_incomplete
 from pysprings.progress import Progress
 from pysprings.report import write_report
 from pysprings.result_files import FIGURES, remove_results
+from pysprings.run_lock import exclusive, new_folder
 from pysprings.run_record import Meter
 from pysprings.springs import balance, get_path, path_names, save_springs
-from pysprings.storage import write_text, write_tree
+from pysprings.storage import leftovers, write_text, write_tree
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,19 +29,33 @@ if TYPE_CHECKING:
 
 
 def run_to_folder(
-    scene: Scene, out: str | os.PathLike[str], mesh: str | None = None, progress: Progress | None = None
-) -> Path:
+    scene: Scene, out: str | os.PathLike[str], mesh: str | None = None, progress: Progress | None = None,
+    resume: bool = False,
+) -> Path:  # fmt: skip
     """Run a scene and write full model, springs, tables, comparison, pictures, report and run.json; return the folder.
 
     Results of an earlier run in the folder are removed once the new ones are there to be written; a scene that is
     refused leaves them untouched. A run that stops early writes what converged, marked as partial, and then
-    raises RunIncomplete (or KeyboardInterrupt).
+    raises RunIncomplete (or KeyboardInterrupt, or ResourceError). One run at a time holds the folder. Checkpoints are
+    in it until everything is written; ``resume`` goes on from them.
     """
     folder = Path(out)
-    result = compute(scene, mesh=mesh, progress=progress)
+    with new_folder(folder), exclusive(folder):
+        checkpoints = Checkpoints(folder)
+        result = compute(scene, mesh=mesh, progress=progress, checkpoints=checkpoints, resume=resume)
+        _write_all(folder, scene, result)
+        if result.attrs["status"] != "interrupted":
+            checkpoints.remove()
+        raise_if_incomplete(result, folder)
+    return folder
+
+
+def _write_all(folder: Path, scene: Scene, result: xr.DataTree) -> None:
+    """Write every file of a result, in the place of those of an earlier run."""
     meter, record = Meter(), json.loads(result.attrs["run_json"])
-    folder.mkdir(parents=True, exist_ok=True)
     remove_results(folder)
+    for file in leftovers(folder):
+        file.unlink(missing_ok=True)
     with meter.clock.phase("output: files"):
         write_tree(result, folder / "full_model.nc")
         _write_record(folder, record)
@@ -52,8 +68,6 @@ def run_to_folder(
         write_report(folder, result, springs, run=record, figures=figures)
     meter.charge(record)
     _write_record(folder, record)
-    raise_if_incomplete(result, folder)
-    return folder
 
 
 def _springs(result: xr.DataTree) -> xr.DataTree | None:

@@ -7,8 +7,8 @@ import json
 import os
 import platform
 import warnings
-from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,61 +17,41 @@ import xarray as xr
 import pysprings
 from fe_engine.assembly import System
 from fe_engine.clock import Clock
-from fe_engine.energy_balance import EnergyBalance
-from fe_engine.errors import FEError, LinearSolverError, NotConverged
+from fe_engine.errors import FEError, LinearSolverError
 from fe_engine.linear import LinearSolver
 from fe_engine.newton import Newton, Settings
-from fe_engine.state import State, initial_fields
-from fe_engine.stepping import Driver, Step
-from fe_engine.water_balance import WaterBalance
+from fe_engine.state import State
 from pysprings import variables
-from pysprings.build import Built, build_model, left_out
+from pysprings.build import build_model, left_out
 from pysprings.build_water import undrained_time
 from pysprings.cavitation import warning as cavitation_warning
-from pysprings.collect import Collector, section_dataset
-from pysprings.diagnosis import LIMIT_LOAD, diagnose
+from pysprings.checkpoint import Checkpoints, Loaded, Saved
+from pysprings.collect import section_dataset
 from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
+from pysprings.path_run import PathRun, Work
 from pysprings.penalty import penalty_of
 from pysprings.progress import Progress
+from pysprings.result_files import is_unfinished
+from pysprings.run_lock import exclusive, new_folder
 from pysprings.run_record import (
-    DEAD_LOAD,
     Meter,
     convergence_dataset,
     cut_back,
     energy_summary,
     summarise,
 )
-from pysprings.stages import dead_load_stage, path_stages
 
 if TYPE_CHECKING:
-    from pysprings.scene import Path, Scene
+    from pysprings.scene import Scene
 
-# Largest motion of the caisson under a given load, over its diameter
-_LARGEST_MOTION = 0.5
-
-
-@dataclass
-class _Run:
-    """What the paths of one run share, and what has been computed so far."""
-
-    scene: Scene
-    built: Built
-    system: System
-    newton: Newton
-    clock: Clock
-    progress: Progress
-    paths: dict[str, xr.Dataset] = field(default_factory=dict)
-    summaries: dict[str, dict[str, Any]] = field(default_factory=dict)
-    failures: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    interrupted: bool = False
-    condition: float | None = None
-    stiffness: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
+# why a run has ended before its paths did (`stopped_by` in run.json)
+INTERRUPTED, OUT_OF_MEMORY = "interrupted", "out of memory"
 
 
 def run(
-    scene: Scene, mesh: str | None = None, progress: Progress | None = None, linear: str | None = None
-) -> xr.DataTree:
+    scene: Scene, mesh: str | None = None, progress: Progress | None = None, linear: str | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+) -> xr.DataTree:  # fmt: skip
     """Run the full model along all paths of a scene.
 
     Parameters
@@ -79,6 +59,8 @@ def run(
     scene : what to run.
     mesh, linear : preset and linear solver instead of the scene's; the result records the scene that ran.
     progress : called as ``progress(path, fraction, message)``.
+    checkpoint : folder for checkpoints. Where one holds those of this very run, stopped, it goes on from them; they are
+        removed when it has ended.
 
     Returns
     -------
@@ -86,34 +68,86 @@ def run(
     when a path did not converge to its end (with a warning), or "interrupted"; what converged is kept. Water that
     would cavitate at the scene's water depth is warned of.
     """
-    result = compute(scene, mesh, progress, linear)
+    if checkpoint is None:
+        result = compute(scene, mesh, progress, linear)
+    else:
+        result = _compute_in(FilePath(checkpoint), scene, mesh, progress, linear)
     record = json.loads(result.attrs["run_json"])
     for text in [*record["failures"], *record["warnings"]]:
         warnings.warn(text, stacklevel=2)
     return result
 
 
-def compute(
-    scene: Scene, mesh: str | None = None, progress: Progress | None = None, linear: str | None = None
+def _compute_in(
+    folder: FilePath, scene: Scene, mesh: str | None, progress: Progress | None, linear: str | None
 ) -> xr.DataTree:
-    """Do the work of `run`, without warnings."""
-    started, meter = datetime.now(UTC), Meter()
+    """Compute with checkpoints in a folder, from those that it holds."""
+    with new_folder(folder), exclusive(folder):
+        checkpoints = Checkpoints(folder)
+        result = compute(scene, mesh, progress, linear, checkpoints, resume=is_unfinished(folder))
+        if result.attrs["status"] != "interrupted":
+            checkpoints.remove()
+    return result
+
+
+def compute(
+    scene: Scene, mesh: str | None = None, progress: Progress | None = None, linear: str | None = None,
+    checkpoints: Checkpoints | None = None, resume: bool = False,
+) -> xr.DataTree:  # fmt: skip
+    """Do the work of `run`, without warnings; leave checkpoints where they are given, and go on from them.
+
+    The checkpoints stay when the paths have ended: whoever has saved the result removes them.
+    """
+    started, meter = datetime.now(UTC).isoformat(timespec="seconds"), Meter()
     ran = scene_to_run(scene, mesh, linear)
     work = _prepare(ran, meter.clock, progress or (lambda *_: None))
-    work.stiffness = _initial_stiffness(work)
+    work.checkpoints = checkpoints
+    loaded = _take_up(work, started, resume)
     try:
-        for path in ran.paths:
-            _run_path(work, path)
+        _run_paths(work, loaded)
     except KeyboardInterrupt:
-        work.interrupted = True
-    work.condition = work.newton.solver.condition_estimate()
+        work.stopped = INTERRUPTED
+    except MemoryError:
+        work.stopped = OUT_OF_MEMORY
+        work.failures.append(OUT_OF_MEMORY)
+    if work.condition is None:
+        work.condition = work.newton.solver.condition_estimate()
     work.newton.solver.close()
-    record = _record(work, started)
+    record = _record(work, loaded)
     meter.charge(record)
-    result = _tree(work, 2.0 * work.stiffness, record)
+    result = _tree(work, record)
     if ran is not scene:
         result.attrs["scene_toml_given"] = scene.source_text
     return result
+
+
+def _take_up(work: Work, started: str, resume: bool) -> Loaded:
+    """Return what is known before the first path: the initial stiffness, and what checkpoints hold."""
+    checkpoints, loaded = work.checkpoints, Loaded()
+    if checkpoints is not None:
+        checkpoints.identity = _identity(work)
+        loaded = checkpoints.load() if resume else loaded
+    if loaded.newest is not None:
+        work.go_on_from(loaded.newest.meta["cost"])
+        work.resumed.append({"at_utc": started, "from": loaded.place})
+    work.warnings += [f"checkpoint {text}; what it held is computed again" for text in loaded.damaged]
+    if loaded.shared is None:
+        loaded.shared = Saved({"started_utc": started}, {"stiffness": _initial_stiffness(work)})
+        if checkpoints is not None:
+            with work.clock.phase("checkpoint"):
+                checkpoints.begin(loaded.shared, anew=not resume)
+    work.stiffness = loaded.shared.arrays["stiffness"]
+    return loaded
+
+
+def _identity(work: Work) -> dict[str, str]:
+    """What has to be the same for an interrupted run to go on."""
+    return {
+        "mesh": work.scene.mesh.preset,
+        "linear solver": work.newton.solver.backend.name,
+        "version of pysprings": pysprings.__version__,
+        "scene": f"sha256 {work.scene.sha256}",
+    }
 
 
 def scene_to_run(scene: Scene, mesh: str | None = None, linear: str | None = None) -> Scene:
@@ -126,7 +160,7 @@ def scene_to_run(scene: Scene, mesh: str | None = None, linear: str | None = Non
     return changed
 
 
-def _prepare(scene: Scene, clock: Clock, progress: Progress) -> _Run:
+def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
     progress("model", 0.0, "mesh")
     with clock.phase("mesh"):
         try:
@@ -143,10 +177,10 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> _Run:
         newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations))
     progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {system.pattern.n_free} unknowns")
     remarks = list(penalty_of(scene).remarks)
-    return _Run(scene, built, system, newton, clock, progress, warnings=remarks)
+    return Work(scene, built, system, newton, clock, progress, warnings=remarks)
 
 
-def _initial_stiffness(work: _Run) -> np.ndarray:
+def _initial_stiffness(work: Work) -> np.ndarray:
     """Tangent stiffness (3, 3) of half the caisson at the initial state; undrained where there is water."""
     work.system.time_step = undrained_time(work.scene, work.built.model.mesh)
     try:
@@ -155,117 +189,62 @@ def _initial_stiffness(work: _Run) -> np.ndarray:
         raise RunIncomplete(f"the stiffness of the initial state cannot be computed: {error}") from error
 
 
-def _run_path(work: _Run, path: Path) -> None:
-    """Run one path from the initial state; a path that stops early is kept up to where it converged."""
-    state = State(work.built.model)
-    driver = Driver(work.newton, state)
-    output, extra = work.scene.output, work.built.extra_load_of(work.scene.vertical_load_of(path))
-    water = None if work.built.model.water is None else WaterBalance(work.system, initial_fields(work.built.model))
-    collector = Collector(work.built, work.system, output.interface_fields, output.section, water, _sea(work.scene))
-    fast = undrained_time(work.scene, work.built.model.mesh)
-    status, time, done, n_stages = "complete", 0.0, 0, 1
-    energy = EnergyBalance(work.system)
-    limits: list[str] = []
-
-    def on_step(step: Step) -> None:
-        with work.clock.phase("output"):
-            energy.advance(state.committed, step.increment.residual.border)
-        if water is not None:
-            water.advance(state.committed, step.time_step)
-        limits.append(step.limit)
-        if step.stage == DEAD_LOAD:
-            work.progress(path.name, 0.0, DEAD_LOAD)
-            return
-        nonlocal time
-        time += step.time_step
-        _collect(work, collector, state, time)
-        message = f"step {len(collector.rows) - 1}, {step.increment.iterations} iterations"
-        work.progress(path.name, (done + step.fraction) / n_stages, message)
-        if path.kind == "load":
-            _refuse_flight(work.scene, state)
-
-    try:
-        if extra:
-            driver.run(dead_load_stage(extra), on_step)
-        _collect(work, collector, state, 0.0)
-        stages = path_stages(work.scene, path, extra, fast, rest=float(state.committed.border[1]))
-        n_stages = len(stages)
-        for stage in stages:
-            driver.run(stage, on_step)
-            done += 1
-    except NotConverged as error:
-        status = "partial"
-        work.failures.append(_failure(work, path, driver, error))
-        if not collector.rows:  # the dead load itself: the state that it reached is kept, marked
-            _collect(work, collector, state, 0.0, converged=False)
-    except KeyboardInterrupt:
-        status = "interrupted"
-        raise
-    finally:
-        if collector.rows:
-            _keep(work, path, collector, driver, status, limits, energy)
+def _run_paths(work: Work, loaded: Loaded) -> None:
+    """Run every path that has not ended; the one on its way goes on from where it stood."""
+    for number, path in enumerate(work.scene.paths):
+        run = PathRun(work, path)
+        ended, state = loaded.paths.get(path.name), loaded.state
+        if ended is not None:
+            run.restore(ended)
+            _keep(work, run)
+            continue
+        if state is not None and state.meta["path"] == path.name:
+            run.restore(state)
+        try:
+            run.run()
+        finally:
+            if run.collector.rows:
+                _keep(work, run)
+        work.condition = work.newton.solver.condition_estimate() if path is work.scene.paths[-1] else None
+        run.save_end(number)
 
 
-def _collect(work: _Run, collector: Collector, state: State, time: float, converged: bool = True) -> None:
+def _keep(work: Work, run: PathRun) -> None:
+    """Add a path, whole or as far as it went, to the result."""
+    path, driver, name = run.path, run.driver, run.path.name
     with work.clock.phase("output"):
-        collector.add(state.committed, time, converged)
-
-
-def _refuse_flight(scene: Scene, state: State) -> None:
-    """Stop a path under a given load where the caisson leaves: small displacements then make no sense."""
-    u, _, rotation = state.committed.border
-    reach = max(abs(u), abs(u + rotation * scene.caisson.skirt_length))
-    if reach > _LARGEST_MOTION * scene.caisson.outer_diameter:
-        raise NotConverged(f"{LIMIT_LOAD}: the caisson has moved by {reach:.3g} m, the soil does not carry the load")
-
-
-def _failure(work: _Run, path: Path, driver: Driver, error: NotConverged) -> str:
-    """One line: which path stopped, on its way to which part of the load, why, where in the model."""
-    stage, target = driver.aim
-    of = " of its dead load" if stage == DEAD_LOAD else ""
-    why = str(error)
-    if not why.startswith(LIMIT_LOAD):
-        forced = stage == DEAD_LOAD or path.kind == "load"
-        why = f"{diagnose(driver, forced, work.stiffness)} ({why})"
-    return f"path '{path.name}' stopped on its way to {100 * target:.4g} %{of}: {why}"
-
-
-def _sea(scene: Scene) -> tuple[float, float] | None:
-    """Unit weight (N/m3) and depth (m) of the sea, where suction is checked against cavitation."""
-    drainage = scene.drainage
-    return None if drainage.water_depth is None else (drainage.water_unit_weight, drainage.water_depth)
-
-
-def _keep(
-    work: _Run, path: Path, collector: Collector, driver: Driver, status: str, limits: list[str], energy: EnergyBalance
-) -> None:
-    with work.clock.phase("output"):
-        dataset = collector.dataset()
-        dataset.attrs = {"kind": path.kind, "arm_m": path.arm, "role": path.role, "status": status, "heave": path.heave}
+        dataset = run.collector.dataset()
+        dataset.attrs = {
+            "kind": path.kind, "arm_m": path.arm, "role": path.role, "status": run.status, "heave": path.heave,
+        }  # fmt: skip
         if path.rate is not None:
             dataset.attrs["rate_m_per_s"] = path.rate
         if path.arm_from is not None:
             dataset.attrs["arm_from_m"] = path.arm_from
-        work.paths[f"/paths/{path.name}"] = dataset
-        work.paths[f"/paths/{path.name}/convergence"] = convergence_dataset(driver.record)
-        work.summaries[path.name] = (
-            {"status": status}
-            | summarise(driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, limits)
-            | {"energy": energy_summary(energy.now())}
+        work.paths[f"/paths/{name}"] = dataset
+        work.paths[f"/paths/{name}/convergence"] = convergence_dataset(driver.record)
+        work.summaries[name] = (
+            {"status": run.status}
+            | summarise(driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, run.limits)
+            | {"energy": energy_summary(run.energy.now())}
         )
-        if collector.cavitation is not None:
-            work.warnings.append(cavitation_warning(path.name, *collector.cavitation))
+        work.failures += [run.failure] if run.failure else []
+        if run.collector.cavitation is not None:
+            work.warnings.append(cavitation_warning(name, *run.collector.cavitation))
 
 
-def _record(work: _Run, started: datetime) -> dict[str, Any]:
-    """Everything that goes into run.json but the cost."""
+def _record(work: Work, loaded: Loaded) -> dict[str, Any]:
+    """Everything that goes into run.json but the cost of this part of the run."""
+    assert loaded.shared is not None
     solver, mesh = work.newton.solver, work.built.model.mesh
     return {
-        "status": "interrupted" if work.interrupted else "partial" if work.failures else "complete",
+        "status": "interrupted" if work.stopped else "partial" if work.failures else "complete",
+        "stopped_by": work.stopped or None,
         "failures": work.failures,
         "warnings": work.warnings,
         "version": pysprings.__version__,
-        "started_utc": started.isoformat(timespec="seconds"),
+        "started_utc": loaded.shared.meta["started_utc"],
+        "resumed": work.resumed,
         "python": platform.python_version(),
         "platform": platform.platform(),
         "scene_sha256": work.scene.sha256,
@@ -285,11 +264,22 @@ def _record(work: _Run, started: datetime) -> dict[str, Any]:
         },
         "paths": work.summaries,
         "left_out": [{"what": what, "why": why} for what, why in left_out(work.scene)],
+        **_cost_before(work, loaded),
     }  # fmt: skip
 
 
-def _tree(work: _Run, stiffness: np.ndarray, record: dict[str, Any]) -> xr.DataTree:
-    dofs = list(variables.DOFS)
+def _cost_before(work: Work, loaded: Loaded) -> dict[str, Any]:
+    """What the parts of the run before this one took, and the checkpoints of all parts."""
+    if work.checkpoints is None:
+        return {}
+    before = {} if loaded.newest is None else {key: loaded.newest.meta["cost"][key] for key in ("wall_s", "cpu_s")}
+    spent, wall = work.checkpoints.spent, work.checkpoints.elapsed()["wall_s"]
+    cost = {"written": work.checkpoints.written, "wall_s": round(spent, 3), "share_of_wall": round(spent / wall, 4)}
+    return before | {"checkpoints": cost}
+
+
+def _tree(work: Work, record: dict[str, Any]) -> xr.DataTree:
+    dofs, stiffness = list(variables.DOFS), 2.0 * work.stiffness
     root = xr.Dataset(
         {"stiffness_initial": (("dof", "dof_conjugate"), stiffness)}, coords={"dof": dofs, "dof_conjugate": dofs}
     )
@@ -323,9 +313,12 @@ def _tree(work: _Run, stiffness: np.ndarray, record: dict[str, Any]) -> xr.DataT
 
 
 def raise_if_incomplete(result: xr.DataTree, folder: str | os.PathLike[str] | None = None) -> None:
-    """Raise what the command line turns into exit codes 3 and 130."""
+    """Raise what the command line turns into exit codes 3, 4 and 130."""
+    record = json.loads(result.attrs["run_json"])
+    if record["stopped_by"] == OUT_OF_MEMORY:
+        kept = "" if folder is None else f"; what converged is kept in {folder}, --resume goes on from there"
+        raise ResourceError(f"out of memory; try a smaller mesh (`pysprings check` estimates){kept}")
     if result.attrs["status"] == "interrupted":
         raise KeyboardInterrupt
     if result.attrs["status"] != "complete":
-        failures = json.loads(result.attrs["run_json"])["failures"]
-        raise RunIncomplete("; ".join(failures), folder)
+        raise RunIncomplete("; ".join(record["failures"]), folder)

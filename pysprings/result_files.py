@@ -20,6 +20,7 @@ FILES = {
 }
 
 FIGURES = "figures"  # folder of the pictures
+CHECKPOINT = "checkpoint"  # folder of what an unfinished run needs to go on
 
 # Kinds of pictures with their captions, in reading order. A picture is called `kind` when it shows the whole run,
 # `path_kind` when it shows a path, and `path_kind_state` when it shows one state: the last, or one at 2.5 mm.
@@ -44,6 +45,11 @@ _STATE = re.compile(r"last|[0-9.]+mm")
 def results_in(folder: Path) -> list[str]:
     """Return the files of a run that a folder holds."""
     return [name for name in FILES if (folder / name).exists()]
+
+
+def is_unfinished(folder: Path) -> bool:
+    """Tell whether a folder holds the checkpoints of a run that was stopped: an ended one removes them."""
+    return any((folder / CHECKPOINT).glob("*.npz"))
 
 
 def picture_kind(stem: str, path: str) -> tuple[str, str] | None:

@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""Files that are whole or absent: atomic writing of any file, NetCDF-4 writing and reading of DataTrees."""
+"""Files that are whole or absent: atomic writing of any file, NetCDF-4 writing and reading of DataTrees.
+
+A NetCDF file carries a checksum of its content (`pysprings.seal`), which is compared when it is opened.
+"""
 
 from __future__ import annotations
 
 import os
+import re
+import shutil
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,14 +18,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings.errors import Problem, UserInputError
+from pysprings.errors import Problem, ResourceError, UserInputError
+from pysprings.seal import ATTRIBUTE, broken_seal, seal
 
+_TEMPORARY = re.compile(r"\..+\.\d+\.tmp(\.\w+)?")
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary path beside the target; move it onto the target when the block ends well.
+    """Give a temporary path beside the target; move it onto the target when the block ends well and it is on the disk.
 
     An exception inside the block leaves an existing target untouched and removes the temporary file.
     """
@@ -28,9 +36,28 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     temporary = target.with_name(f".{target.stem}.{os.getpid()}.tmp{target.suffix}")
     try:
         yield temporary
+        with temporary.open("rb+") as stream:
+            os.fsync(stream.fileno())
         os.replace(temporary, target)
+        _sync_folder(target.parent)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Have the disk keep a new name in a folder, where the system can be asked to."""
+    if os.name == "nt":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def leftovers(folder: Path) -> list[Path]:
+    """Return the temporary files in a folder of processes that were killed while they wrote."""
+    return [path for path in folder.glob(".*.tmp*") if _TEMPORARY.fullmatch(path.name)]
 
 
 def write_text(text: str, path: str | os.PathLike[str]) -> Path:
@@ -41,19 +68,35 @@ def write_text(text: str, path: str | os.PathLike[str]) -> Path:
 
 
 def write_tree(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
-    """Write a DataTree as compressed NetCDF-4, atomically; return its path."""
+    """Write a DataTree as compressed NetCDF-4 with a checksum, atomically; return its path.
+
+    Raises
+    ------
+    ResourceError
+        The file cannot be written, say because the disk is full.
+    """
     groups = {node.path: _storable(node.to_dataset(inherit=False)) for node in tree.subtree}
     clean = xr.DataTree.from_dict(groups)
     encoding = {name: _encoding(dataset) for name, dataset in groups.items()}
     with replacing(path) as temporary:
-        clean.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        try:
+            clean.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+            seal(temporary)
+        except (RuntimeError, OSError) as error:  # what the C libraries make of a full disk
+            raise _unwritable(Path(path), error) from error
     return Path(path)
+
+
+def _unwritable(path: Path, error: Exception) -> ResourceError:
+    free = shutil.disk_usage(path.parent).free / 1e6
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    return ResourceError(f"{path}: cannot be written ({reason}; {free:,.0f} MB are free there)")
 
 
 def _storable(dataset: xr.Dataset) -> xr.Dataset:
     """Return a copy without leftovers of an earlier file, with attributes that NetCDF can hold."""
     clean = dataset.drop_encoding()
-    clean.attrs = {str(name): _attribute(value) for name, value in dataset.attrs.items()}
+    clean.attrs = {str(name): _attribute(value) for name, value in dataset.attrs.items() if name != ATTRIBUTE}
     return clean
 
 
@@ -76,21 +119,38 @@ def _encoding(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
     return encoding
 
 
+_CHANGED = {
+    "bytes": "the file is damaged: its bytes have changed since it was written",
+    "content": f"the file has been altered since it was written (remove its attribute {ATTRIBUTE} if that is meant)",
+}
+
+
 def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     """Read a NetCDF-4 file into memory and close it; refuse what is not one with a clear message.
+
+    A file without a checksum (written by another program) is read with a warning.
 
     Raises
     ------
     UserInputError
-        No such file, a folder, another format, or a broken file.
+        No such file, a folder, another format, a broken file, or one that has changed since it was written.
     """
     _refuse_foreign(Path(path))
     try:
+        fault = broken_seal(path)
+        if fault in _CHANGED:
+            raise refusal(path, "", _CHANGED[fault])
         # seconds stay numbers: a duration is not a date
         with xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as tree:
-            return _with_bounds_units(tree.load())
+            found = _with_bounds_units(tree.load())
+    except UserInputError:
+        raise
     except Exception as error:  # the C libraries below raise many types on a damaged file
         raise refusal(path, "", f"broken or incomplete NetCDF file ({error})") from error
+    found.attrs.pop(ATTRIBUTE, None)
+    if fault:
+        warnings.warn(f"{path}: no {ATTRIBUTE}: written by another program, taken as it is", stacklevel=3)
+    return found
 
 
 def _with_bounds_units(tree: xr.DataTree) -> xr.DataTree:

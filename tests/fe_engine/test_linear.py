@@ -209,3 +209,24 @@ def test_auto_falls_back_where_pardiso_does_not_load(monkeypatch):
     monkeypatch.setattr(linear, "available_backends", lambda: ["pardiso", "superlu"])
     monkeypatch.setattr(linear, "Pardiso", broken_pardiso)
     assert make_backend("auto", 10).name == "superlu"
+
+
+# --- memory -------------------------------------------------------------------------------------------------
+
+
+def test_a_solver_that_was_never_used_is_closed(name):
+    LinearSolver(name, 9).close()
+
+
+@needs_pardiso
+def test_pardiso_without_memory_says_so(monkeypatch):
+    """A smaller step would not help, as it does where a factorisation fails."""
+    from pypardiso.pardiso_wrapper import PyPardisoError, PyPardisoSolver
+
+    def fail(*_):
+        raise PyPardisoError(-2)
+
+    solver = LinearSolver("pardiso", 49)
+    monkeypatch.setattr(PyPardisoSolver, "_call_pardiso", fail)
+    with pytest.raises(MemoryError, match="error code -2"):
+        solver.factorise(laplacian())

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fe_engine.errors import NotConverged
-from fe_engine.stepping import LIMITS, _adapt, _next
+from fe_engine.stepping import LIMITS, Driver, _adapt, _next
 from tests.fe_engine.models import footing, run, soil, stage, start
 
 CAPACITY = 0.5 * 2.0e4 * 0.5  # N: mu times pressure times area
@@ -186,3 +186,37 @@ def test_load_beyond_the_capacity_ends_in_not_converged():
     assert out.driver.n_cut_backs < 60
     reached = out.steps[-1].increment.residual.border[0]
     assert reached == pytest.approx(1.3 * CAPACITY * out.steps[-1].fraction, rel=1e-5)
+
+
+# --- going on from a saved position -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["pull", "load"])
+def test_a_new_driver_goes_on_from_any_step_bit_by_bit(kind):
+    """Two stages; a driver that starts anew after each step ends in the same bits as one that never stopped."""
+    stages = [KINDS[kind], stage({0: 1.0e-4}, arm=0.3)]
+    straight = run(footing(), *stages)
+    out = start(footing())
+    for number, each in enumerate(stages):
+        position = None
+        while position is None or position.done < 1.0:
+            driver = Driver(out.driver.newton, out.state, n_steps=len(out.steps), force=out.driver.force)
+            with pytest.raises(_Stopped):
+                driver.run(each, lambda step: _stop_after(out.steps, step), position)
+            position = driver.position
+        assert position.done == 1.0 and len(out.steps) >= 3 * (number + 1)
+        out.driver.run(each, out.steps.append, position)  # nothing is left to do but to close the stage
+    np.testing.assert_array_equal(out.state.committed.stress, straight.state.committed.stress)
+    np.testing.assert_array_equal(out.state.committed.border, straight.state.committed.border)
+    assert [(s.stage, s.fraction, s.limit) for s in out.steps] == [
+        (s.stage, s.fraction, s.limit) for s in straight.steps
+    ]
+
+
+class _Stopped(Exception):
+    """Stands for anything that ends a run."""
+
+
+def _stop_after(steps, step):
+    steps.append(step)
+    raise _Stopped

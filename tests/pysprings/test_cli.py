@@ -254,7 +254,9 @@ def fake_run(monkeypatch: pytest.MonkeyPatch, end: BaseException | None = None, 
     """Put a run that writes synthetic springs in the place of the real one; return its calls."""
     calls = []
 
-    def run_to_folder(scene: Scene, out: Path, mesh: str | None = None, progress: Any = None) -> Path:
+    def run_to_folder(
+        scene: Scene, out: Path, mesh: str | None = None, progress: Any = None, resume: bool = False
+    ) -> Path:
         calls.append((scene, out, mesh))
         progress("pull", 0.0, "start")
         progress("pull", 1.0, "end")

@@ -298,11 +298,17 @@ def test_an_interrupt_while_pictures_are_drawn_keeps_the_numbers(
     def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
+    drawn = plots.save_all
     monkeypatch.setattr(plots, "save_all", interrupt)
     file = tiny.write(tiny.scene(output={"figures": True}), tmp_path / "caisson.toml")
     done = command("run", file, "--out", tmp_path / "out")
     assert done.exit_code == 130
-    assert set(contents(tmp_path / "out")) == set(FILES) - {"report.html"}
+    left = {name for name in contents(tmp_path / "out") if not name.startswith("checkpoint")}
+    assert left == set(FILES) - {"report.html"}
+    monkeypatch.setattr(plots, "save_all", drawn)
+    monkeypatch.setattr(plots.files, "figures", lambda *_: [("pull_py", Figure(figsize=(1, 1)))])
+    assert command("run", file, "--out", tmp_path / "out", "--resume").exit_code == 0
+    assert set(contents(tmp_path / "out")) == {*FILES, "figures/pull_py.png", "figures/pull_py.svg"}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are different there")

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import netCDF4
+import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.errors import UserInputError
-from pysprings.storage import read_tree, replacing, write_text, write_tree
+from pysprings import seal
+from pysprings.errors import ResourceError, UserInputError
+from pysprings.storage import leftovers, read_tree, replacing, write_text, write_tree
 from tests.pysprings.synthetic import make_result, make_springs
 
 
@@ -74,3 +76,125 @@ def test_foreign_and_broken_files_are_refused(tmp_path, make, words):
     (problem,) = caught.value.problems
     assert problem.file == str(file)
     assert words in problem.message
+
+
+# --- files that have changed since they were written ---
+
+
+def _flipped(file, position):
+    data = bytearray(file.read_bytes())
+    data[position] ^= 16
+    file.write_bytes(data)
+    return file
+
+
+def _refused(file):
+    with pytest.raises(UserInputError) as caught:
+        read_tree(file)
+    (problem,) = caught.value.problems
+    return problem.message
+
+
+def test_one_wrong_bit_is_told_before_hdf5_sees_it(tmp_path, monkeypatch):
+    whole = write_tree(make_springs(), tmp_path / "springs.nc").read_bytes()
+    monkeypatch.setattr(netCDF4, "Dataset", None)
+    for position in np.random.default_rng(0).integers(8, len(whole) - 84, 200):  # behind the signature
+        (tmp_path / "springs.nc").write_bytes(whole)
+        assert "its bytes have changed" in _refused(_flipped(tmp_path / "springs.nc", position))
+
+
+@pytest.mark.parametrize("cut", [84, 85, 500, 5000, 30000])
+def test_a_file_cut_short_is_refused(tmp_path, cut):
+    file = write_tree(make_springs(), tmp_path / "springs.nc")
+    file.write_bytes(file.read_bytes()[:-cut])
+    assert "broken or incomplete NetCDF file" in _refused(file)
+
+
+def test_a_file_without_its_last_line_is_whole(tmp_path):
+    tree = make_springs()
+    file = write_tree(tree, tmp_path / "springs.nc")
+    whole = file.read_bytes()
+    for cut in (1, 40, 83):
+        file.write_bytes(whole[:-cut])
+        assert read_tree(file).identical(tree)
+
+
+def _attribute(data):
+    data.vertical_load_N = 5.0
+
+
+def _number(data):
+    data["paths/pull/u"][3] = 0.1
+
+
+def _label(data):
+    data["paths/pull/side"][0] = "inside"
+
+
+def _addition(data):
+    data["paths/pull"].setncattr("remark", "mine")
+
+
+def _attribute_of_a_variable(data):
+    data["paths/pull/u"].units = "mm"
+
+
+@pytest.mark.parametrize("change", [_attribute, _number, _label, _addition, _attribute_of_a_variable])
+def test_a_changed_content_is_refused_until_the_change_is_said_to_be_meant(tmp_path, change):
+    file = write_tree(make_springs(), tmp_path / "springs.nc")
+    with netCDF4.Dataset(file, "a") as data:
+        change(data)
+        data.setncattr("room", "x" * 5000)  # HDF5 writes over the last line, or drops it
+    message = _refused(file)
+    assert "has been altered" in message or "its bytes have changed" in message
+    with netCDF4.Dataset(file, "a") as data:
+        data.delncattr("content_sha256")
+        data.delncattr("room")
+    with pytest.warns(UserWarning, match=r"springs\.nc: no content_sha256: written by another program"):
+        read_tree(file)
+
+
+def test_the_checksum_does_not_travel_with_the_tree(tmp_path):
+    """What is read, changed and written again gets a checksum of its own; xarray's own files have none."""
+    tree = read_tree(write_tree(make_springs(), tmp_path / "a.nc"))
+    assert seal.ATTRIBUTE not in tree.attrs
+    tree.attrs["title"] = "other"
+    assert read_tree(write_tree(tree, tmp_path / "b.nc")).attrs["title"] == "other"
+    tree.to_netcdf(tmp_path / "c.nc", engine="netcdf4")
+    with pytest.warns(UserWarning, match="taken as it is"):
+        read_tree(tmp_path / "c.nc")
+
+
+def test_opening_and_closing_a_file_for_changes_keeps_its_checksum(tmp_path):
+    file = write_tree(make_springs(), tmp_path / "springs.nc")
+    with netCDF4.Dataset(file, "a"):
+        pass
+    assert seal.broken_seal(file) is None
+
+
+# --- full disks ---
+
+
+def test_a_full_disk_is_a_resource_that_is_missing(tmp_path):
+    """A limit on the size of files stands for the disk; the old file and no other stays."""
+    resource = pytest.importorskip("resource")
+    old = write_text("old", tmp_path / "springs.nc")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
+    try:
+        with pytest.raises(ResourceError, match=r"springs\.nc: cannot be written \(.*MB are free there\)"):
+            write_tree(make_springs(), old)
+        with pytest.raises(OSError):
+            write_text("x" * 10000, old)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert old.read_text() == "old"
+    assert [file.name for file in tmp_path.iterdir()] == ["springs.nc"]
+
+
+def test_temporary_files_of_the_dead_are_known_by_their_names(tmp_path):
+    with replacing(tmp_path / "springs.nc") as temporary:
+        temporary.write_text("half")
+        for name in (".hidden", ".profile.tmp", "a.tmp.nc"):
+            (tmp_path / name).write_text("somebody's")
+        assert leftovers(tmp_path) == [temporary]

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""Checksums of a NetCDF file, kept in the file itself: one cut short or altered is told from a whole one.
+
+There are two. The last line of the file, behind everything that HDF5 knows of, is the SHA-256 of the bytes before it.
+It is compared before HDF5 opens the file: one wrong bit among its internal tables can crash that library. A program
+that changes the file drops this line. `content_sha256`, an attribute of the root group, stays then: the SHA-256 of
+everything else in the file as it is stored, groups, dimensions, attributes and the bytes of every variable, in the
+order of their names.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import mmap
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ATTRIBUTE = "content_sha256"
+_LAST_LINE = b"\npysprings sha256 "
+_LENGTH = len(_LAST_LINE) + 64 + 1  # with the digest and the end of the line
+
+
+def seal(path: str | os.PathLike[str]) -> None:
+    """Write both checksums into a NetCDF file."""
+    import netCDF4
+
+    with netCDF4.Dataset(os.fspath(path), "a") as file:
+        file.setncattr_string(ATTRIBUTE, _content(file))
+    digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    with Path(path).open("ab") as stream:
+        stream.write(_LAST_LINE + digest.encode() + b"\n")
+
+
+def broken_seal(path: str | os.PathLike[str]) -> str | None:
+    """Return what is wrong with the checksums of a NetCDF file: None (they hold), "missing", "bytes" or "content"."""
+    whole = _bytes_hold(Path(path))
+    return _content_fault(path) if whole is None else None if whole else "bytes"
+
+
+def _bytes_hold(path: Path) -> bool | None:
+    """Compare the last line with the bytes before it; None where there is no such line."""
+    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        line = data[-_LENGTH:]
+        if len(data) <= _LENGTH or not line.startswith(_LAST_LINE):
+            return None
+        with memoryview(data) as view, view[:-_LENGTH] as content:
+            return hashlib.sha256(content).hexdigest().encode() == line[len(_LAST_LINE) : -1]
+
+
+def _content_fault(path: str | os.PathLike[str]) -> str | None:
+    """Compare the attribute with the content."""
+    import netCDF4
+
+    with netCDF4.Dataset(os.fspath(path)) as file:
+        if ATTRIBUTE not in file.ncattrs():
+            return "missing"
+        return None if file.getncattr(ATTRIBUTE) == _content(file) else "content"
+
+
+def _content(file: Any) -> str:
+    """SHA-256 (hexadecimal) of the content of an open file."""
+    file.set_auto_maskandscale(False)
+    file.set_auto_chartostring(False)
+    found = hashlib.sha256()
+    for group in _groups(file):
+        _add(found, "group", group.path)
+        for name in sorted(group.dimensions):
+            _add(found, name, len(group.dimensions[name]))
+        _add_attributes(found, group, but=ATTRIBUTE if group.path == "/" else "")
+        for name in sorted(group.variables):
+            variable = group.variables[name]
+            _add(found, "variable", name, *variable.dimensions)
+            _add_attributes(found, variable)
+            _add_value(found, variable[...])
+    return found.hexdigest()
+
+
+def _groups(group: Any) -> Iterator[Any]:
+    yield group
+    for name in sorted(group.groups):
+        yield from _groups(group.groups[name])
+
+
+def _add_attributes(found: Any, of: Any, but: str = "") -> None:
+    for name in sorted(of.ncattrs()):
+        if name != but:
+            _add(found, "attribute", name)
+            _add_value(found, of.getncattr(name))
+
+
+def _add_value(found: Any, value: Any) -> None:
+    """Add text, numbers or arrays of them: type, shape and bytes, the least significant byte first."""
+    array = np.asarray(value)
+    if array.dtype.kind in "OUST":
+        _add(found, "text", array.shape, *array.ravel().tolist())
+        return
+    plain = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
+    _add(found, plain.dtype.str, plain.shape)
+    found.update(plain.tobytes())
+
+
+def _add(found: Any, *words: object) -> None:
+    """Add words, each with its length, so that no two lists of words look alike."""
+    for word in words:
+        text = str(word).encode("utf-8", "surrogateescape")
+        found.update(f"{len(text)}:".encode() + text)

@@ -1,0 +1,521 @@
+# SPDX-License-Identifier: MIT
+"""Runs that were stopped, at any step and in any way, and went on: the same result as in one go."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import pysprings
+from fe_engine import stepping
+from pysprings import cavitation, checkpoint, cli, full_model
+from pysprings.checkpoint import Checkpoints
+from pysprings.cli_support import interruptible
+from pysprings.errors import ResourceError, UserInputError
+from pysprings.folder import run_to_folder
+from pysprings.full_model import compute
+from pysprings.result_files import FILES
+from tests.pysprings import tiny
+from tests.pysprings.test_water_run import wet
+
+ROOT = Path(__file__).parents[2]
+SECOND = {**tiny.PULL, "name": "second", "kind": "translation"}
+
+
+def drained() -> pysprings.Scene:
+    """A dead load before each of two paths, five steps each."""
+    few = {"first_step_fraction": 0.2}
+    return tiny.scene(caisson={"vertical_load": 1.5e6}, paths=(tiny.PULL, SECOND), solver=few)
+
+
+def coupled() -> pysprings.Scene:
+    """A dead load, a pull, a rest, and another path."""
+    first = {**tiny.PULL, "rate": 1e-4, "role": "held-back", "then": ("rest 2 hour",)}
+    paths = (first, {**SECOND, "rate": 1e-3})
+    shallow, few = {"water_depth": 0.0}, {"first_step_fraction": 0.2}
+    return wet(drainage=shallow).replace(caisson={"vertical_load": 1.5e6}, paths=paths, solver=few)
+
+
+SCENES = {"drained": drained, "coupled": coupled}
+
+
+@cache
+def straight(kind: str) -> xr.DataTree:
+    return compute(SCENES[kind]())
+
+
+class Stop:
+    """Progress that interrupts at its n-th call about the paths, or about the model."""
+
+    def __init__(self, after: int, error: type[BaseException] = KeyboardInterrupt, of: str = "paths") -> None:
+        self.left, self.error, self.of = after, error, of
+
+    def __call__(self, path: str, _fraction: float, _message: str) -> None:
+        self.left -= (path == "model") == (self.of == "model")
+        if self.left == 0:
+            raise self.error
+
+
+def record_of(result: xr.DataTree) -> dict[str, Any]:
+    record: dict[str, Any] = json.loads(result.attrs["run_json"])
+    return record
+
+
+def assert_same(result: xr.DataTree, other: xr.DataTree) -> None:
+    """Every number of the result and of its record, but for cost and dates."""
+    assert result.groups == other.groups
+    for group in other.groups:
+        xr.testing.assert_identical(*(_plain(tree[group]) for tree in (result, other)))
+    ours, theirs = record_of(result), record_of(other)
+    for key in ("status", "failures", "warnings", "paths", "solver", "mesh"):
+        assert ours[key] == theirs[key], key
+
+
+def _plain(node: xr.DataTree) -> xr.Dataset:
+    dataset = node.to_dataset(inherit=False)
+    return dataset.assign_attrs({key: "" for key in ("run_json", "history") if key in dataset.attrs})
+
+
+def files_in(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+@pytest.fixture
+def every_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checkpoints at every step, whatever they cost."""
+    monkeypatch.setattr(checkpoint, "SHARE", 1e9)
+
+
+# --- equal to the straight run ---
+
+
+@pytest.mark.parametrize(
+    ("kind", "stops"),
+    [
+        ("drained", (3, 12)),
+        ("coupled", (20,)),
+        pytest.param("drained", (1, 4, 6, 9, 14), marks=pytest.mark.slow),
+        pytest.param("coupled", (2, 5, 24, 40), marks=pytest.mark.slow),
+    ],
+    ids=str,
+)
+def test_a_run_stopped_at_any_step_equals_one_in_one_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, stops: tuple[int, ...], every_step: None
+) -> None:
+    """In the dead load, on the first path, in its rest, on the second path; the run is stopped at all of them."""
+    if kind == "coupled":  # water that cavitates at once, to see the warning come through
+        monkeypatch.setattr(cavitation, "ATMOSPHERE", 0.0)
+    done = 0
+    for stop in stops:
+        result = compute(SCENES[kind](), progress=Stop(stop - done), checkpoints=Checkpoints(tmp_path), resume=done > 0)
+        assert result.attrs["status"] == "interrupted"
+        done = stop
+    result = compute(SCENES[kind](), checkpoints=Checkpoints(tmp_path), resume=True)
+    assert_same(result, straight(kind))
+    assert len(record_of(result)["resumed"]) == len(stops)
+    assert len(record_of(result)["warnings"]) == (2 if kind == "coupled" else 0)
+
+
+@pytest.mark.slow
+def test_what_is_not_in_a_checkpoint_is_computed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Killed without a word, with checkpoints so rare that there is one of the first step only."""
+    monkeypatch.setattr(checkpoint.Checkpoints, "is_due", lambda self: self.written == 0)
+
+    class Killed(BaseException):
+        pass
+
+    with pytest.raises(Killed):
+        compute(drained(), progress=Stop(9, Killed), checkpoints=Checkpoints(tmp_path))
+    result = compute(drained(), checkpoints=Checkpoints(tmp_path), resume=True)
+    assert record_of(result)["resumed"][0]["from"] == "path 'pull', its dead load"
+    xr.testing.assert_identical(
+        result["paths/second"].to_dataset(inherit=False), straight("drained")["paths/second"].to_dataset(inherit=False)
+    )
+    np.testing.assert_array_equal(result["paths/pull/H"], straight("drained")["paths/pull/H"])
+
+
+@pytest.mark.slow
+def test_a_path_that_did_not_converge_stays_as_it_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stepping, "_SMALLEST", 0.02)  # no endless halving
+    hasty = {"max_iterations": 2, "tolerance": 1e-8, "max_step_fraction": 0.3}
+    scene = tiny.scene(solver=hasty, paths=(tiny.PULL, SECOND))
+    whole = compute(scene)
+    assert [path.attrs["status"] for path in whole["paths"].children.values()] == ["partial", "partial"]
+    stopped = compute(scene, progress=Stop(whole["paths/pull"].sizes["step"]), checkpoints=Checkpoints(tmp_path))
+    assert list(stopped["paths"].children) == ["pull", "second"]
+    result = compute(scene, checkpoints=Checkpoints(tmp_path), resume=True)
+    assert_same(result, whole)
+
+
+def test_the_python_call_goes_on_by_itself(tmp_path: Path) -> None:
+    place = tmp_path / "safe"
+    assert pysprings.run(drained(), progress=Stop(4), checkpoint=place).attrs["status"] == "interrupted"
+    assert_same(pysprings.run(drained(), checkpoint=place), straight("drained"))
+    assert not place.exists() or not any(place.iterdir())
+
+
+# --- cost ---
+
+
+def test_checkpoints_keep_to_their_share(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    now = [0.0]
+    monkeypatch.setattr(checkpoint.time, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(checkpoint, "write", lambda *_: now.__setitem__(0, now[0] + 1.0))
+    checkpoints, written = Checkpoints(tmp_path), []
+    for _ in range(400):
+        now[0] += 1.0
+        if checkpoints.is_due():
+            checkpoints.save_state(checkpoint.Saved({}, {}))
+            written.append(now[0])
+        assert checkpoints.spent <= 0.05 * now[0] + 1.0
+    assert 15 <= len(written) <= 25
+    slow = Checkpoints(tmp_path)
+    for _ in range(10):  # steps of 25 checkpoints each: every one is saved
+        now[0] += 25.0
+        assert slow.is_due()
+        slow.save_state(checkpoint.Saved({}, {}))
+
+
+def test_the_record_has_the_cost(tmp_path: Path) -> None:
+    record = record_of(compute(drained(), checkpoints=Checkpoints(tmp_path)))
+    saved = record["checkpoints"]
+    assert saved["written"] >= 1
+    assert 0.0 < saved["wall_s"] <= record["phases"]["checkpoint"]["wall_s"] + 0.01
+    assert saved["share_of_wall"] < 0.5
+
+
+# --- damaged checkpoints ---
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with checkpoints of a run that was stopped on its second path."""
+    folder = tmp_path_factory.mktemp("stopped")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(checkpoint, "SHARE", 1e9)
+        compute(drained(), progress=Stop(14), checkpoints=Checkpoints(folder))
+    assert set(files_in(folder / "checkpoint")) == {"start.npz", "path-000.npz", "state-a.npz", "state-b.npz"}
+    return folder
+
+
+def _cut(file: Path) -> None:
+    file.write_bytes(file.read_bytes()[:-100])
+
+
+def _flip(file: Path) -> None:
+    data = bytearray(file.read_bytes())
+    data[len(data) // 2] ^= 1
+    file.write_bytes(data)
+
+
+def _empty(file: Path) -> None:
+    file.write_bytes(b"")
+
+
+def _head(file: Path) -> None:
+    file.write_bytes(b"[]" + file.read_bytes())
+
+
+@pytest.mark.parametrize(
+    ("name", "damage"),
+    [
+        pytest.param("start.npz", _flip, marks=pytest.mark.slow),
+        pytest.param("path-000.npz", _cut, marks=pytest.mark.slow),
+        pytest.param("state-a.npz", _empty, marks=pytest.mark.slow),
+        ("state-b.npz", _head),
+    ],
+)
+def test_a_damaged_file_is_told_and_what_it_held_computed_again(
+    stopped: Path, tmp_path: Path, name: str, damage: Any
+) -> None:
+    folder = shutil.copytree(stopped, tmp_path / "copy")
+    damage(folder / "checkpoint" / name)
+    result = compute(drained(), checkpoints=Checkpoints(folder), resume=True)
+    (warning,) = record_of(result)["warnings"]
+    assert warning == f"checkpoint {name}: its checksum is wrong; what it held is computed again"
+    for group in straight("drained").groups:
+        xr.testing.assert_identical(*(_plain(tree[group]) for tree in (result, straight("drained"))))
+
+
+def test_checkpoints_that_are_all_damaged_are_refused(stopped: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(stopped, tmp_path / "copy")
+    for file in (folder / "checkpoint").iterdir():
+        _cut(file)
+    with pytest.raises(UserInputError, match=r"nothing to resume: every checkpoint is damaged \(start\.npz: .*--force"):
+        compute(drained(), checkpoints=Checkpoints(folder), resume=True)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"scene": {"soil": {"K0": 0.9}}}, "its scene was sha256 "),
+        ({"mesh": "medium"}, "its mesh was coarse and is medium"),
+        ({"linear": "superlu"}, "its linear solver was pardiso and is superlu"),
+        ({"version": "9.9"}, "its version of pysprings was "),
+    ],
+    ids=lambda value: "" if isinstance(value, str) else next(iter(value)),
+)
+def test_another_run_is_refused(
+    stopped: Path, monkeypatch: pytest.MonkeyPatch, changed: dict[str, Any], words: str
+) -> None:
+    if "linear" in changed:
+        pytest.importorskip("pypardiso")
+    monkeypatch.setattr(pysprings, "__version__", changed.pop("version", pysprings.__version__))
+    before = files_in(stopped)
+    scene = drained().replace(**changed.pop("scene", {}))
+    with pytest.raises(UserInputError, match=f"another run was interrupted here: {words}"):
+        compute(scene, **changed, checkpoints=Checkpoints(stopped), resume=True)
+    assert files_in(stopped) == before
+
+
+def test_a_checkpoint_holds_no_pickles(tmp_path: Path) -> None:
+    file = tmp_path / "a.npz"
+    checkpoint.write(file, checkpoint.Saved({"a": [1.5, float("inf")]}, {"x": np.arange(3.0)}))
+    found = checkpoint.read(file)
+    assert found.meta == {"a": [1.5, float("inf")]}
+    np.testing.assert_array_equal(found.arrays["x"], np.arange(3.0))
+    checkpoint.write(file, checkpoint.Saved({}, {"x": np.array([object()])}))
+    with pytest.raises(checkpoint.Damaged):
+        checkpoint.read(file)
+
+
+# --- the command ---
+
+
+def command(*args: object) -> Any:
+    return CliRunner().invoke(cli.app, [str(arg) for arg in args], prog_name="pysprings")
+
+
+@pytest.fixture
+def scene_file(tmp_path: Path) -> Path:
+    return tiny.write(drained(), tmp_path / "caisson.toml")
+
+
+def interrupted(folder: Path, after: int = 8) -> Path:
+    """Leave an interrupted run in a folder."""
+    with pytest.raises(KeyboardInterrupt):
+        run_to_folder(drained(), folder, progress=Stop(after))
+    return folder
+
+
+def test_resume_finishes_an_interrupted_run(tmp_path: Path, scene_file: Path) -> None:
+    out = interrupted(tmp_path / "out")
+    assert json.loads((out / "run.json").read_text())["status"] == "interrupted"
+    before = files_in(out)
+    refused = command("run", scene_file, "--out", out)
+    assert (refused.exit_code, refused.stdout) == (2, "")
+    words = "holds an interrupted run; --resume goes on with it, --force begins anew"
+    assert refused.stderr == f"fatal: user input: {out}: --out: {words}\n"
+    both = command("run", scene_file, "--out", out, "--resume", "--force")
+    assert both.exit_code == 2 and "give one of them" in both.stderr
+    assert files_in(out) == before
+    done = command("run", scene_file, "--out", out, "--resume")
+    assert done.exit_code == 0, done.stderr
+    assert done.stdout.startswith(f"results in {out} (complete)\n")
+    assert "checkpoints: " in done.stdout and "resumed 20" in done.stdout
+    assert set(files_in(out)) == set(FILES)
+    with xr.open_datatree(out / "full_model.nc", engine="netcdf4", decode_timedelta=False) as tree:
+        for path in ("pull", "second"):
+            np.testing.assert_array_equal(tree[f"paths/{path}/H"], straight("drained")[f"paths/{path}/H"])
+    before = files_in(out)
+    again = command("run", scene_file, "--out", out, "--resume")
+    assert again.exit_code == 0
+    assert f"the run in {out} has ended (complete): nothing is left to do\n" in again.stderr
+    assert again.stdout == done.stdout
+    other = command("run", tiny.write(tiny.scene(), tmp_path / "other.toml"), "--out", out, "--resume")
+    assert other.exit_code == 2 and "those of another scene or mesh" in other.stderr
+    assert command("run", scene_file, "--out", out, "--mesh", "medium", "--resume").exit_code == 2
+    assert files_in(out) == before
+
+
+def test_a_new_run_throws_old_checkpoints_away_once_it_has_its_own(stopped: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(stopped, tmp_path / "copy")
+    before = files_in(folder)
+    with pytest.raises(KeyboardInterrupt):  # before it has any
+        compute(tiny.scene(), progress=Stop(1, of="model"), checkpoints=Checkpoints(folder))
+    assert files_in(folder) == before
+    compute(tiny.scene(), progress=Stop(1), checkpoints=Checkpoints(folder))
+    assert set(files_in(folder / "checkpoint")) == {"start.npz", "state-b.npz"}
+
+
+def test_nothing_to_resume(tmp_path: Path, scene_file: Path) -> None:
+    done = command("run", scene_file, "--out", tmp_path / "out", "--resume")
+    assert done.exit_code == 2
+    words = "--resume: nothing to resume: no interrupted run in this folder"
+    assert done.stderr == f"fatal: user input: {tmp_path / 'out'}: {words}\n"
+    assert not (tmp_path / "out").exists()
+    out = interrupted(tmp_path / "out")
+    shutil.rmtree(out / "checkpoint")
+    done = command("run", scene_file, "--out", out, "--resume")
+    assert done.exit_code == 2 and "its checkpoints are gone" in done.stderr
+
+
+def test_a_run_that_did_not_converge_cannot_end_otherwise(tmp_path: Path) -> None:
+    file, out = tiny.write(tiny.stuck_scene(), tmp_path / "stuck.toml"), tmp_path / "out"
+    assert command("run", file, "--out", out).exit_code == 3
+    before = files_in(out)
+    assert not (out / "checkpoint").exists()
+    done = command("run", file, "--out", out, "--resume")
+    assert done.exit_code == 3 and "has ended (partial)" in done.stderr
+    assert files_in(out) == before
+
+
+@pytest.mark.slow
+def test_results_of_an_earlier_run_stay_until_there_are_new_ones(tmp_path: Path) -> None:
+    run_to_folder(tiny.scene(), tmp_path)
+    before = files_in(tmp_path)
+
+    class Killed(BaseException):
+        pass
+
+    with pytest.raises(Killed):
+        run_to_folder(drained(), tmp_path, progress=Stop(8, Killed))
+    left = {name: data for name, data in files_in(tmp_path).items() if not name.startswith("checkpoint")}
+    assert left == before
+    run_to_folder(drained(), tmp_path, resume=True)
+    assert set(files_in(tmp_path)) == set(FILES)
+    assert json.loads((tmp_path / "run.json").read_text())["scene_sha256"] == drained().sha256
+
+
+def test_a_second_run_is_refused(tmp_path: Path, scene_file: Path) -> None:
+    """While the first one computes; the folder then has the results of the first."""
+    seen = []
+
+    def progress(*_: object) -> None:
+        if not seen:
+            env = {**os.environ, "PYTHONPATH": str(ROOT)}
+            args = [sys.executable, "-m", "pysprings", "run", str(scene_file), "--out", str(tmp_path / "out")]
+            seen.append(subprocess.run([*args, "--force"], capture_output=True, text=True, env=env, timeout=60))
+
+    run_to_folder(drained(), tmp_path / "out", progress=progress)
+    (second,) = seen
+    assert (second.returncode, second.stdout) == (4, "")
+    (line,) = second.stderr.splitlines()
+    assert line.startswith(f"fatal: resources: {tmp_path / 'out'}: another run (process {os.getpid()} on ")
+    assert set(files_in(tmp_path / "out")) == set(FILES)
+
+
+# --- memory and disk ---
+
+
+def test_out_of_memory_keeps_what_converged(tmp_path: Path, scene_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    solve, calls = full_model.Newton.solve, []
+
+    def starving(*args: Any) -> Any:
+        calls.append(0)
+        if len(calls) == 7:
+            raise MemoryError
+        return solve(*args)
+
+    monkeypatch.setattr(full_model.Newton, "solve", starving)
+    out = tmp_path / "out"
+    done = command("run", scene_file, "--out", out)
+    assert done.exit_code == 4
+    assert done.stdout.startswith(f"results in {out} (interrupted)\n")
+    assert done.stderr.splitlines()[-1] == (
+        "fatal: resources: out of memory; try a smaller mesh (`pysprings check` estimates); "
+        f"what converged is kept in {out}, --resume goes on from there"
+    )
+    assert json.loads((out / "run.json").read_text())["stopped_by"] == "out of memory"
+    assert_same(compute(drained(), checkpoints=Checkpoints(out), resume=True), straight("drained"))
+
+
+def test_a_full_disk_stops_the_run_and_spoils_nothing(
+    tmp_path: Path, scene_file: Path, monkeypatch: pytest.MonkeyPatch, every_step: None
+) -> None:
+    out, sync, calls = tmp_path / "out", os.fsync, []
+
+    def full(handle: int) -> None:
+        calls.append(0)
+        if len(calls) > 9:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        sync(handle)
+
+    monkeypatch.setattr(os, "fsync", full)
+    done = command("run", scene_file, "--out", out)
+    assert (done.exit_code, done.stdout) == (4, "")
+    line = done.stderr.splitlines()[-1]
+    assert line.startswith(f"fatal: resources: {out / 'checkpoint'}{os.sep}state-")
+    assert "the checkpoint cannot be written (No space left on device)" in line and "--resume" in line
+    assert set(files_in(out)) == {"checkpoint/start.npz", "checkpoint/state-a.npz", "checkpoint/state-b.npz"}
+    monkeypatch.setattr(os, "fsync", sync)
+    assert_same(compute(drained(), checkpoints=Checkpoints(out), resume=True), straight("drained"))
+
+
+def test_a_disk_that_is_full_for_the_results_leaves_the_checkpoints(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    written = pysprings.folder.write_tree
+
+    def full(*args: Any) -> Any:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
+        try:
+            return written(*args)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+    monkeypatch.setattr(pysprings.folder, "write_tree", full)
+    with pytest.raises(ResourceError, match=r"full_model\.nc: cannot be written"):
+        run_to_folder(drained(), tmp_path)
+    assert all(name.startswith("checkpoint") for name in files_in(tmp_path))
+    monkeypatch.setattr(pysprings.folder, "write_tree", written)
+    run_to_folder(drained(), tmp_path, resume=True)
+    assert set(files_in(tmp_path)) == set(FILES)
+
+
+# --- signals ---
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_a_request_to_end_is_an_interrupt(name: str) -> None:
+    if not hasattr(signal, name) or os.name == "nt":
+        pytest.skip("signals are different here")
+    kind = getattr(signal, name)
+    before = signal.getsignal(kind)
+    with pytest.raises(KeyboardInterrupt), interruptible():
+        os.kill(os.getpid(), kind)
+        time.sleep(5)
+    assert signal.getsignal(kind) == before
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="signals are different there")
+@pytest.mark.parametrize(("kind", "code"), [("SIGTERM", 130), ("SIGKILL", -9)])
+def test_a_killed_process_goes_on(tmp_path: Path, kind: str, code: int) -> None:
+    scene = tiny.scene(solver={"first_step_fraction": 0.02, "max_step_fraction": 0.02})
+    file, out = tiny.write(scene, tmp_path / "caisson.toml"), tmp_path / "out"
+    args = [sys.executable, "-m", "pysprings", "run", str(file), "--out", str(out)]
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(args, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env) as run:
+        assert run.stderr is not None
+        for line in run.stderr:
+            if line.startswith("pull  1"):
+                break
+        run.send_signal(getattr(signal, kind))
+        _, err = run.communicate(timeout=60)
+    assert run.returncode == code
+    if kind == "SIGTERM":
+        assert err.endswith(f"go on with: pysprings run {file} --out {out} --resume\ninterrupted\n")
+        assert not (out / ".pysprings.lock").exists()
+    run_to_folder(scene, out, resume=True)
+    assert set(files_in(out)) == set(FILES)
+    record = json.loads((out / "run.json").read_text())
+    assert record["status"] == "complete" and record["resumed"][0]["from"].startswith("path 'pull', step ")
+    with xr.open_datatree(out / "full_model.nc", engine="netcdf4", decode_timedelta=False) as tree:
+        np.testing.assert_allclose(tree["paths/pull/H"], compute(scene)["paths/pull/H"], rtol=1e-10)
