@@ -12,9 +12,10 @@ from pysprings.comparison import compare, curves
 from pysprings.errors import UserInputError
 from pysprings.exporters import csv_tables, excel, load_displacement_table
 from pysprings.extract import extract_springs
-from pysprings.full_model import compute, raise_if_incomplete
+from pysprings.full_model import compute, raise_if_incomplete, scene_to_run
 from pysprings.progress import Progress
 from pysprings.report import write_report
+from pysprings.resources import refuse_full_disk
 from pysprings.result_files import FIGURES, remove_results
 from pysprings.run_record import Meter
 from pysprings.springs import balance, get_path, path_names, save_springs
@@ -36,6 +37,7 @@ def run_to_folder(
     raises RunIncomplete (or KeyboardInterrupt).
     """
     folder = Path(out)
+    refuse_full_disk(scene_to_run(scene, mesh), folder)
     result = compute(scene, mesh=mesh, progress=progress)
     meter, record = Meter(), json.loads(result.attrs["run_json"])
     folder.mkdir(parents=True, exist_ok=True)

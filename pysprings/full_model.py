@@ -30,7 +30,9 @@ from pysprings.cavitation import warning as cavitation_warning
 from pysprings.collect import Collector, section_dataset
 from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
 from pysprings.progress import Progress
+from pysprings.resources import refuse_what_cannot_fit
 from pysprings.run_record import DEAD_LOAD, Meter, convergence_dataset, cut_back, summarise
+from pysprings.small_strain import large_motion
 from pysprings.stages import dead_load_stage, path_stages
 
 if TYPE_CHECKING:
@@ -87,6 +89,7 @@ def compute(
     """Do the work of `run`, without warnings."""
     started, meter = datetime.now(UTC), Meter()
     ran = scene_to_run(scene, mesh, linear)
+    refuse_what_cannot_fit(ran)
     work = _prepare(ran, meter.clock, progress or (lambda *_: None))
     stiffness = _initial_stiffness(work)
     try:
@@ -226,6 +229,9 @@ def _keep(work: _Run, path: Path, collector: Collector, driver: Driver, status: 
         work.summaries[path.name] = {"status": status} | summarise(
             driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, limits
         )
+        u, turn = (float(np.abs(dataset[name].values).max()) for name in ("u", "rotation"))
+        if large := large_motion(path.name, u, turn, work.scene.caisson.skirt_length):
+            work.warnings.append(large)
         if collector.cavitation is not None:
             work.warnings.append(cavitation_warning(path.name, *collector.cavitation))
 
