@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.cli_support import number, print_table, say, springs_of
+from pysprings.errors import printable
 from pysprings.result_files import FILES, pictures_in
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def describe_json(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[st
 
 def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
     """Print what `pysprings check` found."""
-    print(f"{file}: {scene.title}")
+    print(printable(f"{file}: {scene.title}"))
     print(f"sha256 {scene.sha256}")
     paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.paths)
     print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
@@ -103,7 +104,7 @@ def print_results(folder: Path) -> None:
     for name, text in rows:
         print(f"  {name.ljust(width)}  {text}")
     for text in record.get("warnings", ()):
-        print(f"warning: {text}")
+        print(printable(f"warning: {text}"))
     print_paths(record)
     print_water(record)
     print_cost(record)

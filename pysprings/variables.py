@@ -318,7 +318,7 @@ def _mismatches(data: Any, variable: Variable) -> Iterator[str]:
         return  # CF: bounds have the units of their coordinate, and xarray leaves them out of a file
     if units is None:
         yield f"no units (expected '{variable.units}')"
-    elif units != variable.units:
+    elif not isinstance(units, str) or units != variable.units:
         yield f"units '{units}' instead of '{variable.units}'"
 
 

@@ -58,6 +58,9 @@ def build_tree(rows: pd.DataFrame, faults: Faults) -> xr.DataTree:
 def _path(rows: pd.DataFrame, faults: Faults) -> xr.Dataset | None:
     """One path as a dataset; None where something is wrong with it."""
     families = {str(name): part for name, part in rows.groupby("family", sort=False)}
+    if "py" not in families:
+        faults.add(place_of(rows), "family", f"path '{rows['path'].iloc[0]}' has no p-y curves")
+        return None
     own, known = Faults(), [family for family in COMPANIONS if family in families]
     lost = [family for family in COMPANIONS if family not in families]
     if known and lost:

@@ -38,7 +38,7 @@ def test_bytes_of_a_step_are_those_of_a_result() -> None:
     [(52_099, False, 1.1e9), (71_241, True, 2.3e9), (6_575, True, 0.42e9), (4_631, False, 0.44e9)],
 )
 def test_memory_is_what_was_measured(unknowns: int, water: bool, measured: float) -> None:
-    """Peak memory of runs on two cores with Pardiso: the `paper` mesh drained and coupled, `coarse` coupled, drained."""
+    """Peak memory on two cores with Pardiso: the `paper` mesh drained and coupled, `coarse` coupled and drained."""
     assert resources.memory_bytes(unknowns, water) == pytest.approx(measured, rel=0.1)
 
 
