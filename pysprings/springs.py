@@ -158,6 +158,8 @@ def _step_faults(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
             yield str(name), "not finite at a converged step"
     u, rotation, depth = (dataset.variables[name].values for name in ("u", "rotation", "depth"))
     y = dataset.variables["y"].transpose("depth", "step").values[:, steps]
+    if not all(np.isfinite(values).all() for values in (u[steps], rotation[steps], depth, y)):
+        return  # said already
     expected = u[steps] + rotation[steps] * depth[:, None]
     if np.abs(y - expected).max() > 1e-6 * np.abs(y).max():
         yield "y", "is not u + rotation*depth (depth down, right-hand rotation about +y)"

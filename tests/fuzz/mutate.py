@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 Op = tuple[str, int, int]
 
-QUICK, MANY = 30, 2000
+QUICK = 30  # inputs of a quick test
 _HEALTH = [HealthCheck.too_slow, HealthCheck.function_scoped_fixture, HealthCheck.data_too_large]
 
 

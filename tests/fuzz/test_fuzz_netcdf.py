@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.fuzz.judge import run
-from tests.fuzz.mutate import MANY, QUICK, Op, budget
+from tests.fuzz.mutate import QUICK, Op, budget
 from tests.fuzz.netcdf import (
     IN_PLACE,
     base_file,
@@ -71,7 +71,7 @@ def test_spoiled_trees(tmp_path: Path, data: dict[str, xr.Dataset], asked: list[
 
 
 @pytest.mark.slow
-@budget(MANY)
+@budget(1100)
 @given(data=spoiled_trees(), asked=questions)
 def test_many_spoiled_trees(tmp_path: Path, data: dict[str, xr.Dataset], asked: list[str]) -> None:
     ask_of_tree(tmp_path, data, asked)
@@ -84,7 +84,7 @@ def test_spoiled_bytes(tmp_path: Path, todo: list[Op], place: str, asked: list[s
 
 
 @pytest.mark.slow
-@budget(MANY)
+@budget(1000)
 @given(todo=raw_ops, place=in_place, asked=questions)
 def test_many_spoiled_bytes(tmp_path: Path, todo: list[Op], place: str, asked: list[str]) -> None:
     ask_of_bytes(tmp_path, todo, place, asked)

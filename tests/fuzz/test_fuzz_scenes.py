@@ -13,7 +13,7 @@ from pysprings import resources
 from pysprings.scene import load_scene
 from pysprings.stages import path_stages
 from tests.fuzz.judge import run
-from tests.fuzz.mutate import MANY, QUICK, budget
+from tests.fuzz.mutate import QUICK, budget
 from tests.fuzz.scenes import damaged, typed
 
 DAMAGED, TYPED = "scene files, damaged", "scenes over all ranges"
@@ -49,7 +49,7 @@ def test_damaged_scenes(tmp_path: Path, data: bytes) -> None:
 
 
 @pytest.mark.slow
-@budget(MANY)
+@budget(1300)
 @given(data=damaged())
 def test_many_damaged_scenes(tmp_path: Path, data: bytes) -> None:
     check(DAMAGED, tmp_path, data)
@@ -62,7 +62,7 @@ def test_typed_scenes(tmp_path: Path, text: str) -> None:
 
 
 @pytest.mark.slow
-@budget(MANY)
+@budget(900)
 @given(text=typed())
 def test_many_typed_scenes(tmp_path: Path, text: str) -> None:
     check(TYPED, tmp_path, text.encode())

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.fuzz.judge import run
-from tests.fuzz.mutate import MANY, QUICK, budget
+from tests.fuzz.mutate import QUICK, budget
 from tests.fuzz.tables import MINIMAL, MOTIONS, SEQUENCE, csv_files, record, workbooks
 
 CSV, BOOKS, SEQUENCES = "tables (CSV)", "tables (Excel)", "sequences (CSV)"
@@ -48,7 +48,7 @@ def test_csv_tables(tmp_path: Path, data: bytes, asked: list[str]) -> None:
 
 
 @pytest.mark.slow
-@budget(MANY)
+@budget(1000)
 @given(data=csv_files(), asked=questions)
 def test_many_csv_tables(tmp_path: Path, data: bytes, asked: list[str]) -> None:
     predict(CSV, tmp_path, "t.csv", data, asked)
@@ -61,7 +61,7 @@ def test_workbooks(tmp_path: Path, data: bytes, asked: list[str]) -> None:
 
 
 @pytest.mark.slow
-@budget(MANY)
+@budget(600)
 @given(data=workbooks(), asked=questions)
 def test_many_workbooks(tmp_path: Path, data: bytes, asked: list[str]) -> None:
     predict(BOOKS, tmp_path, "t.xlsx", data, asked)
@@ -74,7 +74,7 @@ def test_sequences(tmp_path: Path, data: bytes, full: bool) -> None:
 
 
 @pytest.mark.slow
-@budget(MANY)
+@budget(500)
 @given(data=csv_files([SEQUENCE, MOTIONS]), full=st.booleans())
 def test_many_sequences(tmp_path: Path, data: bytes, full: bool) -> None:
     follow(tmp_path, data, record() if full else MINIMAL)

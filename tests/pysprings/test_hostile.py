@@ -7,6 +7,7 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import openpyxl
 import pytest
@@ -245,6 +246,12 @@ def without_dofs(springs: Any) -> None:
     springs.dataset = springs.to_dataset(inherit=False).isel(dof=slice(0))
 
 
+def infinitely_deep(springs: Any) -> None:
+    data = springs["/paths/pull"].to_dataset(inherit=False)
+    depth = np.append(data["depth"].values[:-1], np.inf)
+    springs["/paths/pull"].dataset = data.assign_coords(depth=("depth", depth, data["depth"].attrs))
+
+
 def negative_k_v(springs: Any) -> None:
     springs["stiffness_initial"].values[1, 1] *= -1.0
 
@@ -269,6 +276,7 @@ def strong_coupling(springs: Any) -> None:
         (texts("/paths/pull/u"), "paths/pull/u: holds no numbers"),
         (without_dofs, "stiffness_initial: must be 3 by 3"),
         (lambda springs: springs["paths/pull/u"].attrs.update(units=np.arange(2)), "paths/pull/u: units"),
+        (infinitely_deep, "depth_bounds: must hold a finite"),
         (negative_k_v, "stiffness_initial: does not resist every motion"),
         (strong_coupling, "stiffness_initial: does not resist every motion"),
         (scaled("/stiffness_initial", 1e30), "stiffness_initial: "),
@@ -298,3 +306,15 @@ def test_springs_that_never_serve_are_refused(tmp_path: Path) -> None:
         springs[f"paths/pull/{name}"].values[...] = 0.0
     with pytest.raises(UserInputError, match="no py spring of path 'pull' serves"):
         predict(springs, H=1e5, springs_kind="py")
+
+
+def test_a_spring_file_that_unpacks_without_end_is_refused(tmp_path: Path) -> None:
+    """A terabyte that was never written takes no room on a disk."""
+    file = write_tree(synthetic.make_springs(caisson=synthetic.Caisson(rings=3)), tmp_path / "s.nc")
+    with netCDF4.Dataset(file, "a") as root:
+        root.createDimension("huge", 2**37)
+        root.createVariable("huge", "f8", ("huge",), chunksizes=(1024,))
+    done = Result("compare", file)
+    assert done.code == 4
+    assert done.err.startswith(f"fatal: resources: {file}: ")
+    assert "GB when unpacked" in done.err
