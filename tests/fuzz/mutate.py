@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 Op = tuple[str, int, int]
 
-QUICK = 30  # inputs of a quick test
+QUICK = 20  # inputs of a quick test
 _HEALTH = [HealthCheck.too_slow, HealthCheck.function_scoped_fixture, HealthCheck.data_too_large]
 
 

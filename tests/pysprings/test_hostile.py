@@ -200,14 +200,6 @@ def test_a_sheet_without_end_is_refused(tmp_path: Path) -> None:
         open_table(tmp_path / "t.xlsx")
 
 
-def test_a_broken_workbook_is_closed_again(tmp_path: Path) -> None:
-    """Warnings are errors here: a file left open would be one."""
-    file = workbook(tmp_path / "t.xlsx", ["depth_m"])
-    file.write_bytes(file.read_bytes().replace(b"worksheets/sheet1", b"worksheets/sheet2", 1))
-    with pytest.raises(UserInputError, match="not an Excel workbook"):
-        open_table(file)
-
-
 # --- spring files ---
 
 
