@@ -134,7 +134,11 @@ def _path_faults(tree: xr.DataTree, name: str) -> Iterator[tuple[str, str]]:
 
 def _depth_faults(dataset: xr.Dataset, length: float) -> Iterator[tuple[str, str]]:
     depth, bounds = dataset["depth"].values, dataset["depth_bounds"].values
-    if bounds.shape != (depth.size, 2) or not (np.isfinite(depth).all() and np.isfinite(bounds).all()):
+    if (
+        not depth.size
+        or bounds.shape != (depth.size, 2)
+        or not (np.isfinite(depth).all() and np.isfinite(bounds).all())
+    ):
         yield "depth_bounds", "must hold a finite top and bottom for each depth"
         return
     if (np.diff(depth) <= 0).any():
@@ -158,7 +162,7 @@ def _step_faults(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
             yield str(name), "not finite at a converged step"
     u, rotation, depth = (dataset.variables[name].values for name in ("u", "rotation", "depth"))
     y = dataset.variables["y"].transpose("depth", "step").values[:, steps]
-    if not all(np.isfinite(values).all() for values in (u[steps], rotation[steps], depth, y)):
+    if not y.size or not all(np.isfinite(values).all() for values in (u[steps], rotation[steps], depth, y)):
         return  # said already
     expected = u[steps] + rotation[steps] * depth[:, None]
     if np.abs(y - expected).max() > 1e-6 * np.abs(y).max():

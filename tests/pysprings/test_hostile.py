@@ -244,6 +244,11 @@ def infinitely_deep(springs: Any) -> None:
     springs["/paths/pull"].dataset = data.assign_coords(depth=("depth", depth, data["depth"].attrs))
 
 
+def without_depths(springs: Any) -> None:
+    data = springs["/paths/pull"].to_dataset(inherit=False)
+    springs["/paths/pull"].dataset = data.isel(depth=slice(0))
+
+
 def negative_k_v(springs: Any) -> None:
     springs["stiffness_initial"].values[1, 1] *= -1.0
 
@@ -269,6 +274,8 @@ def strong_coupling(springs: Any) -> None:
         (without_dofs, "stiffness_initial: must be 3 by 3"),
         (lambda springs: springs["paths/pull/u"].attrs.update(units=np.arange(2)), "paths/pull/u: units"),
         (infinitely_deep, "depth_bounds: must hold a finite"),
+        (without_depths, "depth_bounds: must hold a finite"),
+        (lambda springs: springs["paths/pull/u"].attrs.update(units=5000 * "x"), "xxx...' instead of"),
         (negative_k_v, "stiffness_initial: does not resist every motion"),
         (strong_coupling, "stiffness_initial: does not resist every motion"),
         (scaled("/stiffness_initial", 1e30), "stiffness_initial: "),
@@ -310,3 +317,11 @@ def test_a_spring_file_that_unpacks_without_end_is_refused(tmp_path: Path) -> No
     assert done.code == 4
     assert done.err.startswith(f"fatal: resources: {file}: ")
     assert "GB when unpacked" in done.err
+
+
+def test_a_message_does_not_quote_a_whole_file() -> None:
+    from pysprings.errors import Problem
+
+    line = str(Problem("f", 1, 2, "k" * 5000, "m" * 5000))
+    assert len(line) < 1050
+    assert line.endswith("mmm...")
