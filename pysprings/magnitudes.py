@@ -13,6 +13,7 @@ LARGEST = {
 }  # fmt: skip
 # A length or rotation that is not zero is at least this: what rounding leaves of zero passes, quotients stay finite.
 SMALLEST = {"m": 1e-60, "rad": 1e-60}
+SMALLEST_AT_ALL = 1e-150  # of any number that is not zero: quotients of two stay finite
 
 _ENDINGS = {
     "_N_per_m": "N/m", "_Nm_per_m": "N m/m", "_Nm": "N m", "_N": "N", "_rad": "rad", "_m": "m",

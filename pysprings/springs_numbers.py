@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings import variables
-from pysprings.magnitudes import LARGEST
+from pysprings.magnitudes import LARGEST, SMALLEST_AT_ALL
 
 LABELS = ("side", "component", "dof", "dof_conjugate")
 _UNITS = {"radian": "rad", "N m-1": "N/m", "N m m-1": "N m/m"}  # UDUNITS text -> key of LARGEST
@@ -54,5 +54,8 @@ def number_faults(dataset: xr.Dataset, group: str) -> Iterator[tuple[str, str]]:
             largest = 1e30
         values = np.abs(data.values.astype(float))
         worst = float(values[np.isfinite(values)].max(initial=0.0))
+        least = float(values[values > 0.0].min(initial=np.inf))
         if worst > largest:
             yield name, f"{worst:.3g} is beyond {largest:.0e} {units}"
+        elif least < SMALLEST_AT_ALL:
+            yield name, f"{least:.3g} is too small to be anything but 0"

@@ -270,6 +270,7 @@ def strong_coupling(springs: Any) -> None:
         (attribute("/paths/pull", "status", "\x1b[31m"), "paths/pull/status: attribute must be one of complete"),
         (scaled("/paths/pull/p", 1e30), "N m-1"),
         (scaled("/paths/pull/H", 1e300), "paths/pull/H: "),
+        (scaled("/paths/pull/H", 1e-310), "paths/pull/H: "),
         (texts("/paths/pull/u"), "paths/pull/u: holds no numbers"),
         (without_dofs, "stiffness_initial: must be 3 by 3"),
         (lambda springs: springs["paths/pull/u"].attrs.update(units=np.arange(2)), "paths/pull/u: units"),
