@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings import variables
-from pysprings.macro_answer import answer_dataset, refused
+from pysprings.macro_answer import answer_dataset
 from pysprings.macro_control import Control, ending, equations
 from pysprings.macro_curves import CurveSprings
 from pysprings.macro_fan import FanTable, build_fan, pure_paths
@@ -81,10 +81,6 @@ class MacroModel:
         else:
             origin = get_path(springs, path)
             table = build_table(origin, kind)
-            if not len(table.count):
-                raise refused(
-                    "springs", f"no {kind} spring of path '{origin.attrs['path']}' serves: y hardly moves on it"
-                )
         stiffness = springs.dataset["stiffness_initial"].values
         known = stiffness if stiffness.shape == (3, 3) else None
         if known is None:
