@@ -58,8 +58,8 @@ class Driver:
     """Runs stages one after the other and keeps the record of every iteration, failed attempts included.
 
     ``given_up`` holds (stage, fraction, error) of each failed attempt, ``aim`` what the present one is to reach,
-    ``stiffness`` (nb, nb) the border tangent stiffness of the last increment (None before there is one). ``position`` is
-    where the last commit left the stage: a new driver goes on from there as this one would have.
+    ``stiffness`` (nb, nb) the border tangent stiffness of the last increment (None before there is one). ``position``
+    is where the last commit left the stage: a new driver goes on from there as this one would have.
     """
 
     newton: Newton

@@ -84,11 +84,18 @@ class CaissonMesh:
     section: np.ndarray
 
 
+# Cells shrink away from the skirt only down to this sum of n cells of the first size over the length.
+_MOST_SHRINKING = 2.0
+
+
 def graded(start: float, stop: float, n: int, first: float) -> np.ndarray:
-    """Levels (n + 1,) from start to stop, the first cell of the given size, growing geometrically."""
+    """Levels (n + 1,) from start to stop, the first cell of the given size, growing geometrically.
+
+    Where there is hardly room for the first cell, all cells are the same: they would shrink to needles otherwise.
+    """
     length = stop - start
     share = first / abs(length)
-    if n == 1 or abs(n * share - 1.0) < 1e-9:
+    if n == 1 or abs(n * share - 1.0) < 1e-9 or n * share > _MOST_SHRINKING:
         return np.linspace(start, stop, n + 1)
     ratio = brentq(lambda q: share * (q**n - 1.0) - (q - 1.0) if abs(q - 1.0) > 1e-12 else share * n - 1.0, *(
         (1.0 + 1e-9, 50.0) if n * share < 1.0 else (1e-6, 1.0 - 1e-9)

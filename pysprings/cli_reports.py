@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.cli_support import number, print_table, springs_of
+from pysprings.cli_support import number, print_table, say, springs_of
+from pysprings.errors import printable
 from pysprings.result_files import FILES, pictures_in
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 LABELS = {
     "vertical_load_N": "vertical load [N]",
     "memory_GB": "memory, estimated [GB]",
+    "disk_GB": "full_model.nc, estimated [GB]",
     "time_s": "time, estimated [s]",
 }
 
@@ -47,15 +49,17 @@ def describe_json(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[st
 
 def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
     """Print what `pysprings check` found."""
-    print(f"{file}: {scene.title}")
+    print(printable(f"{file}: {scene.title}"))
     print(f"sha256 {scene.sha256}")
     paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.paths)
     print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
-    rows = [row for key, value in about.items() if key != "left_out" for row in _rows(key, value)]
+    rows = [row for key, value in about.items() if key not in ("left_out", "warnings") for row in _rows(key, value)]
     print_table(("quantity", "value"), rows)
     print("\nleft out by this scene:")
     for what, why in about.get("left_out", ()):
         print(f"- {what}: {why}")
+    for text in about.get("warnings", ()):
+        say(f"warning: {text}")
 
 
 def _rows(key: str, value: Any) -> list[tuple[str, str]]:
@@ -100,7 +104,7 @@ def print_results(folder: Path) -> None:
     for name, text in rows:
         print(f"  {name.ljust(width)}  {text}")
     for text in record.get("warnings", ()):
-        print(f"warning: {text}")
+        print(printable(f"warning: {text}"))
     print_paths(record)
     print_water(record)
     print_cost(record)

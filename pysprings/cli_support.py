@@ -102,8 +102,8 @@ def _show_warning(message: Warning | str, *_args: Any, **_kwargs: Any) -> None:
 
 
 def say(text: str) -> None:
-    """Talk to the user (stderr)."""
-    print(text, file=sys.stderr, flush=True)
+    """Talk to the user (stderr); what could steer a terminal is written out."""
+    print("\n".join(map(printable, text.split("\n"))), file=sys.stderr, flush=True)
 
 
 def refuse(key: str | None, message: str, file: str | os.PathLike[str] | None = None) -> NoReturn:
@@ -113,15 +113,19 @@ def refuse(key: str | None, message: str, file: str | os.PathLike[str] | None = 
 
 def quantities(given: Mapping[str, tuple[str | None, str, str]]) -> dict[str, float | None]:
     """Return SI values (None for options not given) of {option: (text or None, SI unit, example)}."""
-    from pysprings.units import QuantityError, read
+    from pysprings.magnitudes import fault
+    from pysprings.units import QuantityError, quoted, read
 
     values: dict[str, float | None] = {}
     problems = []
     for option, (text, si_unit, example) in given.items():
         try:
-            values[option] = None if text is None else read(text, si_unit, example)
+            values[option] = value = None if text is None else read(text, si_unit, example)
         except QuantityError as error:
             problems.append(Problem(key=option, message=str(error)))
+            continue
+        if value is not None and (wrong := fault(value, si_unit)):
+            problems.append(Problem(key=option, message=f"{quoted(text)} {wrong}"))
     if problems:
         raise UserInputError(problems)
     return values
@@ -254,7 +258,7 @@ def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     lines.insert(1, ["-" * width for width in widths])
     for line in lines:
         cells = [
-            cell.rjust(width) if column else cell.ljust(width)
+            printable(cell).rjust(width) if column else printable(cell).ljust(width)
             for column, (cell, width) in enumerate(zip(line, widths, strict=True))
         ]
         print("  ".join(cells).rstrip())

@@ -23,6 +23,13 @@ def printable(text: object) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in str(text))
 
 
+MOST_LETTERS = 500  # of a message: what it quotes may be a whole file
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= MOST_LETTERS else text[: MOST_LETTERS - 3] + "..."
+
+
 @dataclass(frozen=True)
 class Problem:
     """One thing wrong with what the user gave; `str()` is `file:line:col: key: message` (known parts only).
@@ -38,7 +45,7 @@ class Problem:
 
     def __str__(self) -> str:
         place = [str(part) for part in (self.file, self.line, self.col) if part is not None]
-        parts = [":".join(place), self.key or "", self.message]
+        parts = [":".join(place), _shortened(self.key or ""), _shortened(self.message)]
         return printable(": ".join(part for part in parts if part))
 
 

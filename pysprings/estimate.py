@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a scene costs before it is run: counts from its own mesh, memory and time from fitted laws."""
+"""What a scene costs before it is run: counts from its own mesh, memory, disk and time from fitted laws."""
 
 from __future__ import annotations
 
@@ -7,28 +7,41 @@ from typing import TYPE_CHECKING, Any
 
 from pysprings.build import build_model, left_out
 from pysprings.penalty import penalty_of
+from pysprings.resources import (
+    TYPICAL_INCREMENTS,
+    gigabytes,
+    least_increments,
+    memory_available,
+    memory_bytes,
+    refuse_what_cannot_fit,
+    size_of,
+    steps_bytes,
+)
+from pysprings.small_strain import scene_warnings
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene
 
-# Fitted on the presets coarse, medium and paper (4,600 to 52,000 unknowns) with Pardiso on two cores:
-# entries of the LU factors, and seconds of one factorisation and of the rest of an iteration.
-_FACTOR_ENTRIES, _FACTOR_EXPONENT = 10.3, 1.44
+# Fitted like the memory (`pysprings.resources`): seconds of one factorisation and of the rest of an iteration.
 _FACTOR_SECONDS, _FACTOR_SECONDS_EXPONENT = 3.3e-10, 2.0
 _ITERATION_SECONDS = 1.0e-5
-_BASE_BYTES, _BYTES_PER_UNKNOWN, _BYTES_PER_ENTRY = 0.37e9, 3.0e3, 9.0
-# Increments of a path to large displacement, and linear solves per increment (cut-backs included)
-_INCREMENTS, _SOLVES_PER_INCREMENT = 45, 5.0
+_SOLVES_PER_INCREMENT = 5.0  # cut-backs included
 _PICTURE_SECONDS = 10.0  # of one path
 
 
 def describe(scene: Scene) -> dict[str, Any]:
-    """Return mesh counts and quality, unknowns, estimated memory (GB) and time (s), and what is left out."""
+    """Return counts and quality of the mesh, unknowns, memory and disk (GB), time (s), what is left out, warnings.
+
+    Raises ResourceError, before anything is built, where the run cannot fit in the memory of this machine.
+    """
+    refuse_what_cannot_fit(scene)
     built = build_model(scene)
     mesh, quality = built.model.mesh, built.quality
     unknowns = int(3 * mesh.n_nodes - built.model.fixed.sum()) + built.model.n_border
     if built.model.water is not None:
         unknowns += int((~built.model.water.fixed).sum())
+    steps = steps_bytes(scene, size_of(scene))[1]
+    memory = memory_bytes(unknowns, built.model.water is not None) + steps
     return {
         "mesh": {
             "nodes": mesh.n_nodes,
@@ -40,9 +53,11 @@ def describe(scene: Scene) -> dict[str, Any]:
         "unknowns": unknowns,
         "contact": _contact(scene),
         "vertical_load_N": 2.0 * (built.balanced_load + built.extra_load),
-        "memory_GB": memory_bytes(unknowns) / 1e9,
+        "memory_GB": memory / 1e9,
+        "disk_GB": steps / 1e9,
         "time_s": seconds(scene, unknowns),
         "left_out": left_out(scene),
+        "warnings": [*_memory_warning(memory), *scene_warnings(scene)],
     }
 
 
@@ -57,15 +72,18 @@ def _contact(scene: Scene) -> dict[str, Any]:
     }
 
 
-def memory_bytes(unknowns: int) -> float:
-    """Estimated peak memory of a run, in bytes."""
-    entries = _FACTOR_ENTRIES * unknowns**_FACTOR_EXPONENT
-    return _BASE_BYTES + _BYTES_PER_UNKNOWN * unknowns + _BYTES_PER_ENTRY * entries
+def _memory_warning(memory: float) -> list[str]:
+    """Say when other programs leave too little memory now."""
+    free = memory_available()
+    if memory <= free:
+        return []
+    return [f"the run needs about {gigabytes(memory)} of memory; {gigabytes(free)} are free now"]
 
 
 def seconds(scene: Scene, unknowns: int) -> float:
     """Estimated wall time of a run on two cores, in s: an order of magnitude, the steps are adaptive."""
     per_iteration = _FACTOR_SECONDS * unknowns**_FACTOR_SECONDS_EXPONENT + _ITERATION_SECONDS * unknowns
-    solves = _INCREMENTS * (1.5 if scene.soil.yield_surface == "elastic" else _SOLVES_PER_INCREMENT)
-    pictures = _PICTURE_SECONDS if scene.output.figures else 0.0
-    return 5.0 + len(scene.paths) * (solves * per_iteration + pictures)
+    per_increment = 1.5 if scene.soil.yield_surface == "elastic" else _SOLVES_PER_INCREMENT
+    increments = sum(max(TYPICAL_INCREMENTS, least) for least in least_increments(scene))
+    pictures = _PICTURE_SECONDS * len(scene.paths) if scene.output.figures else 0.0
+    return 5.0 + increments * per_increment * per_iteration + pictures

@@ -13,9 +13,10 @@ from pysprings.comparison import compare, curves
 from pysprings.errors import UserInputError
 from pysprings.exporters import csv_tables, excel, load_displacement_table
 from pysprings.extract import extract_springs
-from pysprings.full_model import compute, raise_if_incomplete
+from pysprings.full_model import compute, raise_if_incomplete, scene_to_run
 from pysprings.progress import Progress
 from pysprings.report import write_report
+from pysprings.resources import refuse_full_disk
 from pysprings.result_files import FIGURES, remove_results
 from pysprings.run_lock import exclusive, new_folder
 from pysprings.run_record import Meter
@@ -40,6 +41,7 @@ def run_to_folder(
     in it until everything is written; ``resume`` goes on from them.
     """
     folder = Path(out)
+    refuse_full_disk(scene_to_run(scene, mesh), folder)
     with new_folder(folder), exclusive(folder):
         checkpoints = Checkpoints(folder)
         result = compute(scene, mesh=mesh, progress=progress, checkpoints=checkpoints, resume=resume)

@@ -31,6 +31,7 @@ from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputErr
 from pysprings.path_run import PathRun, Work
 from pysprings.penalty import penalty_of
 from pysprings.progress import Progress
+from pysprings.resources import refuse_what_cannot_fit
 from pysprings.result_files import is_unfinished
 from pysprings.run_lock import exclusive, new_folder
 from pysprings.run_record import (
@@ -40,6 +41,7 @@ from pysprings.run_record import (
     energy_summary,
     summarise,
 )
+from pysprings.small_strain import large_motion
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene
@@ -100,6 +102,7 @@ def compute(
     """
     started, meter = datetime.now(UTC).isoformat(timespec="seconds"), Meter()
     ran = scene_to_run(scene, mesh, linear)
+    refuse_what_cannot_fit(ran)
     work = _prepare(ran, meter.clock, progress or (lambda *_: None))
     work.checkpoints = checkpoints
     loaded = _take_up(work, started, resume)
@@ -229,6 +232,9 @@ def _keep(work: Work, run: PathRun) -> None:
             | {"energy": energy_summary(run.energy.now())}
         )
         work.failures += [run.failure] if run.failure else []
+        u, turn = (float(np.abs(dataset[key].values).max()) for key in ("u", "rotation"))
+        if large := large_motion(name, u, turn, work.scene.caisson.skirt_length):
+            work.warnings.append(large)
         if run.collector.cavitation is not None:
             work.warnings.append(cavitation_warning(name, *run.collector.cavitation))
 

@@ -13,8 +13,10 @@ from pysprings.units import show
 if TYPE_CHECKING:
     from pysprings.scene_model import Caisson, Domain, Path, Scene, Soil, Solver
 
-MIN_RADIUS_RATIO = 1.2  # domain radius over caisson radius: room for a graded mesh around the skirt
-MIN_DEPTH_RATIO = 1.1  # domain depth over skirt length: room for a graded mesh below the tip
+MIN_RADIUS_RATIO = 1.02  # domain radius over caisson radius: room for a graded mesh around the skirt
+MIN_DEPTH_RATIO = 1.02  # domain depth over skirt length: room for a graded mesh below the tip
+
+MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at constant volume
 
 # kind of path -> (what it imposes, what else it uses)
 _IMPOSED = {
@@ -87,6 +89,36 @@ def _soil(soil: Soil) -> Iterator[Clash]:
         if value > soil.friction_angle_final:
             keys = ("soil", name), ("soil", "friction_angle_final")
             yield Clash(keys, f"{show(value, 'deg')} must not be more than {final}")
+    if soil.yield_surface == "elastic":
+        return
+    if soil.friction_angle_final == 0.0 and soil.cohesion == 0.0:
+        keys = ("soil", "friction_angle_final"), ("soil", "cohesion")
+        yield Clash(keys, "a soil without friction and cohesion has no strength")
+    yield from _contraction(soil)
+
+
+def _contraction(soil: Soil) -> Iterator[Clash]:
+    """Check that a contracting soil (dilation angle < 0) stays stable when its volume is held.
+
+    The multiplier of the cone has the slope -(G + 9 K m m_psi) without hardening (`fe_engine.soil.plasol`): where it
+    is not negative, the soil loses all strength at constant volume, and the return to the cone has two answers or none.
+    """
+    slope, fall = (cone_slope(angle) for angle in (soil.friction_angle_final, soil.dilation_angle))
+    nu = soil.poisson_ratio
+    bulk_over_shear = 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+    if 9.0 * bulk_over_shear * slope * fall > -MOST_CONTRACTION:
+        return
+    least = MOST_CONTRACTION / (9.0 * bulk_over_shear * slope)  # of -m_psi
+    angle = -math.degrees(math.asin(3.0 * math.sqrt(3.0) * least / (2.0 - math.sqrt(3.0) * least)))
+    keys = tuple(("soil", name) for name in ("dilation_angle", "poisson_ratio", "friction_angle_final"))
+    with_these = f"Poisson ratio {nu:g} and {show(soil.friction_angle_final, 'deg')} of friction"
+    yield Clash(keys, f"{show(soil.dilation_angle, 'deg')} is unstable: with {with_these} at least {angle:.2f} deg")
+
+
+def cone_slope(angle: float) -> float:
+    """Slope m of the Drucker-Prager cone, 2 sin(phi)/(sqrt(3) (3 - sin(phi))); that of its potential for psi."""
+    sine = math.sin(angle)
+    return 2.0 * sine / (math.sqrt(3.0) * (3.0 - sine))
 
 
 def _initial_state(soil: Soil, domain: Domain) -> Iterator[Clash]:
@@ -110,8 +142,7 @@ def _initial_state(soil: Soil, domain: Domain) -> Iterator[Clash]:
     if bottom == 0.0 and soil.cohesion == 0.0:
         blame = (("soil", "surcharge"), *keys)
         yield Clash(blame, "a soil without weight, surcharge and cohesion has no strength")
-    sine = math.sin(soil.friction_angle_initial)
-    slope = 2.0 * sine / (math.sqrt(3.0) * (3.0 - sine))
+    sine, slope = math.sin(soil.friction_angle_initial), cone_slope(soil.friction_angle_initial)
     strength = 6.0 * soil.cohesion * math.cos(soil.friction_angle_initial) / (math.sqrt(3.0) * (3.0 - sine))
     shear, pressure = abs(1.0 - soil.K0) / math.sqrt(3.0), 1.0 + 2.0 * soil.K0
     worst = max((shear - slope * pressure) * vertical for vertical in (soil.surcharge, bottom))

@@ -23,7 +23,7 @@ _DEGREE = math.pi / 180.0
 
 # pydantic annotations of the fields, short enough to be read as a table
 _PENALTY = 'penalty stiffness of the interface; "auto" is 390 times Young modulus over diameter'
-_STIFFNESS = Quantity("N/m^3", "(0, 1e16]", _PENALTY, "1e10 N/m^3", word="auto")
+_STIFFNESS = Quantity("N/m^3", "[1e3, 1e16]", _PENALTY, "1e10 N/m^3", word="auto")
 _SHIFT = Quantity("mm", "[-1e4, 1e4]", "lateral displacement of the lid centre, towards +x", "20 mm", optional=True)
 _TURN = Quantity(
     "deg",
@@ -37,8 +37,8 @@ _SINK = Quantity("mm", "[-1e4, 1e4]", _SINK_TEXT, "20 mm", optional=True)
 _PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN", optional=True)
 _ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
 _ARM_FROM = Quantity("m", "[-1e3, 1e3]", "height where a load acts first; it then climbs to arm", "0 m", optional=True)
-_RATE = Quantity("mm/s", "(0, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
-_TIME = Quantity("s", "(0, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
+_RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
+_TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
 _SHIFTS = (("pull", _SHIFT), ("translation", _SHIFT), ("swipe", _SHIFT))
 _IMPOSED = (*_SHIFTS, ("rotation", _TURN), ("load", _PUSH), ("vertical", _SINK))
 _SEA = "depth of the sea; where given, suction is checked for cavitation"
@@ -47,7 +47,7 @@ _VISCOSITY = Quantity("Pa s", "[1e-6, 1e3]", "dynamic viscosity of water", "0.00
 _BULK = 'bulk modulus of water; "incompressible" is possible too'
 _BALANCED = 'constant load on the whole caisson, positive down; "balanced" carries the initial contact stresses'
 _OWN_LOAD = 'vertical load of this path instead of caisson.vertical_load; or "balanced"'
-_FRACTION = Number("(0, 1]", "first step, as a fraction of the path", 0.02, optional=True)
+_FRACTION = Number("[1e-12, 1]", "first step, as a fraction of the path", 0.02, optional=True)
 
 
 class Section(BaseModel):
@@ -59,10 +59,10 @@ class Section(BaseModel):
 class Caisson(Section):
     """The suction caisson, wished in place."""
 
-    outer_diameter: Annotated[float, Quantity("m", "(0, 200]", "outer diameter of the skirt", "7.8 m")] = 7.8
-    skirt_length: Annotated[float, Quantity("m", "(0, 200]", "depth of the tip below mudline", "4 m")] = 4.0
-    skirt_thickness: Annotated[float, Quantity("m", "(0, 10]", "wall thickness of the skirt", "0.1 m")] = 0.1
-    lid_thickness: Annotated[float, Quantity("m", "(0, 10]", "thickness of the lid", "0.4 m")] = 0.4
+    outer_diameter: Annotated[float, Quantity("m", "[0.01, 200]", "outer diameter of the skirt", "7.8 m")] = 7.8
+    skirt_length: Annotated[float, Quantity("m", "[0.01, 200]", "depth of the tip below mudline", "4 m")] = 4.0
+    skirt_thickness: Annotated[float, Quantity("m", "[1e-4, 10]", "wall thickness of the skirt", "0.1 m")] = 0.1
+    lid_thickness: Annotated[float, Quantity("m", "[1e-4, 10]", "thickness of the lid", "0.4 m")] = 0.4
     behaviour: Annotated[str, Choice(("rigid",), "how the steel behaves", planned=("elastic",))] = "rigid"
     young_modulus: Annotated[
         float | None,
@@ -79,8 +79,8 @@ class Caisson(Section):
 class Domain(Section):
     """The cylinder of soil that is modelled."""
 
-    radius: Annotated[float, Quantity("m", "(0, 1e4]", "radius of the cylinder of soil", "24 m")] = 24.0
-    depth: Annotated[float, Quantity("m", "(0, 1e4]", "depth of the cylinder of soil", "12 m")] = 12.0
+    radius: Annotated[float, Quantity("m", "[0.01, 1e4]", "radius of the cylinder of soil", "24 m")] = 24.0
+    depth: Annotated[float, Quantity("m", "[0.01, 1e4]", "depth of the cylinder of soil", "12 m")] = 12.0
     side: Annotated[str, Choice(("roller", "fixed"), "the outer side slides (roller) or is held (fixed)")] = "roller"
     side_drainage: Annotated[
         str, Choice(("drained", "sealed"), "the outer side keeps hydrostatic pressure, or lets no water through")
@@ -102,9 +102,9 @@ class Soil(Section):
         float, Quantity("deg", "[0, 60]", "friction angle when fully hardened", "30 deg")
     ] = 30.0 * _DEGREE
     hardening_parameter: Annotated[
-        float, Number("(0, 10]", "equivalent plastic strain at half of the hardening", 0.005)
+        float, Number("[1e-9, 10]", "equivalent plastic strain at half of the hardening", 0.005)
     ] = 0.005
-    dilation_angle: Annotated[float, Quantity("deg", "[0, 60]", "dilation angle", "5 deg")] = 0.0
+    dilation_angle: Annotated[float, Quantity("deg", "[-30, 60]", "dilation angle", "5 deg")] = 0.0
     cohesion: Annotated[float, Quantity("kPa", "[0, 1e5]", "cohesion", "5 kPa")] = 0.0
     effective_unit_weight: Annotated[
         float, Quantity("kN/m^3", "[0, 100]", "effective (submerged) unit weight", "10.56 kN/m^3")
@@ -112,9 +112,9 @@ class Soil(Section):
     surcharge: Annotated[float, Quantity("kPa", "[0, 1e5]", "vertical effective stress at mudline", "10.56 kPa")] = (
         10.56e3
     )
-    K0: Annotated[float, Number("(0, 10]", "initial horizontal over vertical effective stress", 1.0)] = 1.0
+    K0: Annotated[float, Number("[0.01, 10]", "initial horizontal over vertical effective stress", 1.0)] = 1.0
     hydraulic_conductivity: Annotated[
-        float, Quantity("m/s", "(0, 10]", "hydraulic conductivity; not used when drained", "1e-4 m/s")
+        float, Quantity("m/s", "[1e-20, 10]", "hydraulic conductivity; not used when drained", "1e-4 m/s")
     ] = 1e-4
 
 
@@ -126,11 +126,11 @@ class Interface(Section):
     friction_coefficient: Annotated[float, Number("[0, 5]", "Coulomb friction coefficient", 0.5)] = 0.5
     transversal_conductivity: Annotated[
         float,
-        Quantity("m/(Pa s)", "(0, 1]", "transversal conductivity; not used when drained", "1e-8 m/(Pa s)"),
+        Quantity("m/(Pa s)", "[1e-24, 1]", "transversal conductivity; not used when drained", "1e-8 m/(Pa s)"),
     ] = 1e-8
     residual_aperture: Annotated[
         float,
-        Quantity("mm", "(0, 100]", "aperture of a closed interface for flow; not used when drained", "0.01 mm"),
+        Quantity("mm", "[1e-9, 100]", "aperture of a closed interface for flow; not used when drained", "0.01 mm"),
     ] = 1e-5
 
 
@@ -220,7 +220,7 @@ class Solver(Section):
     max_iterations: Annotated[int, Count(2, 1000, "Newton iterations before a step is cut back")] = 20
     first_step_fraction: Annotated[float | None, _FRACTION] = None
     max_step_fraction: Annotated[
-        float | None, Number("(0, 1]", "largest step, as a fraction of the path", 0.1, optional=True)
+        float | None, Number("[1e-9, 1]", "largest step, as a fraction of the path", 0.1, optional=True)
     ] = None
 
 

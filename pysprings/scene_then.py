@@ -26,9 +26,9 @@ class Then(NamedTuple):
 
 
 _THEN = re.compile(r"(?P<value>.+?)(?: (?P<how>at|in) (?P<pace>.+))?")
-_RATE = Quantity("mm/s", "(0, 1e4]", "", "0.05 mm/s")
+_RATE = Quantity("mm/s", "[1e-9, 1e4]", "", "0.05 mm/s")
 _RATES = {"pull": _RATE, "translation": _RATE, "vertical": _RATE}  # kinds of path that have a velocity
-_TIME = Quantity("s", "(0, 1e12]", "", "2 hour")
+_TIME = Quantity("s", "[1e-6, 1e12]", "", "2 hour")
 
 
 @dataclass(frozen=True)

@@ -11,17 +11,21 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from pysprings import variables
 from pysprings.errors import Problem, UserInputError
+from pysprings.springs_numbers import is_number, name_fault, number_faults, text_of
 from pysprings.storage import read_tree, refusal, write_tree
+from pysprings.units import quoted
 
 SCHEMA = "pysprings-springs-2"
 KINDS = ("pull", "translation", "rotation", "swipe", "load", "vertical")
 ROLES = ("calibration", "held-back")
+STATES = ("complete", "partial", "interrupted")
 FEWEST_STATES = 2  # a curve needs the initial state and one more
 SAME_LOAD = 1e-3  # vertical loads that differ by less than this share are one
 NO_LOAD = 1.0  # or by this [N]
@@ -52,9 +56,9 @@ def save_springs(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
 def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = None) -> None:
     """Raise UserInputError, with one problem per fault, unless the tree is a complete spring set."""
     schema = tree.attrs.get("schema")
-    if schema != SCHEMA:
+    if text_of(schema) != SCHEMA:
         raise refusal(file, "schema", _foreign(tree, schema))
-    found = [*_root_faults(tree), *variables.tree_problems(tree, "springs")]
+    found = [*_root_faults(tree), *variables.tree_problems(tree, "springs")] or list(_type_faults(tree))
     found = found or [fault for name in path_names(tree) for fault in _path_faults(tree, name)]
     if found:
         name = None if file is None else str(file)
@@ -63,7 +67,7 @@ def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = No
 
 def _foreign(tree: xr.DataTree, schema: object) -> str:
     if schema is not None:
-        return f"springs of another version: '{schema}' instead of '{SCHEMA}'"
+        return f"springs of another version: '{str(schema)[:40]}' instead of '{SCHEMA}'"
     if "section" in tree.children or "scene_toml" in tree.attrs:
         return "a full-model result, not a spring file (extract its springs first)"
     return f"not a spring file (no attribute 'schema' = '{SCHEMA}')"
@@ -71,26 +75,58 @@ def _foreign(tree: xr.DataTree, schema: object) -> str:
 
 def _root_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
     for name in _ROOT_NUMBERS:
-        value = tree.attrs.get(name)
-        if not isinstance(value, int | float | np.number) or not np.isfinite(value):
+        value: Any = tree.attrs.get(name)
+        if not is_number(value):
             yield name, "missing attribute, or not a number"
+        elif value <= 0.0 and name != "vertical_load_N":
+            yield name, f"{value:g} is not positive"
     for name in _ROOT_TEXTS:
         if not isinstance(tree.attrs.get(name), str):
             yield name, "missing attribute"
-    if "stiffness_initial" in tree.dataset and not np.isfinite(tree.dataset["stiffness_initial"].values).all():
-        yield "stiffness_initial", "not finite"
     if not path_names(tree):
         yield "paths", "no path in the file"
+
+
+def _type_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
+    """Yield what no file of ours has: variables without numbers, numbers without sense, names of paths."""
+    root = list(number_faults(tree.to_dataset(inherit=False), "springs_root"))
+    if tree.dataset["stiffness_initial"].shape != (len(variables.DOFS), len(variables.DOFS)):
+        root.append(("stiffness_initial", f"must be {len(variables.DOFS)} by {len(variables.DOFS)}"))
+    yield from root
+    if not root and not np.isfinite(tree.dataset["stiffness_initial"].values).all():
+        yield "stiffness_initial", "not finite"
+    elif not root and not _resists(tree.dataset["stiffness_initial"].values):
+        yield "stiffness_initial", "does not resist every motion of the caisson (not positive definite)"
+    for key in ("dof", "dof_conjugate"):
+        if tuple(tree.dataset[key].values) != variables.DOFS:
+            yield key, f"labels must be {', '.join(variables.DOFS)}"
+    for name in path_names(tree):
+        if wrong := name_fault(name):
+            yield f"paths/{quoted(name)}", wrong
+        found = number_faults(path_dataset(tree, name), "springs_path")
+        yield from ((f"paths/{name}/{key}", text) for key, text in found)
+
+
+def _resists(stiffness: np.ndarray) -> bool:
+    """Tell whether a stiffness (3, 3) resists u, w, rotation and all that they make up."""
+    diagonal = np.diag(stiffness)
+    if not (diagonal > 0.0).all():
+        return False
+    scale = 1.0 / np.sqrt(diagonal)
+    return bool(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T) * scale * scale[:, None]).min() > 0.0)
 
 
 def _path_faults(tree: xr.DataTree, name: str) -> Iterator[tuple[str, str]]:
     dataset = path_dataset(tree, name)
     place = f"paths/{name}"
-    for key, allowed in (("kind", KINDS), ("role", ROLES)):
-        if dataset.attrs.get(key) not in allowed:
+    for key, allowed in (("kind", KINDS), ("role", ROLES), ("status", STATES)):
+        if text_of(dataset.attrs.get(key)) not in allowed:
             yield f"{place}/{key}", f"attribute must be one of {', '.join(allowed)}"
-    if not np.isfinite(dataset.attrs.get("arm_m", np.nan)):
+    if not is_number(dataset.attrs.get("arm_m")):
         yield f"{place}/arm_m", "missing attribute, or not a number"
+    for key in ("rate_m_per_s", "arm_from_m"):
+        if not is_number(dataset.attrs.get(key, 1.0)):
+            yield f"{place}/{key}", "not a number"
     for key, labels in (("side", variables.SIDES), ("component", variables.COMPONENTS)):
         if tuple(dataset[key].values) != labels:
             yield f"{place}/{key}", f"labels must be {', '.join(labels)}"
@@ -100,7 +136,11 @@ def _path_faults(tree: xr.DataTree, name: str) -> Iterator[tuple[str, str]]:
 
 def _depth_faults(dataset: xr.Dataset, length: float) -> Iterator[tuple[str, str]]:
     depth, bounds = dataset["depth"].values, dataset["depth_bounds"].values
-    if bounds.shape != (depth.size, 2) or not (np.isfinite(depth).all() and np.isfinite(bounds).all()):
+    if (
+        not depth.size
+        or bounds.shape != (depth.size, 2)
+        or not (np.isfinite(depth).all() and np.isfinite(bounds).all())
+    ):
         yield "depth_bounds", "must hold a finite top and bottom for each depth"
         return
     if (np.diff(depth) <= 0).any():
@@ -124,6 +164,8 @@ def _step_faults(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
             yield str(name), "not finite at a converged step"
     u, rotation, depth = (dataset.variables[name].values for name in ("u", "rotation", "depth"))
     y = dataset.variables["y"].transpose("depth", "step").values[:, steps]
+    if not y.size or not all(np.isfinite(values).all() for values in (u[steps], rotation[steps], depth, y)):
+        return  # said already
     expected = u[steps] + rotation[steps] * depth[:, None]
     if np.abs(y - expected).max() > 1e-6 * np.abs(y).max():
         yield "y", "is not u + rotation*depth (depth down, right-hand rotation about +y)"

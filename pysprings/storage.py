@@ -140,10 +140,11 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
         fault = broken_seal(path)
         if fault in _CHANGED:
             raise refusal(path, "", _CHANGED[fault])
+        _refuse_huge(path)
         # seconds stay numbers: a duration is not a date
         with xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as tree:
             found = _with_bounds_units(tree.load())
-    except UserInputError:
+    except (UserInputError, ResourceError):
         raise
     except Exception as error:  # the C libraries below raise many types on a damaged file
         raise refusal(path, "", f"broken or incomplete NetCDF file ({error})") from error
@@ -151,6 +152,24 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     if fault:
         warnings.warn(f"{path}: no {ATTRIBUTE}: written by another program, taken as it is", stacklevel=3)
     return found
+
+
+def _refuse_huge(path: str | os.PathLike[str]) -> None:
+    """Refuse a file that unpacks to more than the memory there is: what was never written takes no room on a disk."""
+    import netCDF4
+    import psutil
+
+    with netCDF4.Dataset(path) as root:
+        size = float(_unpacked(root))
+    free = psutil.virtual_memory().available
+    if size > free:
+        raise ResourceError(f"{path}: {size / 1e9:,.3g} GB when unpacked; {free / 1e9:.3g} GB of memory are free")
+
+
+def _unpacked(group: Any) -> int:
+    """Bytes of all variables of a group and those in it; texts count as pointers."""
+    own = sum(variable.size * getattr(variable.dtype, "itemsize", 8) for variable in group.variables.values())
+    return int(own) + sum(_unpacked(each) for each in group.groups.values())
 
 
 def _with_bounds_units(tree: xr.DataTree) -> xr.DataTree:

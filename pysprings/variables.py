@@ -320,8 +320,9 @@ def _mismatches(data: Any, variable: Variable) -> Iterator[str]:
         return  # CF: bounds have the units of their coordinate, and xarray leaves them out of a file
     if units is None:
         yield f"no units (expected '{variable.units}')"
-    elif units != variable.units:
-        yield f"units '{units}' instead of '{variable.units}'"
+    elif not isinstance(units, str) or units != variable.units:
+        shown = str(units) if len(str(units)) <= 60 else f"{str(units)[:57]}..."
+        yield f"units '{shown}' instead of '{variable.units}'"
 
 
 def tree_problems(tree: xr.DataTree, kind: TreeKind) -> list[tuple[str, str]]:

@@ -29,6 +29,8 @@ from pysprings.macro_sets import spring_sets
 from pysprings.springs import is_vertical, path_dataset, path_names
 from pysprings.storage import replacing
 
+# A text stays a text (a name may begin with =), and no temporary file is left elsewhere.
+PLAIN = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False, "in_memory": True}
 KN, MM, MRAD = 1e-3, 1e3, 1e3
 CHART_DEPTHS = 6
 
@@ -52,7 +54,7 @@ def write_workbook(springs: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     """Write the workbook atomically; return its path."""
     with (
         replacing(path) as temporary,
-        xlsxwriter.Workbook(str(temporary)) as file,
+        xlsxwriter.Workbook(str(temporary), PLAIN) as file,
     ):
         book = _open(file, springs)
         comparison = compare(springs)

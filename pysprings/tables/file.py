@@ -7,6 +7,7 @@ import csv
 import difflib
 import os
 import re
+import zipfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -18,6 +19,8 @@ import pandas as pd
 
 from pysprings.errors import Problem, UserInputError
 from pysprings.exporters.tables import PY_COLUMNS
+from pysprings.magnitudes import fault, unit_of_column
+from pysprings.springs_numbers import name_fault
 from pysprings.tables.wide import is_wide, unfold
 from pysprings.units import quoted
 
@@ -28,6 +31,9 @@ TEXTS = ("path", "family", "side", "component")
 OTHER_SHEETS = ("about", "charts", "load-displacement", "stiffness 6x6")
 SHEETS = {"py": "py", "p-y": "py", "mtheta": "mtheta", "m-theta": "mtheta", "base": "base", "tip": "base", "lid": "lid"}
 MOST = 20  # problems shown
+MOST_WORDS = 200  # characters of what a library says
+# Largest table: bytes (of a workbook when unpacked), and lines of a sheet.
+MOST_BYTES, MOST_LINES = 50_000_000, 200_000
 
 
 @dataclass
@@ -111,6 +117,8 @@ def _first_and_rest(lines: list[tuple[int, list[Any]]]) -> tuple[list[str], list
 
 def _csv_lines(path: Path) -> list[tuple[int, list[Any]]]:
     """Lines with something in them, numbered as an editor numbers them."""
+    if (size := path.stat().st_size) > MOST_BYTES:
+        raise _too_large(path, f"{size / 1e6:,.0f} MB, at most {MOST_BYTES / 1e6:.0f}")
     try:
         with path.open(encoding="utf-8-sig", newline="") as stream:
             reader = csv.reader(stream)
@@ -127,13 +135,34 @@ def _workbook(path: Path) -> Iterator[tuple[str, list[tuple[int, list[Any]]]]]:
     import openpyxl
 
     try:
-        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
-        for sheet in book.worksheets:
-            lines = [(n, list(cells)) for n, cells in enumerate(sheet.iter_rows(values_only=True), start=1)]
-            yield sheet.title, [(n, cells) for n, cells in lines if any(cell is not None for cell in cells)]
-        book.close()
+        with path.open("rb") as stream, zipfile.ZipFile(stream) as archive:
+            size = sum(part.file_size for part in archive.infolist())
+            if size > MOST_BYTES:
+                raise _too_large(path, f"{size / 1e6:,.0f} MB when unpacked, at most {MOST_BYTES / 1e6:.0f}")
+            book = openpyxl.load_workbook(stream, read_only=True, data_only=True)
+            try:
+                for sheet in book.worksheets:
+                    yield sheet.title, list(_lines(path, sheet))
+            finally:
+                book.close()
+    except (UserInputError, GeneratorExit):
+        raise
     except Exception as error:  # a broken archive raises many types
-        raise UserInputError([Problem(file=str(path), message=f"not an Excel workbook ({error})")]) from None
+        why = str(error) or type(error).__name__
+        raise UserInputError([Problem(file=str(path), message=f"not an Excel workbook ({why[:MOST_WORDS]})")]) from None
+
+
+def _lines(path: Path, sheet: Any) -> Iterator[tuple[int, list[Any]]]:
+    """Yield (line, cells) of the lines of a sheet with something in them."""
+    for line, cells in enumerate(sheet.iter_rows(values_only=True), start=1):
+        if line > MOST_LINES:
+            raise _too_large(path, f"sheet {quoted(sheet.title)} has more than {MOST_LINES:,} lines")
+        if any(cell is not None for cell in cells):
+            yield line, list(cells)
+
+
+def _too_large(path: Path, message: str) -> UserInputError:
+    return UserInputError([Problem(file=str(path), message=f"is too large for a table ({message})")])
 
 
 def _typed(
@@ -157,11 +186,19 @@ def _typed(
         else:
             data[name] = numbers(place, name, given, lines, faults)
     frame = pd.DataFrame(data)
+    _check_names(frame, faults)
     frame["family"] = frame["family"].where(frame["family"] != "", family or "py")
     known = frame["family"].isin(FAMILIES)
     for other in frame[~known].itertuples(index=False):
         faults.at(other, "family", f"{quoted(other.family)} is not one of {', '.join(FAMILIES)}")
     return frame[known]
+
+
+def _check_names(frame: pd.DataFrame, faults: Faults) -> None:
+    """Note names of paths that other files and programs would misread."""
+    wrong = {name: name_fault(name) for name in frame["path"].unique() if name}
+    for row in frame[frame["path"].map(lambda name: bool(wrong.get(name)))].itertuples(index=False):
+        faults.at(row, "path", f"{quoted(row.path)}: {wrong[str(row.path)]}")
 
 
 def _check_head(place: str, head: list[str], family: str | None, faults: Faults) -> None:
@@ -196,7 +233,8 @@ def _stem(column: str) -> str:
 
 
 def numbers(place: str, name: str, given: list[Any], lines: np.ndarray, faults: Faults) -> np.ndarray:
-    """Numbers of a column; NaN where a cell is blank."""
+    """Numbers of a column; NaN where a cell is blank, no number, or of a size that nothing has."""
+    unit = unit_of_column(name)
     out = np.full(len(given), np.nan)
     for k, cell in enumerate(given):
         if cell is None or (isinstance(cell, str) and not cell.strip()):
@@ -206,8 +244,8 @@ def numbers(place: str, name: str, given: list[Any], lines: np.ndarray, faults: 
         except (TypeError, ValueError):
             faults.add((place, int(lines[k])), name, f"{quoted(cell)} is not a number")
             continue
-        if not np.isfinite(value):
-            faults.add((place, int(lines[k])), name, f"{quoted(cell)} is not a finite number")
+        if wrong := fault(value, unit):
+            faults.add((place, int(lines[k])), name, f"{quoted(cell)} {wrong}")
             continue
         out[k] = value
     return out

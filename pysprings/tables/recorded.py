@@ -72,6 +72,9 @@ def _path(rows: pd.DataFrame, faults: Faults) -> xr.Dataset | None:
     families = {str(name): part for name, part in rows.groupby("family", sort=False)}
     if "tz" in families:
         return _vertical_path(families, faults)
+    if "py" not in families:
+        faults.add(place_of(rows), "family", f"path '{rows['path'].iloc[0]}' has no p-y curves")
+        return None
     own, known = Faults(), [family for family in COMPANIONS if family in families]
     lost = [family for family in COMPANIONS if family not in families]
     if known and lost:

@@ -77,18 +77,18 @@ def test_the_form_of_the_contract() -> None:
          '2:13: soil.surcharge: expected a quantity with unit such as "10.56 kPa", got a table'),
         ('[soil]\nsurcharge = 1979-05-27\n',
          '2:13: soil.surcharge: expected a quantity with unit such as "10.56 kPa", got 1979-05-27'),
-        ('[caisson]\nskirt_length = "-4 m"\n', '2:16: caisson.skirt_length: "-4 m" is not in (0, 200] m'),
+        ('[caisson]\nskirt_length = "-4 m"\n', '2:16: caisson.skirt_length: "-4 m" is not in [0.01, 200] m'),
         ("[caisson]\nvertical_load = 3\n",
          '2:17: caisson.vertical_load: expected a quantity with unit such as "4 MN" (or "balanced"), got 3'),
         ('[caisson]\nvertical_load = "balance"\n',
          '2:17: caisson.vertical_load: expected a quantity with unit such as "4 MN", got "balance"; '
          '"balanced" is possible too'),
         # numbers, counts, words, flags, texts
-        ("[soil]\nK0 = inf\n", "2:6: soil.K0: inf is not in (0, 10]"),
-        ("[soil]\nK0 = nan\n", "2:6: soil.K0: nan is not in (0, 10]"),
+        ("[soil]\nK0 = inf\n", "2:6: soil.K0: inf is not in [0.01, 10]"),
+        ("[soil]\nK0 = nan\n", "2:6: soil.K0: nan is not in [0.01, 10]"),
         ('[soil]\nK0 = "1"\n', '2:6: soil.K0: expected a number without unit and quotes such as 1, got "1"'),
         ("[soil]\nK0 = true\n", "2:6: soil.K0: expected a number without unit and quotes such as 1, got true"),
-        (f"[soil]\nK0 = {'1' * 400}\n", "2:6: soil.K0: a number with hundreds of digits is not in (0, 10]"),
+        (f"[soil]\nK0 = {'1' * 400}\n", "2:6: soil.K0: a number with hundreds of digits is not in [0.01, 10]"),
         ("[mesh]\nazimuth = 9\n", "2:11: mesh.azimuth: 9 is not a multiple of 4"),
         ("[mesh]\nazimuth = 4\n", "2:11: mesh.azimuth: 4 is not in [8, 256]"),
         ("[mesh]\nazimuth = 8.0\n", "2:11: mesh.azimuth: expected a whole number such as 8, got 8.0"),
@@ -109,12 +109,12 @@ def test_the_form_of_the_contract() -> None:
         # values that do not go together
         ('[caisson]\nskirt_thickness = "4 m"\n',
          "2:19: caisson.skirt_thickness: must be less than half of outer_diameter (7.8 m)"),
-        ('[domain]\nradius = "4 m"\n',
-         "2:10: domain.radius: 4 m must be more than 1.2 times the caisson's radius (3.9 m)"),
+        ('[domain]\nradius = "3.95 m"\n',
+         "2:10: domain.radius: 3.95 m must be more than 1.02 times the caisson's radius (3.9 m)"),
         ('[caisson]\nouter_diameter = "50 m"\n',
-         "2:18: domain.radius: 24 m must be more than 1.2 times the caisson's radius (25 m)"),
-        ('[domain]\ndepth = "4.4 m"\n',
-         "2:9: domain.depth: 4.4 m must be more than 1.1 times caisson.skirt_length (4 m)"),
+         "2:18: domain.radius: 24 m must be more than 1.02 times the caisson's radius (25 m)"),
+        ('[domain]\ndepth = "4.05 m"\n',
+         "2:9: domain.depth: 4.05 m must be more than 1.02 times caisson.skirt_length (4 m)"),
         ('[soil]\nfriction_angle_initial = "31 deg"\n',
          "2:26: soil.friction_angle_initial: 31 deg must not be more than friction_angle_final (30 deg)"),
         ('[soil]\ndilation_angle = "31 deg"\n',
@@ -260,7 +260,7 @@ def test_problems_are_data_too() -> None:
         parse_scene("[soil]\nK0 = -1\n", "c.toml")
     (problem,) = error.value.problems
     assert (problem.file, problem.line, problem.col, problem.key) == ("c.toml", 2, 6, "soil.K0")
-    assert problem.message == "-1 is not in (0, 10]"
+    assert problem.message == "-1 is not in [0.01, 10]"
 
 
 # --- files ---

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: MIT
+"""What a scene needs of the machine, from its counts alone: memory, increments, disk; refused before anything is built.
+
+The laws of memory are fitted (see the constants); the refusal compares them with what this process may ever have: the
+machine's memory, or less where a control group or a limit of the shell says so.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pysprings.build import counts_of
+from pysprings.caisson_mesh import Counts
+from pysprings.errors import ResourceError
+from pysprings.stages import path_stages
+
+if TYPE_CHECKING:
+    from pysprings.scene import Scene
+
+# Fitted on the presets coarse, medium and paper (4,600 to 52,000 unknowns, 71,000 with water) with Pardiso on two
+# cores: entries of the LU factors; water has more of them for each unknown, and scaled copies of its matrix.
+_FACTOR_ENTRIES, _FACTOR_EXPONENT = 10.3, 1.44
+_BASE_BYTES, _BYTES_PER_UNKNOWN, _BYTES_PER_ENTRY = 0.37e9, 3.0e3, 9.0
+_WATER_FACTOR, _WATER_BYTES_PER_UNKNOWN = 1.75, 4.0e3
+# A recorded step stands in memory as it came, in its dataset, and in what tables and pictures make of it.
+_COPIES_OF_A_STEP = 3.0
+# NetCDF compresses fields of steps that move to about this share at best.
+_BEST_COMPRESSION = 0.2
+# Increments of a path to large displacement (cut-backs not counted).
+TYPICAL_INCREMENTS = 45
+
+_CGROUP, _MY_GROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
+
+
+@dataclass(frozen=True)
+class Size:
+    """Counts of the model of a scene before it is built: nodes, elements, unknowns, bytes of a step."""
+
+    nodes: int
+    elements: int
+    unknowns: int
+    step_bytes: int
+
+
+def size_of(scene: Scene) -> Size:
+    """Return the counts of a scene's model; builds nothing."""
+    counts = counts_of(scene)
+    n, rings = counts.azimuth, counts.plug + counts.tip + counts.outer
+    levels = counts.skirt + counts.below + 1
+    plan = (n // 2 + 1) * (n // 4 + 1) + rings * (n + 1)
+    nodes = plan * levels - (counts.tip - 1) * (n + 1) * counts.skirt
+    quads = (n // 2) * (n // 4) + rings * n
+    elements = quads * (levels - 1) - counts.tip * n * counts.skirt
+    plane = n // 2 + 1 + 2 * rings  # nodes of a level on the plane of symmetry
+    unknowns = 3 * (nodes - plan) - (plane + n + 1) * (levels - 1) + 3
+    if scene.drainage.mode != "drained":
+        film = (n + 1) * (2 * counts.skirt + counts.tip) + (n // 2 + 1) * (n // 4 + 1) + counts.plug * (n + 1)
+        drained = (n + 1) * (counts.outer + 2)  # mudline outside, the film's rim included
+        drained += (n + 1) * (levels - 1) if scene.domain.side_drainage == "drained" else 0
+        unknowns += nodes + film - drained
+    return Size(nodes, elements, unknowns, _step_bytes(scene, counts, plane))
+
+
+def _step_bytes(scene: Scene, counts: Counts, plane: int) -> int:
+    """Bytes of what a path keeps of one step: scalars, reactions by depth, lid and tip, fields, section."""
+    n, depths = counts.azimuth + 1, counts.skirt + 1
+    values = 60 + 12 * depths + 2 * (counts.azimuth**2 // 8 + n * (counts.plug + counts.tip + 1))
+    if scene.output.interface_fields:
+        values += 5 * 2 * n * depths
+    if scene.output.section:
+        values += (2 if scene.drainage.mode == "drained" else 3) * plane * (depths + counts.below)
+    return 8 * values
+
+
+def memory_bytes(unknowns: int, water: bool = False) -> float:
+    """Estimated peak memory of a run, in bytes, without its recorded steps."""
+    entries = _FACTOR_ENTRIES * float(unknowns) ** _FACTOR_EXPONENT * (_WATER_FACTOR if water else 1.0)
+    per_unknown = _WATER_BYTES_PER_UNKNOWN if water else _BYTES_PER_UNKNOWN
+    return _BASE_BYTES + per_unknown * unknowns + _BYTES_PER_ENTRY * entries
+
+
+def least_increments(scene: Scene) -> list[int]:
+    """Return the number of increments that each path needs when every step is as large as it may be."""
+    found = []
+    for path in scene.paths:
+        stages = path_stages(scene, path, 0.0, 1.0)
+        found.append(sum(max(math.ceil(1.0 / stage.max_fraction), len(stage.stops)) for stage in stages))
+    return found
+
+
+def steps_bytes(scene: Scene, size: Size) -> tuple[float, float]:
+    """Bytes of all recorded steps of a run: the least, and what is likely."""
+    least = least_increments(scene)
+    likely = [max(number, TYPICAL_INCREMENTS) for number in least]
+    return float(size.step_bytes) * sum(least), float(size.step_bytes) * sum(likely)
+
+
+def refuse_what_cannot_fit(scene: Scene) -> None:
+    """Raise ResourceError, with the figures, where a run needs more memory than this process may ever have."""
+    size, limit = size_of(scene), memory_limit()
+    model = memory_bytes(size.unknowns, scene.drainage.mode != "drained")
+    if model > limit:
+        raise ResourceError(
+            f"the model needs about {gigabytes(model)} of memory ({size.nodes:,} nodes, {size.unknowns:,} unknowns), "
+            f"{gigabytes(limit)} are there: choose a smaller mesh.preset, mesh.refinement or mesh.azimuth"
+        )
+    needed = _COPIES_OF_A_STEP * steps_bytes(scene, size)[0]
+    if model + needed > limit:
+        raise ResourceError(
+            f"{_increments(scene)}, which need {gigabytes(needed)} of memory beside {gigabytes(model)} of the model, "
+            f"{gigabytes(limit)} are there: {_FEWER}"
+        )
+
+
+_FEWER = "take a larger solver.max_step_fraction, fewer paths, or less of [output]"
+
+
+def _increments(scene: Scene) -> str:
+    number, paths = sum(least_increments(scene)), len(scene.paths)
+    return f"{paths} path{'s' if paths > 1 else ''} of {number:.6g} increments at least"
+
+
+def refuse_full_disk(scene: Scene, folder: str | os.PathLike[str]) -> None:
+    """Raise ResourceError, with the figures, where the results cannot fit on the disk of a folder (or its parent)."""
+    import shutil
+
+    least = _BEST_COMPRESSION * steps_bytes(scene, size_of(scene))[0]
+    place = Path(folder).absolute()
+    while not place.exists() and place != place.parent:
+        place = place.parent
+    try:
+        free = shutil.disk_usage(place).free
+    except OSError:  # a file system that does not say
+        return
+    if least > free:
+        raise ResourceError(
+            f"{_increments(scene)}, {gigabytes(least)} in full_model.nc; {place} has {gigabytes(free)} free: {_FEWER}"
+        )
+
+
+def memory_limit() -> float:
+    """Memory in bytes that this process may ever have: of the machine, its control groups, and its address space."""
+    import psutil
+
+    return min(float(psutil.virtual_memory().total), *_cgroup_limits(), _address_space())
+
+
+def memory_available() -> float:
+    """Memory in bytes that is free now, or can be made free, within `memory_limit`."""
+    import psutil
+
+    return min(float(psutil.virtual_memory().available), memory_limit())
+
+
+def _cgroup_limits() -> list[float]:
+    """Limits in bytes of the control groups of this process (Linux; versions 2 and 1), infinity where there is none."""
+    found = [math.inf]
+    try:
+        lines = _MY_GROUPS.read_text(encoding="ascii", errors="replace").splitlines()
+    except OSError:
+        return found
+    for line in lines:
+        _, controllers, group = line.split(":", 2)
+        if controllers not in ("", "memory"):
+            continue
+        base, name = (_CGROUP, "memory.max") if not controllers else (_CGROUP / "memory", "memory.limit_in_bytes")
+        place = base / group.strip("/")
+        found += [_number_in(each / name) for each in (place, *place.parents) if each == base or base in each.parents]
+    return found
+
+
+def _number_in(file: Path) -> float:
+    try:
+        text = file.read_text(encoding="ascii", errors="replace").strip()
+    except OSError:
+        return math.inf
+    return float(text) if text.isdigit() else math.inf
+
+
+def _address_space() -> float:
+    """Limit of the address space in bytes (`ulimit -v`), infinity where there is none."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return math.inf
+    soft = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return math.inf if soft == resource.RLIM_INFINITY else float(soft)
+
+
+def gigabytes(value: float) -> str:
+    """Return bytes for people: "2.3 GB"."""
+    size = value / 1e9
+    return f"{size:,.0f} GB" if 1e3 <= size < 1e9 else f"{size:.3g} GB"

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""How far small strains and rotations reach: motions beyond it are computed, and named."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pysprings.scene import Path, Scene
+
+# Geometry and contact faces stay where they were: a motion of this share of the skirt length, or a rotation of as many
+# radians (which moves the tip as far), is beyond what that describes.
+LARGEST_SHARE = 0.1
+LARGEST_ROTATION = 0.1
+
+
+def large_motion(path: str, displacement: float, rotation: float, length: float) -> str:
+    """Return a sentence where a displacement (m) or rotation (rad) of a path is large beside the skirt; else ""."""
+    found = []
+    if abs(displacement) > LARGEST_SHARE * length:
+        share = abs(displacement) / length
+        found.append(f"a displacement of {abs(displacement):.3g} m, {share:.0%} of the skirt length")
+    if abs(rotation) > LARGEST_ROTATION:
+        found.append(f"a rotation of {abs(rotation):.3g} rad")
+    if not found:
+        return ""
+    limit = f"limit {LARGEST_SHARE:.0%} of the skirt length, {LARGEST_ROTATION:g} rad"
+    return f"path '{path}': {' and '.join(found)} is beyond small strains ({limit}): the answer is a guess there"
+
+
+def scene_warnings(scene: Scene) -> list[str]:
+    """Return a sentence for each path of a scene that imposes a large motion."""
+    found = (large_motion(path.name, *_imposed(path), scene.caisson.skirt_length) for path in scene.paths)
+    return [text for text in found if text]
+
+
+def _imposed(path: Path) -> tuple[float, float]:
+    """Largest displacement (m) and rotation (rad) that a path imposes."""
+    further = [abs(value) for value in _ends(path)]
+    if path.kind == "rotation":
+        return 0.0, max([abs(path.rotation or 0.0), *further])
+    if path.kind == "load":
+        return 0.0, 0.0
+    first = abs(path.lateral_displacement or 0.0)
+    largest = max([first, *further])
+    turn = abs(path.rotation or 0.0)
+    return largest, turn * (largest / first if path.kind == "translation" and first else 1.0)
+
+
+def _ends(path: Path) -> Iterator[float]:
+    return (then.value for then in path.then if then.value is not None)

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: MIT
+"""What cannot fit in memory or on disk is refused before anything is built, with the figures."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from typer.testing import CliRunner
+
+from pysprings import Scene, cli, resources
+from pysprings.errors import ResourceError
+from pysprings.estimate import describe
+from pysprings.folder import run_to_folder
+from tests.pysprings import tiny
+
+
+@pytest.mark.parametrize("mode", ["drained", "coupled"])
+@pytest.mark.parametrize("side", ["sealed", "drained"])
+@pytest.mark.parametrize("mesh", [{}, {"azimuth": 12, "refinement": 0.6}, {"preset": "fine", "refinement": 0.3}])
+def test_counts_without_a_mesh_are_those_of_the_mesh(mode: str, side: str, mesh: dict) -> None:
+    path = tiny.PULL | {"rate": 1e-4}
+    scene = Scene(mesh=mesh, drainage={"mode": mode}, domain={"side_drainage": side}, paths=[path])
+    about, size = describe(scene), resources.size_of(scene)
+    counts = about["mesh"]["nodes"], about["mesh"]["elements"], about["unknowns"]
+    assert (size.nodes, size.elements, size.unknowns) == counts
+
+
+def test_bytes_of_a_step_are_those_of_a_result() -> None:
+    result = tiny.result()["paths/pull"].to_dataset(inherit=False)
+    assert resources.size_of(tiny.scene()).step_bytes == pytest.approx(result.nbytes / result.sizes["step"], rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("unknowns", "water", "measured"),
+    [(52_099, False, 1.1e9), (71_241, True, 2.3e9), (6_575, True, 0.42e9), (4_631, False, 0.44e9)],
+)
+def test_memory_is_what_was_measured(unknowns: int, water: bool, measured: float) -> None:
+    """Peak memory on two cores with Pardiso: the `paper` mesh drained and coupled, `coarse` coupled and drained."""
+    assert resources.memory_bytes(unknowns, water) == pytest.approx(measured, rel=0.1)
+
+
+def test_least_increments_follow_the_largest_step() -> None:
+    assert resources.least_increments(tiny.scene(solver={"max_step_fraction": 0.5})) == [2]
+    more = tiny.scene(solver={"first_step_fraction": 1e-9, "max_step_fraction": 1e-8})
+    assert resources.least_increments(more) == [100_000_000]
+    there_and_back = tiny.PULL | {"role": "held-back", "then": ["0 mm", "1 mm"]}
+    assert resources.least_increments(tiny.scene(paths=[there_and_back])) == [6]
+
+
+def limited(monkeypatch: pytest.MonkeyPatch, limit: float) -> None:
+    monkeypatch.setattr(resources, "memory_limit", lambda: limit)
+
+
+def test_a_model_that_cannot_fit_is_refused_before_it_is_built(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An eightfold refined `fine` mesh has a hundred million unknowns: this must not take a second."""
+    huge = Scene(mesh={"preset": "fine", "refinement": 8})
+    with pytest.raises(ResourceError, match=r"about [0-9,]+ GB of memory \([0-9,]+ nodes.* GB are there: choose"):
+        describe(huge)
+    limited(monkeypatch, 0.4e9)
+    with pytest.raises(ResourceError, match=r"needs about 0\.401 GB of memory \(1,848 nodes.*, 0\.4 GB are there"):
+        describe(Scene())
+    with pytest.raises(ResourceError, match="1,848 nodes"):
+        run_to_folder(Scene(), "never")
+    assert not Path("never").exists()
+
+
+def test_too_many_increments_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = tiny.scene(solver={"first_step_fraction": 1e-9, "max_step_fraction": 1e-9})
+    with pytest.raises(ResourceError, match=r"1 path of 1e\+09 increments at least, which need .* GB of memory"):
+        describe(scene)
+    monkeypatch.setattr(resources, "memory_limit", lambda: math.inf)
+    with pytest.raises(ResourceError, match=r"increments at least, .* GB in full_model.nc; .* free: take a larger"):
+        resources.refuse_full_disk(scene.replace(solver={"max_step_fraction": 1e-9}), tmp_path / "a" / "b")
+
+
+def test_a_full_disk_is_refused_by_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shutil.disk_usage", lambda place: SimpleNamespace(free=100))
+    with pytest.raises(ResourceError, match=f"{tmp_path} has 1e-07 GB free"):
+        run_to_folder(tiny.scene(), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_check_ends_with_exit_code_4(tmp_path: Path) -> None:
+    (tmp_path / "c.toml").write_text("[mesh]\nrefinement = 8\npreset = 'fine'\n")
+    done = CliRunner().invoke(cli.app, ["check", str(tmp_path / "c.toml")])
+    assert done.exit_code == 4
+    assert done.stderr.startswith("fatal: resources: the model needs about ")
+    assert done.stderr.count("\n") == 1
+
+
+def test_check_names_warnings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Memory that other programs use now, and motions beyond small strains."""
+    monkeypatch.setattr("pysprings.estimate.memory_available", lambda: 1e6)
+    text = '[[path]]\nname = "a"\nkind = "pull"\nlateral_displacement = "0.5 m"\n'
+    (tmp_path / "c.toml").write_text(text)
+    done = CliRunner().invoke(cli.app, ["check", str(tmp_path / "c.toml")])
+    assert done.exit_code == 0
+    assert "warning: the run needs about 0.402 GB of memory; 0.001 GB are free now" in done.stderr
+    assert "warning: path 'a': a displacement of 0.5 m" in done.stderr
+
+
+# --- control groups ---
+
+
+@pytest.mark.parametrize(
+    ("line", "files", "limit"),
+    [
+        ("0::/a/b", {"a/memory.max": "5000\n", "a/b/memory.max": "max\n"}, 5000.0),
+        ("0::/", {"memory.max": "7000"}, 7000.0),
+        ("4:memory:/c", {"memory/c/memory.limit_in_bytes": "9000"}, 9000.0),
+        ("3:cpu:/c", {"memory.max": "1"}, math.inf),
+        ("0::/../..", {}, math.inf),
+    ],
+)
+def test_limits_of_control_groups_are_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str, files: dict[str, str], limit: float
+) -> None:
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (tmp_path / "self").write_text(line + "\n")
+    monkeypatch.setattr(resources, "_CGROUP", tmp_path)
+    monkeypatch.setattr(resources, "_MY_GROUPS", tmp_path / "self")
+    assert min(resources._cgroup_limits()) == limit
+
+
+def test_the_limit_is_no_more_than_the_machine() -> None:
+    import psutil
+
+    assert 0.0 < resources.memory_available() <= resources.memory_limit() <= psutil.virtual_memory().total
