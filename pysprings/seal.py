@@ -37,13 +37,13 @@ def seal(path: str | os.PathLike[str]) -> None:
 
 def broken_seal(path: str | os.PathLike[str]) -> str | None:
     """Return what is wrong with the checksums of a NetCDF file: None (they hold), "missing", "bytes" or "content"."""
-    whole = _bytes_hold(Path(path))
-    return _content_fault(path) if whole is None else None if whole else "bytes"
+    whole = bytes_hold(path)
+    return content_fault(path) if whole is None else None if whole else "bytes"
 
 
-def _bytes_hold(path: Path) -> bool | None:
+def bytes_hold(path: str | os.PathLike[str]) -> bool | None:
     """Compare the last line with the bytes before it; None where there is no such line."""
-    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+    with Path(path).open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
         line = data[-_LENGTH:]
         if len(data) <= _LENGTH or not line.startswith(_LAST_LINE):
             return None
@@ -51,8 +51,8 @@ def _bytes_hold(path: Path) -> bool | None:
             return hashlib.sha256(content).hexdigest().encode() == line[len(_LAST_LINE) : -1]
 
 
-def _content_fault(path: str | os.PathLike[str]) -> str | None:
-    """Compare the attribute with the content."""
+def content_fault(path: str | os.PathLike[str]) -> str | None:
+    """Compare the attribute with the content: None (it holds), "missing" or "content"; reads all of the file."""
     import netCDF4
 
     with netCDF4.Dataset(os.fspath(path)) as file:

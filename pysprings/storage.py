@@ -19,7 +19,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.errors import Problem, ResourceError, UserInputError
-from pysprings.seal import ATTRIBUTE, broken_seal, seal
+from pysprings.seal import ATTRIBUTE, bytes_hold, content_fault, seal
 
 _TEMPORARY = re.compile(r"\..+\.\d+\.tmp(\.\w+)?")
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -137,10 +137,13 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     """
     _refuse_foreign(Path(path))
     try:
-        fault = broken_seal(path)
+        whole = bytes_hold(path)
+        if whole is False:
+            raise refusal(path, "", _CHANGED["bytes"])
+        _refuse_huge(path)
+        fault = None if whole else content_fault(path)
         if fault in _CHANGED:
             raise refusal(path, "", _CHANGED[fault])
-        _refuse_huge(path)
         # seconds stay numbers: a duration is not a date
         with xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as tree:
             found = _with_bounds_units(tree.load())

@@ -171,6 +171,8 @@ WATER = {
 SINGLE = {("caisson", "behaviour")}
 # Another value, where a change by a tenth is not one.
 CHANGES: dict[tuple[str, str], Any] = {
+    ("interface", "normal_stiffness"): 3e9,
+    ("interface", "shear_stiffness"): 3e9,
     ("caisson", "vertical_load"): 3e6,
     ("domain", "side"): "fixed",
     ("soil", "yield_surface"): "elastic",
