@@ -18,7 +18,7 @@ test: $(STAMP)
 	$(BIN)/python -m pytest
 
 test-slow: $(STAMP)
-	$(BIN)/python -m pytest -m slow || test $$? -eq 5  # 5: there are none
+	$(BIN)/python -m pytest -m slow -n 2 || test $$? -eq 5  # 5: there are none
 
 test-all: $(STAMP)
 	$(BIN)/python -m pytest -m "slow or not slow"

@@ -107,6 +107,7 @@ def print_results(folder: Path) -> None:
         print(printable(f"warning: {text}"))
     print_paths(record)
     print_water(record)
+    print_energy(record)
     print_cost(record)
     if _has_springs(folder, record):
         print("\nprediction with the springs against the full model:")
@@ -200,6 +201,19 @@ def print_water(record: Mapping[str, Any]) -> None:
     print("\nwater, m3 since the initial state (expelled = compressed + in gaps + outflow):")
     rows = [(name, *(number(water[key]) for key in _WATER)) for name, water in paths.items()]
     print_table(("path", *_WATER.values()), rows)
+
+
+_ENERGY = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water", "imbalance")
+
+
+def print_energy(record: Mapping[str, Any]) -> None:
+    """Print the balance of energy at the end of each path."""
+    paths = {name: path["energy"] for name, path in record.get("paths", {}).items() if "energy" in path}
+    if not paths:
+        return
+    print("\nenergy, kJ since the initial state (work + initial = elastic + plastic + penalty + friction + water):")
+    rows = [(name, *(number(1e-3 * energy[f"{key}_J"]) for key in _ENERGY)) for name, energy in paths.items()]
+    print_table(("path", *_ENERGY), rows)
 
 
 def print_cost(record: Mapping[str, Any]) -> None:

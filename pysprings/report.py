@@ -22,6 +22,7 @@ from pysprings.report_tables import (
     cost_tables,
     cut_back_table,
     end_table,
+    energy_table,
     equilibrium_table,
     input_tables,
     mesh_table,
@@ -132,6 +133,7 @@ def render(
         cut_backs=cut_back_table(run),
         rings=ring_table(paths),
         water=water_table(run),
+        energy=energy_table(run),
         equilibrium=equilibrium_table(springs if springs is not None else result),
         paths=[
             PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n)) for n, p in paths.items()

@@ -226,6 +226,29 @@ def water_table(run: Mapping[str, Any]) -> Table | None:
     return Table("Balance of the water", columns, rows, note)
 
 
+def energy_table(run: Mapping[str, Any]) -> Table | None:
+    """Make the table of the balance of energy at the end of each path; None where there is none."""
+    paths = {name: path["energy"] for name, path in run.get("paths", {}).items() if "energy" in path}
+    if not paths:
+        return None
+    terms = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water")
+    rows = [
+        (
+            name,
+            *(number(1e-3 * energy[f"{term}_J"]) for term in terms),
+            f"{energy['imbalance_over_largest_term']:.1e}",
+        )
+        for name, energy in paths.items()
+    ]
+    note = (
+        "Since the initial state, whole caisson: work + initial = elastic + plastic + penalty + friction + water. "
+        "Initial is the work of weight, surcharge and initial contact pressure, penalty what the contact springs store, "
+        "water what is done against pore pressures. The imbalance is what Newton has left, over the largest term."
+    )
+    columns = ("path", *(f"{term} [kJ]" for term in terms), "imbalance / largest")
+    return Table("Balance of energy", columns, rows, note)
+
+
 def end_table(path: Any) -> Table:
     """List loads and motion at the last converged step of a path, in units for people."""
     good = np.flatnonzero(path["converged"].values.astype(bool))

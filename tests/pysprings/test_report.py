@@ -376,6 +376,14 @@ def test_text_sketch_fits_a_page_and_states_the_signs() -> None:
     assert "M = sum (p z + m) dz + L H_tip + M_tip + M_lid" in sketch.AXES_ASCII
 
 
+def test_the_balance_of_energy_is_reported() -> None:
+    names = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water")
+    energy = {f"{name}_J": 1e3 * (k + 2) for k, name in enumerate(names)} | {"imbalance_over_largest_term": 4e-9}
+    text = report.render(synthetic.make_result(), run={"paths": {"pull": {"energy": energy}}})
+    assert "Balance of energy" in text and "4.0e-09" in text
+    assert "Balance of energy" not in report.render(synthetic.make_result(), run={})
+
+
 def test_a_wet_run_reports_the_balance_of_its_water_and_its_warnings() -> None:
     water = {"expelled_m3": 2e-3, "compressed_m3": 1e-4, "film_m3": 4e-4, "outflow_m3": 1.5e-3,
              "worst_imbalance_over_exchanged": 3e-12, "pressure_min_Pa": -7.9e3, "pressure_max_Pa": 1e2}  # fmt: skip
