@@ -242,7 +242,7 @@ def energy_table(run: Mapping[str, Any]) -> Table | None:
     ]
     note = (
         "Since the initial state, whole caisson: work + initial = elastic + plastic + penalty + friction + water. "
-        "Initial is the work of weight, surcharge and initial contact pressure, penalty what the contact springs store, "
+        "Initial is the work of weight, surcharge and initial contact pressure, penalty what contact springs store, "
         "water what is done against pore pressures. The imbalance is what Newton has left, over the largest term."
     )
     columns = ("path", *(f"{term} [kJ]" for term in terms), "imbalance / largest")
