@@ -24,6 +24,10 @@ LABELS = {
     "memory_GB": "memory, estimated [GB]",
     "disk_GB": "full_model.nc, estimated [GB]",
     "time_s": "time, estimated [s]",
+    "normal_stiffness_N_per_m3": "penalty, normal [N/m3]",
+    "shear_stiffness_N_per_m3": "penalty, shear [N/m3]",
+    "largest_initial_penetration_m": "its largest initial penetration [m]",
+    "loss_of_elastic_stiffness_percent": "its loss of elastic stiffness [%]",
 }
 
 ROUNDING = 1e-9  # loads below this share of the largest are what rounding has left of zero
@@ -65,7 +69,7 @@ def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> Non
 def _rows(key: str, value: Any) -> list[tuple[str, str]]:
     """Return the lines of one entry of a description; a table of counts has one line each."""
     if isinstance(value, Mapping):
-        return [(str(name).replace("_", " "), number(count)) for name, count in value.items()]
+        return [(LABELS.get(str(name), str(name).replace("_", " ")), number(count)) for name, count in value.items()]
     return [(LABELS.get(key, key.replace("_", " ")), number(value))]
 
 

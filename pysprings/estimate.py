@@ -57,7 +57,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "disk_GB": steps / 1e9,
         "time_s": seconds(scene, unknowns),
         "left_out": left_out(scene),
-        "warnings": [*_memory_warning(memory), *scene_warnings(scene)],
+        "warnings": [*_memory_warning(memory), *scene_warnings(scene), *penalty_of(scene).remarks],
     }
 
 
