@@ -233,6 +233,7 @@ def net_m(dataset: xr.Dataset) -> xr.DataArray:
 def balance(dataset: xr.Dataset) -> dict[str, float]:
     """Return what is missing between summed reactions and loads H, V, M, relative to their largest part.
 
+    A load that symmetry makes zero (H and M on a vertical path) counts beside a thousandth of the largest force.
     H = sum p dz + H_tip + H_lid;  V = sum t dz + V_tip + V_lid;
     M = sum (p z + m) dz + L H_tip + M_tip + M_lid.  Zero where the springs hold all reactions of the caisson.
     """
@@ -251,9 +252,15 @@ def balance(dataset: xr.Dataset) -> dict[str, float]:
         "V": (dz @ t, value["V_tip"], value["V_lid"]),
         "M": ((dz * z) @ p, dz @ m, length * value["H_tip"], value["M_tip"], value["M_lid"]),
     }
-    return {name: _relative(sum(terms) - value[name], terms) for name, terms in parts.items()}
+    least = 1.0e-3 * max(_largest(parts["H"]), _largest(parts["V"]))
+    least_of = {"H": least, "V": least, "M": least * length}
+    return {name: _relative(sum(terms) - value[name], terms, least_of[name]) for name, terms in parts.items()}
 
 
-def _relative(missing: np.ndarray, terms: tuple[np.ndarray, ...]) -> float:
-    size = max(float(np.abs(term).max()) for term in terms)
+def _largest(terms: tuple[np.ndarray, ...]) -> float:
+    return max(float(np.abs(term).max()) for term in terms)
+
+
+def _relative(missing: np.ndarray, terms: tuple[np.ndarray, ...], least: float) -> float:
+    size = max(_largest(terms), least)
     return float(np.abs(missing).max()) / size if size else 0.0
