@@ -228,7 +228,7 @@ class Newton:
 
 def _ratio(part: float, whole: float) -> float:
     """part/whole, 0 of nothing being 0."""
-    return float(part / whole) if whole > 0.0 else (0.0 if part == 0.0 else np.inf)
+    return float(part) / float(whole) if whole > 0.0 else (0.0 if part == 0.0 else np.inf)
 
 
 def _met(violation: np.ndarray, target: np.ndarray) -> bool:

@@ -232,8 +232,8 @@ def _keep(work: Work, run: PathRun) -> None:
             | {"energy": energy_summary(run.energy.now())}
         )
         work.failures += [run.failure] if run.failure else []
-        u, turn = (float(np.abs(dataset[key].values).max()) for key in ("u", "rotation"))
-        if large := large_motion(name, u, turn, work.scene.caisson.skirt_length):
+        u, w, turn = (float(np.abs(dataset[key].values).max()) for key in ("u", "w", "rotation"))
+        if large := large_motion(name, max(u, w), turn, work.scene.caisson.skirt_length):
             work.warnings.append(large)
         if run.collector.cavitation is not None:
             work.warnings.append(cavitation_warning(name, *run.collector.cavitation))

@@ -35,12 +35,6 @@ def seal(path: str | os.PathLike[str]) -> None:
         stream.write(_LAST_LINE + digest.encode() + b"\n")
 
 
-def broken_seal(path: str | os.PathLike[str]) -> str | None:
-    """Return what is wrong with the checksums of a NetCDF file: None (they hold), "missing", "bytes" or "content"."""
-    whole = bytes_hold(path)
-    return content_fault(path) if whole is None else None if whole else "bytes"
-
-
 def bytes_hold(path: str | os.PathLike[str]) -> bool | None:
     """Compare the last line with the bytes before it; None where there is no such line."""
     with Path(path).open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:

@@ -42,7 +42,7 @@ def _imposed(path: Path) -> tuple[float, float]:
         return 0.0, max([abs(path.rotation or 0.0), *further])
     if path.kind == "load":
         return 0.0, 0.0
-    first = abs(path.lateral_displacement or 0.0)
+    first = abs((path.vertical_displacement if path.kind == "vertical" else path.lateral_displacement) or 0.0)
     largest = max([first, *further])
     turn = abs(path.rotation or 0.0)
     return largest, turn * (largest / first if path.kind == "translation" and first else 1.0)

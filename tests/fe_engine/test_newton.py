@@ -216,11 +216,16 @@ def test_half_steps_lead_out_of_a_cycle_close_to_the_solution(monkeypatch):
     assert increment.record[-1]["residual"] <= 1.0e-9
 
 
-def test_a_change_beneath_rounding_counts_beside_the_initial_forces():
-    """A move of 1e-15 m changes forces by 1e-12 of the initial ones: rounding, which no iteration can reduce."""
+def test_a_change_beneath_rounding_counts_beside_the_initial_forces(monkeypatch):
+    """Rounding of 1e-13 of the initial forces, which no iteration can reduce, does not stop a move of 1e-18 m."""
     out = start(footing())
-    increment = out.driver.newton.solve(out.state, imposed([1.0e-15, 0.0, 0.0]), *at_rest(out))
-    assert increment.iterations <= 2
+    noise, merit = 1.0e-13 * out.driver.newton.system.initial_contact_norm, Newton._merit
+    monkeypatch.setattr(
+        Newton, "_merit", lambda self, at, loading: merit(self, replace(at, free=at.free + noise), loading)
+    )
+    increment = out.driver.newton.solve(out.state, imposed([1.0e-18, 0.0, 0.0]), *at_rest(out))
+    assert increment.iterations <= 1
+    assert increment.record[-1]["residual"] <= 1.0e-6
 
 
 @pytest.mark.parametrize("kind", [LawError, LinearSolverError])

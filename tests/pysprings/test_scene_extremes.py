@@ -185,6 +185,7 @@ def test_the_law_returns_to_its_surface_when_it_contracts(psi: float) -> None:
         (PULL | {"role": "held-back", "then": ["-0.5 m"]}, "a displacement of 0.5 m"),
         (PULL | {"kind": "translation", "lateral_displacement": "0.5 m", "rotation": "0.2 rad"},
          "a displacement of 0.5 m, 12% of the skirt length and a rotation of 0.2 rad"),
+        ({"name": "a", "kind": "vertical", "vertical_displacement": "-0.5 m"}, "a displacement of 0.5 m, 12% of the"),
     ],
 )  # fmt: skip
 def test_large_motions_are_named(path: dict[str, Any], words: str) -> None:

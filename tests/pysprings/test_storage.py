@@ -169,7 +169,7 @@ def test_opening_and_closing_a_file_for_changes_keeps_its_checksum(tmp_path):
     file = write_tree(make_springs(), tmp_path / "springs.nc")
     with netCDF4.Dataset(file, "a"):
         pass
-    assert seal.broken_seal(file) is None
+    assert seal.content_fault(file) is None
 
 
 # --- full disks ---
