@@ -103,7 +103,7 @@ class EnergyBalance:
         s = self.system.stations
         if not len(s.area):
             return 0.0, 0.0, 0.0
-        area, law = s.area, s.contact[s.surface]
+        area, law = s.area, s.contact
         slide = kernels.station_jumps(s, new.displacement, new.border) - kernels.station_jumps(
             s, old.displacement, old.border
         )

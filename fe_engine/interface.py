@@ -9,7 +9,8 @@ Three rules place the stations on quadrilateral faces.
 
 ``nodal``
     One station per node, on the area lumped there (Newton-Cotes). With a stiff penalty this is the rule to
-    use: each contact constraint meets displacement components of its own.
+    use: each contact constraint meets displacement components of its own. At an edge between two surfaces a node
+    carries two stations; friction on both would hold it twice over.
 ``central``
     One station at the centre of each face. For faces that meet a wall at an edge: a node there carries the
     wall's station already, and two laws on one node open and close each other in turn.
@@ -40,7 +41,7 @@ class Stations:
     area : (ns,) m2.
     nodes : (ns, nn) int, weight : (ns, nn) share of each node in the displacement of the station.
     body : (ns, 3, nb) displacement operator of the rigid side 2 (zero where there is none).
-    surface : (ns,) int, which row of the law's parameters holds.
+    surface : (ns,) int, a label: which surface the station stands on.
     """
 
     position: np.ndarray

@@ -13,6 +13,7 @@ import numba as nb
 import numpy as np
 
 from fe_engine.contact import coulomb
+from fe_engine.contact.coulomb import N_PARAMETERS
 from fe_engine.conventions import OK
 from fe_engine.hex8 import add_force, add_stiffness, b_bar, strain_at
 from fe_engine.model import Model
@@ -33,14 +34,13 @@ class Scatter(NamedTuple):
 
 
 class PackedStations(NamedTuple):
-    """Stations as arrays: see interface.Stations; contact (n_surfaces, 3), initial pressure (ns,)."""
+    """Stations as arrays: see interface.Stations; contact (ns, 3), initial pressure (ns,)."""
 
     frame: np.ndarray
     area: np.ndarray
     nodes: np.ndarray
     weight: np.ndarray
     body: np.ndarray
-    surface: np.ndarray
     contact: np.ndarray
     initial_pressure: np.ndarray
 
@@ -52,11 +52,11 @@ def pack_stations(model: Model) -> PackedStations:
         empty = np.zeros(0)
         return PackedStations(
             np.zeros((0, 3, 3)), empty, np.zeros((0, 1), np.int64), np.zeros((0, 1)), np.zeros((0, 3, 0)),
-            np.zeros(0, np.int64), np.zeros((0, 3)), empty,
+            np.zeros((0, 3)), empty,
         )  # fmt: skip
     return PackedStations(
         np.ascontiguousarray(s.frame), s.area.astype(float), s.nodes.astype(np.int64), s.weight.astype(float),
-        np.ascontiguousarray(s.body), s.surface.astype(np.int64), np.ascontiguousarray(model.contact),
+        np.ascontiguousarray(s.body), np.ascontiguousarray(np.broadcast_to(model.contact, (len(s), N_PARAMETERS))),
         model.initial_pressure.astype(float),
     )  # fmt: skip
 
@@ -247,9 +247,7 @@ def station_residual(s, old, new, contact_state, scatter, free, border):
     for k in range(len(s.area)):
         _jump(s, k, new[0], new[1], jump)
         _jump(s, k, old[0], old[1], jump_old)
-        contact_state[k] = _update_contact(
-            s.contact[s.surface[k]], s.initial_pressure[k], jump, jump_old, old[2][k], new[2][k]
-        )
+        contact_state[k] = _update_contact(s.contact[k], s.initial_pressure[k], jump, jump_old, old[2][k], new[2][k])
         square += _scatter_traction(s, k, new[2][k], scatter, free, border)
     return square
 
@@ -274,7 +272,7 @@ def station_tangent(s, old, new, iterate, fresh, scatter, offset, free, border, 
                 for j in range(3):
                     guess[i] += iterate[2][k, i, j] * (jump[j] - iterate[0][k, j])
         _linearise_contact(
-            s.contact[s.surface[k]], s.initial_pressure[k], jump, jump_old, old[2][k], guess,
+            s.contact[k], s.initial_pressure[k], jump, jump_old, old[2][k], guess,
             iterate[1][k], iterate[2][k],
         )  # fmt: skip
         iterate[0][k, :] = jump

@@ -119,7 +119,7 @@ def soil_water_tangent(hexes, pores, shares, scale, scatter, offset, targets):
 def station_gaps(s: PackedStations, displacement: np.ndarray, border: np.ndarray) -> np.ndarray:
     """Gaps (ns,) in m of all stations."""
     jump = station_jumps(s, displacement, border)
-    return coulomb.gap(s.contact[s.surface], s.initial_pressure, jump[:, 0])
+    return coulomb.gap(s.contact, s.initial_pressure, jump[:, 0])
 
 
 @nb.njit(cache=True)

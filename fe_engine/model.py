@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fe_engine.contact.coulomb import N_PARAMETERS
 from fe_engine.errors import ModelError
 from fe_engine.interface import Film, Stations
 from fe_engine.mesh import Mesh
@@ -84,7 +85,7 @@ class Model:
     followers : (k, 4) rows (node, component, border dof, weight): nodal dofs that move with a border dof.
     n_border : number of border dofs (3 for a rigid body).
     border_scale : (nb,) lengths that turn border dofs into displacements (norms and scaling only).
-    stations, contact : interface stations, (n_surfaces, 3) contact parameters.
+    stations, contact : interface stations, and the contact parameters (ns, 3) of each, or one row (1, 3) for all.
     initial_pressure : (ns,) Pa, effective contact pressure of each station in the initial state.
     water : pore water; None leaves every pressure unknown out (drained).
     """
@@ -119,6 +120,8 @@ class Model:
         }
         if self.stations is not None:
             wanted["initial_pressure"] = (self.initial_pressure.shape, (len(self.stations),))
+            if len(self.contact) != 1:
+                wanted["contact"] = (self.contact.shape, (len(self.stations), N_PARAMETERS))
         if self.water is not None:
             wanted["water.fixed"] = (self.water.fixed.shape, (n + self.n_film,))
             wanted["water.initial"] = (self.water.initial.shape, (n + self.n_film,))

@@ -88,7 +88,7 @@ def build_model(scene: Scene) -> Built:
         n_border=rigid.N_DOFS,
         border_scale=np.array([1.0, 1.0, geometry.outer_radius]),
         stations=stations,
-        contact=contact_parameters(scene),
+        contact=contact_parameters(scene, stations, caisson),
         initial_pressure=pressure,
         water=water,
     )
@@ -123,24 +123,31 @@ def soil_material(scene: Scene) -> Material:
     return Material({"elastic": ELASTIC, "drucker-prager": DRUCKER_PRAGER}[soil.yield_surface], parameters)
 
 
-def contact_parameters(scene: Scene) -> np.ndarray:
-    """Contact parameters (n_surfaces, 3), the same on every surface."""
+def contact_parameters(scene: Scene, stations: Stations, caisson: CaissonMesh) -> np.ndarray:
+    """Contact parameters (ns, 3): the same at every station, but smooth under the lid where it meets the skirt.
+
+    The skirt's station on the same node has friction already. With both, neither knows which of the two slips, and at
+    lift-off they send each other to and fro.
+    """
     penalty = penalty_of(scene)
     packed = coulomb.pack(kn=penalty.normal, kt=penalty.shear, mu=scene.interface.friction_coefficient)
-    return np.tile(packed, (len(SURFACES), 1))
+    parameters = np.tile(packed, (len(stations), 1))
+    under_lid = stations.surface == SURFACE["lid"]
+    parameters[under_lid & np.isin(stations.nodes[:, 0], caisson.walls["inside"]), coulomb.MU] = 0.0
+    return parameters
 
 
 def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
     """Stations on the skirt (outside, inside), under the lid and under the tip.
 
-    Nodal, but central on the faces of lid and tip that meet a wall: the nodes there carry the wall's stations.
+    Nodal, but central on the faces of the tip that meet a wall: the nodes there carry the wall's stations.
     """
     nodes = caisson.mesh.nodes
     walls = np.unique(np.concatenate([wall.ravel() for wall in caisson.walls.values()]))
     parts = []
     for name in SURFACES:
         faces = caisson.mesh.face_sets[name]
-        at_wall = np.isin(faces, walls).any(axis=1) & (name in ("lid", "tip"))
+        at_wall = np.isin(faces, walls).any(axis=1) & (name == "tip")
         found = [interface.central_stations(nodes, faces[at_wall]), _nodal(nodes, faces[~at_wall], name)]
         parts += [(*columns, np.full(len(columns[0]), SURFACE[name])) for columns in found]
     near, weight, normal, area, surface = (np.concatenate(column) for column in zip(*parts, strict=True))

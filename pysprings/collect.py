@@ -42,7 +42,7 @@ class Collector:
         self.keep_fields, self.keep_section = fields, section
         stations = system.stations
         self.position = built.model.stations.position  # type: ignore[union-attr]
-        self.surface = stations.surface
+        self.surface = built.model.stations.surface  # type: ignore[union-attr]
         self.rings = {side: self._ring_stations(side) for side in SIDES}
         self.bounds = _depth_bounds(built.caisson.depth)
         self.rows: list[dict[str, Any]] = []

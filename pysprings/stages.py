@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from pysprings.scene import Path, Scene
 
 # The first step is this fraction of the diameter (0.02 mm for 7.8 m): well inside first yield and first slip,
-# where most points switch regime and nothing can be extrapolated yet.
-_FIRST_STEP = 2.5e-6
+# where most points switch regime and nothing can be extrapolated yet. In a soil that yields earlier than sand it is
+# this share of the strain at which the stress beside the tip changes by itself.
+_FIRST_STEP, _FIRST_STRAIN = 2.5e-6, 0.01
 _LARGEST_STEP = 0.05
 # Steps of a rest, which grow geometrically between these fractions
 _FIRST_OF_REST, _LARGEST_OF_REST = 1.0e-4, 0.2
@@ -166,8 +167,15 @@ def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, flo
     if first is None:
         scale = {"rotation": scene.caisson.skirt_length, "load": 0.0}.get(path.kind, 1.0)
         reach = abs(travel) * scale
-        first = min(1.0, _FIRST_STEP * scene.caisson.outer_diameter / reach) if reach else 0.01
+        first = min(1.0, _first_strain(scene) * scene.caisson.outer_diameter / reach) if reach else 0.01
     return min(first, 1.0), max(first, largest)
+
+
+def _first_strain(scene: Scene) -> float:
+    """First step over the diameter: less where the soil is so stiff beside its stress that it would yield at once."""
+    soil = scene.soil
+    stress = soil.surcharge + soil.effective_unit_weight * scene.caisson.skirt_length + soil.cohesion
+    return min(_FIRST_STEP, _FIRST_STRAIN * stress / soil.young_modulus)
 
 
 def _need(value: float | None) -> float:

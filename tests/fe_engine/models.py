@@ -151,7 +151,7 @@ def mixed(rule: str = "nodal", skew_stations: bool = False) -> Model:
     return Model(
         mesh, [soil(phi_i=0.15), soil(ELASTIC, young=5.0e7)], np.arange(mesh.n_elements) % 3 // 2,
         geostatic(mesh, 1.0e4, 1.0e4), fixed, frames, np.array(followers), 4, np.array([1.0, 1.0, 2.0, 1.0]),
-        stations, np.array([coulomb.pack(1.0e8, 5.0e7, 0.5), coulomb.pack(2.0e8, 1.0e8, 0.3)]),
+        stations, np.array([coulomb.pack(1.0e8, 5.0e7, 0.5), coulomb.pack(2.0e8, 1.0e8, 0.3)])[stations.surface],
         rng.uniform(5.0e3, 1.5e4, len(stations)),
     )  # fmt: skip
 

@@ -99,7 +99,7 @@ def plain_loop(model, state, guesses=None):
             jump[:, 3 * node : 3 * node + 3] += weight * s.frame[k]
         jump[:, n:] = -s.frame[k] @ s.body[k]
         w, w_old = (jump @ np.concatenate([turn @ f.displacement.ravel(), f.border]) for f in (new, old))
-        p, p0 = model.contact[s.surface[k]], model.initial_pressure[k]
+        p, p0 = model.contact[k], model.initial_pressure[k]
         guess, traction, tangent = np.zeros(3), np.zeros(3), np.zeros((3, 3))
         coulomb.update(p, p0, w, w_old, old.traction[k], guess)
         guess = guess if guesses is None else guesses[k]

@@ -64,7 +64,7 @@ def gaps(model: Model, fields) -> np.ndarray:
     s, out = model.stations, []
     for k in range(len(s)):
         x = s.weight[k] @ fields.displacement[s.nodes[k]] - s.body[k] @ fields.border
-        kn = model.contact[s.surface[k], 0]
+        kn = np.broadcast_to(model.contact, (len(s), 3))[k, 0]
         out.append(max(s.frame[k, 0] @ x - model.initial_pressure[k] / kn, 0.0))
     return np.array(out)
 

@@ -113,8 +113,13 @@ def test_names_change_here_and_nowhere_else(built: Built) -> None:
         soil={"cohesion": 7e3, "dilation_angle": 0.01},
     )
     model = build_model(scene).model
-    assert model.contact.shape == (len(SURFACE), coulomb.N_PARAMETERS)
-    assert (model.contact[:, coulomb.MU] == 0.31).all()
+    stations = model.stations
+    assert stations is not None
+    assert model.contact.shape == (len(stations), coulomb.N_PARAMETERS)
+    radius = np.hypot(*stations.position[:, :2].T)
+    corner = (stations.surface == SURFACE["lid"]) & (radius > radius[stations.surface == SURFACE["inner"]].min() - 1e-9)
+    assert corner.sum() == len(built.caisson.azimuth)
+    np.testing.assert_array_equal(model.contact[:, coulomb.MU], np.where(corner, 0.0, 0.31))
     assert (model.contact[:, coulomb.KN] == 3e9).all()
     assert (model.contact[:, coulomb.KT] == 2e9).all()
     soil = scene.soil

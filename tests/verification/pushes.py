@@ -110,6 +110,7 @@ def put_gauss_stations(built: Built, scene: Scene, facets: bool) -> None:
     position = np.einsum("sa,sai->si", weight, model.mesh.nodes[nodes])
     if not facets:
         normal, area = _circle_normals(position, normal, area)
+    model.contact = model.contact[model.stations.surface == SURFACE["outer"]][:1]
     model.stations = Stations(
         position=position, frame=interface.local_frames(normal), area=area, nodes=nodes, weight=weight,
         body=rigid.displacement_operator(position, np.zeros(3)), surface=surface,

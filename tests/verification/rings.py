@@ -90,7 +90,7 @@ def skirt_rings(push: Push, state: Fields) -> list[Ring]:
     """All rings of both walls at a state."""
     stations, model = push.stations, push.built.model
     jump = station_jumps(push.system.stations, state.displacement, state.border)
-    gap = coulomb.gap(model.contact[stations.surface], model.initial_pressure, jump[:, 0])
+    gap = coulomb.gap(model.contact, model.initial_pressure, jump[:, 0])
     x, y, z = stations.position.T
     azimuth = np.arctan2(y, x)
     found = []

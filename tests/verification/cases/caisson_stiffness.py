@@ -81,8 +81,8 @@ def matrix(variant: Variant) -> np.ndarray:
     model = build_model(elastic_scene(variant)).model
     if variant.smooth:
         for name in ("outer", "inner", "tip"):
-            model.contact[SURFACE[name], MU] = 0.0
-        model.contact[SURFACE["tip"], KN] = _NOTHING
+            model.contact[model.stations.surface == SURFACE[name], MU] = 0.0
+        model.contact[model.stations.surface == SURFACE["tip"], KN] = _NOTHING
     system = System(model)
     solver = LinearSolver("auto", system.pattern.n_free)
     stiffness = 2.0 * Newton(system, solver, Settings()).border_stiffness(State(model))
