@@ -355,6 +355,9 @@ def stability(
     ] = None,
     mesh: Mesh = None,
     refinement: Annotated[float, typer.Option("--refinement", help="factor on the preset's numbers of cells")] = 1.0,
+    reach: Annotated[
+        str, typer.Option("--reach", metavar="LENGTH", help="how far the cases are pulled that say nothing else")
+    ] = "20 mm",
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="folder for the table and its picture")
     ] = None,
@@ -366,7 +369,9 @@ def stability(
     """
     from pysprings import cli_stability
 
-    unexplained = cli_stability.run(case or [], mesh.value if mesh else "coarse", refinement, out, as_json)
+    far = quantities({"--reach": (reach, "m", "20 mm")})["--reach"]
+    assert far is not None
+    unexplained = cli_stability.run(case or [], mesh.value if mesh else "coarse", refinement, far, out, as_json)
     if unexplained:
         raise RunIncomplete(f"{unexplained} cases ended without a named reason")
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def run(names: list[str], mesh: str, refinement: float, out: Path | None, as_json: bool) -> int:
-    """Run the cases of these names (all: none given); return how many ended without a named reason."""
+def run(names: list[str], mesh: str, refinement: float, reach: float, out: Path | None, as_json: bool) -> int:
+    """Run the cases of these names (all: none given) as far as ``reach`` (m); return how many ended unexplained."""
     cases = stability.cases_named(names)
 
     def report(outcome: stability.Outcome) -> None:
@@ -28,13 +28,13 @@ def run(names: list[str], mesh: str, refinement: float, out: Path | None, as_jso
 
     if not as_json:
         print(stability_text.heading(), flush=True)
-    table = stability.run_cases(cases, mesh, refinement, report)
+    table = stability.run_cases(cases, mesh, refinement, report, reach)
     total = stability.summary(table)
     if out is not None:
         _write(table, out)
     if as_json:
         rows = table.astype(object).where(table.notna(), None).to_dict(orient="records")
-        print_json({"mesh": mesh, "refinement": refinement, "summary": total, "cases": rows})
+        print_json({"mesh": mesh, "refinement": refinement, "reach_m": reach, "summary": total, "cases": rows})
     else:
         print(f"\n{stability_text.closing(total)}")
     return int(total[stability.UNEXPLAINED])

@@ -40,7 +40,6 @@ class Collector:
         self.water_position = np.concatenate([nodes, nodes[film]])
         self.built, self.system = built, system
         self.keep_fields, self.keep_section = fields, section
-        stations = system.stations
         self.position = built.model.stations.position  # type: ignore[union-attr]
         self.surface = built.model.stations.surface  # type: ignore[union-attr]
         self.rings = {side: self._ring_stations(side) for side in SIDES}

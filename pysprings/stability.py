@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from pysprings.diagnosis import REASONS
 from pysprings.errors import Problem, PyspringsError, UserInputError
 from pysprings.full_model import compute
-from pysprings.stability_cases import CASES, Case
+from pysprings.stability_cases import CASES, REACH, Case
 
 CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED = "converged", "warned", "stopped", "refused", "unexplained"
 OUTCOMES = (CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED)
@@ -62,12 +62,12 @@ def cases_named(names: Sequence[str]) -> list[Case]:
     return [c for c in CASES if not wanted or {c.name, c.group} & wanted or (c.hard and "hard" in wanted)]
 
 
-def run_case(case: Case, mesh: str = "coarse", refinement: float = 1.0) -> Outcome:
+def run_case(case: Case, mesh: str = "coarse", refinement: float = 1.0, reach: float = REACH) -> Outcome:
     """Run one case; whatever a scene can come to becomes an outcome, anything else is a bug and is raised."""
     start = time.perf_counter()
     head: dict[str, Any] = {"group": case.group, "case": case.name, "what": case.what}
     try:
-        scene = case.scene(mesh).replace(mesh={"refinement": refinement})
+        scene = case.scene(mesh, reach).replace(mesh={"refinement": refinement})
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a run's own warnings are in its record
             result = compute(scene)
@@ -80,12 +80,13 @@ def run_case(case: Case, mesh: str = "coarse", refinement: float = 1.0) -> Outco
 
 
 def run_cases(
-    cases: Iterable[Case], mesh: str, refinement: float = 1.0, report: Callable[[Outcome], None] = lambda _: None
-) -> pd.DataFrame:
-    """Run cases one after the other; a row each (see `Outcome`)."""
+    cases: Iterable[Case], mesh: str, refinement: float = 1.0, report: Callable[[Outcome], None] = lambda _: None,
+    reach: float = REACH,
+) -> pd.DataFrame:  # fmt: skip
+    """Run cases one after the other, to ``reach`` (m) where they say nothing else; a row each (see `Outcome`)."""
     rows = []
     for case in cases:
-        rows.append(run_case(case, mesh, refinement))
+        rows.append(run_case(case, mesh, refinement, reach))
         report(rows[-1])
     return pd.DataFrame([asdict(row) for row in rows])
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pysprings.scene import Scene
 
 _DEG = math.pi / 180.0
+REACH = 20e-3  # m
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -20,7 +21,7 @@ _NOTHING: Mapping[str, Any] = MappingProxyType({})
 class Case:
     """One case: its group and name, what is stretched, and the changes to the paper's scene (SI, as in the scene).
 
-    ``changes`` maps sections to values; ``path`` replaces values of the path, a pull at the lid centre to 20 mm.
+    ``changes`` maps sections to values; ``path`` replaces values of the path, a pull at the lid centre to REACH.
     ``hard`` cases are also run on the ``paper`` mesh where one asks for them.
     """
 
@@ -31,12 +32,15 @@ class Case:
     path: Mapping[str, Any] = field(default_factory=lambda: _NOTHING)
     hard: bool = False
 
-    def scene(self, mesh: str) -> Scene:
-        """Return the scene of the case; raises UserInputError or ValueError where the input is refused."""
+    def scene(self, mesh: str, reach: float = REACH) -> Scene:
+        """Return the scene of the case, pulled as far as ``reach`` (m) where the case says nothing else.
+
+        Raises UserInputError or ValueError where the input is refused.
+        """
         from pysprings.scene import Scene
 
         coupled = self.changes.get("drainage", {}).get("mode", "drained") == "coupled"
-        path = {"name": "path", "kind": "pull", "lateral_displacement": 20e-3} | ({"rate": 0.05e-3} if coupled else {})
+        path = {"name": "path", "kind": "pull", "lateral_displacement": reach} | ({"rate": 0.05e-3} if coupled else {})
         path = {key: value for key, value in (path | dict(self.path)).items() if value is not None}
         output = {"interface_fields": False, "section": False, "figures": False}
         given = {"title": self.what, "mesh": {"preset": mesh}, "output": output, "path": [path]}
