@@ -67,6 +67,7 @@ class System:
         self.contact_state = np.zeros(len(self.stations.area), dtype=np.int8)
         p = self.pattern
         self._scatter = kernels.Scatter(p.equation, p.weight, p.rank, p.indptr)
+        self._elastic = self._elastic_tangent()
         self._set_up_water()
         ns = len(self.stations.area)
         self.initial_contact_norm = float(np.linalg.norm(self.stations.area * self.stations.initial_pressure))  # N
@@ -89,18 +90,30 @@ class System:
         self.film = None if water.film is None else kernels_water.pack_film(self.model, self.pattern)
         self._soil_water = self._soil_water_tangent(1.0, 0.0), self._soil_water_tangent(0.0, 1.0)
 
+    def _elastic_tangent(self) -> tuple[np.ndarray, ...]:
+        """Constant part of the tangent: the soil at rest, where every point is elastic."""
+        out = self._no_tangent()
+        kernels.elastic_stiffness(
+            self.hexes, (self.gradient, self.mean_gradient, self.volume), self.model.material, self.parameters,
+            (self.frame_of, self.frames), self._scatter, self.pattern.element_offset, out,
+        )  # fmt: skip
+        return out
+
+    def _no_tangent(self) -> tuple[np.ndarray, ...]:
+        n, nb_, p = self.pattern.n_free, self.model.n_border, self.pattern
+        return np.zeros(len(p.indices)), np.zeros((n, nb_)), np.zeros((nb_, n)), np.zeros((nb_, nb_))
+
     def _soil_water_tangent(self, still: float, flowing: float) -> tuple[np.ndarray, ...]:
         """Constant parts of the tangent: storage and coupling, and seepage in one second."""
         assert self.model.water is not None
-        n, nb_, p = self.pattern.n_free, self.model.n_border, self.pattern
-        out = np.zeros(len(p.indices)), np.zeros((n, nb_)), np.zeros((nb_, n)), np.zeros((nb_, nb_))
+        out = self._no_tangent()
         kernels_water.soil_water_tangent(
             self.hexes,
             self.pores.arrays,
             (still, flowing),
             self.model.water.scale,
             self._scatter,
-            p.element_offset,
+            self.pattern.element_offset,
             out,
         )
         return out
@@ -136,9 +149,8 @@ class System:
             return self._linearise(state, fresh)
 
     def _linearise(self, state: State, fresh: bool) -> tuple[Residual, Residual, Tangent]:
-        n, nb_ = self.pattern.n_free, self.model.n_border
-        tangent = Tangent(self._matrix, np.zeros((n, nb_)), np.zeros((nb_, n)), np.zeros((nb_, nb_)))
-        tangent.matrix.data[...] = 0.0
+        self._matrix.data[...] = self._elastic[0]
+        tangent = Tangent(self._matrix, *(part.copy() for part in self._elastic[1:]))
         free, border = self._soil(state, tangent)
         volume = self._water(state, tangent, free, border)
         linear_free, linear_border = free.copy(), border.copy()

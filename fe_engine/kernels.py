@@ -14,10 +14,11 @@ import numpy as np
 
 from fe_engine.contact import coulomb
 from fe_engine.contact.coulomb import N_PARAMETERS
-from fe_engine.conventions import OK
+from fe_engine.conventions import OK, REGIME_ELASTIC
 from fe_engine.hex8 import add_force, add_stiffness, b_bar, strain_at
 from fe_engine.model import Model
 from fe_engine.soil.dispatch import update_soil
+from fe_engine.soil.elastic import elastic_tangent, subtract_elastic_tangent
 
 BATCH = 512
 _update_contact = coulomb.update
@@ -110,9 +111,12 @@ def _to_nodal_axes(nodes, frames, force, stiffness, want):
 @nb.njit(cache=True)
 def _element(
     e, slot, hexes, shapes, material, laws, parameters, initial_stress, frames, old, new,
-    regime, want, forces, stiffnesses,
+    regime, want, forces, stiffnesses, changed,
 ):  # fmt: skip
-    """Force (24,) and stiffness (24, 24) of element e into a slot; updates its trial stress and history."""
+    """Force (24,) of element e into a slot, and what its stiffness (24, 24) has beyond the elastic one.
+
+    Updates its trial stress and history; ``changed`` tells whether any point is not elastic.
+    """
     gradient, mean_gradient, volume = shapes
     law, p = laws[material[e]], parameters[material[e]]
     force, stiffness = forces[slot], stiffnesses[slot if want else 0]
@@ -124,8 +128,7 @@ def _element(
     cb = np.empty((6, 24))
     gather(hexes[e], new[0], old[0], frames, move)
     force[:] = 0.0
-    if want:
-        stiffness[:, :] = 0.0
+    changed[slot] = False
     for g in range(8):
         strain_at(gradient[e, g], mean_gradient[e], move, strain)
         status, what = update_soil(
@@ -137,11 +140,32 @@ def _element(
         for i in range(6):
             change[i] = new[1][e, g, i] - initial_stress[e, g, i]
         add_force(gradient[e, g], mean_gradient[e], volume[e, g], change, force)
-        if want:
+        if want and what != REGIME_ELASTIC:
+            if not changed[slot]:
+                stiffness[:, :] = 0.0
+                changed[slot] = True
+            subtract_elastic_tangent(p[0], p[1], tangent)
             b_bar(gradient[e, g], mean_gradient[e], b)
             add_stiffness(b, tangent, volume[e, g], cb, stiffness)
-    _to_nodal_axes(hexes[e], frames, force, stiffness, want)
+    _to_nodal_axes(hexes[e], frames, force, stiffness, changed[slot])
     return OK
+
+
+@nb.njit(cache=True)
+def elastic_stiffness(hexes, shapes, material, parameters, frames, scatter, offset, targets):
+    """Add the stiffness of all elements at rest, where every point is elastic, to the tangent's arrays."""
+    gradient, mean_gradient, volume = shapes
+    tangent, b, cb = np.empty((6, 6)), np.zeros((6, 24)), np.empty((6, 24))
+    force, stiffness = np.zeros(24), np.empty((24, 24))
+    for e in range(hexes.shape[0]):
+        p = parameters[material[e]]
+        elastic_tangent(p[0], p[1], 1.0, tangent)
+        stiffness[:, :] = 0.0
+        for g in range(8):
+            b_bar(gradient[e, g], mean_gradient[e], b)
+            add_stiffness(b, tangent, volume[e, g], cb, stiffness)
+        _to_nodal_axes(hexes[e], frames, force, stiffness, True)
+        _scatter_stiffness(hexes[e], scatter, offset[e], stiffness, targets)
 
 
 @nb.njit(cache=True)
@@ -184,28 +208,29 @@ def assemble_elements(
     hexes, shapes, material, laws, parameters, initial_stress, frames, old, new,
     regime, scatter, offset, want, free, border, targets,
 ):  # fmt: skip
-    """Add all elements to free (n,), border (nb,) and, if wanted, to the tangent's arrays.
+    """Add all elements to free (n,), border (nb,) and, if wanted, their plastic part to the tangent's arrays.
 
-    ``old`` and ``new`` are (displacement, stress, history). Returns -1, or the number of an element whose law
-    did not converge.
+    The elastic part of the tangent never changes: see `elastic_stiffness`. ``old`` and ``new`` are (displacement,
+    stress, history). Returns -1, or the number of an element whose law did not converge.
     """
     ne = hexes.shape[0]
     size = BATCH if want else ne
     force = np.empty((min(size, ne), 24))
     stiffness = np.empty((BATCH if want else 1, 24, 24))
     status = np.zeros(ne, dtype=np.int64)
+    changed = np.zeros(min(size, ne), dtype=np.bool_)
     for start in range(0, ne, size):
         count = min(size, ne - start)
         for k in nb.prange(count):
             slot = np.int64(k)  # prange counts in uint64, which turns to float beside int64
             status[start + slot] = _element(
                 start + slot, slot, hexes, shapes, material, laws, parameters, initial_stress, frames, old, new,
-                regime, want, force, stiffness,
+                regime, want, force, stiffness, changed,
             )  # fmt: skip
         for k in range(count):
             e = start + k
             _scatter_force(hexes[e], scatter, force[k], free, border)
-            if want:
+            if want and changed[k]:
                 _scatter_stiffness(hexes[e], scatter, offset[e], stiffness[k], targets)
     for e in range(ne):
         if status[e] != OK:

@@ -36,6 +36,17 @@ def elastic_tangent(bulk, shear, factor, tangent):
         tangent[i + 3, i + 3] = factor * shear
 
 
+@nb.njit(cache=True)
+def subtract_elastic_tangent(bulk, shear, tangent):
+    """Take the elastic stiffness off a tangent (6, 6), in Pa."""
+    lame = bulk - 2.0 * shear / 3.0
+    for i in range(3):
+        for j in range(3):
+            tangent[i, j] -= lame
+        tangent[i, i] -= 2.0 * shear
+        tangent[i + 3, i + 3] -= shear
+
+
 def elastic_matrix(young: float, poisson: float) -> np.ndarray:
     """Elastic stiffness (6, 6) in Pa, engineering shear strains."""
     tangent = np.empty((6, 6))
