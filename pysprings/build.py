@@ -10,7 +10,7 @@ import numpy as np
 
 from fe_engine import hex8, interface, rigid
 from fe_engine.contact import coulomb
-from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
+from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC, VAN_EEKELEN
 from fe_engine.errors import MeshError
 from fe_engine.interface import Stations
 from fe_engine.mesh import Quality
@@ -23,6 +23,7 @@ from pysprings.penalty import penalty_of
 if TYPE_CHECKING:
     from pysprings.scene import Scene
 
+_LAWS = {"elastic": ELASTIC, "drucker-prager": DRUCKER_PRAGER, "van-eekelen": VAN_EEKELEN}
 SURFACE = {name: code for code, name in enumerate(SURFACES)}
 
 
@@ -120,7 +121,7 @@ def soil_material(scene: Scene) -> Material:
         psi=soil.dilation_angle,
         cohesion=soil.cohesion,
     )
-    return Material({"elastic": ELASTIC, "drucker-prager": DRUCKER_PRAGER}[soil.yield_surface], parameters)
+    return Material(_LAWS[soil.yield_surface], parameters)
 
 
 def contact_parameters(scene: Scene) -> np.ndarray:

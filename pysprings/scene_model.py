@@ -93,7 +93,7 @@ class Soil(Section):
     young_modulus: Annotated[float, Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa")] = 200e6
     poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio", 0.3)] = 0.3
     yield_surface: Annotated[
-        str, Choice(("drucker-prager", "elastic"), "shape of the yield surface", planned=("van-eekelen",))
+        str, Choice(("drucker-prager", "van-eekelen", "elastic"), "shape of the yield surface")
     ] = "drucker-prager"
     friction_angle_initial: Annotated[float, Quantity("deg", "[0, 60]", "friction angle at first yield", "5 deg")] = (
         5.0 * _DEGREE

@@ -102,8 +102,6 @@ def test_the_form_of_the_contract() -> None:
         # known, but not there yet
         ('[caisson]\nbehaviour = "elastic"\n',
          '2:13: caisson.behaviour: "elastic" is not available yet; choose "rigid"'),
-        ('[soil]\nyield_surface = "van-eekelen"\n',
-         '2:17: soil.yield_surface: "van-eekelen" is not available yet; choose "drucker-prager" or "elastic"'),
         ('[solver]\nlinear = "mumps"\n',
          '2:10: solver.linear: "mumps" is not available yet; choose "auto" or "pardiso" or "superlu"'),
         # values that do not go together
@@ -210,6 +208,16 @@ def test_k0_range_in_the_message_is_where_the_refusal_begins() -> None:
         assert scene.model_dump()["soil"]["K0"] == inside
     for outside in (0.8396, 1.2040):
         assert "initial yield surface" in problems(f"[soil]\nK0 = {outside}\n")[0]
+
+
+def test_k0_range_of_van_eekelen_has_the_friction_angle_on_both_sides() -> None:
+    """K0 from (1 - sin phi)/(1 + sin phi) to its inverse: 0.83966 to 1.19096 at 5 deg."""
+    text = '[soil]\nyield_surface = "van-eekelen"\nK0 = '
+    for inside in (0.8397, 1.1909):
+        scene = parse_scene(f"{text}{inside}\n")
+        assert scene.model_dump()["soil"]["K0"] == inside
+    for outside in (0.8396, 1.1910):
+        assert "allows 0.840 to 1.191" in problems(f"{text}{outside}\n")[0]
 
 
 def test_everything_at_once_in_the_order_of_the_file() -> None:
