@@ -67,6 +67,9 @@ class System:
         self.contact_state = np.zeros(len(self.stations.area), dtype=np.int8)
         p = self.pattern
         self._scatter = kernels.Scatter(p.equation, p.weight, p.rank, p.indptr)
+        if model.linear is not None:
+            hexes, stiffness = model.linear.hexes, model.linear.stiffness
+            self.linear = np.ascontiguousarray(hexes, dtype=np.int64), np.ascontiguousarray(stiffness, dtype=float)
         self._set_up_water()
         ns = len(self.stations.area)
         self.initial_contact_norm = float(np.linalg.norm(self.stations.area * self.stations.initial_pressure))  # N
@@ -151,7 +154,7 @@ class System:
         return judged, replace(judged, free=linear_free, border=linear_border), tangent
 
     def _soil(self, state: State, tangent: Tangent | None) -> tuple[np.ndarray, np.ndarray]:
-        """Forces (n_free,), (nb,) of the soil; adds to the tangent if one is given."""
+        """Forces (n_free,), (nb,) of soil and linear elements; adds to the tangent if one is given."""
         old, new = state.committed, state.trial
         free, border = np.zeros(self.pattern.n_free), np.zeros(self.model.n_border)
         bad = kernels.assemble_elements(
@@ -163,6 +166,11 @@ class System:
         )  # fmt: skip
         if bad >= 0:
             raise LawError(self._place("soil law did not converge", bad))
+        if self.model.linear is not None:
+            kernels.linear_elements(
+                *self.linear, new.displacement, self._scatter, self.pattern.linear_offset, tangent is not None,
+                free, border, _targets(tangent),
+            )  # fmt: skip
         return free, border
 
     def _water(self, state: State, tangent: Tangent | None, free: np.ndarray, border: np.ndarray) -> float:
@@ -221,10 +229,11 @@ class System:
         if node >= n:
             return f"film node {node - n}"
         x, y, z = self.model.mesh.nodes[node]
-        element = int(np.argmax((self.hexes == node).any(axis=1)))
+        mine = (self.hexes == node).any(axis=1)
+        element = f"element {int(np.argmax(mine))}" if mine.any() else "a linear element"
         where = f"at x={x:.3f}, y={y:.3f}, z={z:.3f} m"
         what = "pore pressure" if component == 3 else f"direction {'xyz'[component]}"
-        return f"node {node} of element {element}, {what}, {where}"
+        return f"node {node} of {element}, {what}, {where}"
 
 
 def _targets(tangent: Tangent | None) -> tuple[np.ndarray, ...]:

@@ -37,7 +37,9 @@ class Collector:
         self.balance, self.sea = balance, sea
         self.cavitation: tuple[float, Margin] | None = None
         nodes, film = built.model.mesh.nodes, built.film_mesh_node
-        self.water_position = np.concatenate([nodes, nodes[film]])
+        n_wet, n = built.caisson.mesh.n_nodes, len(nodes)
+        self.wet = np.r_[:n_wet, n : n + len(film)]  # steel holds no water
+        self.water_position = np.concatenate([nodes[:n_wet], nodes[film]])
         self.built, self.system = built, system
         self.keep_fields, self.keep_section = fields, section
         stations = system.stations
@@ -50,7 +52,7 @@ class Collector:
     def _ring_stations(self, side: str) -> np.ndarray:
         """Station number of each wall node, (na, nz)."""
         mine = np.flatnonzero(self.surface == SURFACE[SIDES[side]])
-        number = np.full(self.built.model.mesh.n_nodes, -1)
+        number = np.full(self.built.caisson.mesh.n_nodes, -1)
         number[self.system.stations.nodes[mine, 0]] = mine
         return number[self.built.caisson.walls[side]]
 
@@ -64,7 +66,7 @@ class Collector:
         row: dict[str, Any] = {"time": time, "u": u, "w": w, "rotation": rotation, "converged": np.int8(converged)}
         row |= self._resultants(force)
         row |= self._rings(state, force, water)
-        row["y"] = u + rotation * self.built.caisson.depth
+        row |= self._shape(state, u + rotation * self.built.caisson.depth)
         row |= self._patches(state, water)
         row |= self._water(state, water)
         if self.keep_fields:
@@ -72,6 +74,22 @@ class Collector:
         if self.keep_section:
             row |= self._section(state)
         self.rows.append(row)
+
+    def _shape(self, state: Fields, rigid: np.ndarray) -> dict[str, np.ndarray]:
+        """Mean-fibre displacement of each section, and how the section's diameters have changed where it is elastic."""
+        steel = self.built.steel
+        if steel is None:
+            return {"y": rigid}
+        # of the steel's middle, (na, nz, 3): counted from the rigid motion, which moves no diameter
+        bent = 0.5 * sum(state.displacement[wall] for wall in steel.walls.values())
+        share = np.ones(len(bent))
+        share[[0, -1]] = 0.5  # the half ring ends in the symmetry plane
+        front, side, back = bent[0], bent[len(bent) // 2], bent[-1]
+        return {
+            "y": rigid + share @ bent[:, :, 0] / share.sum(),
+            "diameter_change_x": front[:, 0] - back[:, 0],
+            "diameter_change_y": 2.0 * side[:, 1],
+        }
 
     def _resultants(self, force: np.ndarray) -> dict[str, float]:
         """H, V, M of each surface and in total; the tip's moment is about the axis point at its own depth."""
@@ -112,7 +130,7 @@ class Collector:
         """Margin of the absolute pressure over vapour pressure; keeps the first state where it is gone."""
         if self.sea is None:
             return {}
-        found = smallest_margin(self.water_position, state.pressure, *self.sea)
+        found = smallest_margin(self.water_position, state.pressure[self.wet], *self.sea)
         if found.margin < 0.0 and self.cavitation is None:
             self.cavitation = float(state.border[0]), found
         return {"cavitation_margin": found.margin}

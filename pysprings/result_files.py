@@ -33,6 +33,7 @@ PICTURES = {
     "stress_outside": "Normal effective stress around the caisson, outside",
     "stress_inside": "Normal effective stress around the caisson, inside",
     "gap": "Gap opening",
+    "ovalisation": "Ovalisation of the skirt, and its mean fibre by depth",
     "section": "Displacement in the symmetry plane",
     "pressure": "Excess pore pressure around the skirt",
     "section_pressure": "Excess pore pressure in the symmetry plane",

@@ -63,14 +63,11 @@ class Caisson(Section):
     skirt_length: Annotated[float, Quantity("m", "[0.01, 200]", "depth of the tip below mudline", "4 m")] = 4.0
     skirt_thickness: Annotated[float, Quantity("m", "[1e-4, 10]", "wall thickness of the skirt", "0.1 m")] = 0.1
     lid_thickness: Annotated[float, Quantity("m", "[1e-4, 10]", "thickness of the lid", "0.4 m")] = 0.4
-    behaviour: Annotated[str, Choice(("rigid",), "how the steel behaves", planned=("elastic",))] = "rigid"
+    behaviour: Annotated[str, Choice(("rigid", "elastic"), "how the steel behaves")] = "rigid"
     young_modulus: Annotated[
-        float | None,
-        Quantity("GPa", "[0.001, 1e6]", "Young modulus of an elastic caisson", "200 GPa", optional=True),
-    ] = None
-    poisson_ratio: Annotated[
-        float | None, Number("[0, 0.5)", "Poisson ratio of an elastic caisson", 0.3, optional=True)
-    ] = None
+        float, Quantity("GPa", "[0.001, 1e6]", "Young modulus of an elastic caisson", "200 GPa")
+    ] = 200e9
+    poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio of an elastic caisson", 0.3)] = 0.3
     vertical_load: Annotated[float | str, Quantity("MN", "[-1e4, 1e4]", _BALANCED, "4 MN", word="balanced")] = (
         "balanced"
     )

@@ -68,7 +68,7 @@ _BODY = _table(
     V("u", "lateral displacement of the lid centre", "m", ("step",),
       "positive along +x, the loading direction"),
     V("w", "vertical displacement of the lid centre", "m", ("step",), "positive down; heave is negative"),
-    V("rotation", "rotation of the caisson", "radian", ("step",),
+    V("rotation", "rotation of the caisson (of the lid's centre where it is elastic)", "radian", ("step",),
       "right-hand about +y: u(z) = u + rotation*z; a free-head pull u > 0 gives rotation < 0"),
     V("H", "lateral load on the caisson", "N", ("step",), "positive along +x; whole caisson"),
     V("V", "vertical load on the caisson", "N", ("step",),
@@ -94,7 +94,7 @@ _SKIRT = _resultants("outer", "the outer face of the skirt", "about the lid cent
 )
 
 _Y = V("y", "lateral displacement of the mean fibre", "m", ("depth", "step"),
-       "y = u + rotation*depth, positive along +x")
+       "positive along +x; u + rotation*depth of a rigid caisson, the mean around the section of an elastic one")
 
 
 def _slices(dims_p: tuple[str, ...], name: str) -> tuple[Variable, ...]:
@@ -152,6 +152,10 @@ _RESULT_PATH = (
         V("time", "time", "s", ("step",)),
         V("azimuth", "angle around the caisson from the front", "radian", ("azimuth",),
           "0 at the front (+x), pi at the back; half model"),
+        V("diameter_change_x", "change of the skirt's diameter in the loading direction", "m", ("depth", "step"),
+          "positive where it has grown; of the middle of the wall; elastic caisson only", required=False),
+        V("diameter_change_y", "change of the skirt's diameter across the loading direction", "m", ("depth", "step"),
+          "positive where it has grown; of the middle of the wall; elastic caisson only", required=False),
         *_SKIRT,
         *_LID,
         *_TIP,

@@ -100,8 +100,6 @@ def test_the_form_of_the_contract() -> None:
         ('title = ""\n', '1:9: title: "" is not 1 to 200 characters on one line'),
         ('title = "a\\nb"\n', '1:9: title: "a\\nb" is not 1 to 200 characters on one line'),
         # known, but not there yet
-        ('[caisson]\nbehaviour = "elastic"\n',
-         '2:13: caisson.behaviour: "elastic" is not available yet; choose "rigid"'),
         ('[solver]\nlinear = "mumps"\n',
          '2:10: solver.linear: "mumps" is not available yet; choose "auto" or "pardiso" or "superlu"'),
         # values that do not go together
@@ -226,7 +224,6 @@ def test_everything_at_once_in_the_order_of_the_file() -> None:
         'title = "t"\n'
         "[caisson]\n"
         'skirt_lenght = "20 m"\n'  # not also: the domain is too shallow
-        'behaviour = "elastic"\n'
         "[soil]\n"
         'friction_angle_initial = "35 deg"\n'
         "poisson_ratio = 0.6\n"
@@ -251,7 +248,6 @@ def test_everything_at_once_in_the_order_of_the_file() -> None:
     keys = [problem.split(": ")[1] for problem in problems(text, "c.toml")]
     assert keys == [
         "caisson.skirt_lenght",
-        "caisson.behaviour",
         "soil.friction_angle_initial",
         "soil.poisson_ratio",
         "solver.first_step_fraction",
