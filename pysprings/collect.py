@@ -19,6 +19,7 @@ from fe_engine.water_balance import WaterBalance
 from pysprings import variables
 from pysprings.build import SURFACE, Built
 from pysprings.cavitation import Margin, smallest_margin
+from pysprings.volume import Volume
 
 SIDES = {"outside": "outer", "inside": "inner"}
 
@@ -32,7 +33,7 @@ class Collector:
 
     def __init__(
         self, built: Built, system: System, fields: bool, section: bool,
-        balance: WaterBalance | None = None, sea: tuple[float, float] | None = None,
+        balance: WaterBalance | None = None, sea: tuple[float, float] | None = None, volume: bool = False,
     ) -> None:  # fmt: skip
         self.balance, self.sea = balance, sea
         self.cavitation: tuple[float, Margin] | None = None
@@ -42,6 +43,7 @@ class Collector:
         self.water_position = np.concatenate([nodes[:n_wet], nodes[film]])
         self.built, self.system = built, system
         self.keep_fields, self.keep_section = fields, section
+        self.volume = Volume(built, system) if volume else None
         stations = system.stations
         self.position = built.model.stations.position  # type: ignore[union-attr]
         self.surface = stations.surface
@@ -73,6 +75,8 @@ class Collector:
             row |= self._wall_fields(state, traction, water)
         if self.keep_section:
             row |= self._section(state)
+        if self.volume is not None:
+            row |= self.volume.fields(state)
         self.rows.append(row)
 
     def _shape(self, state: Fields, rigid: np.ndarray) -> dict[str, np.ndarray]:

@@ -42,6 +42,7 @@ from pysprings.run_record import (
     summarise,
 )
 from pysprings.small_strain import large_motion
+from pysprings.volume import volume_dataset
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene
@@ -317,6 +318,8 @@ def _tree(work: Work, record: dict[str, Any]) -> xr.DataTree:
         "run_json": json.dumps(record),
     }
     groups: dict[str, Any] = {"/": root, "/section": section_dataset(work.built)} | work.paths
+    if scene.output.paraview:
+        groups["/volume"] = volume_dataset(work.built)
     return xr.DataTree.from_dict(groups, name="result")
 
 

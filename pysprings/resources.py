@@ -68,7 +68,8 @@ def size_of(scene: Scene) -> Size:
     if scene.caisson.behaviour == "elastic":
         steel_nodes, steel_unknowns = _steel(counts)
         nodes, unknowns = nodes + steel_nodes, unknowns + steel_unknowns
-    return Size(nodes, elements, unknowns, _step_bytes(scene, counts, plane))
+    volume = 4 * (4 * nodes + 7 * elements) if scene.output.paraview else 0
+    return Size(nodes, elements, unknowns, _step_bytes(scene, counts, plane) + volume)
 
 
 def _steel(counts: Counts) -> tuple[int, int]:

@@ -227,6 +227,7 @@ class Output(Section):
     interface_fields: Annotated[bool, Flag("keep contact stresses and gaps by azimuth and depth at every step")] = True
     section: Annotated[bool, Flag("keep displacements of the symmetry plane at every step")] = True
     figures: Annotated[bool, Flag("draw the pictures")] = True
+    paraview: Annotated[bool, Flag("keep the whole model at every step, and write ParaView files of it")] = False
 
 
 PAPER_PATH = Path(name="pull", kind="pull", lateral_displacement=20e-3, rate=0.05e-3, report_at=(2.5e-3,))

@@ -145,6 +145,26 @@ _WATER = (
       "compression positive, over hydrostatic", required=False),
 )
 
+STRESSES = ("xx", "yy", "zz", "xy", "yz", "zx")
+
+
+def _volume_field(name: str, words: str, units: str, place: str, comment: str) -> Variable:
+    return V(name, words, units, ("step", place), comment, required=False)
+
+
+_FIELDS = (
+    *(_volume_field(f"volume_u{a}", f"displacement along {a}", "m", "volume_node", "z is down; soil and steel")
+      for a in "xyz"),
+    *(_volume_field(f"volume_s{a}", f"effective stress {a}", "Pa", "volume_cell",
+                    "tension positive, mean of the cell; not a number in steel") for a in STRESSES),
+    _volume_field("volume_plastic_strain", "equivalent plastic strain", "1", "volume_cell",
+                  "mean of the cell; 0 in steel"),
+    _volume_field("volume_pore_pressure", "excess pore pressure", "Pa", "volume_node",
+                  "compression positive, over hydrostatic; 0 in steel"),
+    _volume_field("volume_gap", "opening between soil and caisson", "m", "volume_node",
+                  "largest of the stations at the node; 0 elsewhere"),
+)
+
 _RESULT_PATH = (
     _AXES
     | _BODY
@@ -178,6 +198,7 @@ _RESULT_PATH = (
           "compression positive, over hydrostatic", required=False),
         V("gap", "opening between soil and skirt", "m", _FIELD, "zero or positive", required=False),
         *_WATER,
+        *_FIELDS,
         *_patch("lid", "the lid"),
         *_patch("tip", "the skirt tip"),
         V("section_ux", "lateral displacement in the symmetry plane", "m", ("step", "section_node"),
@@ -193,6 +214,12 @@ _SECTION = _table(
       "positive down"),
     V("section_quad", "nodes of each quadrilateral of the symmetry plane", "1", ("section_cell", "corner"),
       "zero-based section_node numbers"),
+)
+
+_VOLUME = _table(
+    *(V(f"volume_{a}", f"{a} of the nodes", "m", ("volume_node",), "half model; z is down") for a in "xyz"),
+    V("volume_hex", "nodes of each cell", "1", ("volume_cell", "vertex"), "zero-based volume_node numbers"),
+    V("volume_steel", "1 where a cell is steel, 0 where it is soil", "1", ("volume_cell",)),
 )
 
 _CONVERGENCE = _table(
@@ -258,6 +285,7 @@ GROUPS: dict[str, dict[str, Variable]] = {
     "result_root": {name: replace(variable, required=False) for name, variable in _SPRINGS_ROOT.items()},
     "result_path": _RESULT_PATH,
     "section": _SECTION,
+    "volume": _VOLUME,
     "convergence": _CONVERGENCE,
     "springs_root": _SPRINGS_ROOT,
     "springs_path": _SPRINGS_PATH,
@@ -272,8 +300,8 @@ def group_of(path: str, kind: TreeKind) -> str | None:
     parts = [part for part in path.split("/") if part]
     if not parts:
         return f"{kind}_root"
-    if parts == ["section"]:
-        return "section"
+    if parts in (["section"], ["volume"]):
+        return parts[0]
     if parts[0] == "paths" and len(parts) == 2:
         return f"{kind}_path"
     if parts[0] == "paths" and parts[2:] == ["convergence"]:
