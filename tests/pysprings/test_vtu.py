@@ -98,7 +98,7 @@ def test_the_section_is_in_the_volume() -> None:
 
 
 def test_a_result_without_the_whole_model_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UserInputError, match="run the scene with .output. paraview = true"):
+    with pytest.raises(UserInputError, match=r"run the scene with \[output\] paraview = true"):
         paraview(tmp_path, tiny.result())
     assert "volume" not in tiny.result().children
 
