@@ -5,14 +5,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pysprings.plots.data import pick_step, step_text
 from pysprings.plots.style import BLUE, INK, MM, VERMILLION, new_figure, set_title, styled, zero_lines
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -42,16 +39,12 @@ def ovalisation(path: xr.Dataset, step: int | None = None, displacement: float |
     right.set_xlabel("lateral displacement [mm], towards +x")
     right.set_title("Where the sections are")
     left.set_ylabel("depth below mudline [m]")
-    left.invert_yaxis()
+    # room for the keys above mudline
+    left.set_ylim(1.04 * depth[-1], -0.25 * depth[-1])
+    left.set_yticks([tick for tick in left.get_yticks() if 0.0 <= tick <= depth[-1]])
     for axes in (left, right):
-        _finish(axes)
+        zero_lines(axes)
+        axes.margins(x=0.1)
+        axes.legend(loc="upper center", frameon=False)
     set_title(figure, f"Elastic caisson at {step_text(path, step)}", path.attrs)
     return figure
-
-
-def _finish(axes: Axes) -> None:
-    zero_lines(axes)
-    axes.margins(x=0.1)
-    low, high = axes.get_ylim()
-    axes.set_ylim(low, high - 0.3 * np.abs(high - low))  # room for the key above the curves
-    axes.legend(loc="upper center", frameon=False)

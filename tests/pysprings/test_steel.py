@@ -114,3 +114,17 @@ def test_a_thicker_skirt_bends_less() -> None:
         return float(abs(compute(tiny.scene(caisson=caisson))["paths/pull"]["diameter_change_y"]).max())
 
     assert oval(0.4) < 0.8 * oval(0.05)
+
+
+def test_the_picture_shows_both_diameters_and_the_mean_fibre_by_depth() -> None:
+    from pysprings import plots
+
+    path = plots.path_data(result(), "pull")
+    left, right = plots.ovalisation(path).axes
+    lines = [line for line in left.get_lines() if not str(line.get_label()).startswith("_")]
+    for line, name in zip(lines, ("diameter_change_x", "diameter_change_y"), strict=True):
+        np.testing.assert_allclose(line.get_xdata(), 1e3 * path[name].isel(step=-1))
+        np.testing.assert_array_equal(line.get_ydata(), path["depth"])
+    fibre = next(line for line in right.get_lines() if line.get_label() == "mean fibre of the skirt")
+    np.testing.assert_allclose(fibre.get_xdata(), 1e3 * path["y"].isel(step=-1))
+    assert left.get_ylim()[0] > left.get_ylim()[1]
