@@ -67,6 +67,9 @@ class System:
         self.contact_state = np.zeros(len(self.stations.area), dtype=np.int8)
         p = self.pattern
         self._scatter = kernels.Scatter(p.equation, p.weight, p.rank, p.indptr)
+        if model.linear is not None:
+            hexes, stiffness = model.linear.hexes, model.linear.stiffness
+            self.linear = np.ascontiguousarray(hexes, dtype=np.int64), np.ascontiguousarray(stiffness, dtype=float)
         self._elastic = self._elastic_tangent()
         self._set_up_water()
         ns = len(self.stations.area)
@@ -91,12 +94,16 @@ class System:
         self._soil_water = self._soil_water_tangent(1.0, 0.0), self._soil_water_tangent(0.0, 1.0)
 
     def _elastic_tangent(self) -> tuple[np.ndarray, ...]:
-        """Constant part of the tangent: the soil at rest, where every point is elastic."""
+        """Constant part of the tangent: the soil at rest, where every point is elastic, and linear elements."""
         out = self._no_tangent()
         kernels.elastic_stiffness(
             self.hexes, (self.gradient, self.mean_gradient, self.volume), self.model.material, self.parameters,
             (self.frame_of, self.frames), self._scatter, self.pattern.element_offset, out,
         )  # fmt: skip
+        if self.model.linear is not None:
+            rest, p = np.zeros_like(self.model.mesh.nodes), self.pattern
+            force = np.zeros(p.n_free), np.zeros(self.model.n_border)
+            kernels.linear_elements(*self.linear, rest, self._scatter, p.linear_offset, True, *force, out)
         return out
 
     def _no_tangent(self) -> tuple[np.ndarray, ...]:
@@ -163,7 +170,7 @@ class System:
         return judged, replace(judged, free=linear_free, border=linear_border), tangent
 
     def _soil(self, state: State, tangent: Tangent | None) -> tuple[np.ndarray, np.ndarray]:
-        """Forces (n_free,), (nb,) of the soil; adds to the tangent if one is given."""
+        """Forces (n_free,), (nb,) of soil and linear elements; adds to the tangent if one is given."""
         old, new = state.committed, state.trial
         free, border = np.zeros(self.pattern.n_free), np.zeros(self.model.n_border)
         bad = kernels.assemble_elements(
@@ -175,6 +182,11 @@ class System:
         )  # fmt: skip
         if bad >= 0:
             raise LawError(self._place("soil law did not converge", bad))
+        if self.model.linear is not None:
+            kernels.linear_elements(
+                *self.linear, new.displacement, self._scatter, self.pattern.linear_offset, False, free, border,
+                _targets(tangent),
+            )  # fmt: skip
         return free, border
 
     def _water(self, state: State, tangent: Tangent | None, free: np.ndarray, border: np.ndarray) -> float:
@@ -233,10 +245,11 @@ class System:
         if node >= n:
             return f"film node {node - n}"
         x, y, z = self.model.mesh.nodes[node]
-        element = int(np.argmax((self.hexes == node).any(axis=1)))
+        mine = (self.hexes == node).any(axis=1)
+        element = f"element {int(np.argmax(mine))}" if mine.any() else "a linear element"
         where = f"at x={x:.3f}, y={y:.3f}, z={z:.3f} m"
         what = "pore pressure" if component == 3 else f"direction {'xyz'[component]}"
-        return f"node {node} of element {element}, {what}, {where}"
+        return f"node {node} of {element}, {what}, {where}"
 
 
 def _targets(tangent: Tangent | None) -> tuple[np.ndarray, ...]:

@@ -4,11 +4,12 @@
     work + initial = elastic + plastic + penalty + friction + water
 
 work is that of the loads' changes on the border dofs, initial that of the initial state (weight, surcharge and the
-loads that hold the initial stress), both over the motion since the start. elastic is stored in the soil, plastic is
-dissipated there; penalty is stored in the contact springs, friction is dissipated on them, and water is what the soil
-has done against pore pressures. With the means s of old and new stress over a step, s:de = d(s:C^-1:s/2) + s:de_p holds
-without error, so that the imbalance is what Newton has left, and nothing else. Plastic and friction grow, but for what
-a station seems to give back that opens within a step, where the mean of both ends is not the traction on the way.
+loads that hold the initial stress), both over the motion since the start. elastic is stored in the soil and in linear
+elements, plastic is dissipated in the soil; penalty is stored in the contact springs, friction is dissipated on them,
+and water is what the soil has done against pore pressures. With the means s of old and new stress over a step,
+s:de = d(s:C^-1:s/2) + s:de_p holds without error, so that the imbalance is what Newton has left, and nothing else.
+Plastic and friction grow, but for what a station seems to give back that opens within a step, where the mean of both
+ends is not the traction on the way.
 """
 
 from __future__ import annotations
@@ -73,7 +74,7 @@ class EnergyBalance:
         )  # fmt: skip
         contact = self._contact(old, new)
         water = self._water(old, new)
-        t[ELASTIC] += soil[0]
+        t[ELASTIC] += soil[0] + self._linear(old, new)
         t[PLASTIC] += soil[1]
         t[PENALTY] += contact[0]
         t[FRICTION] += contact[1]
@@ -97,6 +98,13 @@ class EnergyBalance:
     def now(self) -> Energy:
         """Return the energies up to the last step."""
         return Energy(*(float(value) for value in self.terms))
+
+    def _linear(self, old: Fields, new: Fields) -> float:
+        """Energy stored in linear elements."""
+        if self.system.model.linear is None:
+            return 0.0
+        kept = [kernels.linear_energy(*self.system.linear, each.displacement) for each in (old, new)]
+        return float(kept[1] - kept[0])
 
     def _contact(self, old: Fields, new: Fields) -> tuple[float, float, float]:
         """Stored, dissipated and initial work of the contact tractions."""

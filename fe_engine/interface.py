@@ -67,6 +67,7 @@ class Film:
     faces : (m, 4) film nodes, corners : (m, 4) the station whose gap holds at each corner.
     gradient : (m, 4 gauss, 4 nodes, 3) surface gradients in 1/m, area : (m, 4) m2; see film_geometry.
     residual_aperture : D_0, m; transfer : T_w, m/(Pa s); viscosity : Pa s.
+    sealed : no water passes to side 2, though it is deformable.
     """
 
     n_nodes: int
@@ -79,6 +80,7 @@ class Film:
     residual_aperture: float
     transfer: float
     viscosity: float
+    sealed: bool = False
 
 
 def film_geometry(nodes: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

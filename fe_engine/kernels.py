@@ -239,6 +239,36 @@ def assemble_elements(
 
 
 @nb.njit(cache=True)
+def linear_elements(hexes, stiffness, displacement, scatter, offset, want, free, border, targets):
+    """Add the forces of elements of constant stiffness (nl, 24, 24), and their tangent if wanted."""
+    force, move = np.empty(24), np.empty(24)
+    for e in range(hexes.shape[0]):
+        for a in range(8):
+            for i in range(3):
+                move[3 * a + i] = displacement[hexes[e, a], i]
+        for r in range(24):
+            force[r] = 0.0
+            for c in range(24):
+                force[r] += stiffness[e, r, c] * move[c]
+        _scatter_force(hexes[e], scatter, force, free, border)
+        if want:
+            _scatter_stiffness(hexes[e], scatter, offset[e], stiffness[e], targets)
+
+
+@nb.njit(cache=True)
+def linear_energy(hexes, stiffness, displacement):
+    """Energy (J) stored in elements of constant stiffness."""
+    total = 0.0
+    for e in range(hexes.shape[0]):
+        for r in range(24):
+            force = 0.0
+            for c in range(24):
+                force += stiffness[e, r, c] * displacement[hexes[e, c // 3], c % 3]
+            total += 0.5 * displacement[hexes[e, r // 3], r % 3] * force
+    return total
+
+
+@nb.njit(cache=True)
 def _jump(s, k, displacement, border, out):
     """Jump (3,) of station k in its frame: side 1 minus the motion of side 2."""
     x = np.zeros(3)

@@ -24,7 +24,7 @@ NOWHERE = (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))  #
 
 
 class PackedFilm(NamedTuple):
-    """The film as arrays: see interface.Film and pattern.Pattern; ``law`` is (D_0, T_w, mu_w)."""
+    """The film as arrays: see interface.Film and pattern.Pattern; ``law`` is (D_0, T_w, mu_w, sealed)."""
 
     station_nodes: np.ndarray
     station_offset: np.ndarray
@@ -44,7 +44,7 @@ def pack_film(model: Model, pattern: Pattern) -> PackedFilm:
     return PackedFilm(
         pattern.station_film, pattern.film_offset, film.weight.astype(float), pattern.face_nodes, pattern.face_offset,
         film.corners.astype(np.int64), np.ascontiguousarray(film.gradient), np.ascontiguousarray(film.area),
-        np.array([film.residual_aperture, film.transfer, film.viscosity]),
+        np.array([film.residual_aperture, film.transfer, film.viscosity, float(film.sealed)]),
     )  # fmt: skip
 
 
@@ -133,7 +133,7 @@ def _pressures(s, f, k, pressure):
             p1 += share * pressure[s.nodes[k, a]]
         elif share < 0.0:
             p2 -= share * pressure[s.nodes[k, a]]
-            porous = True
+            porous = f.law[3] == 0.0
     for c in range(f.weight.shape[1]):
         p3 += f.weight[k, c] * pressure[f.station_nodes[k, nn + c]]
     return p1, p3, p2, porous

@@ -70,6 +70,17 @@ class Water:
     film: Film | None = None
 
 
+@dataclass(frozen=True)
+class Linear:
+    """Elements of constant stiffness beside the soil's (see solid_shell); their displacement 0 is without stress.
+
+    hexes : (nl, 8) nodes; stiffness : (nl, 24, 24) N/m in global axes.
+    """
+
+    hexes: np.ndarray
+    stiffness: np.ndarray
+
+
 @dataclass
 class Model:
     """Everything the engine needs to compute.
@@ -88,6 +99,7 @@ class Model:
     stations, contact : interface stations, and the contact parameters (ns, 3) of each, or one row (1, 3) for all.
     initial_pressure : (ns,) Pa, effective contact pressure of each station in the initial state.
     water : pore water; None leaves every pressure unknown out (drained).
+    linear : elements of constant stiffness, whose nodes stand behind the soil's; None where there are none.
     """
 
     mesh: Mesh
@@ -103,6 +115,7 @@ class Model:
     contact: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     initial_pressure: np.ndarray = field(default_factory=lambda: np.zeros(0))
     water: Water | None = None
+    linear: Linear | None = None
 
     @property
     def n_film(self) -> int:
@@ -127,6 +140,11 @@ class Model:
             wanted["water.initial"] = (self.water.initial.shape, (n + self.n_film,))
             if self.n_film and self.stations is None:
                 raise ModelError("a film needs the stations of an interface")
+        if self.linear is not None:
+            nl = len(self.linear.hexes)
+            wanted["linear.stiffness"] = (self.linear.stiffness.shape, (nl, 24, 24))
+            if skew := sorted(set(self.frames) & set(self.linear.hexes.ravel().tolist())):
+                raise ModelError(f"node {skew[0]} has axes of its own and a linear element; these have global axes")
         for name, (got, want) in wanted.items():
             if got != want:
                 raise ModelError(f"{name} has shape {got}, expected {want}")

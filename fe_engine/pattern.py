@@ -26,10 +26,10 @@ class Pattern:
 
     equation : (n, 3), with water (n + nf, 4); weight : the same shape, of followers; rank : number of free dofs of
     the node before this one; indptr, indices : CSR of the free equations; element_offset : (ne, 8, 8),
-    station_offset (ns, nn, nn), film_offset (ns, nn + k, nn + k) and face_offset (m, 4 + 4 nn, 4 + 4 nn): position
-    inside the row of node a where the free dofs of node b begin. station_film (ns, nn + k) are the mesh nodes and the
-    film nodes of each station, face_nodes (m, 4 + 4 nn) the film nodes of each face and the mesh nodes that its gaps
-    hang on; film nodes are numbered behind the mesh here.
+    linear_offset (nl, 8, 8), station_offset (ns, nn, nn), film_offset (ns, nn + k, nn + k) and face_offset
+    (m, 4 + 4 nn, 4 + 4 nn): position inside the row of node a where the free dofs of node b begin. station_film
+    (ns, nn + k) are the mesh nodes and the film nodes of each station, face_nodes (m, 4 + 4 nn) the film nodes of each
+    face and the mesh nodes that its gaps hang on; film nodes are numbered behind the mesh here.
     """
 
     equation: np.ndarray
@@ -38,6 +38,7 @@ class Pattern:
     indptr: np.ndarray
     indices: np.ndarray
     element_offset: np.ndarray
+    linear_offset: np.ndarray
     station_offset: np.ndarray
     station_film: np.ndarray
     film_offset: np.ndarray
@@ -60,13 +61,16 @@ def make_pattern(model: Model) -> Pattern:
     equation, weight = _number(model)
     stations = np.zeros((0, 1), dtype=np.int64) if model.stations is None else model.stations.nodes
     station_film, face_nodes = _film_groups(model, stations)
-    groups = [model.mesh.hexes, stations, station_film, face_nodes]
+    linear = np.zeros((0, 8), dtype=np.int64) if model.linear is None else model.linear.hexes
+    groups = [model.mesh.hexes, linear, stations, station_film, face_nodes]
     start, neighbours = _node_graph(len(equation), groups)
     free = equation >= 0
     rank: np.ndarray = np.subtract(np.cumsum(free, axis=1), free).astype(np.int8)
     offset, indptr, indices = _csr(start, neighbours, equation, free.sum(axis=1))
-    element, station, film, face = (_lookup(group, start, neighbours, offset) for group in groups)
-    return Pattern(equation, weight, rank, indptr, indices, element, station, station_film, film, face_nodes, face)
+    element, linear_offset, station, film, face = (_lookup(group, start, neighbours, offset) for group in groups)
+    return Pattern(
+        equation, weight, rank, indptr, indices, element, linear_offset, station, station_film, film, face_nodes, face
+    )
 
 
 def _film_groups(model: Model, stations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

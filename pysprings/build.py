@@ -8,21 +8,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fe_engine import hex8, interface, rigid
+from fe_engine import hex8, interface, rigid, solid_shell
 from fe_engine.contact import coulomb
-from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
+from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC, VAN_EEKELEN
 from fe_engine.errors import MeshError
 from fe_engine.interface import Stations
 from fe_engine.mesh import Quality
-from fe_engine.model import Material, Model
+from fe_engine.model import Linear, Material, Model
 from fe_engine.soil import plasol
-from pysprings.build_water import make_water
+from pysprings.build_water import beside_steel, make_water
 from pysprings.caisson_mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
 from pysprings.penalty import penalty_of
+from pysprings.steel_mesh import SteelMesh, make_steel, with_steel
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene
 
+_LAWS = {"elastic": ELASTIC, "drucker-prager": DRUCKER_PRAGER, "van-eekelen": VAN_EEKELEN}
 SURFACE = {name: code for code, name in enumerate(SURFACES)}
 
 
@@ -30,7 +32,8 @@ SURFACE = {name: code for code, name in enumerate(SURFACES)}
 class Built:
     """A model with the mesh it came from and the vertical dead load of the half caisson (N).
 
-    ``film_mesh_node`` is the mesh node of each film node (none when drained).
+    ``film_mesh_node`` is the mesh node of each film node (none when drained); ``steel`` is None where the caisson is
+    rigid, and its nodes stand behind those of the soil in ``model.mesh`` (not in ``caisson.mesh``).
     """
 
     model: Model
@@ -39,6 +42,7 @@ class Built:
     balanced_load: float
     extra_load: float
     film_mesh_node: np.ndarray
+    steel: SteelMesh | None = None
 
     def extra_load_of(self, wanted: float | str) -> float:
         """What a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
@@ -78,6 +82,7 @@ def build_model(scene: Scene) -> Built:
     pressure = _initial_pressure(scene, stations)
     balanced = float(np.sum(pressure * stations.area * stations.frame[:, 0, 2]))
     water, film_mesh_node = make_water(scene, caisson, stations)
+    steel = None if scene.caisson.behaviour == "rigid" else make_steel(caisson, scene.caisson.lid_thickness)
     model = Model(
         mesh=mesh,
         materials=[soil_material(scene)],
@@ -93,7 +98,29 @@ def build_model(scene: Scene) -> Built:
         water=water,
     )
     extra = _extra_load(scene.caisson.vertical_load, balanced)
-    return Built(model, caisson, quality, balanced, extra, film_mesh_node)
+    if steel is not None:
+        model = _add_steel(scene, model, steel)
+    return Built(model, caisson, quality, balanced, extra, film_mesh_node, steel)
+
+
+def _add_steel(scene: Scene, model: Model, steel: SteelMesh) -> Model:
+    """Put the steel between the stations and the rigid motion."""
+    assert model.stations is not None
+    n, k = model.mesh.n_nodes, len(steel.nodes)
+    mesh = replace(model.mesh, nodes=np.concatenate([model.mesh.nodes, steel.nodes]))
+    fixed = np.concatenate([model.fixed, np.zeros((k, 3), dtype=bool)])
+    fixed[steel.symmetry, 1] = True
+    fixed[steel.held] = True
+    nodes, weight = with_steel(model.stations, steel)
+    stiffness = solid_shell.stiffness(mesh.nodes, steel.hexes, scene.caisson.young_modulus, scene.caisson.poisson_ratio)
+    return replace(
+        model,
+        mesh=mesh,
+        fixed=fixed,
+        stations=replace(model.stations, nodes=nodes, weight=weight),
+        linear=Linear(steel.hexes, stiffness),
+        water=None if model.water is None else beside_steel(model.water, n, k),
+    )
 
 
 def _extra_load(wanted: float | str, balanced: float) -> float:
@@ -120,7 +147,7 @@ def soil_material(scene: Scene) -> Material:
         psi=soil.dilation_angle,
         cohesion=soil.cohesion,
     )
-    return Material({"elastic": ELASTIC, "drucker-prager": DRUCKER_PRAGER}[soil.yield_surface], parameters)
+    return Material(_LAWS[soil.yield_surface], parameters)
 
 
 def contact_parameters(scene: Scene, stations: Stations, caisson: CaissonMesh) -> np.ndarray:
@@ -232,14 +259,17 @@ _WATER_KEYS = (
 def left_out(scene: Scene) -> list[tuple[str, str]]:
     """What the scene does not need and the model does not carry: (what, why)."""
     rigid_body = "the caisson is rigid: three degrees of freedom stand for it (the lid's thickness is only drawn)"
-    out = [
-        ("steel elements (caisson.young_modulus, caisson.poisson_ratio)", rigid_body),
-        ("half of the domain", "symmetry about the loading plane"),
-    ]
+    steel = [("steel elements (caisson.young_modulus, caisson.poisson_ratio)", rigid_body)]
+    if scene.caisson.behaviour == "elastic":
+        steel = [
+            ("yield and buckling of the steel", "it is linear elastic, displacements are small"),
+            ("bending of the lid within a quarter of its radius", "the load acts on a stiff patch there"),
+        ]
+    out = [*steel, ("half of the domain", "symmetry about the loading plane")]
     if scene.drainage.mode == "drained":
         out.append((f"pore pressure of soil and interface ({', '.join(_WATER_KEYS)})", "drained: no excess pressure"))
     else:
-        out.append(("water pressure on the caisson's side of the interface", "the rigid caisson is impervious"))
+        out.append(("water pressure on the caisson's side of the interface", "the caisson is impervious"))
         if scene.drainage.water_depth is None:
             out.append(("check of suction against cavitation", "drainage.water_depth is not given"))
     if scene.drainage.mode == "undrained":

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,6 +41,16 @@ def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> tuple[
         film=film,
     )
     return water, film_mesh_node
+
+
+def beside_steel(water: Water, n: int, k: int) -> Water:
+    """Water of a model whose n nodes are followed by k of impervious steel, which hold no pressure."""
+    return replace(
+        water,
+        fixed=np.insert(water.fixed, n, np.ones(k, dtype=bool)),
+        initial=np.insert(water.initial, n, np.zeros(k)),
+        film=None if water.film is None else replace(water.film, sealed=True),
+    )
 
 
 def mobility(scene: Scene) -> float:

@@ -163,7 +163,7 @@ def _levels(geometry: Geometry, counts: Counts) -> np.ndarray:
 
 def _plan(geometry: Geometry, counts: Counts) -> _Plan:
     n, half_width = counts.azimuth, 0.5 * geometry.inner_radius
-    core, core_quads, rim = _core(n, half_width)
+    core, core_quads, rim = core_square(n, half_width)
     wall = counts.wall * geometry.outer_radius
     plug = graded(geometry.inner_radius, half_width, counts.plug, wall)[-2::-1]
     tip = np.linspace(geometry.inner_radius, geometry.outer_radius, counts.tip + 1)[1:]
@@ -186,7 +186,7 @@ def _plan(geometry: Geometry, counts: Counts) -> _Plan:
     return _Plan(points, np.concatenate([core_quads, *quads]), ring, named)
 
 
-def _core(n: int, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def core_square(n: int, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Half square with rounded sides: points, quads and the rim nodes ordered by azimuth."""
     nx, ny = n // 2, n // 4
     xi, eta = np.meshgrid(np.linspace(-1.0, 1.0, nx + 1), np.linspace(0.0, 1.0, ny + 1), indexing="ij")

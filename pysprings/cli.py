@@ -236,6 +236,22 @@ def _format(form: Format | None, out: Path | None) -> str:
 
 @app.command()
 @guarded
+def export(
+    result: Annotated[Path, typer.Argument(metavar="RESULT", help="full_model.nc, or the folder of a run")],
+    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="[default: paraview/ beside it]")] = None,
+) -> None:
+    """Write ParaView files (.pvd, .vtu) of a run that kept the whole model ([output] paraview = true)."""
+    from pysprings.exporters import paraview
+    from pysprings.result_files import PARAVIEW
+    from pysprings.storage import read_tree
+
+    file = result / "full_model.nc" if result.is_dir() else result
+    for path in paraview(file.parent / PARAVIEW if out is None else out, read_tree(file)):
+        print(path)
+
+
+@app.command()
+@guarded
 def predict(
     result: Annotated[Path, typer.Argument(metavar="SPRINGS", help="springs.nc, the folder of a run, or a p-y table")],
     load: Annotated[str | None, typer.Option("--H", metavar="FORCE", help='lateral load, e.g. "2 MN"')] = None,

@@ -19,6 +19,7 @@ from fe_engine.water_balance import WaterBalance
 from pysprings import variables
 from pysprings.build import SURFACE, Built
 from pysprings.cavitation import Margin, smallest_margin
+from pysprings.volume import Volume
 
 SIDES = {"outside": "outer", "inside": "inner"}
 
@@ -32,14 +33,17 @@ class Collector:
 
     def __init__(
         self, built: Built, system: System, fields: bool, section: bool,
-        balance: WaterBalance | None = None, sea: tuple[float, float] | None = None,
+        balance: WaterBalance | None = None, sea: tuple[float, float] | None = None, volume: bool = False,
     ) -> None:  # fmt: skip
         self.balance, self.sea = balance, sea
         self.cavitation: tuple[float, Margin] | None = None
         nodes, film = built.model.mesh.nodes, built.film_mesh_node
-        self.water_position = np.concatenate([nodes, nodes[film]])
+        n_wet, n = built.caisson.mesh.n_nodes, len(nodes)
+        self.wet = np.r_[:n_wet, n : n + len(film)]  # steel holds no water
+        self.water_position = np.concatenate([nodes[:n_wet], nodes[film]])
         self.built, self.system = built, system
         self.keep_fields, self.keep_section = fields, section
+        self.volume = Volume(built, system) if volume else None
         self.position = built.model.stations.position  # type: ignore[union-attr]
         self.surface = built.model.stations.surface  # type: ignore[union-attr]
         self.rings = {side: self._ring_stations(side) for side in SIDES}
@@ -49,7 +53,7 @@ class Collector:
     def _ring_stations(self, side: str) -> np.ndarray:
         """Station number of each wall node, (na, nz)."""
         mine = np.flatnonzero(self.surface == SURFACE[SIDES[side]])
-        number = np.full(self.built.model.mesh.n_nodes, -1)
+        number = np.full(self.built.caisson.mesh.n_nodes, -1)
         number[self.system.stations.nodes[mine, 0]] = mine
         return number[self.built.caisson.walls[side]]
 
@@ -63,14 +67,32 @@ class Collector:
         row: dict[str, Any] = {"time": time, "u": u, "w": w, "rotation": rotation, "converged": np.int8(converged)}
         row |= self._resultants(force)
         row |= self._rings(state, force, water)
-        row["y"] = u + rotation * self.built.caisson.depth
+        row |= self._shape(state, u + rotation * self.built.caisson.depth)
         row |= self._patches(state, water)
         row |= self._water(state, water)
         if self.keep_fields:
             row |= self._wall_fields(state, traction, water)
         if self.keep_section:
             row |= self._section(state)
+        if self.volume is not None:
+            row |= self.volume.fields(state)
         self.rows.append(row)
+
+    def _shape(self, state: Fields, rigid: np.ndarray) -> dict[str, np.ndarray]:
+        """Mean-fibre displacement of each section, and how the section's diameters have changed where it is elastic."""
+        steel = self.built.steel
+        if steel is None:
+            return {"y": rigid}
+        # of the steel's middle, (na, nz, 3): counted from the rigid motion, which moves no diameter
+        bent = 0.5 * sum(state.displacement[wall] for wall in steel.walls.values())
+        share = np.ones(len(bent))
+        share[[0, -1]] = 0.5  # the half ring ends in the symmetry plane
+        front, side, back = bent[0], bent[len(bent) // 2], bent[-1]
+        return {
+            "y": rigid + share @ bent[:, :, 0] / share.sum(),
+            "diameter_change_x": front[:, 0] - back[:, 0],
+            "diameter_change_y": 2.0 * side[:, 1],
+        }
 
     def _resultants(self, force: np.ndarray) -> dict[str, float]:
         """H, V, M of each surface and in total; the tip's moment is about the axis point at its own depth."""
@@ -111,7 +133,7 @@ class Collector:
         """Margin of the absolute pressure over vapour pressure; keeps the first state where it is gone."""
         if self.sea is None:
             return {}
-        found = smallest_margin(self.water_position, state.pressure, *self.sea)
+        found = smallest_margin(self.water_position, state.pressure[self.wet], *self.sea)
         if found.margin < 0.0 and self.cavitation is None:
             self.cavitation = float(state.border[0]), found
         return {"cavitation_margin": found.margin}

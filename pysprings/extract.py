@@ -12,7 +12,7 @@ from pysprings.springs import FEWEST_STATES, SCHEMA, path_dataset, path_names, v
 _ROOT_ATTRS = (
     "Conventions", "title", "source", "history", "references", "pysprings_version", "scene_sha256", "scene_toml",
     "solver", "mesh_preset", "n_nodes", "n_elements", "status", "drainage", "outer_diameter_m", "skirt_length_m",
-    "skirt_thickness_m", "vertical_load_N",
+    "skirt_thickness_m", "vertical_load_N", "caisson_behaviour",
 )  # fmt: skip
 _KEPT = (
     "depth_bounds", "m", "t", "y", "u", "w", "rotation", "H", "V", "M", "converged", "time",

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 from pysprings.checkpoint import Checkpoints
 from pysprings.comparison import compare, curves
 from pysprings.errors import UserInputError
-from pysprings.exporters import csv_tables, excel, load_displacement_table
+from pysprings.exporters import csv_tables, excel, load_displacement_table, paraview
 from pysprings.extract import extract_springs
 from pysprings.full_model import compute, raise_if_incomplete, scene_to_run
 from pysprings.progress import Progress
 from pysprings.report import write_report
 from pysprings.resources import refuse_full_disk
-from pysprings.result_files import FIGURES, remove_results
+from pysprings.result_files import FIGURES, PARAVIEW, remove_results
 from pysprings.run_lock import exclusive, new_folder
 from pysprings.run_record import Meter
 from pysprings.springs import balance, get_path, path_names, save_springs
@@ -63,6 +63,8 @@ def _write_all(folder: Path, scene: Scene, result: xr.DataTree) -> None:
         _write_record(folder, record)
         springs = _springs(result)
         _write_tables(folder, result, springs, record)
+        if "volume" in result.children:
+            paraview(folder / PARAVIEW, result)
     with meter.clock.phase("output: pictures"):
         figures = _draw(folder, result, springs) if scene.output.figures else []
     meter.charge(record)  # the report shows the cost of everything but itself

@@ -42,6 +42,7 @@ from pysprings.run_record import (
     summarise,
 )
 from pysprings.small_strain import large_motion
+from pysprings.volume import volume_dataset
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene
@@ -258,6 +259,7 @@ def _record(work: Work, loaded: Loaded) -> dict[str, Any]:
         "mesh": {
             "preset": work.scene.mesh.preset,
             "nodes": mesh.n_nodes, "elements": mesh.n_elements, "unknowns": work.system.pattern.n_free + 3,
+            "steel_elements": 0 if work.built.steel is None else len(work.built.steel.hexes),
             "interface_stations": len(work.system.stations.area),
             "min_scaled_jacobian": work.built.quality.min_jacobian, "max_aspect": work.built.quality.max_aspect,
         },
@@ -311,10 +313,13 @@ def _tree(work: Work, record: dict[str, Any]) -> xr.DataTree:
         "skirt_length_m": scene.caisson.skirt_length,
         "skirt_thickness_m": scene.caisson.skirt_thickness,
         "lid_thickness_m": scene.caisson.lid_thickness,
+        "caisson_behaviour": scene.caisson.behaviour,
         "vertical_load_N": 2.0 * (work.built.balanced_load + work.built.extra_load),
         "run_json": json.dumps(record),
     }
     groups: dict[str, Any] = {"/": root, "/section": section_dataset(work.built)} | work.paths
+    if scene.output.paraview:
+        groups["/volume"] = volume_dataset(work.built)
     return xr.DataTree.from_dict(groups, name="result")
 
 

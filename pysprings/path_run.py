@@ -110,7 +110,13 @@ class PathRun:
         self.energy = EnergyBalance(work.system)
         output = scene.output
         self.collector = Collector(
-            work.built, work.system, output.interface_fields, output.section, self.water, _sea(scene)
+            work.built,
+            work.system,
+            output.interface_fields,
+            output.section,
+            self.water,
+            _sea(scene),
+            volume=output.paraview,
         )
         self.extra = work.built.extra_load_of(scene.vertical_load_of(path))
         self.n_dead, self.stage, self.time = int(self.extra != 0.0), 0, 0.0

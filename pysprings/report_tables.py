@@ -292,6 +292,7 @@ def _opening(opening: Any) -> str:
 def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
     """Say in sentences for what the numbers hold: what was calibrated, how far, what no run sees."""
     found = []
+    behaviour = result.attrs.get("caisson_behaviour", "rigid")
     length = float((springs.attrs if springs is not None else {}).get("skirt_length_m", np.nan))
     for name, path in result["paths"].children.items() if "paths" in result.children else ():
         found.append(_range_sentence(name, path, length))
@@ -299,7 +300,7 @@ def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
         *found,
         "Springs from one path hold on paths with nearly the same ratio of rotation to displacement. "
         "p(z)/y(z) is not a property of the soil: check other load heights against the full model.",
-        "Monotonic loading; small displacements; the caisson is rigid and wished in place, without "
+        f"Monotonic loading; small displacements; the caisson is {behaviour} and wished in place, without "
         "installation effects.",
         "The soil domain is finite: its size stiffens the answer (a domain of 24 m by 12 m around a caisson "
         "of 7.8 m by about a third in elasticity, compared with a half-space).",

@@ -13,10 +13,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pysprings.build import counts_of
-from pysprings.caisson_mesh import Counts
+from pysprings.caisson_mesh import Counts, core_square
 from pysprings.errors import ResourceError
 from pysprings.stages import path_stages
+from pysprings.steel_mesh import patch
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene
@@ -62,13 +65,30 @@ def size_of(scene: Scene) -> Size:
         drained = (n + 1) * (counts.outer + 2)  # mudline outside, the film's rim included
         drained += (n + 1) * (levels - 1) if scene.domain.side_drainage == "drained" else 0
         unknowns += nodes + film - drained
-    return Size(nodes, elements, unknowns, _step_bytes(scene, counts, plane))
+    if scene.caisson.behaviour == "elastic":
+        steel_nodes, steel_unknowns = _steel(counts)
+        nodes, unknowns = nodes + steel_nodes, unknowns + steel_unknowns
+    volume = 4 * (4 * nodes + 7 * elements) if scene.output.paraview else 0
+    return Size(nodes, elements, unknowns, _step_bytes(scene, counts, plane) + volume)
+
+
+def _steel(counts: Counts) -> tuple[int, int]:
+    """Nodes and unknowns of an elastic caisson."""
+    n = counts.azimuth
+    lid = (n // 2 + 1) * (n // 4 + 1) + (counts.plug + 1) * (n + 1)  # out to the skirt's outer edge
+    nodes = 2 * lid + 2 * (n + 1) * counts.skirt
+    plane = 2 * (n // 2 + 1 + 2 * (counts.plug + 1)) + 4 * counts.skirt
+    points, _, _ = core_square(n, 0.5)  # of a skirt with an inner radius of 1
+    held = patch(np.hypot(points[:, 0], points[:, 1]), 1.0)
+    on_plane = held & (np.abs(points[:, 1]) < 1e-12)
+    return nodes, 3 * nodes - plane - 2 * (3 * int(held.sum()) - int(on_plane.sum()))
 
 
 def _step_bytes(scene: Scene, counts: Counts, plane: int) -> int:
     """Bytes of what a path keeps of one step: scalars, reactions by depth, lid and tip, fields, section."""
     n, depths = counts.azimuth + 1, counts.skirt + 1
-    values = 60 + 12 * depths + 2 * (counts.azimuth**2 // 8 + n * (counts.plug + counts.tip + 1))
+    by_depth = 14 if scene.caisson.behaviour == "elastic" else 12
+    values = 60 + by_depth * depths + 2 * (counts.azimuth**2 // 8 + n * (counts.plug + counts.tip + 1))
     if scene.output.interface_fields:
         values += 5 * 2 * n * depths
     if scene.output.section:

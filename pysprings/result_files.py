@@ -20,6 +20,7 @@ FILES = {
 }
 
 FIGURES = "figures"  # folder of the pictures
+PARAVIEW = "paraview"  # folder of the files for ParaView, on request
 CHECKPOINT = "checkpoint"  # folder of what an unfinished run needs to go on
 
 # Kinds of pictures with their captions, in reading order. A picture is called `kind` when it shows the whole run,
@@ -33,6 +34,7 @@ PICTURES = {
     "stress_outside": "Normal effective stress around the caisson, outside",
     "stress_inside": "Normal effective stress around the caisson, inside",
     "gap": "Gap opening",
+    "ovalisation": "Ovalisation of the skirt, and its mean fibre by depth",
     "section": "Displacement in the symmetry plane",
     "pressure": "Excess pore pressure around the skirt",
     "section_pressure": "Excess pore pressure in the symmetry plane",
@@ -71,6 +73,12 @@ def pictures_in(folder: Path) -> list[Path]:
     return [path for path in files if path.stem in WHOLE_RUN or _shows_a_path(path.stem)]
 
 
+def paraview_in(folder: Path) -> list[Path]:
+    """Return the ParaView files of runs in a result folder: `path.pvd` with its `path_0000.vtu`, and so on."""
+    lists = sorted((folder / PARAVIEW).glob("*.pvd"))
+    return [*lists, *(file for each in lists for file in sorted(each.parent.glob(f"{each.stem}_[0-9]*.vtu")))]
+
+
 def _shows_a_path(stem: str) -> bool:
     """Tell whether a name is `path_kind` or `path_kind_state` for any path."""
     parts = stem.split("_")
@@ -81,5 +89,5 @@ def remove_results(folder: Path) -> None:
     """Remove all files of an earlier run from its folder; everything else in the folder stays."""
     if not results_in(folder):
         return
-    for path in [*(folder / name for name in FILES), *pictures_in(folder)]:
+    for path in [*(folder / name for name in FILES), *pictures_in(folder), *paraview_in(folder)]:
         path.unlink(missing_ok=True)

@@ -63,14 +63,11 @@ class Caisson(Section):
     skirt_length: Annotated[float, Quantity("m", "[0.01, 200]", "depth of the tip below mudline", "4 m")] = 4.0
     skirt_thickness: Annotated[float, Quantity("m", "[1e-4, 10]", "wall thickness of the skirt", "0.1 m")] = 0.1
     lid_thickness: Annotated[float, Quantity("m", "[1e-4, 10]", "thickness of the lid", "0.4 m")] = 0.4
-    behaviour: Annotated[str, Choice(("rigid",), "how the steel behaves", planned=("elastic",))] = "rigid"
+    behaviour: Annotated[str, Choice(("rigid", "elastic"), "how the steel behaves")] = "rigid"
     young_modulus: Annotated[
-        float | None,
-        Quantity("GPa", "[0.001, 1e6]", "Young modulus of an elastic caisson", "200 GPa", optional=True),
-    ] = None
-    poisson_ratio: Annotated[
-        float | None, Number("[0, 0.5)", "Poisson ratio of an elastic caisson", 0.3, optional=True)
-    ] = None
+        float, Quantity("GPa", "[0.001, 1e6]", "Young modulus of an elastic caisson", "200 GPa")
+    ] = 200e9
+    poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio of an elastic caisson", 0.3)] = 0.3
     vertical_load: Annotated[float | str, Quantity("MN", "[-1e4, 1e4]", _BALANCED, "4 MN", word="balanced")] = (
         "balanced"
     )
@@ -93,7 +90,7 @@ class Soil(Section):
     young_modulus: Annotated[float, Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa")] = 200e6
     poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio", 0.3)] = 0.3
     yield_surface: Annotated[
-        str, Choice(("drucker-prager", "elastic"), "shape of the yield surface", planned=("van-eekelen",))
+        str, Choice(("drucker-prager", "van-eekelen", "elastic"), "shape of the yield surface")
     ] = "drucker-prager"
     friction_angle_initial: Annotated[float, Quantity("deg", "[0, 60]", "friction angle at first yield", "5 deg")] = (
         5.0 * _DEGREE
@@ -230,6 +227,7 @@ class Output(Section):
     interface_fields: Annotated[bool, Flag("keep contact stresses and gaps by azimuth and depth at every step")] = True
     section: Annotated[bool, Flag("keep displacements of the symmetry plane at every step")] = True
     figures: Annotated[bool, Flag("draw the pictures")] = True
+    paraview: Annotated[bool, Flag("keep the whole model at every step, and write ParaView files of it")] = False
 
 
 PAPER_PATH = Path(name="pull", kind="pull", lateral_displacement=20e-3, rate=0.05e-3, report_at=(2.5e-3,))

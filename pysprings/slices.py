@@ -50,7 +50,7 @@ def _merged(path: xr.Dataset, n: int) -> xr.Dataset:
             data[str(name)] = variable.variable
         elif name not in ("depth_bounds", "y"):
             data[str(name)] = (variable.dims, np.tensordot(share, variable.values, axes=(1, 0)), variable.attrs)
-    y = path["u"].values + path["rotation"].values * depth[:, None]
+    y = share @ path["y"].transpose("depth", "step").values
     data |= {"depth_bounds": (path["depth_bounds"].dims, ends, path["depth_bounds"].attrs)}
     data |= {"y": (("depth", "step"), y, path["y"].attrs)}
     coords = {name: value.variable for name, value in path.coords.items() if "depth" not in value.dims}

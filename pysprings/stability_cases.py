@@ -98,6 +98,9 @@ CASES = (
     Case("soil", "K0-3", "K0 = 3 at phi_i = 5 deg", {"soil": {"K0": 3.0}}),
     Case("soil", "K0-3-strong", "K0 = 3 at phi_i = phi_f = 30 deg", {
         "soil": {"K0": 3.0, "friction_angle_initial": 30 * _DEG}}),
+    Case("soil", "van-eekelen", "Van Eekelen's surface", {"soil": {"yield_surface": "van-eekelen"}}, hard=True),
+    Case("soil", "van-eekelen-dilates", "Van Eekelen's surface, psi = 10 deg", {
+        "soil": {"yield_surface": "van-eekelen", "dilation_angle": 10 * _DEG}}),
     Case("water", "k-1e-14", "k = 1e-14 m/s", _water(soil={"hydraulic_conductivity": 1e-14}), hard=True),
     Case("water", "k-1", "k = 1 m/s", _water(soil={"hydraulic_conductivity": 1.0})),
     Case("water", "rate-1e-10", "1e-10 m/s", _water(), {"rate": 1e-10}),

@@ -68,7 +68,7 @@ _BODY = _table(
     V("u", "lateral displacement of the lid centre", "m", ("step",),
       "positive along +x, the loading direction"),
     V("w", "vertical displacement of the lid centre", "m", ("step",), "positive down; heave is negative"),
-    V("rotation", "rotation of the caisson", "radian", ("step",),
+    V("rotation", "rotation of the caisson (of the lid's centre where it is elastic)", "radian", ("step",),
       "right-hand about +y: u(z) = u + rotation*z; a free-head pull u > 0 gives rotation < 0"),
     V("H", "lateral load on the caisson", "N", ("step",), "positive along +x; whole caisson"),
     V("V", "vertical load on the caisson", "N", ("step",),
@@ -94,7 +94,7 @@ _SKIRT = _resultants("outer", "the outer face of the skirt", "about the lid cent
 )
 
 _Y = V("y", "lateral displacement of the mean fibre", "m", ("depth", "step"),
-       "y = u + rotation*depth, positive along +x")
+       "positive along +x; u + rotation*depth of a rigid caisson, the mean around the section of an elastic one")
 
 
 def _slices(dims_p: tuple[str, ...], name: str) -> tuple[Variable, ...]:
@@ -145,6 +145,26 @@ _WATER = (
       "compression positive, over hydrostatic", required=False),
 )
 
+STRESSES = ("xx", "yy", "zz", "xy", "yz", "zx")
+
+
+def _volume_field(name: str, words: str, units: str, place: str, comment: str) -> Variable:
+    return V(name, words, units, ("step", place), comment, required=False)
+
+
+_FIELDS = (
+    *(_volume_field(f"volume_u{a}", f"displacement along {a}", "m", "volume_node", "z is down; soil and steel")
+      for a in "xyz"),
+    *(_volume_field(f"volume_s{a}", f"effective stress {a}", "Pa", "volume_cell",
+                    "tension positive, mean of the cell; not a number in steel") for a in STRESSES),
+    _volume_field("volume_plastic_strain", "equivalent plastic strain", "1", "volume_cell",
+                  "mean of the cell; 0 in steel"),
+    _volume_field("volume_pore_pressure", "excess pore pressure", "Pa", "volume_node",
+                  "compression positive, over hydrostatic; 0 in steel"),
+    _volume_field("volume_gap", "opening between soil and caisson", "m", "volume_node",
+                  "largest of the stations at the node; 0 elsewhere"),
+)
+
 _RESULT_PATH = (
     _AXES
     | _BODY
@@ -152,6 +172,10 @@ _RESULT_PATH = (
         V("time", "time", "s", ("step",)),
         V("azimuth", "angle around the caisson from the front", "radian", ("azimuth",),
           "0 at the front (+x), pi at the back; half model"),
+        V("diameter_change_x", "change of the skirt's diameter in the loading direction", "m", ("depth", "step"),
+          "positive where it has grown; of the middle of the wall; elastic caisson only", required=False),
+        V("diameter_change_y", "change of the skirt's diameter across the loading direction", "m", ("depth", "step"),
+          "positive where it has grown; of the middle of the wall; elastic caisson only", required=False),
         *_SKIRT,
         *_LID,
         *_TIP,
@@ -174,6 +198,7 @@ _RESULT_PATH = (
           "compression positive, over hydrostatic", required=False),
         V("gap", "opening between soil and skirt", "m", _FIELD, "zero or positive", required=False),
         *_WATER,
+        *_FIELDS,
         *_patch("lid", "the lid"),
         *_patch("tip", "the skirt tip"),
         V("section_ux", "lateral displacement in the symmetry plane", "m", ("step", "section_node"),
@@ -189,6 +214,12 @@ _SECTION = _table(
       "positive down"),
     V("section_quad", "nodes of each quadrilateral of the symmetry plane", "1", ("section_cell", "corner"),
       "zero-based section_node numbers"),
+)
+
+_VOLUME = _table(
+    *(V(f"volume_{a}", f"{a} of the nodes", "m", ("volume_node",), "half model; z is down") for a in "xyz"),
+    V("volume_hex", "nodes of each cell", "1", ("volume_cell", "vertex"), "zero-based volume_node numbers"),
+    V("volume_steel", "1 where a cell is steel, 0 where it is soil", "1", ("volume_cell",)),
 )
 
 _CONVERGENCE = _table(
@@ -254,6 +285,7 @@ GROUPS: dict[str, dict[str, Variable]] = {
     "result_root": {name: replace(variable, required=False) for name, variable in _SPRINGS_ROOT.items()},
     "result_path": _RESULT_PATH,
     "section": _SECTION,
+    "volume": _VOLUME,
     "convergence": _CONVERGENCE,
     "springs_root": _SPRINGS_ROOT,
     "springs_path": _SPRINGS_PATH,
@@ -268,8 +300,8 @@ def group_of(path: str, kind: TreeKind) -> str | None:
     parts = [part for part in path.split("/") if part]
     if not parts:
         return f"{kind}_root"
-    if parts == ["section"]:
-        return "section"
+    if parts in (["section"], ["volume"]):
+        return parts[0]
     if parts[0] == "paths" and len(parts) == 2:
         return f"{kind}_path"
     if parts[0] == "paths" and parts[2:] == ["convergence"]:

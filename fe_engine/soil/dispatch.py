@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import numba as nb
 
-from fe_engine.conventions import ELASTIC, OK, REGIME_ELASTIC
-from fe_engine.soil import plasol
+from fe_engine.conventions import ELASTIC, OK, REGIME_ELASTIC, VAN_EEKELEN
+from fe_engine.soil import plasol, van_eekelen
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent
 
 N_PARAMETERS = plasol.N_PARAMETERS
 N_HISTORY = plasol.N_HISTORY
 _plasol_update = plasol.update
+_van_eekelen_update = van_eekelen.update
 
 
 @nb.njit(cache=True)
@@ -27,4 +28,6 @@ def update_soil(law, p, strain, stress_old, history_old, stress, history, tangen
         if want_tangent:
             elastic_tangent(p[0], p[1], 1.0, tangent)
         return OK, REGIME_ELASTIC
+    if law == VAN_EEKELEN:
+        return _van_eekelen_update(p, strain, stress_old, history_old, stress, history, tangent, want_tangent)
     return _plasol_update(p, strain, stress_old, history_old, stress, history, tangent, want_tangent)

@@ -59,11 +59,16 @@ def cone_slope(phi):
 
 
 @nb.njit(cache=True)
-def _strength(p, kappa):
+def mobilised(p, kappa):
+    """Friction angle (rad) after the equivalent plastic strain kappa, and its derivative."""
+    phi = p[PHI_I] + (p[PHI_F] - p[PHI_I]) * kappa / (p[B_PHI] + kappa)
+    return phi, (p[PHI_F] - p[PHI_I]) * p[B_PHI] / (p[B_PHI] + kappa) ** 2
+
+
+@nb.njit(cache=True)
+def strength(p, kappa):
     """Return m, k and their derivatives with respect to the equivalent plastic strain."""
-    share = kappa / (p[B_PHI] + kappa)
-    phi = p[PHI_I] + (p[PHI_F] - p[PHI_I]) * share
-    dphi = (p[PHI_F] - p[PHI_I]) * p[B_PHI] / (p[B_PHI] + kappa) ** 2
+    phi, dphi = mobilised(p, kappa)
     s, c = math.sin(phi), math.cos(phi)
     a = 3.0 - s
     m = 2.0 * s / (_SQRT3 * a)
@@ -76,7 +81,7 @@ def _strength(p, kappa):
 @nb.njit(cache=True)
 def _excess(p, kappa_old, first, second, dl):
     """Yield function and its derivative after the plastic multiplier dl from the trial (I, II)."""
-    m, k, dm, dk = _strength(p, kappa_old + dl / _SQRT3)
+    m, k, dm, dk = strength(p, kappa_old + dl / _SQRT3)
     i = first - 9.0 * p[BULK] * p[M_PSI] * dl
     f = second - p[SHEAR] * dl + m * i - k
     slope = -p[SHEAR] - 9.0 * p[BULK] * m * p[M_PSI] + (dm * i - dk) / _SQRT3
@@ -105,13 +110,13 @@ def _multiplier(p, kappa_old, first, second):
 @nb.njit(cache=True)
 def yield_function(p, stress, kappa):
     """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
-    m, k, _, _ = _strength(p, kappa)
+    m, k, _, _ = strength(p, kappa)
     first = stress[0] + stress[1] + stress[2]
-    return _second(stress, first / 3.0) + m * first - k
+    return second_invariant(stress, first / 3.0) + m * first - k
 
 
 @nb.njit(cache=True)
-def _second(stress, mean):
+def second_invariant(stress, mean):
     """II = sqrt(s:s/2) of a stress (6,) with the given mean."""
     square = 0.0
     for i in range(3):
@@ -130,15 +135,15 @@ def update(p, strain, stress_old, history_old, stress, history, tangent, want_ta
     add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
     kappa_old = history_old[KAPPA]
     first = stress[0] + stress[1] + stress[2]
-    second = _second(stress, first / 3.0)
-    m, k, _, _ = _strength(p, kappa_old)
+    second = second_invariant(stress, first / 3.0)
+    m, k, _, _ = strength(p, kappa_old)
     if second + m * first - k <= 0.0:
         history[KAPPA] = kappa_old
         if want_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
     if second <= 0.0 or _excess(p, kappa_old, first, second, second / p[SHEAR])[0] >= 0.0:
-        _return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent)
+        return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent)
         return OK, REGIME_APEX
     dl, status = _multiplier(p, kappa_old, first, second)
     _return_to_cone(p, kappa_old, first, second, dl, stress, history, tangent, want_tangent)
@@ -164,7 +169,7 @@ def _return_to_cone(p, kappa_old, first, second, dl, stress, history, tangent, w
 def _cone_tangent(p, kappa, first, second, first_new, dl, trial, tangent):
     """Consistent tangent (6, 6) on the cone; trial is the elastic trial stress."""
     bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
-    m, _, dm, dk = _strength(p, kappa)
+    m, _, dm, dk = strength(p, kappa)
     denominator = shear + 9.0 * bulk * m * m_psi - (dm * first_new - dk) / _SQRT3
     elastic_tangent(0.0, shear, 1.0 - shear * dl / second, tangent)
     for i in range(6):
@@ -179,10 +184,10 @@ def _cone_tangent(p, kappa, first, second, first_new, dl, trial, tangent):
 
 
 @nb.njit(cache=True)
-def _return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent):
+def return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent):
     """Put the point on the apex, plus the residual elastic fraction of the trial stress."""
     kappa = kappa_old + second / (_SQRT3 * p[SHEAR])
-    m, k, dm, dk = _strength(p, kappa)
+    m, k, dm, dk = strength(p, kappa)
     mean = k / m / 3.0 if k > 0.0 else 0.0
     history[KAPPA] = kappa
     if want_tangent:

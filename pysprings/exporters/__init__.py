@@ -50,6 +50,13 @@ def excel(path: PathLike, springs: xr.DataTree) -> Path:
     return xlsx.write_workbook(springs, path)
 
 
+def paraview(folder: PathLike, result: xr.DataTree) -> list[Path]:
+    """Write ParaView files of a result that holds the whole model: a `.pvd` for each path, a `.vtu` for each step."""
+    from pysprings.exporters import vtu
+
+    return vtu.write_paraview(result, Path(folder))
+
+
 def export(springs: xr.DataTree, form: str, path: PathLike) -> Path:
     """Write the springs to one file in a form of `FORMATS` (csv: long p-y table, wide: wide one); return its path."""
     if form == "xlsx":

@@ -46,7 +46,7 @@ _MEANING = (
     ),
     (
         "signs",
-        "Reactions are positive when they oppose a positive displacement. y = u + rotation*depth. "
+        "Reactions are positive when they oppose a positive displacement. y = u + rotation*depth (of a rigid caisson). "
         "w and V are positive down.",
     ),
     ("depth, slice", "depth of the ring of stations; slice = the part of the skirt it stands for."),

@@ -15,6 +15,7 @@ from pysprings.plots.pressure_rose import pressure_rose
 from pysprings.plots.reactions import py_curves
 from pysprings.plots.rose import stress_rose
 from pysprings.plots.section import mesh, section_displacement, section_pressure
+from pysprings.plots.steel import ovalisation
 from pysprings.plots.vertical import vertical_springs
 from pysprings.springs import path_names
 
@@ -25,6 +26,7 @@ __all__ = [
     "macro_against_full",
     "mesh",
     "newton_record",
+    "ovalisation",
     "path_data",
     "path_names",
     "pressure_rose",

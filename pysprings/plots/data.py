@@ -70,6 +70,7 @@ SETTINGS = (
     "skirt_length_m",
     "skirt_thickness_m",
     "lid_thickness_m",
+    "caisson_behaviour",
     "status",
     "mesh_preset",
     "n_nodes",

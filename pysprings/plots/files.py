@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 
-from pysprings.plots import comparison, gap, load, newton, pressure_rose, reactions, rose, section, vertical
+from pysprings.plots import comparison, gap, load, newton, pressure_rose, reactions, rose, section, steel, vertical
 from pysprings.plots.data import (
     convergence_data,
     path_data,
@@ -110,6 +110,8 @@ def _state_figures(path: xr.Dataset, plane: xr.Dataset | None) -> Iterator[tuple
                 yield f"{name}_stress_{side}_{tag}", rose.stress_rose(path, step, side=side)
         if "gap" in path:
             yield f"{name}_gap_{tag}", gap.gap_map(path, step)
+        if "diameter_change_x" in path:
+            yield f"{name}_ovalisation_{tag}", steel.ovalisation(path, step)
         if plane is not None and "section_ux" in path:
             yield f"{name}_section_{tag}", section.section_displacement(plane, path, step)
         if "pressure_min" in path and "pore_pressure" in path:

@@ -90,7 +90,9 @@ def section_displacement(
     _load_arrow(lateral, section)
     factor = _draw_moved_caisson(lateral, section, path, step)
     _draw_moved_caisson(vertical, section, path, step)
-    moved = f"dashed: the caisson's motion, {factor:g} times" if factor else ""
+    elastic = path.attrs.get("caisson_behaviour") == "elastic"
+    motion = "rigid motion of the lid's centre" if elastic else "caisson's motion"
+    moved = f"dashed: the {motion}, {factor:g} times" if factor else ""
     set_title(figure, f"Displacement in the symmetry plane at {step_text(path, step)}", path.attrs, moved)
     return figure
 

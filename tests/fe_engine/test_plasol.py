@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,45 +11,30 @@ from hypothesis import strategies as st
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import plasol
 from fe_engine.soil.elastic import elastic_matrix
-from tests.fe_engine.models import DEGREE, SAND, rotation_matrix, taylor_slope, to_matrix, to_voigt
-
-YOUNG, POISSON = SAND[:2]
-PRESSURE = 1.0e5
-START = -PRESSURE * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-# a general direction, mostly shear; and a general direction to perturb it in
-PUSH = 1.0e-3 * np.array([1.0, -0.4, -0.7, 0.5, -0.3, 0.8])
-OTHER = 1.0e-3 * np.array([0.3, 0.5, -0.6, -0.9, 0.4, 0.7])
-OPENING = 1.0e-3 * np.array([1.5, 0.8, 0.7, 0.5, -0.3, 0.2])
-SIZES = np.geomspace(3.0e-2, 1.0e-3, 5)
-
-
-def make(phi_i=5.0, phi_f=30.0, psi=0.0, cohesion=0.0, b_phi=0.005, young=YOUNG, poisson=POISSON):
-    """Packed parameters; angles in degrees."""
-    return plasol.pack(young, poisson, phi_i * DEGREE, phi_f * DEGREE, b_phi, psi * DEGREE, cohesion)
-
-
-@dataclass
-class Answer:
-    """What one update wrote and returned."""
-
-    stress: np.ndarray
-    kappa: float
-    tangent: np.ndarray
-    status: int
-    regime: int
+from tests.fe_engine.models import DEGREE, rotation_matrix, taylor_slope, to_matrix, to_voigt
+from tests.fe_engine.soil_points import (
+    OPENING,
+    OTHER,
+    POISSON,
+    PRESSURE,
+    PUSH,
+    SIZES,
+    START,
+    YOUNG,
+    Answer,
+    dissipation,
+    elastic,
+    invariants,
+    make,
+    soils,
+    strains,
+    update_by,
+)
+from tests.fe_engine.soil_points import trial_excess as excess_of
 
 
 def update(p, strain, stress=START, kappa=0.0, update=plasol.update) -> Answer:
-    new, history, tangent = np.full(6, np.nan), np.full(1, np.nan), np.full((6, 6), np.nan)
-    status, regime = update(p, strain, stress, np.array([kappa]), new, history, tangent, True)
-    return Answer(new, history[0], tangent, status, regime)
-
-
-def invariants(stress):
-    """I = tr sigma and II = sqrt(s:s/2)."""
-    first = stress[:3].sum()
-    deviator = to_matrix(stress) - first / 3.0 * np.eye(3)
-    return first, np.sqrt(0.5 * np.sum(deviator**2))
+    return update_by(update, p, strain, stress, kappa)
 
 
 def cone(phi):
@@ -60,23 +43,7 @@ def cone(phi):
 
 
 def trial_excess(p, strain, stress, kappa):
-    """Yield function of the elastic trial stress at a given hardening, and its size."""
-    trial = stress + elastic(p) @ strain
-    first, second = invariants(trial)
-    return plasol.yield_function(p, trial, kappa), second + abs(first) + p[plasol.COHESION]
-
-
-def elastic(p):
-    bulk, shear = p[plasol.BULK], p[plasol.SHEAR]
-    return elastic_matrix(
-        9.0 * bulk * shear / (3.0 * bulk + shear), (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)
-    )
-
-
-def dissipation(p, strain, stress, answer):
-    """Plastic work of the step, J/m3."""
-    plastic = strain - np.linalg.solve(elastic(p), answer.stress - stress)
-    return answer.stress @ plastic
+    return excess_of(plasol.yield_function, p, strain, stress, kappa)
 
 
 CONES = {
@@ -332,26 +299,6 @@ def test_a_strain_that_is_no_number_never_becomes_a_finite_stress():
 
 
 # --- sweep ------------------------------------------------------------------------------------------------
-
-
-@st.composite
-def soils(draw):
-    phi_f = draw(st.floats(0.5, 45.0))
-    return make(
-        phi_i=draw(st.sampled_from([0.0, 1.0e-6, 0.1, 0.5, 1.0])) * phi_f,
-        phi_f=phi_f,
-        psi=draw(st.one_of(st.floats(-5.0, 0.0), st.floats(0.0, 1.0).map(lambda share: share * phi_f))),
-        cohesion=draw(st.sampled_from([0.0, 1.0, 1.0e3, 1.0e6])),
-        b_phi=draw(st.sampled_from([1.0e-6, 1.0e-4, 0.005, 1.0])),
-        young=10.0 ** draw(st.floats(6.0, 11.0)),
-        poisson=draw(st.sampled_from([0.0, 0.2, 0.3, 0.45, 0.499])),
-    )
-
-
-@st.composite
-def strains(draw):
-    direction = np.array(draw(st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6)))
-    return 10.0 ** draw(st.floats(-9.0, -1.0)) * direction
 
 
 @settings(max_examples=500, deadline=None, derandomize=True, database=None)

@@ -28,6 +28,16 @@ def test_counts_without_a_mesh_are_those_of_the_mesh(mode: str, side: str, mesh:
     assert (size.nodes, size.elements, size.unknowns) == counts
 
 
+@pytest.mark.parametrize("mesh", [{}, {"preset": "fine", "refinement": 0.3}])
+def test_counts_of_an_elastic_caisson_are_those_of_the_mesh(mesh: dict) -> None:
+    path = tiny.PULL | {"rate": 1e-4}
+    scene = Scene(mesh=mesh, drainage={"mode": "coupled"}, caisson={"behaviour": "elastic"}, paths=[path])
+    about, size = describe(scene), resources.size_of(scene)
+    assert about["mesh"]["steel_elements"] > 0
+    counts = about["mesh"]["nodes"], about["mesh"]["elements"], about["unknowns"]
+    assert (size.nodes, size.elements, size.unknowns) == counts
+
+
 def test_bytes_of_a_step_are_those_of_a_result() -> None:
     result = tiny.result()["paths/pull"].to_dataset(inherit=False)
     assert resources.size_of(tiny.scene()).step_bytes == pytest.approx(result.nbytes / result.sizes["step"], rel=0.15)

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from fe_engine.conventions import OK
-from fe_engine.soil import plasol
+from fe_engine.soil import lode, plasol, van_eekelen
 from pysprings.build import build_model
 from pysprings.errors import UserInputError
 from pysprings.scene import Scene, parse_scene
-from pysprings.scene_checks import MOST_CONTRACTION, cone_slope
+from pysprings.scene_checks import _MOST_FRICTION, MOST_CONTRACTION, _section, cone_slope
 from pysprings.small_strain import scene_warnings
 from pysprings.stages import path_stages
 from tests.pysprings import tiny
@@ -35,6 +35,7 @@ EXTREMES: dict[str, dict[str, Any]] = {
     "no hardening": {"soil": {"friction_angle_initial": "30 deg"}},
     "hardens at once": {"soil": {"hardening_parameter": 1e-6}},
     "hardly hardens": {"soil": {"hardening_parameter": 1}},
+    "van eekelen": {"soil": {"yield_surface": "van-eekelen", "dilation_angle": "10 deg"}},
     "associated": {"soil": {"dilation_angle": "30 deg"}},
     "contracts": {"soil": {"dilation_angle": "-10 deg"}},
     "no weight above": {"soil": {"cohesion": "0 kPa", "surcharge": "0 kPa"}},
@@ -151,6 +152,55 @@ def test_a_soil_that_contracts_is_accepted_down_to_where_it_becomes_unstable(nu:
     assert share == pytest.approx(-MOST_CONTRACTION, abs=0.03)
     with pytest.raises(ValueError, match="unstable"):
         Scene(soil=soil | {"dilation_angle": f"{least - 0.015} deg"})
+
+
+def test_van_eekelen_is_refused_where_it_is_not_convex() -> None:
+    with pytest.raises(UserInputError) as caught:
+        parse_scene('[soil]\nyield_surface = "van-eekelen"\nfriction_angle_final = "47 deg"\n')
+    place = "3:24: soil.friction_angle_final: 47 deg is too much: "
+    assert str(caught.value) == f"fatal: user input: {place}Van Eekelen's surface is convex up to 46.5 deg"
+    assert pytest.approx(lode.MAX_FRICTION) == _MOST_FRICTION
+    assert parse_scene('[soil]\nyield_surface = "van-eekelen"\nfriction_angle_final = "46.5 deg"\n')
+
+
+@pytest.mark.parametrize("angle", [5.0, 30.0, 45.0])
+@pytest.mark.parametrize("lode_angle", [0.0, 0.4, 1.0])
+def test_the_section_is_the_engines(angle: float, lode_angle: float) -> None:
+    b = lode.shape(np.radians(angle))
+    cosine, sine = np.cos(3.0 * lode_angle), np.sin(3.0 * lode_angle)
+    found = lode.section(b, cosine), lode.turn_of(b, cosine, sine)[0]
+    assert _section(np.radians(angle), lode_angle) == pytest.approx(found)
+
+
+@pytest.mark.parametrize("phi", [30.0, 46.5])
+def test_van_eekelen_returns_to_its_surface_down_to_the_least_dilation(phi: float) -> None:
+    """Status OK, no excess; and the yield function along the return changes its sign once, for any trial stress."""
+    given = {"yield_surface": "van-eekelen", "friction_angle_final": f"{phi} deg", "poisson_ratio": 0.4}
+    given |= {"dilation_angle": "-30 deg"}
+    with pytest.raises(ValueError, match="is unstable") as caught:
+        Scene(soil=given)
+    least = float(str(caught.value).split("at least ")[1].split(" deg")[0]) + 0.005
+    assert Scene(soil=given | {"dilation_angle": f"{least} deg"})
+    law = plasol.pack(200e6, 0.4, np.radians(5.0), np.radians(phi), 0.005, np.radians(least), 0.0)
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        strain, old = 1e-3 * rng.standard_normal(6), np.zeros(6)
+        old[:3] = -rng.uniform(1e4, 1e5)
+        stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
+        status, _ = van_eekelen.update(law, strain, old, np.zeros(1), stress, history, tangent, True)
+        assert status == OK
+        assert np.isfinite(stress).all()
+        assert np.isfinite(tangent).all()
+        trial = np.abs(200e6 * strain).max() + np.abs(old).max()
+        assert van_eekelen.yield_function(law, stress, history[0]) < 2.0 * plasol.APEX_STIFFNESS * trial
+    start = np.array([-5e4, -5e4, -5e4, 0.0, 0.0, 0.0])
+    b_psi = lode.shape_of_slope(law[plasol.M_PSI])
+    for _ in range(200):
+        trial_stress = start + 5e4 * rng.standard_normal(6)
+        first = trial_stress[:3].sum()
+        trial = lode.lode(trial_stress, first, plasol.second_invariant(trial_stress, first / 3.0))
+        excess = [van_eekelen._evaluate(law, b_psi, 0.02, trial, w, 0.0).f for w in np.linspace(0.0, 1.0, 101)]
+        assert np.count_nonzero(np.diff(np.sign(excess))) <= 1
 
 
 def test_an_elastic_soil_has_no_use_for_its_dilation() -> None:

@@ -100,10 +100,6 @@ def test_the_form_of_the_contract() -> None:
         ('title = ""\n', '1:9: title: "" is not 1 to 200 characters on one line'),
         ('title = "a\\nb"\n', '1:9: title: "a\\nb" is not 1 to 200 characters on one line'),
         # known, but not there yet
-        ('[caisson]\nbehaviour = "elastic"\n',
-         '2:13: caisson.behaviour: "elastic" is not available yet; choose "rigid"'),
-        ('[soil]\nyield_surface = "van-eekelen"\n',
-         '2:17: soil.yield_surface: "van-eekelen" is not available yet; choose "drucker-prager" or "elastic"'),
         ('[solver]\nlinear = "mumps"\n',
          '2:10: solver.linear: "mumps" is not available yet; choose "auto" or "pardiso" or "superlu"'),
         # values that do not go together
@@ -212,13 +208,22 @@ def test_k0_range_in_the_message_is_where_the_refusal_begins() -> None:
         assert "initial yield surface" in problems(f"[soil]\nK0 = {outside}\n")[0]
 
 
+def test_k0_range_of_van_eekelen_has_the_friction_angle_on_both_sides() -> None:
+    """K0 from (1 - sin phi)/(1 + sin phi) to its inverse: 0.83966 to 1.19096 at 5 deg."""
+    text = '[soil]\nyield_surface = "van-eekelen"\nK0 = '
+    for inside in (0.8397, 1.1909):
+        scene = parse_scene(f"{text}{inside}\n")
+        assert scene.model_dump()["soil"]["K0"] == inside
+    for outside in (0.8396, 1.1910):
+        assert "allows 0.840 to 1.191" in problems(f"{text}{outside}\n")[0]
+
+
 def test_everything_at_once_in_the_order_of_the_file() -> None:
     """Wrong keys, wrong values and clashes among the right ones; nothing that follows only from another fault."""
     text = (
         'title = "t"\n'
         "[caisson]\n"
         'skirt_lenght = "20 m"\n'  # not also: the domain is too shallow
-        'behaviour = "elastic"\n'
         "[soil]\n"
         'friction_angle_initial = "35 deg"\n'
         "poisson_ratio = 0.6\n"
@@ -243,7 +248,6 @@ def test_everything_at_once_in_the_order_of_the_file() -> None:
     keys = [problem.split(": ")[1] for problem in problems(text, "c.toml")]
     assert keys == [
         "caisson.skirt_lenght",
-        "caisson.behaviour",
         "soil.friction_angle_initial",
         "soil.poisson_ratio",
         "solver.first_step_fraction",

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fe_engine.assembly import System
-from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
+from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC, VAN_EEKELEN
 from fe_engine.linear import LinearSolver
 from fe_engine.mesh import Mesh
 from fe_engine.model import Material, Model, Stage
@@ -36,10 +36,15 @@ def elastic_soil() -> Material:
     return Material(ELASTIC, sand(0.0).parameters)
 
 
-def sand(phi_i: float, phi_f: float | None = None, psi: float = 0.0) -> Material:
-    """Drucker-Prager sand with the paper's moduli and B = 0.005; angles in degrees, no cohesion."""
+def sand(phi_i: float, phi_f: float | None = None, psi: float = 0.0, law: int = DRUCKER_PRAGER) -> Material:
+    """Sand with the paper's moduli and B = 0.005; angles in degrees, no cohesion."""
     phi_i, phi_f, psi = np.radians([phi_i, phi_i if phi_f is None else phi_f, psi])
-    return Material(DRUCKER_PRAGER, plasol.pack(YOUNG, POISSON, phi_i, phi_f, 0.005, psi, 0.0))
+    return Material(law, plasol.pack(YOUNG, POISSON, phi_i, phi_f, 0.005, psi, 0.0))
+
+
+def van_eekelen_sand(phi_i: float, phi_f: float | None = None, psi: float = 0.0) -> Material:
+    """Sand of `sand` with Van Eekelen's surface."""
+    return sand(phi_i, phi_f, psi, VAN_EEKELEN)
 
 
 def block_model(mesh: Mesh, material: Material, fixed: np.ndarray, n_border: int, pressure: float = 0.0) -> Model:

@@ -23,7 +23,7 @@ import numpy as np
 from fe_engine import hex8
 from fe_engine.interface import nodal_stations
 from fe_engine.mesh import Mesh
-from fe_engine.model import Model
+from fe_engine.model import Material, Model
 from fe_engine.soil import plasol
 from tests.verification.blocks import (
     POISSON,
@@ -36,6 +36,7 @@ from tests.verification.blocks import (
     make_newton,
     run,
     sand,
+    van_eekelen_sand,
 )
 from tests.verification.rows import Row, fitted_rate
 
@@ -79,7 +80,7 @@ class Sector:
     size: float
 
 
-def make_sector(cells: int, psi: float, angle: float = ANGLE) -> Sector:
+def make_sector(cells: int, psi: float, angle: float = ANGLE, material: Material | None = None) -> Sector:
     """Sector of half angle ``angle`` (rad) with cells in geometric progression from r = 1 m."""
     radius = np.geomspace(1.0, OUTER_RADIUS, cells + 1)
     tangent = np.tan(angle) * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
@@ -92,7 +93,7 @@ def make_sector(cells: int, psi: float, angle: float = ANGLE) -> Sector:
     fixed = np.zeros(nodes.shape, dtype=bool)
     fixed[:, 1:] = True
     fixed[-4:] = True
-    model = block_model(mesh, sand(30.0, psi=psi), fixed, 1, P0)
+    model = block_model(mesh, material or sand(30.0, psi=psi), fixed, 1, P0)
     model.frames = {node: _radial_frame(nodes[node]) for node in range(len(nodes))}
     wall = np.arange(4)
     model.followers = followers(wall, 0, 0)
@@ -138,7 +139,18 @@ def errors(cells: int, psi: float, b: float, angle: float = ANGLE) -> tuple[floa
 @cache
 def rows() -> tuple[Row, ...]:
     """Pressure, displacement and plastic radius at b/a = 1.5, 2, 3, for psi 0 and 30 degrees, and the rates."""
-    return tuple(row for psi in (0.0, 30.0) for row in (*_values(psi), *rates(psi)))
+    return (*(row for psi in (0.0, 30.0) for row in (*_values(psi), *rates(psi))), *_van_eekelen())
+
+
+def _van_eekelen() -> list[Row]:
+    """Van Eekelen's surface: all stresses are on the compression meridian, which is the cone's."""
+    rows = []
+    for psi in (0.0, 30.0):
+        cone, other = (make_sector(CELLS, psi, material=law(30.0, psi=psi)) for law in (sand, van_eekelen_sand))
+        name = f"p at the u/a of b/a = 3 over the cone's, psi {psi:g} deg"
+        ratio = expand(other, closed_form(3.0, psi)[1])[0] / expand(cone, closed_form(3.0, psi)[1])[0]
+        rows.append(Row("spherical cavity, phi 30, Van Eekelen", name, "", ratio, 1.0, "the cone's figure", 1e-6))
+    return rows
 
 
 def _name(psi: float) -> str:

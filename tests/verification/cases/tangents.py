@@ -22,7 +22,7 @@ from fe_engine.conventions import (
     REGIME_CONE,
     REGIME_ELASTIC,
 )
-from fe_engine.soil import plasol
+from fe_engine.soil import plasol, van_eekelen
 from fe_engine.state import State
 from tests.verification.blocks import POISSON, YOUNG
 from tests.verification.cases.drained_push import first_increment
@@ -33,6 +33,7 @@ _LINEAR = "linear law"
 # Strain in the direction d, and the states around which the soil is linearised (compression negative)
 _D = 1e-4 * np.array([-1.0, 0.4, 0.3, 0.5, -0.7, 0.2])
 _SHEAR = 1e-3 * np.array([-1.0, 0.7, 0.2, 0.8, -0.5, 0.3])
+_AXIAL = 1e-3 * np.array([-0.5, -0.5, 1.0, 0.0, 0.0, 0.0])
 _SPREAD = 1e-3 * np.array([1.5, 0.7, 0.9, 0.4, -0.2, 0.3])
 _P0 = 100.0e3
 # E, nu, phi_i, phi_f, B, psi, c: everything at work
@@ -64,26 +65,31 @@ def _row(name: str, found: tuple[float, float], linear: bool) -> Row:
 
 
 def _soil() -> list[Row]:
+    cone, section = plasol.update, van_eekelen.update
     wanted = [
-        ("soil, elastic", _SAND, -0.01 * _SHEAR, REGIME_ELASTIC, True),
-        ("soil, cone", _SAND, _SHEAR, REGIME_CONE, False),
-        ("soil, apex with cohesion", _SAND, _SPREAD, REGIME_APEX, False),
-        ("soil, apex without cohesion", _COHESIONLESS, _SPREAD, REGIME_APEX, True),
+        ("soil, elastic", cone, _SAND, -0.01 * _SHEAR, REGIME_ELASTIC, True),
+        ("soil, cone", cone, _SAND, _SHEAR, REGIME_CONE, False),
+        ("soil, apex with cohesion", cone, _SAND, _SPREAD, REGIME_APEX, False),
+        ("soil, apex without cohesion", cone, _COHESIONLESS, _SPREAD, REGIME_APEX, True),
+        ("Van Eekelen, general", section, _SAND, _SHEAR, REGIME_CONE, False),
+        ("Van Eekelen, compression meridian", section, _SAND, -_AXIAL, REGIME_CONE, False),
+        ("Van Eekelen, extension meridian", section, _SAND, _AXIAL, REGIME_CONE, False),
+        ("Van Eekelen, apex", section, _SAND, _SPREAD, REGIME_APEX, False),
     ]
     return [
-        _row(name, _soil_point(parameters, strain, regime), linear)
-        for name, parameters, strain, regime, linear in wanted
+        _row(name, _soil_point(law, parameters, strain, regime), linear)
+        for name, law, parameters, strain, regime, linear in wanted
     ]
 
 
-def _soil_point(parameters: np.ndarray, strain: np.ndarray, regime: int) -> tuple[float, float]:
+def _soil_point(law: Callable, parameters: np.ndarray, strain: np.ndarray, regime: int) -> tuple[float, float]:
     """Linearise one soil point that has hardened a little, about a strain increment."""
     old = np.array([-_P0, -_P0, -_P0, 0.0, 0.0, 0.0])
     tangent = np.zeros((6, 6))
 
     def stress(x: np.ndarray, want: bool = False) -> np.ndarray:
         out = np.empty(6)
-        status, found = plasol.update(parameters, x, old, np.array([1e-3]), out, np.empty(1), tangent, want)
+        status, found = law(parameters, x, old, np.array([1e-3]), out, np.empty(1), tangent, want)
         assert (status, found) == (0, regime), f"regime {found} instead of {regime}"
         return out
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Drained triaxial tests on one hexahedron: hardening sand in compression, the Drucker-Prager limit in extension.
+"""Drained triaxial tests on one hexahedron: hardening sand in compression, the limits in extension.
 
 Isotropic start at the cell pressure s3, axial strain imposed, lateral stress constant. With q = s1 - s3,
 M = 6 sin phi/(3 - sin phi) and e the equivalent plastic strain, the flow keeps its direction, so that
@@ -28,6 +28,7 @@ from tests.verification.blocks import (
     make_newton,
     run,
     sand,
+    van_eekelen_sand,
 )
 from tests.verification.rows import Row, worst
 
@@ -88,7 +89,7 @@ def compress(strain: float, psi: float = 0.0, steps: int = 1, material=None) -> 
 @cache
 def rows() -> tuple[Row, ...]:
     """Triaxial compression with psi = 0 and 10 degrees, and the limit in extension."""
-    return (*map(_state, TABLE), *_worst(0.0), *_worst(10.0), *_steps(), *_extension())
+    return (*map(_state, TABLE), *_worst(0.0), *_worst(10.0), *_steps(), *_extension(), *_van_eekelen())
 
 
 def _state(e: float) -> Row:
@@ -132,3 +133,23 @@ def _extension() -> list[Row]:
         Row("triaxial extension, 30 deg", "q/s_r at the limit", "", -ours["q"] / S3, m / (1.0 + m / 3.0),
             "Drucker-Prager closed form, 0.857", 1e-6)
     ]  # fmt: skip
+
+
+def _van_eekelen() -> list[Row]:
+    """Compression as on the cone, and the limit in extension, which has the same friction angle."""
+    case, exact = "triaxial compression, Van Eekelen, psi = 10 deg", np.array([closed_form(e, 10.0) for e in TABLE])
+    found = [compress(strain, 10.0, material=van_eekelen_sand(5.0, 30.0, 10.0)) for strain in exact[1:, 1]]
+    rows = [
+        Row.error(case, f"largest relative error of {name}", worst(ours / exact[1:, i], 1.0), _SOURCE, 1e-6)
+        for i, name, ours in (
+            (0, "q", np.array([one["q"] for one in found])),
+            (2, "volumetric strain", np.array([one["volumetric"] for one in found])),
+        )
+    ]
+    for psi in (0.0, 10.0):
+        ours = compress(-5.0e-3, material=van_eekelen_sand(30.0, psi=psi))
+        limit = 2.0 * np.sin(np.radians(30.0)) / (1.0 + np.sin(np.radians(30.0)))
+        name = f"triaxial extension, Van Eekelen, 30 deg, psi {psi:g} deg"
+        source = "Mohr-Coulomb closed form, 0.667"
+        rows.append(Row(name, "q/s_r at the limit", "", -ours["q"] / S3, limit, source, 1e-6))
+    return rows

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: MIT
+"""Lode angle of a stress with its directions, and the section of Van Eekelen's surface over it (see van_eekelen)."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numba as nb
+
+from fe_engine.soil.plasol import cone_slope
+
+EXPONENT = -0.229
+# The section of the surface is convex up to here, rad
+MAX_FRICTION = math.radians(46.5)
+
+_SQRT3, _SQRT6 = math.sqrt(3.0), math.sqrt(6.0)
+_AT_MERIDIAN = 1.0e-12  # sin(3 theta) where the direction across the meridian plane has no meaning any more
+
+
+class Trial(NamedTuple):
+    """Trial stress: I, II, cos and sin of 3 theta, unit deviator n, and unit tensor across its meridian plane."""
+
+    first: float
+    second: float
+    cos3: float
+    sin3: float
+    n: tuple[float, float, float, float, float, float]
+    across: tuple[float, float, float, float, float, float]
+
+
+@nb.njit(cache=True)
+def shape(phi):
+    """Parameter b(phi) of the section; phi in rad."""
+    return math.tanh(math.atanh(math.sin(phi) / 3.0) / EXPONENT)
+
+
+@nb.njit(cache=True)
+def size(phi):
+    """Parameter a(phi) = m(phi)/(1 + b)^n of the surface m = a (1 + b sin 3beta)^n."""
+    return cone_slope(phi) / (1.0 + shape(phi)) ** EXPONENT
+
+
+@nb.njit(cache=True)
+def section(b, cos3):
+    """Radius rho of the section over that in compression."""
+    return ((1.0 + b * cos3) / (1.0 + b)) ** EXPONENT
+
+
+@nb.njit(cache=True)
+def shape_of_slope(m):
+    """Parameter b of the angle whose cone has the slope m."""
+    return math.tanh(math.atanh(_SQRT3 * m / (2.0 + _SQRT3 * m)) / EXPONENT)
+
+
+@nb.njit(cache=True)
+def turn_of(b, cos3, sin3):
+    """Direction T of the flow across the meridian plane, and dT/dtheta."""
+    along = 1.0 + b * cos3
+    return 3.0 * EXPONENT * b * sin3 / along, 9.0 * EXPONENT * b * (cos3 + b) / (along * along)
+
+
+@nb.njit(cache=True)
+def lode(stress, first, second):
+    """Lode angle and directions of a stress (6,) that has a deviator."""
+    scale = 1.0 / (math.sqrt(2.0) * second)
+    mean = first / 3.0
+    x, y, z = (stress[0] - mean) * scale, (stress[1] - mean) * scale, (stress[2] - mean) * scale
+    xy, yz, zx = stress[3] * scale, stress[4] * scale, stress[5] * scale
+    s0, s1, s2 = x * x + xy * xy + zx * zx, y * y + xy * xy + yz * yz, z * z + yz * yz + zx * zx
+    s3, s4, s5 = xy * (x + y) + yz * zx, yz * (y + z) + xy * zx, zx * (x + z) + xy * yz
+    cube = x * s0 + y * s1 + z * s2 + 2.0 * (xy * s3 + yz * s4 + zx * s5)
+    # n.n - 1/3 - tr(n^3) n: traceless, normal to n, of length sin(3 theta)/sqrt6
+    third = (s0 + s1 + s2) / 3.0
+    c0, c1, c2 = s0 - third - cube * x, s1 - third - cube * y, s2 - third - cube * z
+    c3, c4, c5 = s3 - cube * xy, s4 - cube * yz, s5 - cube * zx
+    length = _SQRT6 * math.sqrt(c0 * c0 + c1 * c1 + c2 * c2 + 2.0 * (c3 * c3 + c4 * c4 + c5 * c5))
+    sin3 = min(max(length, _AT_MERIDIAN), 1.0)
+    cos3 = min(max(-_SQRT6 * cube, -1.0), 1.0)
+    f = _SQRT6 / sin3
+    across = (f * c0, f * c1, f * c2, f * c3, f * c4, f * c5)
+    return Trial(first, second, cos3, sin3, (x, y, z, xy, yz, zx), across)
+
+
+@nb.njit(cache=True)
+def rotated(trial, delta):
+    """Cos and sin of 3 (theta_t - delta)."""
+    c, s = math.cos(3.0 * delta), math.sin(3.0 * delta)
+    return trial.cos3 * c + trial.sin3 * s, trial.sin3 * c - trial.cos3 * s
