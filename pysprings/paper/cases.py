@@ -22,6 +22,7 @@ DEPTHS = (0.25, 1.25, 2.25, 3.25)  # m, the paper's four depths
 # mm, converged steps for slopes, for the figures' states, and (the later ones) for time steps that follow the flow
 STEPS_MM = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.5, 4.0, 5.0, 6.0,
             7.0, 8.0, 9.0, 10.0, 12.0, 14.0, 16.0, 18.0)  # fmt: skip
+VARIANT_STEPS_MM = (0.1, 0.2, 0.3, 0.4, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0)
 SLOW, FAST = 0.05e-3, 0.5e-3  # m/s, the paper's rates
 
 
@@ -30,6 +31,7 @@ class Case:
     """One run of the paper's caisson, a pull at the lid centre.
 
     rate : velocity of the lid centre (m/s); None is drained.
+    end, stops_mm : last displacement of the lid centre (m), and where steps end on the way to it (mm).
     changes : section -> values (SI, as in the scene) that differ from the paper's.
     """
 
@@ -39,6 +41,7 @@ class Case:
     friction: float = 0.5
     changes: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: _NOTHING)
     end: float = END
+    stops_mm: tuple[float, ...] = STEPS_MM
 
     @property
     def drained(self) -> bool:
@@ -52,7 +55,7 @@ class Case:
         """
         from pysprings.scene import Scene
 
-        stops = tuple(1e-3 * u for u in STEPS_MM if 1e-3 * u < self.end)
+        stops = tuple(1e-3 * u for u in self.stops_mm if 1e-3 * u < self.end)
         path = {"name": PATH, "kind": "pull", "lateral_displacement": self.end, "report_at": stops}
         drainage: dict[str, Any] = {}
         if self.rate is not None:
@@ -85,7 +88,7 @@ OPEN, STATED = "open", "stated"
 class Variant:
     """One reading of the paper: what is changed, and whether the paper leaves it open or states otherwise.
 
-    smooth : the same without friction is run, too (to 5 mm), for the ratio of their loads.
+    smooth : the same without friction is run, too (to 2.5 mm), for the ratio of their loads.
     water : run at 0.05 mm/s; ``beside`` is the variant whose drained run it is set against.
     """
 
@@ -100,13 +103,15 @@ class Variant:
 
     def case(self) -> Case:
         """Return its run."""
-        return Case(self.name, self.words, SLOW if self.water else None, changes=self.changes)
+        rate = SLOW if self.water else None
+        return Case(self.name, self.words, rate, changes=self.changes, stops_mm=VARIANT_STEPS_MM)
 
     def smooth_case(self) -> Case | None:
-        """Return the same run without friction, to 5 mm; None where it is not asked for."""
+        """Return the same run without friction, to 2.5 mm; None where it is not asked for."""
         if not self.smooth:
             return None
-        return Case(f"{self.name}-smooth", f"{self.words}, no friction", changes=_smooth(self.changes), end=5e-3)
+        words = f"{self.words}, no friction"
+        return Case(f"{self.name}-smooth", words, changes=_smooth(self.changes), end=SHOWN, stops_mm=VARIANT_STEPS_MM)
 
 
 def _smooth(changes: Mapping[str, Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pysprings import plots
 from pysprings.paper import measures
 from pysprings.paper.cases import DEPTHS, END, PATH, SHOWN
@@ -42,8 +40,19 @@ class Drawing:
         return all(name in runs and measures.reached(runs[name].path, self.u) for name in self.needs)
 
 
+_FIELDS = ("normal_effective_stress", "shear_lateral", "pore_pressure")
+
+
 def _path(runs: Runs, name: str) -> xr.Dataset:
-    return path_data(runs[name].result, PATH).assign_attrs(path=name)
+    """Return a path with the words of its case in the place of its name and drainage."""
+    return path_data(runs[name].result, PATH).assign_attrs(path="", drainage=runs[name].case.words)
+
+
+def _rings(runs: Runs, name: str) -> xr.Dataset:
+    """Return a path with its contact fields at the paper's depths, linear between the rings of the mesh."""
+    path = _path(runs, name)
+    fields = path[[field for field in _FIELDS if field in path]].interp(depth=list(DEPTHS))
+    return path[["u", "rotation", "converged"]].merge(fields).assign_attrs(path.attrs)
 
 
 def _plane(runs: Runs, name: str) -> xr.Dataset:
@@ -69,17 +78,7 @@ def _rates(runs: Runs) -> Figure:
         rate = "drained" if run.case.rate is None else f"v = {1e3 * run.case.rate:g} mm/s"
         return f"{rate}, \N{GREEK SMALL LETTER MU} = {run.case.friction:g}"
 
-    return drawn.rates_and_friction({label(run): (_path(runs, name), run.case.friction) for name, run in runs.items()})
-
-
-def _gap_by_azimuth(runs: Runs) -> Figure:
-    def opening(path: xr.Dataset, u: float, depth: float) -> np.ndarray:
-        gap = measures.at(path[["gap", "u"]].sel(side="outside").transpose("step", "azimuth", "depth"), "gap", u)
-        return np.array([np.interp(depth, path["depth"].values, row) for row in gap])
-
-    words = {"drained": "drained", "slow": "0.05 mm/s", "drained-smooth": "drained, no friction"}
-    paths = {text: runs[name].path for name, text in words.items() if name in runs}
-    return drawn.gap_over_azimuth(paths, DEPTHS, END, opening)
+    return drawn.rates_and_friction({label(run): (_path(runs, name), run.case) for name, run in runs.items()})
 
 
 DRAWINGS = (
@@ -88,11 +87,11 @@ DRAWINGS = (
     Drawing("fig05_06_displacement_20mm", "Figures 5 and 6 at the end: drained, 20 mm", ("drained",),
             _sections("drained", END), END, True),
     Drawing("fig08_normal_stress", "Figure 8: normal effective stress over initial, outside, drained, 2.5 mm",
-            ("drained",), lambda r: plots.stress_rose(_path(r, "drained"), displacement=SHOWN, depths=DEPTHS), SHOWN,
+            ("drained",), lambda r: plots.stress_rose(_rings(r, "drained"), displacement=SHOWN, depths=DEPTHS), SHOWN,
             True),
     Drawing("fig09_shear", "Figure 9: shear stress projected on the loading direction, over the initial normal stress, "
             "drained, 2.5 mm", ("drained",),
-            lambda r: plots.shear_rose(_path(r, "drained"), displacement=SHOWN, depths=DEPTHS), SHOWN, True),
+            lambda r: plots.shear_rose(_rings(r, "drained"), displacement=SHOWN, depths=DEPTHS), SHOWN, True),
     Drawing("fig10_load_drained", "Figure 10: load and its components, drained", ("drained",),
             lambda r: drawn.load_components(_path(r, "drained"))),
     Drawing("fig12_load_partially_drained", "Figure 12: load and its components, 0.05 mm/s", ("slow", "drained"),
@@ -101,17 +100,17 @@ DRAWINGS = (
             ("slow",), lambda r: plots.section_pressure(_plane(r, "slow"), _path(r, "slow"), displacement=END), END),
     Drawing("fig14_normal_stress_partially_drained", "Figure 14: normal effective stress over initial, outside, "
             "0.05 mm/s, 2.5 mm", ("slow",),
-            lambda r: plots.stress_rose(_path(r, "slow"), displacement=SHOWN, depths=DEPTHS), SHOWN, True),
+            lambda r: plots.stress_rose(_rings(r, "slow"), displacement=SHOWN, depths=DEPTHS), SHOWN, True),
     Drawing("fig15_pore_pressure", "Figure 15: pore pressure over the initial normal stress, 0.05 mm/s, 2.5 mm",
-            ("slow",), lambda r: plots.pressure_rose(_path(r, "slow"), displacement=SHOWN, depths=DEPTHS,
+            ("slow",), lambda r: plots.pressure_rose(_rings(r, "slow"), displacement=SHOWN, depths=DEPTHS,
                                                      normalised=True), SHOWN, True),
     Drawing("fig16_py", "Figure 16: p-y curves, drained (open) and at 0.05 mm/s (filled)", ("drained", "slow"),
             lambda r: drawn.py_by_drainage(_path(r, "drained"), _path(r, "slow"), DEPTHS, measures.py_curve)),
     Drawing("fig17_rate_and_friction", "Figure 17: load for rates and friction coefficients", ("drained",), _rates),
     Drawing("gap_map_20mm", "Gap over azimuth and depth, drained, 20 mm", ("drained",),
             lambda r: plots.gap_map(_path(r, "drained"), displacement=END), END),
-    Drawing("gap_by_azimuth_20mm", "Gap outside the skirt over the azimuth, 20 mm", ("drained", "slow"),
-            _gap_by_azimuth, END),
+    Drawing("gap_map_partially_drained_20mm", "Gap over azimuth and depth, 0.05 mm/s, 20 mm", ("slow",),
+            lambda r: plots.gap_map(_path(r, "slow"), displacement=END), END),
     Drawing("macro_against_full", "Rigid body on the springs of the drained run against the full model", ("drained",),
             _macro, 0.0, True),
 )  # fmt: skip

@@ -123,11 +123,6 @@ def rear_gap(path: xr.Dataset, u: float, side: str = "outside") -> Array:
     return np.asarray(values[rear].max(axis=0))
 
 
-def widest_gap(path: xr.Dataset, u: float) -> float:
-    """Largest opening [m] on the outside of the skirt at displacement u [m]."""
-    return float(at(path[["gap", "u"]].sel(side="outside"), "gap", u).max())
-
-
 def open_share(path: xr.Dataset, u: float) -> float:
     """Share of the outer back line (azimuth 180 deg) without contact stress at displacement u [m]."""
     stress = field(path, "normal_effective_stress", u, BACK)

@@ -70,8 +70,7 @@ def row(variant: Variant, found: Mapping[str, Mapping[str, Any]]) -> dict[str, A
         return out
     figures = {key: value for key, value in own.items() if key not in ("status", "detail")}
     smooth = found.get(f"{variant.name}-smooth", {})
-    for key in ("H_2.5mm_kN", "H_5mm_kN"):
-        figures[f"smooth_{key[2:-3]}"] = _over(smooth.get(key), own.get(key))
+    figures["smooth_2.5mm"] = _over(smooth.get("H_2.5mm_kN"), own.get("H_2.5mm_kN"))
     if variant.water:
         drained = found.get(variant.beside, {})
         for key in ("H_1mm_kN", "H_2.5mm_kN", "H_10mm_kN", "H_20mm_kN"):
@@ -116,8 +115,8 @@ def figures_of_path(path: xr.Dataset) -> dict[str, Any]:
         **{f"front_{depth:g}m_2.5mm": float(v) for depth, v in zip(DEPTHS, front, strict=True)},
         **{f"back_{depth:g}m_2.5mm": float(v) for depth, v in zip(DEPTHS, back, strict=True)},
         "open_share_2.5mm": m.open_share(path, SHOWN),
-        "gap_2.5mm_mm": 1e3 * m.widest_gap(path, SHOWN),
-        "gap_20mm_mm": 1e3 * m.widest_gap(path, END),
+        "gap_2.5mm_mm": 1e3 * float(m.rear_gap(path, SHOWN).max()),
+        "gap_20mm_mm": 1e3 * float(m.rear_gap(path, END).max()),
         "slope_ratio": m.slope_ratio(path),
         "bend_mm": 1e3 * place,
         "bend_sharpness": sharpness,

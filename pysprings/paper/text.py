@@ -22,7 +22,7 @@ DRAINED_COLUMNS = {
     "gap_2.5mm_mm": ("gap at 2.5 mm [mm]", ".3f"), "gap_20mm_mm": ("at 20 mm [mm]", ".2f"),
     "slope_ratio": ("tangent 0.3/3 mm", ".1f"), "bend_mm": ("bend at [mm]", ".1f"),
     "bend_sharpness": ("sharpness", ".2f"), "smooth_2.5mm": ("mu 0 / mu at 2.5 mm", ".2f"),
-    "smooth_5mm": ("at 5 mm", ".2f"), "H_2.5mm_kN": ("H at 2.5 mm [kN]", ",.0f"),
+    "H_2.5mm_kN": ("H at 2.5 mm [kN]", ",.0f"),
     "H_20mm_kN": ("at 20 mm [kN]", ",.0f"),
     "is_front": ("front", "mark"), "is_gap": ("gap", "mark"), "is_break": ("break", "mark"),
     "is_half": ("half", "mark"), "of_four": ("of four", "d"),
@@ -37,9 +37,9 @@ WATER_COLUMNS = {
 }  # fmt: skip
 NOTE = (
     f"paper: open, where it is silent; stated, where the reading differs from what it states. front, back: p'_N over "
-    f"initial outside at {1e3 * SHOWN:g} mm. gap: widest opening outside on the skirt. bend: the sharpest bend of the "
-    f"load curve; sharpness: per cent by which the tangent falls per cent of u there. mu 0 / mu: load without friction "
-    f"over that with it. All to {1e3 * END:g} mm, the runs without friction to 5 mm."
+    f"initial outside at {1e3 * SHOWN:g} mm. gap: widest opening on the rear half of the skirt, outside. bend: the "
+    f"sharpest bend of the load curve; sharpness: per cent by which the tangent falls per cent of u there. mu 0 / mu: load "
+    f"without friction over that with it. All to {1e3 * END:g} mm, the runs without friction to {1e3 * SHOWN:g} mm."
 )
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -29,9 +29,18 @@ from pysprings.plots.style import (
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
+
+
+class RateAndFriction(Protocol):
+    """Rate [m/s] (None: drained) and friction coefficient of a run."""
+
+    @property
+    def rate(self) -> float | None: ...
+    @property
+    def friction(self) -> float: ...
+
 
 Curve = Callable[["xr.Dataset", float], tuple["NDArray[np.float64]", "NDArray[np.float64]"]]
 LATERAL = r"lateral displacement $\Delta y$ of the lid centre [mm] (x in this tool)"
@@ -119,19 +128,18 @@ def _spaced(x: NDArray[np.float64], n: int = 11) -> list[int]:
 
 
 @styled
-def rates_and_friction(paths: Mapping[str, tuple[xr.Dataset, float]]) -> Figure:
+def rates_and_friction(paths: Mapping[str, tuple[xr.Dataset, RateAndFriction]]) -> Figure:
     """Draw the horizontal load [kN] against the displacement for rates and friction coefficients.
 
-    paths : label -> (path with u [m], H [N]; friction coefficient). One colour a rate, solid with friction and dashed
-    without.
+    paths : label -> (path with u [m], H [N]; its rate and friction coefficient). One colour a rate, solid with friction
+    and dashed without.
     """
     figure = new_figure(8.6, 5.0)
     axes = figure.subplots()
     colours: dict[Any, str] = {}
-    for label, (path, friction) in paths.items():
-        rate = path.attrs.get("rate_m_per_s") if path.attrs.get("drainage") != "drained" else None
-        colour = colours.setdefault(rate, (INK, BLUE, VERMILLION, GREEN)[len(colours) % 4])
-        axes.plot(path["u"].values * MM, path["H"].values * KN, color=colour, linestyle="-" if friction else "--",
+    for label, (path, case) in paths.items():
+        colour = colours.setdefault(case.rate, (INK, BLUE, VERMILLION, GREEN)[len(colours) % 4])
+        axes.plot(path["u"].values * MM, path["H"].values * KN, color=colour, linestyle="-" if case.friction else "--",
                   label=label)  # fmt: skip
     axes.set_xlabel(LATERAL)
     axes.set_ylabel(r"horizontal load $\Delta F_{tot}$ [kN]")
@@ -141,33 +149,3 @@ def rates_and_friction(paths: Mapping[str, tuple[xr.Dataset, float]]) -> Figure:
     attrs = drop_drainage(next(iter(paths.values()))[0].attrs) if paths else {}
     set_title(figure, "Load for loading rates v and friction coefficients \N{GREEK SMALL LETTER MU}", attrs)
     return figure
-
-
-@styled
-def gap_over_azimuth(paths: Mapping[str, xr.Dataset], depths: Sequence[float], u: float, curve: Any) -> Figure:
-    """Draw the opening [mm] of the outer interface over the azimuth [deg] at depths [m], a panel a path.
-
-    curve(path, u, depth) gives the opening [m] by azimuth at a displacement u [m].
-    """
-    figure = new_figure(9.6, 4.4)
-    panels = np.atleast_1d(figure.subplots(1, max(len(paths), 1), sharey=True))
-    for axes, (label, path) in zip(panels, paths.items(), strict=False):
-        azimuth = np.degrees(path["azimuth"].values)
-        for depth, colour, marker in zip(depths, depth_colours(len(depths)), _MARKERS, strict=False):
-            axes.plot(azimuth, curve(path, u, depth) * MM, color=colour, marker=marker, markersize=4.5,
-                      label=f"depth {depth:g} m")  # fmt: skip
-        _azimuths(axes)
-        axes.set_title(label)
-    panels[0].set_ylabel("opening [mm]")
-    panels[0].set_ylim(bottom=0)
-    handles, names = panels[0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside lower center", ncols=4)
-    attrs = drop_drainage(next(iter(paths.values())).attrs) if paths else {}
-    set_title(figure, f"Gap outside the skirt at u = {u * MM:g} mm", attrs)
-    return figure
-
-
-def _azimuths(axes: Axes) -> None:
-    axes.set_xlim(0, 180)
-    axes.set_xticks(range(0, 181, 30), ["0\nfront", "30", "60", "90\nside", "120", "150", "180\nback"])
-    axes.set_xlabel("azimuth [deg]")

@@ -70,7 +70,8 @@ def draw_signed_rose(
                 draw_gaps(axes, ring(path, step, k, side), inward, GAP_WIDTH)
         _draw(axes, azimuth, rings[k], REACH / largest, quantity)
         axes.set_title(_words(float(path["depth"][k]), azimuth, rings[k], quantity), loc="center", fontsize=9)
-    figure.legend(handles=_legend(sides, largest, quantity), loc="outside lower center", ncols=2)
+    gaps = quantity.normalised and any(ring(path, step, k, side).gaps() for k in chosen for side in sides)
+    figure.legend(handles=_legend(sides, largest, quantity, gaps), loc="outside lower center", ncols=2)
     set_title(figure, quantity.title, path.attrs, f"at {step_text(path, step)}")
     return figure
 
@@ -128,7 +129,7 @@ def _show(value: float, what: Quantity) -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def _legend(sides: Iterable[str], largest: float, what: Quantity) -> list[Line2D | Patch]:
+def _legend(sides: Iterable[str], largest: float, what: Quantity, gaps: bool) -> list[Line2D | Patch]:
     curves: list[Line2D | Patch] = [
         Line2D([], [], color=SIDE_COLOURS[side], linestyle="-" if side == "outside" else "--", label=side)
         for side in sides
@@ -137,5 +138,5 @@ def _legend(sides: Iterable[str], largest: float, what: Quantity) -> list[Line2D
     unit = f" {TIMES} initial $p'_N$" if what.normalised else ""
     words = f"{_show(largest, what)}{unit} outward, {_show(-largest, what)} inward"
     scale = Line2D([], [], color=GREY, linestyle=":", label=words)
-    gap = [Patch(label="no contact: $p'_N = 0$", **GAP_LOOK)] if what.normalised else []
+    gap = [Patch(label="no contact: $p'_N = 0$", **GAP_LOOK)] if gaps else []
     return [*curves, trace, scale, *gap]
