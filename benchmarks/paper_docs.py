@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Write docs/paper.md and its pictures from the folder of a study.
 
-``python -m benchmarks.paper_docs DIR`` after ``pysprings paper --sensitivity --out DIR`` (see the Makefile: `make docs`).
+``python -m benchmarks.paper_docs DIR`` after ``pysprings paper --sensitivity --out DIR``: see `make docs`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ B. Cerfontaine, R. Charlier and F. Collin (2018), *Modelling of the lateral load
 hydro-mechanical interface elements*, NUMGE 2018, 1519-1528. Written by `make docs` from `pysprings paper --mesh {mesh}
 --sensitivity`; all drawings are our own. Axes: the paper's y is the loading direction (x here), its z points up.
 
-`pysprings paper` runs six pulls at the lid centre to 20 mm (drained, 0.05 mm/s, 0.5 mm/s, each with friction 0.5 and 0),
+`pysprings paper` runs six pulls at the lid centre to 20 mm (drained, 0.05 and 0.5 mm/s, each with friction 0.5 and 0),
 draws the paper's figures, and sets each of its claims beside our figure. A run that has ended is not run again, an
 interrupted one goes on. Mesh `{mesh}`: {nodes} nodes, {elements} elements.
 
