@@ -107,13 +107,13 @@ def field(path: xr.Dataset, name: str, u: float, azimuth: float, side: str = "ou
 def stress_ratio(
     path: xr.Dataset, u: float, azimuth: float, depths: Sequence[float], side: str = "outside"
 ) -> Array:  # fmt: skip
-    """Normal effective stress over its initial value at depths [m], at displacement u [m]."""
+    """Normal effective stress over its initial value at depths [m], at displacement u [m]; both between the rings."""
     now = field(path, "normal_effective_stress", u, azimuth, side)
     start = path["normal_effective_stress"].sel(side=side).isel(step=0).transpose("azimuth", "depth").values
     station = int(np.argmin(np.abs(path["azimuth"].values - azimuth)))
-    initial = start[station]
-    ratio = np.divide(now, initial, out=np.full_like(now, np.nan), where=initial > 0)
-    return by_depth(path["depth"].values, ratio, depths)
+    rings = path["depth"].values
+    now, initial = by_depth(rings, now, depths), by_depth(rings, start[station], depths)
+    return np.divide(now, initial, out=np.full_like(now, np.nan), where=initial > 0)
 
 
 def rear_gap(path: xr.Dataset, u: float, side: str = "outside") -> Array:

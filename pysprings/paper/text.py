@@ -39,7 +39,7 @@ NOTE = (
     f"paper: open, where it is silent; stated, where the reading differs from what it states. front, back: p'_N over "
     f"initial outside at {1e3 * SHOWN:g} mm. gap: widest opening on the rear half of the skirt, outside. bend: the "
     f"sharpest bend of the load curve; sharpness: per cent by which the tangent falls per cent of u there. mu 0 / mu: "
-    f"load without friction over that with it. All to {1e3 * END:g} mm, the runs without friction to {1e3 * SHOWN:g} mm."
+    f"load without over load with friction. All to {1e3 * END:g} mm, the runs without friction to {1e3 * SHOWN:g} mm."
 )
 
 

@@ -125,7 +125,9 @@ def _words(
 
 
 def _show(value: float, what: Quantity) -> str:
-    text = f"{value:.2f}" if what.normalised else f"{value * KPA:.3g} kPa"
+    text = f"{value:.2g}" if what.normalised else f"{value * KPA:.3g} kPa"
+    if what.normalised and abs(value) < 5e-4:
+        text = "0"
     return text.replace("-", "\N{MINUS SIGN}")
 
 
