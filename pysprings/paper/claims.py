@@ -233,12 +233,18 @@ def _outer_radius(path: xr.Dataset) -> float:
 
 
 def front_motion(path: xr.Dataset, radius: float, depth: float, u: float = SHOWN, ahead: float = 1.0) -> float:
-    """Lateral motion [m] of the soil so far ahead of the skirt [m] at a depth [m] of the symmetry plane."""
-    from scipy.interpolate import griddata
+    """Lateral motion [m] of the soil so far ahead of the skirt [m] at a depth [m] of the symmetry plane.
 
-    nodes = np.column_stack([path["section_x"].values, path["section_depth"].values])
-    values = m.at(path, "section_ux", u)
-    return float(griddata(nodes, values, np.array([[radius + ahead, depth]]), method="linear")[0])
+    In front of the skirt the nodes stand in layers of equal depth: linear in each, and between them.
+    """
+    x, layer = path["section_x"].values, np.round(path["section_depth"].values, 9)
+    front = x >= radius - 1e-6
+    x, layer, values = x[front], layer[front], m.at(path, "section_ux", u)[front]
+    depths, motion = np.unique(layer), []
+    for each in depths:
+        order = np.flatnonzero(layer == each)[np.argsort(x[layer == each])]
+        motion.append(np.interp(radius + ahead, x[order], values[order]))
+    return float(np.interp(depth, depths, motion))
 
 
 def front_heave(path: xr.Dataset, radius: float, u: float = SHOWN, reach: float = 4.0) -> float:

@@ -92,7 +92,8 @@ def verdicts(figures: Mapping[str, Any]) -> dict[str, Any]:
 
 def _is_break(place: float | None, sharpness: float | None) -> bool | None:
     near = _within(place, (1e3 * BREAK_RANGE[0], 1e3 * BREAK_RANGE[1]))
-    return None if near is None or sharpness is None else near and sharpness >= BREAK_SHARPNESS
+    sharp = _within(sharpness, (BREAK_SHARPNESS, 1e9))
+    return None if near is None or sharp is None else near and sharp
 
 
 def _within(value: float | None, limits: tuple[float, float]) -> bool | None:
