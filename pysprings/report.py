@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pysprings.report_springs import spring_tables
 from pysprings.report_tables import (
     Table,
     compare_table,
@@ -137,6 +138,7 @@ def render(
                 PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n))
                 for n, p in paths.items()
             ],
+            springs=spring_tables(springs),
             compare=compare_table(compare),
             cost=cost_tables(run),
         )
