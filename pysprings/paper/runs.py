@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import pysprings
 from pysprings.errors import RunIncomplete, UserInputError
 from pysprings.paper.cases import CASES, PATH, Case
+from pysprings.progress import duration
 from pysprings.result_files import CHECKPOINT, is_unfinished
 
 if TYPE_CHECKING:
@@ -92,18 +93,6 @@ class Whole:
         if pace > 0.02 * total and whole < 1.0:
             text = f"about {duration((self.clock() - self._began) / pace * (total - self.done - now))} left"
         self.report("all runs", whole, text)
-
-
-def duration(seconds: float) -> str:
-    """Return a time for people.
-
-    >>> duration(50.0), duration(400.0), duration(9000.0)
-    ('50 s', '7 min', '2 h 30 min')
-    """
-    if seconds < 90.0:
-        return f"{seconds:.0f} s"
-    minutes = round(seconds / 60.0)
-    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60} min"
 
 
 def run_all(out: Path, mesh: str, report: Progress, cases: Sequence[Case] = CASES) -> list[str]:

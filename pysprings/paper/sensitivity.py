@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import time
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ import pysprings
 from pysprings.errors import PyspringsError
 from pysprings.paper import measures as m
 from pysprings.paper.cases import DEPTHS, END, SHOWN, VARIANTS, Case, Variant
+from pysprings.progress import duration
 from pysprings.storage import write_text
 
 if TYPE_CHECKING:
@@ -43,22 +45,29 @@ Report = Callable[[str, float, str], None]
 
 def run_variants(
     folder: Path, mesh: str, progress: Report, variants: Sequence[Variant] = VARIANTS
-) -> pd.DataFrame:  # fmt: skip
-    """Run the variants that the folder has no figures of, write sensitivity.csv there; return the table.
+) -> Iterator[pd.DataFrame]:  # fmt: skip
+    """Run the variants that the folder has no figures of; yield the table of those that have been, after each.
 
     Each run leaves a small file of its own, named by scene and version, so that an interrupted study goes on.
     """
     import pandas as pd
 
     found: dict[str, dict[str, Any]] = {}
+    rows: list[dict[str, Any]] = []
+    began, worked = time.monotonic(), 0
     for number, variant in enumerate(variants):
-        progress(variant.name, number / len(variants), f"{number + 1} of {len(variants)}: {variant.words}")
-        found[variant.name] = _figures_of(folder, mesh, variant.case())
-        if (companion := variant.smooth_case()) is not None:
-            found[companion.name] = _figures_of(folder, mesh, companion)
+        left = (
+            f", about {duration((time.monotonic() - began) / worked * (len(variants) - number))} left" if worked else ""
+        )
+        progress("sensitivity", number / len(variants), f"{number + 1} of {len(variants)}: {variant.words}{left}")
+        new = False
+        for case in filter(None, (variant.case(), variant.smooth_case())):
+            found[case.name], ran = _figures_of(folder, mesh, case)
+            new = new or ran
+        worked += new
+        rows.append(row(variant, found))
+        yield pd.DataFrame(rows).assign(mesh=mesh, variants=len(variants))
     progress("sensitivity", 1.0, f"{len(variants)} variants")
-    rows = [row(variant, found) for variant in variants]
-    return pd.DataFrame(rows)
 
 
 def row(variant: Variant, found: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
@@ -129,19 +138,19 @@ def figures_of_path(path: xr.Dataset) -> dict[str, Any]:
     return {key: round(value, 6) for key, value in figures.items()}
 
 
-def _figures_of(folder: Path, mesh: str, case: Case) -> dict[str, Any]:
-    """Return the figures of a case: kept ones of this very scene and version, else those of a run."""
+def _figures_of(folder: Path, mesh: str, case: Case) -> tuple[dict[str, Any], bool]:
+    """Return the figures of a case, kept ones of this very scene and version or those of a run, and which it was."""
     try:
         scene = case.scene(mesh, fields_only=True)
     except ValueError as error:  # pydantic's, of values that clash
-        return {"status": "refused", "detail": _first_line(error)}
+        return {"status": "refused", "detail": _first_line(error)}, False
     key = hashlib.sha256(f"{scene.sha256} {pysprings.__version__}".encode()).hexdigest()[:16]
     file = folder / FOLDER / f"{case.name}-{key}.json"
     if (kept := _read(file)) is not None:
-        return kept
+        return kept, False
     figures = _run(scene)
     write_text(json.dumps(figures, indent=1) + "\n", file)
-    return figures
+    return figures, True
 
 
 def _run(scene: Any) -> dict[str, Any]:

@@ -41,10 +41,9 @@ def study(
     with new_folder(out), exclusive(out):
         stopped = runs.run_all(out, mesh, report, cases)
         if sensitivity_mesh is not None:
-            table = sensitivity.run_variants(out, sensitivity_mesh, report, variants)
-            table.insert(4, "mesh", sensitivity_mesh)
-            write_frame(table, out / "sensitivity.csv")
-            write_text(text.sensitivity_markdown(table), out / "sensitivity.md")
+            for table in sensitivity.run_variants(out, sensitivity_mesh, report, variants):
+                write_frame(table, out / "sensitivity.csv")  # after each: an interrupted study has a table, too
+                write_text(text.sensitivity_markdown(table), out / "sensitivity.md")
         write_results(out, mesh, cases, report)
     return stopped
 

@@ -102,6 +102,12 @@ def sensitivity_markdown(table: pd.DataFrame) -> str:
 def conclusion(table: pd.DataFrame) -> str:
     """Say in a sentence or two whether any reading gives all four figures, and which come nearest."""
     drained, _ = split(table)
+    wanted = int(table["variants"].iloc[0]) if "variants" in table else len(table)
+    part = f" Only {len(table)} of {wanted} readings have run so far." if len(table) < wanted else ""
+    return _conclusion(drained) + part
+
+
+def _conclusion(drained: Sequence[Mapping[str, Any]]) -> str:
     names = {"is_front": "front stress", "is_gap": "gap", "is_break": "break of slope", "is_half": "halving"}
     known = [row for row in drained if row["status"] != "refused"]
     whole = [row for row in known if all(_true(row.get(key)) for key in names)]

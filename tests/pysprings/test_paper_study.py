@@ -222,10 +222,13 @@ def test_variants_are_run_once_and_refusals_are_rows(tmp_path: Path, monkeypatch
         Variant("initial stress", "K0-0.5", "K0 0.5", {**small, "soil": {"K0": 0.5}}),
         Variant("water", "slow", "0.05 mm/s", small, smooth=False, water=True),
     ]
-    table = sensitivity.run_variants(tmp_path, "coarse", lambda *_: None, variants).set_index("variant")
+    *_, table = sensitivity.run_variants(tmp_path, "coarse", lambda *_: None, variants)
     monkeypatch.setattr(sensitivity, "_run", no_run)
-    again = sensitivity.run_variants(tmp_path, "coarse", lambda *_: None, variants).set_index("variant")
+    first, *_, again = sensitivity.run_variants(tmp_path, "coarse", lambda *_: None, variants)
+    assert len(first) == 1
+    assert "Only 1 of 3 readings have run so far." in text.sensitivity_markdown(first)
     assert again.equals(table)
+    table = table.set_index("variant")
     assert table.loc["K0-0.5", "status"] == "refused"
     assert "outside the initial yield surface" in table.loc["K0-0.5", "detail"]
     assert 0.2 < table.loc["as-stated", "smooth_2.5mm"] < 1.0

@@ -13,7 +13,7 @@ from matplotlib.patches import Wedge
 
 from pysprings import plots
 from pysprings.paper.measures import py_curve
-from pysprings.plots import paper, signed_rose
+from pysprings.plots import paper
 from tests.pysprings import synthetic
 
 
