@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from pysprings.paper import claims, text
-from pysprings.paper.claims import AGREES, DIFFERS, PARTLY, UNKNOWN, Finding
+from pysprings.paper import claims, claims_drained, text
+from pysprings.paper.findings import AGREES, DIFFERS, PARTLY, UNKNOWN, Finding
 from pysprings.paper.runs import path_of
 from tests.pysprings import synthetic
 
@@ -140,14 +140,14 @@ def test_a_gap_behind_is_found(paths: dict[str, xr.Dataset]) -> None:
 
 
 def test_the_plug_follows_by_its_share(base: xr.Dataset) -> None:
-    assert claims.plug_motion(base) == pytest.approx(1.0, abs=1e-9)
-    assert claims.plug_motion(base.assign(section_ux=0.5 * base["section_ux"])) == pytest.approx(0.5, abs=1e-9)
+    assert claims_drained.plug_motion(base) == pytest.approx(1.0, abs=1e-9)
+    assert claims_drained.plug_motion(base.assign(section_ux=0.5 * base["section_ux"])) == pytest.approx(0.5, abs=1e-9)
 
 
 def test_soil_in_front(base: xr.Dataset) -> None:
     still = base.assign(section_ux=0.0 * base["section_ux"] + base["u"] * (1.0 - base["section_depth"] / 12.0))
-    assert claims.front_motion(still, 3.9, 3.0) == pytest.approx(2.5e-3 * 0.75, rel=1e-6)
-    assert claims.front_heave(base, 3.9) == pytest.approx(0.25e-3, rel=1e-6)
+    assert claims_drained.front_motion(still, 3.9, 3.0) == pytest.approx(2.5e-3 * 0.75, rel=1e-6)
+    assert claims_drained.front_heave(base, 3.9) == pytest.approx(0.25e-3, rel=1e-6)
 
 
 def test_table_for_people(paths: dict[str, xr.Dataset]) -> None:

@@ -17,6 +17,7 @@ from fe_engine.newton import Newton
 from pysprings import cli, folder
 from pysprings.paper import cases, claims, figures, page, runs, sensitivity, study, text
 from pysprings.paper.cases import Case, Variant
+from pysprings.paper.findings import UNKNOWN
 from pysprings.result_files import is_unfinished
 from pysprings.storage import read_tree
 
@@ -135,7 +136,7 @@ def test_a_run_that_stops_early_keeps_its_part_and_everything_says_so(
     report = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "A run stopped early." in report
     assert "drained: stopped at u = " in report
-    assert study.read_claims(tmp_path)["verdict"].eq(claims.UNKNOWN).sum() >= 9
+    assert study.read_claims(tmp_path)["verdict"].eq(UNKNOWN).sum() >= 9
 
 
 def test_a_study_writes_what_it_names(done: Path) -> None:

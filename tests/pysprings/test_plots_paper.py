@@ -13,7 +13,7 @@ from matplotlib.patches import Wedge
 
 from pysprings import plots
 from pysprings.paper.measures import py_curve
-from pysprings.plots import paper
+from pysprings.plots import paper, signed_rose
 from tests.pysprings import synthetic
 
 
@@ -40,12 +40,24 @@ def test_shear_goes_outward_over_the_initial_stress(path: xr.Dataset) -> None:
     figure = plots.shear_rose(path, step=10, depths=[1.0])
     x, y = line(figure, "shear_outside")
     ring = int(np.argmin(np.abs(path["depth"].values - 1.0)))
-    at = path.sel(side="outside").isel(step=10, depth=ring)
-    ratio = at["shear_lateral"] / path["normal_effective_stress"].sel(side="outside").isel(step=0, depth=ring)
-    inside = path.sel(side="inside").isel(step=10, depth=ring)["shear_lateral"]
+    shear = path["shear_lateral"].isel(step=10, depth=ring).transpose("side", "azimuth").values
+    ratio = shear / path["normal_effective_stress"].isel(step=0, depth=ring).transpose("side", "azimuth").values
+    quarter = int(np.argmin(np.abs(np.arctan2(y, x) - np.pi / 2)))
+    side = ratio[0, path.sizes["azimuth"] // 2]
+    assert np.hypot(x, y)[quarter] - 1.0 == pytest.approx(signed_rose.REACH * side / np.abs(ratio).max(), rel=1e-6)
+    assert np.hypot(x, y)[0] == pytest.approx(1.0, abs=1e-12)  # none at the front
+
+
+def test_suction_goes_inward(path: xr.Dataset) -> None:
+    for normalised in (False, True):
+        figure = plots.pressure_rose(path, step=10, depths=[1.0], normalised=normalised)
+        x, y = line(figure, "pressure_outside")
+        back = int(np.argmax(np.abs(np.arctan2(y, x))))
+        assert np.hypot(x, y)[0] == pytest.approx(1.0 + signed_rose.REACH)
+        assert np.hypot(x, y)[back] == pytest.approx(1.0 - signed_rose.REACH, rel=1e-6)
     ring = int(np.argmin(np.abs(path["depth"].values - 1.0)))
     initial = float(path["normal_effective_stress"].isel(step=0, side=0, depth=ring).mean())
-    assert f"{1e3 / initial:.2g} front" in title
+    assert f"{1e3 / initial:.2g} front" in figure.axes[0].get_title(loc="center")
 
 
 def test_zones_without_contact_are_shaded_where_they_are(path: xr.Dataset) -> None:
