@@ -34,7 +34,7 @@ docs: $(STAMP)
 
 # the small results that the regression test compares with
 reference: $(STAMP)
-	$(BIN)/pysprings paper --mesh coarse --out out/paper-coarse
+	$(BIN)/pysprings paper --mesh coarse --out out/paper-coarse --force
 	$(BIN)/python -m benchmarks.paper_reference out/paper-coarse
 
 lint: $(STAMP)

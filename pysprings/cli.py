@@ -382,6 +382,7 @@ def paper(
         bool, typer.Option("--sensitivity", help="also vary what the paper leaves open, one at a time")
     ] = False,
     sensitivity_mesh: Annotated[Preset, typer.Option("--sensitivity-mesh", help="their mesh preset")] = Preset.coarse,
+    force: Annotated[bool, typer.Option("--force", help="forget what has run in DIR, and begin anew")] = False,
     as_json: Json = False,
 ) -> None:
     """Reproduce Cerfontaine, Charlier & Collin (2018): six runs, the paper's figures, its claims beside ours.
@@ -391,7 +392,7 @@ def paper(
     from pysprings import cli_paper
 
     variants_on = sensitivity_mesh.value if sensitivity else None
-    cli_paper.run(out or Path("out") / f"paper-{mesh.value}", mesh.value, variants_on, as_json)
+    cli_paper.run(out or Path("out") / f"paper-{mesh.value}", mesh.value, variants_on, force, as_json)
 
 
 def main() -> None:

@@ -12,13 +12,13 @@ from pysprings.paper import study, text
 from pysprings.progress import reporter
 
 
-def run(out: Path, mesh: str, sensitivity_mesh: str | None, as_json: bool) -> None:
+def run(out: Path, mesh: str, sensitivity_mesh: str | None, force: bool, as_json: bool) -> None:
     """Run or go on; raise RunIncomplete at the end where a run has stopped by itself."""
     if out.exists() and not out.is_dir():
         refuse("--out", "is a file, not a folder", out)
     try:
         with interruptible(), reporter(sys.stderr) as progress:
-            stopped = study.study(out, mesh, progress, sensitivity_mesh)
+            stopped = study.study(out, mesh, progress, sensitivity_mesh, force=force)
     except KeyboardInterrupt:
         say(f"what has run is kept in {out}; the same command goes on")
         raise

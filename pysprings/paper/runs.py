@@ -140,6 +140,16 @@ def has_ended(folder: Path, scene: Scene) -> bool:
     )
 
 
+def forget(out: Path, cases: Sequence[Case] = CASES) -> None:
+    """Have every run below a folder made again: without records and checkpoints; results stay until there are others."""
+    from pysprings.checkpoint import Checkpoints
+
+    for case in cases:
+        folder = out / RUNS / case.name
+        (folder / "run.json").unlink(missing_ok=True)
+        Checkpoints(folder).remove()
+
+
 def read_record(folder: Path) -> dict[str, Any]:
     """Return run.json of a folder; empty where there is none or it is broken."""
     try:

@@ -172,6 +172,12 @@ def _run(scene: Any) -> dict[str, Any]:
     return {"status": record["status"], "detail": detail} | figures
 
 
+def forget(folder: Path) -> None:
+    """Remove the figures of all variants, so that each is run again."""
+    for file in (folder / FOLDER).glob("*.json"):
+        file.unlink()
+
+
 def _read(file: Path) -> dict[str, Any] | None:
     """Return what a file holds; None where it is not there or broken: the run is then made again."""
     try:

@@ -31,14 +31,17 @@ FILES = {
 
 def study(
     out: Path, mesh: str, report: Progress, sensitivity_mesh: str | None = None,
-    cases: Sequence[Case] = CASES, variants: Sequence[Variant] = VARIANTS,
+    cases: Sequence[Case] = CASES, variants: Sequence[Variant] = VARIANTS, force: bool = False,
 ) -> list[str]:  # fmt: skip
     """Run what has not ended yet and write everything; return what the runs that stopped early say.
 
     sensitivity_mesh : also run the sensitivities, on this mesh preset. What an earlier call has left of them is shown
-    again where they are not asked for.
+    again where they are not asked for. force : forget what has run, and begin anew.
     """
     with new_folder(out), exclusive(out):
+        if force:
+            runs.forget(out, cases)
+            sensitivity.forget(out)
         stopped = runs.run_all(out, mesh, report, cases)
         if sensitivity_mesh is not None:
             for table in sensitivity.run_variants(out, sensitivity_mesh, report, variants):

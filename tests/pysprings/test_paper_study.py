@@ -157,8 +157,8 @@ def test_the_command(done: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     monkeypatch.setattr(study, "CASES", [tiny(cases.CASES[0]), tiny(cases.CASES[2])])
     kept: dict[str, Any] = {}
 
-    def keep(out: Path, mesh: str, report: Any, sensitivity_mesh: str | None) -> list[str]:
-        kept.update(out=out, mesh=mesh, sensitivity=sensitivity_mesh)
+    def keep(out: Path, mesh: str, report: Any, sensitivity_mesh: str | None, force: bool) -> list[str]:
+        kept.update(out=out, mesh=mesh, sensitivity=sensitivity_mesh, force=force)
         return ["slow: path 'pull' stopped"]
 
     monkeypatch.setattr(study, "study", keep)
@@ -167,12 +167,27 @@ def test_the_command(done: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     found = json.loads(told.stdout)
     assert len(found["claims"]) == 13
     assert found["stopped"] == ["slow: path 'pull' stopped"]
-    assert kept == {"out": done, "mesh": "coarse", "sensitivity": None}
-    told = CliRunner().invoke(cli.app, ["paper", "--out", str(done), "--sensitivity"])
+    assert kept == {"out": done, "mesh": "coarse", "sensitivity": None, "force": False}
+    told = CliRunner().invoke(cli.app, ["paper", "--out", str(done), "--sensitivity", "--force"])
     assert "claims.csv" in told.stdout
-    assert kept == {"out": done, "mesh": "medium", "sensitivity": "coarse"}
+    assert kept == {"out": done, "mesh": "medium", "sensitivity": "coarse", "force": True}
     (tmp_path / "file").touch()
     assert CliRunner().invoke(cli.app, ["paper", "--out", str(tmp_path / "file")]).exit_code == 2
+
+
+def test_begin_anew(done: Path, two: tuple[Case, ...], tmp_path: Path) -> None:
+    for name in ("run.json", "full_model.nc", "springs.nc"):
+        place = tmp_path / runs.RUNS / "drained" / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_bytes((done / runs.RUNS / "drained" / name).read_bytes())
+    (tmp_path / sensitivity.FOLDER).mkdir()
+    (tmp_path / sensitivity.FOLDER / "a.json").touch()
+    assert runs.has_ended(place.parent, two[0].scene("coarse"))
+    runs.forget(tmp_path, two)
+    sensitivity.forget(tmp_path)
+    assert not runs.has_ended(place.parent, two[0].scene("coarse"))
+    assert not list((tmp_path / sensitivity.FOLDER).iterdir())
+    assert place.exists()
 
 
 def test_progress_of_the_whole_and_the_time_left() -> None:
