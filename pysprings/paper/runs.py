@@ -141,7 +141,7 @@ def has_ended(folder: Path, scene: Scene) -> bool:
 
 
 def forget(out: Path, cases: Sequence[Case] = CASES) -> None:
-    """Have every run below a folder made again: without records and checkpoints; results stay until there are others."""
+    """Have every run below a folder made again; results stay until there are others."""
     from pysprings.checkpoint import Checkpoints
 
     for case in cases:
