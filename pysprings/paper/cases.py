@@ -161,6 +161,10 @@ VARIANTS = (
     Variant("combined", "penalty-1e7-no-hardening", "K_N = K_T = 1e7 N/m3, phi 30 deg from the start",
             _penalty(1e7) | _soil(**_STRONG), STATED),
     Variant("combined", "cohesion-5-E-50", "c 5 kPa, E 50 MPa", _soil(cohesion=5e3, young_modulus=50e6), STATED),
+    Variant("combined", "cohesion-5-E-50-steel-weight", "c 5 kPa, E 50 MPa, dead load 1.94 MN", {
+        **_soil(cohesion=5e3, young_modulus=50e6), "caisson": {"vertical_load": 1.94e6}}, STATED),
+    Variant("combined", "cohesion-3-E-50", "c 3 kPa, E 50 MPa", _soil(cohesion=3e3, young_modulus=50e6), STATED),
+    Variant("combined", "cohesion-5-E-20", "c 5 kPa, E 20 MPa", _soil(cohesion=5e3, young_modulus=20e6), STATED),
     Variant("combined", "cohesion-5-mu-0.25", "c 5 kPa, mu 0.25", {
         **_soil(cohesion=5e3), "interface": {"friction_coefficient": 0.25}}, STATED, smooth=False),
     Variant("combined", "cohesion-3-steel-weight", "c 3 kPa, dead load 1.94 MN", {
