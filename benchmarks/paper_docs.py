@@ -9,6 +9,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
 from pysprings.paper import figures, runs, study, text
 from pysprings.plots.style import STYLE
 from pysprings.storage import replacing, write_text
@@ -55,15 +58,11 @@ def write(source: Path, docs: Path, mesh: str) -> Path:
     return write_text(page, docs / "paper.md")
 
 
-def _save(figure: object, file: Path) -> None:
-    """Write a small PNG: 64 colours are enough for line drawings and shaded sections."""
-    import matplotlib as mpl
-    from PIL import Image
-
+def _save(figure: Figure, file: Path) -> None:
+    """Write a small PNG."""
     file.parent.mkdir(parents=True, exist_ok=True)
     with mpl.rc_context(STYLE), replacing(file) as temporary:
-        figure.savefig(temporary, dpi=DPI)  # type: ignore[attr-defined]
-        Image.open(temporary).convert("RGB").quantize(128).save(temporary, optimize=True)
+        figure.savefig(temporary, dpi=DPI)
 
 
 def main() -> None:
