@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 SCENE := out/caisson.toml
 RESULT := out/caisson
 
-.PHONY: run test test-slow test-all verification lint clean
+.PHONY: run test test-slow test-all verification lint docs reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -25,6 +25,17 @@ test-all: $(STAMP)
 
 verification: $(STAMP)
 	$(BIN)/python -m tests.verification.table
+
+# the paper's figures and tables in docs/: runs what has not run yet (about an hour on `medium`)
+MESH ?= medium
+docs: $(STAMP)
+	$(BIN)/pysprings paper --mesh $(MESH) --sensitivity --out out/paper-$(MESH)
+	$(BIN)/python -m benchmarks.paper_docs out/paper-$(MESH) --mesh $(MESH)
+
+# the small results that the regression test compares with
+reference: $(STAMP)
+	$(BIN)/pysprings paper --mesh coarse --out out/paper-coarse --force
+	$(BIN)/python -m benchmarks.paper_reference out/paper-coarse
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

@@ -392,6 +392,30 @@ def stability(
         raise RunIncomplete(f"{unexplained} cases ended without a named reason")
 
 
+@app.command()
+@guarded
+def paper(
+    mesh: Annotated[Preset, typer.Option("--mesh", help="mesh preset of the six runs")] = Preset.medium,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/paper-MESH]")
+    ] = None,
+    sensitivity: Annotated[
+        bool, typer.Option("--sensitivity", help="also vary what the paper leaves open, one at a time")
+    ] = False,
+    sensitivity_mesh: Annotated[Preset, typer.Option("--sensitivity-mesh", help="their mesh preset")] = Preset.coarse,
+    force: Annotated[bool, typer.Option("--force", help="forget what has run in DIR, and begin anew")] = False,
+    as_json: Json = False,
+) -> None:
+    """Reproduce Cerfontaine, Charlier & Collin (2018): six runs, the paper's figures, its claims beside ours.
+
+    Runs that have ended in DIR are not run again; interrupted ones go on.
+    """
+    from pysprings import cli_paper
+
+    variants_on = sensitivity_mesh.value if sensitivity else None
+    cli_paper.run(out or Path("out") / f"paper-{mesh.value}", mesh.value, variants_on, force, as_json)
+
+
 def main() -> None:
     """Run the command line."""
     for stream in (sys.stdout, sys.stderr):

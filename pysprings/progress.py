@@ -63,3 +63,15 @@ class PlainLines:
             print(f"{path} {100 * fraction:3.0f} % {message}".rstrip(), file=self.stream, flush=True)
             self.last[path] = fraction
             self.written_at = self.clock()
+
+
+def duration(seconds: float) -> str:
+    """Return a time for people.
+
+    >>> duration(50.0), duration(400.0), duration(9000.0)
+    ('50 s', '7 min', '2 h 30 min')
+    """
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60.0)
+    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60} min"

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pysprings.report_springs import spring_tables
 from pysprings.report_tables import (
     Table,
     compare_table,
@@ -36,6 +37,7 @@ from pysprings.sketch import axes_svg
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from jinja2 import Environment
 
 MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
@@ -108,39 +110,49 @@ def render(
     figures
         Picture files, named as `pysprings.plots.save_all` names them.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
     run = run or {}
     names = list(result["paths"].children) if "paths" in result.children else []
     paths = {name: result[f"paths/{name}"] for name in names}
-    page = Environment(
+    return (
+        environment()
+        .get_template("report.html.j2")
+        .render(
+            attrs={key: result.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")},
+            status=str(run.get("status") or result.attrs.get("status", "")),
+            started=str(run.get("started_utc") or ""),
+            failures=[str(failure) for failure in run.get("failures", ())],
+            warnings=[str(text) for text in run.get("warnings", ())],
+            sketch=picture_uri(axes_svg().encode(), ".svg"),
+            inputs=input_tables(str(result.attrs.get("scene_toml", ""))),
+            validity=validity(result, springs),
+            left_out=_left_out(run.get("left_out", ())),
+            mesh=mesh_table(result.attrs, run),
+            mesh_pictures=_pictures(figures, ""),
+            convergence=convergence_table(paths, run),
+            cut_backs=cut_back_table(run),
+            rings=ring_table(paths),
+            water=water_table(run),
+            energy=energy_table(run),
+            equilibrium=equilibrium_table(springs if springs is not None else result),
+            paths=[
+                PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n))
+                for n, p in paths.items()
+            ],
+            springs=spring_tables(springs),
+            compare=compare_table(compare),
+            cost=cost_tables(run),
+        )
+    )
+
+
+def environment() -> Environment:
+    """Return the template engine of all reports: everything from outside is escaped, nothing undefined is let pass."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    return Environment(
         loader=PackageLoader("pysprings", "templates"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
-    ).get_template("report.html.j2")  # fmt: skip
-    return page.render(
-        attrs={key: result.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")},
-        status=str(run.get("status") or result.attrs.get("status", "")),
-        started=str(run.get("started_utc") or ""),
-        failures=[str(failure) for failure in run.get("failures", ())],
-        warnings=[str(text) for text in run.get("warnings", ())],
-        sketch=_uri(axes_svg().encode(), ".svg"),
-        inputs=input_tables(str(result.attrs.get("scene_toml", ""))),
-        validity=validity(result, springs),
-        left_out=_left_out(run.get("left_out", ())),
-        mesh=mesh_table(result.attrs, run),
-        mesh_pictures=_pictures(figures, ""),
-        convergence=convergence_table(paths, run),
-        cut_backs=cut_back_table(run),
-        rings=ring_table(paths),
-        water=water_table(run),
-        energy=energy_table(run),
-        equilibrium=equilibrium_table(springs if springs is not None else result),
-        paths=[
-            PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n)) for n, p in paths.items()
-        ],
-        compare=compare_table(compare),
-        cost=cost_tables(run),
-    )
+    )  # fmt: skip
 
 
 def _left_out(left_out: Any) -> list[tuple[str, str]]:
@@ -164,7 +176,7 @@ def _pictures(files: Iterable[Path], path: str) -> list[Picture]:
     return [
         Picture(
             _caption(*kinds[stem]),
-            _uri(best[stem].read_bytes(), best[stem].suffix),
+            picture_uri(best[stem].read_bytes(), best[stem].suffix),
             "stress" in kinds[stem][0],
         )
         for stem in order
@@ -178,7 +190,8 @@ def _caption(kind: str, state: str) -> str:
     return f"{PICTURES[kind]}, {at}"
 
 
-def _uri(content: bytes, suffix: str) -> str:
+def picture_uri(content: bytes, suffix: str) -> str:
+    """Return a picture's bytes as a data URI."""
     return f"data:{MEDIA[suffix]};base64,{base64.b64encode(content).decode('ascii')}"
 
 

@@ -11,7 +11,7 @@ from pysprings.plots.files import save, save_all
 from pysprings.plots.gap import gap_map
 from pysprings.plots.load import load_displacement
 from pysprings.plots.newton import newton_record
-from pysprings.plots.pressure_rose import pressure_rose
+from pysprings.plots.pressure_rose import pressure_rose, shear_rose
 from pysprings.plots.reactions import py_curves
 from pysprings.plots.rose import stress_rose
 from pysprings.plots.section import mesh, section_displacement, section_pressure
@@ -36,6 +36,7 @@ __all__ = [
     "section_data",
     "section_displacement",
     "section_pressure",
+    "shear_rose",
     "stress_rose",
     "vertical_springs",
 ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Excess pore pressure around the caisson, drawn radially from its trace (the paper's figure 15)."""
+"""Excess pore pressure and lateral shear around the caisson, drawn radially (the paper's figures 9 and 15)."""
 
 from __future__ import annotations
 
@@ -7,20 +7,22 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
 
-from pysprings.plots.data import pick_depths, pick_step, step_text
-from pysprings.plots.rose import TRACE, refine
-from pysprings.plots.style import GREY, INK, KPA, PALE, SIDE_COLOURS, STEEL, new_figure, set_title, styled
+from pysprings.plots.signed_rose import Quantity, draw_signed_rose
+from pysprings.plots.style import styled
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
-REACH = 0.6  # drawn length of the largest pressure, in radii of the trace
+PRESSURE = Quantity("pore_pressure", "Excess pore pressure around the skirt", "pressure", False)
+PRESSURE_RATIO = Quantity(
+    "pore_pressure", "Excess pore pressure around the skirt / initial $p'_N$", "pressure", normalised=True
+)
+SHEAR = Quantity(
+    "shear_lateral", "Shear stress in the loading direction / initial $p'_N$, on the soil, along +x positive", "shear",
+    normalised=True, marks=(0.0, np.pi / 2.0, np.pi), places=("front", "side", "back"),
+)  # fmt: skip
 
 
 @styled
@@ -29,6 +31,7 @@ def pressure_rose(
     step: int | None = None,
     displacement: float | None = None,
     depths: Iterable[float] | None = None,
+    normalised: bool = False,
 ) -> Figure:
     """Draw the excess pore pressure in the interface at four depths, on both sides of the skirt.
 
@@ -43,59 +46,23 @@ def pressure_rose(
         A step, or the lateral displacement [m] it should be nearest to; default the last converged step.
     depths
         Depths [m], nearest rings; default 1/16, 5/16, 9/16 and 13/16 of the skirt.
+    normalised
+        Over the initial normal effective stress of each ring, as the paper does, instead of kPa; zones without contact
+        stress are then marked.
     """
-    step = pick_step(path, step, displacement)
-    order = np.argsort(path["azimuth"].values)
-    azimuth = path["azimuth"].values[order]
-    field = path["pore_pressure"].isel(step=step).transpose("side", "depth", "azimuth").values[:, :, order]
-    chosen = pick_depths(path, depths)
-    largest = float(np.abs(field[:, chosen]).max()) or 1.0
-    columns = min(2, len(chosen))
-    rows = -(-len(chosen) // columns)
-    figure = new_figure(4.3 * columns, 4.1 * rows + 1.2)
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    for axes in panels:
-        axes.set_axis_off()
-    for axes, k in zip(panels, chosen, strict=False):
-        rings = {str(side): field[s, k] for s, side in enumerate(path["side"].values)}
-        _draw(axes, azimuth, rings, REACH / largest, float(path["depth"][k]))
-    figure.legend(handles=_legend(rings, largest), loc="outside lower center", ncols=2)
-    set_title(figure, "Excess pore pressure around the skirt", path.attrs, f"at {step_text(path, step)}")
-    return figure
+    return draw_signed_rose(path, PRESSURE_RATIO if normalised else PRESSURE, step, displacement, depths)
 
 
-def _draw(
-    axes: Axes, azimuth: NDArray[np.float64], rings: dict[str, NDArray[np.float64]], scale: float, depth: float
-) -> None:
-    axes.set_aspect("equal")
-    reach = TRACE + REACH + 0.1
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
-    axes.add_patch(Circle((0, 0), TRACE - REACH, facecolor=PALE, edgecolor="none", zorder=1))
-    for radius in (TRACE - REACH, TRACE + REACH):
-        axes.add_patch(Circle((0, 0), radius, fill=False, edgecolor=GREY, linestyle=":", linewidth=0.9, zorder=2))
-    axes.add_patch(Circle((0, 0), TRACE, fill=False, edgecolor=STEEL, linewidth=2.0, zorder=3))
-    for side, values in rings.items():
-        angle = np.concatenate([azimuth, 2 * np.pi - azimuth[::-1], azimuth[:1]])
-        angle, pressure = refine(angle, np.concatenate([values, values[::-1], values[:1]]))
-        distance = TRACE + scale * pressure
-        axes.plot(distance * np.cos(angle), distance * np.sin(angle), color=SIDE_COLOURS[side], gid=f"pressure_{side}",
-                  linestyle="-" if side == "outside" else "--", linewidth=2.0, zorder=5)  # fmt: skip
-    axes.annotate("", (TRACE - 0.04, 0), xytext=(TRACE - 0.25, 0), zorder=6,
-                  arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.4})  # fmt: skip
-    lines = [f"depth {depth:.2f} m"]
-    lines += [f"{side}: {_show(values[0])} front, {_show(values[-1])} back" for side, values in rings.items()]
-    axes.set_title("\n".join(lines), loc="center", fontsize=9)
+@styled
+def shear_rose(
+    path: xr.Dataset,
+    step: int | None = None,
+    displacement: float | None = None,
+    depths: Iterable[float] | None = None,
+) -> Figure:
+    """Draw the shear stress in the loading direction over the initial p'_N at four depths, on both sides of the skirt.
 
-
-def _show(pressure: float) -> str:
-    return f"{pressure * KPA:.3g} kPa".replace("-", "\N{MINUS SIGN}")
-
-
-def _legend(sides: Iterable[str], largest: float) -> list[Line2D]:
-    curves = [
-        Line2D([], [], color=SIDE_COLOURS[side], linestyle="-" if side == "outside" else "--", label=side)
-        for side in sides
-    ]
-    trace = Line2D([], [], color=STEEL, linewidth=2.0, label="trace of the caisson = zero")
-    words = f"{_show(largest)} outward, {_show(-largest)} inward"
-    return [*curves, trace, Line2D([], [], color=GREY, linestyle=":", label=words)]
+    Parameters as those of `pressure_rose`; path with shear_lateral (step, side, azimuth, depth) [Pa], the traction of
+    the caisson on the soil, positive along +x.
+    """
+    return draw_signed_rose(path, SHEAR, step, displacement, depths)

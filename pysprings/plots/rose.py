@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -36,6 +36,7 @@ TRACE = 1.0  # drawn radius of the caisson: the circle of zero stress
 MOST_RADIUS = 2.5
 FINER = 10  # drawn points per station
 TIMES = "\N{MULTIPLICATION SIGN}"
+GAP_LOOK: Any = {"facecolor": "#f6cfb9", "edgecolor": VERMILLION, "hatch": "////", "linewidth": 0.0}
 
 
 @dataclass(frozen=True)
@@ -134,21 +135,7 @@ def stress_rose(
 
 def _draw(axes: Axes, each: Ring, scale: float, colour: str) -> None:
     axes.set_aspect("equal")
-    for start, stop in each.gaps():
-        for low, high in ((start, stop), (2 * np.pi - stop, 2 * np.pi - start)):
-            wedge = Wedge(
-                (0, 0),
-                TRACE + scale,
-                low * DEG,
-                high * DEG,
-                width=scale,
-                facecolor="#f6cfb9",
-                edgecolor=VERMILLION,
-                hatch="////",
-                linewidth=0.0,
-                gid="gap",
-            )
-            axes.add_patch(wedge)
+    draw_gaps(axes, each, TRACE, scale)
     axes.add_patch(Circle((0, 0), TRACE, facecolor=PALE, edgecolor=STEEL, linewidth=2.0, zorder=3))
     axes.add_patch(Circle((0, 0), TRACE + scale, fill=False, edgecolor=INK, linestyle="--", linewidth=1.1, zorder=3))
     _grid_rings(axes, each, scale)
@@ -173,6 +160,14 @@ def _draw(axes: Axes, each: Ring, scale: float, colour: str) -> None:
         zorder=6,
         arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.6},
     )
+
+
+def draw_gaps(axes: Axes, each: Ring, radius: float, width: float) -> None:
+    """Shade the zones of a ring without contact stress, from a drawn radius outward."""
+    for start, stop in each.gaps():
+        for low, high in ((start, stop), (2 * np.pi - stop, 2 * np.pi - start)):
+            wedge = Wedge((0, 0), radius + width, low * DEG, high * DEG, width=width, gid="gap", **GAP_LOOK)
+            axes.add_patch(wedge)
 
 
 def _frame(rings: list[Ring], scale: float) -> tuple[float, float, float, float]:
@@ -275,11 +270,5 @@ def _legend(colour: str, gaps: bool) -> list[Line2D | Patch]:
         ),
         Line2D([], [], color=INK, linestyle="--", linewidth=1.1, label="initial stress (circle 1)"),
         Line2D([], [], color=STEEL, linewidth=2.0, label="trace of the caisson = zero"),
-        Patch(
-            facecolor="#f6cfb9",
-            edgecolor=VERMILLION,
-            hatch="////",
-            linewidth=0.0,
-            label=words,
-        ),
+        Patch(label=words, **GAP_LOOK),
     ]

@@ -392,3 +392,20 @@ def test_a_wet_run_reports_the_balance_of_its_water_and_its_warnings() -> None:
     assert "Balance of the water" in text and "3.0e-12" in text and "-7.9 to 0.1" in text
     assert "water would &lt;b&gt;cavitate" in text  # shown, and never taken for HTML
     assert "Balance of the water" not in report.render(synthetic.make_result(), run={})
+
+
+def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.DataTree) -> None:
+    from pysprings.report_springs import spring_tables
+
+    table = spring_tables(springs)[0]
+    path = springs["paths/pull"].to_dataset()
+    assert table.title == "Path pull"
+    assert len(table.rows) == path.sizes["depth"] + 2
+    net = float(path["p"].sum(("side", "component")).transpose("depth", "step")[3, -1]) * 1e-3
+    outside, inside, total = (float(cell) for cell in table.rows[3][3:6])
+    assert total == pytest.approx(net, rel=1e-3)
+    assert outside + inside == pytest.approx(total, rel=2e-3)
+    assert table.rows[-1][0] == "lid"
+    assert table.rows[-2][5] == f"H {report_tables.number(float(path['H_tip'][-1]) * 1e-3)} kN"
+    assert "p net [kN/m]" in report.render(result, springs)
+    assert spring_tables(None) == []

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""Small results of the paper's caisson, kept in data/reference with their origin, and how far a run is from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from pysprings import variables
+from pysprings.paper.cases import CASES, STEPS_MM, Case
+from pysprings.paper.measures import at
+from pysprings.storage import read_tree, write_tree
+
+if TYPE_CHECKING:
+    from pysprings.paper.runs import Run
+
+MESH = "coarse"
+KEPT = ("drained", "slow")  # cases
+STATES_MM = tuple(u for u in STEPS_MM if u >= 0.2) + (20.0,)
+FIELDS_MM = (2.5, 20.0)  # contact fields at these alone
+BY_STEP = ("time", "w", "rotation", "H", "V", "H_outer", "H_inner", "H_lid", "H_tip", "F_in", "F_out", "F_pw", "p", "y")
+FIELDS = ("normal_effective_stress", "shear_lateral", "shear_vertical", "pore_pressure", "gap")
+COMMAND = f"pysprings paper --mesh {MESH}"
+# Largest deviation that is taken for the same result, over the largest value of each variable: rounding, another
+# linear solver and the Newton tolerance (1e-6) come to less; a change of the model to more.
+TOLERANCE = 2e-3
+
+
+def reduced(path: xr.Dataset) -> xr.Dataset:
+    """Return what is kept of a path: curves at STATES_MM, contact fields at FIELDS_MM, by displacement u [m]."""
+    table = variables.GROUPS["result_path"]
+    data: dict[str, Any] = {}
+    for names, states, dim in ((BY_STEP, STATES_MM, "u"), (FIELDS, FIELDS_MM, "u_field")):
+        for name in names:
+            if name not in path:
+                continue
+            dims = [d for d in path[name].dims if d != "step"]
+            values = np.stack([at(path[[name, "u"]].transpose("step", ...), name, 1e-3 * u) for u in states])
+            data[name] = ((dim, *dims), values.astype(np.float32), table[name].attributes())
+    attrs = {"units": "m", "long_name": "lateral displacement of the lid centre"}
+    coords: dict[str, Any] = {
+        "u": ("u", 1e-3 * np.array(STATES_MM), attrs), "u_field": ("u_field", 1e-3 * np.array(FIELDS_MM), attrs),
+        **{name: path[name] for name in ("depth", "azimuth", "side") if name in path},
+    }  # fmt: skip
+    kept = xr.Dataset(data, coords=coords)
+    kept["depth"].attrs.pop("bounds", None)  # they are not kept
+    return kept
+
+
+def write(run: Run, folder: Path, origin: Mapping[str, str]) -> Path:
+    """Write the reference file of a run; origin: attributes such as the command and the date of the commit."""
+    kept = reduced(run.path)
+    attrs = {key: run.result.attrs[key] for key in ("pysprings_version", "scene_sha256", "mesh_preset", "solver",
+                                                    "n_nodes", "n_elements", "scene_toml")}  # fmt: skip
+    kept.attrs = {"title": run.case.words, "case": run.case.name, "tolerance": TOLERANCE, **attrs, **origin}
+    return write_tree(xr.DataTree(kept), file_of(run.case, folder))
+
+
+def file_of(case: Case, folder: Path) -> Path:
+    """Return where the reference of a case is."""
+    return folder / f"paper-{case.name}-{MESH}.nc"
+
+
+def read(case: Case, folder: Path) -> xr.Dataset:
+    """Read the reference of a case."""
+    return read_tree(file_of(case, folder)).to_dataset()
+
+
+def kept_cases() -> list[Case]:
+    """Return the cases that have a reference."""
+    return [case for case in CASES if case.name in KEPT]
+
+
+def deviations(path: xr.Dataset, reference: xr.Dataset) -> dict[str, float]:
+    """Return the largest deviation of a path from a reference, by variable, over the largest value of the variable."""
+    found = reduced(path)
+    out = {}
+    for name in reference.data_vars:
+        largest = float(np.abs(reference[name].values).max())
+        apart = float(np.abs(found[name].values - reference[name].values).max())
+        out[str(name)] = apart / largest if largest else apart
+    return out

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+"""The springs as tables of the report: reactions by depth at the end of each path, and those of tip and lid."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pysprings.report_tables import Table, number
+from pysprings.springs import get_path, is_vertical, net_m, net_p, path_names
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_COLUMNS = ("depth [m]", "slice [m]", "y [mm]", "p outside [kN/m]", "p inside [kN/m]", "p net [kN/m]",
+            "p at half of y [kN/m]", "m [kN m/m]")  # fmt: skip
+_NOTE = (
+    "At the last converged step; soil reactions, positive when they oppose a positive displacement. y: displacement of "
+    "the caisson's mean fibre; p: lateral, m: moment of the vertical shear, both per metre of depth; normal stress, "
+    "shear and water together. Every step is in springs.xlsx, py.csv and springs.nc."
+)
+
+
+def spring_tables(springs: xr.DataTree | None) -> list[Table]:
+    """Return a table for each lateral path of a spring set; none without springs."""
+    if springs is None:
+        return []
+    return [_table(name, get_path(springs, name)) for name in path_names(springs) if not is_vertical(springs, name)]
+
+
+def _table(name: str, path: xr.Dataset) -> Table:
+    p, m, y = net_p(path).values * 1e-3, net_m(path).values * 1e-3, path["y"].transpose("depth", "step").values * 1e3
+    sides = path["p"].sum("component").transpose("side", "depth", "step").values * 1e-3
+    order = [str(side) for side in path["side"].values]
+    rows = [
+        (
+            number(float(depth)),
+            "{:.2f} to {:.2f}".format(*path["depth_bounds"].values[k]),
+            number(y[k, -1]),
+            number(sides[order.index("outside"), k, -1]),
+            number(sides[order.index("inside"), k, -1]),
+            number(p[k, -1]),
+            _at_half(y[k], p[k]),
+            number(m[k, -1]),
+        )
+        for k, depth in enumerate(path["depth"].values)
+    ]
+    for part in ("tip", "lid"):
+        force, moment = (float(path[f"{letter}_{part}"].values[-1]) * 1e-3 for letter in ("H", "M"))
+        rows.append((part, "", "", "", "", f"H {number(force)} kN", "", f"M {number(moment)} kN m"))
+    return Table(f"Path {name}", _COLUMNS, rows, _NOTE)
+
+
+def _at_half(y: np.ndarray, p: np.ndarray) -> str:
+    """Reaction at half of the last displacement, where y only grows in size; '-' elsewhere."""
+    size = np.abs(y)
+    if (np.diff(size) <= 0.0).any():
+        return "-"
+    return number(float(np.interp(0.5 * size[-1], size, p)))
