@@ -12,7 +12,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from pysprings.paper import figures, runs, study, text
+from pysprings.paper import figures, idealisations, runs, study, text
 from pysprings.plots.style import STYLE
 from pysprings.storage import replacing, write_text
 
@@ -24,12 +24,16 @@ hydro-mechanical interface elements*, NUMGE 2018, 1519-1528. Written by `make do
 --sensitivity`; all drawings are our own. Axes: the paper's y is the loading direction (x here), its z points up.
 
 `pysprings paper` runs six pulls at the lid centre to 20 mm (drained, 0.05 and 0.5 mm/s, each with friction 0.5 and 0),
-draws the paper's figures, and sets each of its claims beside our figure. A run that has ended is not run again, an
-interrupted one goes on. Mesh `{mesh}`: {nodes} nodes, {elements} elements.
+two more with elastic steel and with Van Eekelen's surface, draws the paper's figures, and sets each of its claims
+beside our figure. A run that has ended is not run again, an interrupted one goes on.
+Mesh `{mesh}`: {nodes} nodes, {elements} elements.
 
 ## Claims
 
 {claims}
+## What our idealisations change
+
+{idealised}
 ## What decides them
 
 Mesh `{sensitivity_mesh}`, one value changed at a time.
@@ -45,10 +49,12 @@ def write(source: Path, docs: Path, mesh: str) -> Path:
     if not ended:
         raise SystemExit(f"{source}: no runs of this version on the mesh {mesh}")
     table = study.read_sensitivity(source)
+    compared = idealisations.compare({name: run.path for name, run in ended.items()})
     attrs = next(iter(ended.values())).result.attrs
     page = HEAD.format(
         mesh=mesh, nodes=f"{attrs['n_nodes']:,}", elements=f"{attrs['n_elements']:,}",
         claims=text.claims_markdown(study.read_claims(source)),
+        idealised=f"{idealisations.NOTE}\n\n{text.markdown(*idealisations.rows_for_people(compared))}",
         sensitivity_mesh=mesh if table is None else table["mesh"].iloc[0],
         sensitivity="Not run." if table is None else text.sensitivity_markdown(table),
     )  # fmt: skip

@@ -395,7 +395,7 @@ def stability(
 @app.command()
 @guarded
 def paper(
-    mesh: Annotated[Preset, typer.Option("--mesh", help="mesh preset of the six runs")] = Preset.medium,
+    mesh: Annotated[Preset, typer.Option("--mesh", help="mesh preset of the runs")] = Preset.medium,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/paper-MESH]")
     ] = None,
@@ -406,7 +406,7 @@ def paper(
     force: Annotated[bool, typer.Option("--force", help="forget what has run in DIR, and begin anew")] = False,
     as_json: Json = False,
 ) -> None:
-    """Reproduce Cerfontaine, Charlier & Collin (2018): six runs, the paper's figures, its claims beside ours.
+    """Reproduce Cerfontaine, Charlier & Collin (2018): its runs, the paper's figures, its claims beside ours.
 
     Runs that have ended in DIR are not run again; interrupted ones go on.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The case of Cerfontaine, Charlier & Collin (2018): its six runs, figures, claims, and what decides them.
+"""The case of Cerfontaine, Charlier & Collin (2018): its runs, figures, claims, and what decides them.
 
 ``cases`` says what is run, ``runs`` runs it, ``measures`` reads numbers from a run, ``claims`` and ``sensitivity`` make
 tables of them, ``figures`` draws, ``text`` and ``page`` write, ``reference`` keeps small results, ``study`` does

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is run, as data: the paper's six runs, and the readings of what the paper leaves open (one line each)."""
+"""What is run, as data: the paper's six runs, two for our idealisations, readings of what it leaves open."""
 
 from __future__ import annotations
 
@@ -78,6 +78,9 @@ CASES = (
     Case("slow-smooth", "0.05 mm/s, no friction", SLOW, friction=0.0),
     Case("fast", "0.5 mm/s, friction 0.5", FAST),
     Case("fast-smooth", "0.5 mm/s, no friction", FAST, friction=0.0),
+    # what our defaults idealise
+    Case("elastic", "drained, elastic steel", changes={"caisson": {"behaviour": "elastic"}}),
+    Case("van-eekelen", "drained, Van Eekelen's surface", changes={"soil": {"yield_surface": "van-eekelen"}}),
 )
 
 # Whether a reading fills in what the paper leaves open, or differs from what it states.
@@ -135,6 +138,8 @@ _STRONG = {"friction_angle_initial": _angle(30.0)}
 VARIANTS = (
     Variant("as stated", "as-stated", "the paper's values; where it is silent, the defaults of this tool"),
     # what the paper leaves open, one at a time
+    Variant("yield surface", "surface-van-eekelen", "Van Eekelen's surface", _soil(yield_surface="van-eekelen")),
+    Variant("steel", "steel-elastic", "elastic steel, as the paper states it", {"caisson": {"behaviour": "elastic"}}),
     Variant("dilation", "dilation-5", "psi 5 deg", _soil(dilation_angle=_angle(5.0))),
     Variant("dilation", "dilation-10", "psi 10 deg", _soil(dilation_angle=_angle(10.0))),
     Variant("dilation", "dilation-30", "psi 30 deg (associated at the end)", _soil(dilation_angle=_angle(30.0))),

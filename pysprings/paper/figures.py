@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The figures of the paper from our runs, in its arrangement, and two that it only describes."""
+"""The figures of the paper from our runs, in its arrangement, two that it only describes, two of our idealisations."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from pysprings import plots
 from pysprings.paper import measures
 from pysprings.paper.cases import DEPTHS, END, PATH, SHOWN
+from pysprings.paper.idealisations import BESIDE
 from pysprings.plots import paper as drawn
 from pysprings.plots.data import path_data, section_data
 
@@ -78,7 +79,14 @@ def _rates(runs: Runs) -> Figure:
         rate = "drained" if run.case.rate is None else f"v = {1e3 * run.case.rate:g} mm/s"
         return f"{rate}, \N{GREEK SMALL LETTER MU} = {run.case.friction:g}"
 
-    return drawn.rates_and_friction({label(run): (_path(runs, name), run.case) for name, run in runs.items()})
+    ours = {label(run): (_path(runs, name), run.case) for name, run in runs.items() if not run.case.changes}
+    return drawn.rates_and_friction(ours)
+
+
+def _idealisations(runs: Runs) -> Figure:
+    words = {"drained": "rigid, Drucker-Prager"} | BESIDE
+    there = {words[name]: _path(runs, name) for name in words if name in runs}
+    return drawn.idealisations(there, DEPTHS[::3], measures.py_curve)
 
 
 DRAWINGS = (
@@ -113,6 +121,10 @@ DRAWINGS = (
             lambda r: plots.gap_map(_path(r, "slow"), displacement=END), END),
     Drawing("macro_against_full", "Rigid body on the springs of the drained run against the full model", ("drained",),
             _macro, 0.0, True),
+    Drawing("idealisations", "Rigid and elastic caisson, Drucker-Prager's cone and Van Eekelen's surface: load, "
+            "p-y, drained", ("drained", "elastic"), _idealisations),
+    Drawing("ovalisation_20mm", "Elastic caisson: ovalisation and mean fibre of the skirt, drained, 20 mm",
+            ("elastic",), lambda r: plots.ovalisation(_path(r, "elastic"), displacement=END), END),
 )  # fmt: skip
 
 

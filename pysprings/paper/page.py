@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pysprings
+from pysprings.paper import idealisations
 from pysprings.paper.cases import END, SHOWN
 from pysprings.paper.measures import load
 from pysprings.paper.sensitivity import CRITERIA
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 def write(
     out: Path, mesh: str, runs: Mapping[str, Run], drawn: Sequence[tuple[Drawing, Path]], claims: pd.DataFrame,
-    sensitivity: pd.DataFrame | None,
+    idealised: pd.DataFrame, sensitivity: pd.DataFrame | None,
 ) -> Path:  # fmt: skip
     """Write report.html into the folder of a study; return its path."""
     first = next(iter(runs.values()), None)
@@ -43,6 +44,7 @@ def write(
         sketch=picture_uri(axes_svg().encode(), ".svg"),
         claims=claims.to_dict(orient="records"),
         counts={str(name): int(n) for name, n in claims["verdict"].value_counts().items()},
+        idealised=Table("", *idealisations.rows_for_people(idealised), idealisations.NOTE),
         drawings=[_picture(drawing, file) for drawing, file in drawn],
         sensitivity=_sensitivity(sensitivity),
     )

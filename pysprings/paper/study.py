@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.exporters.csv import write_frame
-from pysprings.paper import claims, figures, page, runs, sensitivity, text
+from pysprings.paper import claims, figures, idealisations, page, runs, sensitivity, text
 from pysprings.paper.cases import CASES, VARIANTS, Case, Variant
 from pysprings.run_lock import exclusive, new_folder
 from pysprings.storage import write_text
@@ -22,6 +22,7 @@ FILES = {
     "report.html": "report with claims, figures and sensitivities: open it in a browser",
     "claims.csv": "the paper's claims beside our figures",
     "claims.md": "the same as Markdown",
+    "idealisations.csv": "rigid against elastic steel, Drucker-Prager against Van Eekelen",
     "sensitivity.csv": "readings of what the paper leaves open",
     "sensitivity.md": "the same as Markdown",
     figures.FOLDER: "figures in the paper's arrangement",
@@ -56,10 +57,13 @@ def write_results(out: Path, mesh: str, cases: Sequence[Case] = CASES, report: P
     ended = runs.load_runs(out, mesh, cases)
     report("figures", 0.0, "")
     drawn = figures.write_all(ended, out)
-    table = claims.assess({name: run.path for name, run in ended.items()})
+    paths = {name: run.path for name, run in ended.items()}
+    table = claims.assess(paths)
     write_frame(table, out / "claims.csv")
     write_text(text.claims_markdown(table), out / "claims.md")
-    page.write(out, mesh, ended, drawn, table, read_sensitivity(out))
+    idealised = idealisations.compare(paths)
+    write_frame(idealised, out / "idealisations.csv")
+    page.write(out, mesh, ended, drawn, table, idealised, read_sensitivity(out))
     report("figures", 1.0, f"{len(drawn)} figures")
 
 

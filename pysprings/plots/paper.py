@@ -128,6 +128,35 @@ def _spaced(x: NDArray[np.float64], n: int = 11) -> list[int]:
 
 
 @styled
+def idealisations(paths: Mapping[str, xr.Dataset], depths: Sequence[float], curve: Curve) -> Figure:
+    """Draw load [kN] against displacement [mm], and p [kN/m] against y [mm] at depths [m], of several runs.
+
+    paths : label -> path with u [m], H [N]. curve(path, depth) gives y [m] and p [N/m] by step.
+    """
+    figure = new_figure(9.6, 4.8)
+    left, right = figure.subplots(1, 2)
+    looks = list(zip(paths.items(), (INK, BLUE, VERMILLION), ("-", "--", ":"), strict=False))
+    for (label, path), colour, dash in looks:
+        left.plot(path["u"] * MM, path["H"] * KN, color=colour, linestyle=dash, label=label)
+        for depth, marker in zip(depths, _MARKERS, strict=False):
+            y, p = curve(path, depth)
+            right.plot(
+                y * MM, p * KN, color=colour, linestyle=dash, marker=marker, markersize=5, markevery=_spaced(y, 6)
+            )
+    left.set_xlabel(LATERAL.removesuffix(" (x in this tool)"))
+    left.set_ylabel("horizontal load [kN]")
+    right.set_xlabel("displacement y of the mean fibre [mm]")
+    right.set_ylabel("lateral reaction p [kN/m]")
+    for axes in (left, right):
+        zero_lines(axes)
+    left.legend(loc="lower right", frameon=False)
+    marks = [Line2D([], [], color=GREY, marker=k, label=f"{d:g} m") for d, k in zip(depths, _MARKERS, strict=False)]
+    right.legend(handles=marks, title="depth", loc="lower right", frameon=False)
+    set_title(figure, "What the idealisations change", drop_drainage(next(iter(paths.values())).attrs), "drained")
+    return figure
+
+
+@styled
 def rates_and_friction(paths: Mapping[str, tuple[xr.Dataset, RateAndFriction]]) -> Figure:
     """Draw the horizontal load [kN] against the displacement for rates and friction coefficients.
 
