@@ -205,7 +205,8 @@ class Newton:
 
     def _size(self, free: np.ndarray, border: np.ndarray) -> float:
         """Root mean square displacement of a step in m."""
-        return float(np.sqrt(np.mean(np.concatenate([free, border * self.scale]) ** 2)))
+        with np.errstate(over="ignore"):  # of an iterate that diverges
+            return float(np.sqrt(np.mean(np.concatenate([free, border * self.scale]) ** 2)))
 
     def _watch(self, iteration: int, merits: list, error: float, judged: Residual, record: list) -> None:
         """Where an increment cycles: half steps close to the solution while they gain, else stop; the step is cut."""

@@ -128,3 +128,10 @@ def test_the_picture_shows_both_diameters_and_the_mean_fibre_by_depth() -> None:
     fibre = next(line for line in right.get_lines() if line.get_label() == "mean fibre of the skirt")
     np.testing.assert_allclose(fibre.get_xdata(), 1e3 * path["y"].isel(step=-1))
     assert left.get_ylim()[0] > left.get_ylim()[1]
+
+
+def test_a_run_draws_it() -> None:
+    from pysprings.plots.files import figures
+
+    drawn = {name for name, _ in figures(result(), None, {})}
+    assert "pull_ovalisation_last" in drawn
