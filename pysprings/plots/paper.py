@@ -149,9 +149,9 @@ def idealisations(paths: Mapping[str, xr.Dataset], depths: Sequence[float], curv
     right.set_ylabel("lateral reaction p [kN/m]")
     for axes in (left, right):
         zero_lines(axes)
-    left.legend(loc="lower right", frameon=False)
+    left.legend(loc="lower right", bbox_to_anchor=(1.0, 0.08), frameon=False)
     marks = [Line2D([], [], color=GREY, marker=k, label=f"{d:g} m") for d, k in zip(depths, _MARKERS, strict=False)]
-    right.legend(handles=marks, title="depth", loc="lower right", frameon=False)
+    right.legend(handles=marks, title="depth", loc="lower right", bbox_to_anchor=(1.0, 0.08), frameon=False)
     set_title(figure, "What the idealisations change", drop_drainage(next(iter(paths.values())).attrs), "drained")
     return figure
 
