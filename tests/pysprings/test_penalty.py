@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from pysprings.build import contact_parameters
+from fe_engine.contact.coulomb import KN
+from pysprings.build import build_model
 from pysprings.penalty import AUTO, STIFFEST, penalty_of
 from pysprings.scene import Scene
 
@@ -44,4 +45,4 @@ def test_a_penalty_beyond_the_limit_is_replaced_and_said() -> None:
     assert penalty.remarks[0].startswith(
         "interface.normal_stiffness: 1e+14 N/m3 is too stiff to solve with; 1e+12 N/m3"
     )
-    assert contact_parameters(asked)[0, 0] == penalty.normal
+    assert (build_model(asked).model.contact[:, KN] == penalty.normal).all()
