@@ -174,6 +174,14 @@ VARIANTS = (
         **_soil(cohesion=5e3), "interface": {"friction_coefficient": 0.25}}, STATED, smooth=False),
     Variant("combined", "cohesion-3-steel-weight", "c 3 kPa, dead load 1.94 MN", {
         **_soil(cohesion=3e3), "caisson": {"vertical_load": 1.94e6}}),
+    Variant("combined", "cohesion-4-steel-weight", "c 4 kPa, dead load 1.94 MN", {
+        **_soil(cohesion=4e3), "caisson": {"vertical_load": 1.94e6}}),
+    Variant("combined", "cohesion-4-4MN", "c 4 kPa, dead load 4 MN", {
+        **_soil(cohesion=4e3), "caisson": {"vertical_load": 4e6}}),
+    Variant("combined", "cohesion-3-4MN", "c 3 kPa, dead load 4 MN", {
+        **_soil(cohesion=3e3), "caisson": {"vertical_load": 4e6}}),
+    Variant("combined", "cohesion-4-E-100-steel-weight", "c 4 kPa, E 100 MPa, dead load 1.94 MN", {
+        **_soil(cohesion=4e3, young_modulus=100e6), "caisson": {"vertical_load": 1.94e6}}, STATED),
     Variant("combined", "cohesion-5-steel-weight", "c 5 kPa, dead load 1.94 MN", {
         **_soil(cohesion=5e3), "caisson": {"vertical_load": 1.94e6}}),
     Variant("combined", "cohesion-5-no-hardening", "c 5 kPa, phi 30 deg from the start",
