@@ -8,8 +8,6 @@ from typing import NamedTuple
 
 import numba as nb
 
-from fe_engine.soil.plasol import cone_slope
-
 EXPONENT = -0.229
 # The section of the surface is convex up to here, rad
 MAX_FRICTION = math.radians(46.5)
@@ -33,12 +31,6 @@ class Trial(NamedTuple):
 def shape(phi):
     """Parameter b(phi) of the section; phi in rad."""
     return math.tanh(math.atanh(math.sin(phi) / 3.0) / EXPONENT)
-
-
-@nb.njit(cache=True)
-def size(phi):
-    """Parameter a(phi) = m(phi)/(1 + b)^n of the surface m = a (1 + b sin 3beta)^n."""
-    return cone_slope(phi) / (1.0 + shape(phi)) ** EXPONENT
 
 
 @nb.njit(cache=True)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -79,7 +79,7 @@ CASES = (
     Case("fast", "0.5 mm/s, friction 0.5", FAST),
     Case("fast-smooth", "0.5 mm/s, no friction", FAST, friction=0.0),
     # what our defaults idealise
-    Case("elastic", "drained, elastic steel", changes={"caisson": {"behaviour": "elastic"}}),
+    Case("elastic-steel", "drained, elastic steel", changes={"caisson": {"behaviour": "elastic"}}),
     Case("van-eekelen", "drained, Van Eekelen's surface", changes={"soil": {"yield_surface": "van-eekelen"}}),
 )
 
@@ -214,12 +214,3 @@ VARIANTS = (
     Variant("water", "slow-no-hardening", "phi 30 deg from the start, 0.05 mm/s", _soil(**_STRONG), STATED,
             smooth=False, water=True, beside="no-hardening"),
 )  # fmt: skip
-
-
-def runs_of(variants: tuple[Variant, ...]) -> Iterator[Case]:
-    """Yield every run that the variants need, each with its smooth companion."""
-    for variant in variants:
-        yield variant.case()
-        companion = variant.smooth_case()
-        if companion is not None:
-            yield companion

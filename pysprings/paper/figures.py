@@ -122,9 +122,9 @@ DRAWINGS = (
     Drawing("macro_against_full", "Rigid body on the springs of the drained run against the full model", ("drained",),
             _macro, 0.0, True),
     Drawing("idealisations", "Rigid and elastic caisson, Drucker-Prager's cone and Van Eekelen's surface: load, "
-            "p-y, drained", ("drained", "elastic"), _idealisations),
+            "p-y, drained", ("drained", "elastic-steel"), _idealisations),
     Drawing("ovalisation_20mm", "Elastic caisson: ovalisation and mean fibre of the skirt, drained, 20 mm",
-            ("elastic",), lambda r: plots.ovalisation(_path(r, "elastic"), displacement=END), END),
+            ("elastic-steel",), lambda r: plots.ovalisation(_path(r, "elastic-steel"), displacement=END), END),
 )  # fmt: skip
 
 

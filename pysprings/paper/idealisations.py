@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # run -> head of its column; each is set beside the drained run (rigid caisson, Drucker-Prager)
-BESIDE = {"elastic": "elastic steel", "van-eekelen": "Van Eekelen"}
+BESIDE = {"elastic-steel": "elastic steel", "van-eekelen": "Van Eekelen"}
 _EARLY = 0.1e-3  # m
 NOTE = (
     "Drained, friction 0.5; differences to the rigid caisson in sand with Drucker-Prager's cone. The paper's caisson "
@@ -30,47 +30,35 @@ def compare(paths: Mapping[str, xr.Dataset]) -> pd.DataFrame:
     """Return quantity, unit, its value in the drained run, and for each other run its value and difference in %."""
     import pandas as pd
 
+    found = {name: _figures(paths[name]) for name in ("drained", *BESIDE) if name in paths}
     rows = []
-    for quantity, unit, read in _quantities():
-        row: dict[str, Any] = {"quantity": quantity, "unit": unit, "drained": _value(paths.get("drained"), read)}
+    for quantity, unit in next(iter(found.values()), {}):
+        base = found.get("drained", {}).get((quantity, unit), math.nan)
+        row: dict[str, Any] = {"quantity": quantity, "unit": unit, "drained": base}
         for name in BESIDE:
-            row[name] = _value(paths.get(name), read)
-            base = row["drained"]
+            row[name] = found.get(name, {}).get((quantity, unit), math.nan)
             row[f"{name}_difference_percent"] = 100.0 * (row[name] / base - 1.0) if base else math.nan
         rows.append(row)
-    return pd.DataFrame(rows)
+    columns = ["quantity", "unit", "drained", *(c for name in BESIDE for c in (name, f"{name}_difference_percent"))]
+    return pd.DataFrame(rows, columns=columns)
 
 
-def _value(path: xr.Dataset | None, read: Any) -> float:
-    return math.nan if path is None else float(read(path))
-
-
-def _quantities() -> list[tuple[str, str, Any]]:
-    """List what is compared: words, unit, how it is read from a path."""
-    out: list[tuple[str, str, Any]] = [
-        (f"H/u at {1e3 * _EARLY:g} mm", "MN/m", lambda path: 1e-6 * m.load(path, _EARLY) / _EARLY)
-    ]
+def _figures(path: xr.Dataset) -> dict[tuple[str, str], float]:
+    """Read what is compared from a run, by its words and unit."""
+    out = {(f"H/u at {1e3 * _EARLY:g} mm", "MN/m"): 1e-6 * m.load(path, _EARLY) / _EARLY}
     for u in (SHOWN, END):
         at = f"at {1e3 * u:g} mm"
-        out.append((f"H {at}", "kN", lambda path, u=u: 1e-3 * m.load(path, u)))
-        out.append((f"rotation {at}", "mrad", lambda path, u=u: 1e3 * float(m.at(path, "rotation", u))))
-        out += [(f"p {at}, depth {z:g} m", "kN/m", lambda path, u=u, z=z: 1e-3 * m.p_at(path, z, u)) for z in DEPTHS]
-        out += [(f"y {at}, depth {z:g} m", "mm", lambda path, u=u, z=z: 1e3 * _y_at(path, z, u)) for z in DEPTHS[::3]]
-        out += [
-            (f"front p'_N over initial {at}, depth {z:g} m", "1",
-             lambda path, u=u, z=z: m.stress_ratio(path, u, m.FRONT, [z])[0]) for z in DEPTHS[::3]
-        ]  # fmt: skip
-        out += [
-            (f"ovalisation {words} {at}", "mm", lambda path, u=u, name=name: 1e3 * _ovalisation(path, name, u))
-            for words, name in (("along x", "diameter_change_x"), ("along y", "diameter_change_y"))
-        ]
+        out[f"H {at}", "kN"] = 1e-3 * m.load(path, u)
+        out[f"rotation {at}", "mrad"] = 1e3 * float(m.at(path, "rotation", u))
+        for z in DEPTHS:
+            out[f"p {at}, depth {z:g} m", "kN/m"] = 1e-3 * m.p_at(path, z, u)
+        for z in DEPTHS[::3]:
+            out[f"y {at}, depth {z:g} m", "mm"] = 1e3 * m.y_at(path, z, u)
+        for z in DEPTHS[::3]:
+            out[f"front p'_N over initial {at}, depth {z:g} m", "1"] = float(m.stress_ratio(path, u, m.FRONT, [z])[0])
+        for axis in "xy":
+            out[f"ovalisation along {axis} {at}", "mm"] = 1e3 * _ovalisation(path, f"diameter_change_{axis}", u)
     return out
-
-
-def _y_at(path: xr.Dataset, depth: float, u: float) -> float:
-    if not m.reached(path, u):
-        return math.nan
-    return float(np.interp(u, path["u"].values, m.py_curve(path, depth)[0]))
 
 
 def _ovalisation(path: xr.Dataset, name: str, u: float) -> float:

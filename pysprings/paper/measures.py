@@ -132,14 +132,6 @@ def open_share(path: xr.Dataset, u: float) -> float:
     return float(heights[stress <= 0.0].sum() / heights.sum())
 
 
-def first_opening(path: xr.Dataset, depth: float) -> float:
-    """Displacement u [m] at which p'_N vanishes at the back outside, at the ring next to a depth [m]; NaN: never."""
-    ring = int(np.argmin(np.abs(path["depth"].values - depth)))
-    back = path["normal_effective_stress"].sel(side="outside").transpose("step", "azimuth", "depth").values[:, -1, ring]
-    open_ = np.flatnonzero(back <= 0.0)
-    return float(path["u"].values[open_[0]]) if open_.size else float("nan")
-
-
 def py_curve(path: xr.Dataset, depth: float) -> tuple[Array, Array]:
     """Return (y [m], p [N/m]) by step at a depth [m], linear between rings."""
     y, p = (path[name].transpose("depth", "step").values for name in ("y", "p"))
@@ -149,8 +141,15 @@ def py_curve(path: xr.Dataset, depth: float) -> tuple[Array, Array]:
     return (1 - share) * y[k - 1] + share * y[k], (1 - share) * p[k - 1] + share * p[k]
 
 
+def y_at(path: xr.Dataset, depth: float, u: float) -> float:
+    """Displacement y [m] of the caisson's mean fibre at a depth [m] when the lid centre has moved by u [m]."""
+    return _when(path, py_curve(path, depth)[0], u)
+
+
 def p_at(path: xr.Dataset, depth: float, u: float) -> float:
     """Reaction p [N/m] at a depth [m] when the lid centre has moved by u [m]."""
-    if not reached(path, u):
-        return float("nan")
-    return float(np.interp(u, path["u"].values, py_curve(path, depth)[1]))
+    return _when(path, py_curve(path, depth)[1], u)
+
+
+def _when(path: xr.Dataset, values: Array, u: float) -> float:
+    return float(np.interp(u, path["u"].values, values)) if reached(path, u) else float("nan")

@@ -21,6 +21,13 @@ PUSH = 1.0e-3 * np.array([1.0, -0.4, -0.7, 0.5, -0.3, 0.8])
 OTHER = 1.0e-3 * np.array([0.3, 0.5, -0.6, -0.9, 0.4, 0.7])
 OPENING = 1.0e-3 * np.array([1.5, 0.8, 0.7, 0.5, -0.3, 0.2])
 SIZES = np.geomspace(3.0e-2, 1.0e-3, 5)
+# changes of the parameters, and whether the law is then associated with a tangent that is symmetric
+SYMMETRY = (
+    ({"phi_i": 30.0, "psi": 30.0}, True),
+    ({"phi_i": 30.0, "psi": 30.0, "cohesion": 1.0e4}, True),
+    ({"phi_i": 30.0, "psi": 29.0}, False),
+    ({"phi_i": 30.0, "psi": 0.0}, False),
+)
 
 
 def make(phi_i=5.0, phi_f=30.0, psi=0.0, cohesion=0.0, b_phi=0.005, young=YOUNG, poisson=POISSON):

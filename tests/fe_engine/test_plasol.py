@@ -20,6 +20,7 @@ from tests.fe_engine.soil_points import (
     PUSH,
     SIZES,
     START,
+    SYMMETRY,
     YOUNG,
     Answer,
     dissipation,
@@ -226,15 +227,7 @@ def test_tangent_where_the_law_is_linear(p, strain):
     )
 
 
-@pytest.mark.parametrize(
-    ("changes", "symmetric"),
-    [
-        ({"phi_i": 30.0, "psi": 30.0}, True),
-        ({"phi_i": 30.0, "psi": 30.0, "cohesion": 1.0e4}, True),
-        ({"phi_i": 30.0, "psi": 29.0}, False),
-        ({"phi_i": 30.0, "psi": 0.0}, False),
-    ],
-)
+@pytest.mark.parametrize(("changes", "symmetric"), SYMMETRY)
 def test_tangent_is_symmetric_only_for_the_associated_law(changes, symmetric):
     tangent = update(make(**changes), PUSH).tangent
     skew = np.abs(tangent - tangent.T).max() / np.abs(tangent).max()

@@ -34,15 +34,17 @@ def path(softer: float = 1.0, bent: bool = False) -> xr.Dataset:
 
 
 def test_each_quantity_and_its_difference() -> None:
-    table = idealisations.compare({"drained": path(), "elastic": path(1.25, bent=True)}).set_index("quantity")
-    assert table.loc["H/u at 0.1 mm", ["drained", "elastic"]].tolist() == pytest.approx([1000.0, 800.0])
-    assert table.loc["H at 2.5 mm", "elastic_difference_percent"] == pytest.approx(-20.0)
+    table = idealisations.compare({"drained": path(), "elastic-steel": path(1.25, bent=True)}).set_index("quantity")
+    assert table.loc["H/u at 0.1 mm", ["drained", "elastic-steel"]].tolist() == pytest.approx([1000.0, 800.0])
+    assert table.loc["H at 2.5 mm", "elastic-steel_difference_percent"] == pytest.approx(-20.0)
     assert table.loc["rotation at 20 mm", "drained"] == pytest.approx(-4.0)
     assert table.loc["p at 2.5 mm, depth 1.25 m", "drained"] == pytest.approx(562.5)
-    assert table.loc["y at 20 mm, depth 3.25 m", "elastic"] == pytest.approx(20.0 * (1.0 - 3.25 / 8.0))
+    assert table.loc["y at 20 mm, depth 3.25 m", "elastic-steel"] == pytest.approx(20.0 * (1.0 - 3.25 / 8.0))
     assert table.loc["front p'_N over initial at 2.5 mm, depth 0.25 m", "drained"] == pytest.approx(2.0)
-    assert table.loc["ovalisation along x at 20 mm", ["drained", "elastic"]].tolist() == pytest.approx([0.0, -2.0])
-    assert table.loc["ovalisation along y at 20 mm", "elastic"] == pytest.approx(2.0)
+    assert table.loc["ovalisation along x at 20 mm", ["drained", "elastic-steel"]].tolist() == pytest.approx(
+        [0.0, -2.0]
+    )
+    assert table.loc["ovalisation along y at 20 mm", "elastic-steel"] == pytest.approx(2.0)
 
 
 def test_a_run_that_is_not_there_leaves_dashes() -> None:
@@ -55,8 +57,8 @@ def test_a_run_that_is_not_there_leaves_dashes() -> None:
 
 def test_a_run_that_stopped_early_says_nothing_beyond() -> None:
     short = path().isel(step=slice(0, 11))
-    table = idealisations.compare({"drained": short, "elastic": path(bent=True)}).set_index("quantity")
+    table = idealisations.compare({"drained": short, "elastic-steel": path(bent=True)}).set_index("quantity")
     assert math.isfinite(table.loc["H at 2.5 mm", "drained"])
     beyond = [name for name in table.index if "20 mm" in name and "ovalisation" not in name]
     assert beyond and table.loc[beyond, "drained"].isna().all()
-    assert table.loc[beyond, "elastic_difference_percent"].isna().all()
+    assert table.loc[beyond, "elastic-steel_difference_percent"].isna().all()

@@ -55,8 +55,6 @@ def test_gap_behind() -> None:
     assert m.open_share(path(), 1e-3) == 0.0
     assert m.open_share(path(), 3e-3) == pytest.approx(1.0)
     assert m.open_share(path(back=0.1), 3e-3) == 0.0
-    assert m.first_opening(path(), 1.0) == pytest.approx(2e-3)
-    assert np.isnan(m.first_opening(path(back=0.1), 1.0))
 
 
 def test_slopes() -> None:
@@ -91,4 +89,5 @@ def test_py_between_rings() -> None:
     assert y == pytest.approx(U * (1.0 - 3.0 / 8.0))
     assert p == pytest.approx(1e8 * U * 4.0)
     assert m.p_at(path(), 0.25, 10e-3) == pytest.approx(1.25e6)
+    assert m.y_at(path(), 4.0, 10e-3) == pytest.approx(5e-3)
     assert np.isnan(m.p_at(path(), 0.25, 30e-3))

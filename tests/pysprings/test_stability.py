@@ -76,8 +76,28 @@ def test_cases_are_chosen_by_name_and_group() -> None:
         stability.cases_named(["smoth"])
 
 
+def test_a_shorter_reach_leaves_what_a_case_says_itself() -> None:
+    by_name = {case.name: case for case in CASES}
+    assert by_name["paper"].scene("coarse", 3e-3).paths[0].lateral_displacement == 3e-3
+    assert by_name["push-0.5m"].scene("coarse", 3e-3).paths[0].lateral_displacement == 0.5
+    assert by_name["beyond-capacity"].scene("coarse", 3e-3).paths[0].lateral_force == 20e6
+
+
 def test_the_command_runs_cases_and_writes_table_and_picture(tmp_path: Path) -> None:
-    given = ["stability", "--case", "K0-3", "--case", "soft", "--refinement", "0.6", "--out", str(tmp_path), "--json"]
+    given = [
+        "stability",
+        "--case",
+        "K0-3",
+        "--case",
+        "soft",
+        "--refinement",
+        "0.6",
+        "--reach",
+        "10 mm",
+        "--out",
+        str(tmp_path),
+        "--json",
+    ]
     done = CliRunner().invoke(cli.app, given)
     assert done.exit_code == 0, done.output
     answer = json.loads(done.stdout)
@@ -85,7 +105,7 @@ def test_the_command_runs_cases_and_writes_table_and_picture(tmp_path: Path) -> 
     table = pd.read_csv(tmp_path / "stability.csv")
     assert list(table["case"]) == ["soft", "K0-3"]
     soft = table.iloc[0]
-    assert soft["u_mm"] == pytest.approx(20.0)
+    assert soft["u_mm"] == pytest.approx(10.0)
     assert soft["energy_imbalance"] < 1e-6
     assert 1e2 < soft["condition"] < 1e8
     assert "| soft | converged |" in (tmp_path / "stability.md").read_text()

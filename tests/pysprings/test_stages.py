@@ -15,8 +15,11 @@ from pysprings.stages import dead_load_stage, imposed_end, path_stages
 D, L = 7.8, 4.0
 
 
-def stage(kind: str, extra_load: float = 0.0, solver: dict[str, Any] | None = None, **path: Any) -> Stage:
-    scene = Scene(paths=[{"name": "a", "kind": kind, **path}], solver=solver or {})
+def stage(
+    kind: str, extra_load: float = 0.0, solver: dict[str, Any] | None = None, soil: dict[str, Any] | None = None,
+    **path: Any,
+) -> Stage:  # fmt: skip
+    scene = Scene(paths=[{"name": "a", "kind": kind, **path}], solver=solver or {}, soil=soil or {})
     return path_stages(scene, scene.paths[0], extra_load)[0]
 
 
@@ -97,6 +100,17 @@ def test_the_first_step_is_the_same_displacement_however_long_the_path() -> None
     turn = stage("rotation", rotation=1e-2)
     assert turn.first_fraction * 1e-2 * L == pytest.approx(first[0])
     assert stage("pull", lateral_displacement=1e-6).first_fraction == 1.0
+
+
+def test_a_soil_that_yields_early_begins_with_a_smaller_step() -> None:
+    """1 % of the strain of the stress beside the tip; cohesion lets it be larger again."""
+    pull = {"lateral_displacement": 0.02}
+    sand, rock = stage("pull", **pull), stage("pull", **pull, soil={"young_modulus": 100e9})
+    stress = 10.56e3 * (1.0 + L)
+    assert rock.first_fraction * 0.02 == pytest.approx(0.01 * stress / 100e9 * D)
+    assert rock.first_fraction < 0.01 * sand.first_fraction
+    strong = stage("pull", **pull, soil={"young_modulus": 100e9, "cohesion": 10.0 * stress})
+    assert strong.first_fraction == pytest.approx(11.0 * rock.first_fraction)
 
 
 def test_the_scenes_step_sizes_win() -> None:
