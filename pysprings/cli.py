@@ -13,6 +13,7 @@ import typer
 from pysprings import __version__
 from pysprings.cli_support import (
     DEBUG,
+    RunOptions,
     guarded,
     interruptible,
     print_json,
@@ -24,6 +25,7 @@ from pysprings.cli_support import (
     say,
     springs_of,
     springs_or_table,
+    with_target,
 )
 from pysprings.errors import ResourceError, RunIncomplete
 from pysprings.jit import choose_for_command
@@ -52,6 +54,14 @@ class Preset(StrEnum):
     medium = "medium"
     paper = "paper"
     fine = "fine"
+
+
+class Target(StrEnum):
+    """Errors that a run may aim at: see `pysprings.accuracy.presets`."""
+
+    five = "5%"
+    two = "2%"
+    one = "1%"
 
 
 class Format(StrEnum):
@@ -136,6 +146,12 @@ def run(
     scene: SceneFile,
     out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/SCENE]")] = None,
     mesh: Mesh = None,
+    target: Annotated[
+        Target | None, typer.Option("--target-error", help="the cheapest setting with this error, instead of a mesh")
+    ] = None,
+    estimate: Annotated[
+        bool, typer.Option("--estimate-error", help="also run a coarser mesh, and estimate the error from both")
+    ] = False,
     resume: Annotated[bool, typer.Option("--resume", help="go on with the interrupted run in the folder")] = False,
     force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
     as_json: Json = False,
@@ -144,19 +160,22 @@ def run(
     from pysprings.cli_reports import print_results, results_json
     from pysprings.scene import load_scene
 
-    loaded = load_scene(scene)
+    loaded, extra = load_scene(scene), RunOptions(estimate=estimate or target is not None)
+    if target is not None:
+        loaded, extra.notes = with_target(loaded, target.value, mesh is not None)
     folder = out or Path("out") / scene.stem
     with result_folder(folder, force, resume):
         if resume and not is_unfinished(folder):
             stopped = _as_it_ended(folder, loaded.replace(mesh={"preset": mesh.value}) if mesh else loaded)
         else:
-            stopped = _run(loaded, folder, mesh.value if mesh else None, resume)
+            stopped = _run(loaded, folder, mesh.value if mesh else None, resume, extra)
     if as_json:
         print_json(results_json(folder))
     else:
         print_results(folder)
     if isinstance(stopped, KeyboardInterrupt) and is_unfinished(folder):
-        option = f" --mesh {mesh.value}" if mesh else ""
+        option = f" --mesh {mesh.value}" if mesh else f" --target-error {target.value}" if target else ""
+        option += " --estimate-error" if estimate else ""
         say(f"go on with: pysprings run {scene} --out {folder}{option} --resume")
     if stopped is not None:
         raise stopped
@@ -165,7 +184,7 @@ def run(
 Stopped = RunIncomplete | ResourceError | KeyboardInterrupt | None
 
 
-def _run(scene: Scene, folder: Path, mesh: str | None, resume: bool) -> Stopped:
+def _run(scene: Scene, folder: Path, mesh: str | None, resume: bool, extra: RunOptions) -> Stopped:
     """Run a scene; return what ended it early when results were written nevertheless."""
     from pysprings.folder import run_to_folder
     from pysprings.progress import reporter
@@ -173,7 +192,7 @@ def _run(scene: Scene, folder: Path, mesh: str | None, resume: bool) -> Stopped:
     before = record_stamp(folder)
     try:
         with interruptible(), reporter(sys.stderr) as progress:
-            run_to_folder(scene, folder, mesh=mesh, progress=progress, resume=resume)
+            run_to_folder(scene, folder, mesh, progress, resume, estimate_error=extra.estimate, notes=extra.notes)
     except (RunIncomplete, ResourceError, KeyboardInterrupt) as error:
         if record_stamp(folder) in (None, before):
             raise
@@ -361,6 +380,35 @@ def compare(
         print_json(to_dict(frame))
     else:
         print(to_text(frame), end="")
+
+
+@app.command()
+@guarded
+def accuracy(
+    scene: SceneFile,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/accuracy-SCENE]")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="small meshes and few settings")] = False,
+    mesh: Annotated[
+        list[str] | None,
+        typer.Option("--mesh", metavar="PRESET", help="a mesh of the series, or medium:0.7; repeated, three at best"),
+    ] = None,
+    presets: Annotated[
+        Path | None, typer.Option("--write-presets", metavar="FILE", help="also write what --target-error chooses from")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="have every run made again")] = False,
+    as_json: Json = False,
+) -> None:
+    """Error against run time over meshes, steps, tolerances and linear solvers: table, picture, Pareto front.
+
+    Runs that have ended in DIR are not run again; interrupted ones go on.
+    """
+    from pysprings import cli_accuracy
+    from pysprings.scene import load_scene
+
+    folder = out or Path("out") / f"accuracy-{scene.stem}"
+    cli_accuracy.run(load_scene(scene), folder, mesh or [], quick, force, presets, as_json)
 
 
 @app.command()

@@ -113,6 +113,7 @@ def print_results(folder: Path) -> None:
     print_water(record)
     print_energy(record)
     print_cost(record)
+    print_estimate(record)
     if _has_springs(folder, record):
         print("\nprediction with the springs against the full model:")
         print(to_text(compare(springs_of(folder))), end="")
@@ -244,6 +245,22 @@ def print_cost(record: Mapping[str, Any]) -> None:
         )
     for part in record.get("resumed", ()):
         print(f"resumed {part['at_utc']} from {part['from']}")
+
+
+def print_estimate(record: Mapping[str, Any]) -> None:
+    """Print the setting that a target error chose, and the run's own estimate of its error."""
+    if target := record.get("target_error"):
+        found = ", ".join(
+            f"{name.replace('_', ' ')} {value:.2g} %" for name, value in target["error_in_study_pct"].items()
+        )
+        study = target["study"]
+        print(
+            f"target error {target['target']}: setting {target['setting']}, in the study of '{study['scene']}' {found}"
+        )
+    if estimate := record.get("error_estimate"):
+        from pysprings.accuracy.two_mesh import words
+
+        print(words(estimate))
 
 
 def _seconds(value: float | None) -> str:

@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pysprings.accuracy.own_estimate import add_estimate, was_interrupted
 from pysprings.checkpoint import Checkpoints
 from pysprings.comparison import compare, curves
 from pysprings.errors import UserInputError
@@ -31,24 +33,34 @@ if TYPE_CHECKING:
 
 def run_to_folder(
     scene: Scene, out: str | os.PathLike[str], mesh: str | None = None, progress: Progress | None = None,
-    resume: bool = False,
+    resume: bool = False, estimate_error: bool = False, time_unit: bool = False,
+    notes: Mapping[str, Any] | None = None,
 ) -> Path:  # fmt: skip
     """Run a scene and write full model, springs, tables, comparison, pictures, report and run.json; return the folder.
 
     Results of an earlier run in the folder are removed once the new ones are there to be written; a scene that is
     refused leaves them untouched. A run that stops early writes what converged, marked as partial, and then
     raises RunIncomplete (or KeyboardInterrupt, or ResourceError). One run at a time holds the folder. Checkpoints are
-    in it until everything is written; ``resume`` goes on from them.
+    in it until everything is written; ``resume`` goes on from them. ``estimate_error`` also runs a coarser mesh (see
+    `full_model.run`), ``time_unit`` is that of `full_model.compute`, ``notes`` are further entries of run.json.
     """
-    folder = Path(out)
-    refuse_full_disk(scene_to_run(scene, mesh), folder)
+    folder, ran = Path(out), scene_to_run(scene, mesh)
+    refuse_full_disk(ran, folder)
     with new_folder(folder), exclusive(folder):
         checkpoints = Checkpoints(folder)
-        result = compute(scene, mesh=mesh, progress=progress, checkpoints=checkpoints, resume=resume)
+        result = compute(
+            scene, mesh=mesh, progress=progress, checkpoints=checkpoints, resume=resume, time_unit=time_unit
+        )
+        if estimate_error and result.attrs["status"] != "interrupted":
+            add_estimate(ran, result, compute, progress)
+        if notes:
+            result.attrs["run_json"] = json.dumps(json.loads(result.attrs["run_json"]) | notes)
         _write_all(folder, scene, result)
         if result.attrs["status"] != "interrupted":
             checkpoints.remove()
         raise_if_incomplete(result, folder)
+        if was_interrupted(result):
+            raise KeyboardInterrupt
     return folder
 
 

@@ -22,6 +22,7 @@ from fe_engine.linear import LinearSolver
 from fe_engine.newton import Newton, Settings
 from fe_engine.state import State
 from pysprings import variables
+from pysprings.accuracy.own_estimate import add_estimate
 from pysprings.build import build_model, left_out
 from pysprings.build_water import undrained_time
 from pysprings.cavitation import warning as cavitation_warning
@@ -42,6 +43,7 @@ from pysprings.run_record import (
     summarise,
 )
 from pysprings.small_strain import large_motion
+from pysprings.unit_time import factorise_and_solve_seconds
 from pysprings.volume import volume_dataset
 
 if TYPE_CHECKING:
@@ -53,7 +55,7 @@ INTERRUPTED, OUT_OF_MEMORY = "interrupted", "out of memory"
 
 def run(
     scene: Scene, mesh: str | None = None, progress: Progress | None = None, linear: str | None = None,
-    checkpoint: str | os.PathLike[str] | None = None,
+    checkpoint: str | os.PathLike[str] | None = None, estimate_error: bool = False,
 ) -> xr.DataTree:  # fmt: skip
     """Run the full model along all paths of a scene.
 
@@ -64,6 +66,8 @@ def run(
     progress : called as ``progress(path, fraction, message)``.
     checkpoint : folder for checkpoints. Where one holds those of this very run, stopped, it goes on from them; they are
         removed when it has ended.
+    estimate_error : run the scene on a coarser mesh, too, and put an estimate of the discretisation error into the
+        record (`pysprings.accuracy.two_mesh`).
 
     Returns
     -------
@@ -75,6 +79,8 @@ def run(
         result = compute(scene, mesh, progress, linear)
     else:
         result = _compute_in(FilePath(checkpoint), scene, mesh, progress, linear)
+    if estimate_error and result.attrs["status"] != INTERRUPTED:
+        add_estimate(scene_to_run(scene, mesh, linear), result, compute, progress)
     record = json.loads(result.attrs["run_json"])
     for text in [*record["failures"], *record["warnings"]]:
         warnings.warn(text, stacklevel=2)
@@ -95,11 +101,13 @@ def _compute_in(
 
 def compute(
     scene: Scene, mesh: str | None = None, progress: Progress | None = None, linear: str | None = None,
-    checkpoints: Checkpoints | None = None, resume: bool = False,
+    checkpoints: Checkpoints | None = None, resume: bool = False, time_unit: bool = False,
 ) -> xr.DataTree:  # fmt: skip
     """Do the work of `run`, without warnings; leave checkpoints where they are given, and go on from them.
 
-    The checkpoints stay when the paths have ended: whoever has saved the result removes them.
+    The checkpoints stay when the paths have ended: whoever has saved the result removes them. ``time_unit`` also
+    measures one factorisation and solve of the last tangent (solver.unit_s of the record), which no cost of the run
+    contains.
     """
     started, meter = datetime.now(UTC).isoformat(timespec="seconds"), Meter()
     ran = scene_to_run(scene, mesh, linear)
@@ -116,9 +124,11 @@ def compute(
         work.failures.append(OUT_OF_MEMORY)
     if work.condition is None:
         work.condition = work.newton.solver.condition_estimate()
-    work.newton.solver.close()
     record = _record(work, loaded)
     meter.charge(record)
+    if time_unit:
+        record["solver"]["unit_s"] = factorise_and_solve_seconds(work.newton, work.state or State(work.built.model))
+    work.newton.solver.close()
     result = _tree(work, record)
     if ran is not scene:
         result.attrs["scene_toml_given"] = scene.source_text
@@ -204,6 +214,7 @@ def _run_paths(work: Work, loaded: Loaded) -> None:
             continue
         if state is not None and state.meta["path"] == path.name:
             run.restore(state)
+        work.state = run.state
         try:
             run.run()
         finally:

@@ -56,6 +56,7 @@ class Work:
     condition: float | None = None  # estimate of the last matrix's
     stiffness: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))  # of half the caisson, at the initial state
     resumed: list[dict[str, str]] = field(default_factory=list)
+    state: State | None = None  # of the path that ran last
 
     def cost(self) -> dict[str, Any]:
         """What the run has cost so far, as a checkpoint keeps it."""

@@ -25,6 +25,7 @@ from pysprings.report_tables import (
     end_table,
     energy_table,
     equilibrium_table,
+    estimate_table,
     input_tables,
     mesh_table,
     ring_table,
@@ -133,6 +134,7 @@ def render(
             rings=ring_table(paths),
             water=water_table(run),
             energy=energy_table(run),
+            estimate=estimate_table(run),
             equilibrium=equilibrium_table(springs if springs is not None else result),
             paths=[
                 PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n))

@@ -249,6 +249,26 @@ def energy_table(run: Mapping[str, Any]) -> Table | None:
     return Table("Balance of energy", columns, rows, note)
 
 
+def estimate_table(run: Mapping[str, Any]) -> Table | None:
+    """Make the table of the estimated discretisation error; None where none was asked for."""
+    found = run.get("error_estimate")
+    if not found:
+        return None
+    if not found["estimate_pct"]:
+        return Table("Discretisation error", ("",), [(f"no estimate: {found['why_not']}",)])
+    words = {"load_max": "load, largest difference / largest load", "py_rms": "p(y), root mean square / largest p"}
+    rows = [
+        (words[name], number(found["difference_pct"][name], 3), number(found["order"][name], 3), number(value, 2))
+        for name, value in found["estimate_pct"].items()
+    ]
+    note = (
+        f"From the same scene on a coarser mesh ({found['unknowns'][1]} beside {found['unknowns'][0]} unknowns, "
+        f"ratio of cell sizes r = {found['cell_ratio']:.3g}): safety factor {found['safety']:g} times "
+        "difference / (r^order - 1)."
+    )
+    return Table("Discretisation error", ("", "difference [%]", "order", "estimate [%]"), rows, note)
+
+
 def end_table(path: Any) -> Table:
     """List loads and motion at the last converged step of a path, in units for people."""
     good = np.flatnonzero(path["converged"].values.astype(bool))

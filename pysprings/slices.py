@@ -80,12 +80,12 @@ def slice_convergence(
             row: dict[str, Any] = {"slices": n, "springs": spring_set, "role": role}
             row |= {name: part[name].abs().max() for name in _ERRORS if name in part}
             row |= {"eta_large": part["eta_large"].min()}
-            rows.append(row | {"curve_ms": 1e3 * _seconds(coarse, str(spring_set))})
+            rows.append(row | {"curve_ms": 1e3 * curve_seconds(coarse, str(spring_set))})
     return pd.DataFrame(rows)
 
 
-def _seconds(springs: xr.DataTree, spring_set: str) -> float:
-    """Median time [s] of a curve of 50 points."""
+def curve_seconds(springs: xr.DataTree, spring_set: str) -> float:
+    """Return the median time [s] of a curve of 50 points on the last lateral path, after a first one."""
     path = get_path(springs, [name for name in path_names(springs) if not is_vertical(springs, name)][-1])
     model = MacroModel.from_springs(springs, spring_set)
     targets = np.zeros((POINTS, 2))

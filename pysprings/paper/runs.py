@@ -3,18 +3,16 @@
 
 from __future__ import annotations
 
-import json
-import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pysprings
+from pysprings import kept_runs
 from pysprings.errors import RunIncomplete, UserInputError
+from pysprings.kept_runs import NEEDED, RUNS, Whole, has_ended, read_record
 from pysprings.paper.cases import CASES, PATH, Case
-from pysprings.progress import duration
-from pysprings.result_files import CHECKPOINT, is_unfinished
+from pysprings.result_files import is_unfinished
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,9 +20,9 @@ if TYPE_CHECKING:
     from pysprings.progress import Progress
     from pysprings.scene import Scene
 
-RUNS = "runs"  # folder of the runs' folders
+__all__ = ["NEEDED", "RUNS", "Run", "Whole", "forget", "has_ended", "load_runs", "path_of", "read_record", "run_all"]
+
 _COUPLED = 1.6  # cost of a run with water over that of a drained one
-NEEDED = ("full_model.nc", "springs.nc", "run.json")
 
 
 @dataclass(frozen=True)
@@ -50,57 +48,12 @@ class Run:
         return f"{self.case.name}: stopped at u = {1e3 * float(self.path['u'].values[-1]):.3g} mm"
 
 
-@dataclass
-class Whole:
-    """Progress of all runs together, and the time left by what this session has needed so far."""
-
-    weights: Mapping[str, float]
-    report: Progress
-    clock: Callable[[], float] = time.monotonic
-    done: float = 0.0  # weight of what has ended
-    _began: float = 0.0
-    _worked: float = 0.0  # weight of what this session has run itself
-    _skipped: dict[str, float] = field(default_factory=dict)  # where a resumed run started
-
-    def __post_init__(self) -> None:
-        self._began = self.clock()
-
-    def of(self, name: str) -> Progress:
-        """Return the progress function of one run."""
-
-        def progress(path: str, fraction: float, message: str) -> None:
-            if path != PATH:  # the model is being made
-                self.report(name, 0.0, message)
-                return
-            start = self._skipped.setdefault(name, fraction if fraction > 0.3 else 0.0)
-            self.report(name, fraction, message)
-            self._tell(self.weights[name] * fraction, self.weights[name] * (fraction - start))
-
-        return progress
-
-    def ended(self, name: str, worked: bool) -> None:
-        """Count a run that has ended, by this session or before it."""
-        self.done += self.weights[name]
-        if worked:
-            self._worked += self.weights[name] * (1.0 - self._skipped.get(name, 0.0))
-        self._tell(0.0, 0.0)
-
-    def _tell(self, now: float, worked: float) -> None:
-        total = sum(self.weights.values())
-        whole = min((self.done + now) / total, 1.0)
-        pace = self._worked + worked
-        text = ""
-        if pace > 0.02 * total and whole < 1.0:
-            text = f"about {duration((self.clock() - self._began) / pace * (total - self.done - now))} left"
-        self.report("all runs", whole, text)
-
-
 def run_all(out: Path, mesh: str, report: Progress, cases: Sequence[Case] = CASES) -> list[str]:
     """Run every case below a folder that has not ended there; return what the runs that stopped early say.
 
     KeyboardInterrupt passes through: the same call goes on.
     """
-    whole = Whole({case.name: 1.0 if case.drained else _COUPLED for case in cases}, report)
+    whole = Whole({case.name: 1.0 if case.drained else _COUPLED for case in cases}, report, paths=(PATH,))
     stopped = []
     for case in cases:
         scene, folder = case.scene(mesh), out / RUNS / case.name
@@ -127,36 +80,10 @@ def _run(scene: Scene, folder: Path, progress: Progress) -> None:
         run_to_folder(scene, folder, progress=progress)
 
 
-def has_ended(folder: Path, scene: Scene) -> bool:
-    """Tell whether a folder holds the ended run (complete, or stopped by itself) of this scene and version."""
-    record = read_record(folder)
-    return (
-        record.get("status") in ("complete", "partial")
-        and not record.get("stopped_by")
-        and record.get("scene_sha256") == scene.sha256
-        and record.get("version") == pysprings.__version__
-        and all((folder / name).exists() for name in NEEDED)
-        and not (folder / CHECKPOINT).exists()
-    )
-
-
 def forget(out: Path, cases: Sequence[Case] = CASES) -> None:
     """Have every run below a folder made again; results stay until there are others."""
-    from pysprings.checkpoint import Checkpoints
-
     for case in cases:
-        folder = out / RUNS / case.name
-        (folder / "run.json").unlink(missing_ok=True)
-        Checkpoints(folder).remove()
-
-
-def read_record(folder: Path) -> dict[str, Any]:
-    """Return run.json of a folder; empty where there is none or it is broken."""
-    try:
-        found = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
+        kept_runs.forget(out / RUNS / case.name)
 
 
 def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, Run]:

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: MIT
+"""Errors of a run beside a reference, each one number in percent (see `MEASURES`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.accuracy.curves import LOAD, OTHER, PRESSURE, PY, STIFFNESS, Sample
+from pysprings.accuracy.richardson import Reference, extrapolate
+from pysprings.comparison import eta
+
+Array = NDArray[np.float64]
+
+# measure -> quantity it belongs to, and its words
+MEASURES = {
+    "load_max": (LOAD, "load: largest difference over the largest load"),
+    "load_area": (LOAD, "load: area between the curves over the area below (1 - eta)"),
+    "py_rms": (PY, "p(y): root mean square difference over slices and steps, over the largest p"),
+    "py_max": (PY, "p(y): largest difference over the largest p"),
+    "rotation_max": (OTHER, "rotation (M where the rotation is imposed): largest difference over the largest"),
+    "stiffness": (STIFFNESS, "initial stiffness"),
+    "pressure_max": (PRESSURE, "peak contact pressure (to 0.9 of the skirt): largest difference over the largest"),
+}
+
+
+def errors(answer: Sample, reference: Mapping[str, Array]) -> dict[str, float]:
+    """Return the errors [%] of a sample beside the values of a reference on the same grid; NaN of what is not there."""
+    found = {}
+    for name, (quantity, _) in MEASURES.items():
+        if quantity not in answer or quantity not in reference:
+            found[name] = float("nan")
+            continue
+        found[name] = 100.0 * _MEASURE[name](answer[quantity], reference[quantity])
+    return found
+
+
+def reference_of(series: Sequence[Sample], h: Sequence[float]) -> dict[str, Reference]:
+    """Return what each quantity tends to, from samples on ever finer meshes with cell sizes h."""
+    names = [name for name in series[-1] if all(name in sample for sample in series)]
+    return {name: extrapolate([sample[name] for sample in series], h) for name in names}
+
+
+def uncertainty(reference: Mapping[str, Reference]) -> dict[str, float]:
+    """Return the uncertainty [%] of a reference, by measure: what it has been corrected by, or the last difference."""
+    beside = {name: each.beside for name, each in reference.items()}
+    return errors(beside, {name: each.values for name, each in reference.items()})
+
+
+def worst(by_path: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return the largest of each measure over paths; NaN where no path has it."""
+    found = {}
+    for name in MEASURES:
+        values = [each[name] for each in by_path if np.isfinite(each[name])]
+        found[name] = max(values, default=float("nan"))
+    return found
+
+
+def _largest(answer: Array, reference: Array) -> float:
+    counted = np.isfinite(answer) & np.isfinite(reference)
+    size = np.abs(reference[counted]).max(initial=0.0)
+    return float(np.abs(answer - reference)[counted].max() / size) if size else float("nan")
+
+
+def _rms(answer: Array, reference: Array) -> float:
+    counted = np.isfinite(answer) & np.isfinite(reference)
+    size = np.abs(reference[counted]).max(initial=0.0)
+    return float(np.sqrt(np.mean((answer - reference)[counted] ** 2)) / size) if size else float("nan")
+
+
+def _area(answer: Array, reference: Array) -> float:
+    """1 - eta of curves on equally spaced displacements that start at 0."""
+    start = [0.0]
+    return 1.0 - eta(np.arange(reference.size + 1.0), np.append(start, reference), np.append(start, answer))
+
+
+_MEASURE = {
+    "load_max": _largest,
+    "load_area": _area,
+    "py_rms": _rms,
+    "py_max": _largest,
+    "rotation_max": _largest,
+    "stiffness": _largest,
+    "pressure_max": _largest,
+}

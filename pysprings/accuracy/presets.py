@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: MIT
+"""Settings by target error: what the shipped study (`presets.json`) supports, and the orders it has found.
+
+The file is written by `pysprings accuracy SCENE --write-presets FILE`; its `origin` says of which scene, by which
+version and when. It is the error on that scene: a run made with a target estimates its own beside it.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from pysprings.accuracy.curves import LOAD, PY
+from pysprings.accuracy.settings import MESH, Setting
+from pysprings.errors import Problem, UserInputError
+
+SCHEMA = "pysprings-accuracy-1"
+TARGETS = {"5%": 5.0, "2%": 2.0, "1%": 1.0}
+JUDGED = ("load_max", "py_rms")  # a setting meets a target where both errors do
+
+
+@cache
+def shipped() -> dict[str, Any]:
+    """Return the study that comes with the package."""
+    found: dict[str, Any] = json.loads((files(__package__) / "presets.json").read_text(encoding="utf-8"))
+    return found
+
+
+def orders(study: dict[str, Any] | None = None) -> dict[str, float | None]:
+    """Return the fitted orders of load and p(y); None where the study has found none."""
+    known = (study or shipped())["orders"]
+    return {name: known.get(name) for name in (LOAD, PY)}
+
+
+def cheapest(target: str, study: dict[str, Any] | None = None) -> Setting:
+    """Return the setting with the least wall time whose errors are within a target ("5%", "2%", "1%")."""
+    study = study or shipped()
+    if target not in TARGETS:
+        raise _refused(f"'{target[:20]}' is no target; give {', '.join(TARGETS)}")
+    limit = TARGETS[target]
+    rows = [row for row in study["settings"] if max(row[f"{name}_pct"] for name in JUDGED) <= limit]
+    if not rows:
+        best = min(max(row[f"{name}_pct"] for name in JUDGED) for row in study["settings"])
+        raise _refused(
+            f"no setting of the study ({study['origin']['scene']}) is within {target}; the best has {best:.2g} %"
+        )
+    row = min(rows, key=lambda each: each["wall_s"])
+    return Setting(row["name"], MESH, row["mesh"], row["refinement"], row["solver"])
+
+
+def note(target: str, setting: Setting, study: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return what run.json says of a target: the setting, and the study that supports it."""
+    study = study or shipped()
+    row = next(each for each in study["settings"] if each["name"] == setting.name)
+    return {"target": target, "setting": setting.name, "error_in_study_pct": {n: row[f"{n}_pct"] for n in JUDGED},
+            "study": study["origin"]}  # fmt: skip
+
+
+def _refused(message: str) -> UserInputError:
+    return UserInputError([Problem(key="--target-error", message=message)])

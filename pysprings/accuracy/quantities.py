@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: MIT
+"""The quantities whose error is measured, from one path of a full-model result (all its converged states).
+
+What drives a path and what answers depends on its kind: see `KINDS`. A path on which H and M do not grow in proportion
+(a swipe, a load that climbs) is followed along |u| + |rotation| L.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# kind of path -> what drives it, its load, and what else answers
+KINDS: dict[str, tuple[str, str, str | None]] = {
+    "pull": ("u", "H", "rotation"),
+    "load": ("u", "H", "rotation"),
+    "translation": ("u", "H", "M"),
+    "rotation": ("rotation", "M", "H"),
+    "swipe": ("both", "H", "M"),
+    "vertical": ("w", "V", None),
+}
+# The contact pressure is sought down to this share of the skirt: at its tip the exact one is singular in elastic soil,
+# and the largest value there says how fine the mesh is, not how right.
+PRESSURE_DOWN_TO = 0.9
+_PRESSURE_DEPTHS = 19
+
+
+def _kind(path: xr.Dataset) -> tuple[str, str, str | None]:
+    return KINDS["swipe" if "arm_from_m" in path.attrs else str(path.attrs["kind"])]
+
+
+def driver(path: xr.Dataset, length: float) -> Array:
+    """Return the size of what drives a path, (step,): m, or rad on a rotation path; L = ``length`` in m."""
+    name = _kind(path)[0]
+    if name == "both":
+        return np.abs(path["u"].values) + length * np.abs(path["rotation"].values)
+    return np.abs(path[name].values - path[name].values[0])
+
+
+def load(path: xr.Dataset) -> Array:
+    """Return the load that answers what is driven, (step,): H [N], M [N m] of a rotation, change of V [N]."""
+    name = _kind(path)[1]
+    values: Array = path[name].values
+    return values - values[0] if name == "V" else values
+
+
+def other(path: xr.Dataset) -> Array | None:
+    """Return the second answer, (step,): the rotation of a free head [rad], else M [N m], H [N] of a rotation."""
+    name = _kind(path)[2]
+    return None if name is None else path[name].values
+
+
+def pressure(path: xr.Dataset, length: float) -> Array | None:
+    """Return the largest effective contact pressure on the skirt, (step,) Pa, to 0.9 of its length; None: not kept.
+
+    Linear between the stations of a ring's depths, so that all meshes are asked at the same depths.
+    """
+    if "normal_effective_stress" not in path:
+        return None
+    depth = path["depth"].values
+    at = np.linspace(0.0, PRESSURE_DOWN_TO * length, _PRESSURE_DEPTHS)
+    share = np.stack([np.interp(at, depth, row) for row in np.eye(depth.size)])  # (depth, at)
+    stress = path["normal_effective_stress"].transpose("step", "side", "azimuth", "depth").values
+    return np.asarray((stress @ share).max(axis=(1, 2, 3)), dtype=float)
+
+
+def slice_curves(path: xr.Dataset, length: float, n: int) -> tuple[Array, Array]:
+    """Return y [m] and p [N/m] of n equal slices of the skirt, (n, step) each.
+
+    p is the force that the rings of the run hand to the slice, each spread over the height it belongs to, over the
+    slice's height: sums of p dz stay what they are. y is that of the middle of the slice.
+    """
+    edges = np.linspace(0.0, length, n + 1)
+    bounds = path["depth_bounds"].values
+    top = np.maximum(edges[:-1, None], bounds[None, :, 0])
+    bottom = np.minimum(edges[1:, None], bounds[None, :, 1])
+    share = np.maximum(bottom - top, 0.0) / np.diff(edges)[:, None]
+    p = share @ path["p"].transpose("depth", "step").values
+    y = path["y"].transpose("depth", "step").values
+    middle, depth = 0.5 * (edges[1:] + edges[:-1]), path["depth"].values
+    at = np.stack([np.interp(middle, depth, row) for row in np.eye(depth.size)])  # (depth, n)
+    return at.T @ (y - y[:, :1]), p
+
+
+def initial_stiffness(stiffness: Array, path: xr.Dataset) -> float:
+    """Return the slope of the load over what is driven at rest, from the stiffness (3, 3) in u, w, rotation.
+
+    H/u under a load at its arm, or of a translation with its ratio of rotation; M/rotation about the lid centre; V/w.
+    """
+    kind, heave_free = str(path.attrs["kind"]), path.attrs.get("heave", "free") == "free"
+    if kind == "vertical":
+        return float(stiffness[1, 1])
+    K = stiffness[np.ix_([0, 2], [0, 2])]
+    if heave_free:  # w follows so that V stays
+        K = K - np.outer(stiffness[[0, 2], 1], stiffness[1, [0, 2]]) / stiffness[1, 1]
+    if kind in ("pull", "load"):
+        arm = float(path.attrs.get("arm_from_m", path.attrs["arm_m"]))
+        return float(1.0 / np.linalg.solve(K, np.array([1.0, -arm]))[0])
+    if kind == "rotation":
+        return float(K[1, 1])
+    u, rotation = path["u"].values[1], path["rotation"].values[1]
+    return float(K[0, 0] + K[0, 1] * (rotation / u if u else 0.0))

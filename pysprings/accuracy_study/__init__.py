@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings accuracy`: runs of a scene by setting, their errors and costs, table, picture and presets."""

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: MIT
+"""One run in a process of its own: its peak memory is its own, and a lack of memory ends only it."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pysprings.errors import PyspringsError, ResourceError, RunIncomplete, UserInputError
+
+if TYPE_CHECKING:
+    from pysprings.progress import Progress
+    from pysprings.scene import Scene
+
+Run = Callable[["Scene", Path, "Progress"], None]
+
+
+def run_here(scene: Scene, folder: Path, progress: Progress) -> None:
+    """Run a scene into a folder, or go on there, and time its unit; raises as `run_to_folder` does."""
+    from pysprings.folder import run_to_folder
+    from pysprings.result_files import is_unfinished
+
+    resume = is_unfinished(folder)
+    try:
+        run_to_folder(scene, folder, progress=progress, resume=resume, time_unit=True)
+    except UserInputError:
+        if not resume:
+            raise
+        # the checkpoints belong to another scene, mesh or version, or are damaged
+        run_to_folder(scene, folder, progress=progress, time_unit=True)
+
+
+def run_in_child(scene: Scene, folder: Path, progress: Progress) -> None:
+    """Do the same in a new process. KeyboardInterrupt passes through when the process has saved what had converged."""
+    context = multiprocessing.get_context("spawn")
+    mine, theirs = context.Pipe(duplex=False)
+    process = context.Process(target=_work, args=(scene.model_dump(), folder, theirs), daemon=True)
+    process.start()
+    theirs.close()
+    try:
+        error = _listen(mine, progress)
+        process.join()
+    except KeyboardInterrupt:
+        process.terminate()  # asks it to stop after its step: see _work
+        process.join()
+        raise
+    finally:
+        mine.close()
+    if error is not None:
+        raise error
+    if process.exitcode:
+        raise ResourceError(f"the process of the run ended with {_ending(process.exitcode)}")
+
+
+def _listen(pipe: Connection, progress: Progress) -> PyspringsError | None:
+    """Hand on the progress of the process until it ends; return what ended it early."""
+    error = None
+    while True:
+        try:
+            kind, content = pipe.recv()
+        except EOFError:
+            return error
+        if kind == "error":
+            error = content
+        else:
+            progress(*content)
+
+
+def _work(values: dict[str, Any], folder: Path, pipe: Connection) -> None:
+    """Run in the new process: Ctrl-C is the parent's affair, which asks with SIGTERM, once."""
+    from pysprings.scene import Scene
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, interrupt)
+    try:
+        run_here(Scene.model_validate(values), folder, lambda *told: pipe.send(("progress", told)))
+    except RunIncomplete as error:
+        pipe.send(("error", RunIncomplete(str(error))))
+    except ResourceError as error:
+        pipe.send(("error", ResourceError(str(error))))
+    except UserInputError as error:
+        pipe.send(("error", UserInputError(error.problems)))
+    except (KeyboardInterrupt, BrokenPipeError):
+        pass
+    finally:
+        pipe.close()
+
+
+def _ending(code: int) -> str:
+    """Return how a process ended, for people."""
+    if code < 0:
+        return f"signal {signal.Signals(-code).name}" + (" (out of memory?)" if -code == 9 else "")
+    return f"exit code {code}"

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: MIT
+"""The runs of a study, each in a folder of its own: what has ended stays, what was interrupted goes on."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pysprings import estimate
+from pysprings.accuracy.settings import Setting
+from pysprings.accuracy_study.child import Run
+from pysprings.errors import ResourceError, RunIncomplete, UserInputError
+from pysprings.kept_runs import RUNS, Whole, forget, has_ended, read_record
+from pysprings.resources import size_of
+
+if TYPE_CHECKING:
+    from pysprings.progress import Progress
+    from pysprings.scene import Scene
+
+WARM_UP = "warm-up"
+_WARM_UP = {"mesh": {"preset": "coarse", "refinement": 0.4, "azimuth": None}, "solver": {"max_step_fraction": 0.5}}
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How the run of a setting ended: its folder, its record, and ``why`` it did not reach its end, if so."""
+
+    setting: Setting
+    folder: Path
+    record: dict[str, Any]
+    why: str = ""
+
+    @property
+    def complete(self) -> bool:
+        """Whether it reached its end."""
+        return not self.why and self.record.get("status") == "complete"
+
+
+def study_scene(scene: Scene) -> Scene:
+    """Return the scene as the study runs it: contact stresses kept, nothing drawn, no section, no ParaView files."""
+    output = {"interface_fields": True, "section": False, "figures": False, "paraview": False}
+    return scene.replace(output=output)
+
+
+def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progress, run: Run) -> list[Ended]:
+    """Run every setting that has not ended below a folder; a run that stops early, or does not fit, is a row, too.
+
+    KeyboardInterrupt passes through: the same call goes on.
+    """
+    scenes = {each.name: each.scene(study_scene(scene)) for each in settings}
+    weights = {name: estimate.seconds(each, size_of(each).unknowns) for name, each in scenes.items()}
+    missing = {name for name, each in scenes.items() if not has_ended(out / RUNS / name, each)}
+    if missing:  # compiled code is kept on disk: no run of the table pays for it
+        _warm_up(scene, out / RUNS / WARM_UP, report, run)
+    whole = Whole(weights, report, paths=tuple(path.name for path in scene.paths))
+    found = []
+    for setting in settings:
+        folder, why = out / RUNS / setting.name, ""
+        if setting.name in missing:
+            why = _run(scenes[setting.name], folder, whole.of(setting.name), run)
+        whole.ended(setting.name, setting.name in missing)
+        record = read_record(folder)
+        found.append(Ended(setting, folder, record, why or _told(record)))
+    return found
+
+
+def forget_all(settings: Sequence[Setting], out: Path) -> None:
+    """Have every run made again; results stay until there are others."""
+    for setting in settings:
+        forget(out / RUNS / setting.name)
+
+
+def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:
+    """Run one; return why it stopped early, or could not be run."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a run's own warnings are in its record
+            run(scene, folder, progress)
+    except RunIncomplete as error:
+        return f"not converged: {error}"
+    except ResourceError as error:
+        return f"resources: {error}"
+    except UserInputError as error:  # say a mesh so coarse that its cells cannot be graded
+        return str(error).removeprefix("fatal: user input: ")
+    return ""
+
+
+def _told(record: dict[str, Any]) -> str:
+    return "" if record.get("status") == "complete" else "; ".join(record.get("failures", ["no run"]))
+
+
+def _warm_up(scene: Scene, folder: Path, report: Progress, run: Run) -> None:
+    if has_ended(folder, small := study_scene(scene).replace(**_WARM_UP)):
+        return
+    report(WARM_UP, 0.0, "compiled code")
+    _run(small, folder, lambda *_: None, run)
+    report(WARM_UP, 1.0, "")

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: MIT
+"""The whole study in a folder: runs, table, document, picture; and the presets that the package ships."""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pysprings
+from pysprings.accuracy.measures import MEASURES
+from pysprings.accuracy.presets import JUDGED, SCHEMA
+from pysprings.accuracy.settings import Setting
+from pysprings.accuracy_study import rows, runs, text
+from pysprings.accuracy_study.child import Run, run_in_child
+from pysprings.accuracy_study.rows import Found
+from pysprings.errors import Problem, UserInputError
+from pysprings.kept_runs import RUNS
+from pysprings.run_lock import exclusive, new_folder
+from pysprings.storage import replacing, write_text
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from pysprings.progress import Progress
+    from pysprings.scene import Scene
+
+FILES = {
+    "accuracy.md": "tables, reference and orders: the document",
+    "accuracy.csv": "the table, a row a setting",
+    "accuracy.json": "everything as JSON",
+    "accuracy.png": "error against time",
+    "accuracy.svg": "the same",
+    RUNS: "the runs, each with its own report",
+}
+
+
+def study(
+    scene: Scene, out: Path, settings: Sequence[Setting], report: Progress, force: bool = False,
+    run: Run = run_in_child,
+) -> Found:  # fmt: skip
+    """Run what has not ended yet, assess it and write everything; return what was found.
+
+    force : have every run made again. run : how one is run (in a process of its own).
+    """
+    with new_folder(out), exclusive(out):
+        if force:
+            runs.forget_all(settings, out)
+        ended = runs.run_all(scene, settings, out, report, run)
+        found = rows.assess(ended)
+        _write(out, scene, found)
+    return found
+
+
+def to_json(scene: Scene, found: Found) -> dict[str, Any]:
+    """Return everything that was found, in SI and percent; numbers that are not there are null."""
+    return {
+        "schema": SCHEMA,
+        **_origin(scene),
+        "series": list(found.series),
+        "cell_size": "unknowns^(-1/3)",
+        "measures": {name: words for name, (_, words) in MEASURES.items()},
+        "reference": {
+            path: {
+                name: {"order": each.order, "note": each.note}
+                for name, each in references.items()
+            } | {"uncertainty_pct": _finite(found.uncertainty[path])}
+            for path, references in found.references.items()
+        },
+        "rows": records(found.table),
+    }  # fmt: skip
+
+
+def presets(scene: Scene, found: Found) -> dict[str, Any]:
+    """Return what `--target-error` needs: the complete settings with error and cost, and the orders.
+
+    Of several paths the smallest order counts: it gives the larger estimate.
+    """
+    table = found.table
+    names = [f"{name}_pct" for name in JUDGED]
+    usable = table[(table["model"] == rows.FULL) & (table["status"] == "complete")].dropna(
+        subset=[name for name in names if name in table]
+    )
+    if usable.empty:
+        raise UserInputError([Problem(key="--write-presets", message="no run of the study has an error to offer")])
+    solvers = {each.name: dict(each.solver) for each in found.settings}
+    kept = ["name", "mesh", "refinement", "unknowns", "wall_s", "units", *names]
+    lines = [
+        {key: row[key] for key in kept} | {"solver": solvers.get(row["name"], {})} for row in records(usable[kept])
+    ]
+    return {"schema": SCHEMA, "origin": _origin(scene), "orders": _orders(found), "settings": lines}
+
+
+def write_presets(scene: Scene, found: Found, file: Path) -> Path:
+    """Write the presets as JSON; return the path."""
+    return write_text(json.dumps(presets(scene, found), indent=1, allow_nan=False) + "\n", file)
+
+
+def records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return the rows of a table as plain values; what is not there is None."""
+    plain = json.loads(table.to_json(orient="records", double_precision=15))
+    return list(plain)
+
+
+def _orders(found: Found) -> dict[str, float | None]:
+    names = dict.fromkeys(name for each in found.references.values() for name in each)
+    known = {
+        name: [each[name].order for each in found.references.values() if name in each] for name in names
+    }  # fmt: skip
+    return {name: min((order for order in orders if order is not None), default=None) for name, orders in known.items()}
+
+
+def _origin(scene: Scene) -> dict[str, Any]:
+    return {
+        "command": "pysprings accuracy",
+        "scene": scene.title,
+        "scene_sha256": scene.sha256,
+        "version": pysprings.__version__,
+        "date": datetime.now(UTC).date().isoformat(),
+        "machine": f"{platform.machine()}, {platform.system()}, Python {platform.python_version()}",
+    }
+
+
+def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
+    return {name: value if math.isfinite(value) else None for name, value in values.items()}
+
+
+def _write(out: Path, scene: Scene, found: Found) -> None:
+    from pysprings.plots.accuracy import error_against_time
+
+    write_text(found.table.to_csv(index=False), out / "accuracy.csv")
+    write_text(json.dumps(to_json(scene, found), indent=1, allow_nan=False) + "\n", out / "accuracy.json")
+    head = {
+        "scene": scene.title,
+        "sha256": scene.sha256,
+        "made by": f"`pysprings accuracy`, version {pysprings.__version__}",
+    }
+    write_text(text.to_markdown(found, head, "accuracy.png"), out / "accuracy.md")
+    figure = error_against_time(found.table, scene.title)
+    for form in ("png", "svg"):
+        with replacing(out / f"accuracy.{form}") as temporary:
+            figure.savefig(temporary, dpi=110, format=form)

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: MIT
+"""A study in words: the tables for a terminal and for a document."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from pysprings.accuracy.measures import MEASURES
+from pysprings.accuracy.presets import JUDGED, TARGETS
+from pysprings.accuracy_study.rows import FULL, MACRO, Found
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_COSTS = {
+    "name": ("setting", "s"),
+    "unknowns": ("unknowns", ",.0f"),
+    "increments": ("increments", ".0f"),
+    "factorisations": ("factorisations", ".0f"),
+    "wall_s": ("wall [s]", ".3g"),
+    "cpu_s": ("CPU [s]", ".3g"),
+    "units": ("wall [units]", ".3g"),
+    "memory_MB": ("memory [MB]", ".0f"),
+}
+_ERRORS = {
+    "load_max": "load max",
+    "load_area": "load area",
+    "py_rms": "p-y rms",
+    "py_max": "p-y max",
+    "rotation_max": "rotation",
+    "stiffness": "stiffness",
+    "pressure_max": "pressure",
+}
+_MACRO_COSTS = {"name": ("springs from", "s"), "wall_s": ("50 points [ms]", ".3g"), "units": ("[units]", ".2g")}
+_MACRO_ERRORS = ("load_max", "load_area", "rotation_max")
+
+
+def columns(model: str) -> dict[str, tuple[str, str]]:
+    """Return column -> (head, format) of the table of a model, FULL or MACRO."""
+    costs = _COSTS if model == FULL else _MACRO_COSTS
+    wanted = tuple(_ERRORS) if model == FULL else _MACRO_ERRORS
+    found = costs | {f"{name}_pct": (f"{_ERRORS[name]} [%]", ".2g") for name in wanted}
+    return found | ({"from_mesh_pct": ("alone [%]", ".2g")} if model == FULL else {}) | {"mark": ("", "s")}
+
+
+def cells(table: pd.DataFrame, model: str) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of the settings of a model as text."""
+    shown = columns(model)
+    part = table[table["model"] == model]
+    rows = [[_cell(_value(row, name, model), form) for name, (_, form) in shown.items()] for row in rows_of(part)]
+    return [head for head, _ in shown.values()], rows
+
+
+def reference_lines(found: Found) -> Iterator[str]:
+    """Yield one line a path and quantity: how the reference was made, and its uncertainty."""
+    for path, references in found.references.items():
+        for name, reference in references.items():
+            doubts = [
+                f"{measure} {doubt:.2g} %"
+                for measure, (quantity, _) in MEASURES.items()
+                if quantity == name and math.isfinite(doubt := found.uncertainty[path][measure])
+            ]
+            if doubts:
+                yield f"{path}, {name}: {reference.note}; uncertain by {', '.join(doubts)}"
+
+
+def target_lines(table: pd.DataFrame) -> Iterator[str]:
+    """Yield the cheapest setting within each target, by wall time."""
+    full = table[(table["model"] == FULL) & (table["status"] == "complete")]
+    for target, limit in TARGETS.items():
+        good = full[full[[f"{name}_pct" for name in JUDGED]].max(axis=1, skipna=False) <= limit]
+        if good.empty:
+            yield f"load and p-y (root mean square) within {target}: no setting"
+            continue
+        row = min(rows_of(good), key=lambda each: each["wall_s"])
+        units = f", {row['units']:.3g} units" if row["units"] else ""
+        yield f"load and p-y (root mean square) within {target}: {row['name']}, {row['wall_s']:.3g} s{units}"
+
+
+NOTES = (
+    "wall and CPU: the whole run with its files, springs and checks, caches of compiled code warm, no pictures; "
+    "unit: one factorisation and solve of the run's own last tangent.",
+    "Errors at equal displacement beside the reference, worst path. Load max: largest difference over the largest "
+    "load; load area: area between the curves over that below; p-y: over the largest p, root mean square and largest "
+    "over 8 slices of the skirt; rotation: largest difference over the largest (M where the rotation is imposed); "
+    "stiffness: at rest; pressure: peak contact pressure down to 0.9 of the skirt.",
+    "alone: what the setting changes by itself: largest load difference from the same mesh with the scene's own "
+    "settings. *: on the Pareto front of load max or p-y rms over wall time.",
+)
+
+
+def to_markdown(found: Found, head: Mapping[str, Any], picture: str) -> str:
+    """Return the study as a document; ``head`` says of which scene, by which command and version."""
+    lines = ["# Error against time", "", *(f"- {name}: {value}" for name, value in head.items()), ""]
+    lines += [f"![Error against time]({picture})", "", "## Full model", "", *_table(found, FULL)]
+    lines += ["", *(text for note in NOTES for text in (note, "")), "## Reference", ""]
+    lines += [f"Meshes {', '.join(found.series)}; h = unknowns^(-1/3).", ""]
+    lines += [f"- {line}" for line in reference_lines(found)]
+    lines += ["", "## Cheapest settings", "", *(f"- {line}" for line in target_lines(found.table))]
+    lines += ["", "## Macro-model", "", *_table(found, MACRO), ""]
+    lines += [
+        "Springs of each mesh, with all its depth slices and with fewer; the time is that of a curve of 50 points."
+    ]
+    stopped = [f"- {row['name']}: {row['why']}" for row in rows_of(found.table) if row["why"]]
+    return "\n".join(lines + (["", "## Stopped", "", *stopped] if stopped else [])) + "\n"
+
+
+def rows_of(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return the rows of a table by column name."""
+    return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
+
+
+def _table(found: Found, model: str) -> list[str]:
+    heads, rows = cells(found.table, model)
+    lines = ["| " + " | ".join(heads) + " |", "| --- |" + " --: |" * (len(heads) - 1)]
+    return lines + ["| " + " | ".join(row) + " |" for row in rows]
+
+
+def _value(row: Mapping[str, Any], name: str, model: str) -> Any:
+    if name == "mark":
+        return ("*" if row["pareto"] else "") + ("" if row["status"] == "complete" else " stopped")
+    if name == "wall_s" and model == MACRO:
+        return 1e3 * row[name]
+    return row[name]
+
+
+def _cell(value: Any, form: str) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "-"
+    return str(value) if form == "s" else format(value, form)

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings accuracy`: runs the study, says how far it is, prints error against time and where everything is."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from pysprings.accuracy.settings import settings
+from pysprings.accuracy_study import child, rows, study, text
+from pysprings.accuracy_study.rows import Found
+from pysprings.cli_support import interruptible, print_json, print_table, refuse, say
+from pysprings.errors import RunIncomplete
+from pysprings.progress import reporter
+from pysprings.scene import Scene
+
+
+def run(
+    scene: Scene, out: Path, meshes: Sequence[str], quick: bool, force: bool, presets: Path | None, as_json: bool
+) -> None:
+    """Run or go on; raise RunIncomplete at the end where a run has not reached its end."""
+    if out.exists() and not out.is_dir():
+        refuse("--out", "is a file, not a folder", out)
+    if presets is not None and presets.is_dir():
+        refuse("--write-presets", "is a folder, not a file", presets)
+    wanted = settings(meshes, quick, *_linear_solvers(scene))
+    try:
+        with interruptible(), reporter(sys.stderr) as progress:
+            found = study.study(scene, out, wanted, progress, force, child.run_in_child)
+    except KeyboardInterrupt:
+        say(f"what has run is kept in {out}; the same command goes on")
+        raise
+    if presets is not None:
+        say(f"presets: {study.write_presets(scene, found, presets)}")
+    if as_json:
+        print_json({"folder": str(out), **study.to_json(scene, found)})
+    else:
+        _print(out, found)
+    if stopped := [f"{row['name']}: {row['why']}" for row in found.table.to_dict("records") if row["why"]]:
+        raise RunIncomplete("; ".join(stopped), out)
+
+
+def _linear_solvers(scene: Scene) -> tuple[list[str], str]:
+    """Linear solvers that a scene may name and that work here, and the one it would use."""
+    from pydantic import ValidationError
+
+    from fe_engine.linear import available_backends
+
+    found = []
+    for name in available_backends():
+        try:
+            scene.replace(solver={"linear": name})
+        except ValidationError:
+            continue
+        found.append(name)
+    return found, found[0] if scene.solver.linear == "auto" else scene.solver.linear
+
+
+def _print(out: Path, found: Found) -> None:
+    for model in (rows.FULL, rows.MACRO):
+        heads, lines = text.cells(found.table, model)
+        if lines:
+            print_table(heads, lines)
+            print()
+    print(f"reference: meshes {', '.join(found.series)}; h = unknowns^(-1/3)")
+    for line in [*text.reference_lines(found), *text.target_lines(found.table)]:
+        print(line)
+    print()
+    for note in text.NOTES:
+        print(note)
+    print()
+    for name, meaning in study.FILES.items():
+        if (out / name).exists():
+            print(f"{out / name}: {meaning}")

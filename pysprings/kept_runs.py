@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""Runs of a study, each kept in a folder of its own: which have ended, and how far all of them are (light)."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pysprings
+from pysprings.progress import duration
+from pysprings.result_files import CHECKPOINT
+
+if TYPE_CHECKING:
+    from pysprings.progress import Progress
+    from pysprings.scene import Scene
+
+RUNS = "runs"  # folder of the runs' folders
+NEEDED = ("full_model.nc", "springs.nc", "run.json")
+
+
+@dataclass
+class Whole:
+    """Progress of all runs together, and the time left by what this session has needed so far.
+
+    ``weights`` are the costs of the runs, in any unit; ``paths`` the names of the paths that each of them goes along.
+    """
+
+    weights: Mapping[str, float]
+    report: Progress
+    clock: Callable[[], float] = time.monotonic
+    done: float = 0.0  # weight of what has ended
+    paths: Sequence[str] = ("pull",)
+    _began: float = 0.0
+    _worked: float = 0.0  # weight of what this session has run itself
+    _skipped: dict[str, float] = field(default_factory=dict)  # where a resumed run started
+
+    def __post_init__(self) -> None:
+        self._began = self.clock()
+
+    def of(self, name: str) -> Progress:
+        """Return the progress function of one run."""
+
+        def progress(path: str, fraction: float, message: str) -> None:
+            if path not in self.paths:  # the model is being made
+                self.report(name, 0.0, message)
+                return
+            fraction = (self.paths.index(path) + fraction) / len(self.paths)
+            start = self._skipped.setdefault(name, fraction if fraction > 0.3 else 0.0)
+            self.report(name, fraction, message)
+            self._tell(self.weights[name] * fraction, self.weights[name] * (fraction - start))
+
+        return progress
+
+    def ended(self, name: str, worked: bool) -> None:
+        """Count a run that has ended, by this session or before it."""
+        self.done += self.weights[name]
+        if worked:
+            self._worked += self.weights[name] * (1.0 - self._skipped.get(name, 0.0))
+        self._tell(0.0, 0.0)
+
+    def _tell(self, now: float, worked: float) -> None:
+        total = sum(self.weights.values())
+        whole = min((self.done + now) / total, 1.0)
+        pace = self._worked + worked
+        text = ""
+        if pace > 0.02 * total and whole < 1.0:
+            text = f"about {duration((self.clock() - self._began) / pace * (total - self.done - now))} left"
+        self.report("all runs", whole, text)
+
+
+def has_ended(folder: Path, scene: Scene) -> bool:
+    """Tell whether a folder holds the ended run (complete, or stopped by itself) of this scene and version."""
+    record = read_record(folder)
+    return (
+        record.get("status") in ("complete", "partial")
+        and not record.get("stopped_by")
+        and record.get("scene_sha256") == scene.sha256
+        and record.get("version") == pysprings.__version__
+        and all((folder / name).exists() for name in NEEDED)
+        and not (folder / CHECKPOINT).exists()
+    )
+
+
+def forget(folder: Path) -> None:
+    """Have the run of a folder made again; its results stay until there are others."""
+    from pysprings.checkpoint import Checkpoints
+
+    (folder / "run.json").unlink(missing_ok=True)
+    Checkpoints(folder).remove()
+
+
+def read_record(folder: Path) -> dict[str, Any]:
+    """Return run.json of a folder; empty where there is none or it is broken."""
+    try:
+        found = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}

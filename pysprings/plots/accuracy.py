@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: MIT
+"""Error against run time: every setting of a study, the full model and the macro-model, and the Pareto front."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pysprings.pareto import front
+from pysprings.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# group of settings -> mark, colour
+MARKS = {
+    "mesh": ("o", BLUE),
+    "steps": ("s", ORANGE),
+    "tolerance": ("D", GREEN),
+    "linear solver": ("^", PURPLE),
+    "macro-model": ("x", VERMILLION),
+}
+# panels: model, column of the error, title, axis of the time and its factor from seconds
+PANELS = (
+    ("full", "load_max_pct", "full model, load: largest", "wall time of the whole run [s]", 1.0),
+    ("full", "py_rms_pct", "full model, p-y: root mean square", "wall time of the whole run [s]", 1.0),
+    ("macro", "load_max_pct", "macro-model, load: largest", "time of a curve of 50 points [ms]", 1e3),
+)
+TARGETS = (5.0, 2.0, 1.0)
+LEAST = 1e-3  # %, what is below is drawn there
+
+
+@styled
+def error_against_time(table: pd.DataFrame, title: str) -> Figure:
+    """Draw the table of a study (`pysprings.accuracy_study`): error [%] over wall time [s], both logarithmic.
+
+    Marks with a white middle: the run is the reference itself, its uncertainty stands for its error.
+    """
+    figure = new_figure(14.0, 5.2)
+    every = figure.subplots(1, len(PANELS), sharey=True)
+    for axes, (model, column, words, label, factor) in zip(every, PANELS, strict=True):
+        shown = table[(table["model"] == model) & (table["status"] == "complete")]
+        shown = shown[shown[column].notna()] if column in shown else shown.iloc[:0]
+        _panel(axes, shown.assign(time=factor * shown["wall_s"].astype(float)), column)
+        axes.set_title(words)
+        axes.set_xlabel(label)
+    every[0].set_ylabel("error beside the reference [% of the largest]")
+    every[0].yaxis.set_major_formatter("{x:g}")
+    known = {text: handle for axes in every for handle, text in zip(*axes.get_legend_handles_labels(), strict=True)}
+    figure.legend(known.values(), known.keys(), loc="outside lower center", ncols=max(len(known), 1))
+    figure.suptitle(plain(f"Error against time: {title}"))
+    return figure
+
+
+def _panel(axes: Axes, shown: pd.DataFrame, column: str) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for group, (mark, colour) in MARKS.items():
+        part = shown[shown["group"] == group]
+        if len(part):
+            _marks(axes, part, column, mark, colour, group)
+    _front(axes, shown, column)
+    _names(axes, shown, column)
+    for limit in TARGETS:
+        axes.axhline(limit, color=GREY, linewidth=0.9, linestyle=":")
+        axes.annotate(
+            f" {limit:g} %", (1.0, limit), xycoords=("axes fraction", "data"), fontsize=8, va="center", color=GREY
+        )
+    if len(shown):  # whole decades: a range of less has no room for its labels
+        low, high = np.log10(shown["time"].min()), np.log10(shown["time"].max())
+        axes.set_xlim(10.0 ** np.floor(low - 0.02), 10.0 ** np.ceil(high + 0.02))
+    axes.xaxis.set_major_formatter("{x:g}")
+
+
+def _names(axes: Axes, shown: pd.DataFrame, column: str) -> None:
+    """Name the meshes at their marks, above and below in turn."""
+    part = shown[shown["group"] == "mesh"].sort_values("time")
+    for k, row in enumerate(part.to_dict("records")):
+        above = k % 2 == 0
+        axes.annotate(
+            str(row["name"]), (row["time"], max(row[column], LEAST)), textcoords="offset points",
+            xytext=(0, 7 if above else -7), fontsize=7.5, ha="center", va="bottom" if above else "top", color=BLUE,
+        )  # fmt: skip
+
+
+def _marks(axes: Axes, part: pd.DataFrame, column: str, mark: str, colour: str, group: str) -> None:
+    quantity = column.split("_")[0]
+    own = part["reference"].fillna("").astype(str).str.contains(quantity)
+    values = part[column].clip(lower=LEAST)
+    if mark == "x":
+        axes.scatter(part["time"], values, marker=mark, s=34, color=colour, linewidths=1.3, zorder=3, label=group)
+        return
+    face = ["white" if hollow else colour for hollow in own]
+    axes.scatter(
+        part["time"],
+        values,
+        marker=mark,
+        s=34,
+        facecolors=face,
+        edgecolors=colour,
+        linewidths=1.3,
+        zorder=3,
+        label=group,
+    )
+
+
+def _front(axes: Axes, shown: pd.DataFrame, column: str) -> None:
+    """Join what nothing beats by steps: any time between two of them buys the error of the cheaper one."""
+    kept = shown.iloc[front(shown["time"].tolist(), shown[column].tolist())]
+    if len(kept) > 1:
+        errors = kept[column].clip(lower=LEAST)
+        axes.step(kept["time"], errors, where="post", linewidth=1.2, zorder=2, label="Pareto front", color=INK)
