@@ -88,7 +88,7 @@ def presets(scene: Scene, found: Found) -> dict[str, Any]:
     if usable.empty:
         raise UserInputError([Problem(key="--write-presets", message="no run of the study has an error to offer")])
     solvers = {each.name: dict(each.solver) for each in found.settings}
-    kept = ["name", "mesh", "refinement", "unknowns", "wall_s", "units", *names]
+    kept = ["name", "mesh", "refinement", "unknowns", "wall_s", "cpu_s", "units", *names]
     lines = [
         {key: row[key] for key in kept} | {"solver": solvers.get(row["name"], {})} for row in records(usable[kept])
     ]

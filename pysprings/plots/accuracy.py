@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 
 from pysprings.pareto import front
 from pysprings.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
@@ -73,6 +74,7 @@ def _panel(axes: Axes, shown: pd.DataFrame, column: str) -> None:
         low, high = np.log10(shown["time"].min()), np.log10(shown["time"].max())
         axes.set_xlim(10.0 ** np.floor(low - 0.02), 10.0 ** np.ceil(high + 0.02))
     axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _names(axes: Axes, shown: pd.DataFrame, column: str) -> None:
@@ -94,17 +96,8 @@ def _marks(axes: Axes, part: pd.DataFrame, column: str, mark: str, colour: str, 
         axes.scatter(part["time"], values, marker=mark, s=34, color=colour, linewidths=1.3, zorder=3, label=group)
         return
     face = ["white" if hollow else colour for hollow in own]
-    axes.scatter(
-        part["time"],
-        values,
-        marker=mark,
-        s=34,
-        facecolors=face,
-        edgecolors=colour,
-        linewidths=1.3,
-        zorder=3,
-        label=group,
-    )
+    look: dict[str, Any] = {"facecolors": face, "edgecolors": colour, "linewidths": 1.3}
+    axes.scatter(part["time"], values, marker=mark, s=34, zorder=3, label=group, **look)
 
 
 def _front(axes: Axes, shown: pd.DataFrame, column: str) -> None:
