@@ -76,7 +76,8 @@ def target_lines(table: pd.DataFrame) -> Iterator[str]:
             continue
         row = min(rows_of(good), key=lambda each: each["cpu_s"])
         units = f", {row['units']:.3g} units" if row["units"] else ""
-        yield f"load and p-y (root mean square) within {target}: {row['name']}, {row['wall_s']:.3g} s wall, {row['cpu_s']:.3g} s CPU{units}"
+        time = f"{row['wall_s']:.3g} s wall, {row['cpu_s']:.3g} s CPU{units}"
+        yield f"load and p-y (root mean square) within {target}: {row['name']}, {time}"
 
 
 NOTES = (
