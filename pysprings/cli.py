@@ -6,14 +6,13 @@ from __future__ import annotations
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from pysprings import __version__
 from pysprings.cli_support import (
     DEBUG,
-    RunOptions,
     guarded,
     interruptible,
     print_json,
@@ -160,9 +159,9 @@ def run(
     from pysprings.cli_reports import print_results, results_json
     from pysprings.scene import load_scene
 
-    loaded, extra = load_scene(scene), RunOptions(estimate=estimate or target is not None)
+    loaded, extra = load_scene(scene), {"estimate_error": True} if estimate else {}
     if target is not None:
-        loaded, extra.notes = with_target(loaded, target.value, mesh is not None)
+        loaded, extra = with_target(loaded, target.value, mesh is not None)
     folder = out or Path("out") / scene.stem
     with result_folder(folder, force, resume):
         if resume and not is_unfinished(folder):
@@ -184,7 +183,7 @@ def run(
 Stopped = RunIncomplete | ResourceError | KeyboardInterrupt | None
 
 
-def _run(scene: Scene, folder: Path, mesh: str | None, resume: bool, extra: RunOptions) -> Stopped:
+def _run(scene: Scene, folder: Path, mesh: str | None, resume: bool, extra: dict[str, Any]) -> Stopped:
     """Run a scene; return what ended it early when results were written nevertheless."""
     from pysprings.folder import run_to_folder
     from pysprings.progress import reporter
@@ -192,7 +191,7 @@ def _run(scene: Scene, folder: Path, mesh: str | None, resume: bool, extra: RunO
     before = record_stamp(folder)
     try:
         with interruptible(), reporter(sys.stderr) as progress:
-            run_to_folder(scene, folder, mesh, progress, resume, estimate_error=extra.estimate, notes=extra.notes)
+            run_to_folder(scene, folder, mesh=mesh, progress=progress, resume=resume, **extra)
     except (RunIncomplete, ResourceError, KeyboardInterrupt) as error:
         if record_stamp(folder) in (None, before):
             raise

@@ -14,7 +14,6 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec
 
@@ -227,22 +226,15 @@ def interruptible() -> Iterator[None]:
             signal.signal(kind, signal.SIG_DFL)
 
 
-@dataclass
-class RunOptions:
-    """What `pysprings run` does beside the run: estimate its error, and note in run.json what it was asked for."""
-
-    estimate: bool = False
-    notes: dict[str, Any] | None = None
-
-
 def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[str, Any]]:
-    """Return the scene with the cheapest setting for a target error, and what run.json says of it."""
+    """Return the scene with the cheapest setting for a target error, and what `run_to_folder` is told beside it."""
     from pysprings.accuracy import presets
 
     if has_mesh:
         refuse("--target-error", "chooses the mesh itself: give it or --mesh")
     setting = presets.cheapest(target)
-    return setting.scene(scene), {"target_error": presets.note(target, setting)}
+    notes = {"target_error": presets.note(target, setting)}
+    return setting.scene(scene), {"estimate_error": True, "notes": notes}
 
 
 def record_stamp(folder: Path) -> tuple[int, int] | None:

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: MIT
+"""Runs on common displacements: where they are compared, and that nothing is lost or made up between the meshes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pysprings.accuracy import quantities
+from pysprings.accuracy.curves import (
+    LOAD,
+    OTHER,
+    POINTS,
+    PRESSURE,
+    PY,
+    STIFFNESS,
+    common_grid,
+    curves_of,
+    leading,
+    sampled,
+    samples,
+)
+from pysprings.accuracy.measures import errors
+from pysprings.springs import get_path
+from tests.pysprings.synthetic import Caisson, Path, make_result, stiffness
+
+PATHS = (Path("pull", arm=8.0), Path("shift", kind="translation"), Path("turn", kind="rotation", size=-1e-3))
+LENGTH = Caisson().length
+
+
+@cache
+def result(caisson: Caisson | None = None, paths: tuple[Path, ...] = PATHS) -> xr.DataTree:
+    c = caisson or Caisson()
+    tree = make_result(paths, c)
+    tree["stiffness_initial"] = xr.DataArray(stiffness(c), dims=("dof", "dof_conjugate"))
+    tree.attrs["skirt_length_m"] = c.length
+    return tree
+
+
+def test_only_the_way_out_counts() -> None:
+    assert leading(np.array([0.0, 1.0, 1.0, 2.0, 1.5, 3.0])).tolist() == [0, 1, 3]
+    assert leading(np.array([0.0, -1.0])).tolist() == [0]
+
+
+def test_the_same_soil_at_other_steps_gives_the_same_curves() -> None:
+    """Between recorded steps curves are smooth: other steps of one model matter little, another model much."""
+    some, more = result(), result(paths=tuple(replace(path, steps=31) for path in PATHS))
+    other = result(Caisson(modulus=6e7))
+    for path, found in samples({"a": curves_of(some), "b": curves_of(more), "c": curves_of(other)}).items():
+        same, different = errors(found["b"], found["a"]), errors(found["c"], found["a"])
+        for name in ("load_max", "py_max", "rotation_max", "pressure_max"):
+            assert same[name] < 0.1, (path, name)
+            if name != "rotation_max":  # at equal displacement it hardly depends on the soil's modulus
+                assert different[name] > 1.0, (path, name)
+
+
+def test_other_depths_of_the_same_soil_hand_the_same_force_to_the_slices() -> None:
+    curves = {n: curves_of(result(Caisson(rings=n)))["shift"] for n in (13, 41)}
+    by_ring = get_path(result(), "shift")
+    heights = np.diff(by_ring["depth_bounds"].values, axis=1)[:, 0]
+    np.testing.assert_allclose(curves[13].p.mean(axis=0) * LENGTH, heights @ by_ring["p"].values, rtol=1e-12, atol=1e-6)
+    grid = common_grid(list(curves.values()))
+    found = {n: sampled(curve, grid)[PY] for n, curve in curves.items()}
+    assert np.abs(found[13] - found[41]).max() < 0.05 * np.abs(found[41]).max()
+
+
+def test_grid_ends_where_the_shorter_run_does() -> None:
+    long, short = curves_of(result())["pull"], curves_of(result(paths=(replace(PATHS[0], size=3e-3),)))["pull"]
+    grid = common_grid([long, short])
+    assert grid.x.size == POINTS
+    assert grid.x[-1] == pytest.approx(3e-3)
+    assert grid.x[0] == pytest.approx(3e-3 / POINTS)
+    found = sampled(long, grid)
+    path = get_path(result(), "pull")
+    assert found[LOAD][-1] == pytest.approx(np.interp(3e-3, path["u"], path["H"]), rel=1e-3)
+
+
+def test_slices_near_the_point_of_rotation_are_left_out() -> None:
+    """A pull at 8 m turns about a point on the skirt: there y is next to nothing."""
+    curve = curves_of(result())["pull"]
+    grid = common_grid([curve, curve])
+    left_out = np.isnan(grid.y).all(axis=1)
+    end = np.abs(curve.y[:, -1])
+    assert left_out.sum() < 3
+    assert (end[left_out] < 0.1 * end.max()).all()
+    assert np.isnan(sampled(curve, grid)[PY][left_out]).all()
+
+
+def test_quantities_by_kind_of_path() -> None:
+    curves = curves_of(result())
+    pull, turn = get_path(result(), "pull"), get_path(result(), "turn")
+    np.testing.assert_array_equal(curves["pull"].by_x[OTHER], pull["rotation"])
+    np.testing.assert_array_equal(curves["turn"].x, np.abs(turn["rotation"]))
+    np.testing.assert_array_equal(curves["turn"].by_x[LOAD], turn["M"])
+    np.testing.assert_array_equal(curves["turn"].by_x[OTHER], turn["H"])
+    bare = get_path(result(), "pull").drop_vars("normal_effective_stress")
+    assert quantities.pressure(bare, LENGTH) is None
+
+
+def test_pressure_is_the_largest_down_to_nine_tenths() -> None:
+    path = get_path(result(), "shift")
+    stress = path["normal_effective_stress"]
+    at = stress.interp(depth=np.linspace(0.0, 0.9 * LENGTH, 19))
+    np.testing.assert_allclose(
+        quantities.pressure(path, LENGTH), at.max(("side", "azimuth", "depth")).values, rtol=1e-12
+    )
+    assert curves_of(result())["shift"].by_x[PRESSURE].max() < stress.max()
+
+
+def test_initial_stiffness_is_the_slope_at_rest() -> None:
+    """Beside a first step that is small: the load over what is driven."""
+    tiny = tuple(replace(path, size=path.size * 1e-6, steps=3) for path in PATHS)
+    tree = result(paths=tiny)
+    for name, curve in curves_of(tree).items():
+        path = get_path(tree, name)
+        driven = path["rotation"] if name == "turn" else path["u"]
+        load = path["M"] if name == "turn" else path["H"]
+        assert sampled(curve, common_grid([curve]))[STIFFNESS][0] == pytest.approx(float(load[1] / driven[1]), rel=1e-5)
+
+
+def test_w_follows_in_the_stiffness_where_it_is_free() -> None:
+    coupled = np.array([[4.0, 1.0, 0.5], [1.0, 2.0, 0.2], [0.5, 0.2, 3.0]])
+    path = xr.Dataset(attrs={"kind": "pull", "arm_m": 2.0, "heave": "free"})
+    u = np.linalg.solve(coupled, np.array([1.0, 0.0, -2.0]))[0]
+    assert quantities.initial_stiffness(coupled, path) == pytest.approx(1.0 / u)
+    held = np.linalg.solve(coupled[np.ix_([0, 2], [0, 2])], np.array([1.0, -2.0]))[0]
+    assert quantities.initial_stiffness(coupled, path.assign_attrs(heave="fixed")) == pytest.approx(1.0 / held)
+    vertical = path.assign_attrs(kind="vertical")
+    assert quantities.initial_stiffness(coupled, vertical) == 2.0

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: MIT
+"""Settings of the study, the choice by target error, and the two-mesh estimate on results with a known order."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pysprings import Scene
+from pysprings.accuracy import presets, two_mesh
+from pysprings.accuracy.curves import LOAD, PY
+from pysprings.accuracy.own_estimate import add_estimate, was_interrupted
+from pysprings.accuracy.richardson import cell_size
+from pysprings.accuracy.settings import BETWEEN, PRESETS, VARIED, read_mesh, settings
+from pysprings.build import counts_of
+from pysprings.caisson_mesh import PRESETS as MESHES
+from pysprings.errors import ResourceError, UserInputError
+from tests.pysprings.test_accuracy_curves import result
+
+
+def test_the_default_study() -> None:
+    found = settings(linear=["pardiso", "superlu"], base_linear="pardiso")
+    names = [each.name for each in found]
+    assert len(set(names)) == len(names) == len(BETWEEN) + 3 + len(VARIED) + 1
+    assert [each.name for each in found if each.series] == ["coarse", "medium", "paper"]
+    assert "medium-superlu" in names and "medium-pardiso" not in names
+    for each in found:
+        scene = each.scene(Scene(mesh={"azimuth": 12, "refinement": 0.5}))
+        assert (scene.mesh.preset, scene.mesh.refinement, scene.mesh.azimuth) == (
+            each.mesh,
+            0.5 * each.refinement,
+            None,
+        )
+        for key, value in each.solver.items():
+            assert getattr(scene.solver, key) == value
+    assert set(PRESETS) == set(MESHES)
+
+
+def test_one_factor_at_a_time_on_the_second_finest_mesh() -> None:
+    for each in settings(["coarse", "medium:0.7", "medium"]):
+        assert len(each.solver) <= 1
+        if each.solver:
+            assert each.name.startswith("medium-0.7-")
+            assert (each.mesh, each.refinement) == ("medium", 0.7)
+
+
+def test_quick_is_a_family_with_ever_more_sectors() -> None:
+    series = [each for each in settings(quick=True) if each.series]
+    assert [counts_of(each.scene(Scene())).azimuth for each in series] == [4, 8, 12]
+
+
+@pytest.mark.parametrize("text", ["huge", "coarse:", "coarse:0.1", "coarse:9", "coarse:x", "Coarse"])
+def test_meshes_that_are_refused(text: str) -> None:
+    with pytest.raises(UserInputError, match="--mesh: "):
+        read_mesh(text)
+
+
+def row(name: str, cpu: float, load: float, py: float, **solver: float) -> dict[str, Any]:
+    error = {"load_max_pct": load, "py_rms_pct": py}
+    return {
+        "name": name,
+        "mesh": "coarse",
+        "refinement": 1.0,
+        "solver": solver,
+        "wall_s": 9.0 / cpu,
+        "cpu_s": cpu,
+    } | error
+
+
+STUDY = {
+    "origin": {"scene": "a caisson"},
+    "orders": {LOAD: 2.0, PY: None},
+    "settings": [
+        row("slow", 9.0, 1.5, 1.9),
+        row("quick", 1.0, 4.0, 4.9, tolerance=1e-3),
+        row("wrong", 0.5, 1.0, 6.0),
+        row("middle", 2.0, 1.2, 3.0),
+    ],
+}
+
+
+def test_the_cheapest_setting_within_both_errors() -> None:
+    assert presets.cheapest("5%", STUDY).name == "quick"
+    assert presets.cheapest("5%", STUDY).scene(Scene()).solver.tolerance == 1e-3
+    assert presets.cheapest("2%", STUDY).name == "slow"
+    with pytest.raises(
+        UserInputError, match=r"--target-error: no setting .*a caisson.* within 1%; the best has 1\.9 %"
+    ):
+        presets.cheapest("1%", STUDY)
+    with pytest.raises(UserInputError, match="'3%' is no target; give 5%, 2%, 1%"):
+        presets.cheapest("3%", STUDY)
+    assert presets.note("2%", presets.cheapest("2%", STUDY), STUDY)["error_in_study_pct"]["py_rms"] == 1.9
+
+
+def test_the_shipped_study_is_whole() -> None:
+    study = presets.shipped()
+    assert study["schema"] == presets.SCHEMA
+    assert {"scene", "scene_sha256", "version", "date", "command"} <= set(study["origin"])
+    assert presets.orders()[LOAD] is None or 0.5 <= presets.orders()[LOAD] <= 4.0
+    for each in study["settings"]:
+        assert Scene().replace(mesh={"preset": each["mesh"], "refinement": each["refinement"]}, solver=each["solver"])
+        assert each["cpu_s"] > 0.0 and each["load_max_pct"] >= 0.0 and each["py_rms_pct"] >= 0.0
+    assert presets.cheapest("5%").name in {each["name"] for each in study["settings"]}
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_the_coarser_mesh_is_coarser_in_every_direction(preset: str) -> None:
+    scene = Scene(mesh={"preset": preset})
+    own, other = counts_of(scene), counts_of(two_mesh.coarser(scene))
+    for name in ("azimuth", "plug", "outer", "skirt", "below"):
+        assert getattr(other, name) < getattr(own, name), name
+    assert two_mesh.coarser(Scene(mesh={"azimuth": 16})).mesh.azimuth == 12
+    smallest = Scene(mesh={"refinement": 0.25})
+    assert two_mesh.coarser(smallest) is smallest
+
+
+def with_error(unknowns: int, order: float = 2.0, slope: float = 100.0) -> xr.DataTree:
+    """A result whose loads and reactions are wrong by slope * h^order, relative to the limit."""
+    tree = result().copy(deep=True)
+    factor = 1.0 + slope * cell_size(unknowns) ** order
+    for path in tree["paths"].children.values():
+        for name in ("H", "M", "p"):
+            path[name] = path[name] * factor
+    tree.attrs["n_unknowns"] = unknowns
+    tree.attrs["status"] = "complete"
+    tree.attrs["run_json"] = '{"status": "complete", "wall_s": 1.0, "cpu_s": 1.0}'
+    return tree
+
+
+def test_the_estimate_is_the_safety_factor_times_the_error_where_the_order_is_true() -> None:
+    fine, coarse = with_error(9000), with_error(3000)
+    found = two_mesh.estimate(fine, coarse, {LOAD: 2.0, PY: 2.0})
+    true = 100.0 * (1.0 - 1.0 / (1.0 + 100.0 * cell_size(9000) ** 2))
+    assert found["estimate_pct"]["load_max"] == pytest.approx(two_mesh.SAFETY * true, rel=1e-6)
+    assert found["cell_ratio"] == pytest.approx(3.0 ** (1 / 3), abs=1e-4)
+    cautious = two_mesh.estimate(fine, coarse, {LOAD: None, PY: 2.0})
+    assert cautious["order"]["load_max"] == two_mesh.USUAL_ORDER
+    assert cautious["estimate_pct"]["load_max"] > found["estimate_pct"]["load_max"]
+    assert "two meshes, 3,000 and 9,000 unknowns" in two_mesh.words(found)
+
+
+def test_meshes_that_are_alike_give_no_estimate() -> None:
+    found = two_mesh.estimate(with_error(9000), with_error(8900), {LOAD: 2.0, PY: 2.0})
+    assert found["estimate_pct"] == {}
+    assert "no mesh with fewer cells" in two_mesh.words(found)
+
+
+def test_whatever_becomes_of_the_coarser_run_the_result_stays() -> None:
+    def fails(*_: Any, **__: Any) -> xr.DataTree:
+        raise ResourceError("no memory")
+
+    def stopped(*_: Any, **__: Any) -> xr.DataTree:
+        tree = with_error(3000)
+        tree.attrs["status"] = "interrupted"
+        return tree
+
+    for compute, words in ((fails, "no memory"), (stopped, "interrupted")):
+        tree = with_error(9000)
+        load = tree["paths/pull/H"].values.copy()
+        add_estimate(Scene(), tree, compute)
+        assert words in tree.attrs["run_json"]
+        np.testing.assert_array_equal(tree["paths/pull/H"], load)
+        assert was_interrupted(tree) == (compute is stopped)

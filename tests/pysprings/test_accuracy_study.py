@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings accuracy`: runs that are kept, table, files, presets, on invented soil with a known order; a real one."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import pysprings
+from pysprings import Scene, cli
+from pysprings.accuracy import presets
+from pysprings.accuracy.richardson import cell_size
+from pysprings.accuracy.settings import settings
+from pysprings.accuracy_study import child, rows, runs, study, text
+from pysprings.errors import ResourceError, RunIncomplete
+from pysprings.full_model import run
+from pysprings.kept_runs import RUNS, read_record
+from pysprings.plots.accuracy import error_against_time
+from pysprings.resources import size_of
+from pysprings.springs import get_path
+from pysprings.storage import write_text, write_tree
+from tests.pysprings import tiny
+from tests.pysprings.synthetic import Path as Pull
+from tests.pysprings.synthetic import make_result, make_springs
+
+MESHES = ["coarse:0.75", "coarse", "coarse:1.35"]
+ORDER, SLOPE = 2.0, 60.0
+
+
+def elastic(**sections: Any) -> Scene:
+    return tiny.scene(soil={"yield_surface": "elastic"}, mesh={"refinement": 0.6}, **sections)
+
+
+def invented(scene: Scene, folder: Path, progress: Any) -> None:
+    """Leave what a run leaves, from soil whose reactions are wrong by SLOPE h^ORDER; costs grow with the unknowns."""
+    unknowns = size_of(scene).unknowns
+    factor = 1.0 + SLOPE * cell_size(unknowns) ** ORDER
+    path = Pull(arm=4.0, size=1e-3, steps=12 if scene.solver.max_step_fraction == 0.1 else 9)
+    result, springs = make_result((path,)), make_springs((path,))
+    result["stiffness_initial"] = springs["stiffness_initial"]
+    result.attrs |= {"skirt_length_m": springs.attrs["skirt_length_m"], "n_unknowns": unknowns}
+    for tree in (result, springs):
+        tree["stiffness_initial"] = tree["stiffness_initial"] * factor
+        group = tree["paths/pull"]
+        for name in {*group.data_vars} & REACTIONS:
+            group[name] = (group[name] * factor).assign_attrs(group[name].attrs)
+    write_tree(result, folder / "full_model.nc")
+    write_tree(springs, folder / "springs.nc")
+    record = {
+        "status": "complete", "version": pysprings.__version__, "scene_sha256": scene.sha256,
+        "mesh": {"unknowns": unknowns}, "solver": {"linear": "none", "factorisations": 20, "unit_s": 0.01},
+        "paths": {"pull": {"increments": 9, "iterations": 18, "iterations_in_cut_backs": 0}},
+        "wall_s": 1e-3 * unknowns, "cpu_s": 2e-3 * unknowns, "peak_memory_bytes": 4e8,
+    }  # fmt: skip
+    write_text(json.dumps(record), folder / "run.json")
+    progress("pull", 1.0, "done")
+
+
+REACTIONS = {"H", "M", "p", "p_component", "m", "t", "H_tip", "M_tip", "H_lid", "M_lid", "normal_effective_stress"}
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    out = tmp_path_factory.mktemp("study") / "out"
+    wanted = settings(MESHES, quick=True)
+    told: list[tuple[str, float, str]] = []
+    found = study.study(elastic(), out, wanted, lambda *each: told.append(each), run=invented)
+    return SimpleNamespace(out=out, found=found, told=told, settings=wanted)
+
+
+def full(found: rows.Found) -> pd.DataFrame:
+    return found.table[found.table["model"] == rows.FULL].set_index("name")
+
+
+def test_every_setting_has_cost_and_error(done: Any) -> None:
+    table = full(done.found)
+    assert list(table.index) == [each.name for each in done.settings]
+    assert (table["status"] == "complete").all()
+    np.testing.assert_allclose(table["units"], 0.1 * table["unknowns"].astype(float))  # wall / unit
+    assert (table["memory_MB"] == 400.0).all()
+    true = 100.0 * SLOPE * np.array([cell_size(n) ** ORDER for n in table["unknowns"]])
+    for column in ("load_max_pct", "load_area_pct", "py_max_pct", "stiffness_pct", "pressure_max_pct"):
+        np.testing.assert_allclose(table[column], true, rtol=2e-2, err_msg=column)
+    assert table.loc["coarse-1.35", "unknowns"] > table.loc["coarse", "unknowns"] > table.loc["coarse-0.75", "unknowns"]
+    assert table.loc["coarse-1.35", "load_max_pct"] < table.loc["coarse-0.75", "load_max_pct"]
+
+
+def test_what_a_setting_changes_by_itself(done: Any) -> None:
+    """The invented soil knows nothing of tolerances."""
+    table = full(done.found)
+    assert table.loc["coarse-tolerance-1e-3", "from_mesh_pct"] == 0.0
+    assert np.isnan(table.loc["coarse", "from_mesh_pct"])
+
+
+def test_reference_is_told_by_quantity(done: Any) -> None:
+    assert list(done.found.series) == ["coarse-0.75", "coarse", "coarse-1.35"]
+    lines = list(text.reference_lines(done.found))
+    assert [line.split(":")[0] for line in lines] == [
+        f"pull, {name}" for name in ("load", "rotation", "pressure", "py", "stiffness")
+    ]
+    references = done.found.references["pull"]
+    assert references["load"].order == pytest.approx(ORDER)
+    assert references["py"].order == pytest.approx(ORDER)
+    assert references["rotation"].order is None  # the same on all meshes
+    finest = full(done.found).loc["coarse-1.35"]
+    assert finest["reference"] == "rotation"
+    assert finest["load_max_pct"] == pytest.approx(done.found.uncertainty["pull"]["load_max"])
+
+
+def test_macro_models_by_mesh_and_slices(done: Any) -> None:
+    table = done.found.table[done.found.table["model"] == rows.MACRO]
+    assert {"coarse-0.75", "coarse", "coarse-1.35"} == {name.split(",")[0] for name in table["name"]}
+    own = table[table["name"].str.startswith("coarse, full")].sort_values("slices")
+    # with all slices, springs answer as the model does that they come from
+    assert own.iloc[-1]["load_max_pct"] == pytest.approx(full(done.found).loc["coarse", "load_max_pct"], rel=1e-2)
+    assert own.iloc[-1]["units"] == pytest.approx(own.iloc[-1]["wall_s"] / own.iloc[-1]["unit_s"])
+    assert own.iloc[0]["rotation_max_pct"] > own.iloc[-1]["rotation_max_pct"]
+
+
+def test_files(done: Any) -> None:
+    for name in study.FILES:
+        assert (done.out / name).exists(), name
+    table = pd.read_csv(done.out / "accuracy.csv")
+    np.testing.assert_allclose(table["load_max_pct"], done.found.table["load_max_pct"].astype(float))
+    document = (done.out / "accuracy.md").read_text(encoding="utf-8")
+    assert "## Cheapest settings" in document and "| coarse-1.35 |" in document
+    whole = json.loads((done.out / "accuracy.json").read_text(encoding="utf-8"))
+    assert whole["scene_sha256"] == elastic().sha256
+    assert set(whole["reference"]["pull"]) == {"load", "rotation", "pressure", "py", "stiffness", "uncertainty_pct"}
+    assert len(whole["rows"]) == len(table)
+
+
+def test_progress_of_all_runs_grows_to_the_end(done: Any) -> None:
+    shares = [share for name, share, _ in done.told if name == "all runs"]
+    assert shares == sorted(shares)
+    assert shares[-1] == pytest.approx(1.0)
+
+
+def test_nothing_runs_twice_and_what_is_forgotten_runs_again(done: Any) -> None:
+    ran: list[str] = []
+
+    def watch(scene: Scene, folder: Path, progress: Any) -> None:
+        ran.append(folder.name)
+        invented(scene, folder, progress)
+
+    study.study(elastic(), done.out, done.settings, lambda *_: None, run=watch)
+    assert ran == []
+    runs.forget_all(done.settings[:1], done.out)
+    study.study(elastic(), done.out, done.settings, lambda *_: None, run=watch)
+    assert ran == ["coarse-0.75"]  # the warm-up is kept, too
+
+
+def test_a_run_that_does_not_fit_is_a_row(done: Any, tmp_path: Path) -> None:
+    def fails(scene: Scene, folder: Path, progress: Any) -> None:
+        if folder.name == "coarse-1.35":
+            raise ResourceError("the model needs 9 TB")
+        if folder.name == "coarse-tolerance-1e-3":
+            raise RunIncomplete("path 'pull' stopped")
+
+    for each in done.settings:  # what has run, but for two
+        if each.name not in ("coarse-1.35", "coarse-tolerance-1e-3"):
+            (tmp_path / RUNS).mkdir(exist_ok=True)
+            (tmp_path / RUNS / each.name).symlink_to(done.out / RUNS / each.name)
+    ended = runs.run_all(elastic(), done.settings, tmp_path, lambda *_: None, fails)
+    found = rows.assess(ended)
+    table = full(found)
+    assert list(found.series) == ["coarse-0.75", "coarse"]
+    assert table.loc["coarse-1.35", "why"] == "resources: the model needs 9 TB"
+    assert np.isnan(table.loc["coarse-1.35", "load_max_pct"])
+    assert table.loc["coarse", "load_max_pct"] > 0.0  # of two meshes: the difference
+    assert "## Stopped" in text.to_markdown(found, {}, "x.png")
+    assert "9 TB" in text.to_markdown(found, {}, "x.png")
+
+
+def test_presets_of_a_study_serve_a_run(done: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written = json.loads(study.write_presets(elastic(), done.found, tmp_path / "presets.json").read_text("utf-8"))
+    assert {each["name"] for each in written["settings"]} == {each.name for each in done.settings}
+    assert next(e for e in written["settings"] if "steps" in e["name"])["solver"] == {"max_step_fraction": 0.3}
+    assert written["orders"]["load"] == pytest.approx(ORDER)
+    for each in written["settings"]:
+        each |= {"load_max_pct": 4.0, "py_rms_pct": 4.5}
+    written["settings"][1]["cpu_s"] = 1e-3
+    monkeypatch.setattr(presets, "shipped", lambda: written)
+    file, out = tiny.write(elastic(), tmp_path / "scene.toml"), tmp_path / "out"
+    given = ["run", str(file), "--out", str(out), "--target-error", "5%"]
+    answer = CliRunner().invoke(cli.app, given)
+    assert answer.exit_code == 0, answer.output
+    record = read_record(out)
+    assert record["target_error"]["setting"] == written["settings"][1]["name"] == "coarse"
+    assert record["error_estimate"]["estimate_pct"]["load_max"] > 0.0
+    assert record["phases"]["error estimate"]["wall_s"] > 0.0
+    assert "target error 5%: setting coarse" in answer.stdout
+    assert "estimated discretisation error: load" in answer.stdout
+    assert "Discretisation error" in (out / "report.html").read_text(encoding="utf-8")
+    refused = CliRunner().invoke(cli.app, [*given[:-1], "2%", "--force"])
+    assert refused.exit_code == 2 and "no setting of the study" in refused.output
+    both = CliRunner().invoke(cli.app, [*given, "--mesh", "coarse", "--force"])
+    assert both.exit_code == 2 and "give it or --mesh" in both.output
+
+
+def test_estimate_in_python_covers_the_difference_to_a_finer_mesh() -> None:
+    own = run(elastic(), estimate_error=True)
+    fine = run(elastic().replace(mesh={"refinement": 0.9}))
+    record = json.loads(own.attrs["run_json"])["error_estimate"]
+    load = [float(get_path(tree, "pull")["H"][-1]) for tree in (own, fine)]
+    assert record["estimate_pct"]["load_max"] > 100.0 * abs(load[0] / load[1] - 1.0) > 0.0
+    assert "unit_s" not in json.loads(own.attrs["run_json"])["solver"]
+
+
+def test_the_command(done: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(child, "run_in_child", invented)
+    file = tiny.write(elastic(), tmp_path / "scene.toml")
+    given = ["accuracy", str(file), "--quick", "--out", str(done.out)]
+    given += [part for mesh in MESHES for part in ("--mesh", mesh)]
+    shown = CliRunner().invoke(cli.app, given)
+    assert shown.exit_code == 0, shown.output
+    assert "reference: meshes coarse-0.75, coarse, coarse-1.35; h = unknowns^(-1/3)" in shown.stdout
+    assert f"{done.out / 'accuracy.md'}: tables" in shown.stdout
+    answer = CliRunner().invoke(cli.app, [*given, "--json", "--write-presets", str(tmp_path / "p.json")])
+    assert answer.exit_code == 0, answer.output
+    assert json.loads(answer.stdout)["series"] == ["coarse-0.75", "coarse", "coarse-1.35"]
+    assert json.loads((tmp_path / "p.json").read_text("utf-8"))["schema"] == presets.SCHEMA
+    assert CliRunner().invoke(cli.app, ["accuracy", str(file), "--mesh", "huge"]).exit_code == 2
+
+
+def test_a_process_of_its_own_hands_on_progress_and_errors(tmp_path: Path) -> None:
+    told: list[str] = []
+    child.run_in_child(elastic(), tmp_path / "good", lambda path, *_: told.append(path))
+    assert read_record(tmp_path / "good")["solver"]["unit_s"] > 0.0
+    assert "pull" in told
+    stuck = tiny.stuck_scene()
+    with pytest.raises(RunIncomplete, match="path 'pull' stopped"):
+        child.run_in_child(stuck, tmp_path / "stuck", lambda *_: None)
+
+
+def test_picture_shows_every_group_and_the_reference_hollow(done: Any) -> None:
+    figure = error_against_time(done.found.table, "tiny $x$")
+    load, py, macro = figure.axes
+    assert load.get_xscale() == load.get_yscale() == py.get_xscale() == macro.get_yscale() == "log"
+    labels = {label.get_text() for label in figure.legends[0].get_texts()}
+    assert {"mesh", "steps", "tolerance", "macro-model"} <= labels
+    drawn = sum(len(each.get_offsets()) for each in load.collections)
+    assert drawn == len(done.settings)
+    empty = error_against_time(done.found.table.iloc[:0], "nothing")
+    assert len(empty.axes) == 3
+
+
+@pytest.mark.slow
+def test_a_real_study_of_elastic_soil(tmp_path: Path) -> None:
+    """Every run in a process of its own; the load of elastic soil falls with the mesh, whatever the steps."""
+    file, out = tiny.write(elastic(), tmp_path / "scene.toml"), tmp_path / "out"
+    given = ["accuracy", str(file), "--quick", "--out", str(out)]
+    given += [part for mesh in MESHES for part in ("--mesh", mesh)]
+    answer = CliRunner().invoke(cli.app, given)
+    assert answer.exit_code == 0, answer.output
+    table = pd.read_csv(out / "accuracy.csv").query("model == 'full'").set_index("name")
+    assert (table[["wall_s", "cpu_s", "unit_s", "units", "memory_MB"]] > 0.0).all(axis=None)
+    assert table.loc["coarse-1.35", "load_max_pct"] < table.loc["coarse-0.75", "load_max_pct"]
+    assert table.loc["coarse-steps-0.3", "from_mesh_pct"] < 0.1 * table.loc["coarse", "load_max_pct"]
+    assert table.loc["coarse-tolerance-1e-3", "from_mesh_pct"] < 0.01 * table.loc["coarse", "load_max_pct"]
