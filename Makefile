@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 SCENE := out/caisson.toml
 RESULT := out/caisson
 
-.PHONY: run test test-slow test-all verification lint docs reference clean
+.PHONY: run test test-slow test-all verification lint docs accuracy reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -31,6 +31,12 @@ MESH ?= medium
 docs: $(STAMP)
 	$(BIN)/pysprings paper --mesh $(MESH) --sensitivity --out out/paper-$(MESH)
 	$(BIN)/python -m benchmarks.paper_docs out/paper-$(MESH) --mesh $(MESH)
+
+# the study behind --target-error and docs/accuracy.md: runs what has not run yet
+accuracy: $(STAMP)
+	@test -f out/accuracy.toml || $(BIN)/pysprings init out/accuracy.toml
+	$(BIN)/pysprings accuracy out/accuracy.toml --out out/accuracy --write-presets pysprings/accuracy/presets.json
+	cp out/accuracy/accuracy.md out/accuracy/accuracy.png docs/
 
 # the small results that the regression test compares with
 reference: $(STAMP)
