@@ -1,16 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""One run in a process of its own: its peak memory is its own, and a lack of memory ends only it."""
+"""One run in a process of its own: its peak memory is its own, and a lack of memory ends only it.
+
+The process is this program again, started with the values of a checked scene; it answers in JSON. Nothing else in the
+packages starts a process (`tests/fuzz/test_no_code.py`).
+"""
 
 from __future__ import annotations
 
+import json
 import multiprocessing
 import signal
 from collections.abc import Callable
+from dataclasses import asdict
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.errors import PyspringsError, ResourceError, RunIncomplete, UserInputError
+from pysprings.errors import Problem, PyspringsError, ResourceError, RunIncomplete, UserInputError
 
 if TYPE_CHECKING:
     from pysprings.progress import Progress
@@ -53,21 +59,27 @@ def run_in_child(scene: Scene, folder: Path, progress: Progress) -> None:
     if error is not None:
         raise error
     if process.exitcode:
-        raise ResourceError(f"the process of the run ended with {_ending(process.exitcode)}")
+        raise _ended(process.exitcode)
 
 
 def _listen(pipe: Connection, progress: Progress) -> PyspringsError | None:
     """Hand on the progress of the process until it ends; return what ended it early."""
-    error = None
+    error: PyspringsError | None = None
     while True:
         try:
-            kind, content = pipe.recv()
+            kind, content = json.loads(pipe.recv_bytes())
         except EOFError:
             return error
-        if kind == "error":
-            error = content
-        else:
+        if kind == PROGRESS:
             progress(*content)
+        elif kind == REFUSED:
+            error = UserInputError([Problem(**each) for each in content])
+        else:
+            error = _ERRORS[kind](content)
+
+
+PROGRESS, REFUSED = "progress", "refused"
+_ERRORS: dict[str, type[PyspringsError]] = {"incomplete": RunIncomplete, "resources": ResourceError}
 
 
 def _work(values: dict[str, Any], folder: Path, pipe: Connection) -> None:
@@ -77,24 +89,29 @@ def _work(values: dict[str, Any], folder: Path, pipe: Connection) -> None:
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
+    def tell(kind: str, content: Any) -> None:
+        pipe.send_bytes(json.dumps([kind, content]).encode())
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, interrupt)
     try:
-        run_here(Scene.model_validate(values), folder, lambda *told: pipe.send(("progress", told)))
-    except RunIncomplete as error:
-        pipe.send(("error", RunIncomplete(str(error))))
-    except ResourceError as error:
-        pipe.send(("error", ResourceError(str(error))))
+        run_here(Scene.model_validate(values), folder, lambda *told: tell(PROGRESS, told))
     except UserInputError as error:
-        pipe.send(("error", UserInputError(error.problems)))
+        tell(REFUSED, [asdict(each) for each in error.problems])
+    except (RunIncomplete, ResourceError) as error:
+        tell("incomplete" if isinstance(error, RunIncomplete) else "resources", str(error))
     except (KeyboardInterrupt, BrokenPipeError):
         pass
     finally:
         pipe.close()
 
 
-def _ending(code: int) -> str:
-    """Return how a process ended, for people."""
-    if code < 0:
-        return f"signal {signal.Signals(-code).name}" + (" (out of memory?)" if -code == 9 else "")
-    return f"exit code {code}"
+def _ended(code: int) -> Exception:
+    """Return the error for a process that ended by itself: killed, or a bug whose traceback it has left on stderr."""
+    if code > 0:
+        return RuntimeError(f"the process of the run ended with exit code {code}")
+    hint = " (out of memory?)" if -code == _KILLED else ""
+    return ResourceError(f"the process of the run was ended by {signal.Signals(-code).name}{hint}")
+
+
+_KILLED = 9

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import math
 import platform
+import sys
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -121,7 +122,7 @@ def _origin(scene: Scene) -> dict[str, Any]:
         "scene_sha256": scene.sha256,
         "version": pysprings.__version__,
         "date": datetime.now(UTC).date().isoformat(),
-        "machine": f"{platform.machine()}, {platform.system()}, Python {platform.python_version()}",
+        "machine": f"{platform.machine()}, {sys.platform}, Python {platform.python_version()}",
     }
 
 

@@ -15,6 +15,8 @@ MODULES = {
     "pickle", "cPickle", "dill", "cloudpickle", "shelve", "marshal", "joblib", "subprocess", "pty", "socket", "ctypes",
     "yaml", "code", "codeop", "runpy", "xmlrpc", "urllib", "http", "ftplib", "telnetlib", "multiprocessing",
 }  # fmt: skip
+# `pysprings accuracy` runs this program itself in processes of its own, to measure the memory of each run
+ALLOWED = {"pysprings/accuracy_study/child.py": {"multiprocessing", "multiprocessing.connection"}}
 CALLS = {"eval", "exec", "compile", "__import__", "os.system", "os.popen", "os.execv", "os.spawnl", "os.startfile"}
 METHODS = {"read_pickle", "to_pickle", "eval", "sympify", "literal_eval", "system", "popen"}
 KEYWORDS = {"shell", "allow_pickle"}
@@ -25,7 +27,11 @@ def test_all_files_are_looked_at() -> None:
 
 
 def test_no_way_from_input_to_code() -> None:
-    found = {str(file.relative_to(ROOT)): list(faults(ast.parse(file.read_text(encoding="utf-8")))) for file in FILES}
+    found = {
+        file.relative_to(ROOT).as_posix(): list(faults(ast.parse(file.read_text(encoding="utf-8")))) for file in FILES
+    }
+    for file, modules in ALLOWED.items():
+        found[file] = [each for each in found[file] if each.split(": ")[1] not in modules]
     assert {file: each for file, each in found.items() if each} == {}
 
 

@@ -19,7 +19,7 @@ from pysprings.accuracy import presets
 from pysprings.accuracy.richardson import cell_size
 from pysprings.accuracy.settings import settings
 from pysprings.accuracy_study import child, rows, runs, study, text
-from pysprings.errors import ResourceError, RunIncomplete
+from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
 from pysprings.full_model import run
 from pysprings.kept_runs import RUNS, read_record
 from pysprings.plots.accuracy import error_against_time
@@ -238,6 +238,36 @@ def test_a_process_of_its_own_hands_on_progress_and_errors(tmp_path: Path) -> No
     stuck = tiny.stuck_scene()
     with pytest.raises(RunIncomplete, match="path 'pull' stopped"):
         child.run_in_child(stuck, tmp_path / "stuck", lambda *_: None)
+
+
+def test_what_the_process_of_a_run_says_comes_back(tmp_path: Path) -> None:
+    """In the same process, with the same pipe: each kind of error, and a process that was killed."""
+    problem = Problem(file="a.toml", key="mesh", message="no")
+
+    def said(raised: Exception | None) -> Any:
+        mine, theirs = child.multiprocessing.Pipe(duplex=False)
+
+        def run(_scene: Scene, _folder: Path, progress: Any) -> None:
+            progress("pull", 0.5, "step 1")
+            if raised is not None:
+                raise raised
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(child, "run_here", run)
+            patch.setattr(child.signal, "signal", lambda *_: None)
+            child._work(elastic().model_dump(), tmp_path, theirs)
+        told: list[Any] = []
+        error = child._listen(mine, lambda *each: told.append(each))
+        assert told == [("pull", 0.5, "step 1")]
+        return error
+
+    assert said(None) is None
+    assert isinstance(said(ResourceError("full")), ResourceError)
+    assert str(said(RunIncomplete("stopped"))) == "stopped"
+    assert str(said(UserInputError([problem]))) == "fatal: user input: a.toml: mesh: no"
+    assert said(KeyboardInterrupt()) is None
+    assert isinstance(child._ended(1), RuntimeError)
+    assert "SIGKILL (out of memory?)" in str(child._ended(-9))
 
 
 def test_picture_shows_every_group_and_the_reference_hollow(done: Any) -> None:
