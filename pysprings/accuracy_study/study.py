@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import platform
 import sys
 from collections.abc import Mapping, Sequence
@@ -122,8 +123,13 @@ def _origin(scene: Scene) -> dict[str, Any]:
         "scene_sha256": scene.sha256,
         "version": pysprings.__version__,
         "date": datetime.now(UTC).date().isoformat(),
-        "machine": f"{platform.machine()}, {sys.platform}, Python {platform.python_version()}",
+        "machine": _machine(),
     }
+
+
+def _machine() -> str:
+    """Say on what seconds were measured."""
+    return f"{platform.machine()}, {sys.platform}, {os.cpu_count()} processors, Python {platform.python_version()}"
 
 
 def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
@@ -139,6 +145,7 @@ def _write(out: Path, scene: Scene, found: Found) -> None:
         "scene": scene.title,
         "sha256": scene.sha256,
         "made by": f"`pysprings accuracy`, version {pysprings.__version__}",
+        "seconds on": _machine(),
     }
     write_text(text.to_markdown(found, head, "accuracy.png"), out / "accuracy.md")
     figure = error_against_time(found.table, scene.title)
