@@ -18,7 +18,8 @@ class Fields:
     """One copy of everything that evolves.
 
     displacement (n, 3) m in nodal axes; border (nb,); stress (ne, 8, 6) Pa; history (ne, 8, nh), nh = 0 where no law
-    keeps one; traction (ns, 3) Pa, effective, in station frames; pressure (n + nf,) Pa of the water (empty when drained).
+    keeps one; traction (ns, 3) Pa, effective, in station frames; pressure (n + nf,) Pa of the water (empty when
+    drained).
     """
 
     displacement: np.ndarray

@@ -23,6 +23,7 @@ from pysprings.small_strain import scene_warnings
 if TYPE_CHECKING:
     from pysprings.scene import Scene
 
+
 def describe(scene: Scene) -> dict[str, Any]:
     """Return counts and quality of the mesh, unknowns, memory and disk (GB), time (s), what is left out, warnings.
 
