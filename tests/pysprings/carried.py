@@ -37,12 +37,12 @@ def scene(end: float = 0.5e-3, rate: float | None = None, **sections: Any) -> Sc
 
 @dataclass(frozen=True)
 class Pushed:
-    """The first path of a scene on some model: rows of every step, final state, unknowns, and what it took."""
+    """The first path of a scene on some model: rows of every step, final state, unknowns, and what it took (s)."""
 
     run: PathRun
     unknowns: int
     factorisations: int
-    wall: float
+    cpu: float
     clock: Clock
 
     @property
@@ -58,7 +58,7 @@ def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None
     ``symmetric`` decides whether half of each factorisation is left out (None: as the model says).
     """
     built = build_model(scene) if built is None else built
-    start, clock = time.perf_counter(), Clock()
+    start, clock = time.process_time(), Clock()
     system, model = System(built.model, clock), built.model
     half = model.symmetric if symmetric is None else symmetric
     solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, model.water is not None, half)
@@ -67,8 +67,8 @@ def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None
     run.run()
     solver.close()
     assert run.status == "complete", run.failure
-    wall = time.perf_counter() - start
-    return Pushed(run, system.pattern.n_free + model.n_border, solver.n_factorisations, wall, clock)
+    cpu = time.process_time() - start
+    return Pushed(run, system.pattern.n_free + model.n_border, solver.n_factorisations, cpu, clock)
 
 
 def difference(one: Pushed, other: Pushed, names: tuple[str, ...] = (), last: bool = False) -> dict[str, float]:
