@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from pysprings.build import build_model
@@ -53,7 +52,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "memory_GB": memory / 1e9,
         "disk_GB": steps / 1e9,
         "time_s": seconds(scene, unknowns, symmetric=symmetric),
-        "left_out": [asdict(omission) for omission in left_out(scene)],
+        "left_out": [omission.record() for omission in left_out(scene)],
         "warnings": [*_memory_warning(memory), *scene_warnings(scene), *penalty_of(scene).remarks],
     }
 

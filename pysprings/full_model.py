@@ -7,7 +7,6 @@ import json
 import os
 import platform
 import warnings
-from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
@@ -273,7 +272,7 @@ def _record(work: Work, loaded: Loaded) -> dict[str, Any]:
             "condition_estimate": work.condition,
         },
         "paths": work.summaries,
-        "left_out": [asdict(omission) for omission in left_out(work.scene)],
+        "left_out": [omission.record() for omission in left_out(work.scene)],
         **_cost_before(work, loaded),
     }  # fmt: skip
 

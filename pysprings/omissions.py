@@ -8,7 +8,7 @@ it. Idealisations (what no setting brings back) are listed, too, and save nothin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from fe_engine.linear import available_backends
@@ -28,14 +28,14 @@ _SHEAR_SHARE = 0.001  # of the time of a run without friction that shear of the 
 class Saved:
     """What an omission saves: unknowns, bytes of memory and disk, share of the time it would take with it.
 
-    None is what is not known or not affected; ``basis`` says where the figures come from.
+    0 is what is not affected, or not known; ``basis`` says where the figures come from.
     """
 
     basis: str
     unknowns: int = 0
     memory_bytes: int = 0
     disk_bytes: int = 0
-    time_share: float | None = None
+    time_share: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,10 @@ class Omission:
     what: str
     why: str
     saved: Saved | None = None
+
+    def record(self) -> dict[str, Any]:
+        """What, why and saved as `check` and run.json have it; an idealisation has an empty ``saved``."""
+        return {"what": self.what, "why": self.why, "saved": {} if self.saved is None else asdict(self.saved)}
 
 
 @dataclass(frozen=True)

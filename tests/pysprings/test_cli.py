@@ -164,7 +164,7 @@ ABOUT = {
     "time_s": np.float64("nan"),
     "left_out": [
         {"what": "water", "why": "drained", "saved": {"basis": "a guess", "unknowns": 1234, "time_share": 0.62}},
-        {"what": "sunshine", "why": "it is dark", "saved": None},
+        {"what": "sunshine", "why": "it is dark", "saved": {}},
     ],
 }
 

@@ -29,7 +29,7 @@ RUN = {
     "mesh": {"min_scaled_jacobian": 0.31},
     "failures": [],
     "left_out": [
-        {"what": "installation", "why": "the caisson is wished in place", "saved": None},
+        {"what": "installation", "why": "the caisson is wished in place", "saved": {}},
         {"what": "half", "why": "symmetry", "saved": {"basis": "counts", "unknowns": 4251, "memory_bytes": 40118655}},
     ],
 }
