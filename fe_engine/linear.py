@@ -72,11 +72,12 @@ class Pardiso:
     """
 
     name = "pardiso"
+    _MATRIX_TYPE = 11  # real, not symmetric
 
     def __init__(self) -> None:
         import pypardiso
 
-        self._solver = pypardiso.PyPardisoSolver(mtype=11)
+        self._solver = pypardiso.PyPardisoSolver(mtype=self._MATRIX_TYPE)
         self._analysed = False
         for index, value in _IPARM.items():
             self._solver.set_iparm(index, value)
@@ -108,6 +109,23 @@ class Pardiso:
             self._solver.free_memory(everything=True)
 
 
+class SymmetricPardiso(Pardiso):
+    """Pardiso for symmetric positive definite matrices (LL^T): it reads and factorises the upper triangle alone."""
+
+    _MATRIX_TYPE = 2
+
+    def factorise(self, matrix: csr_matrix) -> None:
+        """Factorise the upper triangle; what is below the diagonal is taken to be its mirror."""
+        if not self._analysed:
+            row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+            self._upper = matrix.indices >= row
+            counts = np.bincount(row[self._upper], minlength=matrix.shape[0])
+            self._start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+            self._column = matrix.indices[self._upper]
+        half = matrix.data[self._upper], self._column, self._start
+        super().factorise(csr_matrix(half, shape=matrix.shape))
+
+
 _NO_MEMORY = -2  # Pardiso's error code
 
 # 1-based iparm: defaults off (1), METIS (2), refinement only where pivots were perturbed (8; a step of it costs ten
@@ -124,14 +142,18 @@ def available_backends() -> list[str]:
     return names
 
 
-def make_backend(name: str, n_unknowns: int) -> Backend:
-    """Return the backend of the given name; ``auto`` takes the best one that works."""
+def make_backend(name: str, n_unknowns: int, symmetric: bool = False) -> Backend:
+    """Return the backend of the given name; ``auto`` takes the best one that works.
+
+    ``symmetric`` promises symmetric positive definite matrices: Pardiso then does half the work. SuperLU has no such
+    factorisation.
+    """
     wanted = name
     if wanted == "auto":
         name = available_backends()[0]
     if name == "pardiso":
         try:
-            return Pardiso()
+            return SymmetricPardiso() if symmetric else Pardiso()
         except (ImportError, OSError) as error:
             if wanted != "auto":
                 raise LinearSolverError(f"pardiso does not load here: {error}") from error
@@ -151,11 +173,15 @@ class LinearSolver:
     """Counts, times and checks the work of a backend.
 
     ``equilibrate`` solves D A D y = D b, x = D y with D = 1/sqrt|diagonal of A|: the rows of water are smaller than
-    those of forces by any factor, and a backend judges pivots by the largest entry of the matrix.
+    those of forces by any factor, and a backend judges pivots by the largest entry of the matrix. ``symmetric``: see
+    `make_backend`; the residual is that of the whole matrix, so that a promise not kept is refused with the solution.
     """
 
-    def __init__(self, name: str, n_unknowns: int, clock: Clock | None = None, equilibrate: bool = False) -> None:
-        self.backend = make_backend(name, n_unknowns)
+    def __init__(
+        self, name: str, n_unknowns: int, clock: Clock | None = None, equilibrate: bool = False,
+        symmetric: bool = False,
+    ) -> None:  # fmt: skip
+        self.backend = make_backend(name, n_unknowns, symmetric)
         self.equilibrate = equilibrate
         self.clock = clock or Clock()
         self.n_factorisations = 0

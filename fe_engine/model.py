@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fe_engine.contact.coulomb import N_PARAMETERS
+from fe_engine.contact.coulomb import MU, N_PARAMETERS
+from fe_engine.conventions import ELASTIC
 from fe_engine.errors import ModelError
 from fe_engine.interface import Film, Stations
 from fe_engine.mesh import Mesh
@@ -121,6 +122,20 @@ class Model:
     def n_film(self) -> int:
         """Number of film nodes."""
         return 0 if self.water is None or self.water.film is None else self.water.film.n_nodes
+
+    @property
+    def has_history(self) -> bool:
+        """Whether any soil law keeps a history; an elastic one does not."""
+        return any(material.law != ELASTIC for material in self.materials)
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the sparse part of every tangent is symmetric and positive definite.
+
+        So it is where the soil is elastic, nothing rubs and there is no water. The coupling of water is one-sided where
+        the interface is closed: the pressure of the film presses on its faces, and their motion moves no water.
+        """
+        return not self.has_history and self.water is None and not np.any(self.contact[:, MU])
 
     def check(self) -> None:
         """Raise ModelError where the parts contradict each other."""

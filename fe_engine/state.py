@@ -17,8 +17,9 @@ FIELDS = ("displacement", "border", "stress", "history", "traction", "pressure")
 class Fields:
     """One copy of everything that evolves.
 
-    displacement (n, 3) m in nodal axes; border (nb,); stress (ne, 8, 6) Pa; history (ne, 8, nh);
-    traction (ns, 3) Pa, effective, in station frames; pressure (n + nf,) Pa of the water (empty when drained).
+    displacement (n, 3) m in nodal axes; border (nb,); stress (ne, 8, 6) Pa; history (ne, 8, nh), nh = 0 where no law
+    keeps one; traction (ns, 3) Pa, effective, in station frames; pressure (n + nf,) Pa of the water (empty when
+    drained).
     """
 
     displacement: np.ndarray
@@ -60,7 +61,7 @@ def initial_fields(model: Model) -> Fields:
         displacement=np.zeros((model.mesh.n_nodes, 3)),
         border=np.zeros(model.n_border),
         stress=np.array(model.initial_stress, dtype=float, copy=True),
-        history=np.zeros((ne, 8, N_HISTORY)),
+        history=np.zeros((ne, 8, N_HISTORY if model.has_history else 0)),
         traction=traction,
         pressure=np.zeros(0) if model.water is None else np.array(model.water.initial, dtype=float, copy=True),
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Scene -> engine model: the only place that renames, and that decides what a scene leaves out."""
+"""Scene -> engine model: the only place that renames, and that decides what is carried (`omissions` lists the rest)."""
 
 from __future__ import annotations
 
@@ -73,9 +73,12 @@ def counts_of(scene: Scene) -> Counts:
 
 def build_model(scene: Scene) -> Built:
     """Build the half model of a scene (loads and reactions of the model are half the caisson's)."""
-    geometry = geometry_of(scene)
-    caisson = _mesh(geometry, counts_of(scene))
-    mesh = caisson.mesh
+    return build_on(scene, _mesh(geometry_of(scene), counts_of(scene)))
+
+
+def build_on(scene: Scene, caisson: CaissonMesh) -> Built:
+    """Build the model of a scene on a mesh of the caisson and its soil."""
+    geometry, mesh = geometry_of(scene), caisson.mesh
     quality = mesh.check()
     fixed, frames = _constraints(scene, caisson)
     stations = make_stations(geometry, caisson)
@@ -247,47 +250,3 @@ def _constraints(scene: Scene, caisson: CaissonMesh) -> tuple[np.ndarray, dict[i
         fixed[side] = True
     fixed[mesh.node_sets["bottom"]] = True
     return fixed, frames
-
-
-_WATER_KEYS = (
-    "soil.hydraulic_conductivity", "interface.transversal_conductivity", "interface.residual_aperture",
-    "domain.side_drainage", "drainage.porosity", "drainage.water_bulk_modulus", "drainage.water_unit_weight",
-    "drainage.water_viscosity", "drainage.water_depth", "drainage.stabilisation",
-)  # fmt: skip
-
-
-def left_out(scene: Scene) -> list[tuple[str, str]]:
-    """What the scene does not need and the model does not carry: (what, why)."""
-    rigid_body = "the caisson is rigid: three degrees of freedom stand for it (the lid's thickness is only drawn)"
-    steel = [("steel elements (caisson.young_modulus, caisson.poisson_ratio)", rigid_body)]
-    if scene.caisson.behaviour == "elastic":
-        steel = [
-            ("yield and buckling of the steel", "it is linear elastic, displacements are small"),
-            ("bending of the lid within a quarter of its radius", "the load acts on a stiff patch there"),
-        ]
-    out = [*steel, ("half of the domain", "symmetry about the loading plane")]
-    if scene.drainage.mode == "drained":
-        out.append((f"pore pressure of soil and interface ({', '.join(_WATER_KEYS)})", "drained: no excess pressure"))
-    else:
-        out.append(("water pressure on the caisson's side of the interface", "the caisson is impervious"))
-        if scene.drainage.water_depth is None:
-            out.append(("check of suction against cavitation", "drainage.water_depth is not given"))
-    if scene.drainage.mode == "undrained":
-        out.append(("time (path: rate, duration, times in then)", "undrained: the fast limit, nothing flows"))
-    if scene.soil.yield_surface == "elastic":
-        strength = "friction_angle_initial, friction_angle_final, hardening_parameter, dilation_angle, cohesion"
-        out.append((f"plastic strain and its history (soil: {strength})", "the soil is elastic"))
-    return out + _outputs_left_out(scene)
-
-
-def _outputs_left_out(scene: Scene) -> list[tuple[str, str]]:
-    """What is computed but not kept, with the pictures that need it."""
-    output, out = scene.output, []
-    if not output.interface_fields:
-        fields = "contact stresses and gaps of the skirt by azimuth and depth, their pictures, the check of rings"
-        out.append((fields, "output.interface_fields = false"))
-    if not output.section:
-        out.append(("displacements of the symmetry plane and their pictures", "output.section = false"))
-    if not output.figures:
-        out.append(("all pictures", "output.figures = false"))
-    return out

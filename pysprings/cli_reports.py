@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from pysprings.cli_support import number, print_table, say, springs_of
 from pysprings.errors import printable
+from pysprings.omission_text import saved_text
 from pysprings.result_files import FILES, pictures_in
 
 if TYPE_CHECKING:
@@ -45,10 +46,9 @@ COLUMNS = (
 
 def describe_json(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[str, Any]:
     """Return what `pysprings check --json` prints."""
-    left_out = [{"what": what, "why": why} for what, why in about.get("left_out", ())]
     paths = [{"name": path.name, "kind": path.kind, "role": path.role} for path in scene.paths]
     head = {"scene": str(file), "title": scene.title, "scene_sha256": scene.sha256, "paths": paths}
-    return {**head, **about, "left_out": left_out}
+    return {**head, "left_out": [], **about}
 
 
 def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
@@ -60,8 +60,10 @@ def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> Non
     rows = [row for key, value in about.items() if key not in ("left_out", "warnings") for row in _rows(key, value)]
     print_table(("quantity", "value"), rows)
     print("\nleft out by this scene:")
-    for what, why in about.get("left_out", ()):
-        print(f"- {what}: {why}")
+    for omission in about.get("left_out", ()):
+        print(f"- {omission['what']}: {omission['why']}")
+        if saves := saved_text(omission["saved"]):
+            print(f"  saves {saves}")
     for text in about.get("warnings", ()):
         say(f"warning: {text}")
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from pysprings.build import build_model, left_out
+from pysprings.build import build_model
+from pysprings.omissions import left_out, symmetric_factors
 from pysprings.penalty import penalty_of
 from pysprings.resources import (
-    TYPICAL_INCREMENTS,
     gigabytes,
-    least_increments,
     memory_available,
     memory_bytes,
     refuse_what_cannot_fit,
+    seconds,
     size_of,
     steps_bytes,
 )
@@ -21,12 +21,6 @@ from pysprings.small_strain import scene_warnings
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene
-
-# Fitted like the memory (`pysprings.resources`): seconds of one factorisation and of the rest of an iteration.
-_FACTOR_SECONDS, _FACTOR_SECONDS_EXPONENT = 3.3e-10, 2.0
-_ITERATION_SECONDS = 1.0e-5
-_SOLVES_PER_INCREMENT = 5.0  # cut-backs included
-_PICTURE_SECONDS = 10.0  # of one path
 
 
 def describe(scene: Scene) -> dict[str, Any]:
@@ -41,7 +35,8 @@ def describe(scene: Scene) -> dict[str, Any]:
     if built.model.water is not None:
         unknowns += int((~built.model.water.fixed).sum())
     steps = steps_bytes(scene, size_of(scene))[1]
-    memory = memory_bytes(unknowns, built.model.water is not None) + steps
+    symmetric = symmetric_factors(scene)
+    memory = memory_bytes(unknowns, built.model.water is not None, symmetric) + steps
     return {
         "mesh": {
             "nodes": mesh.n_nodes,
@@ -56,8 +51,8 @@ def describe(scene: Scene) -> dict[str, Any]:
         "vertical_load_N": 2.0 * (built.balanced_load + built.extra_load),
         "memory_GB": memory / 1e9,
         "disk_GB": steps / 1e9,
-        "time_s": seconds(scene, unknowns),
-        "left_out": left_out(scene),
+        "time_s": seconds(scene, unknowns, symmetric=symmetric),
+        "left_out": [omission.record() for omission in left_out(scene)],
         "warnings": [*_memory_warning(memory), *scene_warnings(scene), *penalty_of(scene).remarks],
     }
 
@@ -79,12 +74,3 @@ def _memory_warning(memory: float) -> list[str]:
     if memory <= free:
         return []
     return [f"the run needs about {gigabytes(memory)} of memory; {gigabytes(free)} are free now"]
-
-
-def seconds(scene: Scene, unknowns: int) -> float:
-    """Estimated wall time of a run on two cores, in s: an order of magnitude, the steps are adaptive."""
-    per_iteration = _FACTOR_SECONDS * unknowns**_FACTOR_SECONDS_EXPONENT + _ITERATION_SECONDS * unknowns
-    per_increment = 1.5 if scene.soil.yield_surface == "elastic" else _SOLVES_PER_INCREMENT
-    increments = sum(max(TYPICAL_INCREMENTS, least) for least in least_increments(scene))
-    pictures = _PICTURE_SECONDS * len(scene.paths) if scene.output.figures else 0.0
-    return 5.0 + increments * per_increment * per_iteration + pictures

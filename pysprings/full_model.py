@@ -23,12 +23,13 @@ from fe_engine.newton import Newton, Settings
 from fe_engine.state import State
 from pysprings import variables
 from pysprings.accuracy.own_estimate import add_estimate
-from pysprings.build import build_model, left_out
+from pysprings.build import build_model
 from pysprings.build_water import undrained_time
 from pysprings.cavitation import warning as cavitation_warning
 from pysprings.checkpoint import Checkpoints, Loaded, Saved
 from pysprings.collect import section_dataset
 from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
+from pysprings.omissions import left_out
 from pysprings.path_run import PathRun, Work
 from pysprings.penalty import penalty_of
 from pysprings.progress import Progress
@@ -184,8 +185,8 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
     with clock.phase("set-up"):
         system = System(built.model, clock)
         try:
-            water = built.model.water is not None
-            solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, equilibrate=water)
+            wet, symmetric = built.model.water is not None, built.model.symmetric
+            solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, wet, symmetric)
         except LinearSolverError as error:
             raise ResourceError(str(error)) from error
         newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations))
@@ -282,7 +283,7 @@ def _record(work: Work, loaded: Loaded) -> dict[str, Any]:
             "condition_estimate": work.condition,
         },
         "paths": work.summaries,
-        "left_out": [{"what": what, "why": why} for what, why in left_out(work.scene)],
+        "left_out": [omission.record() for omission in left_out(work.scene)],
         **_cost_before(work, loaded),
     }  # fmt: skip
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pysprings.omission_text import saved_text
 from pysprings.report_springs import spring_tables
 from pysprings.report_tables import (
     Table,
@@ -157,14 +158,10 @@ def environment() -> Environment:
     )  # fmt: skip
 
 
-def _left_out(left_out: Any) -> list[tuple[str, str]]:
-    """Return (what, why) of everything that the scene leaves out."""
-    if isinstance(left_out, Mapping):
-        return [(str(what), str(why)) for what, why in left_out.items()]
-    pairs = [item.values() if isinstance(item, Mapping) else item for item in left_out]
-    return [
-        (str(what), str(why)) for what, why in (pair if not isinstance(pair, str) else (pair, "") for pair in pairs)
-    ]
+def _left_out(left_out: Any) -> list[tuple[str, str, str]]:
+    """Return (what, why, what it saves) of everything that the scene leaves out."""
+    items = [item for item in left_out if isinstance(item, Mapping)] if isinstance(left_out, Sequence) else []
+    return [(str(item.get("what", "")), str(item.get("why", "")), saved_text(item.get("saved"))) for item in items]
 
 
 def _pictures(files: Iterable[Path], path: str) -> list[Picture]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a scene needs of the machine, from its counts alone: memory, increments, disk; refused before anything is built.
+"""What a scene needs of the machine, from its counts alone: memory, time, disk; refused before anything is built.
 
 The laws of memory are fitted (see the constants); the refusal compares them with what this process may ever have: the
 machine's memory, or less where a control group or a limit of the shell says so.
@@ -29,6 +29,14 @@ if TYPE_CHECKING:
 _FACTOR_ENTRIES, _FACTOR_EXPONENT = 10.3, 1.44
 _BASE_BYTES, _BYTES_PER_UNKNOWN, _BYTES_PER_ENTRY = 0.37e9, 3.0e3, 9.0
 _WATER_FACTOR, _WATER_BYTES_PER_UNKNOWN = 1.75, 4.0e3
+# Fitted likewise: seconds of one factorisation and of the rest of an iteration. Water: 2.0 to 2.6 times the time of a
+# factorisation on `paper`, at 1.37 times the unknowns. Symmetric factors: measured by benchmarks/omissions.py.
+_FACTOR_SECONDS, _FACTOR_SECONDS_EXPONENT = 3.3e-10, 2.0
+_WATER_SECONDS_FACTOR = 1.25
+_ITERATION_SECONDS = 1.0e-5
+_SYMMETRIC_ENTRIES, _SYMMETRIC_SECONDS = 0.55, 0.55
+_SOLVES_PER_INCREMENT, _ELASTIC_SOLVES = 5.0, 1.5  # cut-backs included
+_START_SECONDS, PICTURE_SECONDS = 5.0, 10.0  # of a run; of the pictures of one path
 # A recorded step stands in memory as it came, in its dataset, and in what tables and pictures make of it.
 _COPIES_OF_A_STEP = 3.0
 # NetCDF compresses fields of steps that move to about this share at best.
@@ -41,47 +49,61 @@ _CGROUP, _MY_GROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
 
 @dataclass(frozen=True)
 class Size:
-    """Counts of the model of a scene before it is built: nodes, elements, unknowns, bytes of a step."""
+    """Counts of the model of a scene before it is built: nodes, elements, unknowns, bytes of a step.
+
+    Of the unknowns ``pore_pressures`` are pressures of the soil, ``film_pressures`` those of the interface.
+    """
 
     nodes: int
     elements: int
     unknowns: int
     step_bytes: int
+    pore_pressures: int = 0
+    film_pressures: int = 0
 
 
-def size_of(scene: Scene) -> Size:
-    """Return the counts of a scene's model; builds nothing."""
+def size_of(scene: Scene, whole: bool = False) -> Size:
+    """Return the counts of a scene's model, or of one of the ``whole`` domain, both halves; builds nothing."""
     counts = counts_of(scene)
     n, rings = counts.azimuth, counts.plug + counts.tip + counts.outer
     levels = counts.skirt + counts.below + 1
-    plan = (n // 2 + 1) * (n // 4 + 1) + rings * (n + 1)
-    nodes = plan * levels - (counts.tip - 1) * (n + 1) * counts.skirt
-    quads = (n // 2) * (n // 4) + rings * n
-    elements = quads * (levels - 1) - counts.tip * n * counts.skirt
+    around, core, halves = _plan(n, whole)
+    plan = core + rings * around
+    nodes = plan * levels - (counts.tip - 1) * around * counts.skirt
+    elements = halves * (((n // 2) * (n // 4) + rings * n) * (levels - 1) - counts.tip * n * counts.skirt)
     plane = n // 2 + 1 + 2 * rings  # nodes of a level on the plane of symmetry
-    unknowns = 3 * (nodes - plan) - (plane + n + 1) * (levels - 1) + 3
+    unknowns = 3 * (nodes - plan) - ((0 if whole else plane) + around) * (levels - 1) + 3
+    pores = film = 0
     if scene.drainage.mode != "drained":
-        film = (n + 1) * (2 * counts.skirt + counts.tip) + (n // 2 + 1) * (n // 4 + 1) + counts.plug * (n + 1)
-        drained = (n + 1) * (counts.outer + 2)  # mudline outside, the film's rim included
-        drained += (n + 1) * (levels - 1) if scene.domain.side_drainage == "drained" else 0
-        unknowns += nodes + film - drained
+        film = around * (2 * counts.skirt + counts.tip - 1) + core + counts.plug * around  # without the rim outside
+        pores = nodes - around * (counts.outer + 1)
+        pores -= around * (levels - 1) if scene.domain.side_drainage == "drained" else 0
     if scene.caisson.behaviour == "elastic":
-        steel_nodes, steel_unknowns = _steel(counts)
+        steel_nodes, steel_unknowns = _steel(counts, whole)
         nodes, unknowns = nodes + steel_nodes, unknowns + steel_unknowns
     volume = 4 * (4 * nodes + 7 * elements) if scene.output.paraview else 0
-    return Size(nodes, elements, unknowns, _step_bytes(scene, counts, plane) + volume)
+    step = _step_bytes(scene, counts, plane) + volume
+    return Size(nodes, elements, unknowns + pores + film, step, pores, film)
 
 
-def _steel(counts: Counts) -> tuple[int, int]:
+def _plan(n: int, whole: bool) -> tuple[int, int, int]:
+    """Nodes of a ring and of the square core, and number of halves, for n cells around half of the caisson."""
+    return (2 * n, (n // 2 + 1) ** 2, 2) if whole else (n + 1, (n // 2 + 1) * (n // 4 + 1), 1)
+
+
+def _steel(counts: Counts, whole: bool) -> tuple[int, int]:
     """Nodes and unknowns of an elastic caisson."""
     n = counts.azimuth
-    lid = (n // 2 + 1) * (n // 4 + 1) + (counts.plug + 1) * (n + 1)  # out to the skirt's outer edge
-    nodes = 2 * lid + 2 * (n + 1) * counts.skirt
+    around, core, halves = _plan(n, whole)
+    lid = core + (counts.plug + 1) * around  # out to the skirt's outer edge
+    nodes = 2 * lid + 2 * around * counts.skirt
     plane = 2 * (n // 2 + 1 + 2 * (counts.plug + 1)) + 4 * counts.skirt
     points, _, _ = core_square(n, 0.5)  # of a skirt with an inner radius of 1
-    held = patch(np.hypot(points[:, 0], points[:, 1]), 1.0)
-    on_plane = held & (np.abs(points[:, 1]) < 1e-12)
-    return nodes, 3 * nodes - plane - 2 * (3 * int(held.sum()) - int(on_plane.sum()))
+    in_patch = patch(np.hypot(points[:, 0], points[:, 1]), 1.0)
+    held, on_plane = int(in_patch.sum()), int((in_patch & (np.abs(points[:, 1]) < 1e-12)).sum())
+    if whole:
+        return nodes, 3 * nodes - 2 * 3 * (halves * held - on_plane)
+    return nodes, 3 * nodes - plane - 2 * (3 * held - on_plane)
 
 
 def _step_bytes(scene: Scene, counts: Counts, plane: int) -> int:
@@ -96,11 +118,26 @@ def _step_bytes(scene: Scene, counts: Counts, plane: int) -> int:
     return 8 * values
 
 
-def memory_bytes(unknowns: int, water: bool = False) -> float:
+def memory_bytes(unknowns: int, water: bool = False, symmetric: bool = False) -> float:
     """Estimated peak memory of a run, in bytes, without its recorded steps."""
-    entries = _FACTOR_ENTRIES * float(unknowns) ** _FACTOR_EXPONENT * (_WATER_FACTOR if water else 1.0)
+    entries = _FACTOR_ENTRIES * float(unknowns) ** _FACTOR_EXPONENT
+    entries *= (_WATER_FACTOR if water else 1.0) * (_SYMMETRIC_ENTRIES if symmetric else 1.0)
     per_unknown = _WATER_BYTES_PER_UNKNOWN if water else _BYTES_PER_UNKNOWN
     return _BASE_BYTES + per_unknown * unknowns + _BYTES_PER_ENTRY * entries
+
+
+def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: bool = False) -> float:
+    """Estimated wall time of a run on two cores, in s: an order of magnitude, the steps are adaptive.
+
+    ``water`` says whether there are pressures among the unknowns (the scene's own answer where it is None).
+    """
+    wet = scene.drainage.mode != "drained" if water is None else water
+    factor = _FACTOR_SECONDS * unknowns**_FACTOR_SECONDS_EXPONENT
+    factor *= (_WATER_SECONDS_FACTOR if wet else 1.0) * (_SYMMETRIC_SECONDS if symmetric else 1.0)
+    per_increment = _ELASTIC_SOLVES if scene.soil.yield_surface == "elastic" else _SOLVES_PER_INCREMENT
+    increments = sum(max(TYPICAL_INCREMENTS, least) for least in least_increments(scene))
+    pictures = PICTURE_SECONDS * len(scene.paths) if scene.output.figures else 0.0
+    return _START_SECONDS + increments * per_increment * (factor + _ITERATION_SECONDS * unknowns) + pictures
 
 
 def least_increments(scene: Scene) -> list[int]:

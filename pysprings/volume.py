@@ -28,7 +28,8 @@ class Volume:
         """Displacement, stress, plastic strain, pore pressure and gap; see `variables`."""
         u, n = self._displacement(state), self.built.model.mesh.n_nodes
         stress = np.vstack([state.stress.mean(axis=1), np.full((self.n_steel, 6), np.nan)])
-        strain = np.append(state.history[..., KAPPA].mean(axis=1), np.zeros(self.n_steel))
+        plastic = state.history[..., KAPPA].mean(axis=1) if state.history.size else np.zeros(len(state.stress))
+        strain = np.append(plastic, np.zeros(self.n_steel))
         found = {f"volume_u{axis}": u[:, i] for i, axis in enumerate("xyz")}
         found |= {f"volume_s{name}": stress[:, i] for i, name in enumerate(variables.STRESSES)}
         found |= {"volume_plastic_strain": strain, "volume_gap": self._gap(state)}

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings import estimate
 from pysprings.accuracy.settings import Setting
 from pysprings.accuracy_study.child import Run
 from pysprings.errors import ResourceError, RunIncomplete, UserInputError
 from pysprings.kept_runs import RUNS, Whole, forget, has_ended, read_record
-from pysprings.resources import size_of
+from pysprings.resources import seconds, size_of
 
 if TYPE_CHECKING:
     from pysprings.progress import Progress
@@ -51,7 +50,7 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
     KeyboardInterrupt passes through: the same call goes on.
     """
     scenes = {each.name: each.scene(study_scene(scene)) for each in settings}
-    weights = {name: estimate.seconds(each, size_of(each).unknowns) for name, each in scenes.items()}
+    weights = {name: seconds(each, size_of(each).unknowns) for name, each in scenes.items()}
     missing = {name for name, each in scenes.items() if not has_ended(out / RUNS / name, each)}
     if missing:  # compiled code is kept on disk: no run of the table pays for it
         _warm_up(scene, out / RUNS / WARM_UP, report, run)

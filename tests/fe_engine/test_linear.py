@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix, diags, identity, kron
 
 from fe_engine import linear
 from fe_engine.errors import LinearSolverError
-from fe_engine.linear import SUPERLU_COMFORT, LinearSolver, available_backends, make_backend
+from fe_engine.linear import SUPERLU_COMFORT, LinearSolver, SymmetricPardiso, available_backends, make_backend
 
 HAS_PARDISO = importlib.util.find_spec("pypardiso") is not None
 needs_pardiso = pytest.mark.skipif(not HAS_PARDISO, reason="pypardiso is not installed")
@@ -230,3 +230,46 @@ def test_pardiso_without_memory_says_so(monkeypatch):
     monkeypatch.setattr(PyPardisoSolver, "_call_pardiso", fail)
     with pytest.raises(MemoryError, match="error code -2"):
         solver.factorise(laplacian())
+
+
+# --- symmetric matrices -----------------------------------------------------------------------------------
+
+
+@needs_pardiso
+def test_symmetric_factors_solve_the_whole_matrix_on_new_values_too():
+    matrix, rhs = laplacian(), rhs_of(laplacian(), (3,))
+    solver = LinearSolver("auto", matrix.shape[0], symmetric=True)
+    assert isinstance(solver.backend, SymmetricPardiso)
+    for factor in (1.0, 3.0):
+        changed = matrix.copy()
+        changed.data *= factor
+        changed.setdiag(changed.diagonal() + factor**2)
+        solver.factorise(changed)
+        np.testing.assert_allclose(solver.solve(rhs), np.linalg.solve(changed.toarray(), rhs), rtol=1e-10, atol=1e-14)
+    solver.close()
+
+
+@needs_pardiso
+def test_a_matrix_that_is_not_symmetric_is_refused_with_its_solution():
+    matrix = unsymmetric(1)
+    solver = LinearSolver("pardiso", matrix.shape[0], symmetric=True)
+    solver.factorise(matrix)
+    with pytest.raises(LinearSolverError, match="relative residual"):
+        solver.solve(rhs_of(matrix))
+    solver.close()
+
+
+@needs_pardiso
+def test_a_matrix_that_is_not_positive_definite_is_refused():
+    matrix = laplacian(shift=-1.0)
+    solver = LinearSolver("pardiso", matrix.shape[0], symmetric=True)
+    with pytest.raises(LinearSolverError, match="Pardiso"):
+        solver.factorise(matrix)
+    solver.close()
+
+
+def test_superlu_takes_symmetric_matrices_as_any_other():
+    matrix, rhs = laplacian(), rhs_of(laplacian())
+    solver = LinearSolver("superlu", matrix.shape[0], symmetric=True)
+    solver.factorise(matrix)
+    np.testing.assert_allclose(solver.solve(rhs), np.linalg.solve(matrix.toarray(), rhs), rtol=1e-10)

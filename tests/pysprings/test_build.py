@@ -16,7 +16,8 @@ from fe_engine.newton import Settings
 from fe_engine.soil import plasol
 from fe_engine.state import State
 from pysprings import Scene, build
-from pysprings.build import SURFACE, Built, build_model, left_out
+from pysprings.build import SURFACE, Built, build_model
+from pysprings.omissions import left_out
 from pysprings.scene import SECTIONS
 from pysprings.scene_fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
 from pysprings.scene_toml import field_of
@@ -137,21 +138,6 @@ def test_a_geometry_that_cannot_be_meshed_is_a_mesh_error(monkeypatch: pytest.Mo
     monkeypatch.setattr(build, "make_mesh", fail)
     with pytest.raises(MeshError, match="cells cannot be graded in this geometry"):
         build_model(tiny.scene())
-
-
-def test_left_out_names_what_and_why() -> None:
-    whole = dict(left_out(Scene()))
-    assert [what.split(" (")[0] for what in whole] == [
-        "steel elements", "half of the domain", "pore pressure of soil and interface",
-    ]  # fmt: skip
-    steel = [what for what, _ in left_out(Scene(caisson={"behaviour": "elastic"}))]
-    assert "steel elements" not in " ".join(steel) and steel[0] == "yield and buckling of the steel"
-    less = left_out(
-        Scene(soil={"yield_surface": "elastic"}, output={"interface_fields": False, "section": False, "figures": False})
-    )
-    assert [why for what, why in less if what not in whole] == [
-        "the soil is elastic", "output.interface_fields = false", "output.section = false", "output.figures = false",
-    ]  # fmt: skip
 
 
 # --- every value of a scene decides something ---
@@ -286,7 +272,7 @@ def test_every_field_changes_some_output(section: str, name: str, base_outputs: 
     differs = [key for key in before if before[key] != after[key] and key != "sea"]
     if (section, name) in {**UNUSED, **WATER}:
         assert differs == []
-        assert any(f"{section}.{name}" in what for what, _ in left_out(scene))
+        assert any(f"{section}.{name}" in omission.what for omission in left_out(scene))
     else:
         assert differs
 

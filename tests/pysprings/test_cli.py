@@ -162,7 +162,10 @@ ABOUT = {
     "unknowns": 12345,
     "memory_GB": 0.28149,
     "time_s": np.float64("nan"),
-    "left_out": [("water", "drained")],
+    "left_out": [
+        {"what": "water", "why": "drained", "saved": {"basis": "a guess", "unknowns": 1234, "time_share": 0.62}},
+        {"what": "sunshine", "why": "it is dark", "saved": {}},
+    ],
 }
 
 
@@ -176,7 +179,7 @@ def test_check_prints_a_table(monkeypatch: pytest.MonkeyPatch, scene_file: Path)
         "28.42",
         "12,345",
         "memory, estimated [GB]",
-        "- water: drained",
+        "- water: drained\n  saves 1,234 unknowns, 62 % of the time (a guess)\n- sunshine: it is dark\n",
     ):
         assert text in done.out
     assert "pull (pull, calibration)" in done.out
@@ -188,7 +191,7 @@ def test_check_json_is_one_document(monkeypatch: pytest.MonkeyPatch, scene_file:
     data = json.loads(done.out)
     assert data["mesh"]["nodes"] == 1848
     assert data["time_s"] is None
-    assert data["left_out"] == [{"what": "water", "why": "drained"}]
+    assert data["left_out"] == ABOUT["left_out"]
     assert data["scene_sha256"] == load_scene(scene_file).sha256
 
 

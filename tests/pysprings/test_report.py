@@ -28,7 +28,10 @@ RUN = {
     "solver": {"linear": "superlu", "factorisations": 77},
     "mesh": {"min_scaled_jacobian": 0.31},
     "failures": [],
-    "left_out": [["installation", "the caisson is wished in place"]],
+    "left_out": [
+        {"what": "installation", "why": "the caisson is wished in place", "saved": {}},
+        {"what": "half", "why": "symmetry", "saved": {"basis": "counts", "unknowns": 4251, "memory_bytes": 40118655}},
+    ],
 }
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="
@@ -112,7 +115,7 @@ def test_hostile_text_is_escaped_everywhere(result: xr.DataTree, springs: xr.Dat
         "status": HOSTILE,
         "phases": {HOSTILE: {HOSTILE: 1.0}},
         HOSTILE: HOSTILE,
-        "left_out": [[HOSTILE, HOSTILE]],
+        "left_out": [{"what": HOSTILE, "why": HOSTILE, "saved": {"unknowns": 1, "basis": HOSTILE}}],
     }
     compare = pd.DataFrame([{"path": HOSTILE, "springs": HOSTILE, "status": HOSTILE}])
     text = report.render(hostile(result), springs, compare, run)
@@ -120,7 +123,7 @@ def test_hostile_text_is_escaped_everywhere(result: xr.DataTree, springs: xr.Dat
     assert "script" not in {tag for tag, _ in page.tags}
     assert not any("onerror" in attrs for _, attrs in page.tags)
     assert "b" not in {tag for tag, _ in page.tags}
-    assert page.text.count(HOSTILE) >= 12
+    assert page.text.count(HOSTILE) >= 13
     assert "<b>key</b>" in page.text
 
 
@@ -263,6 +266,7 @@ def test_cost_left_out_and_status_are_printed(result: xr.DataTree) -> None:
     assert page.row("factorisations") == "factorisations77"
     assert page.row("smallest scaled Jacobian") == "smallest scaled Jacobian0.31"
     assert page.row("installation") == "installationthe caisson is wished in place"
+    assert page.row("half") == "halfsymmetry4,251 unknowns, 40 MB of memory (counts)"
     assert page.row("Statuscomplete")
     assert "not complete" not in page.text
     partial = Page(report.render(result, run={**RUN, "status": "partial", "failures": ["stopped at 12 %"]}))

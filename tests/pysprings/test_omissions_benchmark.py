@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: MIT
+"""The benchmark of omissions on a model that a test can afford: it measures what it says."""
+
+from __future__ import annotations
+
+from benchmarks.omissions import Case, cases, measure, table
+from fe_engine.linear import available_backends
+from tests.pysprings import carried
+
+
+def test_a_case_is_measured_without_and_with_what_it_leaves_out() -> None:
+    scene = carried.scene()
+    without, with_it = measure(Case("half", scene, lambda: carried.whole_model(scene)), 1)
+    assert without.unknowns == 443 < with_it.unknowns
+    assert with_it.field_bytes > 1.8 * without.field_bytes
+    assert with_it.push > 0.0 and without.factorisations > 3
+    if "pardiso" in available_backends():
+        assert with_it.factor_bytes > 1.5 * without.factor_bytes > 0
+    (_, row) = table({"half": (without, with_it)}).splitlines()
+    assert row.startswith("half ") and "443 818" in row
+
+
+def test_every_case_has_a_model_that_carries_more() -> None:
+    found = cases("coarse", 1e-3)
+    assert len({case.what for case in found}) == len(found)
+    assert all(case.built is not None or case.other is not None for case in found)
