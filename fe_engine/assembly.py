@@ -79,6 +79,11 @@ class System:
             (np.zeros(len(p.indices)), p.indices, p.indptr.astype(np.int32)), shape=(p.n_free, p.n_free)
         )
 
+    @property
+    def matrix_pattern(self) -> csr_matrix:
+        """A matrix (n_free, n_free) on the pattern of the tangent; its values are those of the last linearisation."""
+        return self._matrix
+
     def _set_up_water(self) -> None:
         water = self.model.water
         self.is_pressure = np.zeros(self.pattern.n_free, dtype=bool)
@@ -154,6 +159,15 @@ class System:
         """
         with self.clock.phase("assembly"):
             return self._linearise(state, fresh)
+
+    def remember_iterates(self) -> tuple[np.ndarray, ...]:
+        """Copy of the traction iterates, for an evaluation that may be taken back."""
+        return tuple(part.copy() for part in self._iterate)
+
+    def take_back(self, iterates: tuple[np.ndarray, ...]) -> None:
+        """Go on from these traction iterates, as if nothing had been linearised since."""
+        for mine, part in zip(self._iterate, iterates, strict=True):
+            mine[...] = part
 
     def _linearise(self, state: State, fresh: bool) -> tuple[Residual, Residual, Tangent]:
         self._matrix.data[...] = self._elastic[0]

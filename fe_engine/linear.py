@@ -6,9 +6,13 @@ A backend analyses the fixed pattern once, factorises values on it, and solves f
 
 from __future__ import annotations
 
+import ctypes
 import importlib.util
+import os
+import sys
 import warnings
 from collections.abc import Callable
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -50,7 +54,10 @@ class SuperLU:
 
         try:
             self._factors = splu(
-                matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1, options={"SymmetricMode": True}
+                matrix.astype(float, copy=False).tocsc(),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.1,
+                options={"SymmetricMode": True},
             )
         except RuntimeError as error:
             raise LinearSolverError(f"SuperLU: {error}") from error
@@ -74,17 +81,21 @@ class Pardiso:
     name = "pardiso"
     _MATRIX_TYPE = 11  # real, not symmetric
 
-    def __init__(self) -> None:
+    def __init__(self, single: bool = False) -> None:
         import pypardiso
 
+        _point_at_mkl()
         self._solver = pypardiso.PyPardisoSolver(mtype=self._MATRIX_TYPE)
+        self._type = np.float32 if single else np.float64
         self._analysed = False
-        for index, value in _IPARM.items():
+        for index, value in (_IPARM | {_SINGLE: int(single)}).items():
             self._solver.set_iparm(index, value)
 
     def factorise(self, matrix: csr_matrix) -> None:
         """Factorise numerically; the first call also analyses the pattern."""
-        self._matrix = matrix
+        self._values = np.ascontiguousarray(matrix.data, dtype=self._type)
+        self._starts = np.ascontiguousarray(matrix.indptr, dtype=np.int32)
+        self._columns = np.ascontiguousarray(matrix.indices, dtype=np.int32)
         self._call(12 if not self._analysed else 22, np.zeros((matrix.shape[0], 1)))
         self._analysed = True
 
@@ -93,15 +104,41 @@ class Pardiso:
         return self._call(33, rhs)
 
     def _call(self, phase: int, rhs: np.ndarray) -> np.ndarray:
-        from pypardiso.pardiso_wrapper import PyPardisoError
-
-        self._solver.set_phase(phase)
-        try:
-            return self._solver._call_pardiso(self._matrix, np.asfortranarray(rhs, dtype=float))
-        except PyPardisoError as error:
-            if error.value == _NO_MEMORY:  # a smaller step would not help
-                raise MemoryError(f"Pardiso: {error}") from error
-            raise LinearSolverError(f"Pardiso: {error}") from error
+        """Call Pardiso itself: the call of the wrapper copies the pattern each time, half the cost of a solve."""
+        rhs = np.asfortranarray(rhs, dtype=self._type)
+        x, error, solver = np.zeros_like(rhs), ctypes.c_int32(0), self._solver
+        one, kind, what, n, n_rhs, silent = (
+            ctypes.c_int32(v) for v in (1, self._MATRIX_TYPE, phase, len(rhs), rhs.size // len(rhs), 0)
+        )
+        starts, columns, order, settings = (
+            a.ctypes.data_as(ctypes.POINTER(ctypes.c_int32))
+            for a in (self._starts, self._columns, solver.perm, solver.iparm)
+        )
+        values, given, found = (a.ctypes.data_as(ctypes.c_void_p) for a in (self._values, rhs, x))
+        handle = solver.pt.ctypes.data_as(ctypes.POINTER(solver._pt_type[0]))
+        solver._mkl_pardiso(
+            handle,
+            one,
+            one,
+            kind,
+            what,
+            n,
+            values,
+            starts,
+            columns,
+            order,
+            n_rhs,
+            settings,
+            silent,
+            given,
+            found,
+            error,
+        )
+        if error.value == _NO_MEMORY:  # a smaller step would not help
+            raise MemoryError("Pardiso: not enough memory")
+        if error.value != 0:
+            raise LinearSolverError(f"Pardiso: error {error.value}")
+        return np.ascontiguousarray(x)
 
     def close(self) -> None:
         """Release MKL's internal memory; there is none before the first factorisation."""
@@ -127,11 +164,19 @@ class SymmetricPardiso(Pardiso):
 
 
 _NO_MEMORY = -2  # Pardiso's error code
+_SINGLE = 28  # iparm: 1 says that the numbers handed over have 4 bytes
 
 # 1-based iparm: defaults off (1), METIS (2), refinement only where pivots were perturbed (8; a step of it costs ten
 # solves, and LinearSolver refines where the residual asks for it), pivot perturbation 1e-13 (10), no scaling (11) and
-# no matching (13), parallel factorisation (24).
-_IPARM = {1: 1, 2: 2, 8: 0, 10: 13, 11: 0, 13: 0, 24: 1, 25: 0, 35: 0}
+# no matching (13), parallel factorisation (24), indices from 0 (35).
+_IPARM = {1: 1, 2: 2, 8: 0, 10: 13, 11: 0, 13: 0, 24: 1, 25: 0, 35: 1}
+
+
+def _point_at_mkl() -> None:
+    """Tell the wrapper where MKL stands in this environment; it would search the whole of it, for a second."""
+    libraries = sorted(Path(sys.prefix, "lib").glob("libmkl_rt.so*"), key=lambda found: len(found.name))
+    if libraries:
+        os.environ.setdefault("PYPARDISO_MKL_RT", str(libraries[0]))
 
 
 def available_backends() -> list[str]:
@@ -142,18 +187,18 @@ def available_backends() -> list[str]:
     return names
 
 
-def make_backend(name: str, n_unknowns: int, symmetric: bool = False) -> Backend:
+def make_backend(name: str, n_unknowns: int, symmetric: bool = False, single: bool = False) -> Backend:
     """Return the backend of the given name; ``auto`` takes the best one that works.
 
     ``symmetric`` promises symmetric positive definite matrices: Pardiso then does half the work. SuperLU has no such
-    factorisation.
+    factorisation. ``single`` asks for factors in single precision, which SuperLU is not used for either.
     """
     wanted = name
     if wanted == "auto":
         name = available_backends()[0]
     if name == "pardiso":
         try:
-            return SymmetricPardiso() if symmetric else Pardiso()
+            return SymmetricPardiso(single) if symmetric else Pardiso(single)
         except (ImportError, OSError) as error:
             if wanted != "auto":
                 raise LinearSolverError(f"pardiso does not load here: {error}") from error
@@ -218,13 +263,7 @@ class LinearSolver:
         """
         if not hasattr(self, "_matrix"):
             return None
-        start = np.random.default_rng(1).normal(size=self._matrix.shape[0])
-        largest = _growth(lambda v: self._matrix @ v, start)
-        try:
-            smallest = _growth(self.backend.solve, start)
-        except LinearSolverError:
-            return None
-        return float(largest * smallest) if np.isfinite(largest * smallest) else None
+        return condition_estimate(lambda v: self._matrix @ v, self.backend.solve, self._matrix.shape[0])
 
     def close(self) -> None:
         """Release the factors."""
@@ -243,6 +282,19 @@ class LinearSolver:
         residual = np.linalg.norm(rhs - self._matrix @ x, axis=0)
         scale = np.linalg.norm(rhs, axis=0)
         return float(np.max(residual / np.where(scale > 0.0, scale, 1.0)))
+
+
+def condition_estimate(
+    apply: Callable[[np.ndarray], np.ndarray], solve: Callable[[np.ndarray], np.ndarray], n: int
+) -> float | None:
+    """Estimate the condition of a map of (n,) and its inverse by power iterations, from below; None if that fails."""
+    start = np.random.default_rng(1).normal(size=n)
+    largest = _growth(apply, start)
+    try:
+        smallest = _growth(solve, start)
+    except LinearSolverError:
+        return None
+    return float(largest * smallest) if np.isfinite(largest * smallest) else None
 
 
 def _growth(apply: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> float:

@@ -14,6 +14,7 @@ stiffness of the border dofs, which comes out of every increment for free.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,6 +23,7 @@ import numpy as np
 from fe_engine.assembly import Residual, System, Tangent
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
 from fe_engine.linear import LinearSolver
+from fe_engine.recycled import WORTH_FROM, Origin, Recycled, control_of
 from fe_engine.state import State
 
 # A full step is taken while the residual stays below the larger of the last two; contact that opens or closes
@@ -38,16 +40,22 @@ _STILL = 1.0e-6
 # better than those before: stopping is cheap, since the smaller step that follows has fewer states to find.
 _STALL_FROM, _STALL_WINDOW = 4, 2
 _HALF, _GAIN, _PATIENCE = 0.5, 0.7, 4
+# A linear system is solved to this share of the tolerance and no further.
+_AIM = 0.3
 # Forces count beside this share of the initial contact forces at the least, below which a change is rounding.
 _ROUNDING = 1.0e-6
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Newton settings; the tolerance is relative to the norm of the change of contact forces."""
+    """Newton settings; the tolerance is relative to the norm of the change of contact forces.
+
+    Models of ``recycle_from`` unknowns or more solve with factors of earlier tangents: see `recycled`.
+    """
 
     tolerance: float = 1.0e-6
     max_iterations: int = 20
+    recycle_from: int = WORTH_FROM
 
 
 @dataclass(frozen=True)
@@ -73,12 +81,15 @@ class Loading:
 
 @dataclass
 class Increment:
-    """A converged increment: dof increments, end residual, border tangent stiffness and the record."""
+    """A converged increment: dof increments, end residual, the record, and the border's tangent stiffness (nb, nb).
+
+    The stiffness is None where earlier factors have served: it then costs solves of its own.
+    """
 
     free: np.ndarray
     border: np.ndarray
     residual: Residual
-    stiffness: np.ndarray
+    stiffness: np.ndarray | None
     record: list[dict[str, Any]] = field(default_factory=list)
 
     @property
@@ -95,7 +106,10 @@ class Newton:
         self.solver = solver
         self.settings = settings
         self.scale = system.model.border_scale
-        self.stiffness = np.zeros((system.model.n_border, system.model.n_border))
+        self.stiffness: np.ndarray | None = None
+        self.recycled: Recycled | None = None
+        if system.pattern.n_free >= settings.recycle_from:
+            self.recycled = Recycled(solver, system.pattern.n_free, system.model.symmetric)
         self._cycle: tuple[int, float] | None = None  # since which merit half steps are taken, and what it was
 
     def solve(self, state: State, loading: Loading, free: np.ndarray, border: np.ndarray) -> Increment:
@@ -107,9 +121,9 @@ class Newton:
         record: list[dict[str, Any]] = []
         merits: list[float] = []
         self._cycle = None
+        evaluated = self._linearise(state, True, (free, border), record)
         for iteration in range(self.settings.max_iterations + 1):
-            self.system.apply(state, free, border)
-            judged, linear, tangent = self._linearise(state, iteration == 0, record)
+            judged, linear, tangent = evaluated
             violation = loading.target - loading.control @ state.trial.border
             merit, error = self._merit(judged, loading)
             merits.append(merit)
@@ -117,23 +131,62 @@ class Newton:
             if not np.isfinite(merit):
                 raise NotConverged("residual is not finite", self._worst(judged), record)
             if error <= self.settings.tolerance and _met(violation, loading.target):
+                if self.recycled is not None:
+                    self.recycled.end_increment()
                 return Increment(free, border, judged, self.stiffness, record)
+            if iteration == self.settings.max_iterations:
+                break
             self._watch(iteration, merits, error, judged, record)
-            step_free, step_border = self._direction(linear, tangent, loading, violation, record)
-            damping = self._damping(state, loading, (free, border), (step_free, step_border), merits, iteration)
-            free, border = free + damping * step_free, border + damping * step_border
+            step = self._direction(linear, tangent, loading, violation, record)
+            damping, evaluated = self._advance(state, loading, (free, border), step, merits, record)
+            free, border = free + damping * step[0], border + damping * step[1]
             record[-1]["damping"] = damping
-            record[-1]["correction"] = self._size(damping * step_free, damping * step_border)
+            record[-1]["correction"] = self._size(damping * step[0], damping * step[1])
         raise NotConverged(f"no convergence in {self.settings.max_iterations} iterations", self._worst(judged), record)
 
     def border_stiffness(self, state: State) -> np.ndarray:
         """Consistent tangent stiffness (nb, nb) of the border dofs at the committed state."""
         state.reset_trial()
         _, _, tangent = self.system.linearise(state, True)
+        if self.recycled is not None:
+            try:
+                return self.recycled.border_stiffness(tangent)
+            except LinearSolverError:
+                self.recycled.forget()
         self.solver.factorise(tangent.matrix)
         return tangent.corner - tangent.rows @ self.solver.solve(tangent.columns)
 
-    def _linearise(self, state: State, fresh: bool, record: list) -> tuple[Residual, Residual, Tangent]:
+    def forget(self) -> None:
+        """Drop what earlier increments have left: the next one depends on its state alone."""
+        if self.recycled is not None:
+            self.recycled.forget()
+
+    @property
+    def origin(self) -> Origin | None:
+        """What the factors that the next increment begins with were made from."""
+        return None if self.recycled is None else self.recycled.origin
+
+    def restore(self, origin: Origin) -> None:
+        """Begin the next increment with factors made from this."""
+        if self.recycled is not None:
+            self.recycled.restore(origin, self.system.matrix_pattern)
+
+    def condition_estimate(self) -> float | None:
+        """Condition of the last tangent that was factorised, from below; None where there is none."""
+        if self.recycled is None or self.recycled.origin is None:
+            return self.solver.condition_estimate()
+        return self.recycled.condition_estimate(self.system.matrix_pattern)
+
+    def close(self) -> None:
+        """Release all factors."""
+        self.solver.close()
+        if self.recycled is not None:
+            self.recycled.close()
+
+    def _linearise(
+        self, state: State, fresh: bool, at: tuple[np.ndarray, np.ndarray], record: list
+    ) -> tuple[Residual, Residual, Tangent]:
+        self.system.apply(state, *at)
         try:
             return self.system.linearise(state, fresh)
         except LawError as error:
@@ -143,6 +196,11 @@ class Newton:
         self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, record: list
     ) -> tuple[np.ndarray, np.ndarray]:
         """Newton step (n,), (nb,) of the bordered system; keeps the border tangent stiffness."""
+        if self.recycled is not None and len(loading.target):
+            try:
+                return self._recycled_direction(linear, tangent, loading, violation, record)
+            except LinearSolverError:
+                pass  # single precision does not do here
         try:
             self.solver.factorise(tangent.matrix)
             solved = self.solver.solve(np.column_stack([-linear.free, tangent.columns]))
@@ -161,26 +219,57 @@ class Newton:
             raise NotConverged("the tangent stiffness of the border dofs is singular", "", record) from error
         return step - shape @ solution[:n_border], solution[:n_border]
 
-    def _damping(self, state: State, loading: Loading, at: tuple, step: tuple, merits: list, iteration: int) -> float:
-        """Step length: 1, or by halving the best that a residual-only search finds."""
-        if iteration == 0:
-            return 1.0
+    def _recycled_direction(
+        self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, record: list
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Newton step with earlier factors. Raises LinearSolverError."""
+        assert self.recycled is not None
+        control = control_of(loading.control, loading.load, violation, self.scale)
+        wanted = _AIM * _ratio(self.settings.tolerance, record[-1]["residual"])
+        step = self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted, len(record) - 1)
+        self.stiffness = None
+        return step
+
+    def _advance(
+        self, state: State, loading: Loading, at: tuple, step: tuple, merits: list, record: list
+    ) -> tuple[float, tuple[Residual, Residual, Tangent]]:
+        """Step length, and the model there: 1 with what the next iteration needs, or what a search finds."""
+
+        def point(length: float) -> tuple[np.ndarray, np.ndarray]:
+            return at[0] + length * step[0], at[1] + length * step[1]
+
         if self._cycle is not None:
-            return _HALF
-        best, best_merit, length = 1.0, np.inf, 1.0
-        for _ in range(_HALVINGS):
-            self.system.apply(state, at[0] + length * step[0], at[1] + length * step[1])
+            return _HALF, self._linearise(state, False, point(_HALF), record)
+        iterates = self.system.remember_iterates()
+        full = np.inf
+        try:
+            evaluated = self._linearise(state, False, point(1.0), record)
+            full, error = self._merit(evaluated[0], loading)
+            full = full if np.isfinite(full) else np.inf
+            if len(merits) == 1 or full <= max(merits[-_MEMORY:]) or error < _CLOSE:
+                return 1.0, evaluated
+        except NotConverged:  # the law itself has no answer there
+            if len(merits) == 1:
+                raise
+        self.system.take_back(iterates)
+        length = self._search(state, loading, point, full, merits)
+        return length, self._linearise(state, False, point(length), record)
+
+    def _search(self, state: State, loading: Loading, point: Callable, full: float, merits: list) -> float:
+        """Step length by halving, from residuals alone: the first that serves, else the best; ``full`` is that of 1."""
+        best, best_merit, length = 1.0, full, 1.0
+        for _ in range(_HALVINGS - 1):
+            length *= 0.5
+            self.system.apply(state, *point(length))
             try:
                 residual = self.system.residual(state)
             except LawError:
-                length *= 0.5
                 continue
             merit, error = self._merit(residual, loading)
             if merit <= max(merits[-_MEMORY:]) or error < _CLOSE:
                 return length
             if merit < best_merit:
                 best, best_merit = length, merit
-            length *= 0.5
         return best
 
     def _merit(self, residual: Residual, loading: Loading) -> tuple[float, float]:

@@ -44,6 +44,7 @@ from pysprings.run_record import (
     summarise,
 )
 from pysprings.small_strain import large_motion
+from pysprings.threads import blas_on_one_thread
 from pysprings.unit_time import factorise_and_solve_seconds
 from pysprings.volume import volume_dataset
 
@@ -110,6 +111,14 @@ def compute(
     measures one factorisation and solve of the last tangent (solver.unit_s of the record), which no cost of the run
     contains.
     """
+    with blas_on_one_thread():
+        return _compute(scene, mesh, progress, linear, checkpoints, resume, time_unit)
+
+
+def _compute(
+    scene: Scene, mesh: str | None, progress: Progress | None, linear: str | None,
+    checkpoints: Checkpoints | None, resume: bool, time_unit: bool,
+) -> xr.DataTree:  # fmt: skip
     started, meter = datetime.now(UTC).isoformat(timespec="seconds"), Meter()
     ran = scene_to_run(scene, mesh, linear)
     refuse_what_cannot_fit(ran)
@@ -124,12 +133,12 @@ def compute(
         work.stopped = OUT_OF_MEMORY
         work.failures.append(OUT_OF_MEMORY)
     if work.condition is None:
-        work.condition = work.newton.solver.condition_estimate()
+        work.condition = work.newton.condition_estimate()
     record = _record(work, loaded)
     meter.charge(record)
     if time_unit:
         record["solver"]["unit_s"] = factorise_and_solve_seconds(work.newton, work.state or State(work.built.model))
-    work.newton.solver.close()
+    work.newton.close()
     result = _tree(work, record)
     if ran is not scene:
         result.attrs["scene_toml_given"] = scene.source_text
@@ -221,7 +230,7 @@ def _run_paths(work: Work, loaded: Loaded) -> None:
         finally:
             if run.collector.rows:
                 _keep(work, run)
-        work.condition = work.newton.solver.condition_estimate() if path is work.scene.paths[-1] else None
+        work.condition = work.newton.condition_estimate() if path is work.scene.paths[-1] else None
         run.save_end(number)
 
 

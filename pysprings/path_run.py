@@ -16,6 +16,7 @@ from fe_engine.energy_balance import EnergyBalance
 from fe_engine.errors import NotConverged
 from fe_engine.model import Stage
 from fe_engine.newton import Newton
+from fe_engine.recycled import Origin
 from fe_engine.state import FIELDS, State, initial_fields
 from fe_engine.stepping import Driver, Position, Step
 from fe_engine.water_balance import WaterBalance
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 
 # Largest motion of the caisson under a given load, over its diameter
 _LARGEST_MOTION = 0.5
-_FIELD, _ROW, _LAST = "field/", "row/", "last/"  # names of arrays in a checkpoint
+_FIELD, _ROW, _LAST, _FACTORS = "field/", "row/", "last/", "factors/"  # names of arrays in a checkpoint
 
 
 @dataclass
@@ -93,6 +94,7 @@ class _Standing:
     meta: dict[str, Any]
     position: Position
     force: np.ndarray | None
+    factors: Origin | None
     rows: int
     record: int
     given_up: int
@@ -106,6 +108,7 @@ class PathRun:
         scene, model = work.scene, work.built.model
         self.work, self.path = work, path
         self.state = State(model)
+        work.newton.forget()  # whichever paths ran before
         self.driver = Driver(work.newton, self.state)
         self.water = None if model.water is None else WaterBalance(work.system, initial_fields(model))
         self.energy = EnergyBalance(work.system)
@@ -220,7 +223,7 @@ class PathRun:
         }  # fmt: skip
         fields = {name: getattr(self.state.committed, name).copy() for name in FIELDS}
         counts = len(self.collector.rows), len(driver.record), len(driver.given_up), len(self.limits)
-        return _Standing(fields, meta, position, driver.force, *counts)
+        return _Standing(fields, meta, position, driver.force, self.work.newton.origin, *counts)
 
     def _save_standing(self) -> None:
         """Write the last step that is not in a checkpoint yet."""
@@ -236,6 +239,8 @@ class PathRun:
             if at.last is not None:
                 meta["last_size"] = at.last[0]
                 arrays |= {_LAST + "free": at.last[1], _LAST + "border": at.last[2]}
+            if standing.factors is not None:
+                arrays |= {_FACTORS + name: value for name, value in vars(standing.factors).items()}
             gathered = self._gathered(standing.rows, standing.record, standing.given_up, standing.limits)
             checkpoints.save_state(Saved(gathered.meta | meta, gathered.arrays | arrays))
         self._standing = None
@@ -296,6 +301,9 @@ class PathRun:
             last = meta["last_size"], arrays[_LAST + "free"], arrays[_LAST + "border"]
             position = replace(position, last=last)
         self._position = position
+        factors = {name.removeprefix(_FACTORS): a for name, a in arrays.items() if name.startswith(_FACTORS)}
+        if factors:
+            self.work.newton.restore(Origin(**factors))
 
 
 def _told(error: NotConverged) -> dict[str, Any]:

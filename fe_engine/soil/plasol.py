@@ -172,15 +172,19 @@ def _cone_tangent(p, kappa, first, second, first_new, dl, trial, tangent):
     m, _, dm, dk = strength(p, kappa)
     denominator = shear + 9.0 * bulk * m * m_psi - (dm * first_new - dk) / _SQRT3
     elastic_tangent(0.0, shear, 1.0 - shear * dl / second, tangent)
+    n, normal = np.empty(6), np.empty(6)
+    half = 0.5 / second
     for i in range(6):
-        n_i = (trial[i] - (first / 3.0 if i < 3 else 0.0)) / (2.0 * second)
-        flow = 2.0 * shear * n_i + (3.0 * bulk * m_psi if i < 3 else 0.0)
+        n[i] = half * (trial[i] - (first / 3.0 if i < 3 else 0.0))
+        normal[i] = (2.0 * shear * n[i] + (3.0 * bulk * m if i < 3 else 0.0)) / denominator
+    turning = 4.0 * shear * shear * dl / second
+    for i in range(6):
+        flow = 2.0 * shear * n[i] + (3.0 * bulk * m_psi if i < 3 else 0.0)
         for j in range(6):
-            n_j = (trial[j] - (first / 3.0 if j < 3 else 0.0)) / (2.0 * second)
-            normal = 2.0 * shear * n_j + (3.0 * bulk * m if j < 3 else 0.0)
-            tangent[i, j] += 4.0 * shear * shear * dl / second * n_i * n_j - flow * normal / denominator
-            if i < 3 and j < 3:
-                tangent[i, j] += bulk
+            tangent[i, j] += turning * n[i] * n[j] - flow * normal[j]
+    for i in range(3):
+        for j in range(3):
+            tangent[i, j] += bulk
 
 
 @nb.njit(cache=True)

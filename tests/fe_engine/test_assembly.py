@@ -15,7 +15,7 @@ from fe_engine.errors import LawError, ModelError
 from fe_engine.model import Model
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.state import FIELDS, State
-from tests.fe_engine.models import box, mixed, replace, soil, taylor_slope
+from tests.fe_engine.models import box, footing, mixed, replace, soil, start, taylor_slope
 
 # size of the random moves: cracks the contacts (gap at 1e-4 m) and shears the sand
 MOVE = 6.0e-5
@@ -291,3 +291,23 @@ def test_place_of_an_equation_names_its_node():
 def test_system_refuses_a_model_that_does_not_fit():
     with pytest.raises(ModelError, match="fixed has shape"):
         System(replace(mixed(), fixed=np.zeros((3, 3), dtype=bool)))
+
+
+def test_traction_iterates_that_are_taken_back_leave_no_trace():
+    """A line search that goes back linearises as if it had never been further."""
+    out = start(footing())
+    system, free = out.driver.newton.system, np.zeros(out.driver.newton.system.pattern.n_free)
+
+    def at(u, fresh):
+        system.apply(out.state, free, np.array([u, 0.0, 0.0]))
+        _, linear, tangent = system.linearise(out.state, fresh)
+        return np.append(linear.border, linear.free), tangent.corner.copy()
+
+    at(5.0e-7, True)
+    kept = system.remember_iterates()
+    straight = at(8.0e-7, False)
+    at(3.0e-5, False)
+    assert not np.array_equal(at(8.0e-7, False)[0], straight[0])
+    system.take_back(kept)
+    for again, once in zip(at(8.0e-7, False), straight, strict=True):
+        np.testing.assert_array_equal(again, once)

@@ -195,7 +195,7 @@ def test_superlu_warns_where_it_gets_slow():
         make_backend("superlu", SUPERLU_COMFORT)
 
 
-def broken_pardiso():
+def broken_pardiso(single):
     raise OSError("libmkl_rt.so.2: cannot open shared object file")
 
 
@@ -221,15 +221,27 @@ def test_a_solver_that_was_never_used_is_closed(name):
 @needs_pardiso
 def test_pardiso_without_memory_says_so(monkeypatch):
     """A smaller step would not help, as it does where a factorisation fails."""
-    from pypardiso.pardiso_wrapper import PyPardisoError, PyPardisoSolver
-
-    def fail(*_):
-        raise PyPardisoError(-2)
-
     solver = LinearSolver("pardiso", 49)
-    monkeypatch.setattr(PyPardisoSolver, "_call_pardiso", fail)
-    with pytest.raises(MemoryError, match="error code -2"):
+
+    def fail(*arguments):
+        arguments[-1].value = -2
+
+    monkeypatch.setattr(solver.backend._solver, "_mkl_pardiso", fail)
+    with pytest.raises(MemoryError, match="not enough memory"):
         solver.factorise(laplacian())
+
+
+@needs_pardiso
+def test_factors_in_single_precision_are_good_to_seven_digits():
+    matrix, rhs = laplacian(), rhs_of(laplacian(), (3,))
+    found = []
+    for single in (False, True):
+        backend = make_backend("pardiso", 49, single=single)
+        backend.factorise(matrix)
+        found.append(backend.solve(rhs))
+        backend.close()
+    error = np.linalg.norm(found[1] - found[0]) / np.linalg.norm(found[0])
+    assert 1.0e-9 < error < 1.0e-5
 
 
 # --- symmetric matrices -----------------------------------------------------------------------------------

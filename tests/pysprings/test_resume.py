@@ -22,6 +22,7 @@ from typer.testing import CliRunner
 
 import pysprings
 from fe_engine import stepping
+from fe_engine.newton import Settings
 from pysprings import cavitation, checkpoint, cli, full_model
 from pysprings.checkpoint import Checkpoints
 from pysprings.cli_support import interruptible
@@ -128,6 +129,20 @@ def test_a_run_stopped_at_any_step_equals_one_in_one_go(
     assert_same(result, straight(kind))
     assert len(record_of(result)["resumed"]) == len(stops)
     assert len(record_of(result)["warnings"]) == (2 if kind == "coupled" else 0)
+
+
+def test_factors_of_earlier_tangents_go_on_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, every_step: None
+) -> None:
+    """As large models solve: what the factors were made from is in the checkpoint."""
+    monkeypatch.setattr(full_model, "Settings", lambda tolerance, most: Settings(tolerance, most, 0))
+    whole = compute(drained())
+    assert record_of(whole)["solver"]["factorisations"] < record_of(straight("drained"))["solver"]["factorisations"]
+    done = 0
+    for stop in (4, 6, 12):
+        compute(drained(), progress=Stop(stop - done), checkpoints=Checkpoints(tmp_path), resume=done > 0)
+        done = stop
+    assert_same(compute(drained(), checkpoints=Checkpoints(tmp_path), resume=True), whole)
 
 
 @pytest.mark.slow

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: MIT
+"""Newton steps with factors of earlier tangents: the same answers, and factors that can be made again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fe_engine import recycled
+from fe_engine.linear import available_backends
+from fe_engine.newton import Loading
+from fe_engine.recycled import control_of
+from fe_engine.state import State
+from tests.fe_engine.models import footing, run, stage, start, wet
+
+PULL = stage({0: 6.0e-5}, arm=0.3, first_fraction=0.1, max_fraction=0.2)
+SCALE = np.array([1.0, 1.0, 4.0])
+
+
+@pytest.fixture(params=available_backends())
+def linear(request):
+    return request.param
+
+
+def forces(out):
+    return np.array([step.multipliers[0] for step in out.steps])
+
+
+def test_the_same_path_as_with_factors_of_its_own(linear):
+    """Both meet the tolerance, and differ by what it leaves."""
+    new, own = (run(footing(), PULL, linear=linear, tolerance=1.0e-9, recycle_from=n) for n in (0, 10**9))
+    assert new.driver.newton.recycled.n_systems > 0
+    assert new.driver.newton.solver.n_factorisations < own.driver.newton.solver.n_factorisations / 2
+    np.testing.assert_allclose(forces(new), forces(own), rtol=1.0e-7)
+    for mine, other in zip(new.steps, own.steps, strict=True):
+        np.testing.assert_allclose(mine.increment.border, other.increment.border, atol=1.0e-10)
+
+
+def test_the_stiffness_at_rest_is_exact_in_single_precision_too(linear):
+    new, own = (start(footing(), linear, recycle_from=n).driver.newton for n in (0, 10**9))
+    np.testing.assert_allclose(
+        new.border_stiffness(State(footing())), own.border_stiffness(State(footing())), rtol=1.0e-8, atol=1.0
+    )
+
+
+def test_given_forces_keep_the_border_stiffness_that_a_limit_load_is_told_by(linear):
+    """A path under given forces factorises its own tangents: the diagnosis of a limit load needs their stiffness."""
+    force = stage({}, force=(2.0e3, 0.0, 0.0), first_fraction=0.5, max_fraction=0.5)
+    out = run(footing(), force, linear=linear, recycle_from=0)
+    assert out.driver.stiffness.shape == (3, 3)
+    assert run(footing(), PULL, linear=linear, recycle_from=0).driver.stiffness is None
+
+
+def test_factors_made_again_from_their_origin_go_on_bit_by_bit(linear):
+    out, again = (start(footing(), linear, recycle_from=0) for _ in range(2))
+    out.driver.run(PULL, out.steps.append)
+    half = len(out.steps) // 2
+    first = start(footing(), linear, recycle_from=0)
+
+    class Enough(Exception):
+        pass
+
+    def stop(step):
+        first.steps.append(step)
+        if len(first.steps) == half:
+            raise Enough
+
+    with pytest.raises(Enough):
+        first.driver.run(PULL, stop)
+    for name in ("displacement", "border", "stress", "history", "traction"):
+        getattr(again.state.committed, name)[...] = getattr(first.state.committed, name)
+    if first.driver.newton.origin is not None:
+        again.driver.newton.restore(first.driver.newton.origin)
+    again.driver.force = first.driver.force
+    again.driver.run(PULL, again.steps.append, first.driver.position)
+    np.testing.assert_array_equal(forces(again), forces(out)[half:])
+
+
+def test_factors_that_serve_no_more_are_renewed(linear, monkeypatch):
+    """GMRES that may take one iteration alone does not get there with old factors."""
+    monkeypatch.setattr(recycled, "_LONGEST", 4)
+    short = run(footing(), PULL, linear=linear, recycle_from=0)
+    monkeypatch.undo()
+    long = run(footing(), PULL, linear=linear, recycle_from=0)
+    assert short.driver.newton.solver.n_factorisations > long.driver.newton.solver.n_factorisations
+    np.testing.assert_allclose(forces(short), forces(long), rtol=1.0e-4)
+
+
+def test_where_single_precision_does_not_do_double_precision_does(linear, monkeypatch):
+    monkeypatch.setattr(recycled, "_LONGEST", 1)
+    out = run(footing(), PULL, linear=linear, recycle_from=0)
+    np.testing.assert_allclose(forces(out), forces(run(footing(), PULL, linear=linear, recycle_from=10**9)), rtol=1e-12)
+
+
+def test_controlled_motions_are_met_and_the_others_are_free():
+    """Pull at 2 m above the reference, half of it left to do: u is met, its force takes up a moment with it."""
+    load = np.array([[1.0], [0.0], [-2.0]])
+    found = control_of(np.array([[1.0, 0.0, 0.0]]), load, np.array([3.0e-3]), SCALE)
+    np.testing.assert_allclose(found.imposed, [3.0e-3, 0.0, 0.0])
+    np.testing.assert_allclose(found.motions[0], 0.0, atol=1e-15)
+    assert np.linalg.matrix_rank(found.motions) == 2
+    np.testing.assert_allclose(found.forces.T @ load, 0.0, atol=1e-15)
+
+
+def test_all_motions_imposed_leave_none_free():
+    found = control_of(np.eye(3), np.eye(3), np.array([1.0, 2.0, 3.0]), SCALE)
+    np.testing.assert_allclose(found.imposed, [1.0, 2.0, 3.0])
+    assert found.motions.shape == found.forces.shape == (3, 0)
+
+
+def test_water_is_solved_for_with_earlier_factors_too(linear):
+    """Rows of volumes are smaller than those of forces by any factor: the factors are those of the scaled matrix."""
+    nb = wet().n_border
+    loading = Loading(np.eye(nb), 1.0e-6 * np.arange(1.0, nb + 1.0), np.eye(nb), np.zeros(nb), 10.0)
+    ends = []
+    for n in (0, 10**9):
+        out = start(wet(), linear, tolerance=1.0e-10, recycle_from=n)
+        newton = out.driver.newton
+        newton.solver.equilibrate = True
+        increment = newton.solve(out.state, loading, np.zeros(newton.system.pattern.n_free), np.zeros(nb))
+        ends.append(increment.residual.border)
+    np.testing.assert_allclose(ends[0], ends[1], rtol=1.0e-6, atol=1.0e-6 * np.abs(ends[1]).max())
