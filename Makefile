@@ -8,7 +8,7 @@ STAMP := $(VENV)/.installed
 SCENE := out/caisson.toml
 RESULT := out/caisson
 
-.PHONY: run test test-slow test-all verification lint docs accuracy reference clean
+.PHONY: run test test-slow test-all verification lint docs accuracy bench reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -37,6 +37,10 @@ accuracy: $(STAMP)
 	@test -f out/accuracy.toml || $(BIN)/pysprings init out/accuracy.toml
 	$(BIN)/pysprings accuracy out/accuracy.toml --out out/accuracy --write-presets pysprings/accuracy/presets.json
 	cp out/accuracy/accuracy.md out/accuracy/accuracy.png docs/
+
+# what the solver costs, as ratios of one run (about half an hour; SECTION=units for one of them)
+bench: $(STAMP)
+	$(BIN)/python -m benchmarks.bench $(SECTION)
 
 # the small results that the regression test compares with
 reference: $(STAMP)

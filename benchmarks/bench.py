@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: MIT
+"""What the solver costs, as ratios taken in one run: `make bench`, or `python -m benchmarks.bench [SECTION ...]`.
+
+units    the paper's pull, drained, on `paper`: wall time in units of one factorisation and solve of its own tangent
+growth   unit, wall time and memory against unknowns, drained and coupled, with fitted exponents
+fine     the same pull on at least 100,000 nodes
+solvers  factors of its own for every tangent, or those of earlier ones, by mesh
+rest     only the factors of the tangent at rest: what an exact solve by Fourier series in azimuth could replace
+omitted  what the omissions save (benchmarks/omissions.py)
+
+Every run is a process of its own with warm caches; pictures are left out. Seconds depend on the machine, and on what
+else it does; the ratios less so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+MM = 1.0e-3
+GROWTH = {
+    "drained": ("coarse:0.7", "coarse", "medium", "medium:1.4", "paper"),
+    "coupled": ("coarse", "medium", "paper"),
+}
+FINE = "fine"
+
+
+def scene(mesh: str, end: float, mode: str = "drained") -> Any:
+    """The paper's pull to an end (m) on a preset, with a factor if wanted ("medium:1.4"); no pictures."""
+    from pysprings import Scene
+    from pysprings.accuracy.settings import read_mesh
+
+    path = {"name": "pull", "kind": "pull", "lateral_displacement": end}
+    if mode == "coupled":
+        path["rate"] = 0.05 * MM
+    output = {"figures": False, "section": False}
+    return read_mesh(mesh).scene(Scene.model_validate({"path": [path], "drainage": {"mode": mode}, "output": output}))
+
+
+def record(mesh: str, end: float, mode: str = "drained") -> dict[str, Any]:
+    """Record of a run in a process of its own, its unit timed."""
+    import json
+
+    from pysprings.accuracy_study.child import run_in_child
+
+    with tempfile.TemporaryDirectory() as folder:
+        run_in_child(scene(mesh, end, mode), Path(folder) / "run", lambda *_: None)
+        found: dict[str, Any] = json.loads((Path(folder) / "run" / "run.json").read_text())
+    return found
+
+
+def line(name: str, run: dict[str, Any]) -> None:
+    """Print a run: size, increments, wall time, unit, ratio, memory, profile."""
+    unit, path = run["solver"]["unit_s"], run["paths"]["pull"]
+    solver = run["solver"]
+    print(
+        f"{name:22} {run['mesh']['unknowns']:8,} unknowns  {path['increments']:3} increments  "
+        f"{solver['factorisations']:4} factorisations  {solver['solves']:6} solves  {run['wall_s']:7.1f} s  "
+        f"unit {unit:.3f} s  {run['wall_s'] / unit:6.1f} units  {run['peak_memory_bytes'] / 1e9:5.2f} GB",
+        flush=True,
+    )
+    shares = sorted(run["phases"].items(), key=lambda each: -each[1]["wall_s"])
+    print(" " * 22, ", ".join(f"{phase} {100 * cost['wall_s'] / run['wall_s']:.0f} %" for phase, cost in shares))
+
+
+def units() -> None:
+    """Wall time to 2.5 and 20 mm in units of the tangent's own factorisation and solve."""
+    for end in (2.5 * MM, 20.0 * MM):
+        line(f"paper, to {end / MM:g} mm", record("paper", end))
+
+
+def growth() -> None:
+    """Exponents of cost and memory over unknowns, to 1 mm."""
+    for mode, meshes in GROWTH.items():
+        runs = []
+        for mesh in meshes:
+            runs.append(record(mesh, 1.0 * MM, mode))
+            line(f"{mesh}, {mode}", runs[-1])
+        n = [run["mesh"]["unknowns"] for run in runs]
+        for what, values in (
+            ("unit", [run["solver"]["unit_s"] for run in runs]),
+            ("wall", [run["wall_s"] for run in runs]),
+            ("memory", [run["peak_memory_bytes"] for run in runs]),
+        ):
+            slope = np.polyfit(np.log(n), np.log(values), 1)[0]
+            last = np.log(values[-1] / values[-2]) / np.log(n[-1] / n[-2])
+            print(f"{mode}: {what} grows with unknowns to the power {slope:.2f} (last two meshes {last:.2f})")
+
+
+def fine() -> None:
+    """The paper's pull to 2.5 mm on `fine`, and its cost per unknown beside that of `paper`."""
+    runs = {mesh: record(mesh, 2.5 * MM) for mesh in ("paper", FINE)}
+    for mesh, run in runs.items():
+        line(f"{mesh}, {run['mesh']['nodes']:,} nodes", run)
+    each = [run["wall_s"] / run["mesh"]["unknowns"] for run in runs.values()]
+    print(f"cost per unknown: {each[1] / each[0]:.2f} times that of paper")
+
+
+def solvers() -> None:
+    """Every tangent factorised, or factors of earlier ones: wall time to 1 mm."""
+    for mesh in ("coarse", "coarse:1.3", "medium", "paper"):
+        own, earlier = (_in_child(_wall, (mesh, start)) for start in (10**9, 0))
+        print(
+            f"{mesh:12} own factors {own:6.1f} s, earlier ones {earlier:6.1f} s: {own / earlier:.2f} times", flush=True
+        )
+
+
+def rest() -> None:
+    """Factors at rest alone, beside renewed ones: an exact Fourier solve could take the place of those solves."""
+    for mesh in ("medium", "paper"):
+        for end in (1.0 * MM, 2.5 * MM):
+            print(f"{mesh} to {end / MM:g} mm", flush=True)
+            for only, name in ((False, "renewed"), (True, "at rest alone")):
+                mean, factorisations, wall, solves = _in_child(_iterations, (mesh, end, only))
+                print(
+                    f"    {name:14} {mean:5.1f} iterations a system, {factorisations:3} factorisations, {wall:6.1f} s, "
+                    f"solves {solves:6.1f} s",
+                    flush=True,
+                )
+
+
+def omitted() -> None:
+    """What each omission saves."""
+    from benchmarks import omissions
+
+    omissions.main([])
+
+
+def _wall(mesh: str, start: int) -> float:
+    from fe_engine.newton import Settings
+    from pysprings import full_model
+
+    full_model.Settings = lambda tolerance, most: Settings(tolerance, most, start)  # type: ignore[misc, assignment]
+    begun = time.perf_counter()
+    full_model.compute(scene(mesh, 1.0 * MM))
+    return time.perf_counter() - begun
+
+
+def _iterations(mesh: str, end: float, only_at_rest: bool) -> tuple[float, int, float, float]:
+    from fe_engine import newton, recycled
+    from pysprings import full_model
+
+    if only_at_rest:
+        recycled._LONGEST, recycled._COMFORTABLE, recycled._LATE = 150, 1.0e9, 10**9  # type: ignore[misc]
+    made: list[Any] = []
+    begin = newton.Recycled.__init__
+
+    def keep(self: Any, *arguments: Any) -> None:
+        made.append(self)
+        begin(self, *arguments)
+
+    newton.Recycled.__init__ = keep  # type: ignore[method-assign]
+    begun = time.perf_counter()
+    work = full_model.compute(scene(mesh, end))
+    wall = time.perf_counter() - begun
+    import json
+
+    run = json.loads(work.attrs["run_json"])
+    solves = run["phases"]["solve"]["wall_s"]
+    return made[0].n_iterations / made[0].n_systems, run["solver"]["factorisations"], wall, solves
+
+
+def _in_child(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """Call a function in a new process: what it changes stays there."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(function, arguments)
+
+
+SECTIONS: dict[str, Callable[[], None]] = {
+    "units": units, "growth": growth, "fine": fine, "solvers": solvers, "rest": rest, "omitted": omitted,
+}  # fmt: skip
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the sections that are asked for, or all."""
+    parser = argparse.ArgumentParser("python -m benchmarks.bench", description="What the solver costs.")
+    parser.add_argument("section", nargs="*", choices=[[], *SECTIONS], default=[])
+    chosen = parser.parse_args(arguments).section or list(SECTIONS)
+    print(f"{os.cpu_count()} processors")
+    record("coarse:0.5", 0.1 * MM)  # compiled code is kept on disk from here on
+    for name in chosen:
+        print(f"\n{name}: {SECTIONS[name].__doc__}", flush=True)
+        SECTIONS[name]()
+
+
+if __name__ == "__main__":
+    main()
