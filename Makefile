@@ -34,8 +34,7 @@ docs: $(STAMP)
 
 # the study behind --target-error and docs/accuracy.md: runs what has not run yet
 accuracy: $(STAMP)
-	@test -f out/accuracy.toml || $(BIN)/pysprings init out/accuracy.toml
-	$(BIN)/pysprings accuracy out/accuracy.toml --out out/accuracy --write-presets pysprings/accuracy/presets.json
+	$(BIN)/pysprings accuracy data/scenes/service-load.toml --out out/accuracy --write-presets pysprings/accuracy/presets.json
 	cp out/accuracy/accuracy.md out/accuracy/accuracy.png docs/
 
 # what the solver costs, as ratios of one run (about half an hour; SECTION=units for one of them)

@@ -22,8 +22,8 @@ MESH, STEPS, TOLERANCE, LINEAR = "mesh", "steps", "tolerance", "linear solver"
 GROUPS = (MESH, STEPS, TOLERANCE, LINEAR)
 
 # The meshes of the extrapolation, and those that are run beside them
-SERIES = ("coarse", "medium", "paper")
-BETWEEN = ("coarse:0.7", "coarse:0.8", "medium:0.7", "medium:0.85", "paper:0.7")
+SERIES = ("medium:0.7", "medium", "medium:1.4")
+BETWEEN = ("coarse:0.7", "coarse:0.8", "coarse", "medium:0.85", "paper")
 QUICK_SERIES = ("coarse:0.7", "coarse", "coarse:1.3")  # 4, 8 and 12 cells around
 
 # group, end of the name, values of [solver]; on the second finest mesh of the series

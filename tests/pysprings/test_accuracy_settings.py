@@ -25,7 +25,7 @@ def test_the_default_study() -> None:
     found = settings(linear=["pardiso", "superlu"], base_linear="pardiso")
     names = [each.name for each in found]
     assert len(set(names)) == len(names) == len(BETWEEN) + 3 + len(VARIED) + 1
-    assert [each.name for each in found if each.series] == ["coarse", "medium", "paper"]
+    assert [each.name for each in found if each.series] == ["medium-0.7", "medium", "medium-1.4"]
     assert "medium-superlu" in names and "medium-pardiso" not in names
     for each in found:
         scene = each.scene(Scene(mesh={"azimuth": 12, "refinement": 0.5}))
