@@ -26,7 +26,7 @@ test-all: $(STAMP)
 verification: $(STAMP)
 	$(BIN)/python -m tests.verification.table
 
-# the paper's figures and tables in docs/: runs what has not run yet (about an hour on `medium`)
+# the paper's figures and tables in docs/: runs what has not run yet (8 minutes on `medium`, then the sensitivities)
 MESH ?= medium
 docs: $(STAMP)
 	$(BIN)/pysprings paper --mesh $(MESH) --sensitivity --out out/paper-$(MESH)
