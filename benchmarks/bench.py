@@ -2,6 +2,7 @@
 """What the solver costs, as ratios taken in one run: `make bench`, or `python -m benchmarks.bench [SECTION ...]`.
 
 units    the paper's pull, drained, on `paper`: wall time in units of one factorisation and solve of its own tangent
+targets  5 % and 2 % of error: wall time
 growth   unit, wall time and memory against unknowns, drained and coupled, with fitted exponents
 fine     the same pull on at least 100,000 nodes
 solvers  factors of its own for every tangent, or those of earlier ones, by mesh
@@ -64,7 +65,8 @@ def line(name: str, run: dict[str, Any]) -> None:
     print(
         f"{name:22} {run['mesh']['unknowns']:8,} unknowns  {path['increments']:3} increments  "
         f"{solver['factorisations']:4} factorisations  {solver['solves']:6} solves  {run['wall_s']:7.1f} s  "
-        f"unit {unit:.3f} s  {run['wall_s'] / unit:6.1f} units  {run['peak_memory_bytes'] / 1e9:5.2f} GB",
+        f"unit {unit:.3f} s  {run['wall_s'] / unit:6.1f} units  "
+        f"{solver['peak_before_unit_bytes'] / 1e9:5.2f} GB",
         flush=True,
     )
     shares = sorted(run["phases"].items(), key=lambda each: -each[1]["wall_s"])
@@ -75,6 +77,22 @@ def units() -> None:
     """Wall time to 2.5 and 20 mm in units of the tangent's own factorisation and solve."""
     for end in (2.5 * MM, 20.0 * MM):
         line(f"paper, to {end / MM:g} mm", record("paper", end))
+
+
+def targets() -> None:
+    """Cheapest settings of the shipped study for 5 % and 2 %, run again: wall time beside the study's errors."""
+    import json
+
+    from pysprings.accuracy import presets
+    from pysprings.accuracy_study.child import run_in_child
+
+    for target in ("5%", "2%"):
+        setting = presets.cheapest(target)
+        errors = presets.note(target, setting)["error_in_study_pct"]
+        with tempfile.TemporaryDirectory() as folder:
+            run_in_child(setting.scene(scene("coarse", 2.5 * MM)), Path(folder) / "run", lambda *_: None)
+            wall = json.loads((Path(folder) / "run" / "run.json").read_text())["wall_s"]
+        print(f"within {target}: {setting.name}, {wall:.1f} s; errors in the study {errors}", flush=True)
 
 
 def growth() -> None:
@@ -88,7 +106,7 @@ def growth() -> None:
         for what, values in (
             ("unit", [run["solver"]["unit_s"] for run in runs]),
             ("wall", [run["wall_s"] for run in runs]),
-            ("memory", [run["peak_memory_bytes"] for run in runs]),
+            ("memory", [run["solver"]["peak_before_unit_bytes"] for run in runs]),
         ):
             slope = np.polyfit(np.log(n), np.log(values), 1)[0]
             last = np.log(values[-1] / values[-2]) / np.log(n[-1] / n[-2])
@@ -175,15 +193,18 @@ def _in_child(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
 
 
 SECTIONS: dict[str, Callable[[], None]] = {
-    "units": units, "growth": growth, "fine": fine, "solvers": solvers, "rest": rest, "omitted": omitted,
+    "units": units, "targets": targets, "growth": growth, "fine": fine, "solvers": solvers, "rest": rest,
+    "omitted": omitted,
 }  # fmt: skip
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the sections that are asked for, or all."""
     parser = argparse.ArgumentParser("python -m benchmarks.bench", description="What the solver costs.")
-    parser.add_argument("section", nargs="*", choices=[[], *SECTIONS], default=[])
+    parser.add_argument("section", nargs="*", metavar="SECTION", help=", ".join(SECTIONS))
     chosen = parser.parse_args(arguments).section or list(SECTIONS)
+    if unknown := [name for name in chosen if name not in SECTIONS]:
+        parser.error(f"no section {', '.join(unknown)}; there are {', '.join(SECTIONS)}")
     print(f"{os.cpu_count()} processors")
     record("coarse:0.5", 0.1 * MM)  # compiled code is kept on disk from here on
     for name in chosen:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Do the own error estimates of runs cover the truth? Held-out scenes, at small meshes and on finer ones.
 
-    python -m benchmarks.error_estimates [--out out/error-estimates] [--truth coarse:0.7 coarse medium]
+    python -m benchmarks.error_estimates [--out out/error-estimates] [--truth medium:0.7 medium medium:1.4]
         [--at coarse:0.6 coarse] [--scene NAME ...] [--reach 1.0]
 
 The truth of a scene is extrapolated from the meshes of `--truth` as in `pysprings accuracy` (the finest as it is where
@@ -194,7 +194,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run what has not run yet, and print everything."""
     parser = argparse.ArgumentParser("python -m benchmarks.error_estimates", description="Do error estimates hold?")
     parser.add_argument("--out", type=Path, default=Path("out/error-estimates"))
-    parser.add_argument("--truth", nargs="+", default=["coarse:0.7", "coarse", "medium"])
+    parser.add_argument("--truth", nargs="+", default=["medium:0.7", "medium", "medium:1.4"])
     parser.add_argument("--at", nargs="+", default=["coarse:0.6", "coarse"])
     parser.add_argument("--scene", nargs="+", choices=tuple(SCENES), default=list(SCENES))
     parser.add_argument("--reach", type=float, default=1.0, help="share of each push")

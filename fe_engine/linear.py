@@ -141,9 +141,11 @@ class Pardiso:
         return np.ascontiguousarray(x)
 
     def close(self) -> None:
-        """Release MKL's internal memory; there is none before the first factorisation."""
+        """Release MKL's internal memory; the next factorisation analyses anew."""
         if self._analysed:
             self._solver.free_memory(everything=True)
+            self._solver.pt[:] = 0
+        self._analysed = False
 
 
 class SymmetricPardiso(Pardiso):
@@ -266,7 +268,8 @@ class LinearSolver:
         return condition_estimate(lambda v: self._matrix @ v, self.backend.solve, self._matrix.shape[0])
 
     def close(self) -> None:
-        """Release the factors."""
+        """Release the factors; there is no matrix then whose condition could be told."""
+        self.__dict__.pop("_matrix", None)
         self.backend.close()
 
     def _scaled(self, matrix: csr_matrix) -> csr_matrix:

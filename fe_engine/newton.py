@@ -9,7 +9,7 @@ forces along the patterns G with unknown sizes lambda, and known border forces F
     [ .  C  .  ] [ dlambda]   [ target - C q          ]
 
 by eliminating du: K is factorised alone, and the small Schur complement S = D - R K^-1 B is the tangent
-stiffness of the border dofs, which comes out of every increment for free.
+stiffness of the border dofs. Large models solve the same system with earlier factors (see `recycled`).
 """
 
 from __future__ import annotations
@@ -121,6 +121,8 @@ class Newton:
         record: list[dict[str, Any]] = []
         merits: list[float] = []
         self._cycle = None
+        if self.recycled is not None:
+            self.recycled.begin_increment()
         evaluated = self._linearise(state, True, (free, border), record)
         for iteration in range(self.settings.max_iterations + 1):
             judged, linear, tangent = evaluated
@@ -164,7 +166,7 @@ class Newton:
     @property
     def origin(self) -> Origin | None:
         """What the factors that the next increment begins with were made from."""
-        return None if self.recycled is None else self.recycled.origin
+        return None if self.recycled is None or self.recycled.worn else self.recycled.origin
 
     def restore(self, origin: Origin) -> None:
         """Begin the next increment with factors made from this."""
@@ -201,6 +203,8 @@ class Newton:
                 return self._recycled_direction(linear, tangent, loading, violation, record)
             except LinearSolverError:
                 pass  # single precision does not do here
+        if self.recycled is not None:
+            self.recycled.close()  # not both factors at a time
         try:
             self.solver.factorise(tangent.matrix)
             solved = self.solver.solve(np.column_stack([-linear.free, tangent.columns]))

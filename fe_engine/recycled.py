@@ -35,6 +35,9 @@ WORTH_FROM = 10_000
 _LONGEST, _COMFORTABLE, _LATE = 22, 7.0, 5
 # Relative residuals: of a Newton step with old factors; with new ones, where one iteration more does it; of columns.
 _ENOUGH, _FRESH, _EXACT = 1.0e-2, 1.0e-6, 1.0e-10
+_LOOSEST = 0.1  # of a step whose residual Newton needs to fall a little only
+_SLACK = 2.0  # the true residual over that of GMRES, whose preconditioner is linear to seven digits only
+_NOTHING = 1.0e-300
 
 
 @dataclass(frozen=True)
@@ -48,9 +51,6 @@ class Control:
 
 def control_of(control: np.ndarray, load: np.ndarray, violation: np.ndarray, scale: np.ndarray) -> Control:
     """Eliminate the combinations ``control`` (nc, nb), imposed by the forces ``load`` (nb, nc)."""
-    if not len(violation):
-        both = np.diag(1.0 / scale)
-        return Control(np.zeros(len(scale)), both, both)
     imposed = np.linalg.lstsq(control / scale, violation, rcond=None)[0] / scale
     motions = null_space(control / scale) / scale[:, None]
     return Control(imposed, motions, null_space((load / scale[:, None]).T) / scale[:, None])
@@ -75,6 +75,7 @@ class Recycled:
     Attributes
     ----------
     n_iterations, n_systems : GMRES iterations, and the systems that they were for.
+    worn : whether the next system renews the factors.
     origin : what the factors were made from, None where there are none. Factors made from it again are the same.
     """
 
@@ -82,19 +83,22 @@ class Recycled:
         self.counts, self.clock = counts, counts.clock
         self.n_iterations = self.n_systems = 0
         self.origin: Origin | None = None
+        self.worn = False
         self._backend = make_backend(counts.backend.name, n_unknowns, symmetric, single=True)
         self._shape = self._stiffness = np.zeros((0, 0))  # K^-1 columns, and the border's stiffness
-        self._spent: list[int] = []  # iterations of each system since the increment began
+        self._spent: list[int] = []  # iterations of each system since the increment began or the factors were renewed
 
     def forget(self) -> None:
         """Have the next tangent factorised."""
-        self.origin, self._spent = None, []
+        self.origin, self.worn = None, False
+
+    def begin_increment(self) -> None:
+        """Start to count: an attempt that was given up says nothing of the factors."""
+        self._spent = []
 
     def end_increment(self) -> None:
-        """Drop factors that have become too old to be of use."""
-        if self._spent and np.mean(self._spent) > _COMFORTABLE:
-            self.origin = None
-        self._spent = []
+        """Judge whether the factors have become too old to be of use to the next increment."""
+        self.worn = bool(self._spent) and float(np.mean(self._spent)) > _COMFORTABLE
 
     def factorise(self, tangent: Tangent) -> None:
         """Factorise a tangent; it serves until the factors are renewed."""
@@ -109,9 +113,11 @@ class Recycled:
 
     def restore(self, origin: Origin, pattern: csr_matrix) -> None:
         """Make the factors from their origin, on the pattern of the tangent; not counted, they have been before."""
-        self.origin = origin
+        self.origin = None  # until there are factors
+        self.counts.close()
         with self.clock.phase("factorisation"):
             self._backend.factorise(csr_matrix((origin.entries, pattern.indices, pattern.indptr), shape=pattern.shape))
+        self.origin, self.worn = origin, False
         self._shape = self._precondition(origin.columns)
         self._stiffness = origin.corner - origin.rows @ self._shape
 
@@ -141,12 +147,12 @@ class Recycled:
         ``wanted`` is the share of the residual that may be left: no system is solved to less than Newton can use.
         Raises LinearSolverError.
         """
-        if iteration >= _LATE:
+        if iteration >= _LATE or self.worn:
             self.origin = None
         n, b = len(linear.free), control.imposed
         forces = -linear.free - tangent.columns @ b
         rhs = np.concatenate([forces, -control.forces.T @ (unbalanced + tangent.corner @ b)])
-        x = None if self.origin is None else self._gmres(tangent, control, rhs, max(_ENOUGH, min(wanted, 0.1)))
+        x = None if self.origin is None else self._gmres(tangent, control, rhs, max(_ENOUGH, min(wanted, _LOOSEST)))
         if x is None:
             self.factorise(tangent)
             self._spent = []
@@ -188,11 +194,17 @@ class Recycled:
                 x = precondition(v)
             except np.linalg.LinAlgError:
                 return None
-        self.counts.n_solves += len(taken) + 1
+            whole = float(np.linalg.norm(size * rhs))
+            left = float(np.linalg.norm(size * rhs - apply(x))) / max(whole, _NOTHING)
+        self.counts.n_solves += len(taken) + 2  # one of them to check its own answer
         self.n_iterations += len(taken)
         self.n_systems += 1
         self._spent.append(len(taken))
-        return None if len(taken) >= _LONGEST or not np.isfinite(x).all() else x
+        if len(taken) >= _LONGEST or not left <= _SLACK * tolerance:
+            return None
+        if tolerance == _FRESH:
+            self.counts.worst_residual = max(self.counts.worst_residual, left)
+        return x
 
     def _precondition(self, rhs: np.ndarray) -> np.ndarray:
         """Apply the factors to rhs (n,) or (n, k)."""
@@ -206,6 +218,8 @@ class Recycled:
             return None
         d = self.origin.scale
         scaled = csr_matrix((self.origin.entries, pattern.indices, pattern.indptr), shape=pattern.shape)
+        if self.counts.equilibrate:
+            return condition_estimate(lambda v: scaled @ v, self._backend.solve, len(d))
         return condition_estimate(lambda v: (scaled @ (v / d)) / d, self._precondition, len(d))
 
     def close(self) -> None:

@@ -7,6 +7,7 @@ import json
 import os
 import platform
 import warnings
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
@@ -22,7 +23,7 @@ from fe_engine.linear import LinearSolver
 from fe_engine.newton import Newton, Settings
 from fe_engine.state import State
 from pysprings import variables
-from pysprings.accuracy.own_estimate import add_estimate
+from pysprings.accuracy.own_estimate import add_estimate, was_interrupted
 from pysprings.build import build_model
 from pysprings.build_water import undrained_time
 from pysprings.cavitation import warning as cavitation_warning
@@ -83,6 +84,8 @@ def run(
         result = _compute_in(FilePath(checkpoint), scene, mesh, progress, linear)
     if estimate_error and result.attrs["status"] != INTERRUPTED:
         add_estimate(scene_to_run(scene, mesh, linear), result, compute, progress)
+        if was_interrupted(result):
+            raise KeyboardInterrupt
     record = json.loads(result.attrs["run_json"])
     for text in [*record["failures"], *record["warnings"]]:
         warnings.warn(text, stacklevel=2)
@@ -108,8 +111,8 @@ def compute(
     """Do the work of `run`, without warnings; leave checkpoints where they are given, and go on from them.
 
     The checkpoints stay when the paths have ended: whoever has saved the result removes them. ``time_unit`` also
-    measures one factorisation and solve of the last tangent (solver.unit_s of the record), which no cost of the run
-    contains.
+    measures one factorisation and solve of the last tangent (solver.unit_s of the record); the peak of the memory
+    before that is solver.peak_before_unit_bytes.
     """
     with blas_on_one_thread():
         return _compute(scene, mesh, progress, linear, checkpoints, resume, time_unit)
@@ -136,8 +139,10 @@ def _compute(
         work.condition = work.newton.condition_estimate()
     record = _record(work, loaded)
     meter.charge(record)
-    if time_unit:
-        record["solver"]["unit_s"] = factorise_and_solve_seconds(work.newton, work.state or State(work.built.model))
+    if time_unit and not work.stopped:
+        record["solver"]["peak_before_unit_bytes"] = record["peak_memory_bytes"]
+        with suppress(FEError, MemoryError):  # the run is worth more than its unit
+            record["solver"]["unit_s"] = factorise_and_solve_seconds(work.newton, work.state or State(work.built.model))
     work.newton.close()
     result = _tree(work, record)
     if ran is not scene:

@@ -24,7 +24,7 @@ NEEDED = ("full_model.nc", "springs.nc", "run.json")
 
 @dataclass
 class Whole:
-    """Progress of all runs together, and the time left by what this session has needed so far.
+    """Progress of all runs together, and the time left by what this call has needed so far.
 
     ``weights`` are the costs of the runs, in any unit; ``paths`` the names of the paths that each of them goes along.
     """
@@ -35,7 +35,7 @@ class Whole:
     done: float = 0.0  # weight of what has ended
     paths: Sequence[str] = ("pull",)
     _began: float = 0.0
-    _worked: float = 0.0  # weight of what this session has run itself
+    _worked: float = 0.0  # weight of what this call has run itself
     _skipped: dict[str, float] = field(default_factory=dict)  # where a resumed run started
 
     def __post_init__(self) -> None:
@@ -56,7 +56,7 @@ class Whole:
         return progress
 
     def ended(self, name: str, worked: bool) -> None:
-        """Count a run that has ended, by this session or before it."""
+        """Count a run that has ended, by this call or before it."""
         self.done += self.weights[name]
         if worked:
             self._worked += self.weights[name] * (1.0 - self._skipped.get(name, 0.0))

@@ -77,6 +77,9 @@ def assess(runs: Sequence[Ended]) -> Found:
     for each in [one for one in complete if one.setting.group == MESH and paths]:
         rows += _macro_rows(each, grids, references, doubts, names[-1] == each.setting.name)
     table = pd.DataFrame(rows)
+    for name in measures.MEASURES:
+        if f"{name}_pct" not in table:  # nothing to compare
+            table[f"{name}_pct"] = np.nan
     table["pareto"] = False
     if paths:
         for model in (FULL, MACRO):
@@ -145,6 +148,7 @@ def _costs(each: Ended) -> dict[str, Any]:
     solver, mesh = record.get("solver", {}), record.get("mesh", {})
     paths = record.get("paths", {}).values()
     unit, wall = solver.get("unit_s"), record.get("wall_s")
+    peak = solver.get("peak_before_unit_bytes", record.get("peak_memory_bytes", 0))
     return {
         "model": FULL, "name": setting.name, "group": setting.group, "mesh": setting.mesh,
         "refinement": setting.refinement, "series": setting.series, "slices": None,
@@ -154,7 +158,7 @@ def _costs(each: Ended) -> dict[str, Any]:
         "iterations": sum(path["iterations"] + path["iterations_in_cut_backs"] for path in paths),
         "factorisations": solver.get("factorisations"),
         "wall_s": wall, "cpu_s": record.get("cpu_s"), "unit_s": unit, "units": wall / unit if unit and wall else None,
-        "memory_MB": record.get("peak_memory_bytes", 0) / 1e6 or None, REFERENCE: "",
+        "memory_MB": peak / 1e6 or None, REFERENCE: "",
     }  # fmt: skip
 
 

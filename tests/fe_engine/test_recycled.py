@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fe_engine import recycled
+from fe_engine.errors import LinearSolverError
 from fe_engine.linear import available_backends
 from fe_engine.newton import Loading
 from fe_engine.recycled import control_of
@@ -69,15 +70,14 @@ def test_factors_made_again_from_their_origin_go_on_bit_by_bit(linear):
         first.driver.run(PULL, stop)
     for name in ("displacement", "border", "stress", "history", "traction"):
         getattr(again.state.committed, name)[...] = getattr(first.state.committed, name)
-    if first.driver.newton.origin is not None:
-        again.driver.newton.restore(first.driver.newton.origin)
+    again.driver.newton.restore(first.driver.newton.origin)
     again.driver.force = first.driver.force
     again.driver.run(PULL, again.steps.append, first.driver.position)
     np.testing.assert_array_equal(forces(again), forces(out)[half:])
 
 
 def test_factors_that_serve_no_more_are_renewed(linear, monkeypatch):
-    """GMRES that may take one iteration alone does not get there with old factors."""
+    """GMRES that may take three iterations alone does not get there with old factors."""
     monkeypatch.setattr(recycled, "_LONGEST", 4)
     short = run(footing(), PULL, linear=linear, recycle_from=0)
     monkeypatch.undo()
@@ -120,3 +120,18 @@ def test_water_is_solved_for_with_earlier_factors_too(linear):
         increment = newton.solve(out.state, loading, np.zeros(newton.system.pattern.n_free), np.zeros(nb))
         ends.append(increment.residual.border)
     np.testing.assert_allclose(ends[0], ends[1], rtol=1.0e-6, atol=1.0e-6 * np.abs(ends[1]).max())
+
+
+def test_factors_that_fail_leave_none_behind(linear):
+    """What is half made is neither used nor saved."""
+    newton = start(footing(), linear, recycle_from=0).driver.newton
+    newton.border_stiffness(State(footing()))
+    origin, pattern = newton.origin, newton.system.matrix_pattern
+
+    def fail(_matrix):
+        raise LinearSolverError("singular")
+
+    newton.recycled._backend.factorise = fail
+    with pytest.raises(LinearSolverError):
+        newton.recycled.restore(origin, pattern)
+    assert newton.origin is None

@@ -65,7 +65,7 @@ def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None
     newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations))
     run = PathRun(Work(scene, built, system, newton, clock, lambda *_: None), scene.paths[0])
     run.run()
-    solver.close()
+    newton.close()
     assert run.status == "complete", run.failure
     cpu = time.process_time() - start
     return Pushed(run, system.pattern.n_free + model.n_border, solver.n_factorisations, cpu, clock)

@@ -17,6 +17,7 @@ from pysprings.accuracy.richardson import cell_size
 from pysprings.accuracy.settings import BETWEEN, PRESETS, VARIED, read_mesh, settings
 from pysprings.build import counts_of
 from pysprings.caisson_mesh import PRESETS as MESHES
+from pysprings.cli_support import with_target
 from pysprings.errors import ResourceError, UserInputError
 from tests.pysprings.test_accuracy_curves import result
 
@@ -164,3 +165,12 @@ def test_whatever_becomes_of_the_coarser_run_the_result_stays() -> None:
         assert words in tree.attrs["run_json"]
         np.testing.assert_array_equal(tree["paths/pull/H"], load)
         assert was_interrupted(tree) == (compute is stopped)
+
+
+def test_a_target_runs_what_the_study_ran_whatever_the_scene_says() -> None:
+    """Mesh and tolerances of the scene are replaced: the study says nothing of others."""
+    own = Scene(mesh={"preset": "coarse", "refinement": 0.5}, solver={"tolerance": 1e-2, "max_step_fraction": 0.5})
+    found, told = with_target(own, "2%", has_mesh=False)
+    setting = presets.cheapest("2%")
+    assert found.sha256 == setting.scene(Scene()).sha256
+    assert told["notes"]["target_error"]["setting"] == setting.name

@@ -295,3 +295,16 @@ def test_a_real_study_of_elastic_soil(tmp_path: Path) -> None:
     assert table.loc["coarse-1.35", "load_max_pct"] < table.loc["coarse-0.75", "load_max_pct"]
     assert table.loc["coarse-steps-0.3", "from_mesh_pct"] < 0.1 * table.loc["coarse", "load_max_pct"]
     assert table.loc["coarse-tolerance-1e-3", "from_mesh_pct"] < 0.01 * table.loc["coarse", "load_max_pct"]
+
+
+def test_a_study_whose_runs_all_stop_says_so(tmp_path: Path) -> None:
+    """A limit load on every mesh: there are costs and reasons, no errors, and the documents are written."""
+
+    def stops(_scene: Scene, _folder: Path, _progress: Any) -> None:
+        raise RunIncomplete("path 'pull' stopped: limit load")
+
+    found = study.study(elastic(), tmp_path / "out", settings(MESHES, quick=True), lambda *_: None, run=stops)
+    assert set(full(found)["status"]) == {"stopped"}
+    assert all(line.endswith("no setting") for line in text.target_lines(found.table))
+    assert "limit load" in (tmp_path / "out" / "accuracy.md").read_text(encoding="utf-8")
+    assert (tmp_path / "out" / "accuracy.png").exists()
