@@ -52,6 +52,9 @@ class Pushed:
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
+OWN = 10**9  # every model factorises its own tangents, however large: only what is carried differs
+
+
 def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None) -> Pushed:
     """Run the first path of a scene on a model (the scene's own unless given).
 
@@ -62,7 +65,7 @@ def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None
     system, model = System(built.model, clock), built.model
     half = model.symmetric if symmetric is None else symmetric
     solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, model.water is not None, half)
-    newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations))
+    newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations, OWN))
     run = PathRun(Work(scene, built, system, newton, clock, lambda *_: None), scene.paths[0])
     run.run()
     newton.close()
