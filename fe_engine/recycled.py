@@ -33,8 +33,9 @@ WORTH_FROM = 10_000
 # GMRES gives up after so many iterations, which cost as much as new factors; they are also renewed after an increment
 # that needed more than so many in the mean of its systems, and late in an increment, whose states then go to and fro.
 _LONGEST, _COMFORTABLE, _LATE = 22, 7.0, 5
-# Relative residuals: of a Newton step with old factors; with new ones, where one iteration more does it; of columns.
-_ENOUGH, _FRESH, _EXACT = 1.0e-2, 1.0e-6, 1.0e-10
+# Relative residuals of a Newton step: with old factors, and with new ones, where one iteration more does it.
+_ENOUGH, _FRESH = 1.0e-2, 1.0e-6
+_EXACT = 1.0e-10  # last change of a border stiffness that is refined
 _LOOSEST = 0.1  # of a step whose residual Newton needs to fall a little only
 _SLACK = 2.0  # the true residual over that of GMRES, whose preconditioner is linear to seven digits only
 _NOTHING = 1.0e-300
@@ -124,13 +125,15 @@ class Recycled:
     def border_stiffness(self, tangent: Tangent) -> np.ndarray:
         """Stiffness (nb, nb) of the border, with the factors of this very tangent. Raises LinearSolverError."""
         self.factorise(tangent)
-        shape, size = self._shape, np.linalg.norm(tangent.columns, axis=0)
+        shape = self._shape
         for _ in range(_LONGEST):
-            left = tangent.columns - tangent.matrix @ shape
-            if np.all(np.linalg.norm(left, axis=0) <= _EXACT * size):
-                return tangent.corner - tangent.rows @ shape
-            shape = shape + self._precondition(left)
+            more = self._precondition(tangent.columns - tangent.matrix @ shape)
+            shape = shape + more
             self.counts.n_solves += 1
+            stiffness = tangent.corner - tangent.rows @ shape
+            size = np.sqrt(np.abs(np.diagonal(stiffness)))
+            if np.all(np.abs(tangent.rows @ more) <= _EXACT * np.outer(size, size)):
+                return stiffness
         raise LinearSolverError("refinement of factors in single precision does not converge")
 
     def step(
