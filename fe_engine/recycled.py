@@ -2,7 +2,7 @@
 """Newton steps by GMRES, preconditioned with the factors of an earlier tangent in single precision.
 
 Plasticity, slip and gaps change the tangent's spectrum little from one iteration to the next, and even from the state
-at rest to loads in service: GMRES (Saad & Schultz 1986) with the factors of an earlier tangent needs a handful of
+at rest to loads in service: flexible GMRES (Saad 1993) with the factors of an earlier tangent needs a handful of
 solves for a Newton step, each of which costs a few per cent of a factorisation. Factors in single precision do, at half
 the cost. How exact the answer is, the residual of the equations decides, whatever the factors are; a step is as exact
 as Newton needs it (Dembo, Eisenstat & Steihaug 1982).
@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import null_space
 from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import LinearOperator, gmres
+from scipy.sparse.linalg import LinearOperator
 
 from fe_engine.assembly import Residual, Tangent
 from fe_engine.errors import LinearSolverError
@@ -168,8 +168,11 @@ class Recycled:
     def _gmres(self, tangent: Tangent, control: Control, rhs: np.ndarray, tolerance: float) -> np.ndarray | None:
         """Solve for (free dofs, y); None where it takes too long.
 
-        Preconditioned from the right, so that the residual that it minimises is that of the equations (rows scaled).
+        Preconditioned from the right, so that the residual that it minimises is that of the equations (rows scaled);
+        the flexible kind keeps the preconditioned vectors, and the answer needs no solve of its own.
         """
+        from pyamg.krylov import fgmres  # half a second, which small models need not spend
+
         assert self.origin is not None
         n, matrix, motions, forces = tangent.matrix.shape[0], tangent.matrix, control.motions, control.forces.T
         columns, rows, corner = tangent.columns @ motions, forces @ tangent.rows, forces @ tangent.corner @ motions
@@ -186,24 +189,22 @@ class Recycled:
         def apply(x: np.ndarray) -> np.ndarray:
             return size * np.concatenate([matrix @ x[:n] + columns @ x[n:], rows @ x[:n] + corner @ x[n:]])
 
-        taken: list[float] = []
-        square = len(rhs), len(rhs)
+        residuals: list[float] = []
+        operator, inverse = (LinearOperator((len(rhs), len(rhs)), matvec=f, dtype=float) for f in (apply, precondition))
         with self.clock.phase("solve"):
             try:
-                v, _ = gmres(
-                    LinearOperator(square, matvec=lambda v: apply(precondition(v))), size * rhs, rtol=tolerance,
-                    restart=_LONGEST, maxiter=1, callback_type="pr_norm", callback=taken.append,
+                x, _ = fgmres(
+                    operator, size * rhs, tol=tolerance, restart=min(_LONGEST, len(rhs)), maxiter=1, M=inverse,
+                    residuals=residuals,
                 )  # fmt: skip
-                x = precondition(v)
             except np.linalg.LinAlgError:
                 return None
-            whole = float(np.linalg.norm(size * rhs))
-            left = float(np.linalg.norm(size * rhs - apply(x))) / max(whole, _NOTHING)
-        self.counts.n_solves += len(taken) + 2  # one of them to check its own answer
-        self.n_iterations += len(taken)
+        taken, left = len(residuals) - 1, residuals[-1] / max(residuals[0], _NOTHING)  # the last one is computed anew
+        self.counts.n_solves += taken
+        self.n_iterations += taken
         self.n_systems += 1
-        self._spent.append(len(taken))
-        if len(taken) >= _LONGEST or not left <= _SLACK * tolerance:
+        self._spent.append(taken)
+        if taken >= _LONGEST or not left <= _SLACK * tolerance:
             return None
         if tolerance == _FRESH:
             self.counts.worst_residual = max(self.counts.worst_residual, left)
