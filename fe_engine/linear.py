@@ -1,219 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""Sparse direct solvers behind one interface, and the bordered solve.
-
-A backend analyses the fixed pattern once, factorises values on it, and solves for several right-hand sides.
-"""
+"""Linear systems by a sparse direct solver: counted, timed, and every answer checked against its equations."""
 
 from __future__ import annotations
 
-import ctypes
-import importlib.util
-import os
-import sys
-import warnings
 from collections.abc import Callable
-from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from fe_engine.backends import make_backend
 from fe_engine.clock import Clock
 from fe_engine.errors import LinearSolverError
 
-SUPERLU_COMFORT = 30_000
 # relative residuals of a linear solve: refined above the first, refused above the second
-_POWER_ITERATIONS = 10  # of the condition estimate
 _REFINE_ABOVE = 1.0e-9
 _RESIDUAL_LIMIT = 1.0e-6
-
-
-class Backend(Protocol):
-    """What a sparse direct solver offers."""
-
-    name: str
-
-    def factorise(self, matrix: csr_matrix) -> None:
-        """Factorise; the pattern is the same at every call."""
-
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
-        """Solve for rhs (n,) or (n, k)."""
-
-    def close(self) -> None:
-        """Release the memory of the factors."""
-
-
-class SuperLU:
-    """SciPy's SuperLU: everywhere available, one thread."""
-
-    name = "superlu"
-
-    def factorise(self, matrix: csr_matrix) -> None:
-        """Factorise with the ordering of A^T + A, which suits a symmetric pattern."""
-        from scipy.sparse.linalg import splu
-
-        try:
-            self._factors = splu(
-                matrix.astype(float, copy=False).tocsc(),
-                permc_spec="MMD_AT_PLUS_A",
-                diag_pivot_thresh=0.1,
-                options={"SymmetricMode": True},
-            )
-        except RuntimeError as error:
-            raise LinearSolverError(f"SuperLU: {error}") from error
-
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
-        """Solve for rhs (n,) or (n, k)."""
-        return self._factors.solve(np.asarray(rhs, dtype=float))
-
-    def close(self) -> None:
-        """Drop the factors."""
-        self._factors = None
-
-
-class Pardiso:
-    """MKL Pardiso through pypardiso; symbolic analysis once, values many times.
-
-    Matching and scaling permutations depend on the values of the first matrix; they are switched off, so that
-    the analysis stays valid for every later tangent (the diagonal of a soil tangent is strong).
-    """
-
-    name = "pardiso"
-    _MATRIX_TYPE = 11  # real, not symmetric
-
-    def __init__(self, single: bool = False) -> None:
-        import pypardiso
-
-        _point_at_mkl()
-        self._solver = pypardiso.PyPardisoSolver(mtype=self._MATRIX_TYPE)
-        self._type = np.float32 if single else np.float64
-        self._analysed = False
-        for index, value in (_IPARM | {_SINGLE: int(single)}).items():
-            self._solver.set_iparm(index, value)
-
-    def factorise(self, matrix: csr_matrix) -> None:
-        """Factorise numerically; the first call also analyses the pattern."""
-        self._values = np.ascontiguousarray(matrix.data, dtype=self._type)
-        self._starts = np.ascontiguousarray(matrix.indptr, dtype=np.int32)
-        self._columns = np.ascontiguousarray(matrix.indices, dtype=np.int32)
-        self._call(12 if not self._analysed else 22, np.zeros((matrix.shape[0], 1)))
-        self._analysed = True
-
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
-        """Solve for rhs (n,) or (n, k)."""
-        return self._call(33, rhs)
-
-    def _call(self, phase: int, rhs: np.ndarray) -> np.ndarray:
-        """Call Pardiso itself: the call of the wrapper copies the pattern each time, half the cost of a solve."""
-        rhs = np.asfortranarray(rhs, dtype=self._type)
-        x, error, solver = np.zeros_like(rhs), ctypes.c_int32(0), self._solver
-        one, kind, what, n, n_rhs, silent = (
-            ctypes.c_int32(v) for v in (1, self._MATRIX_TYPE, phase, len(rhs), rhs.size // len(rhs), 0)
-        )
-        starts, columns, order, settings = (
-            a.ctypes.data_as(ctypes.POINTER(ctypes.c_int32))
-            for a in (self._starts, self._columns, solver.perm, solver.iparm)
-        )
-        values, given, found = (a.ctypes.data_as(ctypes.c_void_p) for a in (self._values, rhs, x))
-        handle = solver.pt.ctypes.data_as(ctypes.POINTER(solver._pt_type[0]))
-        solver._mkl_pardiso(
-            handle,
-            one,
-            one,
-            kind,
-            what,
-            n,
-            values,
-            starts,
-            columns,
-            order,
-            n_rhs,
-            settings,
-            silent,
-            given,
-            found,
-            error,
-        )
-        if error.value == _NO_MEMORY:  # a smaller step would not help
-            raise MemoryError("Pardiso: not enough memory")
-        if error.value != 0:
-            raise LinearSolverError(f"Pardiso: error {error.value}")
-        return np.ascontiguousarray(x)
-
-    def close(self) -> None:
-        """Release MKL's internal memory; the next factorisation analyses anew."""
-        if self._analysed:
-            self._solver.free_memory(everything=True)
-            self._solver.pt[:] = 0
-        self._analysed = False
-
-
-class SymmetricPardiso(Pardiso):
-    """Pardiso for symmetric positive definite matrices (LL^T): it reads and factorises the upper triangle alone."""
-
-    _MATRIX_TYPE = 2
-
-    def factorise(self, matrix: csr_matrix) -> None:
-        """Factorise the upper triangle; what is below the diagonal is taken to be its mirror."""
-        if not self._analysed:
-            row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-            self._upper = matrix.indices >= row
-            counts = np.bincount(row[self._upper], minlength=matrix.shape[0])
-            self._start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-            self._column = matrix.indices[self._upper]
-        half = matrix.data[self._upper], self._column, self._start
-        super().factorise(csr_matrix(half, shape=matrix.shape))
-
-
-_NO_MEMORY = -2  # Pardiso's error code
-_SINGLE = 28  # iparm: 1 says that the numbers handed over have 4 bytes
-
-# 1-based iparm: defaults off (1), METIS (2), refinement only where pivots were perturbed (8; a step of it costs ten
-# solves, and LinearSolver refines where the residual asks for it), pivot perturbation 1e-13 (10), no scaling (11) and
-# no matching (13), parallel factorisation (24), indices from 0 (35).
-_IPARM = {1: 1, 2: 2, 8: 0, 10: 13, 11: 0, 13: 0, 24: 1, 25: 0, 35: 1}
-
-
-def _point_at_mkl() -> None:
-    """Tell the wrapper where MKL stands in this environment; it would search the whole of it, for a second."""
-    libraries = sorted(Path(sys.prefix, "lib").glob("libmkl_rt.so*"), key=lambda found: len(found.name))
-    if libraries:
-        os.environ.setdefault("PYPARDISO_MKL_RT", str(libraries[0]))
-
-
-def available_backends() -> list[str]:
-    """Names of the backends that can be used here, best first."""
-    names = ["superlu"]
-    if importlib.util.find_spec("pypardiso") is not None:
-        names.insert(0, "pardiso")
-    return names
-
-
-def make_backend(name: str, n_unknowns: int, symmetric: bool = False, single: bool = False) -> Backend:
-    """Return the backend of the given name; ``auto`` takes the best one that works.
-
-    ``symmetric`` promises symmetric positive definite matrices: Pardiso then does half the work. SuperLU has no such
-    factorisation. ``single`` asks for factors in single precision, which SuperLU is not used for either.
-    """
-    wanted = name
-    if wanted == "auto":
-        name = available_backends()[0]
-    if name == "pardiso":
-        try:
-            return SymmetricPardiso(single) if symmetric else Pardiso(single)
-        except (ImportError, OSError) as error:
-            if wanted != "auto":
-                raise LinearSolverError(f"pardiso does not load here: {error}") from error
-            name = "superlu"
-    if name != "superlu":
-        raise LinearSolverError(f"unknown linear solver {name!r}; available: {', '.join(available_backends())}")
-    if n_unknowns > SUPERLU_COMFORT:
-        warnings.warn(
-            f"SuperLU on {n_unknowns} unknowns is slow and needs much memory (comfortable up to {SUPERLU_COMFORT}); "
-            "install pypardiso where it exists (x86-64 Linux and Windows)",
-            stacklevel=2,
-        )
-    return SuperLU()
+_POWER_ITERATIONS = 10  # of the condition estimate
 
 
 class LinearSolver:
@@ -238,7 +40,9 @@ class LinearSolver:
     def factorise(self, matrix: csr_matrix) -> None:
         """Factorise a tangent."""
         with self.clock.phase("factorisation"):
-            self._matrix = self._scaled(matrix) if self.equilibrate else matrix
+            self._matrix = matrix
+            if self.equilibrate:
+                self._scale, self._matrix = equilibrated(matrix)
             self.backend.factorise(self._matrix)
         self.n_factorisations += 1
 
@@ -272,19 +76,19 @@ class LinearSolver:
         self.__dict__.pop("_matrix", None)
         self.backend.close()
 
-    def _scaled(self, matrix: csr_matrix) -> csr_matrix:
-        """Return D A D; keeps D, with 1 where the diagonal is 0."""
-        diagonal = np.abs(matrix.diagonal())
-        self._scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-        rows = np.repeat(self._scale, np.diff(matrix.indptr))
-        data = matrix.data * rows * self._scale[matrix.indices]
-        return csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
-
     def _relative_residual(self, x: np.ndarray, rhs: np.ndarray) -> float:
         """Largest residual over right-hand side, column by column."""
         residual = np.linalg.norm(rhs - self._matrix @ x, axis=0)
         scale = np.linalg.norm(rhs, axis=0)
         return float(np.max(residual / np.where(scale > 0.0, scale, 1.0)))
+
+
+def equilibrated(matrix: csr_matrix) -> tuple[np.ndarray, csr_matrix]:
+    """Scale D (n,), 1/sqrt|diagonal| with 1 where that is 0, and D A D, on the pattern of A."""
+    diagonal = np.abs(matrix.diagonal())
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    data = matrix.data * np.repeat(scale, np.diff(matrix.indptr)) * scale[matrix.indices]
+    return scale, csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
 
 
 def condition_estimate(

@@ -25,8 +25,9 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator
 
 from fe_engine.assembly import Residual, Tangent
+from fe_engine.backends import make_backend
 from fe_engine.errors import LinearSolverError
-from fe_engine.linear import LinearSolver, condition_estimate, make_backend
+from fe_engine.linear import LinearSolver, condition_estimate, equilibrated
 
 # From so many unknowns on it pays; below, a factorisation costs no more than a few iterations.
 WORTH_FROM = 10_000
@@ -103,12 +104,9 @@ class Recycled:
 
     def factorise(self, tangent: Tangent) -> None:
         """Factorise a tangent; it serves until the factors are renewed."""
-        diagonal = np.abs(tangent.matrix.diagonal())
-        scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-        matrix = tangent.matrix
-        entries = (matrix.data * np.repeat(scale, np.diff(matrix.indptr)) * scale[matrix.indices]).astype(np.float32)
+        scale, scaled = equilibrated(tangent.matrix)
         border = tangent.columns.copy(), tangent.rows.copy(), tangent.corner.copy()
-        self.restore(Origin(entries, scale, *border), matrix)
+        self.restore(Origin(scaled.data.astype(np.float32), scale, *border), tangent.matrix)
         self.counts.n_factorisations += 1
         self.counts.n_solves += 1
 

@@ -47,7 +47,7 @@ def _linear_solvers(scene: Scene) -> tuple[list[str], str]:
     """Linear solvers that a scene may name and that work here, and the one it would use."""
     from pydantic import ValidationError
 
-    from fe_engine.linear import available_backends
+    from fe_engine.backends import available_backends
 
     found = []
     for name in available_backends():

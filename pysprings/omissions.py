@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from fe_engine.linear import available_backends
+from fe_engine.backends import available_backends
 from fe_engine.soil.dispatch import N_HISTORY
 from pysprings.resources import PICTURE_SECONDS, memory_bytes, seconds, size_of, steps_bytes
 

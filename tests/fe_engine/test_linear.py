@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix, diags, identity, kron
 
-from fe_engine import linear
+from fe_engine import backends
+from fe_engine.backends import SUPERLU_COMFORT, SymmetricPardiso, available_backends, make_backend
 from fe_engine.errors import LinearSolverError
-from fe_engine.linear import SUPERLU_COMFORT, LinearSolver, SymmetricPardiso, available_backends, make_backend
+from fe_engine.linear import LinearSolver
 
 HAS_PARDISO = importlib.util.find_spec("pypardiso") is not None
 needs_pardiso = pytest.mark.skipif(not HAS_PARDISO, reason="pypardiso is not installed")
@@ -200,14 +201,14 @@ def broken_pardiso(single):
 
 
 def test_pardiso_that_does_not_load_says_so(monkeypatch):
-    monkeypatch.setattr(linear, "Pardiso", broken_pardiso)
+    monkeypatch.setattr(backends, "Pardiso", broken_pardiso)
     with pytest.raises(LinearSolverError, match="pardiso does not load here: libmkl_rt"):
         make_backend("pardiso", 10)
 
 
 def test_auto_falls_back_where_pardiso_does_not_load(monkeypatch):
-    monkeypatch.setattr(linear, "available_backends", lambda: ["pardiso", "superlu"])
-    monkeypatch.setattr(linear, "Pardiso", broken_pardiso)
+    monkeypatch.setattr(backends, "available_backends", lambda: ["pardiso", "superlu"])
+    monkeypatch.setattr(backends, "Pardiso", broken_pardiso)
     assert make_backend("auto", 10).name == "superlu"
 
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fe_engine.backends import available_backends
 from fe_engine.contact import coulomb
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
-from fe_engine.linear import available_backends
 from fe_engine.newton import Loading, Newton
 from fe_engine.state import State
 from tests.fe_engine.models import CONTACT, footing, replace, run, stage, start, taylor_slope

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from fe_engine import recycled
+from fe_engine.backends import available_backends
 from fe_engine.errors import LinearSolverError
-from fe_engine.linear import available_backends
 from fe_engine.newton import Loading
 from fe_engine.recycled import control_of
 from fe_engine.state import State

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fe_engine.assembly import System
-from fe_engine.linear import available_backends
+from fe_engine.backends import available_backends
 from fe_engine.state import State, initial_fields
 from pysprings import Scene
 from pysprings.build import build_model

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from benchmarks.omissions import Case, cases, measure, table
-from fe_engine.linear import available_backends
+from fe_engine.backends import available_backends
 from tests.pysprings import carried
 
 
