@@ -55,7 +55,7 @@ class Case:
         """
         from pysprings.scene import Scene
 
-        stops = tuple(1e-3 * u for u in self.stops_mm if 1e-3 * u < self.end)
+        stops = tuple(u / 1e3 for u in self.stops_mm if u / 1e3 < self.end)
         path = {"name": PATH, "kind": "pull", "lateral_displacement": self.end, "report_at": stops}
         drainage: dict[str, Any] = {}
         if self.rate is not None:
