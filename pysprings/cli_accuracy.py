@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from pysprings.accuracy.settings import MESH, settings
+from pysprings.accuracy.settings import settings
 from pysprings.accuracy_study import child, rows, study, text
 from pysprings.accuracy_study.rows import Found
 from pysprings.cli_support import interruptible, print_json, print_table, refuse, say
@@ -38,9 +38,13 @@ def run(
     else:
         _print(out, found)
     # a variation that stops is a finding of the study; a mesh that does leaves it without its reference
-    whole = [row for row in found.table.to_dict("records") if row["why"] and row["series"] and row["group"] == MESH]
-    if stopped := [f"{row['name']}: {row['why']}" for row in whole]:
-        raise RunIncomplete("; ".join(stopped), out)
+    meshes_stopped = [
+        f"{row['name']}: {row['why']}"
+        for row in rows.records(found.table)
+        if row["model"] == rows.FULL and row["series"] and row["why"]
+    ]
+    if meshes_stopped:
+        raise RunIncomplete("; ".join(meshes_stopped), out)
 
 
 def _linear_solvers(scene: Scene) -> tuple[list[str], str]:

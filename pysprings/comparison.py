@@ -221,17 +221,17 @@ def _largest(difference: Array) -> float:
 def _abscissa(full: xr.Dataset, driver: str, length: float) -> Array:
     """Displacement (or rotation) that drives a path; of a path that bends the way it has come, in m."""
     x: Array = full[driver].values
-    return np.abs(x) + length * np.abs(full["rotation"].values) if _bends(full) else x
+    return np.abs(x) + length * np.abs(full["rotation"].values) if bends(full) else x
 
 
-def _bends(full: xr.Dataset) -> bool:
+def bends(full: xr.Dataset) -> bool:
     """Tell whether H and M do not keep their ratio on a path: a swipe, a load that climbs."""
     return bool(full.attrs["kind"] == "swipe" or "arm_from_m" in full.attrs)
 
 
 def _driver(full: xr.Dataset) -> tuple[Control, str, str, tuple[str, ...]]:
     """How a path of the full model is followed: see `_DRIVERS`."""
-    return _DRIVERS["swipe" if _bends(full) else full.attrs["kind"]]
+    return _DRIVERS["swipe" if bends(full) else full.attrs["kind"]]
 
 
 def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, ...]) -> dict[str, float]:
@@ -243,7 +243,7 @@ def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, .
             reference = full[label].values[: x.size]
             change = reference - reference[0] if label == "V" and reference.size else reference
             # H or M may pass through zero there: errors count beside the largest of the path
-            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if _bends(full) else change
+            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if bends(full) else change
             worst, last = _relative_errors(x, scale, scale + trace[label].values - reference)
         out |= {f"{label}_error_max_pct": worst, f"{label}_error_end_pct": last}
     return out

@@ -121,14 +121,20 @@ def sampled(curve: Curve, grid: Grid) -> Sample:
     return values
 
 
-def samples(runs: Mapping[str, Mapping[str, Curve]]) -> dict[str, dict[str, Sample]]:
-    """Return {path: {run: sample}} of runs {run: {path: curve}}, for the paths that all of them have."""
+def common_grids(runs: Mapping[str, Mapping[str, Curve]]) -> dict[str, Grid]:
+    """Return {path: grid} of runs {run: {path: curve}}, for the paths that all of them have."""
     paths = [name for name in next(iter(runs.values())) if all(name in curves for curves in runs.values())]
-    found = {}
-    for path in paths:
-        grid = common_grid([curves[path] for curves in runs.values()])
-        found[path] = {run: sampled(curves[path], grid) for run, curves in runs.items()}
-    return found
+    return {path: common_grid([curves[path] for curves in runs.values()]) for path in paths}
+
+
+def samples(
+    runs: Mapping[str, Mapping[str, Curve]], grids: Mapping[str, Grid] | None = None
+) -> dict[str, dict[str, Sample]]:
+    """Return {path: {run: sample}} of runs {run: {path: curve}} on grids that all reach (None: the common ones)."""
+    return {
+        path: {run: sampled(curves[path], grid) for run, curves in runs.items()}
+        for path, grid in (common_grids(runs) if grids is None else grids).items()
+    }
 
 
 def _y_ends(curve: Curve) -> Array:

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,26 +15,66 @@ from pysprings.comparison import eta
 
 Array = NDArray[np.float64]
 
-# measure -> quantity it belongs to, and its words
+
+def _largest(answer: Array, reference: Array) -> float:
+    """Largest difference over the largest size of the reference; NaN on either side is left out."""
+    counted = np.isfinite(answer) & np.isfinite(reference)
+    size = np.abs(reference[counted]).max(initial=0.0)
+    return float(np.abs(answer - reference)[counted].max() / size) if size else float("nan")
+
+
+def _rms(answer: Array, reference: Array) -> float:
+    """Root mean square of the differences over the largest size of the reference; NaN is left out."""
+    counted = np.isfinite(answer) & np.isfinite(reference)
+    size = np.abs(reference[counted]).max(initial=0.0)
+    return float(np.sqrt(np.mean((answer - reference)[counted] ** 2)) / size) if size else float("nan")
+
+
+def _area(answer: Array, reference: Array) -> float:
+    """1 - eta of curves on equally spaced displacements that start at 0."""
+    start = [0.0]
+    return 1.0 - eta(np.arange(reference.size + 1.0), np.append(start, reference), np.append(start, answer))
+
+
+class Measure(NamedTuple):
+    """How an error is taken: the quantity it belongs to, the head of its column, its words, its value (1, not %)."""
+
+    quantity: str
+    head: str
+    words: str
+    value: Callable[[Array, Array], float]
+
+
 MEASURES = {
-    "load_max": (LOAD, "load: largest difference over the largest load"),
-    "load_area": (LOAD, "load: area between the curves over the area below (1 - eta)"),
-    "py_rms": (PY, "p(y): root mean square difference over slices and steps, over the largest p"),
-    "py_max": (PY, "p(y): largest difference over the largest p"),
-    "rotation_max": (OTHER, "rotation (M where the rotation is imposed): largest difference over the largest"),
-    "stiffness": (STIFFNESS, "initial stiffness"),
-    "pressure_max": (PRESSURE, "peak contact pressure (to 0.9 of the skirt): largest difference over the largest"),
+    "load_max": Measure(LOAD, "load max", "load: largest difference over the largest load", _largest),
+    "load_area": Measure(LOAD, "load area", "load: area between the curves over the area below (1 - eta)", _area),
+    "py_rms": Measure(
+        PY, "p-y rms", "p(y): root mean square difference over slices and steps, over the largest p", _rms
+    ),
+    "py_max": Measure(PY, "p-y max", "p(y): largest difference over the largest p", _largest),
+    "rotation_max": Measure(
+        OTHER,
+        "rotation",
+        "rotation (M of a translation, H of a rotation): largest difference over the largest",
+        _largest,
+    ),
+    "stiffness": Measure(STIFFNESS, "stiffness", "initial stiffness", _largest),
+    "pressure_max": Measure(
+        PRESSURE,
+        "pressure",
+        "peak contact pressure (to 0.9 of the skirt): largest difference over the largest",
+        _largest,
+    ),
 }
 
 
 def errors(answer: Sample, reference: Mapping[str, Array]) -> dict[str, float]:
     """Return the errors [%] of a sample beside the values of a reference on the same grid; NaN of what is not there."""
     found = {}
-    for name, (quantity, _) in MEASURES.items():
-        if quantity not in answer or quantity not in reference:
-            found[name] = float("nan")
-            continue
-        found[name] = 100.0 * _MEASURE[name](answer[quantity], reference[quantity])
+    for name, measure in MEASURES.items():
+        known = measure.quantity in answer and measure.quantity in reference
+        value = measure.value(answer[measure.quantity], reference[measure.quantity]) if known else float("nan")
+        found[name] = 100.0 * value
     return found
 
 
@@ -56,32 +97,3 @@ def worst(by_path: Sequence[Mapping[str, float]]) -> dict[str, float]:
         values = [each[name] for each in by_path if np.isfinite(each[name])]
         found[name] = max(values, default=float("nan"))
     return found
-
-
-def _largest(answer: Array, reference: Array) -> float:
-    counted = np.isfinite(answer) & np.isfinite(reference)
-    size = np.abs(reference[counted]).max(initial=0.0)
-    return float(np.abs(answer - reference)[counted].max() / size) if size else float("nan")
-
-
-def _rms(answer: Array, reference: Array) -> float:
-    counted = np.isfinite(answer) & np.isfinite(reference)
-    size = np.abs(reference[counted]).max(initial=0.0)
-    return float(np.sqrt(np.mean((answer - reference)[counted] ** 2)) / size) if size else float("nan")
-
-
-def _area(answer: Array, reference: Array) -> float:
-    """1 - eta of curves on equally spaced displacements that start at 0."""
-    start = [0.0]
-    return 1.0 - eta(np.arange(reference.size + 1.0), np.append(start, reference), np.append(start, answer))
-
-
-_MEASURE = {
-    "load_max": _largest,
-    "load_area": _area,
-    "py_rms": _rms,
-    "py_max": _largest,
-    "rotation_max": _largest,
-    "stiffness": _largest,
-    "pressure_max": _largest,
-}

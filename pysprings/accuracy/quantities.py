@@ -2,7 +2,7 @@
 """The quantities whose error is measured, from one path of a full-model result (all its converged states).
 
 What drives a path and what answers depends on its kind: see `KINDS`. A path on which H and M do not grow in proportion
-(a swipe, a load that climbs) is followed along |u| + |rotation| L.
+(a swipe, a load that climbs) is followed along |u| + |rotation| L, as in `comparison`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+
+from pysprings.comparison import bends
 
 Array = NDArray[np.float64]
 
@@ -29,7 +31,7 @@ _PRESSURE_DEPTHS = 19
 
 
 def _kind(path: xr.Dataset) -> tuple[str, str, str | None]:
-    return KINDS["swipe" if "arm_from_m" in path.attrs else str(path.attrs["kind"])]
+    return KINDS["swipe" if bends(path) else str(path.attrs["kind"])]
 
 
 def driver(path: xr.Dataset, length: float) -> Array:
@@ -56,13 +58,12 @@ def other(path: xr.Dataset) -> Array | None:
 def pressure(path: xr.Dataset, length: float) -> Array | None:
     """Return the largest effective contact pressure on the skirt, (step,) Pa, to 0.9 of its length; None: not kept.
 
-    Linear between the stations of a ring's depths, so that all meshes are asked at the same depths.
+    Pressure is positive; the largest is over both sides, all azimuths and _PRESSURE_DEPTHS depths, the same on every
+    mesh. Linear between the depths of the rings.
     """
     if "normal_effective_stress" not in path:
         return None
-    depth = path["depth"].values
-    at = np.linspace(0.0, PRESSURE_DOWN_TO * length, _PRESSURE_DEPTHS)
-    share = np.stack([np.interp(at, depth, row) for row in np.eye(depth.size)])  # (depth, at)
+    share = _linear_shares(path["depth"].values, np.linspace(0.0, PRESSURE_DOWN_TO * length, _PRESSURE_DEPTHS))
     stress = path["normal_effective_stress"].transpose("step", "side", "azimuth", "depth").values
     return np.asarray((stress @ share).max(axis=(1, 2, 3)), dtype=float)
 
@@ -80,15 +81,20 @@ def slice_curves(path: xr.Dataset, length: float, n: int) -> tuple[Array, Array]
     share = np.maximum(bottom - top, 0.0) / np.diff(edges)[:, None]
     p = share @ path["p"].transpose("depth", "step").values
     y = path["y"].transpose("depth", "step").values
-    middle, depth = 0.5 * (edges[1:] + edges[:-1]), path["depth"].values
-    at = np.stack([np.interp(middle, depth, row) for row in np.eye(depth.size)])  # (depth, n)
-    return at.T @ (y - y[:, :1]), p
+    middle = _linear_shares(path["depth"].values, 0.5 * (edges[1:] + edges[:-1]))
+    return middle.T @ (y - y[:, :1]), p
+
+
+def _linear_shares(depth: Array, at: Array) -> Array:
+    """Return the shares (depth, at) of values by depth in those at other depths: linear between, constant beyond."""
+    return np.stack([np.interp(at, depth, row) for row in np.eye(depth.size)])
 
 
 def initial_stiffness(stiffness: Array, path: xr.Dataset) -> float:
     """Return the slope of the load over what is driven at rest, from the stiffness (3, 3) in u, w, rotation.
 
-    H/u under a load at its arm, or of a translation with its ratio of rotation; M/rotation about the lid centre; V/w.
+    H/u [N/m] under a load at its arm (at the first one, of a load that climbs), or of a translation or a swipe with the
+    ratio of rotation and u of its first step; M/rotation [N m/rad] about the lid centre; V/w [N/m].
     """
     kind, heave_free = str(path.attrs["kind"]), path.attrs.get("heave", "free") == "free"
     if kind == "vertical":

@@ -12,7 +12,8 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.accuracy import measures
-from pysprings.accuracy.curves import LOAD, OTHER, Curve, Grid, Sample, common_grid, curves_of, sampled
+from pysprings.accuracy.curves import LOAD, OTHER, Curve, Grid, Sample, common_grids, curves_of, sampled, samples
+from pysprings.accuracy.presets import JUDGED
 from pysprings.accuracy.richardson import Reference, cell_size
 from pysprings.accuracy.settings import MESH, Setting
 from pysprings.accuracy_study import macro
@@ -38,6 +39,43 @@ class Found:
     settings: Sequence[Setting]
 
 
+@dataclass(frozen=True)
+class Truth:
+    """What runs are measured by, path by path: where they are compared, the reference, its uncertainty by measure [%].
+
+    ``finest`` is the mesh that is the reference in what could not be extrapolated.
+    """
+
+    grids: Mapping[str, Grid]
+    references: Mapping[str, Mapping[str, Reference]]
+    uncertainty: Mapping[str, Mapping[str, float]]
+    finest: str
+
+    def columns(self, name: str, by_path: Mapping[str, Sample]) -> dict[str, Any]:
+        """Return the cells of a run on the mesh of this name: its errors, worst path, and of what it is the reference.
+
+        Without samples, nothing is known.
+        """
+        worst = measures.worst([self._errors(path, sample, name) for path, sample in by_path.items()])
+        own = {quantity for each in self.references.values() for quantity, one in each.items() if not one.extrapolated}
+        told = ", ".join(sorted(own)) if by_path and name == self.finest else ""
+        return {REFERENCE: told} | {f"{measure}_pct": value for measure, value in worst.items()}
+
+    def _errors(self, path: str, sample: Sample, name: str) -> dict[str, float]:
+        """Errors [%] by measure; of the finest mesh, where it is the reference, the uncertainty at the least."""
+        references = self.references[path]
+        found = measures.errors(sample, {quantity: one.values for quantity, one in references.items()})
+        for key, measure in measures.MEASURES.items():
+            if measure.quantity not in references or references[measure.quantity].extrapolated:
+                continue
+            doubt = self.uncertainty[path][key]
+            if np.isnan(doubt):  # one mesh: nothing is known of its error, nor of others beside it
+                found[key] = doubt
+            elif name == self.finest:
+                found[key] = max(found[key], doubt)
+        return found
+
+
 def assess(runs: Sequence[Ended]) -> Found:
     """Return errors and costs of the runs that reached their end, and costs of the others.
 
@@ -45,102 +83,71 @@ def assess(runs: Sequence[Ended]) -> Found:
     could not be extrapolated: the uncertainty stands in the place of its error, and the column `reference` names it.
     """
     complete = [each for each in runs if each.complete]
-    results = {each.setting.name: read_tree(each.folder / "full_model.nc") for each in complete}
-    curves = {name: curves_of(result) for name, result in results.items()}
+    curves = {each.setting.name: curves_of(read_tree(each.folder / "full_model.nc")) for each in complete}
     series = sorted((each for each in complete if each.setting.series), key=_unknowns)
-    names = [each.setting.name for each in series]
-    paths = _paths(curves, names)
-    by_path: dict[str, dict[str, Sample]] = {}
-    references: dict[str, dict[str, Reference]] = {}
-    doubts: dict[str, dict[str, float]] = {}
-    grids: dict[str, Grid] = {}
-    for path in paths:
-        grids[path] = common_grid([own[path] for own in curves.values()])
-        by_path[path] = {name: sampled(own[path], grids[path]) for name, own in curves.items()}
-        references[path] = measures.reference_of(
-            [by_path[path][name] for name in names], [cell_size(_unknowns(each)) for each in series]
-        )
-        doubts[path] = measures.uncertainty(references[path])
+    grids = common_grids(curves) if series else {}
+    by_path = samples(curves, grids)
+    truth = _truth(series, grids, by_path)
     rows = []
     for each in runs:
-        row = _costs(each)
-        if each.complete and paths:
-            found = [
-                _errors(
-                    by_path[path][each.setting.name], references[path], doubts[path], names[-1] == each.setting.name
-                )
-                for path in paths
-            ]
-            row |= _columns(measures.worst(found))
-            row[REFERENCE] = _own_reference(references) if names[-1] == each.setting.name else ""
-        rows.append(row)
-    for each in [one for one in complete if one.setting.group == MESH and paths]:
-        rows += _macro_rows(each, grids, references, doubts, names[-1] == each.setting.name)
+        name = each.setting.name
+        own = {path: found[name] for path, found in by_path.items() if name in found}
+        rows.append(_costs(each) | truth.columns(name, own))
+    for each in complete:
+        if each.setting.group == MESH and by_path:
+            rows += _macro_rows(each, truth)
     table = pd.DataFrame(rows)
-    for name in measures.MEASURES:
-        if f"{name}_pct" not in table:  # nothing to compare
-            table[f"{name}_pct"] = np.nan
-    table["pareto"] = False
-    if paths:
-        for model in (FULL, MACRO):
-            part = table[(table["model"] == model) & (table["status"] == "complete")]
-            for measure in ("load_max", "py_rms"):
-                kept = part.index[front(part["wall_s"].tolist(), part[f"{measure}_pct"].tolist())]
-                table.loc[kept, "pareto"] = True
-    table = _change_alone(table, curves, complete)
-    return Found(table, references, doubts, names, [each.setting for each in runs])
+    table["pareto"] = _on_front(table)
+    table = table.assign(from_mesh_pct=table["name"].map(_changes_alone(curves, complete)).astype(float))
+    return Found(
+        table, truth.references, truth.uncertainty, [each.setting.name for each in series],
+        [each.setting for each in runs],
+    )  # fmt: skip
 
 
-def _change_alone(
-    table: pd.DataFrame, curves: Mapping[str, Mapping[str, Curve]], complete: Sequence[Ended]
-) -> pd.DataFrame:
-    """Add `from_mesh_pct`: largest load difference from the run on the same mesh with the scene's own settings [%]."""
+def records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return the rows of a table by column name, as plain values; what is not there is None."""
+    plain = table.astype(object).where(table.notna(), None)
+    return [{str(name): value for name, value in row.items()} for row in plain.to_dict("records")]
+
+
+def _truth(
+    series: Sequence[Ended], grids: Mapping[str, Grid], by_path: Mapping[str, Mapping[str, Sample]]
+) -> Truth:  # fmt: skip
+    """Make the reference of each path from the runs of the series, the finest last."""
+    h = [cell_size(_unknowns(each)) for each in series]
+    references = {
+        path: measures.reference_of([own[each.setting.name] for each in series], h) for path, own in by_path.items()
+    }
+    doubts = {path: measures.uncertainty(each) for path, each in references.items()}
+    return Truth(grids, references, doubts, series[-1].setting.name if series else "")
+
+
+def _on_front(table: pd.DataFrame) -> pd.Series:
+    """Tell which rows no other of the same model beats in wall time and one of the errors that targets judge."""
+    kept = pd.Series(False, index=table.index)
+    for model in (FULL, MACRO):
+        part = table[(table["model"] == model) & (table["status"] == "complete")]
+        for measure in JUDGED:
+            kept[part.index[front(part["wall_s"].tolist(), part[f"{measure}_pct"].tolist())]] = True
+    return kept
+
+
+def _changes_alone(curves: Mapping[str, Mapping[str, Curve]], complete: Sequence[Ended]) -> dict[str, float]:
+    """Largest load difference [%] of a variation from the run on the same mesh with the scene's own settings."""
     plain = {(e.setting.mesh, e.setting.refinement): e.setting.name for e in complete if e.setting.group == MESH}
     found = {}
     for each in complete:
         base = plain.get((each.setting.mesh, each.setting.refinement))
         if each.setting.group != MESH and base is not None:
-            mine = curves[each.setting.name]
-            found[each.setting.name] = max(_difference(mine[p], c) for p, c in curves[base].items() if p in mine)
-    return table.assign(from_mesh_pct=[found.get(str(name), np.nan) for name in table["name"]])
-
-
-def _difference(curve: Curve, base: Curve) -> float:
-    grid = common_grid([curve, base])
-    return measures.errors(sampled(curve, grid), sampled(base, grid))["load_max"]
-
-
-def _paths(curves: Mapping[str, Mapping[str, Curve]], series: Sequence[str]) -> list[str]:
-    """Paths that every complete run has."""
-    if not series:
-        return []
-    return [path for path in curves[series[-1]] if all(path in own for own in curves.values())]
+            both = samples({"own": curves[each.setting.name], "base": curves[base]})
+            differences = [measures.errors(one["own"], one["base"]) for one in both.values()]
+            found[each.setting.name] = measures.worst(differences)["load_max"]
+    return found
 
 
 def _unknowns(each: Ended) -> int:
     return int(each.record["mesh"]["unknowns"])
-
-
-def _errors(
-    sample: Sample, reference: Mapping[str, Reference], doubt: Mapping[str, float], finest: bool
-) -> dict[str, float]:
-    """Errors [%] by measure; of the finest mesh, where it is the reference, the uncertainty at the least."""
-    found = measures.errors(sample, {name: each.values for name, each in reference.items()})
-    if finest:
-        for name, (quantity, _) in measures.MEASURES.items():
-            if quantity in reference and not reference[quantity].extrapolated:
-                found[name] = max(found[name], doubt[name])
-    return found
-
-
-def _own_reference(references: Mapping[str, Mapping[str, Reference]]) -> str:
-    """Quantities, by name, of which the finest mesh is its own reference on any path."""
-    own = {name for each in references.values() for name, one in each.items() if not one.extrapolated}
-    return ", ".join(sorted(own))
-
-
-def _columns(found: Mapping[str, float]) -> dict[str, float]:
-    return {f"{name}_pct": value for name, value in found.items()}
 
 
 def _costs(each: Ended) -> dict[str, Any]:
@@ -158,33 +165,29 @@ def _costs(each: Ended) -> dict[str, Any]:
         "iterations": sum(path["iterations"] + path["iterations_in_cut_backs"] for path in paths),
         "factorisations": solver.get("factorisations"),
         "wall_s": wall, "cpu_s": record.get("cpu_s"), "unit_s": unit, "units": wall / unit if unit and wall else None,
-        "memory_MB": peak / 1e6 or None, REFERENCE: "",
+        "memory_MB": peak / 1e6 or None,
     }  # fmt: skip
 
 
-def _macro_rows(
-    each: Ended, grids: Mapping[str, Grid], references: Mapping[str, Mapping[str, Reference]],
-    doubts: Mapping[str, Mapping[str, float]], finest: bool,
-) -> list[dict[str, Any]]:  # fmt: skip
+def _macro_rows(each: Ended, truth: Truth) -> list[dict[str, Any]]:
     """Rows of the macro-models whose springs come from a run, by number of depth slices."""
     springs: xr.DataTree = read_tree(each.folder / "springs.nc")
-    unit, rows = each.record["solver"].get("unit_s"), []
+    setting, unit, rows = each.setting, each.record["solver"].get("unit_s"), []
     for answer in macro.answers(springs):
-        asked, found = [path for path in answer.asked if path in grids], []
+        asked, found = [path for path in answer.asked if path in truth.grids], {}
         for path in asked:
-            curve, grid = answer.paths.get(path), Grid(grids[path].x, np.full_like(grids[path].y, np.nan))
-            if curve is not None and curve.x[-1] >= grid.x[-1] * (1.0 - 1e-9):  # else it did not get as far
-                kept = {name: ref for name, ref in references[path].items() if name in (LOAD, OTHER)}
-                found.append(_errors(sampled(curve, grid), kept, doubts[path], finest))
+            curve, x = answer.paths.get(path), truth.grids[path].x
+            if curve is not None and curve.x[-1] >= x[-1] * (1.0 - 1e-9):  # else it did not get as far
+                answers = sampled(curve, Grid(x, np.zeros((0, x.size))))
+                found[path] = {name: answers[name] for name in (LOAD, OTHER) if name in answers}
         complete = 0 < len(found) == len(asked)
         rows.append({
-            "model": MACRO, "name": f"{each.setting.name}, {answer.springs}, {answer.slices} slices",
-            "group": "macro-model", "mesh": each.setting.mesh, "refinement": each.setting.refinement,
-            "series": each.setting.series, "slices": answer.slices, "status": "complete" if complete else "stopped",
+            "model": MACRO, "name": f"{setting.name}, {answer.springs}, {answer.slices} slices",
+            "group": "macro-model", "mesh": setting.mesh, "refinement": setting.refinement,
+            "series": setting.series, "slices": answer.slices, "status": "complete" if complete else "stopped",
             "why": "" if complete else "the springs do not carry all paths to their ends",
             "unknowns": each.record["mesh"]["unknowns"], "wall_s": answer.seconds, "cpu_s": answer.seconds,
             "unit_s": unit, "units": answer.seconds / unit if unit else None,
-            REFERENCE: _own_reference(references) if finest else "",
-            **(_columns(measures.worst(found)) if complete else {}),
+            **truth.columns(setting.name, found if complete else {}),
         })  # fmt: skip
     return rows

@@ -26,8 +26,6 @@ from pysprings.run_lock import exclusive, new_folder
 from pysprings.storage import replacing, write_text
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from pysprings.progress import Progress
     from pysprings.scene import Scene
 
@@ -65,7 +63,7 @@ def to_json(scene: Scene, found: Found) -> dict[str, Any]:
         **_origin(scene),
         "series": list(found.series),
         "cell_size": "unknowns^(-1/3)",
-        "measures": {name: words for name, (_, words) in MEASURES.items()},
+        "measures": {name: measure.words for name, measure in MEASURES.items()},
         "reference": {
             path: {
                 name: {"order": each.order, "note": each.note}
@@ -73,7 +71,7 @@ def to_json(scene: Scene, found: Found) -> dict[str, Any]:
             } | {"uncertainty_pct": _finite(found.uncertainty[path])}
             for path, references in found.references.items()
         },
-        "rows": records(found.table),
+        "rows": rows.records(found.table),
     }  # fmt: skip
 
 
@@ -84,16 +82,12 @@ def presets(scene: Scene, found: Found) -> dict[str, Any]:
     """
     table = found.table
     names = [f"{name}_pct" for name in JUDGED]
-    usable = table[(table["model"] == rows.FULL) & (table["status"] == "complete")].dropna(
-        subset=[name for name in names if name in table]
-    )
+    usable = table[(table["model"] == rows.FULL) & (table["status"] == "complete")].dropna(subset=names)
     if usable.empty:
         raise UserInputError([Problem(key="--write-presets", message="no run of the study has an error to offer")])
     solvers = {each.name: dict(each.solver) for each in found.settings}
     kept = ["name", "mesh", "refinement", "unknowns", "wall_s", "cpu_s", "units", *names]
-    lines = [
-        {key: row[key] for key in kept} | {"solver": solvers.get(row["name"], {})} for row in records(usable[kept])
-    ]
+    lines = [row | {"solver": solvers[row["name"]]} for row in rows.records(usable[kept])]
     return {"schema": SCHEMA, "origin": _origin(scene), "orders": _orders(found), "settings": lines}
 
 
@@ -102,17 +96,9 @@ def write_presets(scene: Scene, found: Found, file: Path) -> Path:
     return write_text(json.dumps(presets(scene, found), indent=1, allow_nan=False) + "\n", file)
 
 
-def records(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return the rows of a table as plain values; what is not there is None."""
-    plain = json.loads(table.to_json(orient="records", double_precision=15))
-    return list(plain)
-
-
 def _orders(found: Found) -> dict[str, float | None]:
     names = dict.fromkeys(name for each in found.references.values() for name in each)
-    known = {
-        name: [each[name].order for each in found.references.values() if name in each] for name in names
-    }  # fmt: skip
+    known = {name: [each[name].order for each in found.references.values() if name in each] for name in names}
     return {name: min((order for order in orders if order is not None), default=None) for name, orders in known.items()}
 
 

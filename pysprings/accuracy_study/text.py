@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from pysprings.accuracy.measures import MEASURES
-from pysprings.accuracy.presets import JUDGED, TARGETS
-from pysprings.accuracy_study.rows import FULL, MACRO, Found
+from pysprings.accuracy.presets import TARGETS, cheapest_within
+from pysprings.accuracy_study.rows import FULL, MACRO, Found, records
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,15 +24,6 @@ _COSTS = {
     "units": ("wall [units]", ".3g"),
     "memory_MB": ("memory [MB]", ".0f"),
 }
-_ERRORS = {
-    "load_max": "load max",
-    "load_area": "load area",
-    "py_rms": "p-y rms",
-    "py_max": "p-y max",
-    "rotation_max": "rotation",
-    "stiffness": "stiffness",
-    "pressure_max": "pressure",
-}
 _MACRO_COSTS = {"name": ("springs from", "s"), "wall_s": ("50 points [ms]", ".3g"), "units": ("[units]", ".2g")}
 _MACRO_ERRORS = ("load_max", "load_area", "rotation_max")
 
@@ -40,8 +31,8 @@ _MACRO_ERRORS = ("load_max", "load_area", "rotation_max")
 def columns(model: str) -> dict[str, tuple[str, str]]:
     """Return column -> (head, format) of the table of a model, FULL or MACRO."""
     costs = _COSTS if model == FULL else _MACRO_COSTS
-    wanted = tuple(_ERRORS) if model == FULL else _MACRO_ERRORS
-    found = costs | {f"{name}_pct": (f"{_ERRORS[name]} [%]", ".2g") for name in wanted}
+    wanted = tuple(MEASURES) if model == FULL else _MACRO_ERRORS
+    found = costs | {f"{name}_pct": (f"{MEASURES[name].head} [%]", ".2g") for name in wanted}
     return found | ({"from_mesh_pct": ("alone [%]", ".2g")} if model == FULL else {}) | {"mark": ("", "s")}
 
 
@@ -49,7 +40,7 @@ def cells(table: pd.DataFrame, model: str) -> tuple[list[str], list[list[str]]]:
     """Return heads and rows of the settings of a model as text."""
     shown = columns(model)
     part = table[table["model"] == model]
-    rows = [[_cell(_value(row, name, model), form) for name, (_, form) in shown.items()] for row in rows_of(part)]
+    rows = [[_cell(_value(row, name, model), form) for name, (_, form) in shown.items()] for row in records(part)]
     return [head for head, _ in shown.values()], rows
 
 
@@ -58,23 +49,21 @@ def reference_lines(found: Found) -> Iterator[str]:
     for path, references in found.references.items():
         for name, reference in references.items():
             doubts = [
-                f"{measure} {doubt:.2g} %"
-                for measure, (quantity, _) in MEASURES.items()
-                if quantity == name and math.isfinite(doubt := found.uncertainty[path][measure])
+                f"{key} {doubt:.2g} %"
+                for key, measure in MEASURES.items()
+                if measure.quantity == name and math.isfinite(doubt := found.uncertainty[path][key])
             ]
-            if doubts:
-                yield f"{path}, {name}: {reference.note}; uncertain by {', '.join(doubts)}"
+            yield f"{path}, {name}: {reference.note}" + (f"; uncertain by {', '.join(doubts)}" if doubts else "")
 
 
 def target_lines(table: pd.DataFrame) -> Iterator[str]:
     """Yield the cheapest setting within each target, by processor time."""
-    full = table[(table["model"] == FULL) & (table["status"] == "complete")]
+    full = records(table[(table["model"] == FULL) & (table["status"] == "complete")])
     for target, limit in TARGETS.items():
-        good = full[full[[f"{name}_pct" for name in JUDGED]].max(axis=1, skipna=False) <= limit]
-        if good.empty:
+        row = cheapest_within(limit, full)
+        if row is None:
             yield f"load and p-y (root mean square) within {target}: no setting"
             continue
-        row = min(rows_of(good), key=lambda each: each["cpu_s"])
         units = f", {row['units']:.3g} units" if row["units"] else ""
         time = f"{row['wall_s']:.3g} s wall, {row['cpu_s']:.3g} s CPU{units}"
         yield f"load and p-y (root mean square) within {target}: {row['name']}, {time}"
@@ -85,7 +74,7 @@ NOTES = (
     "unit: one factorisation and solve of the run's own last tangent.",
     "Errors at equal displacement beside the reference, worst path. Load max: largest difference over the largest "
     "load; load area: area between the curves over that below; p-y: over the largest p, root mean square and largest "
-    "over 8 slices of the skirt; rotation: largest difference over the largest (M where the rotation is imposed); "
+    "over 8 slices of the skirt; rotation: largest difference over the largest (M of a translation, H of a rotation); "
     "stiffness: at rest; pressure: peak contact pressure down to 0.9 of the skirt.",
     "alone: what the setting changes by itself: largest load difference from the same mesh with the scene's own "
     "settings. *: on the Pareto front of load max or p-y rms over wall time.",
@@ -104,13 +93,8 @@ def to_markdown(found: Found, head: Mapping[str, Any], picture: str) -> str:
     lines += [
         "Springs of each mesh, with all its depth slices and with fewer; the time is that of a curve of 50 points."
     ]
-    stopped = [f"- {row['name']}: {row['why']}" for row in rows_of(found.table) if row["why"]]
+    stopped = [f"- {row['name']}: {row['why']}" for row in records(found.table) if row["why"]]
     return "\n".join(lines + (["", "## Stopped", "", *stopped] if stopped else [])) + "\n"
-
-
-def rows_of(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return the rows of a table by column name."""
-    return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
 
 
 def _table(found: Found, model: str) -> list[str]:
@@ -128,6 +112,4 @@ def _value(row: Mapping[str, Any], name: str, model: str) -> Any:
 
 
 def _cell(value: Any, form: str) -> str:
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "-"
-    return str(value) if form == "s" else format(value, form)
+    return "-" if value is None else format(value, form)

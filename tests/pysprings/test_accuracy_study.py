@@ -25,7 +25,7 @@ from pysprings.kept_runs import RUNS, read_record
 from pysprings.plots.accuracy import error_against_time
 from pysprings.resources import size_of
 from pysprings.springs import get_path
-from pysprings.storage import write_text, write_tree
+from pysprings.storage import read_tree, write_text, write_tree
 from tests.pysprings import tiny
 from tests.pysprings.synthetic import Path as Pull
 from tests.pysprings.synthetic import make_result, make_springs
@@ -42,7 +42,7 @@ def invented(scene: Scene, folder: Path, progress: Any) -> None:
     """Leave what a run leaves, from soil whose reactions are wrong by SLOPE h^ORDER; costs grow with the unknowns."""
     unknowns = size_of(scene).unknowns
     factor = 1.0 + SLOPE * cell_size(unknowns) ** ORDER
-    path = Pull(arm=4.0, size=1e-3, steps=12 if scene.solver.max_step_fraction == 0.1 else 9)
+    path = Pull(arm=4.0, size=1e-3, steps=12 if scene.solver.max_step_fraction == 0.3 else 9)
     result, springs = make_result((path,)), make_springs((path,))
     result["stiffness_initial"] = springs["stiffness_initial"]
     result.attrs |= {"skirt_length_m": springs.attrs["skirt_length_m"], "n_unknowns": unknowns}
@@ -75,6 +75,14 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return SimpleNamespace(out=out, found=found, told=told, settings=wanted)
 
 
+def kept(done: Any, out: Path, but: tuple[str, ...] = ()) -> None:
+    """Have the runs of the study, but for some, stand in another folder, too."""
+    (out / RUNS).mkdir()
+    for each in done.settings:
+        if each.name not in but:
+            (out / RUNS / each.name).symlink_to(done.out / RUNS / each.name)
+
+
 def full(found: rows.Found) -> pd.DataFrame:
     return found.table[found.table["model"] == rows.FULL].set_index("name")
 
@@ -92,11 +100,35 @@ def test_every_setting_has_cost_and_error(done: Any) -> None:
     assert table.loc["coarse-1.35", "load_max_pct"] < table.loc["coarse-0.75", "load_max_pct"]
 
 
-def test_what_a_setting_changes_by_itself(done: Any) -> None:
-    """The invented soil knows nothing of tolerances."""
+def test_what_a_setting_changes_by_itself(done: Any, tmp_path: Path) -> None:
+    """The invented soil knows nothing of tolerances, and little of steps; with 3 % more load it is 3 %."""
     table = full(done.found)
     assert table.loc["coarse-tolerance-1e-3", "from_mesh_pct"] == 0.0
+    assert 0.0 < table.loc["coarse-steps-0.3", "from_mesh_pct"] < 0.1
     assert np.isnan(table.loc["coarse", "from_mesh_pct"])
+
+    def looser(scene: Scene, folder: Path, progress: Any) -> None:
+        invented(scene, folder, progress)
+        tree = read_tree(folder / "full_model.nc")
+        tree["paths/pull"]["H"] *= 1.03
+        write_tree(tree, folder / "full_model.nc")
+
+    kept(done, tmp_path, but=("coarse-tolerance-1e-3",))
+    found = rows.assess(runs.run_all(elastic(), done.settings, tmp_path, lambda *_: None, looser))
+    assert full(found).loc["coarse-tolerance-1e-3", "from_mesh_pct"] == pytest.approx(3.0)
+
+
+def test_one_mesh_says_nothing_of_its_error(done: Any, tmp_path: Path) -> None:
+    """It would be its own reference, and exact: no error, no target, no presets; what a setting changes is told."""
+    kept(done, tmp_path)
+    found = rows.assess(runs.run_all(elastic(), settings(["coarse"], quick=True), tmp_path, lambda *_: None, invented))
+    assert found.table[["load_max_pct", "py_rms_pct"]].isna().all(axis=None)
+    assert full(found)["from_mesh_pct"].notna().sum() == 2
+    assert not found.table["pareto"].any()
+    assert "pull, load: one mesh: nothing to compare it with" in list(text.reference_lines(found))
+    assert all(line.endswith("no setting") for line in text.target_lines(found.table))
+    with pytest.raises(UserInputError, match="no run of the study has an error to offer"):
+        study.presets(elastic(), found)
 
 
 def test_reference_is_told_by_quantity(done: Any) -> None:
@@ -164,10 +196,7 @@ def test_a_run_that_does_not_fit_is_a_row(done: Any, tmp_path: Path) -> None:
         if folder.name == "coarse-tolerance-1e-3":
             raise RunIncomplete("path 'pull' stopped")
 
-    for each in done.settings:  # what has run, but for two
-        if each.name not in ("coarse-1.35", "coarse-tolerance-1e-3"):
-            (tmp_path / RUNS).mkdir(exist_ok=True)
-            (tmp_path / RUNS / each.name).symlink_to(done.out / RUNS / each.name)
+    kept(done, tmp_path, but=("coarse-1.35", "coarse-tolerance-1e-3"))
     ended = runs.run_all(elastic(), done.settings, tmp_path, lambda *_: None, fails)
     found = rows.assess(ended)
     table = full(found)
@@ -278,8 +307,17 @@ def test_picture_shows_every_group_and_the_reference_hollow(done: Any) -> None:
     assert {"mesh", "steps", "tolerance", "macro-model"} <= labels
     drawn = sum(len(each.get_offsets()) for each in load.collections)
     assert drawn == len(done.settings)
+    assert hollow(load) == hollow(py) == 0  # both are extrapolated; the rotation is not
+    table = done.found.table.assign(reference=done.found.table["reference"].replace("rotation", "load, rotation"))
+    load, py, _ = error_against_time(table, "its own reference").axes
+    assert (hollow(load), hollow(py)) == (1, 0)
     empty = error_against_time(done.found.table.iloc[:0], "nothing")
     assert len(empty.axes) == 3
+
+
+def hollow(axes: Any) -> int:
+    """Marks with a white middle."""
+    return sum(int((face == 1.0).all()) for each in axes.collections for face in each.get_facecolors())
 
 
 @pytest.mark.slow
