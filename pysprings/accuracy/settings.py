@@ -19,14 +19,13 @@ FINEST_FACTOR, COARSEST_FACTOR = 8.0, 0.25
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 MESH, STEPS, TOLERANCE, LINEAR = "mesh", "steps", "tolerance", "linear solver"
-GROUPS = (MESH, STEPS, TOLERANCE, LINEAR)
 
 # The meshes of the extrapolation, and those that are run beside them
 SERIES = ("medium:0.7", "medium", "medium:1.4")
 BETWEEN = ("coarse:0.7", "coarse:0.8", "coarse", "medium:0.85", "paper")
 QUICK_SERIES = ("coarse:0.7", "coarse", "coarse:1.3")  # 4, 8 and 12 cells around
 
-# group, end of the name, values of [solver]; on the second finest mesh of the series
+# group, end of the name, values of [solver] (steps: shares of a path); on the second finest mesh of the series
 VARIED: tuple[tuple[str, str, Mapping[str, Any]], ...] = (
     (STEPS, "steps-0.3", {"max_step_fraction": 0.3}),
     (STEPS, "steps-0.1", {"max_step_fraction": 0.1}),
@@ -55,8 +54,13 @@ class Setting:
     series: bool = False
 
     def scene(self, scene: Scene) -> Scene:
-        """Return the scene with this setting; its factor on the mesh multiplies, its number of sectors falls."""
+        """Return the scene with this setting: factors on the mesh multiply, sectors are those of the preset."""
         refinement = scene.mesh.refinement * self.refinement
+        if not COARSEST_FACTOR <= refinement <= FINEST_FACTOR:
+            own = (
+                f"'{self.name}' with the scene's own mesh.refinement {scene.mesh.refinement:g} is {refinement:g} times"
+            )
+            raise _refused(f"{own} {self.mesh}, not in [{COARSEST_FACTOR:g}, {FINEST_FACTOR:g}]")
         mesh = {"preset": self.mesh, "refinement": refinement, "azimuth": None}
         return scene.replace(mesh=mesh, solver=dict(self.solver))
 
@@ -68,13 +72,13 @@ def settings(
 
     Parameters
     ----------
-    meshes : presets, with a factor if wanted ("medium:0.7"); the series of the extrapolation.
-        None: SERIES, and BETWEEN.
-    quick : a smaller series and fewer variations.
+    meshes : presets, with a factor if wanted ("medium:0.7"), in any order; the series of the extrapolation.
+        Empty: SERIES, and BETWEEN.
+    quick : a smaller series (where no meshes are given) and fewer variations.
     linear : linear solvers to try beside ``base_linear``, the one that the other runs use.
     """
-    chosen = list(meshes) or list(QUICK_SERIES if quick else SERIES)
-    series = [read_mesh(text, series=True) for text in dict.fromkeys(chosen)]
+    chosen = [read_mesh(text, series=True) for text in meshes or (QUICK_SERIES if quick else SERIES)]
+    series = sorted({each.name: each for each in chosen}.values(), key=_unknowns)
     between = [] if meshes or quick else [read_mesh(text) for text in BETWEEN]
     base = series[max(len(series) - 2, 0)]
     varied = [each for each in VARIED if not quick or each[1] in QUICK_VARIED]
@@ -85,6 +89,14 @@ def settings(
         *(Setting(f"{base.name}-{end}", group, base.mesh, base.refinement, values)
           for group, end, values in [*varied, *others]),
     ]  # fmt: skip
+
+
+def _unknowns(setting: Setting) -> int:
+    """Unknowns of a mesh, by which presets and factors are ordered; of the default scene."""
+    from pysprings.resources import size_of
+    from pysprings.scene import Scene
+
+    return size_of(setting.scene(Scene())).unknowns
 
 
 def read_mesh(text: str, series: bool = False) -> Setting:

@@ -48,6 +48,18 @@ def test_one_factor_at_a_time_on_the_second_finest_mesh() -> None:
             assert (each.mesh, each.refinement) == ("medium", 0.7)
 
 
+def test_the_series_is_ordered_by_size_and_names_a_mesh_once() -> None:
+    found = settings(["medium:1.4", "coarse:1.3", "medium:0.70", "medium:0.7", "coarse", "coarse:1"])
+    assert [each.name for each in found if each.series] == ["coarse", "medium-0.7", "coarse-1.3", "medium-1.4"]
+    assert {each.mesh for each in found if each.solver} == {"coarse"}
+    assert len({each.name for each in found}) == len(found)
+
+
+def test_a_factor_beyond_the_range_with_that_of_the_scene_is_refused() -> None:
+    with pytest.raises(UserInputError, match=r"--mesh: 'medium-4' .* mesh.refinement 4 is 16 times medium, not in"):
+        read_mesh("medium:4").scene(Scene(mesh={"refinement": 4.0}))
+
+
 def test_quick_is_a_family_with_ever_more_sectors() -> None:
     series = [each for each in settings(quick=True) if each.series]
     assert [counts_of(each.scene(Scene())).azimuth for each in series] == [4, 8, 12]
