@@ -19,7 +19,7 @@ from pysprings.full_model import compute, raise_if_incomplete, scene_to_run
 from pysprings.progress import Progress
 from pysprings.report import write_report
 from pysprings.resources import refuse_full_disk
-from pysprings.result_files import FIGURES, PARAVIEW, remove_results
+from pysprings.result_files import FIGURES, PARAVIEW, is_unfinished, remove_results
 from pysprings.run_lock import exclusive, new_folder
 from pysprings.run_record import Meter
 from pysprings.springs import balance, get_path, path_names, save_springs
@@ -62,6 +62,20 @@ def run_to_folder(
         if was_interrupted(result):
             raise KeyboardInterrupt
     return folder
+
+
+def run_or_go_on(scene: Scene, folder: Path, progress: Progress | None = None, time_unit: bool = False) -> Path:
+    """Run a scene into a folder, or go on with what was interrupted there; anew where its checkpoints do not serve.
+
+    They do not where they belong to another scene, mesh or version, or are damaged.
+    """
+    resume = is_unfinished(folder)
+    try:
+        return run_to_folder(scene, folder, progress=progress, resume=resume, time_unit=time_unit)
+    except UserInputError:
+        if not resume:
+            raise
+        return run_to_folder(scene, folder, progress=progress, time_unit=time_unit)
 
 
 def _write_all(folder: Path, scene: Scene, result: xr.DataTree) -> None:

@@ -74,12 +74,10 @@ class Whole:
 
 def has_ended(folder: Path, scene: Scene) -> bool:
     """Tell whether a folder holds the ended run (complete, or stopped by itself) of this scene and version."""
-    record = read_record(folder)
+    record = record_of(folder, scene)
     return (
         record.get("status") in ("complete", "partial")
         and not record.get("stopped_by")
-        and record.get("scene_sha256") == scene.sha256
-        and record.get("version") == pysprings.__version__
         and all((folder / name).exists() for name in NEEDED)
         and not (folder / CHECKPOINT).exists()
     )
@@ -91,6 +89,13 @@ def forget(folder: Path) -> None:
 
     (folder / "run.json").unlink(missing_ok=True)
     Checkpoints(folder).remove()
+
+
+def record_of(folder: Path, scene: Scene) -> dict[str, Any]:
+    """Return run.json of a folder where it is of this scene and version; else empty."""
+    record = read_record(folder)
+    own = record.get("scene_sha256") == scene.sha256 and record.get("version") == pysprings.__version__
+    return record if own else {}
 
 
 def read_record(folder: Path) -> dict[str, Any]:

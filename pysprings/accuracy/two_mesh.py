@@ -20,6 +20,7 @@ import xarray as xr
 from pysprings.accuracy import measures
 from pysprings.accuracy.curves import LOAD, PY, curves_of, samples
 from pysprings.accuracy.richardson import cell_size
+from pysprings.accuracy.settings import COARSEST_FACTOR
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene
@@ -40,7 +41,7 @@ def coarser(scene: Scene) -> Scene:
     from pysprings.build import counts_of
 
     azimuth = scene.mesh.azimuth
-    changed: dict[str, Any] = {"refinement": max(FACTOR * scene.mesh.refinement, 0.25)}
+    changed: dict[str, Any] = {"refinement": max(FACTOR * scene.mesh.refinement, COARSEST_FACTOR)}
     if azimuth is not None:
         changed["azimuth"] = max(8, 4 * round(FACTOR * azimuth / 4))
     output = {"interface_fields": False, "section": False, "figures": False, "paraview": False}

@@ -27,17 +27,9 @@ Run = Callable[["Scene", Path, "Progress"], None]
 
 def run_here(scene: Scene, folder: Path, progress: Progress) -> None:
     """Run a scene into a folder, or go on there, and time its unit; raises as `run_to_folder` does."""
-    from pysprings.folder import run_to_folder
-    from pysprings.result_files import is_unfinished
+    from pysprings.folder import run_or_go_on
 
-    resume = is_unfinished(folder)
-    try:
-        run_to_folder(scene, folder, progress=progress, resume=resume, time_unit=True)
-    except UserInputError:
-        if not resume:
-            raise
-        # the checkpoints belong to another scene, mesh or version, or are damaged
-        run_to_folder(scene, folder, progress=progress, time_unit=True)
+    run_or_go_on(scene, folder, progress, time_unit=True)
 
 
 def run_in_child(scene: Scene, folder: Path, progress: Progress) -> None:

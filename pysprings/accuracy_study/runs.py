@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pysprings.accuracy.settings import Setting
 from pysprings.accuracy_study.child import Run
 from pysprings.errors import ResourceError, RunIncomplete, UserInputError
-from pysprings.kept_runs import RUNS, Whole, forget, has_ended, read_record
+from pysprings.kept_runs import RUNS, Whole, forget, has_ended, record_of
 from pysprings.resources import seconds, size_of
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
         if setting.name in missing:
             why = _run(scenes[setting.name], folder, whole.of(setting.name), run)
         whole.ended(setting.name, setting.name in missing)
-        record = read_record(folder)
+        record = record_of(folder, scenes[setting.name])
         found.append(Ended(setting, folder, record, why or _told(record)))
     return found
 
@@ -79,7 +79,7 @@ def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:
             warnings.simplefilter("ignore")  # a run's own warnings are in its record
             run(scene, folder, progress)
     except RunIncomplete as error:
-        return f"not converged: {error}"
+        return f"{_NOT_CONVERGED}{error}"
     except ResourceError as error:
         return f"resources: {error}"
     except UserInputError as error:  # say a mesh so coarse that its cells cannot be graded
@@ -88,7 +88,13 @@ def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:
 
 
 def _told(record: dict[str, Any]) -> str:
-    return "" if record.get("status") == "complete" else "; ".join(record.get("failures", ["no run"]))
+    """Say of a kept run what `_run` has said of it."""
+    return (
+        "" if record.get("status") == "complete" else f"{_NOT_CONVERGED}{'; '.join(record.get('failures', ['no run']))}"
+    )
+
+
+_NOT_CONVERGED = "not converged: "
 
 
 def _warm_up(scene: Scene, folder: Path, report: Progress, run: Run) -> None:

@@ -9,18 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings import kept_runs
-from pysprings.errors import RunIncomplete, UserInputError
-from pysprings.kept_runs import NEEDED, RUNS, Whole, has_ended, read_record
+from pysprings.errors import RunIncomplete
+from pysprings.kept_runs import RUNS, Whole, has_ended, record_of
 from pysprings.paper.cases import CASES, PATH, Case
-from pysprings.result_files import is_unfinished
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.progress import Progress
-    from pysprings.scene import Scene
-
-__all__ = ["NEEDED", "RUNS", "Run", "Whole", "forget", "has_ended", "load_runs", "path_of", "read_record", "run_all"]
 
 _COUPLED = 1.6  # cost of a run with water over that of a drained one
 
@@ -53,6 +49,8 @@ def run_all(out: Path, mesh: str, report: Progress, cases: Sequence[Case] = CASE
 
     KeyboardInterrupt passes through: the same call goes on.
     """
+    from pysprings.folder import run_or_go_on
+
     whole = Whole({case.name: 1.0 if case.drained else _COUPLED for case in cases}, report, paths=(PATH,))
     stopped = []
     for case in cases:
@@ -60,24 +58,11 @@ def run_all(out: Path, mesh: str, report: Progress, cases: Sequence[Case] = CASE
         worked = not has_ended(folder, scene)
         if worked:
             try:
-                _run(scene, folder, whole.of(case.name))
+                run_or_go_on(scene, folder, whole.of(case.name))
             except RunIncomplete as error:
                 stopped.append(f"{case.name}: {error}")
         whole.ended(case.name, worked)
     return stopped
-
-
-def _run(scene: Scene, folder: Path, progress: Progress) -> None:
-    from pysprings.folder import run_to_folder
-
-    resume = is_unfinished(folder)
-    try:
-        run_to_folder(scene, folder, progress=progress, resume=resume)
-    except UserInputError:
-        if not resume:
-            raise
-        # the checkpoints belong to another scene, mesh or version, or are damaged
-        run_to_folder(scene, folder, progress=progress)
 
 
 def forget(out: Path, cases: Sequence[Case] = CASES) -> None:
@@ -93,8 +78,9 @@ def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, 
 
     runs = {}
     for case in cases:
-        folder, record = out / RUNS / case.name, read_record(out / RUNS / case.name)
-        if record.get("scene_sha256") != case.scene(mesh).sha256 or not (folder / "full_model.nc").exists():
+        folder = out / RUNS / case.name
+        record = record_of(folder, case.scene(mesh))
+        if not record or not (folder / "full_model.nc").exists():
             continue
         result = read_tree(folder / "full_model.nc")
         if PATH in path_names(result) and int(result[f"paths/{PATH}"]["converged"].sum()) > 1:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.exporters.csv import write_frame
+from pysprings.kept_runs import RUNS
 from pysprings.paper import claims, figures, idealisations, page, runs, sensitivity, text
 from pysprings.paper.cases import CASES, VARIANTS, Case, Variant
 from pysprings.run_lock import exclusive, new_folder
@@ -26,7 +27,7 @@ FILES = {
     "sensitivity.csv": "readings of what the paper leaves open",
     "sensitivity.md": "the same as Markdown",
     figures.FOLDER: "figures in the paper's arrangement",
-    runs.RUNS: "the runs, each with its own report",
+    RUNS: "the runs, each with its own report",
 }
 
 
