@@ -252,9 +252,10 @@ def print_cost(record: Mapping[str, Any]) -> None:
 def print_estimate(record: Mapping[str, Any]) -> None:
     """Print the setting that a target error chose, and the run's own estimate of its error."""
     if target := record.get("target_error"):
-        found = ", ".join(
-            f"{name.replace('_', ' ')} {value:.2g} %" for name, value in target["error_in_study_pct"].items()
-        )
+        from pysprings.accuracy.measures import MEASURES
+
+        errors = target["error_in_study_pct"].items()
+        found = ", ".join(f"{MEASURES[name].head} {value:.2g} %" for name, value in errors)
         study = target["study"]
         print(
             f"target error {target['target']}: setting {target['setting']}, in the study of '{study['scene']}' {found}"

@@ -226,9 +226,6 @@ def interruptible() -> Iterator[None]:
             signal.signal(kind, signal.SIG_DFL)
 
 
-_STUDIED = ("tolerance", "max_step_fraction", "first_step_fraction")
-
-
 def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[str, Any]]:
     """Return the scene with the cheapest setting for a target error, and what `run_to_folder` is told beside it."""
     from pysprings.accuracy import presets
@@ -236,13 +233,8 @@ def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[
     if has_mesh:
         refuse("--target-error", "chooses the mesh itself: give it or --mesh")
     setting = presets.cheapest(target)
-    notes = {"target_error": presets.note(target, setting)}
-    # the study ran with these as they are by default, and says nothing of others
-    plain = {key: getattr(type(scene.solver)(), key) for key in _STUDIED}
-    return setting.scene(scene.replace(mesh={"refinement": 1.0}, solver=plain)), {
-        "estimate_error": True,
-        "notes": notes,
-    }
+    extra = {"estimate_error": True, "notes": {"target_error": presets.note(target, setting)}}
+    return presets.applied(setting, scene), extra
 
 
 def record_stamp(folder: Path) -> tuple[int, int] | None:

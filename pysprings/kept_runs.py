@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pysprings.scene import Scene
 
 RUNS = "runs"  # folder of the runs' folders
+_TAKEN_UP = 0.3  # a run whose first news is beyond this share has not come so far in this call
 NEEDED = ("full_model.nc", "springs.nc", "run.json")
 
 
@@ -49,7 +50,7 @@ class Whole:
                 self.report(name, 0.0, message)
                 return
             fraction = (self.paths.index(path) + fraction) / len(self.paths)
-            start = self._skipped.setdefault(name, fraction if fraction > 0.3 else 0.0)
+            start = self._skipped.setdefault(name, fraction if fraction > _TAKEN_UP else 0.0)
             self.report(name, fraction, message)
             self._tell(self.weights[name] * fraction, self.weights[name] * (fraction - start))
 

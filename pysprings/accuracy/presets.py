@@ -11,14 +11,18 @@ import json
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pysprings.accuracy.curves import LOAD, PY
 from pysprings.accuracy.settings import MESH, Setting
 from pysprings.errors import Problem, UserInputError
 
+if TYPE_CHECKING:
+    from pysprings.scene import Scene
+
 SCHEMA = "pysprings-accuracy-1"
 TARGETS = {"5%": 5.0, "2%": 2.0, "1%": 1.0}
+_VARIED = ("tolerance", "max_step_fraction", "first_step_fraction")  # of [solver]; linear solvers answer alike
 JUDGED = ("load_max", "py_rms")  # a setting meets a target where both errors do
 
 
@@ -57,6 +61,15 @@ def cheapest_within(limit: float, rows: Iterable[Mapping[str, Any]]) -> Mapping[
     errors = [(row, [row[f"{name}_pct"] for name in JUDGED]) for row in rows]
     good = [row for row, found in errors if all(value is not None and value <= limit for value in found)]
     return min(good, key=lambda row: float(row["cpu_s"]), default=None)
+
+
+def applied(setting: Setting, scene: Scene) -> Scene:
+    """Return a scene with a setting of the study and, in what else it varies, as the study ran: by default.
+
+    Its own mesh, tolerance and steps go: the study says nothing of them.
+    """
+    plain = {key: getattr(type(scene.solver)(), key) for key in _VARIED}
+    return setting.scene(scene.replace(mesh={"refinement": 1.0}, solver=plain))
 
 
 def note(target: str, setting: Setting, study: dict[str, Any] | None = None) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import pysprings
 from pysprings.accuracy.measures import MEASURES
-from pysprings.accuracy.presets import JUDGED, SCHEMA
+from pysprings.accuracy.presets import JUDGED, SCHEMA, TARGETS
 from pysprings.accuracy.settings import Setting
 from pysprings.accuracy_study import rows, runs, text
 from pysprings.accuracy_study.child import Run, run_in_child
@@ -23,7 +23,7 @@ from pysprings.accuracy_study.rows import Found
 from pysprings.errors import Problem, UserInputError
 from pysprings.kept_runs import RUNS
 from pysprings.run_lock import exclusive, new_folder
-from pysprings.storage import replacing, write_text
+from pysprings.storage import write_text
 
 if TYPE_CHECKING:
     from pysprings.progress import Progress
@@ -124,6 +124,7 @@ def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
 
 def _write(out: Path, scene: Scene, found: Found) -> None:
     from pysprings.plots.accuracy import error_against_time
+    from pysprings.plots.files import save
 
     write_text(found.table.to_csv(index=False), out / "accuracy.csv")
     write_text(json.dumps(to_json(scene, found), indent=1, allow_nan=False) + "\n", out / "accuracy.json")
@@ -134,7 +135,4 @@ def _write(out: Path, scene: Scene, found: Found) -> None:
         "seconds on": _machine(),
     }
     write_text(text.to_markdown(found, head, "accuracy.png"), out / "accuracy.md")
-    figure = error_against_time(found.table, scene.title)
-    for form in ("png", "svg"):
-        with replacing(out / f"accuracy.{form}") as temporary:
-            figure.savefig(temporary, dpi=110, format=form)
+    save(error_against_time(found.table, scene.title, TARGETS.values()), out / "accuracy", dpi=110)

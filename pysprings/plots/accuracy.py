@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,22 +31,22 @@ PANELS = (
     ("full", "py_rms_pct", "full model, p-y: root mean square", "wall time of the whole run [s]", 1.0),
     ("macro", "load_max_pct", "macro-model, load: largest", "time of a curve of 50 points [ms]", 1e3),
 )
-TARGETS = (5.0, 2.0, 1.0)
 LEAST = 1e-3  # %, what is below is drawn there
 
 
 @styled
-def error_against_time(table: pd.DataFrame, title: str) -> Figure:
+def error_against_time(table: pd.DataFrame, title: str, targets: Collection[float] = ()) -> Figure:
     """Draw the table of a study (`pysprings.accuracy_study`): error [%] over wall time [s], both logarithmic.
 
-    Marks with a white middle: the run is the reference itself, its uncertainty stands for its error.
+    Marks with a white middle: the run is the reference itself, its uncertainty stands for its error. Dotted lines:
+    ``targets`` [%].
     """
     figure = new_figure(14.0, 5.2)
     every = figure.subplots(1, len(PANELS), sharey=True)
     for axes, (model, column, words, label, factor) in zip(every, PANELS, strict=True):
         shown = table[(table["model"] == model) & (table["status"] == "complete")]
-        shown = shown[shown[column].notna()] if column in shown else shown.iloc[:0]
-        _panel(axes, shown.assign(time=factor * shown["wall_s"].astype(float)), column)
+        shown = shown[shown[column].notna()]
+        _panel(axes, shown.assign(time=factor * shown["wall_s"].astype(float)), column, targets)
         axes.set_title(words)
         axes.set_xlabel(label)
     every[0].set_ylabel("error beside the reference [% of the largest]")
@@ -56,7 +57,7 @@ def error_against_time(table: pd.DataFrame, title: str) -> Figure:
     return figure
 
 
-def _panel(axes: Axes, shown: pd.DataFrame, column: str) -> None:
+def _panel(axes: Axes, shown: pd.DataFrame, column: str, targets: Collection[float]) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     for group, (mark, colour) in MARKS.items():
@@ -65,7 +66,7 @@ def _panel(axes: Axes, shown: pd.DataFrame, column: str) -> None:
             _marks(axes, part, column, mark, colour, group)
     _front(axes, shown, column)
     _names(axes, shown, column)
-    for limit in TARGETS:
+    for limit in targets:
         axes.axhline(limit, color=GREY, linewidth=0.9, linestyle=":")
         axes.annotate(
             f" {limit:g} %", (1.0, limit), xycoords=("axes fraction", "data"), fontsize=8, va="center", color=GREY
@@ -90,14 +91,12 @@ def _names(axes: Axes, shown: pd.DataFrame, column: str) -> None:
 
 def _marks(axes: Axes, part: pd.DataFrame, column: str, mark: str, colour: str, group: str) -> None:
     quantity = column.split("_")[0]
-    own = part["reference"].fillna("").astype(str).str.contains(quantity)
     values = part[column].clip(lower=LEAST)
-    if mark == "x":
-        axes.scatter(part["time"], values, marker=mark, s=34, color=colour, linewidths=1.3, zorder=3, label=group)
-        return
-    face = ["white" if hollow else colour for hollow in own]
-    look: dict[str, Any] = {"facecolors": face, "edgecolors": colour, "linewidths": 1.3}
-    axes.scatter(part["time"], values, marker=mark, s=34, zorder=3, label=group, **look)
+    look: dict[str, Any] = {"color": colour}
+    if mark != "x":  # which has no middle
+        face = ["white" if quantity in own.split(", ") else colour for own in part["reference"]]
+        look = {"facecolors": face, "edgecolors": colour}
+    axes.scatter(part["time"], values, marker=mark, s=34, linewidths=1.3, zorder=3, label=group, **look)
 
 
 def _front(axes: Axes, shown: pd.DataFrame, column: str) -> None:

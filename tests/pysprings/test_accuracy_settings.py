@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings import Scene
+from pysprings import Scene, cli, load_scene
 from pysprings.accuracy import presets, two_mesh
 from pysprings.accuracy.curves import LOAD, PY
 from pysprings.accuracy.own_estimate import add_estimate, was_interrupted
@@ -20,6 +21,12 @@ from pysprings.caisson_mesh import PRESETS as MESHES
 from pysprings.cli_support import with_target
 from pysprings.errors import ResourceError, UserInputError
 from tests.pysprings.test_accuracy_curves import result
+
+STUDIED = Path(__file__).parents[2] / "data" / "scenes" / "service-load.toml"
+
+
+def test_the_command_offers_the_targets_there_are() -> None:
+    assert [each.value for each in cli.Target] == list(presets.TARGETS)
 
 
 def test_the_default_study() -> None:
@@ -108,8 +115,9 @@ def test_the_cheapest_setting_within_both_errors() -> None:
     assert presets.note("2%", presets.cheapest("2%", STUDY), STUDY)["error_in_study_pct"]["py_rms"] == 1.9
 
 
-def test_the_shipped_study_is_whole() -> None:
+def test_the_shipped_study_is_whole_and_of_the_scene_it_names() -> None:
     study = presets.shipped()
+    assert study["origin"]["scene_sha256"] == load_scene(STUDIED).sha256  # else: make accuracy
     assert study["schema"] == presets.SCHEMA
     assert {"scene", "scene_sha256", "version", "date", "command"} <= set(study["origin"])
     assert presets.orders()[LOAD] is None or 0.5 <= presets.orders()[LOAD] <= 4.0

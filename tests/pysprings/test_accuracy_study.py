@@ -194,14 +194,23 @@ def test_a_run_that_does_not_fit_is_a_row(done: Any, tmp_path: Path) -> None:
         if folder.name == "coarse-1.35":
             raise ResourceError("the model needs 9 TB")
         if folder.name == "coarse-tolerance-1e-3":
+            invented(scene, folder, progress)
+            told = {"status": "partial", "failures": ["path 'pull' stopped"]}
+            write_text(json.dumps(read_record(folder) | told), folder / "run.json")
             raise RunIncomplete("path 'pull' stopped")
 
     kept(done, tmp_path, but=("coarse-1.35", "coarse-tolerance-1e-3"))
+    other = {"status": "partial", "version": "0", "scene_sha256": elastic().sha256, "mesh": {"unknowns": 7}}
+    write_text(json.dumps(other), tmp_path / RUNS / "coarse-1.35" / "run.json")  # of a run that is not this one
     ended = runs.run_all(elastic(), done.settings, tmp_path, lambda *_: None, fails)
+    again = runs.run_all(elastic(), done.settings, tmp_path, lambda *_: None, fails)
+    assert [each.why for each in again] == [each.why for each in ended]
     found = rows.assess(ended)
     table = full(found)
     assert list(found.series) == ["coarse-0.75", "coarse"]
     assert table.loc["coarse-1.35", "why"] == "resources: the model needs 9 TB"
+    assert np.isnan(table.loc["coarse-1.35", "unknowns"])
+    assert table.loc["coarse-tolerance-1e-3", "why"] == "not converged: path 'pull' stopped"
     assert np.isnan(table.loc["coarse-1.35", "load_max_pct"])
     assert table.loc["coarse", "load_max_pct"] > 0.0  # of two meshes: the difference
     assert "## Stopped" in text.to_markdown(found, {}, "x.png")
