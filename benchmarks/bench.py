@@ -16,6 +16,7 @@ else it does; the ratios less so.
 from __future__ import annotations
 
 import argparse
+import json
 import multiprocessing
 import os
 import tempfile
@@ -32,6 +33,8 @@ GROWTH = {
     "coupled": ("coarse", "medium", "paper"),
 }
 FINE = "fine"
+# names in fe_engine.recycled with which the first factors are never renewed
+AT_REST_ALONE = {"_LONGEST": 150, "_COMFORTABLE": 1.0e9, "_LATE": 10**9}
 
 
 def scene(mesh: str, end: float, mode: str = "drained") -> Any:
@@ -47,51 +50,58 @@ def scene(mesh: str, end: float, mode: str = "drained") -> Any:
 
 
 def record(mesh: str, end: float, mode: str = "drained") -> dict[str, Any]:
-    """Record of a run in a process of its own, its unit timed."""
-    import json
+    """Record of the paper's pull to an end (m), see `scene`; its unit timed."""
+    return record_of(scene(mesh, end, mode))
 
+
+def record_of(wanted: Any) -> dict[str, Any]:
+    """Record (run.json) of the run of a scene in a process of its own."""
     from pysprings.accuracy_study.child import run_in_child
+    from pysprings.kept_runs import read_record
 
     with tempfile.TemporaryDirectory() as folder:
-        run_in_child(scene(mesh, end, mode), Path(folder) / "run", lambda *_: None)
-        found: dict[str, Any] = json.loads((Path(folder) / "run" / "run.json").read_text())
-    return found
+        run_in_child(wanted, Path(folder) / "run", lambda *_: None)
+        return read_record(Path(folder) / "run")
 
 
-def line(name: str, run: dict[str, Any]) -> None:
-    """Print a run: size, increments, wall time, unit, ratio, memory, profile."""
-    unit, path = run["solver"]["unit_s"], run["paths"]["pull"]
-    solver = run["solver"]
-    print(
-        f"{name:22} {run['mesh']['unknowns']:8,} unknowns  {path['increments']:3} increments  "
-        f"{solver['factorisations']:4} factorisations  {solver['solves']:6} solves  {run['wall_s']:7.1f} s  "
-        f"unit {unit:.3f} s  {run['wall_s'] / unit:6.1f} units  "
-        f"{solver['peak_before_unit_bytes'] / 1e9:5.2f} GB",
-        flush=True,
+def text_of(name: str, run: dict[str, Any]) -> str:
+    """A run in two lines: size, increments, wall time [s], unit [s], their ratio, memory [GB]; profile [% of wall]."""
+    solver, wall, unit = run["solver"], run["wall_s"], run["solver"]["unit_s"]
+    shares = sorted(((cost["wall_s"] / wall, phase) for phase, cost in run["phases"].items()), reverse=True)
+    return (
+        f"{name:22} {run['mesh']['unknowns']:8,} unknowns  {run['paths']['pull']['increments']:3} increments  "
+        f"{solver['factorisations']:4} factorisations  {solver['solves']:6} solves  {wall:7.1f} s  "
+        f"unit {unit:.3f} s  {wall / unit:6.1f} units  {solver['peak_before_unit_bytes'] / 1e9:5.2f} GB\n"
+        f"{'':22}  {', '.join(f'{phase} {100 * share:.0f} %' for share, phase in shares)}"
     )
-    shares = sorted(run["phases"].items(), key=lambda each: -each[1]["wall_s"])
-    print(" " * 22, ", ".join(f"{phase} {100 * cost['wall_s'] / run['wall_s']:.0f} %" for phase, cost in shares))
+
+
+def exponents(n: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
+    """Exponents p of values ~ n^p: fitted to all of them (least squares of the logarithms), and of the last two."""
+    x, y = np.log(n), np.log(values)
+    return float(np.polyfit(x, y, 1)[0]), float((y[-1] - y[-2]) / (x[-1] - x[-2]))
+
+
+def cost_per_unknown(run: dict[str, Any], beside: dict[str, Any]) -> float:
+    """Wall time by unknown of a run, over that of another."""
+    each = [one["wall_s"] / one["mesh"]["unknowns"] for one in (run, beside)]
+    return float(each[0] / each[1])
 
 
 def units() -> None:
     """Wall time to 2.5 and 20 mm in units of the tangent's own factorisation and solve."""
     for end in (2.5 * MM, 20.0 * MM):
-        line(f"paper, to {end / MM:g} mm", record("paper", end))
+        print(text_of(f"paper, to {end / MM:g} mm", record("paper", end)), flush=True)
 
 
 def targets() -> None:
     """Cheapest settings of the shipped study for 5 % and 2 %, run again: wall time beside the study's errors."""
-    import json
-
     from pysprings.accuracy import presets
-    from pysprings.accuracy_study.child import run_in_child
 
     for target in ("5%", "2%"):
         setting = presets.cheapest(target)
         errors = presets.note(target, setting)["error_in_study_pct"]
-        with tempfile.TemporaryDirectory() as folder:
-            run_in_child(setting.scene(scene("coarse", 2.5 * MM)), Path(folder) / "run", lambda *_: None)
-            wall = json.loads((Path(folder) / "run" / "run.json").read_text())["wall_s"]
+        wall = record_of(setting.scene(scene("coarse", 2.5 * MM)))["wall_s"]
         print(f"within {target}: {setting.name}, {wall:.1f} s; errors in the study {errors}", flush=True)
 
 
@@ -101,15 +111,14 @@ def growth() -> None:
         runs = []
         for mesh in meshes:
             runs.append(record(mesh, 1.0 * MM, mode))
-            line(f"{mesh}, {mode}", runs[-1])
+            print(text_of(f"{mesh}, {mode}", runs[-1]), flush=True)
         n = [run["mesh"]["unknowns"] for run in runs]
         for what, values in (
             ("unit", [run["solver"]["unit_s"] for run in runs]),
             ("wall", [run["wall_s"] for run in runs]),
             ("memory", [run["solver"]["peak_before_unit_bytes"] for run in runs]),
         ):
-            slope = np.polyfit(np.log(n), np.log(values), 1)[0]
-            last = np.log(values[-1] / values[-2]) / np.log(n[-1] / n[-2])
+            slope, last = exponents(n, values)
             print(f"{mode}: {what} grows with unknowns to the power {slope:.2f} (last two meshes {last:.2f})")
 
 
@@ -117,9 +126,8 @@ def fine() -> None:
     """The paper's pull to 2.5 mm on `fine`, and its cost per unknown beside that of `paper`."""
     runs = {mesh: record(mesh, 2.5 * MM) for mesh in ("paper", FINE)}
     for mesh, run in runs.items():
-        line(f"{mesh}, {run['mesh']['nodes']:,} nodes", run)
-    each = [run["wall_s"] / run["mesh"]["unknowns"] for run in runs.values()]
-    print(f"cost per unknown: {each[1] / each[0]:.2f} times that of paper")
+        print(text_of(f"{mesh}, {run['mesh']['nodes']:,} nodes", run), flush=True)
+    print(f"cost per unknown: {cost_per_unknown(runs[FINE], runs['paper']):.2f} times that of paper")
 
 
 def solvers() -> None:
@@ -167,7 +175,8 @@ def _iterations(mesh: str, end: float, only_at_rest: bool) -> tuple[float, int, 
     from pysprings import full_model
 
     if only_at_rest:
-        recycled._LONGEST, recycled._COMFORTABLE, recycled._LATE = 150, 1.0e9, 10**9  # type: ignore[misc]
+        for name, value in AT_REST_ALONE.items():
+            setattr(recycled, name, value)
     made: list[Any] = []
     begin = newton.Recycled.__init__
 
@@ -179,8 +188,6 @@ def _iterations(mesh: str, end: float, only_at_rest: bool) -> tuple[float, int, 
     begun = time.perf_counter()
     work = full_model.compute(scene(mesh, end))
     wall = time.perf_counter() - begun
-    import json
-
     run = json.loads(work.attrs["run_json"])
     solves = run["phases"]["solve"]["wall_s"]
     return made[0].n_iterations / made[0].n_systems, run["solver"]["factorisations"], wall, solves
@@ -206,7 +213,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if unknown := [name for name in chosen if name not in SECTIONS]:
         parser.error(f"no section {', '.join(unknown)}; there are {', '.join(SECTIONS)}")
     print(f"{os.cpu_count()} processors")
-    record("coarse:0.5", 0.1 * MM)  # compiled code is kept on disk from here on
+    for mode in GROWTH:  # compiled code is kept on disk from here on
+        record("coarse:0.5", 0.1 * MM, mode)
     for name in chosen:
         print(f"\n{name}: {SECTIONS[name].__doc__}", flush=True)
         SECTIONS[name]()

@@ -17,10 +17,11 @@ import argparse
 import json
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import pysprings
 from pysprings import Scene
 from pysprings.accuracy import measures, presets, two_mesh
 from pysprings.accuracy.curves import curves_of, samples
@@ -92,14 +93,14 @@ def scene_of(name: str, reach: float) -> Scene:
 
 
 def result_of(scene: Scene, folder: Path) -> Any:
-    """The result of a scene: as it is kept in the folder, or run and kept now; PyspringsError where it stops."""
+    """The result of a scene: kept in the folder by this version, or run and kept now; PyspringsError where it stops."""
     file = folder / f"{scene.sha256[:16]}.nc"
-    if not file.exists():
-        write_tree(compute(scene), file)
-    found = read_tree(file)
-    if found.attrs["status"] == "interrupted":
-        file.unlink()
-        raise KeyboardInterrupt
+    found = read_tree(file) if file.exists() else None
+    if found is None or found.attrs["pysprings_version"] != pysprings.__version__:
+        found = compute(scene)
+        if found.attrs["status"] == "interrupted":
+            raise KeyboardInterrupt
+        write_tree(found, file)
     if found.attrs["status"] != "complete":
         raise PyspringsError("; ".join(json.loads(found.attrs["run_json"])["failures"]))
     return found
@@ -142,17 +143,30 @@ def true_errors(run: Any, series: Sequence[Any]) -> tuple[dict[str, float], dict
         reference = measures.reference_of([each[name] for name in names], h)
         errors.append(measures.errors(each["run"], {name: one.values for name, one in reference.items()}))
         doubts.append(measures.uncertainty(reference))
-    kept = two_mesh.ESTIMATED
-    return tuple({name: measures.worst(part)[name] for name in kept} for part in (errors, doubts))  # type: ignore[return-value]
+    return _estimated(measures.worst(errors)), _estimated(measures.worst(doubts))
+
+
+def _estimated(found: Mapping[str, float]) -> dict[str, float]:
+    return {name: found[name] for name in two_mesh.ESTIMATED}
+
+
+def needed_safety(estimate: float, true: float, safety: float) -> float:
+    """The safety factor with which an estimate made with ``safety`` would just be the true error (both in %)."""
+    if true == 0.0:
+        return 0.0
+    return safety * true / estimate if estimate else math.inf
 
 
 def coverage(lines: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """How often estimates cover, by measure, and the safety factor with which they would in nine of ten."""
+    """How often estimates cover, by measure, and the safety factor with which they would in nine of ten.
+
+    The truth is taken as it is: what it is uncertain by stands in the lines.
+    """
     good = [line for line in lines if "why" not in line]
     found: dict[str, Any] = {"estimates": len(good), "safety": two_mesh.SAFETY}
     for name in two_mesh.ESTIMATED:
         needed = sorted(
-            two_mesh.SAFETY * line["true_pct"][name] / line["estimate_pct"][name]
+            needed_safety(line["estimate_pct"][name], line["true_pct"][name], two_mesh.SAFETY)
             for line in good
             if name in line["estimate_pct"] and math.isfinite(line["true_pct"][name])
         )

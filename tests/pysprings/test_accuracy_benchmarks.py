@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""What the benchmarks of cost and of error estimates make of their runs: ratios, exponents, coverage."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+
+import pysprings
+from benchmarks import bench, error_estimates
+from fe_engine import recycled
+from pysprings import Scene
+from pysprings.accuracy import two_mesh
+from pysprings.errors import PyspringsError
+from tests.pysprings.synthetic import Path as Pull
+from tests.pysprings.synthetic import make_result
+
+
+def run(unknowns: int, wall: float, unit: float) -> dict[str, Any]:
+    return {
+        "mesh": {"unknowns": unknowns}, "wall_s": wall, "paths": {"pull": {"increments": 23}},
+        "solver": {"factorisations": 15, "solves": 820, "unit_s": unit, "peak_before_unit_bytes": 0.94e9},
+        "phases": {"assembly": {"wall_s": 0.25 * wall}, "solve": {"wall_s": 0.75 * wall}},
+    }  # fmt: skip
+
+
+def test_exponents_of_a_power_law_and_of_its_end() -> None:
+    n = [1e3, 4e3, 2e4]
+    assert bench.exponents(n, [7.0 * x**1.5 for x in n]) == pytest.approx((1.5, 1.5))
+    fitted, last = bench.exponents([1.0, 10.0, 100.0], [1.0, 10.0, 1000.0])
+    assert last == pytest.approx(2.0)
+    assert fitted == pytest.approx(1.5)  # of 0, 1, 3 over 0, 1, 2 by hand
+
+
+def test_a_run_in_units_and_shares() -> None:
+    first, second = bench.text_of("paper", run(52_099, 37.0, 0.5)).splitlines()
+    assert "52,099 unknowns" in first and "37.0 s" in first and "74.0 units" in first and "0.94 GB" in first
+    assert second.strip() == "solve 75 %, assembly 25 %"
+
+
+def test_cost_per_unknown_is_that_of_the_first_over_the_second() -> None:
+    assert bench.cost_per_unknown(run(3_000, 12.0, 1.0), run(1_000, 2.0, 1.0)) == pytest.approx(2.0)
+
+
+def test_meshes_of_the_benchmark_are_scenes() -> None:
+    for mode, meshes in bench.GROWTH.items():
+        for mesh in meshes:
+            found = bench.scene(mesh, 1e-3, mode)
+            assert found.drainage.mode == mode
+            assert found.paths[0].lateral_displacement == 1e-3
+
+
+def test_what_the_benchmark_changes_in_the_solver_is_there() -> None:
+    assert all(hasattr(recycled, name) for name in bench.AT_REST_ALONE)
+
+
+def test_results_are_kept_by_scene_and_version(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    told = {"status": "complete", "pysprings_version": pysprings.__version__, "run_json": '{"failures": ["stuck"]}'}
+
+    def compute(scene: Scene) -> xr.DataTree:
+        asked.append(scene.title)
+        found = make_result((Pull(steps=3),))
+        found.attrs |= told
+        return found
+
+    monkeypatch.setattr(error_estimates, "compute", compute)
+    for _ in range(2):
+        error_estimates.result_of(Scene(title="a"), tmp_path)
+    assert asked == ["a"]
+    monkeypatch.setattr(pysprings, "__version__", "99")
+    told |= {"pysprings_version": "99", "status": "partial"}
+    for _ in range(2):
+        with pytest.raises(PyspringsError, match="stuck"):
+            error_estimates.result_of(Scene(title="a"), tmp_path)
+    assert asked == ["a", "a"]
+    told |= {"status": "interrupted"}
+    with pytest.raises(KeyboardInterrupt):
+        error_estimates.result_of(Scene(title="b"), tmp_path)
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def line(true: float, estimate: float) -> dict[str, Any]:
+    return {
+        "scene": "a", "mesh": "coarse", "estimate_pct": {"load_max": estimate},
+        "true_pct": {"load_max": true, "py_rms": math.nan},
+    }  # fmt: skip
+
+
+def test_coverage_counts_and_says_which_factor_nine_in_ten_need() -> None:
+    lines = [line(true=float(k), estimate=8.5) for k in range(1, 11)]  # 1 to 8 of 10 are covered
+    found = error_estimates.coverage([*lines, {"scene": "b", "mesh": "coarse", "why": "stopped"}])
+    assert found["estimates"] == 10
+    load = found["load_max"]
+    assert (load["covered"], load["of"]) == (8, 10)
+    assert load["safety_needed"] == pytest.approx(two_mesh.SAFETY * 9.0 / 8.5)
+    assert load["largest_needed"] == pytest.approx(two_mesh.SAFETY * 10.0 / 8.5)
+    assert "py_rms" not in found  # no estimate of it
+
+
+def test_a_truth_that_is_not_known_does_not_count() -> None:
+    found = error_estimates.coverage([line(true=math.nan, estimate=1.0), line(true=1.0, estimate=1.0)])
+    assert (found["load_max"]["covered"], found["load_max"]["of"]) == (1, 1)
+
+
+def test_safety_that_is_needed() -> None:
+    assert error_estimates.needed_safety(2.0, 4.0, 3.0) == 6.0
+    assert error_estimates.needed_safety(0.0, 0.0, 3.0) == 0.0
+    assert error_estimates.needed_safety(0.0, 1.0, 3.0) == math.inf
+
+
+def test_held_out_scenes_are_scenes_and_are_pushed_as_far_as_asked() -> None:
+    for name in error_estimates.SCENES:
+        whole, half = error_estimates.scene_of(name, 1.0), error_estimates.scene_of(name, 0.5)
+        for key in ("lateral_displacement", "rotation"):
+            far = getattr(whole.paths[0], key)
+            assert (far is None) == (getattr(half.paths[0], key) is None)
+            if far is not None:
+                assert getattr(half.paths[0], key) == pytest.approx(0.5 * far)
