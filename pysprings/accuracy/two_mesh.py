@@ -85,8 +85,7 @@ def words(found: Mapping[str, Any]) -> str:
     """Return an estimate in words, one line."""
     if not found["estimate_pct"]:
         return f"no estimate of the discretisation error: {found['why_not']}"
-    names = {"load_max": "load", "py_rms": "p(y), root mean square"}
-    parts = [f"{names[name]} {value:.2g} %" for name, value in found["estimate_pct"].items()]
+    parts = [f"{measures.MEASURES[name].head} {value:.2g} %" for name, value in found["estimate_pct"].items()]
     return (
         f"estimated discretisation error: {', '.join(parts)} (two meshes, {found['unknowns'][1]:,} and "
         f"{found['unknowns'][0]:,} unknowns; safety factor {found['safety']:g} included)"

@@ -49,7 +49,7 @@ def reference_lines(found: Found) -> Iterator[str]:
     for path, references in found.references.items():
         for name, reference in references.items():
             doubts = [
-                f"{key} {doubt:.2g} %"
+                f"{measure.head} {doubt:.2g} %"
                 for key, measure in MEASURES.items()
                 if measure.quantity == name and math.isfinite(doubt := found.uncertainty[path][key])
             ]

@@ -131,3 +131,35 @@ def test_w_follows_in_the_stiffness_where_it_is_free() -> None:
     assert quantities.initial_stiffness(coupled, path.assign_attrs(heave="fixed")) == pytest.approx(1.0 / held)
     vertical = path.assign_attrs(kind="vertical")
     assert quantities.initial_stiffness(coupled, vertical) == 2.0
+
+
+def test_stiffness_of_a_path_that_turns_as_it_goes() -> None:
+    """A swipe sets out with a ratio of rotation and u; a load that climbs at its first arm."""
+    K = np.array([[4.0, 0.0, 0.5], [0.0, 2.0, 0.0], [0.5, 0.0, 3.0]])
+    motion = {"u": ("step", [0.0, 1e-3]), "rotation": ("step", [0.0, -2e-4])}
+    swipe = xr.Dataset(motion, attrs={"kind": "swipe", "arm_m": 0.0, "heave": "fixed"})
+    assert quantities.initial_stiffness(K, swipe) == pytest.approx(4.0 - 0.2 * 0.5)
+    climbing = xr.Dataset(attrs={"kind": "load", "arm_m": 9.0, "arm_from_m": 2.0, "heave": "fixed"})
+    still = climbing.drop_attrs().assign_attrs(kind="load", arm_m=2.0, heave="fixed")
+    assert quantities.initial_stiffness(K, climbing) == quantities.initial_stiffness(K, still)
+
+
+def test_paths_that_bend_are_followed_by_both_motions_and_vertical_ones_by_w() -> None:
+    names = ("u", "w", "rotation", "H", "V", "M")
+    values = {name: ("step", np.array([0.0, 1.0, 2.0]) * 10.0**k + (k == 4)) for k, name in enumerate(names)}
+    climbing = xr.Dataset(values, attrs={"kind": "load", "arm_m": 9.0, "arm_from_m": 2.0})
+    for path in (climbing, xr.Dataset(values, attrs={"kind": "swipe", "arm_m": 0.0})):
+        np.testing.assert_allclose(quantities.driver(path, 4.0), [0.0, 401.0, 802.0])  # |u| + 4 |rotation|
+        np.testing.assert_array_equal(quantities.load(path), path["H"])
+        np.testing.assert_array_equal(quantities.other(path), path["M"])
+    vertical = xr.Dataset(values, attrs={"kind": "vertical", "arm_m": 0.0})
+    np.testing.assert_allclose(quantities.driver(vertical, 4.0), [0.0, 10.0, 20.0])
+    np.testing.assert_allclose(quantities.load(vertical), [0.0, 1e4, 2e4])  # the change of V
+    assert quantities.other(vertical) is None
+
+
+def test_a_slice_that_goes_the_other_way_in_a_run_is_left_out() -> None:
+    curve = curves_of(result())["pull"]
+    turned = replace(curve, y=np.where(np.arange(len(curve.y))[:, None] == 0, -curve.y, curve.y))
+    assert np.isfinite(common_grid([curve, curve]).y[0]).all()
+    assert np.isnan(common_grid([curve, turned]).y[0]).all()

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -241,6 +242,15 @@ def test_presets_of_a_study_serve_a_run(done: Any, tmp_path: Path, monkeypatch: 
     assert refused.exit_code == 2 and "no setting of the study" in refused.output
     both = CliRunner().invoke(cli.app, [*given, "--mesh", "coarse", "--force"])
     assert both.exit_code == 2 and "give it or --mesh" in both.output
+
+
+def test_presets_take_the_smallest_order_of_all_paths(done: Any) -> None:
+    known = done.found.references["pull"]
+    slower = known | {"load": replace(known["load"], order=1.25), "py": replace(known["py"], order=None)}
+    found = study.presets(elastic(), replace(done.found, references={"pull": known, "push": slower}))["orders"]
+    assert found["load"] == 1.25
+    assert found["py"] == pytest.approx(ORDER)
+    assert found["rotation"] is None
 
 
 def test_estimate_in_python_covers_the_difference_to_a_finer_mesh() -> None:
