@@ -68,6 +68,15 @@ def test_other_depths_of_the_same_soil_hand_the_same_force_to_the_slices() -> No
     assert np.abs(found[13] - found[41]).max() < 0.05 * np.abs(found[41]).max()
 
 
+def test_motion_counts_from_the_first_state() -> None:
+    """The dead load may have moved the caisson before the path begins."""
+    path = get_path(result(), "shift")
+    moved = path.assign(y=path["y"] + 1e-3)
+    np.testing.assert_allclose(
+        quantities.slice_curves(moved, LENGTH, 4)[0], quantities.slice_curves(path, LENGTH, 4)[0], atol=1e-15
+    )
+
+
 def test_grid_ends_where_the_shorter_run_does() -> None:
     long, short = curves_of(result())["pull"], curves_of(result(paths=(replace(PATHS[0], size=3e-3),)))["pull"]
     grid = common_grid([long, short])

@@ -22,7 +22,7 @@ from pysprings.accuracy.settings import settings
 from pysprings.accuracy_study import child, rows, runs, study, text
 from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
 from pysprings.full_model import run
-from pysprings.kept_runs import RUNS, read_record
+from pysprings.kept_runs import RUNS, Whole, read_record
 from pysprings.plots.accuracy import error_against_time
 from pysprings.resources import size_of
 from pysprings.springs import get_path
@@ -174,6 +174,16 @@ def test_progress_of_all_runs_grows_to_the_end(done: Any) -> None:
     shares = [share for name, share, _ in done.told if name == "all runs"]
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
+
+
+def test_progress_of_a_run_with_two_paths() -> None:
+    told: list[tuple[str, float, str]] = []
+    whole = Whole({"a": 1.0, "b": 3.0}, lambda *each: told.append(each), paths=("pull", "push"))
+    progress = whole.of("a")
+    for path, share in (("mesh", 0.9), ("pull", 0.5), ("push", 0.5)):
+        progress(path, share, "")
+    assert [share for name, share, _ in told if name == "a"] == pytest.approx([0.0, 0.25, 0.75])
+    assert [share for name, share, _ in told if name == "all runs"] == pytest.approx([0.0625, 0.1875])
 
 
 def test_nothing_runs_twice_and_what_is_forgotten_runs_again(done: Any) -> None:
