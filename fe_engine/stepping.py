@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -140,6 +141,15 @@ class Driver:
             return np.zeros(n), np.zeros(nb)
         ratio = size / last[0]
         return ratio * last[1], ratio * last[2]
+
+
+def fewest_increments(stage: Stage) -> int:
+    """Number of increments of a stage whose every one converges at once: steps grow as fast as they may."""
+    size, done, number = min(stage.first_fraction, 1.0), 0.0, 0
+    while size < stage.max_fraction and done < 1.0:
+        done, size, number = done + size, _GROWTH * size, number + 1
+    number += math.ceil(max(1.0 - done, 0.0) / stage.max_fraction * (1.0 - 1.0e-9))
+    return max(number, len(stage.stops))
 
 
 def _next(done: float, size: float, stops: tuple[float, ...]) -> float:

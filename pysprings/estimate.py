@@ -13,10 +13,10 @@ from pysprings.resources import (
     memory_available,
     memory_bytes,
     refuse_what_cannot_fit,
-    seconds,
     size_of,
     steps_bytes,
 )
+from pysprings.run_time import seconds
 from pysprings.small_strain import scene_warnings
 
 if TYPE_CHECKING:

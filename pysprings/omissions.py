@@ -2,8 +2,9 @@
 """What a scene does not need and its model does not carry: what, why, and what that saves.
 
 `build` decides; this lists it. A saving is what the model would have, take and keep with it, by the counts of the
-scene's own mesh and the fitted laws of `resources`; `benchmarks/omissions.py` measures the same with models that carry
-it. Idealisations (what no setting brings back) are listed, too, and save nothing that could be counted.
+scene's own mesh and the fitted laws of `resources` and `run_time`; `benchmarks/omissions.py` measures the same with
+models that carry it. Idealisations (what no setting brings back) are listed, too, and save nothing that could be
+counted.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from fe_engine.backends import available_backends
 from fe_engine.soil.dispatch import N_HISTORY
-from pysprings.resources import PICTURE_SECONDS, memory_bytes, seconds, size_of, steps_bytes
+from pysprings.resources import memory_bytes, size_of, steps_bytes
+from pysprings.run_time import PICTURE_SECONDS, seconds
 
 if TYPE_CHECKING:
     from pysprings.scene import Scene

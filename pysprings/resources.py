@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a scene needs of the machine, from its counts alone: memory, time, disk; refused before anything is built.
+"""What a scene needs of the machine, from its counts alone: memory and disk; refused before anything is built.
 
 The laws of memory are fitted (see the constants); the refusal compares them with what this process may ever have: the
 machine's memory, or less where a control group or a limit of the shell says so.
@@ -18,7 +18,7 @@ import numpy as np
 from pysprings.build import counts_of
 from pysprings.caisson_mesh import Counts, core_square
 from pysprings.errors import ResourceError
-from pysprings.stages import path_stages
+from pysprings.run_time import least_increments, likely_increments
 from pysprings.steel_mesh import patch
 
 if TYPE_CHECKING:
@@ -29,20 +29,11 @@ if TYPE_CHECKING:
 _FACTOR_ENTRIES, _FACTOR_EXPONENT = 10.3, 1.44
 _BASE_BYTES, _BYTES_PER_UNKNOWN, _BYTES_PER_ENTRY = 0.37e9, 3.0e3, 9.0
 _WATER_FACTOR, _WATER_BYTES_PER_UNKNOWN = 1.75, 4.0e3
-# Fitted likewise: seconds of one factorisation and of the rest of an iteration. Water: 2.0 to 2.6 times the time of a
-# factorisation on `paper`, at 1.37 times the unknowns. Symmetric factors: measured by benchmarks/omissions.py.
-_FACTOR_SECONDS, _FACTOR_SECONDS_EXPONENT = 3.3e-10, 2.0
-_WATER_SECONDS_FACTOR = 1.25
-_ITERATION_SECONDS = 1.0e-5
-_SYMMETRIC_ENTRIES, _SYMMETRIC_SECONDS = 0.55, 0.55
-_SOLVES_PER_INCREMENT, _ELASTIC_SOLVES = 5.0, 1.5  # cut-backs included
-_START_SECONDS, PICTURE_SECONDS = 5.0, 10.0  # of a run; of the pictures of one path
+_SYMMETRIC_ENTRIES = 0.55  # measured by benchmarks/omissions.py
 # A recorded step stands in memory as it came, in its dataset, and in what tables and pictures make of it.
 _COPIES_OF_A_STEP = 3.0
 # NetCDF compresses fields of steps that move to about this share at best.
 _BEST_COMPRESSION = 0.2
-# Increments of a path to large displacement (cut-backs not counted).
-TYPICAL_INCREMENTS = 45
 
 _CGROUP, _MY_GROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
 
@@ -126,34 +117,9 @@ def memory_bytes(unknowns: int, water: bool = False, symmetric: bool = False) ->
     return _BASE_BYTES + per_unknown * unknowns + _BYTES_PER_ENTRY * entries
 
 
-def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: bool = False) -> float:
-    """Estimated wall time of a run on two cores, in s: an order of magnitude, the steps are adaptive.
-
-    ``water`` says whether there are pressures among the unknowns (the scene's own answer where it is None).
-    """
-    wet = scene.drainage.mode != "drained" if water is None else water
-    factor = _FACTOR_SECONDS * unknowns**_FACTOR_SECONDS_EXPONENT
-    factor *= (_WATER_SECONDS_FACTOR if wet else 1.0) * (_SYMMETRIC_SECONDS if symmetric else 1.0)
-    per_increment = _ELASTIC_SOLVES if scene.soil.yield_surface == "elastic" else _SOLVES_PER_INCREMENT
-    increments = sum(max(TYPICAL_INCREMENTS, least) for least in least_increments(scene))
-    pictures = PICTURE_SECONDS * len(scene.paths) if scene.output.figures else 0.0
-    return _START_SECONDS + increments * per_increment * (factor + _ITERATION_SECONDS * unknowns) + pictures
-
-
-def least_increments(scene: Scene) -> list[int]:
-    """Return the number of increments that each path needs when every step is as large as it may be."""
-    found = []
-    for path in scene.paths:
-        stages = path_stages(scene, path, 0.0, 1.0)
-        found.append(sum(max(math.ceil(1.0 / stage.max_fraction), len(stage.stops)) for stage in stages))
-    return found
-
-
 def steps_bytes(scene: Scene, size: Size) -> tuple[float, float]:
     """Bytes of all recorded steps of a run: the least, and what is likely."""
-    least = least_increments(scene)
-    likely = [max(number, TYPICAL_INCREMENTS) for number in least]
-    return float(size.step_bytes) * sum(least), float(size.step_bytes) * sum(likely)
+    return size.step_bytes * float(sum(least_increments(scene))), size.step_bytes * sum(likely_increments(scene))
 
 
 def refuse_what_cannot_fit(scene: Scene) -> None:

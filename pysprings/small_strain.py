@@ -31,12 +31,12 @@ def large_motion(path: str, displacement: float, rotation: float, length: float)
 
 def scene_warnings(scene: Scene) -> list[str]:
     """Return a sentence for each path of a scene that imposes a large motion."""
-    found = (large_motion(path.name, *_imposed(path), scene.caisson.skirt_length) for path in scene.paths)
+    found = (large_motion(path.name, *imposed_motion(path), scene.caisson.skirt_length) for path in scene.paths)
     return [text for text in found if text]
 
 
-def _imposed(path: Path) -> tuple[float, float]:
-    """Largest displacement (m) and rotation (rad) that a path imposes."""
+def imposed_motion(path: Path) -> tuple[float, float]:
+    """Return the largest displacement (m) and rotation (rad) that a path imposes; 0 where it imposes a force."""
     further = [abs(value) for value in _ends(path)]
     if path.kind == "rotation":
         return 0.0, max([abs(path.rotation or 0.0), *further])

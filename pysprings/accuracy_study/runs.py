@@ -13,7 +13,8 @@ from pysprings.accuracy.settings import Setting
 from pysprings.accuracy_study.child import Run
 from pysprings.errors import ResourceError, RunIncomplete, UserInputError
 from pysprings.kept_runs import RUNS, Whole, forget, has_ended, record_of
-from pysprings.resources import seconds, size_of
+from pysprings.resources import size_of
+from pysprings.run_time import seconds
 
 if TYPE_CHECKING:
     from pysprings.progress import Progress

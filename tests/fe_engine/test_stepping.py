@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fe_engine.errors import NotConverged
-from fe_engine.stepping import LIMITS, Driver, _adapt, _next
+from fe_engine.stepping import LIMITS, Driver, _adapt, _next, fewest_increments
 from tests.fe_engine.models import footing, run, soil, stage, start
 
 CAPACITY = 0.5 * 2.0e4 * 0.5  # N: mu times pressure times area
@@ -77,6 +77,18 @@ def test_step_size_follows_the_iterations(iterations, cuts, expected):
     assert size == pytest.approx(expected)
     assert limit == ("cut-back" if cuts else "growth" if expected > 0.02 else "iterations")
     assert _adapt(0.02, iterations, 0.01, cuts) == (0.01, "largest step")
+
+
+@pytest.mark.parametrize("stops", [(1.0,), (0.125, 1.0), (0.1, 0.5, 1.0)])
+def test_the_fewest_increments_are_those_of_steps_that_all_converge_at_once(stops):
+    """Exactly so where nothing but the end is landed on; else from below."""
+    for first, largest in [(1e-4, 0.02), (1e-3, 0.05), (0.0078, 0.3), (0.05, 0.05), (0.3, 0.5), (1.0, 1.0)]:
+        done, size, number = 0.0, first, 0
+        while done < 1.0:
+            end = _next(done, size, stops)
+            done, size, number = end, _adapt(end - done, 3, largest, 0)[0], number + 1
+        fewest = fewest_increments(stage({}, stops=stops, first_fraction=first, max_fraction=largest))
+        assert fewest == number if len(stops) == 1 else len(stops) <= fewest <= number
 
 
 def test_every_step_says_what_limited_it():

@@ -52,14 +52,6 @@ def test_memory_is_what_was_measured(unknowns: int, water: bool, measured: float
     assert resources.memory_bytes(unknowns, water) == pytest.approx(measured, rel=0.1)
 
 
-def test_least_increments_follow_the_largest_step() -> None:
-    assert resources.least_increments(tiny.scene(solver={"max_step_fraction": 0.5})) == [2]
-    more = tiny.scene(solver={"first_step_fraction": 1e-9, "max_step_fraction": 1e-8})
-    assert resources.least_increments(more) == [100_000_000]
-    there_and_back = tiny.PULL | {"role": "held-back", "then": ["0 mm", "1 mm"]}
-    assert resources.least_increments(tiny.scene(paths=[there_and_back])) == [6]
-
-
 def limited(monkeypatch: pytest.MonkeyPatch, limit: float) -> None:
     monkeypatch.setattr(resources, "memory_limit", lambda: limit)
 
@@ -108,7 +100,7 @@ def test_check_names_warnings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     (tmp_path / "c.toml").write_text(text)
     done = CliRunner().invoke(cli.app, ["check", str(tmp_path / "c.toml")])
     assert done.exit_code == 0
-    assert "warning: the run needs about 0.402 GB of memory; 0.001 GB are free now" in done.stderr
+    assert "warning: the run needs about 0.403 GB of memory; 0.001 GB are free now" in done.stderr
     assert "warning: path 'a': a displacement of 0.5 m" in done.stderr
 
 

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""What a run takes: increments of its paths and wall time, from counts and step sizes alone, by fitted laws."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fe_engine.recycled import WORTH_FROM
+from fe_engine.stepping import fewest_increments
+from pysprings.small_strain import imposed_motion
+from pysprings.stages import path_stages
+
+if TYPE_CHECKING:
+    from pysprings.scene import Path, Scene
+
+# Seconds of a run, and of an increment of a pull to 2.5 mm, by the number of unknowns and its square
+_START, _PER_UNKNOWN, _PER_SQUARE = 1.0, 1.46e-5, 2.75e-10
+_WATER = 1.4
+_SYMMETRIC = 0.77  # 1/1.3 of benchmarks/omissions.py on `coarse`: the least, since factors grow faster than the rest
+# The lid of the paper's caisson (diameter 7.8 m) begins to lift off at 7 to 8 mm: with a share s of the motion beyond
+# that, 28 increments become 28 (1 + s), with 1 - s + 3.1 s times the factorisations (`coarse` to 20 mm: 173 for 65).
+_LIFT_OFF, _LIFT_OFF_INCREMENTS, _LIFT_OFF_TIME = 1.0e-3, 2.0, 3.1
+# Tangents with factors of their own beside those with earlier ones: `paper` to 2.5 mm, 118 s and 37 s. Models that are
+# large enough for earlier factors need their own under given forces, and while the lid lifts off.
+_OWN_FACTORS = 3.2
+PICTURE_SECONDS = 10.0  # of one path
+
+
+def least_increments(scene: Scene) -> list[int]:
+    """Return the number of increments that each path needs when every one converges at once."""
+    return [
+        sum(fewest_increments(stage) for stage in path_stages(scene, path, 0.0, undrained_time=1.0))
+        for path in scene.paths
+    ]
+
+
+def likely_increments(scene: Scene) -> list[float]:
+    """Return the number of increments that each path is likely to take: more once the lid lifts off."""
+    least = least_increments(scene)
+    return [
+        number * (1.0 + (_LIFT_OFF_INCREMENTS - 1.0) * _lifted(scene, path))
+        for number, path in zip(least, scene.paths, strict=True)
+    ]
+
+
+def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: bool = False) -> float:
+    """Estimated wall time of a run on two cores with compiled code at hand, in s: an order of magnitude.
+
+    Each increment takes a N + b N^2 for N unknowns. Fitted on the default scene without pictures, drained, to 2.5 mm:
+    `coarse` 2.9 s, `medium` 6.2 s, `paper` 37.3 s; to 20 mm `paper` 266 to 287 s. The law gives 2.7, 6.9, 35.7 and
+    273 s. Water: `medium` 12.7 s, law 13.4 s. Not fitted on, since other programs ran beside it: `fine` 1,375 s, law
+    641 s. The motion under a given force is not known: no lid lifts off there.
+
+    ``water`` says whether there are pressures among the unknowns (the scene's own answer where it is None).
+    """
+    wet = scene.drainage.mode != "drained" if water is None else water
+    each = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2
+    each *= (_WATER if wet else 1.0) * (_SYMMETRIC if symmetric else 1.0)
+    own = _OWN_FACTORS if unknowns >= WORTH_FROM else 1.0
+    found = _START + (PICTURE_SECONDS * len(scene.paths) if scene.output.figures else 0.0)
+    for path, number in zip(scene.paths, least_increments(scene), strict=True):
+        lifted = _lifted(scene, path)
+        pace = own if path.kind == "load" else 1.0 - lifted + _LIFT_OFF_TIME * own * lifted
+        found += number * pace * each
+    return found
+
+
+def _lifted(scene: Scene, path: Path) -> float:
+    """Share of the motion of a path in which the lid lifts off; elastic soil has no trouble with that."""
+    displacement, rotation = imposed_motion(path)
+    reach = max(displacement, rotation * scene.caisson.skirt_length)
+    limit = _LIFT_OFF * scene.caisson.outer_diameter
+    return 0.0 if scene.soil.yield_surface == "elastic" or reach <= limit else 1.0 - limit / reach

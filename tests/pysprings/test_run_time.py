@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: MIT
+"""Increments and wall time before a run: beside runs that were measured, and what they depend on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from pysprings import Scene
+from pysprings.resources import memory_bytes
+from pysprings.run_time import least_increments, likely_increments, seconds
+from tests.pysprings import tiny
+
+
+def pull(end: float, **sections: Any) -> Scene:
+    """The default scene, pulled to an end (m), without pictures."""
+    path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": 5e-5}
+    return Scene(**{"output": {"figures": False}, "paths": [path]} | sections)
+
+
+def test_least_increments_are_those_of_a_run_without_cut_backs() -> None:
+    """Whose first row is the state at rest."""
+    assert least_increments(tiny.scene()) == [tiny.result()["paths/pull"].sizes["step"] - 1]
+
+
+@pytest.mark.parametrize(("largest", "measured"), [(0.3, 11), (0.1, 15), (None, 23), (0.02, 52)])
+def test_least_increments_follow_the_largest_step(largest: float | None, measured: int) -> None:
+    """The runs of docs/accuracy.md: to 2.5 mm, nothing cut."""
+    assert least_increments(pull(2.5e-3, solver={"max_step_fraction": largest})) == [measured]
+
+
+def test_least_increments_of_the_smallest_steps_and_of_several_stages() -> None:
+    fine = tiny.scene(solver={"first_step_fraction": 1e-9, "max_step_fraction": 1e-8})
+    assert 100_000_000 < least_increments(fine)[0] < 100_000_010
+    there_and_back = tiny.PULL | {"role": "held-back", "then": ["0 mm", "1 mm"]}
+    assert least_increments(tiny.scene(paths=[there_and_back])) == [3 * least_increments(tiny.scene())[0]]
+
+
+def test_more_increments_are_likely_once_the_lid_lifts_off() -> None:
+    """Measured: 23 to 2.5 mm on every mesh; 35 on `coarse` and 54 on `paper` to 20 mm."""
+    assert likely_increments(pull(2.5e-3)) == [23.0]
+    assert 35.0 < likely_increments(pull(20e-3))[0] < 54.0
+    turn = [{"name": "turn", "kind": "rotation", "rotation": 5e-3}]
+    assert likely_increments(pull(0.0025, paths=turn))[0] > least_increments(pull(0.0025, paths=turn))[0]
+
+
+@pytest.mark.parametrize(
+    ("unknowns", "end", "mode", "measured"),
+    [
+        (4_631, 2.5e-3, "drained", 2.9),
+        (13_863, 2.5e-3, "drained", 6.2),
+        (52_099, 2.5e-3, "drained", 37.3),
+        (52_099, 20e-3, "drained", 277.0),
+        (19_315, 2.5e-3, "coupled", 12.7),
+    ],
+)
+def test_time_is_what_was_measured(unknowns: int, end: float, mode: str, measured: float) -> None:
+    """On two cores: `coarse`, `medium` and `paper` drained, `medium` coupled."""
+    assert seconds(pull(end, drainage={"mode": mode}), unknowns) == pytest.approx(measured, rel=0.15)
+
+
+def test_cost_grows_with_the_mesh_and_the_paths() -> None:
+    small, large = 5_000, 50_000
+    assert 10 * memory_bytes(small) > memory_bytes(large) > memory_bytes(small) > 0.2e9
+    scene = Scene(output={"figures": False})
+    assert seconds(scene, small) < seconds(Scene(), small)  # pictures take their time
+    assert seconds(scene, large) > 10 * seconds(scene, small)  # more than in proportion
+    two, one = (pull(0.0, paths=_turns(names)) for names in ("ab", "a"))
+    assert seconds(two, large) == pytest.approx(2 * seconds(one, large), rel=0.05)
+    assert seconds(scene.replace(soil={"yield_surface": "elastic"}), large) < seconds(scene, large)
+
+
+def _turns(names: str) -> list[dict[str, Any]]:
+    return [{"name": name, "kind": "rotation", "rotation": 1e-3} for name in names]
+
+
+def test_water_and_given_forces_cost_more_and_symmetric_factors_less() -> None:
+    scene, n = pull(2.5e-3), 20_000
+    assert seconds(scene, n, water=True) > 1.2 * seconds(scene, n) > 1.2 * seconds(scene, n, symmetric=True)
+    load = pull(2.5e-3, paths=[{"name": "load", "kind": "load", "lateral_force": 1e6}])
+    assert seconds(load, n) > 2.0 * seconds(scene, n)  # each tangent has its own factors
+    assert seconds(load, 5_000) < 1.2 * seconds(scene, 5_000)  # as with any path of a small model
