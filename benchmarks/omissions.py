@@ -84,11 +84,15 @@ _STEPS = {"first_step_fraction": 0.1, "max_step_fraction": 0.1}
 _FIELDS = ("interface_fields", "section", "paraview")
 
 
+def models(case: Case) -> tuple[Built, Built]:
+    """Build the models without and with what is left out."""
+    return build_model(case.scene), build_model(case.other or case.scene) if case.built is None else case.built()
+
+
 def measure(case: Case, rounds: int) -> tuple[Cost, Cost]:
     """Cost without and with what is left out; the rounds go to the one and the other by turns."""
-    with_it = case.other or case.scene
-    built = build_model(case.scene), build_model(with_it) if case.built is None else case.built()
-    pair = tuple(zip((case.scene, with_it), built, case.symmetric, strict=True))
+    built = models(case)
+    pair = tuple(zip((case.scene, case.other or case.scene), built, case.symmetric, strict=True))
     runs = [[push(*each) for each in pair] for _ in range(rounds)]
     without, carrying = (_cost([each[k] for each in runs], built[k], case.symmetric[k]) for k in (0, 1))
     return without, carrying

@@ -96,8 +96,16 @@ def difference(one: Pushed, other: Pushed, names: tuple[str, ...] = (), last: bo
 
 
 def whole_model(scene: Scene) -> Built:
-    """The model of the whole domain; its border forces are those of the whole caisson."""
-    return build_on(scene, mirrored(build_model(scene).caisson))
+    """The model of the whole domain; its border forces are those of the whole caisson.
+
+    Of an elastic caisson it has all nodes and unknowns, but no steel where the ring closes: to be counted, not run.
+    """
+    built = build_on(scene, mirrored(build_model(scene).caisson))
+    if built.steel is None:
+        return built
+    fixed = built.model.fixed.copy()
+    fixed[np.setdiff1d(built.steel.symmetry, built.steel.held), 1] = False
+    return replace(built, model=replace(built.model, fixed=fixed))
 
 
 def mirrored(half: CaissonMesh) -> CaissonMesh:

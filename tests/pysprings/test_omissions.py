@@ -79,12 +79,14 @@ def unknowns_of(built: Any) -> int:
 
 def test_saved_unknowns_are_those_of_the_models_that_carry_them() -> None:
     drained, coupled = carried.scene(), carried.scene(drainage={"mode": "undrained"})
+    elastic = drained.replace(caisson={"behaviour": "elastic"})
     n, wet = unknowns_of(build_model(drained)), unknowns_of(build_model(coupled))
-    steel = unknowns_of(build_model(drained.replace(caisson={"behaviour": "elastic"})))
+    steel = unknowns_of(build_model(elastic))
     assert saved(drained, "steel").unknowns == steel - n
     assert saved(drained, "pore").unknowns + saved(drained, "film").unknowns == wet - n
     assert saved(drained, "half").unknowns == unknowns_of(carried.whole_model(drained)) - n
     assert saved(coupled, "half").unknowns == unknowns_of(carried.whole_model(coupled)) - wet
+    assert saved(elastic, "half").unknowns == unknowns_of(carried.whole_model(elastic)) - steel
     film = build_model(coupled).model.water.film.n_nodes
     assert saved(coupled, "water pressure").unknowns == film - len(build_model(coupled).caisson.azimuth)
 
