@@ -127,9 +127,10 @@ def b_bar(gradient, mean_gradient, b):
 
 @nb.njit(cache=True, inline="never", fastmath={"contract", "reassoc"})
 def add_stiffness(b, tangent, volume, cb, stiffness):
-    """Add B^T C B dV of one Gauss point to stiffness (24, 24); cb (6, 24) is scratch.
+    """Add B^T C B dV of one Gauss point to stiffness (24, 24) N/m; cb (6, 24) is scratch.
 
-    Sums over the six components are written out: the loops over columns then stay in registers, five times faster.
+    b (6, 24) 1/m, tangent C (6, 6) Pa, volume dV m3. Sums over the six components are written out: the loops over
+    columns then stay in registers, five times faster.
     """
     for i in range(6):
         t0, t1, t2 = volume * tangent[i, 0], volume * tangent[i, 1], volume * tangent[i, 2]

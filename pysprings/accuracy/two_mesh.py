@@ -73,7 +73,7 @@ def estimate(fine: xr.DataTree, coarse: xr.DataTree, orders: Mapping[str, float 
         if np.isfinite(difference[name]):
             found["difference_pct"][name] = difference[name]
             found["estimate_pct"][name] = SAFETY * difference[name] / (ratio**order - 1.0)
-    return found
+    return found if found["estimate_pct"] else missing("the difference of both meshes has no finite value")
 
 
 def missing(why: str) -> dict[str, Any]:

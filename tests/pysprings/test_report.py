@@ -259,6 +259,20 @@ def test_comparison_leaves_empty_columns_out(result: xr.DataTree) -> None:
     assert report_tables.compare_table(pd.DataFrame()) is None
 
 
+def test_the_estimated_error_is_printed_with_what_it_comes_from() -> None:
+    found = {
+        "unknowns": [4000, 1500], "cell_ratio": 1.3867, "safety": 1.5, "order": {"load_max": 1.7, "py_rms": 1.2},
+        "difference_pct": {"load_max": 4.0}, "estimate_pct": {"load_max": 8.12},
+    }  # fmt: skip
+    table = report_tables.estimate_table({"error_estimate": found})
+    assert table is not None
+    assert table.rows == [("load, largest difference / largest load", "4", "1.7", "8.1")]
+    assert "(1500 beside 4000 unknowns, ratio of cell sizes r = 1.39): safety factor 1.5 times" in table.note
+    none = report_tables.estimate_table({"error_estimate": {"estimate_pct": {}, "why_not": "no path in common"}})
+    assert none is not None and none.rows == [("no estimate: no path in common",)]
+    assert report_tables.estimate_table({}) is None
+
+
 def test_cost_left_out_and_status_are_printed(result: xr.DataTree) -> None:
     page = Page(report.render(result, run=RUN))
     assert page.row("factorisation12.5") == "factorisation12.524"

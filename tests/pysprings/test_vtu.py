@@ -97,6 +97,14 @@ def test_the_section_is_in_the_volume() -> None:
         assert found == pytest.approx(ux[point], rel=1e-5, abs=1e-12)
 
 
+def test_elastic_soil_has_no_plastic_strain_in_the_volume() -> None:
+    """It keeps no history at all."""
+    elastic = compute(tiny.scene(soil={"yield_surface": "elastic"}, output=SCENE["output"]))
+    strain = elastic["paths/pull"]["volume_plastic_strain"].values
+    assert strain.shape == (elastic["paths/pull"].sizes["step"], build_model(tiny.scene()).model.mesh.n_elements)
+    assert not strain.any()
+
+
 def test_a_result_without_the_whole_model_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UserInputError, match=r"run the scene with \[output\] paraview = true"):
         paraview(tmp_path, tiny.result())
