@@ -4,8 +4,9 @@
     python -m benchmarks.omissions [--mesh coarse] [--end-mm 1] [--rounds 3]
 
 Ratios of one run are what to read: seconds depend on the machine and on what else it does. Time is processor time, and
-the least of all rounds; threads that wait count, so take one (MKL_NUM_THREADS=1 NUMBA_NUM_THREADS=1). Peak memory is not a thing of one model in a process that runs many: what is told is the memory
-of the factors, counted by Pardiso itself, and that of the fields that evolve.
+the least of all rounds; threads that wait count, so take one (MKL_NUM_THREADS=1 NUMBA_NUM_THREADS=1). Peak memory is
+not a thing of one model in a process that runs many: what is told is the memory of the factors, counted by Pardiso
+itself, and that of the fields that evolve.
 """
 
 from __future__ import annotations

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from pysprings.scene import Scene
 
 # Fitted on the presets coarse, medium and paper (4,600 to 52,000 unknowns, 71,000 with water) with Pardiso on two
-# cores: entries of the LU factors; water has more of them for each unknown, and scaled copies of its matrix. So it is
-# under given forces; earlier factors, in single precision, take less (pulls: `paper` 0.94 GB for 1.1, `fine` 5 for 8.1).
+# cores: entries of the LU factors; water has more of them for each unknown, and scaled copies of its matrix. Given
+# forces need that much; earlier factors, in single precision, less (pulls: `paper` 0.94 GB for 1.1, `fine` 5 for 8.1).
 _FACTOR_ENTRIES, _FACTOR_EXPONENT = 10.3, 1.44
 _BASE_BYTES, _BYTES_PER_UNKNOWN, _BYTES_PER_ENTRY = 0.37e9, 3.0e3, 9.0
 _WATER_FACTOR, _WATER_BYTES_PER_UNKNOWN = 1.75, 4.0e3
