@@ -50,8 +50,8 @@ def _estimate(scene: Scene, result: xr.DataTree, compute: Compute, progress: Pro
         coarse = compute(coarser, progress=told)
     except PyspringsError as error:
         return two_mesh.missing(f"the run on the coarser mesh failed: {error}")
-    if coarse.attrs["status"] == INTERRUPTED:
-        return two_mesh.missing(INTERRUPTED)
+    if stopped_by := json.loads(coarse.attrs["run_json"])["stopped_by"]:
+        return two_mesh.missing(stopped_by)
     found = two_mesh.estimate(result, coarse, presets.orders())
     if coarse.attrs["status"] != "complete":
         found["coarser_run"] = coarse.attrs["status"]

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -169,16 +171,24 @@ def test_meshes_that_are_alike_give_no_estimate() -> None:
     assert "no mesh with fewer cells" in two_mesh.words(found)
 
 
+def test_differences_without_a_finite_value_give_no_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(two_mesh.measures, "worst", lambda _: dict.fromkeys(two_mesh.ESTIMATED, np.nan))
+    found = two_mesh.estimate(with_error(9000), with_error(3000), {LOAD: 2.0, PY: 2.0})
+    assert found["estimate_pct"] == {}
+    assert "no finite value" in two_mesh.words(found)
+
+
 def test_whatever_becomes_of_the_coarser_run_the_result_stays() -> None:
     def fails(*_: Any, **__: Any) -> xr.DataTree:
         raise ResourceError("no memory")
 
-    def stopped(*_: Any, **__: Any) -> xr.DataTree:
+    def ends(why: str) -> Callable[..., xr.DataTree]:
         tree = with_error(3000)
-        tree.attrs["status"] = "interrupted"
-        return tree
+        tree.attrs |= {"status": "interrupted", "run_json": json.dumps({"stopped_by": why})}
+        return lambda *_, **__: tree
 
-    for compute, words in ((fails, "no memory"), (stopped, "interrupted")):
+    stopped, full = ends("interrupted"), ends("out of memory")
+    for compute, words in ((fails, "no memory"), (stopped, "interrupted"), (full, "out of memory")):
         tree = with_error(9000)
         load = tree["paths/pull/H"].values.copy()
         add_estimate(Scene(), tree, compute)
