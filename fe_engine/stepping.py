@@ -14,20 +14,14 @@ from fe_engine.errors import ModelError, NotConverged
 from fe_engine.model import Stage
 from fe_engine.newton import Increment, Loading, Newton
 from fe_engine.state import State
-
-_GROWTH, _EASY, _HARD = 1.5, 6, 10
-_CUT = 0.5
-_SMALLEST = 1.0e-7
-# What can limit a step: it opens a stage; it may only grow by a factor; it is the largest allowed; it must land on a
-# stop; Newton needed many iterations on the last one; an attempt at a larger one failed
-LIMITS = ("first step", "growth", "largest step", "stop", "iterations", "cut-back")
+from fe_engine.step_size import GROWTH, StepSize
 
 
 @dataclass
 class Step:
     """A committed step: where in the stage it ended, the time it lasted (s), what it took, and what limited its size.
 
-    ``limit`` is one of LIMITS.
+    ``limit`` is one of step_size.LIMITS.
     """
 
     stage: str
@@ -43,14 +37,13 @@ class Step:
 class Position:
     """Where a stage stands after a commit: what decides the next increment, beside state, force and n_steps.
 
-    start (nc,) is the controlled motion at the start of the stage, ``done`` the fraction reached, ``size`` that of the
-    next step with what limits it, ``last`` the size and the increments (n_free,), (nb,) of the last step.
+    start (nc,) is the controlled motion at the start of the stage, ``done`` the fraction reached, ``next`` the size of
+    the next step, ``last`` the size and the increments (n_free,), (nb,) of the last step.
     """
 
     start: np.ndarray
     done: float
-    size: float
-    limit: str
+    next: StepSize
     last: tuple[float, np.ndarray, np.ndarray] | None = None
 
 
@@ -86,13 +79,13 @@ class Driver:
         if self.newton.system.model.water is not None and not stage.duration > 0.0:
             raise ModelError(f"stage '{stage.name}' has no duration: water needs time to flow, however short")
         at = position or Position(
-            stage.control @ self.state.committed.border, 0.0, min(stage.first_fraction, 1.0), "first step"
+            stage.control @ self.state.committed.border, 0.0, StepSize(min(stage.first_fraction, 1.0))
         )
         force = np.zeros(len(stage.force)) if self.force is None else self.force
-        start, done, size, limit, last = at.start, at.done, at.size, at.limit, at.last
+        start, done, size, last = at.start, at.done, at.next, at.last
         cuts = 0
         while done < 1.0:
-            target = _next(done, size, stage.stops)
+            target = _next(done, size.size, stage.stops)
             step = target - done
             loading = Loading(
                 stage.control,
@@ -104,16 +97,16 @@ class Driver:
             try:
                 increment = self._attempt(stage, loading, target, self._guess(last, step))
             except NotConverged:
+                size = size.after_failure(step, again=cuts > 0)
                 cuts += 1
-                size, limit = _CUT * step, "cut-back"
-                if size < _SMALLEST:
+                if size.exhausted:
                     raise
                 continue
             self.state.commit()
             last, done = (step, increment.free, increment.border), target
-            held = "stop" if step < size * (1.0 - 1.0e-9) and limit != "cut-back" else limit
-            size, limit = _adapt(step, increment.iterations, stage.max_fraction, cuts)
-            self.position = Position(start, done, size, limit, last)
+            held = "stop" if step < size.size * (1.0 - 1.0e-9) and size.limit != "cut-back" else size.limit
+            size = size.after_success(step, increment.iterations, stage.max_fraction)
+            self.position = Position(start, done, size, last)
             forces = loading.multipliers(increment.residual.border)
             on_step(Step(stage.name, done, forces, increment, cuts, loading.time_step, held))
             cuts = 0
@@ -147,7 +140,7 @@ def fewest_increments(stage: Stage) -> int:
     """Number of increments of a stage whose every one converges at once: steps grow as fast as they may."""
     size, done, number = min(stage.first_fraction, 1.0), 0.0, 0
     while size < stage.max_fraction and done < 1.0:
-        done, size, number = done + size, _GROWTH * size, number + 1
+        done, size, number = done + size, GROWTH * size, number + 1
     number += math.ceil(max(1.0 - done, 0.0) / stage.max_fraction * (1.0 - 1.0e-9))
     return max(number, len(stage.stops))
 
@@ -159,14 +152,3 @@ def _next(done: float, size: float, stops: tuple[float, ...]) -> float:
     if size >= room * (1.0 - 1.0e-9):
         return stop
     return done + (0.5 * room if 2.0 * size > room else size)
-
-
-def _adapt(size: float, iterations: int, largest: float, cuts: int) -> tuple[float, str]:
-    """Size of the next increment, and what limits it: grow when Newton was short, shrink when it was long."""
-    if cuts:
-        wanted, limit = (0.7 if iterations > _HARD else 1.0) * size, "cut-back"
-    elif iterations <= _EASY:
-        wanted, limit = _GROWTH * size, "growth"
-    else:
-        wanted, limit = (0.7 if iterations > _HARD else 1.0) * size, "iterations"
-    return (largest, "largest step") if wanted >= largest else (wanted, limit)

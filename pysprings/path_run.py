@@ -18,6 +18,7 @@ from fe_engine.model import Stage
 from fe_engine.newton import Newton
 from fe_engine.recycled import Origin
 from fe_engine.state import FIELDS, State, initial_fields
+from fe_engine.step_size import StepSize
 from fe_engine.stepping import Driver, Position, Step
 from fe_engine.water_balance import WaterBalance
 from pysprings.build import Built
@@ -232,7 +233,7 @@ class PathRun:
             return
         with self.work.clock.phase("checkpoint"):
             at = standing.position
-            meta = standing.meta | {"start": at.start, "done": at.done, "size": at.size, "limit": at.limit}
+            meta = standing.meta | {"start": at.start, "done": at.done, "next": asdict(at.next)}
             arrays = {_FIELD + name: value for name, value in standing.fields.items()}
             if standing.force is not None:
                 meta["force"] = standing.force
@@ -296,7 +297,7 @@ class PathRun:
         driver.force = np.array(meta["force"]) if "force" in meta else None
         if self.water is not None:
             self.water.totals = tuple(meta["water"])
-        position = Position(np.array(meta["start"]), meta["done"], meta["size"], meta["limit"])
+        position = Position(np.array(meta["start"]), meta["done"], StepSize(**meta["next"]))
         if "last_size" in meta:
             last = meta["last_size"], arrays[_LAST + "free"], arrays[_LAST + "border"]
             position = replace(position, last=last)

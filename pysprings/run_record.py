@@ -63,7 +63,7 @@ def summarise(
     record : one row per iteration (`fe_engine.stepping.Driver`).
     cut_backs : one entry per attempt that was given up, see `cut_back`.
     path : what was collected along the path.
-    limits : what limited the size of each step (`fe_engine.stepping.LIMITS`).
+    limits : what limited the size of each step (`fe_engine.step_size.LIMITS`).
     """
     attempts = [list(rows) for _, rows in groupby(with_attempts(record), lambda r: (r["increment"], r["attempt"]))]
     good = [rows for rows in attempts if rows[-1]["converged"]]

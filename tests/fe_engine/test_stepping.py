@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fe_engine.errors import NotConverged
-from fe_engine.stepping import LIMITS, Driver, _adapt, _next, fewest_increments
+from fe_engine.step_size import LIMITS, StepSize
+from fe_engine.stepping import Driver, _next, fewest_increments
 from tests.fe_engine.models import footing, run, soil, stage, start
 
 CAPACITY = 0.5 * 2.0e4 * 0.5  # N: mu times pressure times area
@@ -69,16 +70,6 @@ def test_a_stop_a_rounding_error_before_the_end():
     assert out.steps[-1].fraction == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize(
-    ("iterations", "cuts", "expected"), [(3, 0, 0.03), (6, 0, 0.03), (8, 0, 0.02), (11, 0, 0.014), (3, 1, 0.02)]
-)
-def test_step_size_follows_the_iterations(iterations, cuts, expected):
-    size, limit = _adapt(0.02, iterations, 1.0, cuts)
-    assert size == pytest.approx(expected)
-    assert limit == ("cut-back" if cuts else "growth" if expected > 0.02 else "iterations")
-    assert _adapt(0.02, iterations, 0.01, cuts) == (0.01, "largest step")
-
-
 @pytest.mark.parametrize("stops", [(1.0,), (0.125, 1.0), (0.1, 0.5, 1.0)])
 def test_the_fewest_increments_are_those_of_steps_that_all_converge_at_once(stops):
     """Exactly so where nothing but the end is landed on; else from below."""
@@ -86,7 +77,7 @@ def test_the_fewest_increments_are_those_of_steps_that_all_converge_at_once(stop
         done, size, number = 0.0, first, 0
         while done < 1.0:
             end = _next(done, size, stops)
-            done, size, number = end, _adapt(end - done, 3, largest, 0)[0], number + 1
+            done, size, number = end, StepSize(size).after_success(end - done, 3, largest).size, number + 1
         fewest = fewest_increments(stage({}, stops=stops, first_fraction=first, max_fraction=largest))
         assert fewest == number if len(stops) == 1 else len(stops) <= fewest <= number
 

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: MIT
+"""Size of the next increment, from how the last ones went.
+
+An increment that took Newton few iterations lets the next one grow, a long one shrinks it, a failed attempt halves it.
+Where attempts have failed, so many increments pass at the smaller size before it grows again, twice as many each time
+that growing back has failed anew: a failed attempt costs several increments.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+GROWTH, _EASY, _HARD = 1.5, 6, 10
+_CUT = 0.5
+_SMALLEST = 1.0e-7
+_HOLD, _LONGEST_HOLD = 8, 16
+# What can limit a step: it opens a stage; it may only grow by a factor; it is the largest allowed; it must land on a
+# stop; Newton needed many iterations on the last one; an attempt at a larger one failed
+LIMITS = ("first step", "growth", "largest step", "stop", "iterations", "cut-back")
+
+
+@dataclass(frozen=True)
+class StepSize:
+    """Size of the next increment as a fraction of the stage, and what limits it (one of LIMITS).
+
+    wait : increments until it may grow again.
+    failed : size of the attempt that failed last, inf where none has since steps of that size succeeded.
+    hold : increments to wait after the last failure.
+    """
+
+    size: float
+    limit: str = "first step"
+    wait: int = 0
+    failed: float = math.inf
+    hold: int = _HOLD
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether it is too small to go on with."""
+        return self.size < _SMALLEST
+
+    def after_failure(self, step: float, again: bool) -> StepSize:
+        """Return the size to try after an attempt at ``step`` has failed, ``again`` for the same increment."""
+        hold = self.hold
+        if not again and math.isfinite(self.failed) and step <= GROWTH * self.failed:
+            hold = min(2 * hold, _LONGEST_HOLD)
+        return StepSize(_CUT * step, "cut-back", hold, step, hold)
+
+    def after_success(self, step: float, iterations: int, largest: float) -> StepSize:
+        """Return the next size after an increment of ``step`` that took so many iterations."""
+        now = self if step < self.failed else replace(self, wait=0, failed=math.inf, hold=_HOLD)
+        if iterations > _HARD:
+            wanted, limit = 0.7 * step, "cut-back" if now.wait else "iterations"
+        elif now.wait:
+            wanted, limit = now.size, "cut-back"
+        elif iterations > _EASY:
+            wanted, limit = step, "iterations"
+        else:
+            wanted, limit = GROWTH * step, "growth"
+        size, limit = (largest, "largest step") if wanted >= largest else (wanted, limit)
+        return replace(now, size=size, limit=limit, wait=max(now.wait - 1, 0))

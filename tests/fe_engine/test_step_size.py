@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MIT
+"""Size of the next increment: growth, cut-back, and the memory of sizes that failed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+
+import pytest
+
+from fe_engine.step_size import StepSize
+
+
+def walk(size: StepSize, limit: float, number: int) -> tuple[int, int]:
+    """Increments and failures where every attempt beyond ``limit`` fails and all others are easy."""
+    failures = 0
+    for _ in range(number):
+        again = False
+        while size.size > limit:
+            size, failures, again = size.after_failure(size.size, again), failures + 1, True
+        size = size.after_success(size.size, 3, 1.0)
+    return number, failures
+
+
+@pytest.mark.parametrize(("iterations", "expected"), [(3, 0.03), (6, 0.03), (8, 0.02), (11, 0.014)])
+def test_it_follows_the_iterations(iterations, expected):
+    after = StepSize(0.02).after_success(0.02, iterations, 1.0)
+    assert after.size == pytest.approx(expected)
+    assert after.limit == ("growth" if expected > 0.02 else "iterations")
+    largest = StepSize(0.02).after_success(0.02, iterations, 0.01)
+    assert (largest.size, largest.limit) == (0.01, "largest step")
+
+
+def test_a_failure_halves_it_and_holds_it_there():
+    size = StepSize(0.02, "growth").after_failure(0.02, again=False)
+    assert (size.size, size.limit) == (0.01, "cut-back")
+    sizes = []
+    for _ in range(10):
+        sizes.append(size.size)
+        size = size.after_success(size.size, 3, 1.0)
+    assert sizes == pytest.approx([0.01] * 9 + [0.015])
+
+
+def test_a_long_increment_shrinks_it_while_it_waits_too():
+    size = StepSize(0.02).after_failure(0.02, again=False).after_success(0.01, 11, 1.0)
+    assert size.size == pytest.approx(0.007)
+
+
+def test_a_stop_on_the_way_does_not_shrink_the_size_that_is_held():
+    size = StepSize(0.02).after_failure(0.02, again=False).after_success(0.001, 3, 1.0)
+    assert size.size == pytest.approx(0.01)
+
+
+def test_failures_become_rare_where_growing_back_fails_each_time():
+    """One failure in eleven increments, holding eight; one in nineteen at the last."""
+    few, many = walk(StepSize(0.03), 0.02, 20)[1], walk(StepSize(0.03), 0.02, 400)[1]
+    assert few <= 2
+    assert many <= 400 / 15
+
+
+def test_what_has_failed_is_forgotten_where_it_succeeds():
+    size = StepSize(0.02).after_failure(0.02, again=False)
+    size = size.after_failure(0.02, again=False)  # waits longer now
+    waited = size.wait
+    size = size.after_success(0.025, 3, 1.0)
+    assert size.failed == float("inf") and size.wait == 0
+    assert size.after_failure(0.025, again=False).wait < waited
+
+
+def test_it_ends_where_it_is_too_small_to_go_on():
+    size = StepSize(1.0e-6)
+    assert not size.exhausted
+    for _ in range(4):
+        size = size.after_failure(size.size, again=True)
+    assert size.exhausted
+
+
+def test_it_goes_through_a_checkpoint():
+    size = StepSize(0.02).after_failure(0.02, again=False)
+    assert StepSize(**json.loads(json.dumps(asdict(size)))) == size
+    assert StepSize(**json.loads(json.dumps(asdict(StepSize(0.1))))) == StepSize(0.1)
