@@ -12,6 +12,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from pysprings.markdown import markdown
 from pysprings.paper import figures, idealisations, runs, study, text
 from pysprings.plots.style import STYLE
 from pysprings.storage import replacing, write_text
@@ -54,7 +55,7 @@ def write(source: Path, docs: Path, mesh: str) -> Path:
     page = HEAD.format(
         mesh=mesh, nodes=f"{attrs['n_nodes']:,}", elements=f"{attrs['n_elements']:,}",
         claims=text.claims_markdown(study.read_claims(source)),
-        idealised=f"{idealisations.NOTE}\n\n{text.markdown(*idealisations.rows_for_people(compared))}",
+        idealised=f"{idealisations.NOTE}\n\n{markdown(*idealisations.rows_for_people(compared))}",
         sensitivity_mesh=mesh if table is None else table["mesh"].iloc[0],
         sensitivity="Not run." if table is None else text.sensitivity_markdown(table),
     )  # fmt: skip

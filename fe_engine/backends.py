@@ -87,6 +87,7 @@ class Pardiso:
 
     def factorise(self, matrix: csr_matrix) -> None:
         """Factorise numerically; the first call also analyses the pattern."""
+        # shared with the matrix, whose entries the next tangent overwrites: solves come before that
         self._values = np.ascontiguousarray(matrix.data, dtype=self._type)
         self._starts = np.ascontiguousarray(matrix.indptr, dtype=np.int32)
         self._columns = np.ascontiguousarray(matrix.indices, dtype=np.int32)

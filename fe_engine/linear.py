@@ -36,6 +36,7 @@ class LinearSolver:
         self.n_factorisations = 0
         self.n_solves = 0
         self.worst_residual = 0.0
+        self._matrix: csr_matrix | None = None
 
     def factorise(self, matrix: csr_matrix) -> None:
         """Factorise a tangent."""
@@ -67,13 +68,12 @@ class LinearSolver:
 
         None where nothing has been factorised yet, or the factors give no answer.
         """
-        if not hasattr(self, "_matrix"):
-            return None
-        return condition_estimate(lambda v: self._matrix @ v, self.backend.solve, self._matrix.shape[0])
+        matrix = self._matrix
+        return None if matrix is None else condition_estimate(lambda v: matrix @ v, self.backend.solve, matrix.shape[0])
 
     def close(self) -> None:
         """Release the factors; there is no matrix then whose condition could be told."""
-        self.__dict__.pop("_matrix", None)
+        self._matrix = None
         self.backend.close()
 
     def _relative_residual(self, x: np.ndarray, rhs: np.ndarray) -> float:

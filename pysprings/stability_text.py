@@ -6,6 +6,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from pysprings.markdown import markdown
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -57,11 +59,11 @@ def closing(summary: dict[str, Any]) -> str:
 def to_markdown(table: pd.DataFrame) -> str:
     """Return the table for a document, one line a case."""
     heads = [*(head for head, _ in _COLUMNS.values()), "warning or reason"]
-    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
-    for row in table.to_dict(orient="records"):
-        cells = [_cell(row[str(name)], form) for name, (_, form) in _COLUMNS.items()]
-        lines.append("| " + " | ".join([*cells, str(row["detail"]).replace("|", "\\|")]) + " |")
-    return "\n".join(lines) + "\n"
+    rows = [
+        [*(_cell(row[str(name)], form) for name, (_, form) in _COLUMNS.items()), str(row["detail"])]
+        for row in table.to_dict(orient="records")
+    ]
+    return markdown(heads, rows)
 
 
 def _cell(value: Any, form: str) -> str:

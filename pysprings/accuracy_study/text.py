@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pysprings.accuracy.measures import MEASURES
 from pysprings.accuracy.presets import TARGETS, cheapest_within
 from pysprings.accuracy_study.rows import FULL, MACRO, Found, records
+from pysprings.markdown import markdown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -99,8 +100,7 @@ def to_markdown(found: Found, head: Mapping[str, Any], picture: str) -> str:
 
 def _table(found: Found, model: str) -> list[str]:
     heads, rows = cells(found.table, model)
-    lines = ["| " + " | ".join(heads) + " |", "| --- |" + " --: |" * (len(heads) - 1)]
-    return lines + ["| " + " | ".join(row) + " |" for row in rows]
+    return markdown(heads, rows, numbers=True).splitlines()
 
 
 def _value(row: Mapping[str, Any], name: str, model: str) -> Any:

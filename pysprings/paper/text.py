@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from pysprings.markdown import markdown
 from pysprings.paper.cases import END, SHOWN
 from pysprings.paper.sensitivity import CRITERIA
 
@@ -67,16 +68,6 @@ def cells(row: Mapping[str, Any], columns: Mapping[str, tuple[str, str]]) -> lis
     if row["status"] != "complete":
         shown["what"] = f"{row['what']} ({row['status']}: {row['detail']})"
     return [cell(shown.get(name), form) for name, (_, form) in columns.items()]
-
-
-def markdown(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a Markdown table."""
-    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
-    return "\n".join([*lines, *("| " + " | ".join(_safe(text) for text in row) + " |" for row in rows)]) + "\n"
-
-
-def _safe(text: str) -> str:
-    return text.replace("|", "\\|").replace("\n", " ")
 
 
 def claims_markdown(table: pd.DataFrame) -> str:
