@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 import pysprings
-from fe_engine import stepping
+from fe_engine import step_size
 from fe_engine.newton import Newton
 from pysprings import cli, folder, kept_runs
 from pysprings.paper import cases, claims, figures, idealisations, page, runs, sensitivity, study, text
@@ -127,7 +127,7 @@ def test_checkpoints_of_another_scene_are_no_hindrance(
 def test_a_run_that_stops_early_keeps_its_part_and_everything_says_so(
     two: tuple[Case, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(stepping, "_SMALLEST", 0.02)  # no endless halving
+    monkeypatch.setattr(step_size, "_SMALLEST", 0.02)  # no endless halving
     hasty = {"max_iterations": 4, "tolerance": 1e-9, "first_step_fraction": 0.02, "max_step_fraction": 1.0}
     case = replace(two[0], changes={**TINY, "solver": hasty})
     stopped = study.study(tmp_path, "coarse", lambda *_: None, cases=[case])
