@@ -84,6 +84,11 @@ def has_ended(folder: Path, scene: Scene) -> bool:
     )
 
 
+def why_stopped(record: Mapping[str, Any]) -> str:
+    """Say why a run that has ended did not reach its end; empty where it did."""
+    return "" if record.get("status") == "complete" else "; ".join(record.get("failures", ["no run"]))
+
+
 def forget(folder: Path) -> None:
     """Have the run of a folder made again; its results stay until there are others."""
     from pysprings.checkpoint import Checkpoints

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pysprings.accuracy.settings import Setting
 from pysprings.accuracy_study.child import Run
 from pysprings.errors import ResourceError, RunIncomplete, UserInputError
-from pysprings.kept_runs import RUNS, Whole, forget, has_ended, record_of
+from pysprings.kept_runs import RUNS, Whole, forget, has_ended, record_of, why_stopped
 from pysprings.resources import size_of
 from pysprings.run_time import seconds
 
@@ -90,9 +90,8 @@ def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:
 
 def _told(record: dict[str, Any]) -> str:
     """Say of a kept run what `_run` has said of it."""
-    return (
-        "" if record.get("status") == "complete" else f"{_NOT_CONVERGED}{'; '.join(record.get('failures', ['no run']))}"
-    )
+    why = why_stopped(record)
+    return f"{_NOT_CONVERGED}{why}" if why else ""
 
 
 _NOT_CONVERGED = "not converged: "

@@ -7,6 +7,7 @@ its text gives few. "partly" is what holds in part of the criterion's items.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -43,7 +44,8 @@ def assess(paths: Paths) -> pd.DataFrame:
         missing = [name for name in claim.needs if name not in paths]
         found = Finding(f"needs the run {', '.join(missing)}", (None,)) if missing else claim.measure(paths)
         if found.verdict == UNKNOWN and not missing:
-            found = Finding(f"{found.figure} (a run stopped before it)", (None,), found.reason)
+            reached = re.sub(r"\bnan\b", "-", found.figure)
+            found = Finding(f"{reached} (-: a run stopped before it)", (None,), found.reason)
         rows.append({
             "number": claim.number, "claim": claim.words, "figure": found.figure, "verdict": found.verdict,
             "reason": found.reason, "criterion": claim.criterion,

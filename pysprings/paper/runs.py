@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from pysprings import kept_runs
 from pysprings.errors import RunIncomplete
-from pysprings.kept_runs import RUNS, Whole, has_ended, record_of
+from pysprings.kept_runs import RUNS, Whole, has_ended, record_of, why_stopped
 from pysprings.paper.cases import CASES, PATH, Case
 
 if TYPE_CHECKING:
@@ -55,12 +55,15 @@ def run_all(out: Path, mesh: str, report: Progress, cases: Sequence[Case] = CASE
     stopped = []
     for case in cases:
         scene, folder = case.scene(mesh), out / RUNS / case.name
-        worked = not has_ended(folder, scene)
+        worked, why = not has_ended(folder, scene), ""
         if worked:
             try:
                 run_or_go_on(scene, folder, whole.of(case.name))
             except RunIncomplete as error:
-                stopped.append(f"{case.name}: {error}")
+                why = str(error)
+        why = why or why_stopped(record_of(folder, scene))
+        if why:
+            stopped.append(f"{case.name}: {why}")
         whole.ended(case.name, worked)
     return stopped
 

@@ -133,6 +133,7 @@ def test_a_run_that_stops_early_keeps_its_part_and_everything_says_so(
     stopped = study.study(tmp_path, "coarse", lambda *_: None, cases=[case])
     assert len(stopped) == 1
     assert stopped[0].startswith("drained: path 'pull' stopped on its way to")
+    assert study.study(tmp_path, "coarse", lambda *_: None, cases=[case]) == stopped  # kept, and said again
     report = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "A run stopped early." in report
     assert "drained: stopped at u = " in report
