@@ -76,9 +76,9 @@ class Pardiso:
     _MATRIX_TYPE = 11  # real, not symmetric
 
     def __init__(self, single: bool = False) -> None:
+        _point_at_mkl()
         import pypardiso
 
-        _point_at_mkl()
         self._solver = pypardiso.PyPardisoSolver(mtype=self._MATRIX_TYPE)
         self._type = np.float32 if single else np.float64
         self._analysed = False

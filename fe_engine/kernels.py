@@ -20,7 +20,7 @@ from fe_engine.model import Model
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.soil.elastic import elastic_tangent, subtract_elastic_tangent
 
-BATCH = 512
+BATCH = 4096  # the fewer, the less threads wait for each other; 19 MB of blocks
 _update_contact = coulomb.update
 _linearise_contact = coulomb.linearise
 

@@ -11,6 +11,7 @@ from scipy.sparse import csr_matrix
 from fe_engine.backends import make_backend
 from fe_engine.clock import Clock
 from fe_engine.errors import LinearSolverError
+from fe_engine.sparse import scaled_entries
 
 # relative residuals of a linear solve: refined above the first, refused above the second
 _REFINE_ABOVE = 1.0e-9
@@ -83,12 +84,12 @@ class LinearSolver:
         return float(np.max(residual / np.where(scale > 0.0, scale, 1.0)))
 
 
-def equilibrated(matrix: csr_matrix) -> tuple[np.ndarray, csr_matrix]:
-    """Scale D (n,), 1/sqrt|diagonal| with 1 where that is 0, and D A D, on the pattern of A."""
+def equilibrated(matrix: csr_matrix, kind: type = np.float64) -> tuple[np.ndarray, csr_matrix]:
+    """Scale D (n,), 1/sqrt|diagonal| with 1 where that is 0, and D A D in the precision ``kind``, on A's pattern."""
     diagonal = np.abs(matrix.diagonal())
     scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    data = matrix.data * np.repeat(scale, np.diff(matrix.indptr)) * scale[matrix.indices]
-    return scale, csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
+    entries = scaled_entries(matrix, scale, kind)
+    return scale, csr_matrix((entries, matrix.indices, matrix.indptr), shape=matrix.shape)
 
 
 def condition_estimate(

@@ -53,7 +53,7 @@ class Settings:
     Models of ``recycle_from`` unknowns or more solve with factors of earlier tangents: see `recycled`.
     """
 
-    tolerance: float = 1.0e-6
+    tolerance: float = 1.0e-5
     max_iterations: int = 20
     recycle_from: int = WORTH_FROM
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numba as nb
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from fe_engine.errors import ModelError
 from fe_engine.model import Model
@@ -104,15 +105,13 @@ def _number(model: Model) -> tuple[np.ndarray, np.ndarray]:
 
 def _node_graph(n: int, groups: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Sorted neighbour lists (start, neighbours) of the nodes that share an element or a station."""
-    keys = []
-    for group in groups:
-        for a in range(group.shape[1]):
-            for b in range(group.shape[1]):
-                keys.append(np.unique(group[:, a].astype(np.int64) * n + group[:, b]))
-    key = np.unique(np.concatenate(keys))
-    start = np.zeros(n + 1, dtype=np.int64)
-    np.cumsum(np.bincount(key // n, minlength=n), out=start[1:])
-    return start, key % n
+    width = np.concatenate([np.full(len(group), group.shape[1]) for group in groups])
+    starts = np.concatenate([[0], np.cumsum(width)])
+    nodes = np.concatenate([group.ravel() for group in groups])
+    meets = csr_matrix((np.ones(len(nodes), dtype=np.int32), nodes, starts), shape=(len(width), n))
+    graph = (meets.T @ meets).tocsr()
+    graph.sort_indices()
+    return graph.indptr.astype(np.int64), graph.indices.astype(np.int64)
 
 
 @nb.njit(cache=True)

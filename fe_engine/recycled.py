@@ -28,12 +28,13 @@ from fe_engine.assembly import Residual, Tangent
 from fe_engine.backends import make_backend
 from fe_engine.errors import LinearSolverError
 from fe_engine.linear import LinearSolver, condition_estimate, equilibrated
+from fe_engine.sparse import times
 
 # From so many unknowns on it pays; below, a factorisation costs no more than a few iterations.
 WORTH_FROM = 10_000
 # GMRES gives up after so many iterations, which cost as much as new factors; they are also renewed after an increment
 # that needed more than so many in the mean of its systems, and late in an increment, whose states then go to and fro.
-_LONGEST, _COMFORTABLE, _LATE = 22, 7.0, 5
+_LONGEST, _COMFORTABLE, _LATE = 30, 7.0, 5
 # Relative residuals of a Newton step: with old factors, and with new ones, where one iteration more does it.
 _ENOUGH, _FRESH = 1.0e-2, 1.0e-6
 _EXACT = 1.0e-10  # last change of a border stiffness that is refined
@@ -88,6 +89,7 @@ class Recycled:
         self.worn = False
         self._backend = make_backend(counts.backend.name, n_unknowns, symmetric, single=True)
         self._shape = self._stiffness = np.zeros((0, 0))  # K^-1 columns, and the border's stiffness
+        self._kept: np.ndarray | None = None  # entries that the backend's factors are of
         self._spent: list[int] = []  # iterations of each system since the increment began or the factors were renewed
 
     def forget(self) -> None:
@@ -104,21 +106,29 @@ class Recycled:
 
     def factorise(self, tangent: Tangent) -> None:
         """Factorise a tangent; it serves until the factors are renewed."""
-        scale, scaled = equilibrated(tangent.matrix)
+        scale, scaled = equilibrated(tangent.matrix, np.float32)
         border = tangent.columns.copy(), tangent.rows.copy(), tangent.corner.copy()
-        self.restore(Origin(scaled.data.astype(np.float32), scale, *border), tangent.matrix)
-        self.counts.n_factorisations += 1
+        origin = Origin(scaled.data, scale, *border)
+        self.counts.n_factorisations += self.restore(origin, tangent.matrix)
         self.counts.n_solves += 1
 
-    def restore(self, origin: Origin, pattern: csr_matrix) -> None:
-        """Make the factors from their origin, on the pattern of the tangent; not counted, they have been before."""
+    def restore(self, origin: Origin, pattern: csr_matrix) -> bool:
+        """Make the factors from their origin, on the pattern of the tangent; return False where they are there still.
+
+        Nothing is counted: where a run goes on from a checkpoint, they have been before.
+        """
         self.origin = None  # until there are factors
         self.counts.close()
-        with self.clock.phase("factorisation"):
-            self._backend.factorise(csr_matrix((origin.entries, pattern.indices, pattern.indptr), shape=pattern.shape))
-        self.origin, self.worn = origin, False
+        renew = self._kept is None or not np.array_equal(self._kept, origin.entries)
+        if renew:
+            self._kept = None
+            matrix = csr_matrix((origin.entries, pattern.indices, pattern.indptr), shape=pattern.shape)
+            with self.clock.phase("factorisation"):
+                self._backend.factorise(matrix)
+        self.origin, self.worn, self._kept = origin, False, origin.entries
         self._shape = self._precondition(origin.columns)
         self._stiffness = origin.corner - origin.rows @ self._shape
+        return renew
 
     def border_stiffness(self, tangent: Tangent) -> np.ndarray:
         """Stiffness (nb, nb) of the border, with the factors of this very tangent. Raises LinearSolverError."""
@@ -185,7 +195,7 @@ class Recycled:
             return np.concatenate([x - shape @ y, y])
 
         def apply(x: np.ndarray) -> np.ndarray:
-            return size * np.concatenate([matrix @ x[:n] + columns @ x[n:], rows @ x[:n] + corner @ x[n:]])
+            return size * np.concatenate([times(matrix, x[:n]) + columns @ x[n:], rows @ x[:n] + corner @ x[n:]])
 
         residuals: list[float] = []
         operator, inverse = (LinearOperator((len(rhs), len(rhs)), matvec=f, dtype=float) for f in (apply, precondition))
@@ -226,5 +236,5 @@ class Recycled:
 
     def close(self) -> None:
         """Release the factors."""
-        self.origin = None
+        self.origin = self._kept = None
         self._backend.close()

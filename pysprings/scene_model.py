@@ -211,8 +211,8 @@ class Solver(Section):
     """Newton iterations, load steps and the linear solver."""
 
     tolerance: Annotated[
-        float, Number("[1e-12, 0.01]", "largest residual, relative to the norm of the contact forces", 1e-6)
-    ] = 1e-6
+        float, Number("[1e-12, 0.01]", "largest residual, relative to the norm of the contact forces", 1e-5)
+    ] = 1e-5
     linear: Annotated[str, Choice(("auto", "pardiso", "superlu"), "linear solver", planned=("mumps",))] = "auto"
     max_iterations: Annotated[int, Count(2, 1000, "Newton iterations before a step is cut back")] = 20
     first_step_fraction: Annotated[float | None, _FRACTION] = None

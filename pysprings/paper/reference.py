@@ -26,7 +26,7 @@ BY_STEP = ("time", "w", "rotation", "H", "V", "H_outer", "H_inner", "H_lid", "H_
 FIELDS = ("normal_effective_stress", "shear_lateral", "shear_vertical", "pore_pressure", "gap")
 COMMAND = f"pysprings paper --mesh {MESH}"
 # Largest deviation that is taken for the same result, over the largest value of each variable: rounding, another
-# linear solver and the Newton tolerance (1e-6) come to less; a change of the model to more.
+# linear solver and the Newton tolerance (1e-5) come to less; a change of the model to more.
 TOLERANCE = 2e-3
 
 

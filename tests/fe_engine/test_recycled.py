@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -50,6 +52,18 @@ def test_the_stiffness_of_a_stiff_contact_is_refined_until_it_is_symmetric(linea
     k = start(model, linear, recycle_from=0).driver.newton.border_stiffness(State(model))
     size = np.sqrt(np.outer(np.diagonal(k), np.diagonal(k)))
     np.testing.assert_allclose((k - k.T) / size, 0.0, atol=1.0e-9)
+
+
+def test_factors_of_the_same_tangent_are_made_once(linear):
+    """The stiffness at rest and the first increment share them; those of another tangent are made."""
+    newton = start(footing(), linear, recycle_from=0).driver.newton
+    once = newton.border_stiffness(State(footing()))
+    newton.forget()
+    np.testing.assert_array_equal(newton.border_stiffness(State(footing())), once)
+    assert newton.solver.n_factorisations == 1
+    newton.recycled.close()
+    np.testing.assert_array_equal(newton.border_stiffness(State(footing())), once)
+    assert newton.solver.n_factorisations == 2
 
 
 def test_given_forces_keep_the_border_stiffness_that_a_limit_load_is_told_by(linear):
@@ -134,12 +148,12 @@ def test_factors_that_fail_leave_none_behind(linear):
     """What is half made is neither used nor saved."""
     newton = start(footing(), linear, recycle_from=0).driver.newton
     newton.border_stiffness(State(footing()))
-    origin, pattern = newton.origin, newton.system.matrix_pattern
+    origin = replace(newton.origin, entries=2.0 * newton.origin.entries)  # the same would need no new factors
 
     def fail(_matrix):
         raise LinearSolverError("singular")
 
     newton.recycled._backend.factorise = fail
     with pytest.raises(LinearSolverError):
-        newton.recycled.restore(origin, pattern)
+        newton.recycled.restore(origin, newton.system.matrix_pattern)
     assert newton.origin is None
