@@ -42,6 +42,10 @@ _STALL_FROM, _STALL_WINDOW = 4, 2
 _HALF, _GAIN, _PATIENCE = 0.5, 0.7, 4
 # A linear system is solved to this share of the tolerance and no further.
 _AIM = 0.3
+# An increment has converged when its border dofs and its volumes of water are so many times closer to balance than the
+# tolerance asks of all equations: few numbers, of which each counts. The border's decide the rotation under a load near
+# the centre of rotation, the volumes add up over the steps of a path.
+_STRICT = 10.0
 # Forces count beside this share of the initial contact forces at the least, below which a change is rounding.
 _ROUNDING = 1.0e-6
 
@@ -127,19 +131,19 @@ class Newton:
         for iteration in range(self.settings.max_iterations + 1):
             judged, linear, tangent = evaluated
             violation = loading.target - loading.control @ state.trial.border
-            merit, error = self._merit(judged, loading)
+            merit, error, strict = self._merit(judged, loading)
             merits.append(merit)
             record.append(_row(iteration, error, judged))
             if not np.isfinite(merit):
                 raise NotConverged("residual is not finite", self._worst(judged), record)
-            if error <= self.settings.tolerance and _met(violation, loading.target):
+            if strict <= self.settings.tolerance and _met(violation, loading.target):
                 if self.recycled is not None:
                     self.recycled.end_increment()
                 return Increment(free, border, judged, self.stiffness, record)
             if iteration == self.settings.max_iterations:
                 break
             self._watch(iteration, merits, error, judged, record)
-            step = self._direction(linear, tangent, loading, violation, record)
+            step = self._direction(linear, tangent, loading, violation, strict, record)
             damping, evaluated = self._advance(state, loading, (free, border), step, merits, record)
             free, border = free + damping * step[0], border + damping * step[1]
             record[-1]["damping"] = damping
@@ -195,12 +199,12 @@ class Newton:
             raise NotConverged(str(error), "", record) from error
 
     def _direction(
-        self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, record: list
+        self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, strict: float, record: list
     ) -> tuple[np.ndarray, np.ndarray]:
         """Newton step (n,), (nb,) of the bordered system; keeps the border tangent stiffness."""
         if self.recycled is not None and len(loading.target):
             try:
-                return self._recycled_direction(linear, tangent, loading, violation, record)
+                return self._recycled_direction(linear, tangent, loading, violation, strict, len(record) - 1)
             except LinearSolverError:
                 pass  # single precision does not do here
         if self.recycled is not None:
@@ -224,13 +228,13 @@ class Newton:
         return step - shape @ solution[:n_border], solution[:n_border]
 
     def _recycled_direction(
-        self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, record: list
+        self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, strict: float, iteration: int
     ) -> tuple[np.ndarray, np.ndarray]:
         """Newton step with earlier factors. Raises LinearSolverError."""
         assert self.recycled is not None
         control = control_of(loading.control, loading.load, violation, self.scale)
-        wanted = _AIM * _ratio(self.settings.tolerance, record[-1]["residual"])
-        step = self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted, len(record) - 1)
+        wanted = _AIM * _ratio(self.settings.tolerance, strict)
+        step = self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted, iteration)
         self.stiffness = None
         return step
 
@@ -248,7 +252,7 @@ class Newton:
         full = np.inf
         try:
             evaluated = self._linearise(state, False, point(1.0), record)
-            full, error = self._merit(evaluated[0], loading)
+            full, error, _ = self._merit(evaluated[0], loading)
             full = full if np.isfinite(full) else np.inf
             if len(merits) == 1 or full <= max(merits[-_MEMORY:]) or error < _CLOSE:
                 return 1.0, evaluated
@@ -269,32 +273,34 @@ class Newton:
                 residual = self.system.residual(state)
             except LawError:
                 continue
-            merit, error = self._merit(residual, loading)
+            merit, error, _ = self._merit(residual, loading)
             if merit <= max(merits[-_MEMORY:]) or error < _CLOSE:
                 return length
             if merit < best_merit:
                 best, best_merit = length, merit
         return best
 
-    def _merit(self, residual: Residual, loading: Loading) -> tuple[float, float]:
-        """Residual norm in N, and the worse of its relative errors.
+    def _merit(self, residual: Residual, loading: Loading) -> tuple[float, float, float]:
+        """Residual norm in N, the worse of its relative errors, and the error that the tolerance is held against.
 
         Forces count relative to the contact forces (or the border's reactions or loads), volumes of water relative to
-        the volumes that have changed or flowed.
+        the volumes that have changed or flowed. The last of the three is strict with the border and the water.
         """
         with np.errstate(over="ignore", invalid="ignore"):  # an iterate that diverges has no finite merit
             square, water = residual.free**2, self.system.is_pressure
-            border = loading.unbalanced(residual.border) / self.scale
+            border = float(np.linalg.norm(loading.unbalanced(residual.border) / self.scale))
             volumes = float(np.sum(square[water]))
-            forces = float(np.sum(square) - volumes + np.sum(border**2))
+            forces = float(np.sum(square) - volumes + border**2)
             reaction, load = (float(np.linalg.norm(f / self.scale)) for f in (residual.border, loading.force))
         reference = max(residual.contact_norm, reaction, load, _ROUNDING * self.system.initial_contact_norm)
         error = _ratio(np.sqrt(max(forces, 0.0)), reference)
+        strict = max(error, _STRICT * _ratio(border, reference))
         if self.system.model.water is not None:
             scale = self.system.model.water.scale
             changed = max(residual.volume_norm, _STILL * reference / scale)
-            error = max(error, _ratio(np.sqrt(volumes) / scale, changed))
-        return float(np.sqrt(forces + volumes)), error
+            left = _ratio(np.sqrt(volumes) / scale, changed)
+            error, strict = max(error, left), max(strict, _STRICT * left)
+        return float(np.sqrt(forces + volumes)), error, strict
 
     def _size(self, free: np.ndarray, border: np.ndarray) -> float:
         """Root mean square displacement of a step in m."""
