@@ -6,6 +6,7 @@ Each scene is run a second time with every quantity multiplied as its dimension 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -13,8 +14,17 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from fe_engine.assembly import System
+from fe_engine.linear import LinearSolver
+from fe_engine.model import Model
+from fe_engine.newton import Newton, Settings
+from fe_engine.state import State
+from fe_engine.stepping import Driver, Step
 from pysprings import Scene
+from pysprings.build import build_model
 from pysprings.full_model import run
+from pysprings.stages import path_stages
+from tests.fe_engine.models import rotation_matrix, to_matrix, to_voigt
 from tests.pysprings import tiny
 
 # dimension of each scaled quantity: powers of force, length and time; what is left out has none
@@ -95,6 +105,57 @@ def test_a_load_from_the_other_side_is_mirrored(mode: str) -> None:
     for name, sign in {"u": -1, "w": 1, "rotation": -1, "H": -1, "M": -1, "p": -1}.items():
         expected = sign * mine[name].values
         np.testing.assert_allclose(other[name].values, expected, rtol=1e-6, atol=1e-7 * np.abs(expected).max())
+
+
+def turned(model: Model, turn: np.ndarray) -> Model:
+    """The model turned by a rotation (3, 3); u, w and rotation of the body turn with it, and keep their numbers.
+
+    Nodes of the interface have no axes of their own: what is held there (y) has to turn into another axis.
+    """
+    stations, water, held = model.stations, model.water, model.fixed.copy()
+    assert stations is not None
+    contact = np.unique(stations.nodes)
+    held[contact] = held[contact] @ np.abs(turn.T) > 0.5
+    frames = {
+        node: model.frames.get(node, np.eye(3)) @ turn.T
+        for node in np.setdiff1d(np.arange(model.mesh.n_nodes), contact).tolist()
+    }
+    stress = np.array([to_voigt(turn @ to_matrix(one) @ turn.T) for one in model.initial_stress.reshape(-1, 6)])
+    if water is not None and water.film is not None:
+        water = replace(water, film=replace(water.film, gradient=water.film.gradient @ turn.T))
+    return replace(
+        model, mesh=replace(model.mesh, nodes=model.mesh.nodes @ turn.T), fixed=held, frames=frames, water=water,
+        initial_stress=stress.reshape(model.initial_stress.shape),
+        stations=replace(
+            stations, position=stations.position @ turn.T, frame=stations.frame @ turn.T, body=turn @ stations.body
+        ),
+    )  # fmt: skip
+
+
+def steps_of(given: Scene, model: Model) -> list[Step]:
+    system, steps = System(model), list[Step]()
+    newton = Newton(system, LinearSolver("auto", system.pattern.n_free), Settings(tolerance=1e-9))
+    Driver(newton, State(model)).run(path_stages(given, given.paths[0], 0.0)[0], steps.append)
+    newton.close()
+    return steps
+
+
+AROUND_Y, TO_THE_NEXT_AXIS = rotation_matrix((0.0, 1.0, 0.0), 1.1), np.eye(3)[[2, 0, 1]]
+
+
+@pytest.mark.parametrize("mode", ["drained", "coupled"])
+@pytest.mark.parametrize("turn", [AROUND_Y, TO_THE_NEXT_AXIS @ AROUND_Y], ids=["in its plane", "out of it"])
+def test_a_turned_model_gives_the_turned_answer(mode: str, turn: np.ndarray) -> None:
+    """No equation knows where x and z point, once the model is built."""
+    given = scene(mode)
+    model = build_model(given).model
+    mine, other = (steps_of(given, each) for each in (model, turned(model, turn)))
+    assert len(mine) == len(other)
+    for one, two in zip(mine, other, strict=True):
+        np.testing.assert_allclose(two.increment.border, one.increment.border, rtol=1e-6, atol=1e-10)
+        np.testing.assert_allclose(two.multipliers, one.multipliers, rtol=1e-7)
+    assert {one.increment.record[-1]["n_slip"] for one in mine} != {0}
+    assert mine[-1].increment.record[-1]["n_plastic"] > 0
 
 
 def test_half_the_step_is_half_the_error() -> None:
