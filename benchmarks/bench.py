@@ -34,7 +34,7 @@ GROWTH = {
 }
 FINE = "fine"
 # names in fe_engine.recycled with which the first factors are never renewed
-AT_REST_ALONE = {"_LONGEST": 150, "_COMFORTABLE": 1.0e9, "_LATE": 10**9}
+AT_REST_ALONE = {"_LONGEST": 150, "_COMFORTABLE": 1.0e9}
 
 
 def scene(mesh: str, end: float, mode: str = "drained") -> Any:

@@ -10,6 +10,7 @@ from scipy.sparse import csr_matrix
 
 from fe_engine import biot, hex8, kernels, kernels_water
 from fe_engine.clock import Clock
+from fe_engine.contact_block import ContactBlock, contact_block
 from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, REGIME_APEX, REGIME_CONE
 from fe_engine.errors import LawError
 from fe_engine.model import Model
@@ -40,12 +41,16 @@ class Residual:
 
 @dataclass
 class Tangent:
-    """Bordered tangent [[matrix, columns], [rows, corner]]."""
+    """Bordered tangent [[matrix, columns], [rows, corner]].
+
+    ``contact`` (k,) is what stations and film have added to the entries of the contact block, None where there is none.
+    """
 
     matrix: csr_matrix
     columns: np.ndarray
     rows: np.ndarray
     corner: np.ndarray
+    contact: np.ndarray | None = None
 
 
 class System:
@@ -65,6 +70,7 @@ class System:
         self.stations = kernels.pack_stations(model)
         self.regime = np.zeros((model.mesh.n_elements, 8), dtype=np.int8)
         self.contact_state = np.zeros(len(self.stations.area), dtype=np.int8)
+        self.block: ContactBlock | None = None
         p = self.pattern
         self._scatter = kernels.Scatter(p.equation, p.weight, p.rank, p.indptr)
         if model.linear is not None:
@@ -83,6 +89,12 @@ class System:
     def matrix_pattern(self) -> csr_matrix:
         """A matrix (n_free, n_free) on the pattern of the tangent; its values are those of the last linearisation."""
         return self._matrix
+
+    def tell_contact_apart(self) -> ContactBlock | None:
+        """Have tangents say from now on what contact has added to them; None where that is no block of its own."""
+        if self.block is None:
+            self.block = contact_block(self.model, self.pattern)
+        return self.block
 
     def _set_up_water(self) -> None:
         water = self.model.water
@@ -147,7 +159,7 @@ class System:
         """Evaluate the residual of the laws at the trial displacement; the committed copy is only read."""
         with self.clock.phase("assembly"):
             free, border = self._soil(state, None)
-            volume = self._water(state, None, free, border)
+            volume = self._pores(state, None, free, border) + self._film(state, None, free, border)
             return self._contact(state, free, border, volume)
 
     def linearise(self, state: State, fresh: bool) -> tuple[Residual, Residual, Tangent]:
@@ -173,7 +185,9 @@ class System:
         self._matrix.data[...] = self._elastic[0]
         tangent = Tangent(self._matrix, *(part.copy() for part in self._elastic[1:]))
         free, border = self._soil(state, tangent)
-        volume = self._water(state, tangent, free, border)
+        volume = self._pores(state, tangent, free, border)
+        soil = None if self.block is None else tangent.matrix.data[self.block.positions]
+        volume += self._film(state, tangent, free, border)
         linear_free, linear_border = free.copy(), border.copy()
         judged = self._contact(state, free, border, volume)
         old, new, p = state.committed, state.trial, self.pattern
@@ -181,6 +195,8 @@ class System:
             self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
             self._iterate, fresh, self._scatter, p.station_offset, linear_free, linear_border, _targets(tangent),
         )  # fmt: skip
+        if self.block is not None:
+            tangent.contact = tangent.matrix.data[self.block.positions] - soil
         return judged, replace(judged, free=linear_free, border=linear_border), tangent
 
     def _soil(self, state: State, tangent: Tangent | None) -> tuple[np.ndarray, np.ndarray]:
@@ -203,39 +219,46 @@ class System:
             )  # fmt: skip
         return free, border
 
-    def _water(self, state: State, tangent: Tangent | None, free: np.ndarray, border: np.ndarray) -> float:
-        """Add the forces and volumes of the water; return the norm of the changes of volume, m3."""
+    def _pores(self, state: State, tangent: Tangent | None, free: np.ndarray, border: np.ndarray) -> float:
+        """Add the forces and volumes of the soil's water; return the sum of squares of the changes of volume, m6."""
         water = self.model.water
         if water is None:
             return 0.0
-        old, new, want, targets = state.committed, state.trial, tangent is not None, _targets(tangent)
+        old, new = state.committed, state.trial
         square = kernels_water.soil_water(
             self.hexes, self.pores.arrays, self.time_step, water.scale, (old.displacement, old.pressure),
             (new.displacement, new.pressure), self._scatter, free, border,
         )  # fmt: skip
-        if want:
-            for target, still, flowing in zip(targets, *self._soil_water, strict=True):
+        if tangent is not None:
+            for target, still, flowing in zip(_targets(tangent), *self._soil_water, strict=True):
                 target += still
                 target += self.time_step * flowing
-        if self.film is not None:
-            gap_old, gap = (kernels_water.station_gaps(self.stations, f.displacement, f.border) for f in (old, new))
-            step = self.time_step, water.scale
-            square += kernels_water.station_water(
-                self.stations, self.film, *step, gap_old, gap, new.pressure, self._scatter, want, free, border, targets
-            )
-            square += kernels_water.face_water(
-                self.stations, self.film, *step, gap, new.pressure, self._scatter, want, free, border, targets
-            )
-        return float(np.sqrt(square))
+        return float(square)
+
+    def _film(self, state: State, tangent: Tangent | None, free: np.ndarray, border: np.ndarray) -> float:
+        """Add the forces and volumes of the film; return the sum of squares of the changes of volume, m6."""
+        water = self.model.water
+        if water is None or self.film is None:
+            return 0.0
+        old, new, want, targets = state.committed, state.trial, tangent is not None, _targets(tangent)
+        gap_old, gap = (kernels_water.station_gaps(self.stations, f.displacement, f.border) for f in (old, new))
+        step = self.time_step, water.scale
+        square = kernels_water.station_water(
+            self.stations, self.film, *step, gap_old, gap, new.pressure, self._scatter, want, free, border, targets
+        )
+        square += kernels_water.face_water(
+            self.stations, self.film, *step, gap, new.pressure, self._scatter, want, free, border, targets
+        )
+        return float(square)
 
     def _contact(self, state: State, free: np.ndarray, border: np.ndarray, volume: float) -> Residual:
-        """Add the contact forces of the law and sum up."""
+        """Add the contact forces of the law and sum up; ``volume`` is the sum of squares of the water's, m6."""
         old, new = state.committed, state.trial
         square = kernels.station_residual(
             self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
             self.contact_state, self._scatter, free, border,
         )  # fmt: skip
-        return self._summary(free, border, square, volume)
+        return self._summary(free, border, square, float(np.sqrt(volume)))
 
     def _summary(self, free: np.ndarray, border: np.ndarray, contact: float, volume: float) -> Residual:
         regime, contact_state = self.regime, self.contact_state

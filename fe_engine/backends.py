@@ -11,6 +11,7 @@ import importlib.util
 import os
 import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
@@ -82,8 +83,14 @@ class Pardiso:
         self._solver = pypardiso.PyPardisoSolver(mtype=self._MATRIX_TYPE)
         self._type = np.float32 if single else np.float64
         self._analysed = False
+        self._kept = np.zeros(0, dtype=np.int64)
         for index, value in (_IPARM | {_SINGLE: int(single)}).items():
             self._solver.set_iparm(index, value)
+
+    def keep(self, equations: np.ndarray) -> None:
+        """Eliminate all but these equations (m,) from now on: ``schur`` is what is left of the matrix then (m, m)."""
+        self._kept = np.asarray(equations, dtype=np.int64)
+        self._solver.set_iparm(_SCHUR, 2)  # 2: with the factors of the others, for `solve_with`
 
     def factorise(self, matrix: csr_matrix) -> None:
         """Factorise numerically; the first call also analyses the pattern."""
@@ -91,17 +98,29 @@ class Pardiso:
         self._values = np.ascontiguousarray(matrix.data, dtype=self._type)
         self._starts = np.ascontiguousarray(matrix.indptr, dtype=np.int32)
         self._columns = np.ascontiguousarray(matrix.indices, dtype=np.int32)
-        self._call(12 if not self._analysed else 22, np.zeros((matrix.shape[0], 1)))
+        n, m, phase = matrix.shape[0], len(self._kept), 22 if self._analysed else 12
+        if m:
+            self._solver.perm = np.zeros(n, dtype=np.int32)
+            self._solver.perm[self._kept] = 1
+            self.schur = self._call(phase, np.zeros((n, 1)), np.zeros((m, m), dtype=self._type))
+        else:
+            self._call(phase, np.zeros((n, 1)))
         self._analysed = True
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """Solve for rhs (n,) or (n, k)."""
         return self._call(33, rhs)
 
-    def _call(self, phase: int, rhs: np.ndarray) -> np.ndarray:
+    def solve_with(self, middle: Callable[[np.ndarray], np.ndarray], rhs: np.ndarray) -> np.ndarray:
+        """Solve for rhs (n,) or (n, k); ``middle`` solves for what is left of it (m,), (m, k) of the kept equations."""
+        reduced = self._call(331, rhs)
+        reduced[self._kept] = middle(reduced[self._kept])
+        return self._call(333, reduced)
+
+    def _call(self, phase: int, rhs: np.ndarray, found: np.ndarray | None = None) -> np.ndarray:
         """Call Pardiso itself: the call of the wrapper copies the pattern each time, half the cost of a solve."""
         rhs = np.asfortranarray(rhs, dtype=self._type)
-        x, error, solver = np.zeros_like(rhs), ctypes.c_int32(0), self._solver
+        x, error, solver = np.zeros_like(rhs) if found is None else found, ctypes.c_int32(0), self._solver
         one, kind, what, n, n_rhs, silent = (
             ctypes.c_int32(v) for v in (1, self._MATRIX_TYPE, phase, len(rhs), rhs.size // len(rhs), 0)
         )
@@ -109,10 +128,10 @@ class Pardiso:
             a.ctypes.data_as(ctypes.POINTER(ctypes.c_int32))
             for a in (self._starts, self._columns, solver.perm, solver.iparm)
         )
-        values, given, found = (a.ctypes.data_as(ctypes.c_void_p) for a in (self._values, rhs, x))
+        values, given, into = (a.ctypes.data_as(ctypes.c_void_p) for a in (self._values, rhs, x))
         handle = solver.pt.ctypes.data_as(ctypes.POINTER(solver._pt_type[0]))
         solver._mkl_pardiso(
-            handle, one, one, kind, what, n, values, starts, columns, order, n_rhs, settings, silent, given, found,
+            handle, one, one, kind, what, n, values, starts, columns, order, n_rhs, settings, silent, given, into,
             error,
         )  # fmt: skip
         if error.value == _NO_MEMORY:  # a smaller step would not help
@@ -148,6 +167,7 @@ class SymmetricPardiso(Pardiso):
 
 _NO_MEMORY = -2  # Pardiso's error code
 _SINGLE = 28  # iparm: 1 says that the numbers handed over have 4 bytes
+_SCHUR = 36  # iparm: equations marked in perm are not eliminated
 
 # 1-based iparm: defaults off (1), METIS (2), refinement only where pivots were perturbed (8; a step of it costs ten
 # solves, and LinearSolver refines where the residual asks for it), pivot perturbation 1e-13 (10), no scaling (11) and

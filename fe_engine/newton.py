@@ -23,7 +23,8 @@ import numpy as np
 from fe_engine.assembly import Residual, System, Tangent
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
 from fe_engine.linear import LinearSolver
-from fe_engine.recycled import WORTH_FROM, Origin, Recycled, control_of
+from fe_engine.preconditioner import Origin
+from fe_engine.recycled import WORTH_FROM, Recycled, control_of
 from fe_engine.state import State
 
 # A full step is taken while the residual stays below the larger of the last two; contact that opens or closes
@@ -113,7 +114,7 @@ class Newton:
         self.stiffness: np.ndarray | None = None
         self.recycled: Recycled | None = None
         if system.pattern.n_free >= settings.recycle_from:
-            self.recycled = Recycled(solver, system.pattern.n_free, system.model.symmetric)
+            self.recycled = Recycled(solver, system)
         self._cycle: tuple[int, float] | None = None  # since which merit half steps are taken, and what it was
 
     def solve(self, state: State, loading: Loading, free: np.ndarray, border: np.ndarray) -> Increment:
@@ -204,7 +205,7 @@ class Newton:
         """Newton step (n,), (nb,) of the bordered system; keeps the border tangent stiffness."""
         if self.recycled is not None and len(loading.target):
             try:
-                return self._recycled_direction(linear, tangent, loading, violation, strict, len(record) - 1)
+                return self._recycled_direction(linear, tangent, loading, violation, strict)
             except LinearSolverError:
                 pass  # single precision does not do here
         if self.recycled is not None:
@@ -228,13 +229,13 @@ class Newton:
         return step - shape @ solution[:n_border], solution[:n_border]
 
     def _recycled_direction(
-        self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, strict: float, iteration: int
+        self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, strict: float
     ) -> tuple[np.ndarray, np.ndarray]:
         """Newton step with earlier factors. Raises LinearSolverError."""
         assert self.recycled is not None
         control = control_of(loading.control, loading.load, violation, self.scale)
         wanted = _AIM * _ratio(self.settings.tolerance, strict)
-        step = self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted, iteration)
+        step = self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted)
         self.stiffness = None
         return step
 

@@ -17,24 +17,23 @@ m (times ``scale``), and their equations in N.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.linalg import null_space
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator
 
-from fe_engine.assembly import Residual, Tangent
-from fe_engine.backends import make_backend
+from fe_engine.assembly import Residual, System, Tangent
+from fe_engine.backends import Pardiso, make_backend
 from fe_engine.errors import LinearSolverError
-from fe_engine.linear import LinearSolver, condition_estimate, equilibrated
+from fe_engine.linear import LinearSolver
+from fe_engine.preconditioner import Control, Factors, Origin, SoilFactors, TangentFactors
 from fe_engine.sparse import times
 
 # From so many unknowns on it pays; below, a factorisation costs no more than a few iterations.
 WORTH_FROM = 10_000
-# GMRES gives up after so many iterations, which cost as much as new factors; they are also renewed after an increment
-# that needed more than so many in the mean of its systems, and late in an increment, whose states then go to and fro.
-_LONGEST, _COMFORTABLE, _LATE = 30, 7.0, 5
+# GMRES gives up after so many iterations, a third of what new factors cost; they are also renewed after an increment
+# that needed more than so many in the mean of its systems.
+_LONGEST, _COMFORTABLE = 30, 9.0
 # Relative residuals of a Newton step: with old factors, and with new ones, where one iteration more does it.
 _ENOUGH, _FRESH = 1.0e-2, 1.0e-6
 _EXACT = 1.0e-10  # last change of a border stiffness that is refined
@@ -43,31 +42,11 @@ _SLACK = 2.0  # the true residual over that of GMRES, whose preconditioner is li
 _NOTHING = 1.0e-300
 
 
-@dataclass(frozen=True)
-class Control:
-    """How the border moves: its imposed part (nb,), free motions N (nb, k), and force combinations P (nb, k)."""
-
-    imposed: np.ndarray
-    motions: np.ndarray
-    forces: np.ndarray
-
-
 def control_of(control: np.ndarray, load: np.ndarray, violation: np.ndarray, scale: np.ndarray) -> Control:
     """Eliminate the combinations ``control`` (nc, nb), imposed by the forces ``load`` (nb, nc)."""
     imposed = np.linalg.lstsq(control / scale, violation, rcond=None)[0] / scale
     motions = null_space(control / scale) / scale[:, None]
     return Control(imposed, motions, null_space((load / scale[:, None]).T) / scale[:, None])
-
-
-@dataclass(frozen=True)
-class Origin:
-    """What factors were made from: single-precision entries of D K D, D (n,), and the border of that tangent."""
-
-    entries: np.ndarray
-    scale: np.ndarray
-    columns: np.ndarray
-    rows: np.ndarray
-    corner: np.ndarray
 
 
 class Recycled:
@@ -79,22 +58,24 @@ class Recycled:
     ----------
     n_iterations, n_systems : GMRES iterations, and the systems that they were for.
     worn : whether the next system renews the factors.
-    origin : what the factors were made from, None where there are none. Factors made from it again are the same.
     """
 
-    def __init__(self, counts: LinearSolver, n_unknowns: int, symmetric: bool = False) -> None:
+    def __init__(self, counts: LinearSolver, system: System) -> None:
         self.counts, self.clock = counts, counts.clock
         self.n_iterations = self.n_systems = 0
-        self.origin: Origin | None = None
         self.worn = False
-        self._backend = make_backend(counts.backend.name, n_unknowns, symmetric, single=True)
-        self._shape = self._stiffness = np.zeros((0, 0))  # K^-1 columns, and the border's stiffness
-        self._kept: np.ndarray | None = None  # entries that the backend's factors are of
+        self._factors = _factors(counts.backend.name, system)
+        self._valid = False
         self._spent: list[int] = []  # iterations of each system since the increment began or the factors were renewed
+
+    @property
+    def origin(self) -> Origin | None:
+        """What the factors were made from, None where there are none. Factors made from it again are the same."""
+        return self._factors.origin if self._valid else None
 
     def forget(self) -> None:
         """Have the next tangent factorised."""
-        self.origin, self.worn = None, False
+        self._valid = self.worn = False
 
     def begin_increment(self) -> None:
         """Start to count: an attempt that was given up says nothing of the factors."""
@@ -106,10 +87,7 @@ class Recycled:
 
     def factorise(self, tangent: Tangent) -> None:
         """Factorise a tangent; it serves until the factors are renewed."""
-        scale, scaled = equilibrated(tangent.matrix, np.float32)
-        border = tangent.columns.copy(), tangent.rows.copy(), tangent.corner.copy()
-        origin = Origin(scaled.data, scale, *border)
-        self.counts.n_factorisations += self.restore(origin, tangent.matrix)
+        self.counts.n_factorisations += self.restore(self._factors.origin_of(tangent), tangent.matrix)
         self.counts.n_solves += 1
 
     def restore(self, origin: Origin, pattern: csr_matrix) -> bool:
@@ -117,25 +95,19 @@ class Recycled:
 
         Nothing is counted: where a run goes on from a checkpoint, they have been before.
         """
-        self.origin = None  # until there are factors
+        self.forget()  # until there are factors
         self.counts.close()
-        renew = self._kept is None or not np.array_equal(self._kept, origin.entries)
-        if renew:
-            self._kept = None
-            matrix = csr_matrix((origin.entries, pattern.indices, pattern.indptr), shape=pattern.shape)
-            with self.clock.phase("factorisation"):
-                self._backend.factorise(matrix)
-        self.origin, self.worn, self._kept = origin, False, origin.entries
-        self._shape = self._precondition(origin.columns)
-        self._stiffness = origin.corner - origin.rows @ self._shape
-        return renew
+        with self.clock.phase("factorisation"):
+            renewed = self._factors.make(origin, pattern)
+        self._valid = True
+        return renewed
 
     def border_stiffness(self, tangent: Tangent) -> np.ndarray:
         """Stiffness (nb, nb) of the border, with the factors of this very tangent. Raises LinearSolverError."""
         self.factorise(tangent)
-        shape = self._shape
+        shape = self._factors.solve(tangent.columns)
         for _ in range(_LONGEST):
-            more = self._precondition(tangent.columns - tangent.matrix @ shape)
+            more = self._factors.solve(tangent.columns - tangent.matrix @ shape)
             shape = shape + more
             self.counts.n_solves += 1
             stiffness = tangent.corner - tangent.rows @ shape
@@ -151,19 +123,18 @@ class Recycled:
         control: Control,
         unbalanced: np.ndarray,
         wanted: float,
-        iteration: int,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Newton step (n,), (nb,); ``unbalanced`` (nb,) are the border's residuals, in its own units.
 
         ``wanted`` is the share of the residual that may be left: no system is solved to less than Newton can use.
         Raises LinearSolverError.
         """
-        if iteration >= _LATE or self.worn:
-            self.origin = None
+        if self.worn:
+            self.forget()
         n, b = len(linear.free), control.imposed
         forces = -linear.free - tangent.columns @ b
         rhs = np.concatenate([forces, -control.forces.T @ (unbalanced + tangent.corner @ b)])
-        x = None if self.origin is None else self._gmres(tangent, control, rhs, max(_ENOUGH, min(wanted, _LOOSEST)))
+        x = self._gmres(tangent, control, rhs, max(_ENOUGH, min(wanted, _LOOSEST))) if self._valid else None
         if x is None:
             self.factorise(tangent)
             self._spent = []
@@ -181,18 +152,13 @@ class Recycled:
         """
         from pyamg.krylov import fgmres  # half a second, which small models need not spend
 
-        assert self.origin is not None
         n, matrix, motions, forces = tangent.matrix.shape[0], tangent.matrix, control.motions, control.forces.T
         columns, rows, corner = tangent.columns @ motions, forces @ tangent.rows, forces @ tangent.corner @ motions
-        shape, old_rows = self._shape @ motions, forces @ self.origin.rows
-        stiffness = forces @ self._stiffness @ motions
-        size = np.concatenate([self.origin.scale, np.full(len(rhs) - n, np.median(self.origin.scale))])
+        scale = self._factors.origin.scale
+        size = np.concatenate([scale, np.full(len(rhs) - n, np.median(scale))])
 
         def precondition(v: np.ndarray) -> np.ndarray:
-            v = v / size
-            x = self._precondition(v[:n])
-            y = np.linalg.solve(stiffness, v[n:] - old_rows @ x)
-            return np.concatenate([x - shape @ y, y])
+            return self._factors.apply(v / size)
 
         def apply(x: np.ndarray) -> np.ndarray:
             return size * np.concatenate([times(matrix, x[:n]) + columns @ x[n:], rows @ x[:n] + corner @ x[n:]])
@@ -201,11 +167,12 @@ class Recycled:
         operator, inverse = (LinearOperator((len(rhs), len(rhs)), matvec=f, dtype=float) for f in (apply, precondition))
         with self.clock.phase("solve"):
             try:
+                self._factors.look_at(tangent, control)
                 x, _ = fgmres(
                     operator, size * rhs, tol=tolerance, restart=min(_LONGEST, len(rhs)), maxiter=1, M=inverse,
                     residuals=residuals,
                 )  # fmt: skip
-            except np.linalg.LinAlgError:
+            except (np.linalg.LinAlgError, LinearSolverError):
                 return None
         taken, left = len(residuals) - 1, residuals[-1] / max(residuals[0], _NOTHING)  # the last one is computed anew
         self.counts.n_solves += taken
@@ -218,23 +185,20 @@ class Recycled:
             self.counts.worst_residual = max(self.counts.worst_residual, left)
         return x
 
-    def _precondition(self, rhs: np.ndarray) -> np.ndarray:
-        """Apply the factors to rhs (n,) or (n, k)."""
-        assert self.origin is not None
-        d = self.origin.scale if rhs.ndim == 1 else self.origin.scale[:, None]
-        return d * self._backend.solve(d * rhs).reshape(rhs.shape)
-
     def condition_estimate(self, pattern: csr_matrix) -> float | None:
         """Condition of the tangent that the factors are of, see LinearSolver.condition_estimate."""
-        if self.origin is None:
-            return None
-        d = self.origin.scale
-        scaled = csr_matrix((self.origin.entries, pattern.indices, pattern.indptr), shape=pattern.shape)
-        if self.counts.equilibrate:
-            return condition_estimate(lambda v: scaled @ v, self._backend.solve, len(d))
-        return condition_estimate(lambda v: (scaled @ (v / d)) / d, self._precondition, len(d))
+        return self._factors.condition_estimate(pattern, self.counts.equilibrate) if self._valid else None
 
     def close(self) -> None:
         """Release the factors."""
-        self.origin = self._kept = None
-        self._backend.close()
+        self.forget()
+        self._factors.close()
+
+
+def _factors(name: str, system: System) -> Factors:
+    backend = make_backend(name, system.pattern.n_free, system.model.symmetric, single=True)
+    block = system.tell_contact_apart() if isinstance(backend, Pardiso) else None
+    if block is None:
+        return TangentFactors(backend)
+    assert isinstance(backend, Pardiso)
+    return SoilFactors(backend, block)

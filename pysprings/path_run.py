@@ -16,7 +16,7 @@ from fe_engine.energy_balance import EnergyBalance
 from fe_engine.errors import NotConverged
 from fe_engine.model import Stage
 from fe_engine.newton import Newton
-from fe_engine.recycled import Origin
+from fe_engine.preconditioner import Origin
 from fe_engine.state import FIELDS, State, initial_fields
 from fe_engine.step_size import StepSize
 from fe_engine.stepping import Driver, Position, Step

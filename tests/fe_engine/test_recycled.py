@@ -153,7 +153,7 @@ def test_factors_that_fail_leave_none_behind(linear):
     def fail(_matrix):
         raise LinearSolverError("singular")
 
-    newton.recycled._backend.factorise = fail
+    newton.recycled._factors._backend.factorise = fail
     with pytest.raises(LinearSolverError):
         newton.recycled.restore(origin, newton.system.matrix_pattern)
     assert newton.origin is None

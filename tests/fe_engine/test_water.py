@@ -112,7 +112,7 @@ def test_water_is_the_plain_loop(rule):
     model = wet(rule)
     system, state, _ = moved(model)
     free, border = np.zeros(system.pattern.n_free), np.zeros(model.n_border)
-    system._water(state, None, free, border)
+    add_water(system, state, free, border)
     force, expected_border, leaves = plain_water(model, state)
     for node, frame in model.frames.items():
         force[node] = frame @ force[node]
@@ -156,7 +156,7 @@ def test_every_entry_of_the_waters_tangent(rule):
     def water(x):
         system.apply(state, x[:n], x[n:])
         free, border = np.zeros(n), np.zeros(model.n_border)
-        system._water(state, None, free, border)
+        add_water(system, state, free, border)
         return np.concatenate([free, border])
 
     slope = dense(system.linearise(state, True)[2]) - tangent_without_water(system, state)
@@ -170,11 +170,17 @@ def test_every_entry_of_the_waters_tangent(rule):
 
 def tangent_without_water(system: System, state: State) -> np.ndarray:
     """Dense tangent of soil and contact alone, on the same equations."""
-    water = system._water
-    system._water = lambda *_: 0.0
+    parts = system._pores, system._film
+    system._pores = system._film = lambda *_: 0.0
     tangent = system.linearise(state, True)[2]
-    system._water = water
+    system._pores, system._film = parts
     return dense(tangent)
+
+
+def add_water(system: System, state: State, free: np.ndarray, border: np.ndarray) -> None:
+    """Add forces and volumes of soil and film."""
+    system._pores(state, None, free, border)
+    system._film(state, None, free, border)
 
 
 def dense(tangent) -> np.ndarray:
