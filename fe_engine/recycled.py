@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Newton steps by GMRES, preconditioned with the factors of an earlier tangent in single precision.
 
-Plasticity, slip and gaps change the tangent's spectrum little from one iteration to the next, and even from the state
-at rest to loads in service: flexible GMRES (Saad 1993) with the factors of an earlier tangent needs a handful of
-solves for a Newton step, each of which costs a few per cent of a factorisation. Factors in single precision do, at half
-the cost. How exact the answer is, the residual of the equations decides, whatever the factors are; a step is as exact
-as Newton needs it (Dembo, Eisenstat & Steihaug 1982).
+Plasticity changes the tangent's spectrum little from one increment to the next, and slip and gaps are followed (see
+`preconditioner`): flexible GMRES (Saad 1993) with the factors of an earlier tangent needs a handful of solves for a
+Newton step, each of which costs a few per cent of a factorisation. Factors in single precision do, at half the cost. How
+exact the answer is, the residual of the equations decides, whatever the factors are; a step is as exact as Newton needs
+it (Dembo, Eisenstat & Steihaug 1982).
 
 The border dofs are part of the system. What is controlled is met exactly: with b the increments of the border dofs,
 
