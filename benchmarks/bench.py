@@ -28,11 +28,11 @@ from typing import Any
 import numpy as np
 
 MM = 1.0e-3
-GROWTH = {
-    "drained": ("coarse:0.7", "coarse", "medium", "medium:1.4", "paper"),
-    "coupled": ("coarse", "medium", "paper"),
-}
 FINE = "fine"
+GROWTH = {
+    "drained": ("coarse:0.7", "coarse", "medium", "medium:1.4", "paper", FINE),
+    "coupled": ("coarse", "medium", "medium:1.4", "paper"),
+}
 # names in fe_engine.recycled with which the first factors are never renewed
 AT_REST_ALONE = {"_LONGEST": 150, "_COMFORTABLE": 1.0e9}
 

@@ -21,8 +21,10 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
+from numba import get_num_threads
 from scipy.linalg import lapack
 from scipy.sparse import csr_matrix
+from threadpoolctl import ThreadpoolController
 
 from fe_engine.assembly import Tangent
 from fe_engine.backends import Backend, Pardiso
@@ -172,6 +174,7 @@ class SoilFactors(TangentFactors):
         self._block = block
         self._inverse = np.zeros((0, 0), dtype=np.float32)  # W
         self._inverted: np.ndarray | None = None  # contact that W is of
+        self._blas = ThreadpoolController().select(internal_api="openblas")
 
     def origin_of(self, tangent: Tangent) -> Origin:
         """Return the scaled soil, and the contact."""
@@ -234,12 +237,13 @@ class SoilFactors(TangentFactors):
         self._inverted = None
         matrix = np.array(self._backend.schur, order="F")
         np.add.at(matrix, (self._block.row, self._block.column), self._scaled_contact(contact).astype(np.float32))
-        factors, pivots, wrong = lapack.sgetrf(matrix, overwrite_a=True)
-        if wrong:
-            raise LinearSolverError("the interface is singular in single precision")
-        unit = np.eye(len(matrix), dtype=np.float32, order="F")
-        # three times faster than sgetri
-        self._inverse, self._inverted = lapack.sgetrs(factors, pivots, unit, overwrite_b=True)[0], contact
+        with self._blas.limit(limits=get_num_threads()):  # one thread is enough for the small products elsewhere
+            factors, pivots, wrong = lapack.sgetrf(matrix, overwrite_a=True)
+            if wrong:
+                raise LinearSolverError("the interface is singular in single precision")
+            unit = np.eye(len(matrix), dtype=np.float32, order="F")
+            # three times faster than sgetri
+            self._inverse, self._inverted = lapack.sgetrs(factors, pivots, unit, overwrite_b=True)[0], contact
 
     def _correct(self, contact: np.ndarray) -> None:
         """T, for the equations whose contact has changed."""
@@ -253,11 +257,12 @@ class SoilFactors(TangentFactors):
             hit[:] = False
         self._changed = np.flatnonzero(hit)
         inside, local = hit[block.row] & hit[block.column], np.cumsum(hit) - 1
-        delta = np.zeros((len(self._changed), len(self._changed)))
+        delta = np.zeros((len(self._changed), len(self._changed)), dtype=np.float32)
         np.add.at(delta, (local[block.row[inside]], local[block.column[inside]]), change[inside])
         self._rows = np.ascontiguousarray(self._inverse[self._changed])
-        among = np.eye(len(delta)) + self._rows[:, self._changed].astype(float) @ delta
-        self._t = np.linalg.solve(among.T, delta.T).T.astype(np.float32)
+        with self._blas.limit(limits=get_num_threads()):
+            among = np.eye(len(delta), dtype=np.float32) + self._rows[:, self._changed] @ delta
+            self._t = np.ascontiguousarray(np.linalg.solve(among.T, delta.T).T)
 
     def _of_contact(self, rhs: np.ndarray) -> np.ndarray:
         """Apply M^-1 to rhs (m,) or (m, k)."""

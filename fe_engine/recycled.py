@@ -3,9 +3,9 @@
 
 Plasticity changes the tangent's spectrum little from one increment to the next, and slip and gaps are followed (see
 `preconditioner`): flexible GMRES (Saad 1993) with the factors of an earlier tangent needs a handful of solves for a
-Newton step, each of which costs a few per cent of a factorisation. Factors in single precision do, at half the cost. How
-exact the answer is, the residual of the equations decides, whatever the factors are; a step is as exact as Newton needs
-it (Dembo, Eisenstat & Steihaug 1982).
+Newton step, each of which costs a few per cent of a factorisation. Factors in single precision do, at half the cost.
+How exact the answer is, the residual of the equations decides, whatever the factors are; a step is as exact as Newton
+needs it (Dembo, Eisenstat & Steihaug 1982).
 
 The border dofs are part of the system. What is controlled is met exactly: with b the increments of the border dofs,
 
@@ -32,8 +32,10 @@ from fe_engine.sparse import times
 # From so many unknowns on it pays; below, a factorisation costs no more than a few iterations.
 WORTH_FROM = 10_000
 # GMRES gives up after so many iterations, a third of what new factors cost; they are also renewed after an increment
-# that needed more than so many in the mean of its systems.
-_LONGEST, _COMFORTABLE = 30, 9.0
+# that needed so many in the mean of its systems more than new factors do. Both are for 50,000 unknowns: a factorisation
+# grows as n^2, a solve as n^(4/3) (nested dissection in space), and larger models have more patience.
+_LONGEST, _COMFORTABLE, _NEW = 30, 6.0, 3.0
+_OF_UNKNOWNS, _MOST_PATIENT = 50_000, 4.0
 # Relative residuals of a Newton step: with old factors, and with new ones, where one iteration more does it.
 _ENOUGH, _FRESH = 1.0e-2, 1.0e-6
 _EXACT = 1.0e-10  # last change of a border stiffness that is refined
@@ -65,6 +67,8 @@ class Recycled:
         self.n_iterations = self.n_systems = 0
         self.worn = False
         self._factors = _factors(counts.backend.name, system)
+        patience = min((system.pattern.n_free / _OF_UNKNOWNS) ** (2.0 / 3.0), _MOST_PATIENT)
+        self._longest, self._comfortable = int(_LONGEST * max(patience, 1.0)), _NEW + _COMFORTABLE * patience
         self._valid = False
         self._spent: list[int] = []  # iterations of each system since the increment began or the factors were renewed
 
@@ -83,7 +87,7 @@ class Recycled:
 
     def end_increment(self) -> None:
         """Judge whether the factors have become too old to be of use to the next increment."""
-        self.worn = bool(self._spent) and float(np.mean(self._spent)) > _COMFORTABLE
+        self.worn = bool(self._spent) and float(np.mean(self._spent)) > self._comfortable
 
     def factorise(self, tangent: Tangent) -> None:
         """Factorise a tangent; it serves until the factors are renewed."""
@@ -169,7 +173,7 @@ class Recycled:
             try:
                 self._factors.look_at(tangent, control)
                 x, _ = fgmres(
-                    operator, size * rhs, tol=tolerance, restart=min(_LONGEST, len(rhs)), maxiter=1, M=inverse,
+                    operator, size * rhs, tol=tolerance, restart=min(self._longest, len(rhs)), maxiter=1, M=inverse,
                     residuals=residuals,
                 )  # fmt: skip
             except (np.linalg.LinAlgError, LinearSolverError):
@@ -179,7 +183,7 @@ class Recycled:
         self.n_iterations += taken
         self.n_systems += 1
         self._spent.append(taken)
-        if taken >= _LONGEST or not left <= _SLACK * tolerance:
+        if taken >= self._longest or not left <= _SLACK * tolerance:
             return None
         if tolerance == _FRESH:
             self.counts.worst_residual = max(self.counts.worst_residual, left)
