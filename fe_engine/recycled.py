@@ -17,8 +17,10 @@ m (times ``scale``), and their equations in N.
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
-from scipy.linalg import null_space
+from scipy.linalg import LinAlgWarning, null_space
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator
 
@@ -169,7 +171,8 @@ class Recycled:
 
         residuals: list[float] = []
         operator, inverse = (LinearOperator((len(rhs), len(rhs)), matvec=f, dtype=float) for f in (apply, precondition))
-        with self.clock.phase("solve"):
+        with self.clock.phase("solve"), warnings.catch_warnings():
+            warnings.simplefilter("ignore", LinAlgWarning)  # of vectors that say nothing new: the residual decides
             try:
                 self._factors.look_at(tangent, control)
                 x, _ = fgmres(
