@@ -17,6 +17,7 @@ a whole, for backends that cannot leave equations over, and for models whose bor
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -35,6 +36,7 @@ from fe_engine.linear import condition_estimate, equilibrated
 # Entries of the scaled contact (the diagonal of the tangent is 1 there) whose change is felt; from which share of the
 # interface on it is cheaper to invert anew than to correct.
 _FELT, _MANY = 1.0e-2, 0.3
+_LARGE = 1000
 
 
 def _nothing() -> np.ndarray:
@@ -237,7 +239,7 @@ class SoilFactors(TangentFactors):
         self._inverted = None
         matrix = np.array(self._backend.schur, order="F")
         np.add.at(matrix, (self._block.row, self._block.column), self._scaled_contact(contact).astype(np.float32))
-        with self._blas.limit(limits=get_num_threads()):  # one thread is enough for the small products elsewhere
+        with self._threads(len(matrix)):
             factors, pivots, wrong = lapack.sgetrf(matrix, overwrite_a=True)
             if wrong:
                 raise LinearSolverError("the interface is singular in single precision")
@@ -260,9 +262,13 @@ class SoilFactors(TangentFactors):
         delta = np.zeros((len(self._changed), len(self._changed)), dtype=np.float32)
         np.add.at(delta, (local[block.row[inside]], local[block.column[inside]]), change[inside])
         self._rows = np.ascontiguousarray(self._inverse[self._changed])
-        with self._blas.limit(limits=get_num_threads()):
+        with self._threads(len(delta)):
             among = np.eye(len(delta), dtype=np.float32) + self._rows[:, self._changed] @ delta
             self._t = np.ascontiguousarray(np.linalg.solve(among.T, delta.T).T)
+
+    def _threads(self, size: int) -> AbstractContextManager[object]:
+        """All threads for a large matrix; after a small one they would spin for longer than it took."""
+        return self._blas.limit(limits=get_num_threads()) if size > _LARGE else nullcontext()
 
     def _of_contact(self, rhs: np.ndarray) -> np.ndarray:
         """Apply M^-1 to rhs (m,) or (m, k)."""
