@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Water around the paper's caisson: undrained and drained limits, no checkerboard, balance of the water.
 
-Stiffness: elastic soil, incompressible water, K_N = K_T = 1e12 N/m3, a skirt of 1 mm, contact closed; the tangent of
+Stiffness: elastic soil, incompressible water, K_N = K_T = 1e11 N/m3, a skirt of 1 mm, contact closed; the tangent of
 the lid centre for a time step in which nothing flows. The reference is the same soil with nu -> 0.5 and the same G,
 bonded to a skirt of no thickness: 3,541 MN/m under a free-head pull, from axisymmetric elements of order 4 and from
 mixed elements at nu = 0.5 exactly (axisymmetric.py beside this package gives the former).
@@ -37,7 +37,7 @@ _NEVER = 1.0e12  # s: everything has flowed
 
 @cache
 def stiffness(
-    preset: str, mode: str = "coupled", penalty: float = 1e12, time: float | None = None, **drainage: object
+    preset: str, mode: str = "coupled", penalty: float = 1e11, time: float | None = None, **drainage: object
 ) -> dict[str, float]:
     """Stiffness of the whole caisson in MN and m over a time step (s); None: one in which nothing flows."""
     scene = Scene(
