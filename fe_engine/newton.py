@@ -86,15 +86,11 @@ class Loading:
 
 @dataclass
 class Increment:
-    """A converged increment: dof increments, end residual, the record, and the border's tangent stiffness (nb, nb).
-
-    The stiffness is None where earlier factors have served: it then costs solves of its own.
-    """
+    """A converged increment: dof increments, end residual and the record."""
 
     free: np.ndarray
     border: np.ndarray
     residual: Residual
-    stiffness: np.ndarray | None
     record: list[dict[str, Any]] = field(default_factory=list)
 
     @property
@@ -111,7 +107,6 @@ class Newton:
         self.solver = solver
         self.settings = settings
         self.scale = system.model.border_scale
-        self.stiffness: np.ndarray | None = None
         self.recycled: Recycled | None = None
         if system.pattern.n_free >= settings.recycle_from:
             self.recycled = Recycled(solver, system)
@@ -140,7 +135,7 @@ class Newton:
             if strict <= self.settings.tolerance and _met(violation, loading.target):
                 if self.recycled is not None:
                     self.recycled.end_increment()
-                return Increment(free, border, judged, self.stiffness, record)
+                return Increment(free, border, judged, record)
             if iteration == self.settings.max_iterations:
                 break
             self._watch(iteration, merits, error, judged, record)
@@ -202,8 +197,8 @@ class Newton:
     def _direction(
         self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, strict: float, record: list
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Newton step (n,), (nb,) of the bordered system; keeps the border tangent stiffness."""
-        if self.recycled is not None and len(loading.target):
+        """Newton step (n,), (nb,) of the bordered system."""
+        if self.recycled is not None:
             try:
                 return self._recycled_direction(linear, tangent, loading, violation, strict)
             except LinearSolverError:
@@ -216,11 +211,11 @@ class Newton:
         except LinearSolverError as error:
             raise NotConverged(str(error), "", record) from error
         step, shape = solved[:, 0], solved[:, 1:]
-        self.stiffness = tangent.corner - tangent.rows @ shape
+        stiffness = tangent.corner - tangent.rows @ shape
         n_border, n_control = loading.load.shape
         if n_border == 0:
             return step, np.zeros(0)
-        matrix = np.block([[self.stiffness, -loading.load], [loading.control, np.zeros((n_control, n_control))]])
+        matrix = np.block([[stiffness, -loading.load], [loading.control, np.zeros((n_control, n_control))]])
         rhs = np.concatenate([-loading.unbalanced(linear.border) - tangent.rows @ step, violation])
         try:
             solution = np.linalg.solve(matrix, rhs)
@@ -235,9 +230,7 @@ class Newton:
         assert self.recycled is not None
         control = control_of(loading.control, loading.load, violation, self.scale)
         wanted = _AIM * _ratio(self.settings.tolerance, strict)
-        step = self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted)
-        self.stiffness = None
-        return step
+        return self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted)
 
     def _advance(
         self, state: State, loading: Loading, at: tuple, step: tuple, merits: list, record: list

@@ -52,8 +52,9 @@ class Driver:
     """Runs stages one after the other and keeps the record of every iteration, failed attempts included.
 
     ``given_up`` holds (stage, fraction, error) of each failed attempt, ``aim`` what the present one is to reach,
-    ``stiffness`` (nb, nb) the border tangent stiffness of the last increment (None before there is one). ``position``
-    is where the last commit left the stage: a new driver goes on from there as this one would have.
+    ``stiffness`` (N/m) that of the border in the last increment, where a given force changed (else None): the work of
+    that change over the square of the motion, no less than the smallest eigenvalue. ``position`` is where the last
+    commit left the stage: a new driver goes on from there as this one would have.
     """
 
     newton: Newton
@@ -63,7 +64,7 @@ class Driver:
     aim: tuple[str, float] = ("", 0.0)
     n_steps: int = 0
     force: np.ndarray | None = None
-    stiffness: np.ndarray | None = None
+    stiffness: float | None = None
     position: Position | None = None
 
     @property
@@ -103,6 +104,7 @@ class Driver:
                     raise
                 continue
             self.state.commit()
+            self.stiffness = self._stiffness(step * (stage.force - force), increment.border)
             last, done = (step, increment.free, increment.border), target
             held = "stop" if step < size.size * (1.0 - 1.0e-9) and size.limit != "cut-back" else size.limit
             size = size.after_success(step, increment.iterations, stage.max_fraction)
@@ -124,8 +126,12 @@ class Driver:
             raise
         self.record += [label | row | {"converged": True} for row in increment.record]
         self.n_steps += 1
-        self.stiffness = increment.stiffness
         return increment
+
+    def _stiffness(self, force: np.ndarray, border: np.ndarray) -> float | None:
+        """Stiffness (N/m) beside a change of the given force (nb,) and the motion (nb,) that it caused."""
+        square = float(np.sum((border * self.newton.scale) ** 2))
+        return float(force @ border) / square if np.any(force) and square > 0.0 else None
 
     def _guess(self, last: tuple[float, np.ndarray, np.ndarray] | None, size: float) -> tuple[np.ndarray, np.ndarray]:
         """Extrapolate the last increment: every point then starts in the regime it is likely to stay in."""

@@ -77,13 +77,11 @@ def _around(system: System, state: State) -> np.ndarray:
 
 
 def _stiffness_left(driver: Driver, initial: np.ndarray) -> float:
-    """Smallest eigenvalue of the last tangent stiffness beside that of the initial state, in displacements."""
+    """Stiffness of the last increment beside the smallest eigenvalue of the initial one, in displacements."""
     if driver.stiffness is None:
         return 1.0
     scale = driver.newton.scale
-    both = driver.stiffness, initial
-    least = [np.linalg.eigvalsh(0.5 * (k + k.T) / np.outer(scale, scale))[0] for k in both]
-    return float(least[0] / least[1])
+    return float(driver.stiffness / np.linalg.eigvalsh(0.5 * (initial + initial.T) / np.outer(scale, scale))[0])
 
 
 def _least_residual(driver: Driver) -> float:

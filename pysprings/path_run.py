@@ -293,7 +293,7 @@ class PathRun:
         for name in FIELDS:
             getattr(self.state.committed, name)[...] = arrays[_FIELD + name]
         self.stage, self.time = meta["stage"], meta["time"]
-        driver.stiffness = None if meta["stiffness"] is None else np.array(meta["stiffness"])
+        driver.stiffness = meta["stiffness"]
         driver.force = np.array(meta["force"]) if "force" in meta else None
         if self.water is not None:
             self.water.totals = tuple(meta["water"])

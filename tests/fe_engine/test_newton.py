@@ -153,7 +153,6 @@ def test_condensed_tangent_in_a_yielding_slipping_state():
     newton.solver.factorise(tangent.matrix)
     stiffness = tangent.corner - tangent.rows @ newton.solver.solve(tangent.columns)
     assert taylor_slope(reactions, stiffness, at, at, np.geomspace(1e-2, 1e-3, 4)) == pytest.approx(2.0, abs=0.1)
-    np.testing.assert_allclose(first.stiffness, stiffness, atol=1e-3 * np.abs(stiffness).max())
 
 
 # --- failures ---------------------------------------------------------------------------------------------

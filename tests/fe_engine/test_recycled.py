@@ -66,12 +66,12 @@ def test_factors_of_the_same_tangent_are_made_once(linear):
     assert newton.solver.n_factorisations == 2
 
 
-def test_given_forces_keep_the_border_stiffness_that_a_limit_load_is_told_by(linear):
-    """A path under given forces factorises its own tangents: the diagnosis of a limit load needs their stiffness."""
-    force = stage({}, force=(2.0e3, 0.0, 0.0), first_fraction=0.5, max_fraction=0.5)
-    out = run(footing(), force, linear=linear, recycle_from=0)
-    assert out.driver.stiffness.shape == (3, 3)
-    assert run(footing(), PULL, linear=linear, recycle_from=0).driver.stiffness is None
+def test_given_forces_are_balanced_with_earlier_factors_too(linear):
+    force = stage({}, force=(4.5e3, 5.0e3, -5.0e2), first_fraction=0.1, max_fraction=0.2)
+    new, own = (run(footing(), force, linear=linear, tolerance=1.0e-9, recycle_from=n) for n in (0, 10**9))
+    assert new.driver.newton.solver.n_factorisations < own.driver.newton.solver.n_factorisations / 2
+    for mine, other in zip(new.steps, own.steps, strict=True):
+        np.testing.assert_allclose(mine.increment.border, other.increment.border, rtol=1.0e-6, atol=1.0e-12)
 
 
 def test_factors_made_again_from_their_origin_go_on_bit_by_bit(linear, monkeypatch):

@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fe_engine.conventions import ELASTIC
 from fe_engine.errors import NotConverged
+from fe_engine.state import State
 from fe_engine.step_size import LIMITS, StepSize
 from fe_engine.stepping import Driver, _next, fewest_increments
 from tests.fe_engine.models import footing, run, soil, stage, start
@@ -223,3 +225,21 @@ class _Stopped(Exception):
 def _stop_after(steps, step):
     steps.append(step)
     raise _Stopped
+
+
+# --- stiffness of an increment ---------------------------------------------------------------------------------
+
+
+def test_the_stiffness_of_an_increment_is_the_work_of_the_force_over_the_motion():
+    """Of an elastic footing: f.q over |q|^2 of q = K^-1 f, between the smallest and the largest eigenvalue of K."""
+    model = footing(soil(ELASTIC))
+    k, f = start(model).driver.newton.border_stiffness(State(model)), np.array([1.0, 2.0, -0.5])
+    out = run(model, stage({}, force=tuple(f), first_fraction=0.5, max_fraction=0.5))
+    q = np.linalg.solve(k, f)
+    assert out.driver.stiffness == pytest.approx(f @ q / (q @ q), rel=1.0e-4)
+    least, most = np.linalg.eigvalsh(0.5 * (k + k.T))[[0, -1]]
+    assert least < out.driver.stiffness < most
+
+
+def test_where_no_force_is_given_there_is_no_such_stiffness():
+    assert run(footing(), stage({0: 1.0e-6})).driver.stiffness is None
