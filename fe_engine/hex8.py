@@ -70,20 +70,20 @@ def gauss_positions(nodes: np.ndarray, hexes: np.ndarray) -> np.ndarray:
 @nb.njit(cache=True, inline="never")
 def strain_at(gradient, mean_gradient, displacement, strain):
     """Write the B-bar strain (6,) of one Gauss point; displacement is (8, 3)."""
-    xx, yy, zz, xy, yz, zx, mean = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    h = np.zeros((3, 3))
+    mean = 0.0
     for a in range(8):
-        x, y, z = displacement[a, 0], displacement[a, 1], displacement[a, 2]
-        gx, gy, gz = gradient[a, 0], gradient[a, 1], gradient[a, 2]
-        mean += mean_gradient[a, 0] * x + mean_gradient[a, 1] * y + mean_gradient[a, 2] * z
-        xx += x * gx
-        yy += y * gy
-        zz += z * gz
-        xy += x * gy + y * gx
-        yz += y * gz + z * gy
-        zx += z * gx + x * gz
-    shift = (mean - xx - yy - zz) / 3.0
-    strain[XX], strain[YY], strain[ZZ] = xx + shift, yy + shift, zz + shift
-    strain[XY], strain[YZ], strain[ZX] = xy, yz, zx
+        for i in range(3):
+            mean += mean_gradient[a, i] * displacement[a, i]
+            for j in range(3):
+                h[i, j] += displacement[a, i] * gradient[a, j]
+    shift = (mean - h[0, 0] - h[1, 1] - h[2, 2]) / 3.0
+    strain[XX] = h[0, 0] + shift
+    strain[YY] = h[1, 1] + shift
+    strain[ZZ] = h[2, 2] + shift
+    strain[XY] = h[0, 1] + h[1, 0]
+    strain[YZ] = h[1, 2] + h[2, 1]
+    strain[ZX] = h[2, 0] + h[0, 2]
 
 
 @nb.njit(cache=True, inline="never")

@@ -3,8 +3,7 @@
 
 An increment that took Newton few iterations lets the next one grow, a long one shrinks it, a failed attempt halves it.
 Where attempts have failed, so many increments pass at the smaller size before it grows again, twice as many each time
-that growing back has failed anew: a failed attempt costs several increments. Where the smaller size fails itself, the
-path has become harder, which says nothing of how soon steps may grow after it.
+that growing back has failed anew: a failed attempt costs several increments.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from dataclasses import dataclass, replace
 GROWTH, _EASY, _HARD = 1.5, 6, 10
 _CUT = 0.5
 _SMALLEST = 1.0e-7
-_HOLD, _LONGEST_HOLD = 6, 16
+_HOLD, _LONGEST_HOLD = 8, 16
 # What can limit a step: it opens a stage; it may only grow by a factor; it is the largest allowed; it must land on a
 # stop; Newton needed many iterations on the last one; an attempt at a larger one failed
 LIMITS = ("first step", "growth", "largest step", "stop", "iterations", "cut-back")
@@ -44,9 +43,8 @@ class StepSize:
     def after_failure(self, step: float, again: bool) -> StepSize:
         """Return the size to try after an attempt at ``step`` has failed, ``again`` for the same increment."""
         hold = self.hold
-        if not again and math.isfinite(self.failed):
-            grown_back = step > _CUT * self.failed * (1.0 + 1.0e-9)
-            hold = min(2 * hold, _LONGEST_HOLD) if grown_back else _HOLD
+        if not again and math.isfinite(self.failed) and step <= GROWTH * self.failed:
+            hold = min(2 * hold, _LONGEST_HOLD)
         return StepSize(_CUT * step, "cut-back", hold, step, hold)
 
     def after_success(self, step: float, iterations: int, largest: float) -> StepSize:
