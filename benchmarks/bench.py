@@ -30,8 +30,8 @@ import numpy as np
 MM = 1.0e-3
 FINE = "fine"
 GROWTH = {
-    "drained": ("coarse:0.7", "coarse", "medium", "medium:1.4", "paper", FINE),
-    "coupled": ("coarse", "medium", "medium:1.4", "paper"),
+    "drained": ("coarse:0.7", "coarse", "medium", "medium:1.4", "paper", "fine:1.02"),
+    "coupled": ("coarse", "medium", "medium:1.4", "paper", "fine:0.92"),
 }
 # names in fe_engine.recycled with which the first factors are never renewed
 AT_REST_ALONE = {"_LONGEST": 150, "_COMFORTABLE": 1.0e9}
