@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One increment: Newton on the bordered system, globalised, judged and recorded.
+"""One increment: Newton on the bordered system, globalised (see `globalisation`), judged and recorded.
 
 Unknowns are the free nodal dofs and the few border dofs q (rigid body). With controls C q = target, imposed by
 forces along the patterns G with unknown sizes lambda, and known border forces F, one iteration solves
@@ -22,25 +22,15 @@ import numpy as np
 
 from fe_engine.assembly import Residual, System, Tangent
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
+from fe_engine.globalisation import HALF, HALVINGS, Course
 from fe_engine.linear import LinearSolver
 from fe_engine.preconditioner import Origin
 from fe_engine.recycled import WORTH_FROM, Recycled, control_of
 from fe_engine.state import State
 
-# A full step is taken while the residual stays below the larger of the last two; contact that opens or closes
-# makes single residuals jump, and a monotone rule would shrink good steps.
-_MEMORY = 2
-_HALVINGS = 6
-# Close to the solution the residual may rise once and still converge quadratically.
-_CLOSE = 1.0e-3
 # Undrained soil under a uniform load moves no water at all, and rounding would be judged beside rounding: volumes count
 # beside this share of the volume that the forces would press out at the stiffness of model.Water.scale, at the least.
 _STILL = 1.0e-6
-# Contact states that flip to and fro give two residuals in turn. Close to the solution the answer lies between the
-# two, and half steps find it; they go on while they gain. Else the increment stops where the last two residuals are no
-# better than those before: stopping is cheap, since the smaller step that follows has fewer states to find.
-_STALL_FROM, _STALL_WINDOW = 4, 2
-_HALF, _GAIN, _PATIENCE = 0.5, 0.7, 4
 # A linear system is solved to this share of the tolerance and no further.
 _AIM = 0.3
 # An increment has converged when its border dofs and its volumes of water are so many times closer to balance than the
@@ -110,7 +100,6 @@ class Newton:
         self.recycled: Recycled | None = None
         if system.pattern.n_free >= settings.recycle_from:
             self.recycled = Recycled(solver, system)
-        self._cycle: tuple[int, float] | None = None  # since which merit half steps are taken, and what it was
 
     def solve(self, state: State, loading: Loading, free: np.ndarray, border: np.ndarray) -> Increment:
         """Find the increment from the committed state, starting at the guess free (n,), border (nb,).
@@ -119,16 +108,14 @@ class Newton:
         """
         self.system.time_step = loading.time_step
         record: list[dict[str, Any]] = []
-        merits: list[float] = []
-        self._cycle = None
+        course = Course()
         if self.recycled is not None:
             self.recycled.begin_increment()
-        evaluated = self._linearise(state, True, (free, border), record)
+        evaluated, ahead = self._linearise(state, True, (free, border), record), None
         for iteration in range(self.settings.max_iterations + 1):
-            judged, linear, tangent = evaluated
+            judged = evaluated[0]
             violation = loading.target - loading.control @ state.trial.border
             merit, error, strict = self._merit(judged, loading)
-            merits.append(merit)
             record.append(_row(iteration, error, judged))
             if not np.isfinite(merit):
                 raise NotConverged("residual is not finite", self._worst(judged), record)
@@ -138,12 +125,13 @@ class Newton:
                 return Increment(free, border, judged, record)
             if iteration == self.settings.max_iterations:
                 break
-            self._watch(iteration, merits, error, judged, record)
-            step = self._direction(linear, tangent, loading, violation, strict, record)
-            damping, evaluated = self._advance(state, loading, (free, border), step, merits, record)
+            if not course.add(merit, error):
+                raise NotConverged("the residual stalls", self._worst(judged), record)
+            step = ahead or self._direction(evaluated, state, loading, course.share(error, False), record)
+            course.sizes.append(self._size(*step))
+            damping, evaluated, ahead = self._advance(state, loading, (free, border), step, course, record)
             free, border = free + damping * step[0], border + damping * step[1]
-            record[-1]["damping"] = damping
-            record[-1]["correction"] = self._size(damping * step[0], damping * step[1])
+            record[-1] |= {"damping": damping, "correction": damping * course.sizes[-1]}
         raise NotConverged(f"no convergence in {self.settings.max_iterations} iterations", self._worst(judged), record)
 
     def border_stiffness(self, state: State) -> np.ndarray:
@@ -195,12 +183,17 @@ class Newton:
             raise NotConverged(str(error), "", record) from error
 
     def _direction(
-        self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, strict: float, record: list
+        self, evaluated: tuple[Residual, Residual, Tangent], state: State, loading: Loading, share: float, record: list
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Newton step (n,), (nb,) of the bordered system."""
+        """Newton step (n,), (nb,) of the bordered system at the trial state; earlier factors leave a ``share``."""
+        judged, linear, tangent = evaluated
+        violation = loading.target - loading.control @ state.trial.border
         if self.recycled is not None:
             try:
-                return self._recycled_direction(linear, tangent, loading, violation, strict)
+                _, _, strict = self._merit(judged, loading)
+                wanted = max(share, _AIM * _ratio(self.settings.tolerance, strict))
+                control = control_of(loading.control, loading.load, violation, self.scale)
+                return self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted)
             except LinearSolverError:
                 pass  # single precision does not do here
         if self.recycled is not None:
@@ -223,52 +216,46 @@ class Newton:
             raise NotConverged("the tangent stiffness of the border dofs is singular", "", record) from error
         return step - shape @ solution[:n_border], solution[:n_border]
 
-    def _recycled_direction(
-        self, linear: Residual, tangent: Tangent, loading: Loading, violation: np.ndarray, strict: float
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Newton step with earlier factors. Raises LinearSolverError."""
-        assert self.recycled is not None
-        control = control_of(loading.control, loading.load, violation, self.scale)
-        wanted = _AIM * _ratio(self.settings.tolerance, strict)
-        return self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted)
-
     def _advance(
-        self, state: State, loading: Loading, at: tuple, step: tuple, merits: list, record: list
-    ) -> tuple[float, tuple[Residual, Residual, Tangent]]:
-        """Step length, and the model there: 1 with what the next iteration needs, or what a search finds."""
+        self, state: State, loading: Loading, at: tuple, step: tuple, course: Course, record: list
+    ) -> tuple[float, tuple[Residual, Residual, Tangent], tuple | None]:
+        """Step length, the model there, and the step that follows from there where it is known already."""
 
         def point(length: float) -> tuple[np.ndarray, np.ndarray]:
             return at[0] + length * step[0], at[1] + length * step[1]
 
-        if self._cycle is not None:
-            return _HALF, self._linearise(state, False, point(_HALF), record)
+        if course.half:
+            return HALF, self._linearise(state, False, point(HALF), record), None
         iterates = self.system.remember_iterates()
         full = np.inf
         try:
             evaluated = self._linearise(state, False, point(1.0), record)
             full, error, _ = self._merit(evaluated[0], loading)
-            full = full if np.isfinite(full) else np.inf
-            if len(merits) == 1 or full <= max(merits[-_MEMORY:]) or error < _CLOSE:
-                return 1.0, evaluated
-        except NotConverged:  # the law itself has no answer there
-            if len(merits) == 1:
+            if course.serves(full):
+                return 1.0, evaluated, None
+            if course.worth_a_look(error):
+                ahead = self._direction(evaluated, state, loading, course.share(error, True), record)
+                if self._size(*ahead) <= course.sizes[-1]:
+                    return 1.0, evaluated, ahead
+        except NotConverged:  # the laws or the solver have no answer there
+            if len(course.merits) == 1:
                 raise
         self.system.take_back(iterates)
-        length = self._search(state, loading, point, full, merits)
-        return length, self._linearise(state, False, point(length), record)
+        length = self._search(state, loading, point, full, course)
+        return length, self._linearise(state, False, point(length), record), None
 
-    def _search(self, state: State, loading: Loading, point: Callable, full: float, merits: list) -> float:
+    def _search(self, state: State, loading: Loading, point: Callable, full: float, course: Course) -> float:
         """Step length by halving, from residuals alone: the first that serves, else the best; ``full`` is that of 1."""
-        best, best_merit, length = 1.0, full, 1.0
-        for _ in range(_HALVINGS - 1):
+        best, best_merit, length = 1.0, full if np.isfinite(full) else np.inf, 1.0
+        for _ in range(HALVINGS):
             length *= 0.5
             self.system.apply(state, *point(length))
             try:
                 residual = self.system.residual(state)
             except LawError:
                 continue
-            merit, error, _ = self._merit(residual, loading)
-            if merit <= max(merits[-_MEMORY:]) or error < _CLOSE:
+            merit, _, _ = self._merit(residual, loading)
+            if course.serves(merit):
                 return length
             if merit < best_merit:
                 best, best_merit = length, merit
@@ -300,19 +287,6 @@ class Newton:
         """Root mean square displacement of a step in m."""
         with np.errstate(over="ignore"):  # of an iterate that diverges
             return float(np.sqrt(np.mean(np.concatenate([free, border * self.scale]) ** 2)))
-
-    def _watch(self, iteration: int, merits: list, error: float, judged: Residual, record: list) -> None:
-        """Where an increment cycles: half steps close to the solution while they gain, else stop; the step is cut."""
-        if self._cycle is not None:
-            since, before = self._cycle
-            if min(merits[since:]) < _GAIN * before:
-                self._cycle = len(merits), min(merits[since:])
-            elif len(merits) - since >= _PATIENCE:
-                raise NotConverged("the residual stalls", self._worst(judged), record)
-        elif iteration >= _STALL_FROM and min(merits[-_STALL_WINDOW:]) >= min(merits[1:-_STALL_WINDOW]):
-            if error > _CLOSE:
-                raise NotConverged("the residual stalls", self._worst(judged), record)
-            self._cycle = len(merits), max(merits[-_STALL_WINDOW:])
 
     def _worst(self, residual: Residual) -> str:
         if not len(residual.free):

@@ -31,7 +31,7 @@ from pysprings.result_files import CHECKPOINT
 from pysprings.storage import leftovers, replacing
 
 FORMAT = "pysprings-checkpoint-1"
-SHARE = 0.05  # of the wall time of a run
+SHARE = 0.02  # of the wall time of a run
 _GENERATIONS = ("state-a.npz", "state-b.npz")
 _START, _PATH = "start.npz", "path-{:03d}.npz"
 _META = "meta"

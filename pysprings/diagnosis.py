@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Why a path stopped: a named physical reason from the state itself, with the figure that shows it.
 
-``limit load``   under a given load, the caisson's tangent stiffness is gone, nothing balances the load, or the caisson
+``limit load``   under a given load, the caisson's stiffness is gone, nothing balances the load, or the caisson
                  has moved too far.
 ``apex``         the soil around the largest residual has lost its confining stress: no stiffness, no strength.
 ``localisation`` the soil's tangent there has lost its ellipticity (Rudnicki & Rice 1975): det(n.C.n) <= 0 for some

@@ -215,6 +215,46 @@ def test_half_steps_lead_out_of_a_cycle_close_to_the_solution(monkeypatch):
     assert increment.record[-1]["residual"] <= 1.0e-9
 
 
+def jumps(monkeypatch, at, longer=1.0):
+    """Residuals a hundred times as large at the iterate of that number; the correction that follows ``longer``."""
+    merit, direction, seen = Newton._merit, Newton._direction, []
+
+    def factor(residual, there):
+        if not any(residual is one for one in seen):
+            seen.append(residual)
+        return there if len(seen) > at and residual is seen[at] else 1.0
+
+    def judge(self, residual, loading):
+        return tuple(factor(residual, 100.0) * value for value in merit(self, residual, loading))
+
+    def step(self, evaluated, *rest):
+        return tuple(factor(evaluated[0], longer) * part for part in direction(self, evaluated, *rest))
+
+    monkeypatch.setattr(Newton, "_merit", judge)
+    monkeypatch.setattr(Newton, "_direction", step)
+
+
+def test_a_step_whose_residual_jumps_is_taken_where_the_next_correction_is_smaller(monkeypatch):
+    """As friction makes it jump; looking ahead costs no more factorisations than going on."""
+    plain, jumped = start(footing()), start(footing())
+    loading = imposed([5.0e-5, 0.0, 0.0])
+    straight = plain.driver.newton.solve(plain.state, loading, *at_rest(plain))
+    jumps(monkeypatch, at=3)
+    increment = jumped.driver.newton.solve(jumped.state, loading, *at_rest(jumped))
+    assert [row["damping"] for row in increment.record] == [1.0] * len(increment.record)
+    assert increment.record[3]["residual"] > increment.record[2]["residual"]
+    assert increment.iterations == straight.iterations
+    assert jumped.driver.newton.solver.n_factorisations == plain.driver.newton.solver.n_factorisations
+
+
+def test_a_step_whose_residual_jumps_is_shortened_where_the_next_correction_is_larger(monkeypatch):
+    out = start(footing())
+    jumps(monkeypatch, at=3, longer=1.0e3)
+    increment = out.driver.newton.solve(out.state, imposed([5.0e-5, 0.0, 0.0]), *at_rest(out))
+    assert increment.record[2]["damping"] == 0.5
+    assert increment.record[-1]["residual"] <= out.driver.newton.settings.tolerance
+
+
 @pytest.mark.parametrize(("tolerance", "recycle_from"), [(1.0e-2, 10**9), (3.0e-3, 0)])
 def test_the_border_is_held_ten_times_closer_to_balance(tolerance, recycle_from):
     """What the tolerance of all equations would leave there (0.29 and 0.11 of it) turns the body."""

@@ -135,9 +135,10 @@ def test_factors_of_earlier_tangents_go_on_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, every_step: None
 ) -> None:
     """As large models solve: what the factors were made from is in the checkpoint."""
+    own = record_of(straight("drained"))["solver"]["factorisations"]
     monkeypatch.setattr(full_model, "Settings", lambda tolerance, most: Settings(tolerance, most, 0))
     whole = compute(drained())
-    assert record_of(whole)["solver"]["factorisations"] < record_of(straight("drained"))["solver"]["factorisations"]
+    assert record_of(whole)["solver"]["factorisations"] < own
     done = 0
     for stop in (4, 6, 12):
         compute(drained(), progress=Stop(stop - done), checkpoints=Checkpoints(tmp_path), resume=done > 0)
@@ -196,11 +197,11 @@ def test_checkpoints_keep_to_their_share(monkeypatch: pytest.MonkeyPatch, tmp_pa
         if checkpoints.is_due():
             checkpoints.save_state(checkpoint.Saved({}, {}))
             written.append(now[0])
-        assert checkpoints.spent <= 0.05 * now[0] + 1.0
-    assert 15 <= len(written) <= 25
+        assert checkpoints.spent <= 0.02 * now[0] + 1.0
+    assert 7 <= len(written) <= 9
     slow = Checkpoints(tmp_path)
-    for _ in range(10):  # steps of 25 checkpoints each: every one is saved
-        now[0] += 25.0
+    for _ in range(10):  # steps of 60 checkpoints each: every one is saved
+        now[0] += 60.0
         assert slow.is_due()
         slow.save_state(checkpoint.Saved({}, {}))
 

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: MIT
+"""What the iterations of an increment say of its next step: how long, how exact, and whether to go on.
+
+Friction makes the residual a poor judge. Where a station slips past its stick range the residual jumps by the whole
+friction force, and the next iteration, which lets that station stick (see contact.coulomb), takes it away again. The
+corrections, displacements, tell such a jump from an iteration that goes astray: a full step is taken where the residual
+does not grow, or where the correction that would follow is no larger than this one (natural monotonicity, Deuflhard
+2004); it is then the next step, and has cost nothing. Else the step is halved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+# Halvings of a step: shorter ones would leave the iterate where it is.
+HALVINGS = 3
+# Beyond this relative residual the following correction is not worth a solve: it has always been larger.
+_ASTRAY = 0.3
+# An increment stalls where none of so many corrections is smaller than those before. It stops, since a smaller
+# increment has fewer states of contact to find; close to the solution few stations flip to and fro, the answer lies
+# between their states, and half steps find it. They go on while the residual falls to this share in so many of them,
+# and end where one does all that a half step can: the equations are linear there.
+_WINDOW = 4
+_CLOSE, HALF, _GAIN, _PATIENCE, _LINEAR = 1.0e-3, 0.5, 0.7, 4, (0.45, 0.55)
+# Share of its residual to which a linear system is solved: of the first, then by how the residual has fallen (choice 2
+# of Eisenstat & Walker 1996). Where contact decides how far it falls, an exact step gains nothing.
+_FIRST, _GAMMA, _POWER = 0.03, 0.9, 2.0
+
+
+@dataclass
+class Course:
+    """Residuals and corrections of the iterates of one increment so far.
+
+    Attributes
+    ----------
+    merits, errors : residuals of the iterates, in N and relative.
+    sizes : of the full corrections from them, m.
+    half : whether half steps are being taken.
+    """
+
+    merits: list[float] = field(default_factory=list)
+    errors: list[float] = field(default_factory=list)
+    sizes: list[float] = field(default_factory=list)
+    half: bool = False
+    _since: int = 0  # iterate from which on it is watched, or half steps are taken
+    _best: float = 0.0  # merit that half steps are held against
+
+    def add(self, merit: float, error: float) -> bool:
+        """Note an iterate; return False where the increment should be given up."""
+        self.merits.append(merit)
+        self.errors.append(error)
+        if self.half:
+            return self._go_on_by_halves()
+        sizes = self.sizes[self._since :]
+        if len(sizes) <= _WINDOW or min(sizes[-_WINDOW:]) < min(sizes[:-_WINDOW]):
+            return True
+        self.half, self._since, self._best = error <= _CLOSE, len(self.merits), max(self.merits[-2:])
+        return self.half
+
+    def _go_on_by_halves(self) -> bool:
+        before, now = self.merits[-2:]
+        if _LINEAR[0] * before < now < _LINEAR[1] * before:
+            self.half, self._since = False, len(self.sizes)
+            return True
+        best = min(self.merits[self._since :])
+        if best < _GAIN * self._best:
+            self._since, self._best = len(self.merits), best
+        return len(self.merits) - self._since < _PATIENCE
+
+    def serves(self, merit: float) -> bool:
+        """Whether the residual lets a step be taken. The first one always may: its guess knows nothing of contact."""
+        return len(self.merits) == 1 or merit <= self.merits[-1]
+
+    def worth_a_look(self, error: float) -> bool:
+        """Whether the correction that would follow from there may yet let a step be taken."""
+        return error <= _ASTRAY
+
+    def share(self, error: float, ahead: bool) -> float:
+        """Share of its residual to which a system is solved: of the last iterate, or of one that lies ``ahead``."""
+        before = self.errors if ahead else self.errors[:-1]
+        if not before:
+            return _FIRST
+        return _GAMMA * min(error / before[-1], 1.0) ** _POWER if before[-1] > 0.0 else _GAMMA
