@@ -206,12 +206,15 @@ def test_checkpoints_keep_to_their_share(monkeypatch: pytest.MonkeyPatch, tmp_pa
         slow.save_state(checkpoint.Saved({}, {}))
 
 
-def test_the_record_has_the_cost(tmp_path: Path) -> None:
-    record = record_of(compute(drained(), checkpoints=Checkpoints(tmp_path)))
+def test_the_record_has_the_cost(tmp_path: Path, every_step: None) -> None:
+    """One checkpoint at every step; their seconds, and these as a share of the run's."""
+    kept = compute(drained(), checkpoints=Checkpoints(tmp_path))
+    record = record_of(kept)
     saved = record["checkpoints"]
-    assert saved["written"] >= 1
+    assert saved["written"] >= sum(path.sizes["step"] for path in kept["paths"].children.values()) - 1
     assert 0.0 < saved["wall_s"] <= record["phases"]["checkpoint"]["wall_s"] + 0.01
-    assert saved["share_of_wall"] < 0.5
+    assert 0.0 < saved["share_of_wall"] < 1.0
+    assert saved["wall_s"] / saved["share_of_wall"] == pytest.approx(record["wall_s"], rel=0.5)
 
 
 # --- damaged checkpoints ---
