@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fe_engine import recycled
+from fe_engine import globalisation, recycled
 from fe_engine.backends import available_backends
 from fe_engine.errors import LinearSolverError
 from fe_engine.newton import Loading
@@ -143,6 +143,16 @@ def test_water_is_solved_for_with_earlier_factors_too(linear):
         increment = newton.solve(out.state, loading, np.zeros(newton.system.pattern.n_free), np.zeros(nb))
         ends.append(increment.residual.border)
     np.testing.assert_allclose(ends[0], ends[1], rtol=1.0e-6, atol=1.0e-6 * np.abs(ends[1]).max())
+
+
+def test_systems_are_solved_no_further_than_contact_lets_the_residual_fall(linear, monkeypatch):
+    """Fewer solves than with systems that are all solved as far as they may be, for the same path."""
+    tight = {"linear": linear, "tolerance": 1.0e-9, "recycle_from": 0}
+    loose = run(footing(), PULL, **tight)
+    monkeypatch.setattr(globalisation.Course, "share", lambda *_: 0.0)
+    exact = run(footing(), PULL, **tight)
+    assert loose.driver.newton.solver.n_solves < exact.driver.newton.solver.n_solves
+    np.testing.assert_allclose(forces(loose), forces(exact), rtol=1.0e-7)
 
 
 def test_factors_that_fail_leave_none_behind(linear):

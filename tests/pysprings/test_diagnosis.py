@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,17 @@ def test_directions_are_unit_vectors_of_half_a_sphere() -> None:
     np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0)
     assert directions[:, 2].min() > 0.0
     np.testing.assert_allclose(directions[:, :2].mean(axis=0), 0.0, atol=0.01)
+
+
+def test_the_stiffness_left_is_beside_the_softest_motion_at_rest() -> None:
+    """In displacements: a rotation of stiffness 36 N m counts with a length of 2 m, as 9 N/m; the heave has 4."""
+    newton = SimpleNamespace(scale=np.array([1.0, 1.0, 2.0]))
+    initial = np.diag([25.0, 4.0, 36.0])
+    left = [
+        diagnosis._stiffness_left(SimpleNamespace(newton=newton, stiffness=k), initial)  # type: ignore[arg-type]
+        for k in (0.2, -0.2, None)
+    ]
+    assert left == pytest.approx([0.05, -0.05, 1.0])
 
 
 def failures(**changes: Any) -> list[str]:

@@ -177,6 +177,17 @@ def test_a_path_that_did_not_converge_stays_as_it_ended(tmp_path: Path, monkeypa
     assert_same(result, whole)
 
 
+def test_a_limit_load_is_still_one_after_a_stop(tmp_path: Path, every_step: None) -> None:
+    """What tells it, the stiffness of the last increment, is in the checkpoint of the last step that converged."""
+    scene, calls = tiny.scene(caisson={"vertical_load": -5e6}), []
+    whole = compute(scene, progress=lambda path, *_: calls.append(path))
+    (line,) = record_of(whole)["failures"]
+    assert "of its dead load: limit load: " in line
+    last = len(calls) - calls.count("model")
+    assert compute(scene, progress=Stop(last), checkpoints=Checkpoints(tmp_path)).attrs["status"] == "interrupted"
+    assert_same(compute(scene, checkpoints=Checkpoints(tmp_path), resume=True), whole)
+
+
 def test_the_python_call_goes_on_by_itself(tmp_path: Path) -> None:
     place = tmp_path / "safe"
     assert pysprings.run(drained(), progress=Stop(4), checkpoint=place).attrs["status"] == "interrupted"
