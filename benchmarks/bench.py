@@ -33,6 +33,7 @@ GROWTH = {
     "drained": ("coarse:0.7", "coarse", "medium", "medium:1.4", "paper", "fine:1.02"),
     "coupled": ("coarse", "medium", "medium:1.4", "paper", "fine:0.92"),
 }
+SOLVERS = ("coarse:0.6", "coarse:0.7", "coarse:0.8", "coarse", "medium", "paper")
 # names in fe_engine.recycled with which the first factors are never renewed
 AT_REST_ALONE = {"_LONGEST": 150, "_COMFORTABLE": 1.0e9}
 
@@ -131,11 +132,13 @@ def fine() -> None:
 
 
 def solvers() -> None:
-    """Every tangent factorised, or factors of earlier ones: wall time to 1 mm."""
-    for mesh in ("coarse", "coarse:1.3", "medium", "paper"):
-        own, earlier = (_in_child(_wall, (mesh, start)) for start in (10**9, 0))
+    """Every tangent factorised, or factors of earlier ones: wall time of a pull to 1 mm, and of a load of 1 MN."""
+    for mesh, load in [(mesh, False) for mesh in SOLVERS] + [("paper", True)]:
+        (own, n_own, n), (earlier, n_earlier, _) = (_in_child(_wall, (mesh, start, load)) for start in (10**9, 0))
         print(
-            f"{mesh:12} own factors {own:6.1f} s, earlier ones {earlier:6.1f} s: {own / earlier:.2f} times", flush=True
+            f"{mesh:12} {'load' if load else 'pull'} {n:7,} unknowns  own factors {own:6.2f} s ({n_own}), "
+            f"earlier ones {earlier:6.2f} s ({n_earlier}): {own / earlier:.2f} times",
+            flush=True,
         )
 
 
@@ -160,14 +163,21 @@ def omitted() -> None:
     omissions.main([])
 
 
-def _wall(mesh: str, start: int) -> float:
+def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
+    """Wall time of the second of two runs (s), its factorisations, and the unknowns."""
     from fe_engine.newton import Settings
     from pysprings import full_model
 
     full_model.Settings = lambda tolerance, most: Settings(tolerance, most, start)  # type: ignore[misc, assignment]
-    begun = time.perf_counter()
-    full_model.compute(scene(mesh, 1.0 * MM))
-    return time.perf_counter() - begun
+    wanted = scene(mesh, 1.0 * MM)
+    if load:
+        path = {"name": "load", "kind": "load", "lateral_force": 1.0e6, "arm": 2.0}
+        wanted = wanted.replace(paths=(path,))
+    for _ in range(1 if load else 2):
+        begun = time.perf_counter()
+        run = json.loads(full_model.compute(wanted).attrs["run_json"])
+        wall = time.perf_counter() - begun
+    return wall, run["solver"]["factorisations"], run["mesh"]["unknowns"]
 
 
 def _iterations(mesh: str, end: float, only_at_rest: bool) -> tuple[float, int, float, float]:

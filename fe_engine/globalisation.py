@@ -23,8 +23,11 @@ _ASTRAY = 0.3
 _WINDOW = 4
 _CLOSE, HALF, _GAIN, _PATIENCE, _LINEAR = 1.0e-3, 0.5, 0.7, 4, (0.45, 0.55)
 # Share of its residual to which a linear system is solved: of the first, then by how the residual has fallen (choice 2
-# of Eisenstat & Walker 1996). Where contact decides how far it falls, an exact step gains nothing.
-_FIRST, _GAMMA, _POWER = 0.03, 0.9, 2.0
+# of Eisenstat & Walker 1996), within these bounds. Where contact decides how far it falls, an exact step gains nothing.
+_FIRST, _GAMMA, _POWER, _ENOUGH, LOOSEST = 0.03, 0.9, 2.0, 1.0e-2, 0.1
+# An increment without a guess has all states of contact to find, from displacements that a residual of 1 % may leave
+# wrong by their own size.
+_FAR = 1.0e-4
 
 
 @dataclass
@@ -36,8 +39,10 @@ class Course:
     merits, errors : residuals of the iterates, in N and relative.
     sizes : of the full corrections from them, m.
     half : whether half steps are being taken.
+    far : whether the increment began without a guess.
     """
 
+    far: bool = False
     merits: list[float] = field(default_factory=list)
     errors: list[float] = field(default_factory=list)
     sizes: list[float] = field(default_factory=list)
@@ -77,7 +82,10 @@ class Course:
 
     def share(self, error: float, ahead: bool) -> float:
         """Share of its residual to which a system is solved: of the last iterate, or of one that lies ``ahead``."""
+        if self.far:
+            return _FAR
         before = self.errors if ahead else self.errors[:-1]
         if not before:
             return _FIRST
-        return _GAMMA * min(error / before[-1], 1.0) ** _POWER if before[-1] > 0.0 else _GAMMA
+        fallen = min(error / before[-1], 1.0) if before[-1] > 0.0 else 1.0
+        return max(_ENOUGH, min(_GAMMA * fallen**_POWER, LOOSEST))

@@ -22,7 +22,7 @@ import numpy as np
 
 from fe_engine.assembly import Residual, System, Tangent
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
-from fe_engine.globalisation import HALF, HALVINGS, Course
+from fe_engine.globalisation import HALF, HALVINGS, LOOSEST, Course
 from fe_engine.linear import LinearSolver
 from fe_engine.preconditioner import Origin
 from fe_engine.recycled import WORTH_FROM, Recycled, control_of
@@ -33,6 +33,9 @@ from fe_engine.state import State
 _STILL = 1.0e-6
 # A linear system is solved to this share of the tolerance and no further.
 _AIM = 0.3
+# Where motions are imposed anew the right-hand side is what penalties do to soil that stays behind, thousands of times
+# the forces that balance in the end: such a system is solved to this share.
+_IMPOSED = 1.0e-6
 # An increment has converged when its border dofs and its volumes of water are so many times closer to balance than the
 # tolerance asks of all equations: few numbers, of which each counts. The border's decide the rotation under a load near
 # the centre of rotation, the volumes add up over the steps of a path.
@@ -108,7 +111,7 @@ class Newton:
         """
         self.system.time_step = loading.time_step
         record: list[dict[str, Any]] = []
-        course = Course()
+        course = Course(far=not (np.any(free) or np.any(border)))
         if self.recycled is not None:
             self.recycled.begin_increment()
         evaluated, ahead = self._linearise(state, True, (free, border), record), None
@@ -191,7 +194,8 @@ class Newton:
         if self.recycled is not None:
             try:
                 _, _, strict = self._merit(judged, loading)
-                wanted = max(share, _AIM * _ratio(self.settings.tolerance, strict))
+                enough = min(max(share, _AIM * _ratio(self.settings.tolerance, strict)), LOOSEST)
+                wanted = enough if _met(violation, loading.target) else _IMPOSED
                 control = control_of(loading.control, loading.load, violation, self.scale)
                 return self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted)
             except LinearSolverError:

@@ -32,16 +32,14 @@ from fe_engine.preconditioner import Control, Factors, Origin, SoilFactors, Tang
 from fe_engine.sparse import times
 
 # From so many unknowns on it pays; below, a factorisation costs no more than a few iterations.
-WORTH_FROM = 10_000
+WORTH_FROM = 2_000
 # GMRES gives up after so many iterations, a third of what new factors cost; they are also renewed after an increment
 # that needed so many in the mean of its systems more than new factors do. Both are for 50,000 unknowns: a factorisation
 # grows as n^2, a solve as n^(4/3) (nested dissection in space), and larger models have more patience.
 _LONGEST, _COMFORTABLE, _NEW = 30, 6.0, 3.0
 _OF_UNKNOWNS, _MOST_PATIENT = 50_000, 4.0
-# Relative residuals of a Newton step: with old factors, and with new ones, where one iteration more does it.
-_ENOUGH, _FRESH = 1.0e-2, 1.0e-6
+_FRESH = 1.0e-6  # relative residual of a Newton step with new factors: one iteration more does it
 _EXACT = 1.0e-10  # last change of a border stiffness that is refined
-_LOOSEST = 0.1  # of a step whose residual Newton needs to fall a little only
 _SLACK = 2.0  # the true residual over that of GMRES, whose preconditioner is linear to seven digits only
 _NOTHING = 1.0e-300
 
@@ -132,7 +130,7 @@ class Recycled:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Newton step (n,), (nb,); ``unbalanced`` (nb,) are the border's residuals, in its own units.
 
-        ``wanted`` is the share of the residual that may be left: no system is solved to less than Newton can use.
+        ``wanted`` is the share of the residual that earlier factors may leave.
         Raises LinearSolverError.
         """
         if self.worn:
@@ -140,7 +138,7 @@ class Recycled:
         n, b = len(linear.free), control.imposed
         forces = -linear.free - tangent.columns @ b
         rhs = np.concatenate([forces, -control.forces.T @ (unbalanced + tangent.corner @ b)])
-        x = self._gmres(tangent, control, rhs, max(_ENOUGH, min(wanted, _LOOSEST))) if self._valid else None
+        x = self._gmres(tangent, control, rhs, wanted) if self._valid else None
         if x is None:
             self.factorise(tangent)
             self._spent = []
@@ -164,7 +162,10 @@ class Recycled:
         size = np.concatenate([scale, np.full(len(rhs) - n, np.median(scale))])
 
         def precondition(v: np.ndarray) -> np.ndarray:
-            return self._factors.apply(v / size)
+            z = self._factors.apply(v / size)
+            if not np.all(np.isfinite(z)):
+                raise LinearSolverError("the factors overflow in single precision")
+            return z
 
         def apply(x: np.ndarray) -> np.ndarray:
             return size * np.concatenate([times(matrix, x[:n]) + columns @ x[n:], rows @ x[:n] + corner @ x[n:]])

@@ -70,7 +70,13 @@ def test_systems_are_solved_as_far_as_the_residual_is_likely_to_fall():
     """Choice 2 of Eisenstat & Walker (1996), 0.9 (r_k / r_(k-1))^2."""
     made, _ = course([1.0])
     assert made.share(1.0, ahead=False) == 0.03
-    assert made.share(0.1, ahead=True) == pytest.approx(0.009)
+    assert made.share(0.3, ahead=True) == pytest.approx(0.081)
     made.add(0.2, 0.2)
     assert made.share(0.2, ahead=False) == pytest.approx(0.036)
-    assert made.share(0.4, ahead=True) == pytest.approx(0.9)
+    assert [made.share(error, ahead=True) for error in (0.01, 0.4)] == [0.01, 0.1]  # within bounds
+
+
+def test_systems_of_an_increment_without_a_guess_are_solved_further():
+    made = Course(far=True)
+    made.add(1.0, 1.0)
+    assert made.share(1.0, ahead=False) == made.share(1.0, ahead=True) == 1e-4

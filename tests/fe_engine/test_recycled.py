@@ -115,6 +115,16 @@ def test_where_single_precision_does_not_do_double_precision_does(linear, monkey
     np.testing.assert_allclose(forces(out), forces(run(footing(), PULL, linear=linear, recycle_from=10**9)), rtol=1e-12)
 
 
+def test_factors_that_overflow_are_not_used(linear, monkeypatch):
+    """Of a tangent that is singular in single precision they may be infinite."""
+    exact = run(footing(), PULL, linear=linear, tolerance=1.0e-9)
+    out = start(footing(), linear, tolerance=1.0e-9, recycle_from=0)
+    monkeypatch.setattr(type(out.driver.newton.recycled._factors), "apply", lambda self, v: np.full(len(v), np.nan))
+    steps = []
+    out.driver.run(PULL, steps.append)
+    assert steps[-1].multipliers[0] == pytest.approx(forces(exact)[-1], rel=1e-7)
+
+
 def test_controlled_motions_are_met_and_the_others_are_free():
     """Pull at 2 m above the reference, half of it left to do: u is met, its force takes up a moment with it."""
     load = np.array([[1.0], [0.0], [-2.0]])
@@ -153,6 +163,16 @@ def test_systems_are_solved_no_further_than_contact_lets_the_residual_fall(linea
     exact = run(footing(), PULL, **tight)
     assert loose.driver.newton.solver.n_solves < exact.driver.newton.solver.n_solves
     np.testing.assert_allclose(forces(loose), forces(exact), rtol=1.0e-7)
+
+
+@pytest.mark.parametrize(("end", "stiffness"), [(2.0e-4, 1.0e12), (5.0e-4, 1.0e10)])
+def test_a_large_step_without_a_guess_is_no_harder_than_with_exact_systems(linear, end, stiffness):
+    """To 0.2 mm in one step; to 0.5 mm with a step that is cut, after which factors of a failed attempt are there."""
+    once = stage({0: end}, arm=0.3, first_fraction=1.0, max_fraction=1.0)
+    model = footing(contact=(stiffness, stiffness, 0.5))
+    new, own = (run(model, once, linear=linear, tolerance=1.0e-9, recycle_from=n) for n in (0, 10**9))
+    assert len(new.driver.given_up) == len(own.driver.given_up)
+    assert len(new.steps) == len(own.steps)
 
 
 def test_factors_that_fail_leave_none_behind(linear):
