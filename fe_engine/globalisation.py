@@ -23,11 +23,20 @@ _ASTRAY = 0.3
 _WINDOW = 4
 _CLOSE, HALF, _GAIN, _PATIENCE, _LINEAR = 1.0e-3, 0.5, 0.7, 4, (0.45, 0.55)
 # Share of its residual to which a linear system is solved: of the first, then by how the residual has fallen (choice 2
-# of Eisenstat & Walker 1996), within these bounds. Where contact decides how far it falls, an exact step gains nothing.
-_FIRST, _GAMMA, _POWER, _ENOUGH, LOOSEST = 0.03, 0.9, 2.0, 1.0e-2, 0.1
+# of Eisenstat & Walker 1996). Where contact decides how far it falls, an exact step gains nothing.
+_FIRST, _GAMMA, _POWER = 0.03, 0.9, 2.0
+# Bounds of that share, for so many unknowns and more. Solves are what large models take their time for; small ones can
+# afford to solve further, which saves increments (on `coarse` a quarter of them), but not without end.
+_ENOUGH, _LOOSEST, _OF_UNKNOWNS, _LEAST = 1.0e-2, 0.1, 50_000, 0.1
 # An increment without a guess has all states of contact to find, from displacements that a residual of 1 % may leave
 # wrong by their own size.
 _FAR = 1.0e-4
+
+
+def bounds(n_unknowns: int) -> tuple[float, float]:
+    """Shares of its residual within which a linear system of so many unknowns is solved."""
+    size = min(max(n_unknowns / _OF_UNKNOWNS, _LEAST), 1.0)
+    return size * _ENOUGH, size * _LOOSEST
 
 
 @dataclass
@@ -40,9 +49,11 @@ class Course:
     sizes : of the full corrections from them, m.
     half : whether half steps are being taken.
     far : whether the increment began without a guess.
+    bounds : shares of its residual within which a linear system is solved.
     """
 
     far: bool = False
+    bounds: tuple[float, float] = (_ENOUGH, _LOOSEST)
     merits: list[float] = field(default_factory=list)
     errors: list[float] = field(default_factory=list)
     sizes: list[float] = field(default_factory=list)
@@ -85,7 +96,7 @@ class Course:
         if self.far:
             return _FAR
         before = self.errors if ahead else self.errors[:-1]
-        if not before:
-            return _FIRST
-        fallen = min(error / before[-1], 1.0) if before[-1] > 0.0 else 1.0
-        return max(_ENOUGH, min(_GAMMA * fallen**_POWER, LOOSEST))
+        wanted = _FIRST
+        if before:
+            wanted = _GAMMA * (min(error / before[-1], 1.0) if before[-1] > 0.0 else 1.0) ** _POWER
+        return min(max(wanted, self.bounds[0]), self.bounds[1])

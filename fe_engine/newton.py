@@ -22,7 +22,7 @@ import numpy as np
 
 from fe_engine.assembly import Residual, System, Tangent
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
-from fe_engine.globalisation import HALF, HALVINGS, LOOSEST, Course
+from fe_engine.globalisation import HALF, HALVINGS, Course, bounds
 from fe_engine.linear import LinearSolver
 from fe_engine.preconditioner import Origin
 from fe_engine.recycled import WORTH_FROM, Recycled, control_of
@@ -100,6 +100,7 @@ class Newton:
         self.solver = solver
         self.settings = settings
         self.scale = system.model.border_scale
+        self._bounds = bounds(system.pattern.n_free)
         self.recycled: Recycled | None = None
         if system.pattern.n_free >= settings.recycle_from:
             self.recycled = Recycled(solver, system)
@@ -111,7 +112,7 @@ class Newton:
         """
         self.system.time_step = loading.time_step
         record: list[dict[str, Any]] = []
-        course = Course(far=not (np.any(free) or np.any(border)))
+        course = Course(not (np.any(free) or np.any(border)), self._bounds)
         if self.recycled is not None:
             self.recycled.begin_increment()
         evaluated, ahead = self._linearise(state, True, (free, border), record), None
@@ -194,7 +195,7 @@ class Newton:
         if self.recycled is not None:
             try:
                 _, _, strict = self._merit(judged, loading)
-                enough = min(max(share, _AIM * _ratio(self.settings.tolerance, strict)), LOOSEST)
+                enough = min(max(share, _AIM * _ratio(self.settings.tolerance, strict)), self._bounds[1])
                 wanted = enough if _met(violation, loading.target) else _IMPOSED
                 control = control_of(loading.control, loading.load, violation, self.scale)
                 return self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted)
