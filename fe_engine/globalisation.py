@@ -94,7 +94,7 @@ class Course:
     def share(self, error: float, ahead: bool) -> float:
         """Share of its residual to which a system is solved: of the last iterate, or of one that lies ``ahead``."""
         if self.far:
-            return _FAR
+            return min(_FAR, self.bounds[1])
         before = self.errors if ahead else self.errors[:-1]
         wanted = _FIRST
         if before:

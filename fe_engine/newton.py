@@ -34,8 +34,8 @@ _STILL = 1.0e-6
 # A linear system is solved to this share of the tolerance and no further.
 _AIM = 0.3
 # Where motions are imposed anew the right-hand side is what penalties do to soil that stays behind, thousands of times
-# the forces that balance in the end: such a system is solved to this share.
-_IMPOSED = 1.0e-6
+# the forces that balance in the end: such a system is solved to this share, as exact ones are.
+_EXACT = 1.0e-6
 # An increment has converged when its border dofs and its volumes of water are so many times closer to balance than the
 # tolerance asks of all equations: few numbers, of which each counts. The border's decide the rotation under a load near
 # the centre of rotation, the volumes add up over the steps of a path.
@@ -48,12 +48,15 @@ _ROUNDING = 1.0e-6
 class Settings:
     """Newton settings; the tolerance is relative to the norm of the change of contact forces.
 
-    Models of ``recycle_from`` unknowns or more solve with factors of earlier tangents: see `recycled`.
+    Models of ``recycle_from`` unknowns or more solve with factors of earlier tangents: see `recycled`; ``exact`` tells
+    them to solve linear systems as far as these can. Where nothing flows, pressures hang on volumes that hardly change:
+    a residual that is small beside all forces and volumes then says little of them.
     """
 
     tolerance: float = 1.0e-5
     max_iterations: int = 20
     recycle_from: int = WORTH_FROM
+    exact: bool = False
 
 
 @dataclass(frozen=True)
@@ -100,7 +103,7 @@ class Newton:
         self.solver = solver
         self.settings = settings
         self.scale = system.model.border_scale
-        self._bounds = bounds(system.pattern.n_free)
+        self._bounds = (_EXACT, _EXACT) if settings.exact else bounds(system.pattern.n_free)
         self.recycled: Recycled | None = None
         if system.pattern.n_free >= settings.recycle_from:
             self.recycled = Recycled(solver, system)
@@ -196,7 +199,7 @@ class Newton:
             try:
                 _, _, strict = self._merit(judged, loading)
                 enough = min(max(share, _AIM * _ratio(self.settings.tolerance, strict)), self._bounds[1])
-                wanted = enough if _met(violation, loading.target) else _IMPOSED
+                wanted = enough if _met(violation, loading.target) else _EXACT
                 control = control_of(loading.control, loading.load, violation, self.scale)
                 return self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted)
             except LinearSolverError:

@@ -8,6 +8,7 @@ import os
 import platform
 import warnings
 from contextlib import suppress
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
@@ -203,7 +204,8 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
             solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, wet, symmetric)
         except LinearSolverError as error:
             raise ResourceError(str(error)) from error
-        newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations))
+        settings = Settings(scene.solver.tolerance, scene.solver.max_iterations)
+        newton = Newton(system, solver, replace(settings, exact=scene.drainage.mode == "undrained"))
     progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {system.pattern.n_free} unknowns")
     remarks = list(penalty_of(scene).remarks)
     return Work(scene, built, system, newton, clock, progress, warnings=remarks)

@@ -165,6 +165,16 @@ def test_systems_are_solved_no_further_than_contact_lets_the_residual_fall(linea
     np.testing.assert_allclose(forces(loose), forces(exact), rtol=1.0e-7)
 
 
+def test_exact_systems_are_all_solved_as_far_as_new_factors_can(linear, monkeypatch):
+    step, wanted = recycled.Recycled.step, []
+    monkeypatch.setattr(recycled.Recycled, "step", lambda self, *args: wanted.append(args[-1]) or step(self, *args))
+    run(footing(), PULL, linear=linear, recycle_from=0, exact=True)
+    assert set(wanted) == {1.0e-6}
+    wanted.clear()
+    run(footing(), PULL, linear=linear, recycle_from=0)
+    assert max(wanted) > 1.0e-4
+
+
 @pytest.mark.parametrize(("end", "stiffness"), [(2.0e-4, 1.0e12), (5.0e-4, 1.0e10)])
 def test_a_large_step_without_a_guess_is_no_harder_than_with_exact_systems(linear, end, stiffness):
     """To 0.2 mm in one step; to 0.5 mm with a step that is cut, after which factors of a failed attempt are there."""

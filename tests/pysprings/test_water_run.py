@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings import Scene
+from pysprings import Scene, full_model
 from pysprings.build import build_model
 from pysprings.cavitation import ATMOSPHERE, VAPOUR, smallest_margin
 from pysprings.full_model import compute, run
@@ -67,6 +67,17 @@ def test_a_slow_push_is_drained_and_a_fast_one_undrained() -> None:
     np.testing.assert_allclose(loads(run(wet(rate=1e-10))), drained, rtol=1e-4, atol=1.0)
     np.testing.assert_allclose(loads(run(wet(rate=10.0))), undrained, rtol=0.03, atol=1.0)
     assert drained[-1] < loads(coupled())[-1] < undrained[-1]
+
+
+@pytest.mark.parametrize(("mode", "exact"), [("coupled", False), ("undrained", True)])
+def test_linear_systems_are_solved_exactly_where_nothing_flows(
+    monkeypatch: pytest.MonkeyPatch, mode: str, exact: bool
+) -> None:
+    seen = []
+    monkeypatch.setattr(full_model, "Newton", lambda system, solver, settings: seen.append(settings) or 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        run(wet(mode))
+    assert [settings.exact for settings in seen] == [exact]
 
 
 def test_an_undrained_scene_needs_no_time() -> None:
