@@ -17,12 +17,10 @@ m (times ``scale``), and their equations in N.
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
-from scipy.linalg import LinAlgWarning, null_space
+from scipy.linalg import null_space
 from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import LinearOperator
+from scipy.sparse.linalg import LinearOperator, gcrotmk
 
 from fe_engine.assembly import Residual, System, Tangent
 from fe_engine.backends import Pardiso, make_backend
@@ -154,14 +152,16 @@ class Recycled:
         Preconditioned from the right, so that the residual that it minimises is that of the equations (rows scaled);
         the flexible kind keeps the preconditioned vectors, and the answer needs no solve of its own.
         """
-        from pyamg.krylov import fgmres  # half a second, which small models need not spend
-
         n, matrix, motions, forces = tangent.matrix.shape[0], tangent.matrix, control.motions, control.forces.T
         columns, rows, corner = tangent.columns @ motions, forces @ tangent.rows, forces @ tangent.corner @ motions
         scale = self._factors.origin.scale
         size = np.concatenate([scale, np.full(len(rhs) - n, np.median(scale))])
 
+        taken = 0
+
         def precondition(v: np.ndarray) -> np.ndarray:
+            nonlocal taken
+            taken += 1
             z = self._factors.apply(v / size)
             if not np.all(np.isfinite(z)):
                 raise LinearSolverError("the factors overflow in single precision")
@@ -170,19 +170,16 @@ class Recycled:
         def apply(x: np.ndarray) -> np.ndarray:
             return size * np.concatenate([times(matrix, x[:n]) + columns @ x[n:], rows @ x[:n] + corner @ x[n:]])
 
-        residuals: list[float] = []
         operator, inverse = (LinearOperator((len(rhs), len(rhs)), matvec=f, dtype=float) for f in (apply, precondition))
-        with self.clock.phase("solve"), warnings.catch_warnings():
-            warnings.simplefilter("ignore", LinAlgWarning)  # of vectors that say nothing new: the residual decides
+        b, longest = size * rhs, min(self._longest, len(rhs))
+        with self.clock.phase("solve"):
             try:
                 self._factors.look_at(tangent, control)
-                x, _ = fgmres(
-                    operator, size * rhs, tol=tolerance, restart=min(self._longest, len(rhs)), maxiter=1, M=inverse,
-                    residuals=residuals,
-                )  # fmt: skip
+                # one cycle, nothing carried over from system to system: flexible GMRES
+                x, _ = gcrotmk(operator, b, rtol=tolerance, atol=0.0, maxiter=1, M=inverse, m=longest, k=0)
             except (np.linalg.LinAlgError, LinearSolverError):
                 return None
-        taken, left = len(residuals) - 1, residuals[-1] / max(residuals[0], _NOTHING)  # the last one is computed anew
+            left = float(np.linalg.norm(b - apply(x))) / max(float(np.linalg.norm(b)), _NOTHING)
         self.counts.n_solves += taken
         self.n_iterations += taken
         self.n_systems += 1
