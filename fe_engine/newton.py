@@ -34,8 +34,9 @@ _STILL = 1.0e-6
 # A linear system is solved to this share of the tolerance and no further.
 _AIM = 0.3
 # Where motions are imposed anew the right-hand side is what penalties do to soil that stays behind, thousands of times
-# the forces that balance in the end: such a system is solved to this share, as exact ones are.
-_EXACT = 1.0e-6
+# the forces that balance in the end: such a system is solved to this share.
+_IMPOSED = 1.0e-6
+_EXACT = 1.0e-8  # share to which exact systems are solved
 # An increment has converged when its border dofs and its volumes of water are so many times closer to balance than the
 # tolerance asks of all equations: few numbers, of which each counts. The border's decide the rotation under a load near
 # the centre of rotation, the volumes add up over the steps of a path.
@@ -199,7 +200,7 @@ class Newton:
             try:
                 _, _, strict = self._merit(judged, loading)
                 enough = min(max(share, _AIM * _ratio(self.settings.tolerance, strict)), self._bounds[1])
-                wanted = enough if _met(violation, loading.target) else _EXACT
+                wanted = enough if _met(violation, loading.target) else min(_IMPOSED, self._bounds[0])
                 control = control_of(loading.control, loading.load, violation, self.scale)
                 return self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted)
             except LinearSolverError:

@@ -140,7 +140,7 @@ class Recycled:
         if x is None:
             self.factorise(tangent)
             self._spent = []
-            x = self._gmres(tangent, control, rhs, _FRESH)
+            x = self._gmres(tangent, control, rhs, min(wanted, _FRESH))
         if x is None:
             self.forget()
             raise LinearSolverError("GMRES does not converge with factors in single precision")
@@ -186,7 +186,7 @@ class Recycled:
         self._spent.append(taken)
         if taken >= self._longest or not left <= _SLACK * tolerance:
             return None
-        if tolerance == _FRESH:
+        if tolerance <= _FRESH:
             self.counts.worst_residual = max(self.counts.worst_residual, left)
         return x
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fe_engine.recycled import WORTH_FROM
 from fe_engine.stepping import fewest_increments
 from pysprings.small_strain import imposed_motion
 from pysprings.stages import path_stages
@@ -18,12 +17,8 @@ _START, _PER_UNKNOWN, _PER_SQUARE = 1.0, 1.15e-5, 1.25e-10
 _WATER = 1.85
 _SYMMETRIC = 0.77  # 1/1.3 of benchmarks/omissions.py on `coarse`: the least, since factors grow faster than the rest
 # The lid of the paper's caisson (diameter 7.8 m) begins to lift off at 7 to 8 mm: with a share s of the motion beyond
-# that, 28 increments become 28 (1 + s), with 1 - s + 3.1 s times the factorisations (`coarse` to 20 mm: 173 for 65).
-_LIFT_OFF, _LIFT_OFF_INCREMENTS, _LIFT_OFF_TIME = 1.0e-3, 2.0, 3.1
-# Tangents with factors of their own beside those with earlier ones, to 1 mm: `medium` 8.1 s and 4.0 s, `paper` 79.9 s
-# and 15.9 s. Models that are large enough for earlier factors need their own under given forces. While the lid lifts
-# off, earlier ones serve less.
-_OWN_FACTORS, _OWN_GROWTH, _OF_UNKNOWNS, _OLD_FACTORS = 5.0, 0.7, 52_099, 1.6
+# that, 28 increments become 28 (1 + s), with 1 - s + 4.3 s times the time of an increment (`paper` to 20 mm).
+_LIFT_OFF, _LIFT_OFF_INCREMENTS, _LIFT_OFF_TIME = 1.0e-3, 2.0, 4.3
 PICTURE_SECONDS = 10.0  # of one path
 
 
@@ -48,8 +43,8 @@ def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: b
     """Estimated wall time of a run on two cores with compiled code at hand, in s: an order of magnitude.
 
     Each increment takes a N + b N^2 for N unknowns. Fitted on the default scene without pictures, drained, to 2.5 mm:
-    `coarse` 2.6 s, `medium` 5.1 s, `paper` 22 to 27 s, `fine` 341 s; to 20 mm `paper` 92 s. The law gives 2.3, 5.2,
-    22.6, 324 and 91 s. Coupled: `medium` 13.7 s, `paper` to 1 mm 53 s; law 12.4 and 60 s. `coarse` to 20 mm takes 52
+    `coarse` 2.4 s, `medium` 5.2 s, `paper` 21 to 23 s, `fine` 264 s; to 20 mm `paper` 80 s. The law gives 2.3, 5.2,
+    22.6, 325 and 80 s. Coupled: `medium` 13.7 s, `paper` to 1 mm 53 s; law 12.4 and 60 s. `coarse` to 20 mm takes 55
     increments, the law says 45. The motion under a given force is not known: no lid lifts off there.
 
     ``water`` says whether there are pressures among the unknowns (the scene's own answer where it is None).
@@ -57,14 +52,10 @@ def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: b
     wet = scene.drainage.mode != "drained" if water is None else water
     each = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2
     each *= (_WATER if wet else 1.0) * (_SYMMETRIC if symmetric else 1.0)
-    own, old = 1.0, 1.0
-    if unknowns >= WORTH_FROM:
-        own, old = _OWN_FACTORS * (unknowns / _OF_UNKNOWNS) ** _OWN_GROWTH, _OLD_FACTORS
     found = _START + (PICTURE_SECONDS * len(scene.paths) if scene.output.figures else 0.0)
     for path, number in zip(scene.paths, least_increments(scene), strict=True):
         lifted = _lifted(scene, path)
-        pace = own if path.kind == "load" else 1.0 - lifted + _LIFT_OFF_TIME * old * lifted
-        found += number * pace * each
+        found += number * (1.0 - lifted + _LIFT_OFF_TIME * lifted) * each
     return found
 
 

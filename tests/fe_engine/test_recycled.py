@@ -169,7 +169,7 @@ def test_exact_systems_are_all_solved_as_far_as_new_factors_can(linear, monkeypa
     step, wanted = recycled.Recycled.step, []
     monkeypatch.setattr(recycled.Recycled, "step", lambda self, *args: wanted.append(args[-1]) or step(self, *args))
     run(footing(), PULL, linear=linear, recycle_from=0, exact=True)
-    assert set(wanted) == {1.0e-6}
+    assert set(wanted) == {1.0e-8}
     wanted.clear()
     run(footing(), PULL, linear=linear, recycle_from=0)
     assert max(wanted) > 1.0e-4

@@ -48,11 +48,11 @@ def test_more_increments_are_likely_once_the_lid_lifts_off() -> None:
 @pytest.mark.parametrize(
     ("unknowns", "end", "mode", "measured"),
     [
-        (4_631, 2.5e-3, "drained", 2.56),
-        (13_863, 2.5e-3, "drained", 5.1),
-        (52_099, 2.5e-3, "drained", 24.5),
-        (292_749, 2.5e-3, "drained", 341.0),
-        (52_099, 20e-3, "drained", 92.0),
+        (4_631, 2.5e-3, "drained", 2.38),
+        (13_863, 2.5e-3, "drained", 5.2),
+        (52_099, 2.5e-3, "drained", 21.6),
+        (292_749, 2.5e-3, "drained", 290.0),
+        (52_099, 20e-3, "drained", 80.0),
         (19_315, 2.5e-3, "coupled", 13.7),
         (71_241, 1.0e-3, "coupled", 53.0),
     ],
@@ -77,9 +77,8 @@ def _turns(names: str) -> list[dict[str, Any]]:
     return [{"name": name, "kind": "rotation", "rotation": 1e-3} for name in names]
 
 
-def test_water_and_given_forces_cost_more_and_symmetric_factors_less() -> None:
+def test_water_costs_more_symmetric_factors_less_and_given_forces_what_motions_do() -> None:
     scene, n = pull(2.5e-3), 20_000
     assert seconds(scene, n, water=True) > 1.2 * seconds(scene, n) > 1.2 * seconds(scene, n, symmetric=True)
     load = pull(2.5e-3, paths=[{"name": "load", "kind": "load", "lateral_force": 1e6}])
-    assert seconds(load, n) > 2.0 * seconds(scene, n)  # each tangent has its own factors
-    assert seconds(load, 5_000) < 1.2 * seconds(scene, 5_000)  # as with any path of a small model
+    assert seconds(load, n) == pytest.approx(seconds(scene, n), rel=0.3)
