@@ -25,9 +25,10 @@ _CLOSE, HALF, _GAIN, _PATIENCE, _LINEAR = 1.0e-3, 0.5, 0.7, 4, (0.45, 0.55)
 # Share of its residual to which a linear system is solved: of the first, then by how the residual has fallen (choice 2
 # of Eisenstat & Walker 1996). Where contact decides how far it falls, an exact step gains nothing.
 _FIRST, _GAMMA, _POWER = 0.03, 0.9, 2.0
-# Bounds of that share, for so many unknowns and more. Solves are what large models take their time for; small ones can
-# afford to solve further, which saves increments (on `coarse` a quarter of them), but not without end.
-_ENOUGH, _LOOSEST, _OF_UNKNOWNS, _LEAST = 1.0e-2, 0.1, 50_000, 0.1
+# Bounds of that share, for so many unknowns and more, since solves are what large models take their time for. Models
+# below _SMALL solve exactly: that costs them little, and they take the steps that factors of their own would take, to
+# the last digit of what they write, on any number of threads.
+_ENOUGH, _LOOSEST, _OF_UNKNOWNS, _SMALL, EXACT = 1.0e-2, 0.1, 50_000, 10_000, 1.0e-8
 # An increment without a guess has all states of contact to find, from displacements that a residual of 1 % may leave
 # wrong by their own size.
 _FAR = 1.0e-4
@@ -35,7 +36,9 @@ _FAR = 1.0e-4
 
 def bounds(n_unknowns: int) -> tuple[float, float]:
     """Shares of its residual within which a linear system of so many unknowns is solved."""
-    size = min(max(n_unknowns / _OF_UNKNOWNS, _LEAST), 1.0)
+    if n_unknowns < _SMALL:
+        return EXACT, EXACT
+    size = min(n_unknowns / _OF_UNKNOWNS, 1.0)
     return size * _ENOUGH, size * _LOOSEST
 
 

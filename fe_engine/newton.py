@@ -22,7 +22,7 @@ import numpy as np
 
 from fe_engine.assembly import Residual, System, Tangent
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
-from fe_engine.globalisation import HALF, HALVINGS, Course, bounds
+from fe_engine.globalisation import EXACT, HALF, HALVINGS, Course, bounds
 from fe_engine.linear import LinearSolver
 from fe_engine.preconditioner import Origin
 from fe_engine.recycled import WORTH_FROM, Recycled, control_of
@@ -36,7 +36,6 @@ _AIM = 0.3
 # Where motions are imposed anew the right-hand side is what penalties do to soil that stays behind, thousands of times
 # the forces that balance in the end: such a system is solved to this share.
 _IMPOSED = 1.0e-6
-_EXACT = 1.0e-8  # share to which exact systems are solved
 # An increment has converged when its border dofs and its volumes of water are so many times closer to balance than the
 # tolerance asks of all equations: few numbers, of which each counts. The border's decide the rotation under a load near
 # the centre of rotation, the volumes add up over the steps of a path.
@@ -104,7 +103,7 @@ class Newton:
         self.solver = solver
         self.settings = settings
         self.scale = system.model.border_scale
-        self._bounds = (_EXACT, _EXACT) if settings.exact else bounds(system.pattern.n_free)
+        self._bounds = (EXACT, EXACT) if settings.exact else bounds(system.pattern.n_free)
         self.recycled: Recycled | None = None
         if system.pattern.n_free >= settings.recycle_from:
             self.recycled = Recycled(solver, system)

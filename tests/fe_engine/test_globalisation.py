@@ -82,10 +82,10 @@ def test_systems_of_an_increment_without_a_guess_are_solved_further():
     assert made.share(1.0, ahead=False) == made.share(1.0, ahead=True) == 1e-4
 
 
-def test_small_models_solve_further():
+def test_small_models_solve_exactly():
     assert bounds(52_099) == bounds(300_000) == (0.01, 0.1)
     assert bounds(25_000) == pytest.approx((0.005, 0.05))
-    assert bounds(4_631) == bounds(50) == pytest.approx((0.001, 0.01))
+    assert bounds(9_999) == bounds(50) == (1e-8, 1e-8)
     made = Course(bounds=bounds(50))
     made.add(1.0, 1.0)
-    assert made.share(1.0, ahead=False) == pytest.approx(0.01)
+    assert made.share(1.0, ahead=False) == made.share(0.5, ahead=True) == 1e-8

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fe_engine import globalisation, recycled
+from fe_engine import globalisation, newton, recycled
 from fe_engine.backends import available_backends
 from fe_engine.errors import LinearSolverError
 from fe_engine.newton import Loading
@@ -23,6 +23,11 @@ SCALE = np.array([1.0, 1.0, 4.0])
 @pytest.fixture(params=available_backends())
 def linear(request):
     return request.param
+
+
+def large(_):
+    """How far systems of large models are solved."""
+    return 0.01, 0.1
 
 
 def forces(out):
@@ -158,6 +163,7 @@ def test_water_is_solved_for_with_earlier_factors_too(linear):
 def test_systems_are_solved_no_further_than_contact_lets_the_residual_fall(linear, monkeypatch):
     """Fewer solves than with systems that are all solved as far as they may be, for the same path."""
     tight = {"linear": linear, "tolerance": 1.0e-9, "recycle_from": 0}
+    monkeypatch.setattr(newton, "bounds", large)
     loose = run(footing(), PULL, **tight)
     monkeypatch.setattr(globalisation.Course, "share", lambda *_: 0.0)
     exact = run(footing(), PULL, **tight)
@@ -171,13 +177,15 @@ def test_exact_systems_are_all_solved_as_far_as_new_factors_can(linear, monkeypa
     run(footing(), PULL, linear=linear, recycle_from=0, exact=True)
     assert set(wanted) == {1.0e-8}
     wanted.clear()
+    monkeypatch.setattr(newton, "bounds", large)
     run(footing(), PULL, linear=linear, recycle_from=0)
     assert max(wanted) > 1.0e-4
 
 
 @pytest.mark.parametrize(("end", "stiffness"), [(2.0e-4, 1.0e12), (5.0e-4, 1.0e10)])
-def test_a_large_step_without_a_guess_is_no_harder_than_with_exact_systems(linear, end, stiffness):
+def test_a_large_step_without_a_guess_is_no_harder_than_with_exact_systems(linear, end, stiffness, monkeypatch):
     """To 0.2 mm in one step; to 0.5 mm with a step that is cut, after which factors of a failed attempt are there."""
+    monkeypatch.setattr(newton, "bounds", large)
     once = stage({0: end}, arm=0.3, first_fraction=1.0, max_fraction=1.0)
     model = footing(contact=(stiffness, stiffness, 0.5))
     new, own = (run(model, once, linear=linear, tolerance=1.0e-9, recycle_from=n) for n in (0, 10**9))
