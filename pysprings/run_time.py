@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pysprings.scene import Path, Scene
 
 # Seconds of a run, and of an increment of a pull to 2.5 mm, by the number of unknowns and its square
-_START, _PER_UNKNOWN, _PER_SQUARE = 1.0, 1.15e-5, 1.25e-10
+_START, _PER_UNKNOWN, _PER_SQUARE = 1.0, 1.25e-5, 9.1e-11
 _WATER = 1.85
 _SYMMETRIC = 0.77  # 1/1.3 of benchmarks/omissions.py on `coarse`: the least, since factors grow faster than the rest
 # The lid of the paper's caisson (diameter 7.8 m) begins to lift off at 7 to 8 mm: with a share s of the motion beyond
@@ -43,9 +43,9 @@ def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: b
     """Estimated wall time of a run on two cores with compiled code at hand, in s: an order of magnitude.
 
     Each increment takes a N + b N^2 for N unknowns. Fitted on the default scene without pictures, drained, to 2.5 mm:
-    `coarse` 2.4 s, `medium` 5.2 s, `paper` 21 to 23 s, `fine` 264 s; to 20 mm `paper` 80 s. The law gives 2.3, 5.2,
-    22.6, 325 and 80 s. Coupled: `medium` 13.7 s, `paper` to 1 mm 53 s; law 12.4 and 60 s. `coarse` to 20 mm takes 55
-    increments, the law says 45. The motion under a given force is not known: no lid lifts off there.
+    `coarse` 2.4 s, `medium` 5.2 s, `paper` 21 to 23 s, `fine` 264 s; to 20 mm `paper` 80 s. The law gives 2.4, 5.4,
+    21.7, 265 and 77 s. Coupled: `medium` 13.7 s, `paper` to 1 mm 53 s; law 12.7 and 56 s. `coarse` to 20 mm takes 45
+    increments, as the law says. The motion under a given force is not known: no lid lifts off there.
 
     ``water`` says whether there are pressures among the unknowns (the scene's own answer where it is None).
     """
