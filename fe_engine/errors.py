@@ -23,6 +23,10 @@ class LawError(FEError):
     """A constitutive update failed; the message names element, point and coordinates."""
 
 
+class SettingError(FEError):
+    """An environment variable that a library would not take."""
+
+
 class LinearSolverError(FEError):
     """A factorisation failed or its solution does not satisfy the equations."""
 

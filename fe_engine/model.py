@@ -9,8 +9,8 @@ import numpy as np
 
 from fe_engine.contact.coulomb import MU, N_PARAMETERS
 from fe_engine.conventions import ELASTIC
+from fe_engine.elements.interface import Film, Stations
 from fe_engine.errors import ModelError
-from fe_engine.interface import Film, Stations
 from fe_engine.mesh import Mesh
 
 
@@ -117,6 +117,11 @@ class Model:
     initial_pressure: np.ndarray = field(default_factory=lambda: np.zeros(0))
     water: Water | None = None
     linear: Linear | None = None
+
+    @property
+    def displacement_shape(self) -> tuple[int, int]:
+        """Shape (n, 3) of the displacement."""
+        return self.mesh.n_nodes, 3
 
     @property
     def n_film(self) -> int:

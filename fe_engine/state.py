@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fe_engine.fourier_model import FourierModel
 from fe_engine.model import Model
 from fe_engine.soil.dispatch import N_HISTORY
 
@@ -17,9 +18,9 @@ FIELDS = ("displacement", "border", "stress", "history", "traction", "pressure")
 class Fields:
     """One copy of everything that evolves.
 
-    displacement (n, 3) m in nodal axes; border (nb,); stress (ne, 8, 6) Pa; history (ne, 8, nh), nh = 0 where no law
-    keeps one; traction (ns, 3) Pa, effective, in station frames; pressure (n + nf,) Pa of the water (empty when
-    drained).
+    displacement (n, 3) m in nodal axes, or the coefficients (n, 3, N + 1) of a Fourier series; border (nb,); stress
+    (ne, np, 6) Pa at the points of each element; history (ne, np, nh), nh = 0 where no law keeps one; traction (ns, 3)
+    Pa, effective, in station frames; pressure (n + nf,) Pa of the water (empty when drained).
     """
 
     displacement: np.ndarray
@@ -38,7 +39,7 @@ class Fields:
 class State:
     """Committed fields and the trial fields that an increment works on."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model | FourierModel) -> None:
         self.committed = initial_fields(model)
         self.trial = initial_fields(model)
 
@@ -51,17 +52,17 @@ class State:
         self.committed.copy_from(self.trial)
 
 
-def initial_fields(model: Model) -> Fields:
+def initial_fields(model: Model | FourierModel) -> Fields:
     """Return the fields of a model before anything has moved."""
-    ne, ns = model.mesh.n_elements, 0 if model.stations is None else len(model.stations)
+    ns = 0 if model.stations is None else len(model.stations)
     traction = np.zeros((ns, 3))
     if ns:
         traction[:, 0] = -model.initial_pressure
     return Fields(
-        displacement=np.zeros((model.mesh.n_nodes, 3)),
+        displacement=np.zeros(model.displacement_shape),
         border=np.zeros(model.n_border),
         stress=np.array(model.initial_stress, dtype=float, copy=True),
-        history=np.zeros((ne, 8, N_HISTORY if model.has_history else 0)),
+        history=np.zeros((*model.initial_stress.shape[:2], N_HISTORY if model.has_history else 0)),
         traction=traction,
         pressure=np.zeros(0) if model.water is None else np.array(model.water.initial, dtype=float, copy=True),
     )

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fe_engine.assembly.pattern import Pattern
 from fe_engine.model import Model
-from fe_engine.pattern import Pattern
 
 
 @dataclass(frozen=True)

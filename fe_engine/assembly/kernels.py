@@ -12,10 +12,12 @@ from typing import NamedTuple
 import numba as nb
 import numpy as np
 
+from fe_engine.compiled import njit
 from fe_engine.contact import coulomb
 from fe_engine.contact.coulomb import N_PARAMETERS
 from fe_engine.conventions import OK, REGIME_ELASTIC
-from fe_engine.hex8 import add_force, add_stiffness, b_bar, strain_at
+from fe_engine.elements.hex8 import add_force, add_stiffness, b_bar, strain_at
+from fe_engine.fourier_model import FourierModel
 from fe_engine.model import Model
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.soil.elastic import elastic_tangent, subtract_elastic_tangent
@@ -46,7 +48,7 @@ class PackedStations(NamedTuple):
     initial_pressure: np.ndarray
 
 
-def pack_stations(model: Model) -> PackedStations:
+def pack_stations(model: Model | FourierModel) -> PackedStations:
     """Return the stations of a model as contiguous arrays (empty ones where it has no interface)."""
     s = model.stations
     if s is None:
@@ -62,7 +64,7 @@ def pack_stations(model: Model) -> PackedStations:
     )  # fmt: skip
 
 
-@nb.njit(cache=True)
+@njit
 def gather(nodes, new, old, frames, out):
     """Increment of displacement (8, 3) of an element in global axes."""
     frame_of, table = frames
@@ -77,7 +79,7 @@ def gather(nodes, new, old, frames, out):
                 out[a, i] = table[f, 0, i] * x + table[f, 1, i] * y + table[f, 2, i] * z
 
 
-@nb.njit(cache=True)
+@njit
 def _to_nodal_axes(nodes, frames, force, stiffness, want):
     """Turn force (24,) and stiffness (24, 24) into the nodal axes of skew nodes."""
     frame_of, table = frames
@@ -108,7 +110,7 @@ def _to_nodal_axes(nodes, frames, force, stiffness, want):
                 stiffness[r, 3 * a + i] = t[i]
 
 
-@nb.njit(cache=True)
+@njit
 def _element(
     e, slot, hexes, shapes, material, laws, parameters, initial_stress, frames, old, new,
     regime, want, forces, stiffnesses, changed,
@@ -151,7 +153,7 @@ def _element(
     return OK
 
 
-@nb.njit(cache=True)
+@njit
 def elastic_stiffness(hexes, shapes, material, parameters, frames, scatter, offset, targets):
     """Add the stiffness of all elements at rest, where every point is elastic, to the tangent's arrays."""
     gradient, mean_gradient, volume = shapes
@@ -168,7 +170,7 @@ def elastic_stiffness(hexes, shapes, material, parameters, frames, scatter, offs
         _scatter_stiffness(hexes[e], scatter, offset[e], stiffness, targets)
 
 
-@nb.njit(cache=True)
+@njit
 def _scatter_force(nodes, scatter, force, free, border):
     for a in range(len(nodes)):
         for i in range(3):
@@ -179,7 +181,7 @@ def _scatter_force(nodes, scatter, force, free, border):
                 border[-2 - eq] += scatter.weight[nodes[a], i] * force[3 * a + i]
 
 
-@nb.njit(cache=True)
+@njit
 def _scatter_stiffness(nodes, scatter, offset, stiffness, targets):
     data, columns, rows, corner = targets
     for a in range(len(nodes)):
@@ -203,7 +205,7 @@ def _scatter_stiffness(nodes, scatter, offset, stiffness, targets):
                         corner[-2 - r, -2 - c] += scatter.weight[nodes[a], i] * scatter.weight[nodes[b], j] * value
 
 
-@nb.njit(cache=True, parallel=True)
+@njit(parallel=True)
 def assemble_elements(
     hexes, shapes, material, laws, parameters, initial_stress, frames, old, new,
     regime, scatter, offset, want, free, border, targets,
@@ -238,7 +240,7 @@ def assemble_elements(
     return -1
 
 
-@nb.njit(cache=True)
+@njit
 def linear_elements(hexes, stiffness, displacement, scatter, offset, want, free, border, targets):
     """Add the forces of elements of constant stiffness (nl, 24, 24), and their tangent if wanted."""
     force, move = np.empty(24), np.empty(24)
@@ -255,7 +257,7 @@ def linear_elements(hexes, stiffness, displacement, scatter, offset, want, free,
             _scatter_stiffness(hexes[e], scatter, offset[e], stiffness[e], targets)
 
 
-@nb.njit(cache=True)
+@njit
 def linear_energy(hexes, stiffness, displacement):
     """Energy (J) stored in elements of constant stiffness."""
     total = 0.0
@@ -268,7 +270,7 @@ def linear_energy(hexes, stiffness, displacement):
     return total
 
 
-@nb.njit(cache=True)
+@njit
 def _jump(s, k, displacement, border, out):
     """Jump (3,) of station k in its frame: side 1 minus the motion of side 2."""
     x = np.zeros(3)
@@ -282,7 +284,7 @@ def _jump(s, k, displacement, border, out):
         out[i] = s.frame[k, i, 0] * x[0] + s.frame[k, i, 1] * x[1] + s.frame[k, i, 2] * x[2]
 
 
-@nb.njit(cache=True)
+@njit
 def station_jumps(s, displacement, border):
     """Jumps (ns, 3) in m of all stations in their frames."""
     out = np.empty((len(s.area), 3))
@@ -291,7 +293,7 @@ def station_jumps(s, displacement, border):
     return out
 
 
-@nb.njit(cache=True)
+@njit
 def station_residual(s, old, new, contact_state, scatter, free, border):
     """Add the contact forces of the law; ``old`` and ``new`` are (displacement, border, traction).
 
@@ -307,7 +309,7 @@ def station_residual(s, old, new, contact_state, scatter, free, border):
     return square
 
 
-@nb.njit(cache=True)
+@njit
 def station_tangent(s, old, new, iterate, fresh, scatter, offset, free, border, targets):
     """Add the linearised contact forces and their tangent; see contact.coulomb.linearise.
 
@@ -336,7 +338,7 @@ def station_tangent(s, old, new, iterate, fresh, scatter, offset, free, border, 
         _scatter_station(s, k, rotated, scatter, offset[k], targets, len(border))
 
 
-@nb.njit(cache=True)
+@njit
 def _scatter_traction(s, k, traction, scatter, free, border):
     """Add the change of contact force of station k since the initial state; return its square."""
     frame, square = s.frame[k], 0.0
@@ -351,7 +353,7 @@ def _scatter_traction(s, k, traction, scatter, free, border):
     return square
 
 
-@nb.njit(cache=True)
+@njit
 def _add_dof(scatter, node, i, value, free, border):
     eq = scatter.equation[node, i]
     if eq >= 0:
@@ -360,7 +362,7 @@ def _add_dof(scatter, node, i, value, free, border):
         border[-2 - eq] += scatter.weight[node, i] * value
 
 
-@nb.njit(cache=True)
+@njit
 def _rotate(frame, tangent, area, out):
     """area * frame^T tangent frame."""
     for i in range(3):
@@ -372,7 +374,7 @@ def _rotate(frame, tangent, area, out):
             out[i, j] = area * total
 
 
-@nb.njit(cache=True)
+@njit
 def _scatter_station(s, k, block, scatter, offset, targets, nb_):
     """Add weight_a weight_b block to the node pairs and the body's rows, columns and corner."""
     nn = s.nodes.shape[1]
@@ -397,7 +399,7 @@ def _scatter_station(s, k, block, scatter, offset, targets, nb_):
                     targets[3][m, n] += s.body[k, i, m] * block[i, j] * s.body[k, j, n]
 
 
-@nb.njit(cache=True)
+@njit
 def _add_border(scatter, node, i, m, column, row, targets):
     """Couple dof i of a node with border dof m."""
     eq = scatter.equation[node, i]

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
+from fe_engine.assembly.kernels import PackedStations, _add_border, _add_dof, station_jumps
+from fe_engine.assembly.pattern import Pattern
+from fe_engine.compiled import njit
 from fe_engine.contact import coulomb, flow
-from fe_engine.interface import GAUSS_SHAPES
-from fe_engine.kernels import PackedStations, _add_border, _add_dof, station_jumps
+from fe_engine.elements.interface import GAUSS_SHAPES
 from fe_engine.model import Model
-from fe_engine.pattern import Pattern
 
 _transmissivity = flow.transmissivity
 _PRESSURE = 3  # the fourth dof of a node
@@ -48,7 +48,7 @@ def pack_film(model: Model, pattern: Pattern) -> PackedFilm:
     )  # fmt: skip
 
 
-@nb.njit(cache=True)
+@njit
 def _add(scatter, row_node, i, column_node, j, offset, value, targets):
     """Add one entry of the tangent; ``offset`` leads from the row to the column's node."""
     r, c = scatter.equation[row_node, i], scatter.equation[column_node, j]
@@ -64,7 +64,7 @@ def _add(scatter, row_node, i, column_node, j, offset, value, targets):
         targets[3][-2 - r, -2 - c] += scatter.weight[row_node, i] * scatter.weight[column_node, j] * value
 
 
-@nb.njit(cache=True)
+@njit
 def soil_water(hexes, pores, dt, scale, old, new, scatter, free, border):
     """Add the water of all elements; ``pores`` is (H, S M + T, V, coupling), old and new (displacement, pressure).
 
@@ -96,7 +96,7 @@ def soil_water(hexes, pores, dt, scale, old, new, scatter, free, border):
     return square
 
 
-@nb.njit(cache=True)
+@njit
 def soil_water_tangent(hexes, pores, shares, scale, scatter, offset, targets):
     """Add the tangent of the elements' water, which is constant: ``shares`` of storage and coupling, and of seepage."""
     seepage, storage, volume, coupling = pores
@@ -122,7 +122,7 @@ def station_gaps(s: PackedStations, displacement: np.ndarray, border: np.ndarray
     return coulomb.gap(s.contact, s.initial_pressure, jump[:, 0])
 
 
-@nb.njit(cache=True)
+@njit
 def _pressures(s, f, k, pressure):
     """Pressure on side 1, in the film and on side 2 of a station, and whether side 2 holds water."""
     nn = s.nodes.shape[1]
@@ -139,7 +139,7 @@ def _pressures(s, f, k, pressure):
     return p1, p3, p2, porous
 
 
-@nb.njit(cache=True)
+@njit
 def _station_shares(s, f, k, side_1, side_2, film):
     """Write the shares of the station's nodes (mesh, then film) in p1, p2 and p3."""
     nn = s.nodes.shape[1]
@@ -153,7 +153,7 @@ def _station_shares(s, f, k, side_1, side_2, film):
         film[nn + c] = f.weight[k, c]
 
 
-@nb.njit(cache=True)
+@njit
 def station_water(s, f, dt, scale, gap_old, gap, pressure, scatter, want, free, border, targets):
     """Add film pressure on both faces, storage of the gap and transfer to the sides.
 
@@ -179,7 +179,7 @@ def station_water(s, f, dt, scale, gap_old, gap, pressure, scatter, want, free, 
     return square
 
 
-@nb.njit(cache=True)
+@njit
 def _press(s, k, p3, scatter, free, border):
     """Add the force of the film pressure on the two faces of a station."""
     for i in range(3):
@@ -190,7 +190,7 @@ def _press(s, k, p3, scatter, free, border):
             border[j] -= s.body[k, i, j] * force
 
 
-@nb.njit(cache=True)
+@njit
 def _station_tangent(s, f, k, transfers, scale, is_open, shares, scatter, targets):
     nn, size = s.nodes.shape[1], f.station_nodes.shape[1]
     side_1, side_2, film = shares
@@ -223,7 +223,7 @@ def _station_tangent(s, f, k, transfers, scale, is_open, shares, scatter, target
             _add_border(scatter, row, _PRESSURE, m, value if is_open else 0.0, value, targets)
 
 
-@nb.njit(cache=True)
+@njit
 def face_water(s, f, dt, scale, gap, pressure, scatter, want, free, border, targets):
     """Add the flow along the film; return the sum of the squared flows of its faces, m6."""
     nn = s.nodes.shape[1]
@@ -261,7 +261,7 @@ def face_water(s, f, dt, scale, gap, pressure, scatter, want, free, border, targ
     return square
 
 
-@nb.njit(cache=True)
+@njit
 def _add_gap(s, f, k, c, a, value, nn, scatter, targets):
     """Couple film node a of face k with the motion that opens the gap at its corner c."""
     station, row = f.corners[k, c], f.face_nodes[k, a]

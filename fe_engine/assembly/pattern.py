@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba as nb
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from fe_engine.compiled import njit
 from fe_engine.errors import ModelError
 from fe_engine.model import Model
 
@@ -50,6 +50,11 @@ class Pattern:
     def n_nodes(self) -> int:
         """Number of nodes of mesh and film."""
         return len(self.equation)
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of free dofs: that of the equations."""
+        return self.n_free
 
     @property
     def n_free(self) -> int:
@@ -114,7 +119,7 @@ def _node_graph(n: int, groups: list[np.ndarray]) -> tuple[np.ndarray, np.ndarra
     return graph.indptr.astype(np.int64), graph.indices.astype(np.int64)
 
 
-@nb.njit(cache=True)
+@njit
 def _csr(start, neighbours, equation, count):
     """Row offsets of each node pair and the CSR arrays of the free equations."""
     n = len(count)
@@ -147,7 +152,7 @@ def _csr(start, neighbours, equation, count):
     return offset, indptr, indices
 
 
-@nb.njit(cache=True)
+@njit
 def _lookup(group, start, neighbours, offset):
     """Offset (ng, nn, nn) of each node pair of each element or station."""
     ng, nn = group.shape

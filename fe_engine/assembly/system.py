@@ -8,14 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from fe_engine import biot, hex8, kernels, kernels_water
+from fe_engine.assembly import kernels, kernels_energy, kernels_water
+from fe_engine.assembly.contact_block import ContactBlock, contact_block
+from fe_engine.assembly.pattern import make_pattern
 from fe_engine.clock import Clock
-from fe_engine.contact_block import ContactBlock, contact_block
 from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, REGIME_APEX, REGIME_CONE
+from fe_engine.elements import biot, hex8
 from fe_engine.errors import LawError
 from fe_engine.model import Model
-from fe_engine.pattern import make_pattern
-from fe_engine.state import State
+from fe_engine.state import Fields, State
 
 
 @dataclass
@@ -172,6 +173,45 @@ class System:
         with self.clock.phase("assembly"):
             return self._linearise(state, fresh)
 
+    def jumps(self, fields: Fields) -> np.ndarray:
+        """Jumps (ns, 3) in m of all stations in their frames."""
+        found: np.ndarray = kernels.station_jumps(self.stations, fields.displacement, fields.border)
+        return found
+
+    def gaps(self, fields: Fields) -> np.ndarray:
+        """Openings (ns,) in m of all stations, 0 where they are closed."""
+        found: np.ndarray = kernels_water.station_gaps(self.stations, fields.displacement, fields.border)
+        return found
+
+    def solid_work(self, old: Fields, new: Fields) -> tuple[float, float, float]:
+        """Work (J) of solids from one state to the next: stored, dissipated, and of the initial stress."""
+        stored, dissipated, initial = kernels_energy.hex_work(
+            self.hexes, (self.gradient, self.mean_gradient, self.volume), self.model.material, self.parameters,
+            (self.frame_of, self.frames), (old.displacement, old.stress), (new.displacement, new.stress),
+            self.model.initial_stress,
+        )  # fmt: skip
+        if self.model.linear is not None:
+            kept = [kernels.linear_energy(*self.linear, each.displacement) for each in (old, new)]
+            stored += kept[1] - kept[0]
+        return stored, dissipated, initial
+
+    def elements_at(self, equations: np.ndarray) -> np.ndarray:
+        """Elements that these equations belong to; none where they are those of film nodes alone."""
+        nodes = np.unique(np.nonzero(np.isin(self.pattern.equation, equations))[0])
+        return np.flatnonzero(np.isin(self.hexes, nodes).any(axis=1))
+
+    def stations_on(self, elements: np.ndarray) -> np.ndarray:
+        """Whether each station (ns,) stands on one of these elements."""
+        return np.asarray(np.isin(self.stations.nodes, np.unique(self.hexes[elements])).any(axis=1))
+
+    def strain_step(self, state: State, element: int, point: int) -> np.ndarray:
+        """Strain increment (6,) of a point of an element."""
+        old, new = state.committed.displacement, state.trial.displacement
+        move, strain = np.empty((8, 3)), np.empty(6)
+        kernels.gather(self.hexes[element], new, old, (self.frame_of, self.frames), move)
+        hex8.strain_at(self.gradient[element, point], self.mean_gradient[element], move, strain)
+        return strain
+
     def remember_iterates(self) -> tuple[np.ndarray, ...]:
         """Copy of the traction iterates, for an evaluation that may be taken back."""
         return tuple(part.copy() for part in self._iterate)
@@ -258,18 +298,7 @@ class System:
             self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
             self.contact_state, self._scatter, free, border,
         )  # fmt: skip
-        return self._summary(free, border, square, float(np.sqrt(volume)))
-
-    def _summary(self, free: np.ndarray, border: np.ndarray, contact: float, volume: float) -> Residual:
-        regime, contact_state = self.regime, self.contact_state
-        return Residual(
-            free, border, float(np.sqrt(contact)),
-            n_plastic=int(np.count_nonzero(regime == REGIME_CONE)),
-            n_apex=int(np.count_nonzero(regime == REGIME_APEX)),
-            n_slip=int(np.count_nonzero(contact_state == CONTACT_SLIP)),
-            n_open=int(np.count_nonzero(contact_state == CONTACT_OPEN)),
-            volume_norm=volume,
-        )  # fmt: skip
+        return summary(free, border, float(np.sqrt(square)), float(np.sqrt(volume)), self.regime, self.contact_state)
 
     def _place(self, what: str, element: int) -> str:
         centre = self.model.mesh.nodes[self.hexes[element]].mean(axis=0)
@@ -287,6 +316,20 @@ class System:
         where = f"at x={x:.3f}, y={y:.3f}, z={z:.3f} m"
         what = "pore pressure" if component == 3 else f"direction {'xyz'[component]}"
         return f"node {node} of {element}, {what}, {where}"
+
+
+def summary(
+    free: np.ndarray, border: np.ndarray, contact: float, volume: float, regime: np.ndarray, contact_state: np.ndarray
+) -> Residual:
+    """Residual with its norms, and the numbers of points and stations in each regime."""
+    return Residual(
+        free, border, contact,
+        n_plastic=int(np.count_nonzero(regime == REGIME_CONE)),
+        n_apex=int(np.count_nonzero(regime == REGIME_APEX)),
+        n_slip=int(np.count_nonzero(contact_state == CONTACT_SLIP)),
+        n_open=int(np.count_nonzero(contact_state == CONTACT_OPEN)),
+        volume_norm=volume,
+    )  # fmt: skip
 
 
 def _targets(tangent: Tangent | None) -> tuple[np.ndarray, ...]:

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fe_engine import interface, kernels_water
-from fe_engine.assembly import System
-from fe_engine.kernels import Scatter
+from fe_engine.assembly import kernels_water
+from fe_engine.assembly.kernels import Scatter
+from fe_engine.assembly.system import System
+from fe_engine.elements import interface
 from fe_engine.mesh import FACES
 from fe_engine.state import Fields
 

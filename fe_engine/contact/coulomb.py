@@ -26,9 +26,9 @@ from __future__ import annotations
 
 import math
 
-import numba as nb
 import numpy as np
 
+from fe_engine.compiled import njit
 from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, CONTACT_STICK
 
 # Order of the packed parameters
@@ -45,7 +45,7 @@ def pack(kn: float, kt: float, mu: float) -> np.ndarray:
 _ACTIVE_SET_FRACTION = 1.0e-3
 
 
-@nb.njit(cache=True)
+@njit
 def update(p, initial_pressure, jump, jump_old, traction_old, traction):
     """Write the traction (3,) of one station from its jump (3,); return the contact state.
 
@@ -71,7 +71,7 @@ def update(p, initial_pressure, jump, jump_old, traction_old, traction):
     return CONTACT_SLIP
 
 
-@nb.njit(cache=True)
+@njit
 def linearise(p, initial_pressure, jump, jump_old, traction_old, guess, traction, tangent):
     """Write traction (3,) and tangent (3, 3): the law near ``jump`` is traction + tangent d(jump).
 

@@ -12,10 +12,10 @@ impervious side 2 takes no water, and its pressure does not exist.
 
 from __future__ import annotations
 
-import numba as nb
+from fe_engine.compiled import njit
 
 
-@nb.njit(cache=True)
+@njit
 def transmissivity(residual_aperture, gap, viscosity):
     """h^3/(12 mu_w) in m3/(Pa s), and its derivative with respect to an open gap."""
     h = residual_aperture + gap

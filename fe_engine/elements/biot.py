@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fe_engine import hex8
+from fe_engine.elements import hex8
 
 
 @dataclass(frozen=True)

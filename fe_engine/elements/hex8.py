@@ -9,9 +9,9 @@ volumetric locking in isochoric plastic flow and near incompressibility:
 
 from __future__ import annotations
 
-import numba as nb
 import numpy as np
 
+from fe_engine.compiled import njit
 from fe_engine.conventions import XX, XY, YY, YZ, ZX, ZZ
 
 _G = 1.0 / np.sqrt(3.0)
@@ -67,7 +67,7 @@ def gauss_positions(nodes: np.ndarray, hexes: np.ndarray) -> np.ndarray:
     return np.einsum("ga,eai->egi", GAUSS_SHAPES, nodes[hexes])
 
 
-@nb.njit(cache=True, inline="never")
+@njit(inline="never")
 def strain_at(gradient, mean_gradient, displacement, strain):
     """Write the B-bar strain (6,) of one Gauss point; displacement is (8, 3)."""
     h = np.zeros((3, 3))
@@ -86,7 +86,7 @@ def strain_at(gradient, mean_gradient, displacement, strain):
     strain[ZX] = h[2, 0] + h[0, 2]
 
 
-@nb.njit(cache=True, inline="never")
+@njit(inline="never")
 def add_force(gradient, mean_gradient, volume, s, force):
     """Add B-bar^T s dV of one Gauss point to force (24,); s is a stress (6,) in Pa."""
     mean = (s[XX] + s[YY] + s[ZZ]) / 3.0
@@ -100,7 +100,7 @@ def add_force(gradient, mean_gradient, volume, s, force):
         force[3 * a + 2] += volume * (s[ZX] * gx + s[YZ] * gy + s[ZZ] * gz + mz)
 
 
-@nb.njit(cache=True, inline="never")
+@njit(inline="never")
 def b_bar(gradient, mean_gradient, b):
     """Write the strain operator B-bar (6, 24) of one Gauss point."""
     for a in range(8):
@@ -125,7 +125,7 @@ def b_bar(gradient, mean_gradient, b):
         b[ZX, 3 * a + 2] = gx
 
 
-@nb.njit(cache=True, inline="never", fastmath={"contract", "reassoc"})
+@njit(inline="never", fastmath={"contract", "reassoc"})
 def add_stiffness(b, tangent, volume, cb, stiffness):
     """Add B^T C B dV of one Gauss point to stiffness (24, 24) N/m; cb (6, 24) is scratch.
 

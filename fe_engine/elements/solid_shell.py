@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fe_engine.hex8 import GAUSS, shape_gradient
+from fe_engine.elements.hex8 import GAUSS, shape_gradient
 from fe_engine.soil.elastic import elastic_matrix
 
 # Index pairs of the strain components 11 22 33 12 23 31 (engineering shear): the Voigt order of the engine

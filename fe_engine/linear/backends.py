@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import importlib.util
 import os
+import re
 import sys
 import warnings
 from collections.abc import Callable
@@ -19,6 +20,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from fe_engine.errors import LinearSolverError
+from fe_engine.memory import require
 
 SUPERLU_COMFORT = 30_000
 
@@ -98,14 +100,19 @@ class Pardiso:
         self._values = np.ascontiguousarray(matrix.data, dtype=self._type)
         self._starts = np.ascontiguousarray(matrix.indptr, dtype=np.int32)
         self._columns = np.ascontiguousarray(matrix.indices, dtype=np.int32)
-        n, m, phase = matrix.shape[0], len(self._kept), 22 if self._analysed else 12
+        n, m = matrix.shape[0], len(self._kept)
         if m:
             self._solver.perm = np.zeros(n, dtype=np.int32)
             self._solver.perm[self._kept] = 1
-            self.schur = self._call(phase, np.zeros((n, 1)), np.zeros((m, m), dtype=self._type))
-        else:
-            self._call(phase, np.zeros((n, 1)))
-        self._analysed = True
+            require(float(m * m * np.dtype(self._type).itemsize), f"what is left of the matrix ({m:,} equations)")
+        into, nothing = np.zeros((m, m), dtype=self._type) if m else None, np.zeros((n, 1))
+        if not self._analysed:
+            self._call(11, nothing, into)
+            self._analysed = True  # `close` has something to release
+            require(self._needed(), f"the factorisation of {n:,} unknowns")
+        found = self._call(22, nothing, into)
+        if m:
+            self.schur = found
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """Solve for rhs (n,) or (n, k)."""
@@ -140,6 +147,21 @@ class Pardiso:
             raise LinearSolverError(f"Pardiso: error {error.value}")
         return np.ascontiguousarray(x)
 
+    def version(self) -> str:
+        """Version of MKL, as it names itself: "2026.2"."""
+        text = ctypes.create_string_buffer(_TEXT)
+        self._solver.libmkl.MKL_Get_Version_String(text, ctypes.c_int(_TEXT))
+        found = re.search(rb"[Vv]ersion\s+([0-9][0-9.]*)", text.value)
+        return found[1].decode("ascii") if found else "unknown"
+
+    def threads(self) -> int:
+        """Largest number of threads that MKL takes."""
+        return int(self._solver.libmkl.MKL_Get_Max_Threads())
+
+    def _needed(self) -> float:
+        """Bytes of the factors and of the work on them, by Pardiso's own account after the analysis (in kB)."""
+        return 1024.0 * float(self._solver.get_iparm(_FACTORS_KB))
+
     def close(self) -> None:
         """Release MKL's internal memory; the next factorisation analyses anew."""
         if self._analysed:
@@ -165,8 +187,10 @@ class SymmetricPardiso(Pardiso):
         super().factorise(csr_matrix(half, shape=matrix.shape))
 
 
+_TEXT = 200  # letters of MKL's version, at most
 _NO_MEMORY = -2  # Pardiso's error code
 _SINGLE = 28  # iparm: 1 says that the numbers handed over have 4 bytes
+_FACTORS_KB = 17  # iparm: memory of the numerical factorisation and of solving
 _SCHUR = 36  # iparm: equations marked in perm are not eliminated
 
 # 1-based iparm: defaults off (1), METIS (2), refinement only where pivots were perturbed (8; a step of it costs ten

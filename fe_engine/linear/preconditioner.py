@@ -27,11 +27,12 @@ from scipy.linalg import lapack
 from scipy.sparse import csr_matrix
 from threadpoolctl import ThreadpoolController
 
-from fe_engine.assembly import Tangent
-from fe_engine.backends import Backend, Pardiso
-from fe_engine.contact_block import ContactBlock
+from fe_engine.assembly.contact_block import ContactBlock
+from fe_engine.assembly.system import Tangent
 from fe_engine.errors import LinearSolverError
-from fe_engine.linear import condition_estimate, equilibrated
+from fe_engine.linear.backends import Backend, Pardiso
+from fe_engine.linear.solver import condition_estimate, equilibrated
+from fe_engine.memory import require_for_blas
 
 # Entries of the scaled contact (the diagonal of the tangent is 1 there) whose change is felt; from which share of the
 # interface on it is cheaper to invert anew than to correct.
@@ -237,6 +238,10 @@ class SoilFactors(TangentFactors):
     def _invert(self, contact: np.ndarray) -> None:
         """W of a contact."""
         self._inverted = None
+        size = len(self._backend.schur)
+        threads = get_num_threads() if size > _LARGE else 1
+        # the matrix, and what it is solved for in place; the inverse that is replaced is there meanwhile
+        require_for_blas(2.0 * 4.0 * size**2, threads, f"the inverse of the interface ({size:,} equations)")
         matrix = np.array(self._backend.schur, order="F")
         np.add.at(matrix, (self._block.row, self._block.column), self._scaled_contact(contact).astype(np.float32))
         with self._threads(len(matrix)):

@@ -22,12 +22,12 @@ from scipy.linalg import null_space
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator, gcrotmk
 
-from fe_engine.assembly import Residual, System, Tangent
-from fe_engine.backends import Pardiso, make_backend
+from fe_engine.assembly.system import Residual, System, Tangent
 from fe_engine.errors import LinearSolverError
-from fe_engine.linear import LinearSolver
-from fe_engine.preconditioner import Control, Factors, Origin, SoilFactors, TangentFactors
-from fe_engine.sparse import times
+from fe_engine.linear.backends import Pardiso, make_backend
+from fe_engine.linear.preconditioner import Control, Factors, Origin, SoilFactors, TangentFactors
+from fe_engine.linear.solver import LinearSolver
+from fe_engine.linear.sparse import times
 
 # From so many unknowns on it pays; below, a factorisation costs no more than a few iterations.
 WORTH_FROM = 2_000

@@ -8,10 +8,10 @@ from collections.abc import Callable
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from fe_engine.backends import make_backend
 from fe_engine.clock import Clock
 from fe_engine.errors import LinearSolverError
-from fe_engine.sparse import scaled_entries
+from fe_engine.linear.backends import make_backend
+from fe_engine.linear.sparse import scaled_entries
 
 # relative residuals of a linear solve: refined above the first, refused above the second
 _REFINE_ABOVE = 1.0e-9

@@ -10,6 +10,8 @@ import numba as nb
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from fe_engine.compiled import njit
+
 
 def times(matrix: csr_matrix, vector: np.ndarray) -> np.ndarray:
     """Product (n,) of a matrix (n, n) and a vector (n,): SciPy's has one thread, and waits for memory."""
@@ -25,7 +27,7 @@ def scaled_entries(matrix: csr_matrix, scale: np.ndarray, kind: type = np.float6
     return out
 
 
-@nb.njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _times(data, indices, indptr, vector, out):
     for row in nb.prange(len(out)):
         total = 0.0
@@ -34,7 +36,7 @@ def _times(data, indices, indptr, vector, out):
         out[row] = total
 
 
-@nb.njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _scaled_entries(data, indices, indptr, scale, out):
     for row in nb.prange(len(indptr) - 1):
         for k in range(indptr[row], indptr[row + 1]):

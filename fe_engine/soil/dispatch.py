@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-import numba as nb
-
+from fe_engine.compiled import njit
 from fe_engine.conventions import ELASTIC, OK, REGIME_ELASTIC, VAN_EEKELEN
 from fe_engine.soil import plasol, van_eekelen
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent
@@ -15,7 +14,7 @@ _plasol_update = plasol.update
 _van_eekelen_update = van_eekelen.update
 
 
-@nb.njit(cache=True)
+@njit
 def update_soil(law, p, strain, stress_old, history_old, stress, history, tangent, want_tangent):
     """Advance one Gauss point by a strain increment with the law of the given code.
 

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-import numba as nb
 import numpy as np
+
+from fe_engine.compiled import njit
 
 
 def moduli(young: float, poisson: float) -> tuple[float, float]:
@@ -12,7 +13,7 @@ def moduli(young: float, poisson: float) -> tuple[float, float]:
     return young / (3.0 * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))
 
 
-@nb.njit(cache=True)
+@njit
 def add_elastic_stress(bulk, shear, strain, stress):
     """Add C:strain to stress (6,), in Pa."""
     volumetric = strain[0] + strain[1] + strain[2]
@@ -22,7 +23,7 @@ def add_elastic_stress(bulk, shear, strain, stress):
         stress[i + 3] += shear * strain[i + 3]
 
 
-@nb.njit(cache=True)
+@njit
 def elastic_tangent(bulk, shear, factor, tangent):
     """Write factor times the elastic stiffness (6, 6), in Pa."""
     lame = factor * (bulk - 2.0 * shear / 3.0)
@@ -36,7 +37,7 @@ def elastic_tangent(bulk, shear, factor, tangent):
         tangent[i + 3, i + 3] = factor * shear
 
 
-@nb.njit(cache=True)
+@njit
 def subtract_elastic_tangent(bulk, shear, tangent):
     """Take the elastic stiffness off a tangent (6, 6), in Pa."""
     lame = bulk - 2.0 * shear / 3.0
@@ -45,6 +46,16 @@ def subtract_elastic_tangent(bulk, shear, tangent):
             tangent[i, j] -= lame
         tangent[i, i] -= 2.0 * shear
         tangent[i + 3, i + 3] -= shear
+
+
+@njit
+def stored_density(bulk, shear, stress):
+    """Elastic energy density s:C^-1:s/2 = I^2/(18 K) + II^2/(2 G) of a stress (6,), in J/m3."""
+    first = stress[0] + stress[1] + stress[2]
+    square = 0.0
+    for i in range(3):
+        square += 0.5 * (stress[i] - first / 3.0) ** 2 + stress[i + 3] ** 2
+    return first * first / (18.0 * bulk) + square / (2.0 * shear)
 
 
 def elastic_matrix(young: float, poisson: float) -> np.ndarray:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba as nb
+from fe_engine.compiled import njit
 
 EXPONENT = -0.229
 # The section of the surface is convex up to here, rad
@@ -27,32 +27,32 @@ class Trial(NamedTuple):
     across: tuple[float, float, float, float, float, float]
 
 
-@nb.njit(cache=True)
+@njit
 def shape(phi):
     """Parameter b(phi) of the section; phi in rad."""
     return math.tanh(math.atanh(math.sin(phi) / 3.0) / EXPONENT)
 
 
-@nb.njit(cache=True)
+@njit
 def section(b, cos3):
     """Radius rho of the section over that in compression."""
     return ((1.0 + b * cos3) / (1.0 + b)) ** EXPONENT
 
 
-@nb.njit(cache=True)
+@njit
 def shape_of_slope(m):
     """Parameter b of the angle whose cone has the slope m."""
     return math.tanh(math.atanh(_SQRT3 * m / (2.0 + _SQRT3 * m)) / EXPONENT)
 
 
-@nb.njit(cache=True)
+@njit
 def turn_of(b, cos3, sin3):
     """Direction T of the flow across the meridian plane, and dT/dtheta."""
     along = 1.0 + b * cos3
     return 3.0 * EXPONENT * b * sin3 / along, 9.0 * EXPONENT * b * (cos3 + b) / (along * along)
 
 
-@nb.njit(cache=True)
+@njit
 def lode(stress, first, second):
     """Lode angle and directions of a stress (6,) that has a deviator."""
     scale = 1.0 / (math.sqrt(2.0) * second)
@@ -74,7 +74,7 @@ def lode(stress, first, second):
     return Trial(first, second, cos3, sin3, (x, y, z, xy, yz, zx), across)
 
 
-@nb.njit(cache=True)
+@njit
 def rotated(trial, delta):
     """Cos and sin of 3 (theta_t - delta)."""
     c, s = math.cos(3.0 * delta), math.sin(3.0 * delta)

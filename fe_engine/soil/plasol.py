@@ -22,9 +22,9 @@ from __future__ import annotations
 
 import math
 
-import numba as nb
 import numpy as np
 
+from fe_engine.compiled import njit
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent, moduli
 
@@ -52,20 +52,20 @@ def pack(
     return np.array([bulk, shear, phi_i, phi_f, b_phi, cone_slope(psi), cohesion])
 
 
-@nb.njit(cache=True)
+@njit
 def cone_slope(phi):
     """Slope m(phi) of the compression cone in the I-II plane."""
     return 2.0 * math.sin(phi) / (_SQRT3 * (3.0 - math.sin(phi)))
 
 
-@nb.njit(cache=True)
+@njit
 def mobilised(p, kappa):
     """Friction angle (rad) after the equivalent plastic strain kappa, and its derivative."""
     phi = p[PHI_I] + (p[PHI_F] - p[PHI_I]) * kappa / (p[B_PHI] + kappa)
     return phi, (p[PHI_F] - p[PHI_I]) * p[B_PHI] / (p[B_PHI] + kappa) ** 2
 
 
-@nb.njit(cache=True)
+@njit
 def strength(p, kappa):
     """Return m, k and their derivatives with respect to the equivalent plastic strain."""
     phi, dphi = mobilised(p, kappa)
@@ -78,7 +78,7 @@ def strength(p, kappa):
     return m, k, dm, dk
 
 
-@nb.njit(cache=True)
+@njit
 def _excess(p, kappa_old, first, second, dl):
     """Yield function and its derivative after the plastic multiplier dl from the trial (I, II)."""
     m, k, dm, dk = strength(p, kappa_old + dl / _SQRT3)
@@ -88,7 +88,7 @@ def _excess(p, kappa_old, first, second, dl):
     return f, slope
 
 
-@nb.njit(cache=True)
+@njit
 def _multiplier(p, kappa_old, first, second):
     """Root dl of the yield function on [0, II_tr/G] by Newton kept inside a shrinking bracket."""
     low, high = 0.0, second / p[SHEAR]
@@ -107,7 +107,7 @@ def _multiplier(p, kappa_old, first, second):
     return dl, OK if abs(f) <= 1.0e-9 * scale else LAW_NOT_CONVERGED
 
 
-@nb.njit(cache=True)
+@njit
 def yield_function(p, stress, kappa):
     """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
     m, k, _, _ = strength(p, kappa)
@@ -115,7 +115,7 @@ def yield_function(p, stress, kappa):
     return second_invariant(stress, first / 3.0) + m * first - k
 
 
-@nb.njit(cache=True)
+@njit
 def second_invariant(stress, mean):
     """II = sqrt(s:s/2) of a stress (6,) with the given mean."""
     square = 0.0
@@ -124,7 +124,7 @@ def second_invariant(stress, mean):
     return math.sqrt(square)
 
 
-@nb.njit(cache=True)
+@njit
 def update(p, strain, stress_old, history_old, stress, history, tangent, want_tangent):
     """Advance one Gauss point by the strain increment (6,); write stress (6,), history (1,), tangent (6, 6).
 
@@ -150,7 +150,7 @@ def update(p, strain, stress_old, history_old, stress, history, tangent, want_ta
     return status, REGIME_CONE
 
 
-@nb.njit(cache=True)
+@njit
 def _return_to_cone(p, kappa_old, first, second, dl, stress, history, tangent, want_tangent):
     """Turn the trial stress into the returned one; consistent tangent (not symmetric unless psi = phi)."""
     bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
@@ -165,7 +165,7 @@ def _return_to_cone(p, kappa_old, first, second, dl, stress, history, tangent, w
         stress[i + 3] *= ratio
 
 
-@nb.njit(cache=True)
+@njit
 def _cone_tangent(p, kappa, first, second, first_new, dl, trial, tangent):
     """Consistent tangent (6, 6) on the cone; trial is the elastic trial stress."""
     bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
@@ -187,7 +187,7 @@ def _cone_tangent(p, kappa, first, second, first_new, dl, trial, tangent):
             tangent[i, j] += bulk
 
 
-@nb.njit(cache=True)
+@njit
 def return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent):
     """Put the point on the apex, plus the residual elastic fraction of the trial stress."""
     kappa = kappa_old + second / (_SQRT3 * p[SHEAR])
@@ -203,7 +203,7 @@ def return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_t
         stress[i + 3] *= APEX_STIFFNESS
 
 
-@nb.njit(cache=True)
+@njit
 def _apex_tangent(p, drift, first, second, trial, tangent):
     """Tangent (6, 6) at the apex; drift is d(mean stress at the apex)/d(kappa)."""
     elastic_tangent(p[BULK], p[SHEAR], APEX_STIFFNESS, tangent)

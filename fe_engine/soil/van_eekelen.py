@@ -38,8 +38,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba as nb
-
+from fe_engine.compiled import njit
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent
 from fe_engine.soil.lode import EXPONENT, lode, rotated, section, shape, shape_of_slope, turn_of
@@ -80,7 +79,7 @@ class _Point(NamedTuple):
     reach_kappa: float
 
 
-@nb.njit(cache=True)
+@njit
 def _section_change(p, kappa, cos3, sin3):
     """Radius rho of the yield surface, and its derivatives with respect to theta and to kappa."""
     phi, dphi = mobilised(p, kappa)
@@ -94,7 +93,7 @@ def _section_change(p, kappa, cos3, sin3):
     return rho, rho * d_theta, rho * d_kappa
 
 
-@nb.njit(cache=True)
+@njit
 def _deflection(trial, b_psi, w, delta):
     """Root delta of tan(delta) = w T(theta_t - delta), from a first guess."""
     if b_psi == 0.0 or w == 0.0:
@@ -118,7 +117,7 @@ def _deflection(trial, b_psi, w, delta):
     return delta
 
 
-@nb.njit(cache=True)
+@njit
 def _evaluate(p, b_psi, kappa_old, trial, w, guess):
     """Return the point after the share w of the way to the axis."""
     delta = _deflection(trial, b_psi, w, guess)
@@ -139,7 +138,7 @@ def _evaluate(p, b_psi, kappa_old, trial, w, guess):
     )  # fmt: skip
 
 
-@nb.njit(cache=True)
+@njit
 def _change(p, trial, at, dw, d_second, d_theta, d_first):
     """Change (II, delta, I, f, kappa) of the point with w and with the trial stress."""
     cosine, sine = math.cos(at.delta), math.sin(at.delta)
@@ -157,7 +156,7 @@ def _change(p, trial, at, dw, d_second, d_theta, d_first):
     return new_second, d_delta, new_first, d_f, d_kappa
 
 
-@nb.njit(cache=True)
+@njit
 def _solve(p, b_psi, kappa_old, trial):
     """Point on the yield surface: Newton for w kept inside a shrinking bracket."""
     low, high = 0.0, 1.0
@@ -177,7 +176,7 @@ def _solve(p, b_psi, kappa_old, trial):
     return at, OK if abs(at.f) <= 1.0e-9 * scale else LAW_NOT_CONVERGED
 
 
-@nb.njit(cache=True)
+@njit
 def yield_function(p, stress, kappa):
     """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
     m, k, _, _ = strength(p, kappa)
@@ -189,7 +188,7 @@ def yield_function(p, stress, kappa):
     return second + rho * (m * first - k)
 
 
-@nb.njit(cache=True)
+@njit
 def update(p, strain, stress_old, history_old, stress, history, tangent, want_tangent):
     """Advance one Gauss point by the strain increment (6,); write stress (6,), history (1,), tangent (6, 6).
 
@@ -221,7 +220,7 @@ def update(p, strain, stress_old, history_old, stress, history, tangent, want_ta
     return status, REGIME_CONE
 
 
-@nb.njit(cache=True)
+@njit
 def _return(p, kappa_old, trial, at, stress, history):
     """Write the returned stress and the history."""
     dl = at.w * trial.second * math.cos(at.delta) / p[SHEAR]
@@ -231,7 +230,7 @@ def _return(p, kappa_old, trial, at, stress, history):
         stress[i] = radius * (cosine * trial.n[i] - sine * trial.across[i]) + (at.first / 3.0 if i < 3 else 0.0)
 
 
-@nb.njit(cache=True)
+@njit
 def _tangent(p, trial, at, tangent):
     """Consistent tangent (6, 6), column by column: the change of the returned stress with each strain.
 
@@ -269,7 +268,7 @@ def _tangent(p, trial, at, tangent):
                 tangent[i, j] += new_first / 3.0
 
 
-@nb.njit(cache=True)
+@njit
 def _unit(j, i, shear, along, n, second):
     """Component i of the change of n with the strain j; ``along`` is n : ds."""
     change = -along * n[i]
@@ -280,7 +279,7 @@ def _unit(j, i, shear, along, n, second):
     return change / (math.sqrt(2.0) * second)
 
 
-@nb.njit(cache=True)
+@njit
 def _symmetric_product(a, b):
     """a.b + b.a of two symmetric tensors (6,)."""
     return (

@@ -1,15 +1,9 @@
 # SPDX-License-Identifier: MIT
 """One increment: Newton on the bordered system, globalised (see `globalisation`), judged and recorded.
 
-Unknowns are the free nodal dofs and the few border dofs q (rigid body). With controls C q = target, imposed by
-forces along the patterns G with unknown sizes lambda, and known border forces F, one iteration solves
-
-    [ K  B  .  ] [ du     ]   [ -r_free               ]
-    [ R  D -G  ] [ dq     ] = [ -(r_border - F - G l) ]
-    [ .  C  .  ] [ dlambda]   [ target - C q          ]
-
-by eliminating du: K is factorised alone, and the small Schur complement S = D - R K^-1 B is the tangent
-stiffness of the border dofs. Large models solve the same system with earlier factors (see `recycled`).
+Unknowns are the free dofs of the system and the few border dofs q (rigid body). With controls C q = target, imposed by
+forces along the patterns G with unknown sizes lambda, and known border forces F, an iteration solves the linear system
+of `linear_stage`.
 """
 
 from __future__ import annotations
@@ -20,12 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from fe_engine.assembly import Residual, System, Tangent
+from fe_engine.assembly.fourier_system import FourierSystem
+from fe_engine.assembly.system import Residual, System
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
-from fe_engine.globalisation import EXACT, HALF, HALVINGS, Course, bounds
-from fe_engine.linear import LinearSolver
-from fe_engine.preconditioner import Origin
-from fe_engine.recycled import WORTH_FROM, Recycled, control_of
+from fe_engine.linear.preconditioner import Origin
+from fe_engine.linear.recycled import WORTH_FROM, Recycled
+from fe_engine.linear.solver import LinearSolver
+from fe_engine.solve.fourier_stage import FourierStage
+from fe_engine.solve.globalisation import HALF, HALVINGS, Course
+from fe_engine.solve.stage import Balance, FactorStage, LinearStage
 from fe_engine.state import State
 
 # Undrained soil under a uniform load moves no water at all, and rounding would be judged beside rounding: volumes count
@@ -33,9 +30,6 @@ from fe_engine.state import State
 _STILL = 1.0e-6
 # A linear system is solved to this share of the tolerance and no further.
 _AIM = 0.3
-# Where motions are imposed anew the right-hand side is what penalties do to soil that stays behind, thousands of times
-# the forces that balance in the end: such a system is solved to this share.
-_IMPOSED = 1.0e-6
 # An increment has converged when its border dofs and its volumes of water are so many times closer to balance than the
 # tolerance asks of all equations: few numbers, of which each counts. The border's decide the rotation under a load near
 # the centre of rotation, the volumes add up over the steps of a path.
@@ -98,15 +92,22 @@ class Increment:
 class Newton:
     """Solves increments of one system."""
 
-    def __init__(self, system: System, solver: LinearSolver, settings: Settings) -> None:
+    def __init__(self, system: System | FourierSystem, solver: LinearSolver | FourierStage, settings: Settings) -> None:
         self.system = system
-        self.solver = solver
+        self.solver = solver  # counts and times the work
         self.settings = settings
         self.scale = system.model.border_scale
-        self._bounds = (EXACT, EXACT) if settings.exact else bounds(system.pattern.n_free)
-        self.recycled: Recycled | None = None
-        if system.pattern.n_free >= settings.recycle_from:
-            self.recycled = Recycled(solver, system)
+        self.stage: LinearStage
+        if isinstance(solver, FourierStage):
+            self.stage = solver
+        else:
+            assert isinstance(system, System)
+            self.stage = FactorStage(system, solver, settings.recycle_from, settings.exact)
+
+    @property
+    def recycled(self) -> Recycled | None:
+        """What solves with factors of earlier tangents, where the model is large enough for that."""
+        return self.stage.recycled if isinstance(self.stage, FactorStage) else None
 
     def solve(self, state: State, loading: Loading, free: np.ndarray, border: np.ndarray) -> Increment:
         """Find the increment from the committed state, starting at the guess free (n,), border (nb,).
@@ -115,9 +116,8 @@ class Newton:
         """
         self.system.time_step = loading.time_step
         record: list[dict[str, Any]] = []
-        course = Course(not (np.any(free) or np.any(border)), self._bounds)
-        if self.recycled is not None:
-            self.recycled.begin_increment()
+        course = Course(not (np.any(free) or np.any(border)), self.stage.bounds)
+        self.stage.begin_increment()
         evaluated, ahead = self._linearise(state, True, (free, border), record), None
         for iteration in range(self.settings.max_iterations + 1):
             judged = evaluated[0]
@@ -127,8 +127,7 @@ class Newton:
             if not np.isfinite(merit):
                 raise NotConverged("residual is not finite", self._worst(judged), record)
             if strict <= self.settings.tolerance and _met(violation, loading.target):
-                if self.recycled is not None:
-                    self.recycled.end_increment()
+                self.stage.end_increment()
                 return Increment(free, border, judged, record)
             if iteration == self.settings.max_iterations:
                 break
@@ -145,44 +144,32 @@ class Newton:
         """Consistent tangent stiffness (nb, nb) of the border dofs at the committed state."""
         state.reset_trial()
         _, _, tangent = self.system.linearise(state, True)
-        if self.recycled is not None:
-            try:
-                return self.recycled.border_stiffness(tangent)
-            except LinearSolverError:
-                self.recycled.forget()
-        self.solver.factorise(tangent.matrix)
-        return tangent.corner - tangent.rows @ self.solver.solve(tangent.columns)
+        return self.stage.border_stiffness(tangent)
 
     def forget(self) -> None:
         """Drop what earlier increments have left: the next one depends on its state alone."""
-        if self.recycled is not None:
-            self.recycled.forget()
+        self.stage.forget()
 
     @property
     def origin(self) -> Origin | None:
         """What the factors that the next increment begins with were made from."""
-        return None if self.recycled is None or self.recycled.worn else self.recycled.origin
+        return self.stage.origin
 
     def restore(self, origin: Origin) -> None:
         """Begin the next increment with factors made from this."""
-        if self.recycled is not None:
-            self.recycled.restore(origin, self.system.matrix_pattern)
+        self.stage.restore(origin)
 
     def condition_estimate(self) -> float | None:
         """Condition of the last tangent that was factorised, from below; None where there is none."""
-        if self.recycled is None or self.recycled.origin is None:
-            return self.solver.condition_estimate()
-        return self.recycled.condition_estimate(self.system.matrix_pattern)
+        return self.stage.condition_estimate()
 
     def close(self) -> None:
         """Release all factors."""
-        self.solver.close()
-        if self.recycled is not None:
-            self.recycled.close()
+        self.stage.close()
 
     def _linearise(
         self, state: State, fresh: bool, at: tuple[np.ndarray, np.ndarray], record: list
-    ) -> tuple[Residual, Residual, Tangent]:
+    ) -> tuple[Residual, Residual, Any]:
         self.system.apply(state, *at)
         try:
             return self.system.linearise(state, fresh)
@@ -190,43 +177,22 @@ class Newton:
             raise NotConverged(str(error), "", record) from error
 
     def _direction(
-        self, evaluated: tuple[Residual, Residual, Tangent], state: State, loading: Loading, share: float, record: list
+        self, evaluated: tuple[Residual, Residual, Any], state: State, loading: Loading, share: float, record: list
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Newton step (n,), (nb,) of the bordered system at the trial state; earlier factors leave a ``share``."""
+        """Newton step (n,), (nb,) of the bordered system at the trial state; which may leave a ``share``."""
         judged, linear, tangent = evaluated
         violation = loading.target - loading.control @ state.trial.border
-        if self.recycled is not None:
-            try:
-                _, _, strict = self._merit(judged, loading)
-                enough = min(max(share, _AIM * _ratio(self.settings.tolerance, strict)), self._bounds[1])
-                wanted = enough if _met(violation, loading.target) else min(_IMPOSED, self._bounds[0])
-                control = control_of(loading.control, loading.load, violation, self.scale)
-                return self.recycled.step(linear, tangent, control, loading.unbalanced(linear.border), wanted)
-            except LinearSolverError:
-                pass  # single precision does not do here
-        if self.recycled is not None:
-            self.recycled.close()  # not both factors at a time
+        balance = Balance(loading.control, loading.load, violation, loading.unbalanced(linear.border), self.scale)
+        _, _, strict = self._merit(judged, loading)
+        enough = min(max(share, _AIM * _ratio(self.settings.tolerance, strict)), self.stage.bounds[1])
         try:
-            self.solver.factorise(tangent.matrix)
-            solved = self.solver.solve(np.column_stack([-linear.free, tangent.columns]))
+            return self.stage.step(linear, tangent, balance, enough, not _met(violation, loading.target))
         except LinearSolverError as error:
             raise NotConverged(str(error), "", record) from error
-        step, shape = solved[:, 0], solved[:, 1:]
-        stiffness = tangent.corner - tangent.rows @ shape
-        n_border, n_control = loading.load.shape
-        if n_border == 0:
-            return step, np.zeros(0)
-        matrix = np.block([[stiffness, -loading.load], [loading.control, np.zeros((n_control, n_control))]])
-        rhs = np.concatenate([-loading.unbalanced(linear.border) - tangent.rows @ step, violation])
-        try:
-            solution = np.linalg.solve(matrix, rhs)
-        except np.linalg.LinAlgError as error:
-            raise NotConverged("the tangent stiffness of the border dofs is singular", "", record) from error
-        return step - shape @ solution[:n_border], solution[:n_border]
 
     def _advance(
         self, state: State, loading: Loading, at: tuple, step: tuple, course: Course, record: list
-    ) -> tuple[float, tuple[Residual, Residual, Tangent], tuple | None]:
+    ) -> tuple[float, tuple[Residual, Residual, Any], tuple | None]:
         """Step length, the model there, and the step that follows from there where it is known already."""
 
         def point(length: float) -> tuple[np.ndarray, np.ndarray]:

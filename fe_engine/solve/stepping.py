@@ -12,9 +12,9 @@ import numpy as np
 
 from fe_engine.errors import ModelError, NotConverged
 from fe_engine.model import Stage
-from fe_engine.newton import Increment, Loading, Newton
+from fe_engine.solve.newton import Increment, Loading, Newton
+from fe_engine.solve.step_size import GROWTH, StepSize
 from fe_engine.state import State
-from fe_engine.step_size import GROWTH, StepSize
 
 
 @dataclass
@@ -54,7 +54,9 @@ class Driver:
     ``given_up`` holds (stage, fraction, error) of each failed attempt, ``aim`` what the present one is to reach,
     ``stiffness`` (N/m) that of the border in the last increment, where a given force changed (else None): the work of
     that change over the square of the motion, no less than the smallest eigenvalue. ``position`` is where the last
-    commit left the stage: a new driver goes on from there as this one would have.
+    commit left the stage: a new driver goes on from there as this one would have. ``refusal`` is asked with the motion
+    of the border (nb,) that an increment has converged to: where it returns a reason, the attempt is given up and a
+    smaller one made.
     """
 
     newton: Newton
@@ -66,6 +68,7 @@ class Driver:
     force: np.ndarray | None = None
     stiffness: float | None = None
     position: Position | None = None
+    refusal: Callable[[np.ndarray], str] | None = None
 
     @property
     def n_cut_backs(self) -> int:
@@ -120,6 +123,8 @@ class Driver:
         label = {"stage": stage.name, "step": self.n_steps + 1, "load_fraction": target}
         try:
             increment = self.newton.solve(self.state, loading, *guess)
+            if self.refusal is not None and (reason := self.refusal(self.state.trial.border)):
+                raise NotConverged(reason, history=increment.record)
         except NotConverged as error:
             self.record += [label | row | {"converged": False} for row in error.history]
             self.given_up.append((stage.name, target, error))

@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fe_engine.elements.hex8 import geometry
 from fe_engine.errors import MeshError
-from fe_engine.hex8 import geometry
 from fe_engine.mesh import CORNERS, EDGES, Mesh, measure_quality
-from tests.fe_engine.models import box, rotation_matrix
+from tests.support.models import box, rotation_matrix
 
 
 def test_counts():

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from fe_engine.errors import NotConverged
-from fe_engine.newton import Loading
+from fe_engine.solve.newton import Loading
 from fe_engine.state import FIELDS, State
-from tests.fe_engine.models import footing, run, stage, start
+from tests.support.models import footing, run, stage, start
 
 PULL = stage({0: 2.0e-4}, arm=0.3)
 

@@ -9,20 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from fe_engine.assembly import System
+from fe_engine.assembly.system import System
 from fe_engine.clock import Clock
 from fe_engine.contact import coulomb
 from fe_engine.conventions import DRUCKER_PRAGER
-from fe_engine.linear import LinearSolver
+from fe_engine.linear.solver import LinearSolver
 from fe_engine.mesh import Mesh
 from fe_engine.model import Material
-from fe_engine.newton import Newton, Settings
 from fe_engine.soil import plasol
+from fe_engine.solve.newton import Newton, Settings
 from pysprings import Scene
-from pysprings.build import Built, build_model, build_on
-from pysprings.caisson_mesh import CaissonMesh
-from pysprings.path_run import PathRun, Work
-from tests.pysprings import tiny
+from pysprings.full_model.path_run import PathRun, Work
+from pysprings.model.build import Built, build_model, build_on
+from pysprings.model.mesh import CaissonMesh
+from tests.support import tiny
 
 # Steps that do not depend on how Newton does: two models then go the same way.
 STEPS = {"first_step_fraction": 0.25, "max_step_fraction": 0.25, "tolerance": 1e-9, "max_iterations": 40}

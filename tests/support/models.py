@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fe_engine import hex8, rigid
-from fe_engine.assembly import System
+from fe_engine.assembly.system import System
 from fe_engine.contact import coulomb
 from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
-from fe_engine.interface import Film, Stations, film_geometry, gauss_stations, local_frames, nodal_stations
-from fe_engine.linear import LinearSolver
+from fe_engine.elements import hex8, rigid
+from fe_engine.elements.interface import Film, Stations, film_geometry, gauss_stations, local_frames, nodal_stations
+from fe_engine.linear.solver import LinearSolver
 from fe_engine.mesh import Mesh
 from fe_engine.model import Material, Model, Stage, Water
-from fe_engine.newton import Newton, Settings
 from fe_engine.soil import plasol
+from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
-from fe_engine.stepping import Driver, Step
 
 DEGREE = np.pi / 180.0
 # E (Pa), nu, phi_i, phi_f, B_phi, psi, cohesion (Pa): a sand that hardens and dilates, with a little cohesion

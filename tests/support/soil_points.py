@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from fe_engine.soil import plasol
 from fe_engine.soil.elastic import elastic_matrix
-from tests.fe_engine.models import DEGREE, SAND, to_matrix
+from tests.support.models import DEGREE, SAND, to_matrix
 
 YOUNG, POISSON = SAND[:2]
 PRESSURE = 1.0e5

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import brentq
 
-from pysprings import variables
+from pysprings.core import variables
 
 SIDES = list(variables.SIDES)
 COMPONENTS = list(variables.COMPONENTS)
@@ -221,7 +221,7 @@ def path_dataset(c: Caisson, path: Path) -> xr.Dataset:
     data["section_ux"] = (("step", "section_node"), (u[:, None] + rotation[:, None] * depth) * fade)
     data["section_uz"] = (("step", "section_node"), (w[:, None] - rotation[:, None] * x) * fade)
     coords = {"depth": z, "azimuth": c.azimuth, "side": SIDES, "component": COMPONENTS, "step": np.arange(n)}
-    attrs = {"kind": path.kind, "arm_m": path.arm, "role": path.role, "status": "complete"}
+    attrs = {"kind": path.kind, "arm_m": path.arm, "role": path.role, "status": "complete", "end": "reached"}
     return variables.attach(xr.Dataset(data, coords=coords, attrs=attrs), "result_path")
 
 

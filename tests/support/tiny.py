@@ -10,7 +10,7 @@ from typing import Any
 import xarray as xr
 
 from pysprings import Scene
-from pysprings.full_model import run
+from pysprings.full_model.compute import run
 
 PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 0.5e-3}
 SECTIONS: dict[str, Any] = {

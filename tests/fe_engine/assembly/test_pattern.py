@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fe_engine.assembly.pattern import FIXED, make_pattern
 from fe_engine.errors import ModelError
-from fe_engine.pattern import FIXED, make_pattern
-from tests.fe_engine.models import mixed, replace
+from tests.support.models import mixed, replace
 
 
 def test_every_dof_is_fixed_follows_or_is_free():

@@ -7,15 +7,16 @@ import numba
 import numpy as np
 import pytest
 
-from fe_engine import hex8, kernels
-from fe_engine.assembly import System
+from fe_engine.assembly import kernels
+from fe_engine.assembly.system import System
 from fe_engine.contact import coulomb
 from fe_engine.conventions import ELASTIC
+from fe_engine.elements import hex8
 from fe_engine.errors import LawError, ModelError
 from fe_engine.model import Model
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.state import FIELDS, State
-from tests.fe_engine.models import box, footing, mixed, replace, soil, start, taylor_slope
+from tests.support.models import box, footing, mixed, replace, soil, start, taylor_slope
 
 # size of the random moves: cracks the contacts (gap at 1e-4 m) and shears the sand
 MOVE = 6.0e-5

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fe_engine.balance.energy import EnergyBalance
 from fe_engine.conventions import ELASTIC
-from fe_engine.energy_balance import EnergyBalance
-from tests.fe_engine.models import footing, mixed, replace, soil, stage, start, wet
+from tests.support.models import footing, mixed, replace, soil, stage, start, wet
 
 STEPS = {"first_fraction": 0.05, "max_fraction": 0.1}
 PUSH = stage({0: 2.0e-3, 2: -1.0e-4}, **STEPS)

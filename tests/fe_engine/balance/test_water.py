@@ -6,15 +6,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fe_engine import biot, hex8
-from fe_engine.assembly import System
+from fe_engine.assembly.kernels_water import station_gaps
+from fe_engine.assembly.system import System
+from fe_engine.balance.water import WaterBalance
 from fe_engine.contact.flow import transmissivity
+from fe_engine.elements import biot, hex8
 from fe_engine.errors import ModelError
-from fe_engine.kernels_water import station_gaps
 from fe_engine.model import Model
 from fe_engine.state import State, initial_fields
-from fe_engine.water_balance import WaterBalance
-from tests.fe_engine.models import mixed, replace, stage, start, taylor_slope, wet
+from tests.support.models import mixed, replace, stage, start, taylor_slope, wet
 
 MOVE, DT = 6.0e-5, 0.7
 RULES = ("nodal", "gauss", "pairs")

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from fe_engine.contact import coulomb
 from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, CONTACT_STICK
-from tests.fe_engine.models import taylor_slope
+from tests.support.models import taylor_slope
 
 KN, KT, MU, PRESSURE = 1.0e10, 4.0e9, 0.5, 2.0e4
 P = coulomb.pack(KN, KT, MU)

@@ -6,12 +6,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fe_engine import hex8
 from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
+from fe_engine.elements import hex8
 from fe_engine.mesh import CORNERS
 from fe_engine.model import Model, Stage
 from fe_engine.soil.elastic import elastic_matrix
-from tests.fe_engine.models import box, rotation_matrix, run, soil, to_voigt
+from tests.support.models import box, rotation_matrix, run, soil, to_voigt
 
 YOUNG, POISSON = 2.0e8, 0.3
 POINTS = np.random.default_rng(1).uniform(-1.0, 1.0, (5, 3))

@@ -6,12 +6,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fe_engine.assembly import System
+from fe_engine.assembly.system import System
 from fe_engine.contact import coulomb
-from fe_engine.interface import Stations, gauss_stations, local_frames, nodal_stations
+from fe_engine.elements.interface import Stations, gauss_stations, local_frames, nodal_stations
 from fe_engine.model import Model
 from fe_engine.state import State
-from tests.fe_engine.models import box, rotation_matrix, soil, to_matrix, to_voigt
+from tests.support.models import box, rotation_matrix, soil, to_matrix, to_voigt
 
 SQUARE = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0], [0.0, 3.0, 0.0]])
 FACE = np.array([[0, 1, 2, 3]])

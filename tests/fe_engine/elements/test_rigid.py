@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fe_engine import rigid
 from fe_engine.conventions import ROTATION, U, W
-from tests.fe_engine.models import rotation_matrix
+from fe_engine.elements import rigid
+from tests.support.models import rotation_matrix
 
 POINTS = np.array([[1.0, 2.0, 3.0], [-2.0, 0.5, 4.0], [0.3, 0.0, -0.2], [0.7, -1.0, 1.1]])
 REFERENCE = np.array([0.3, 0.0, -0.2])

@@ -6,14 +6,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fe_engine import solid_shell
+from fe_engine.elements import solid_shell
+from fe_engine.elements.hex8 import _CORNERS
 from fe_engine.errors import ModelError
-from fe_engine.hex8 import _CORNERS
 from fe_engine.mesh import Mesh
 from fe_engine.model import Linear
 from fe_engine.soil.elastic import elastic_matrix
 from fe_engine.state import State
-from tests.fe_engine import models
+from tests.support import models
 
 YOUNG, POISSON = 200.0e9, 0.3
 ONE = np.arange(8)[None]
@@ -80,7 +80,7 @@ def steel_beside(model):
 
 
 def test_assembly_adds_force_and_stiffness_of_every_linear_element():
-    from fe_engine.assembly import System
+    from fe_engine.assembly.system import System
 
     model = steel_beside(models.mixed())
     system, state = System(model), State(model)

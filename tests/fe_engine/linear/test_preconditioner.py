@@ -6,14 +6,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fe_engine import preconditioner
-from fe_engine.assembly import System
-from fe_engine.backends import make_backend
-from fe_engine.contact_block import contact_block
+from fe_engine.assembly.contact_block import contact_block
+from fe_engine.assembly.system import System
 from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, ELASTIC
-from fe_engine.preconditioner import Control, SoilFactors, TangentFactors
+from fe_engine.linear import preconditioner
+from fe_engine.linear.backends import make_backend
+from fe_engine.linear.preconditioner import Control, SoilFactors, TangentFactors
 from fe_engine.state import State
-from tests.fe_engine.models import CONTACT, footing, mixed, replace, soil, wet
+from tests.support.models import CONTACT, footing, mixed, replace, soil, wet
 
 pytest.importorskip("pypardiso")
 ALL_FREE = Control(np.zeros(3), np.eye(3), np.eye(3))

@@ -8,13 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fe_engine import globalisation, newton, recycled
-from fe_engine.backends import available_backends
 from fe_engine.errors import LinearSolverError
-from fe_engine.newton import Loading
-from fe_engine.recycled import control_of
+from fe_engine.linear import recycled
+from fe_engine.linear.backends import available_backends
+from fe_engine.linear.recycled import control_of
+from fe_engine.solve import globalisation
+from fe_engine.solve import stage as linear_stage
+from fe_engine.solve.newton import Loading
 from fe_engine.state import State
-from tests.fe_engine.models import footing, run, stage, start, wet
+from tests.support.models import footing, run, stage, start, wet
 
 PULL = stage({0: 6.0e-5}, arm=0.3, first_fraction=0.1, max_fraction=0.2)
 SCALE = np.array([1.0, 1.0, 4.0])
@@ -163,7 +165,7 @@ def test_water_is_solved_for_with_earlier_factors_too(linear):
 def test_systems_are_solved_no_further_than_contact_lets_the_residual_fall(linear, monkeypatch):
     """Fewer solves than with systems that are all solved as far as they may be, for the same path."""
     tight = {"linear": linear, "tolerance": 1.0e-9, "recycle_from": 0}
-    monkeypatch.setattr(newton, "bounds", large)
+    monkeypatch.setattr(linear_stage, "bounds", large)
     loose = run(footing(), PULL, **tight)
     monkeypatch.setattr(globalisation.Course, "share", lambda *_: 0.0)
     exact = run(footing(), PULL, **tight)
@@ -177,7 +179,7 @@ def test_exact_systems_are_all_solved_as_far_as_new_factors_can(linear, monkeypa
     run(footing(), PULL, linear=linear, recycle_from=0, exact=True)
     assert set(wanted) == {1.0e-8}
     wanted.clear()
-    monkeypatch.setattr(newton, "bounds", large)
+    monkeypatch.setattr(linear_stage, "bounds", large)
     run(footing(), PULL, linear=linear, recycle_from=0)
     assert max(wanted) > 1.0e-4
 
@@ -185,7 +187,7 @@ def test_exact_systems_are_all_solved_as_far_as_new_factors_can(linear, monkeypa
 @pytest.mark.parametrize(("end", "stiffness"), [(2.0e-4, 1.0e12), (5.0e-4, 1.0e10)])
 def test_a_large_step_without_a_guess_is_no_harder_than_with_exact_systems(linear, end, stiffness, monkeypatch):
     """To 0.2 mm in one step; to 0.5 mm with a step that is cut, after which factors of a failed attempt are there."""
-    monkeypatch.setattr(newton, "bounds", large)
+    monkeypatch.setattr(linear_stage, "bounds", large)
     once = stage({0: end}, arm=0.3, first_fraction=1.0, max_fraction=1.0)
     model = footing(contact=(stiffness, stiffness, 0.5))
     new, own = (run(model, once, linear=linear, tolerance=1.0e-9, recycle_from=n) for n in (0, 10**9))
@@ -206,3 +208,41 @@ def test_factors_that_fail_leave_none_behind(linear):
     with pytest.raises(LinearSolverError):
         newton.recycled.restore(origin, newton.system.matrix_pattern)
     assert newton.origin is None
+
+
+def test_volumes_of_water_are_held_ten_times_closer_to_balance(monkeypatch):
+    """A system solved loosely leaves a third of the tolerance in the volumes, which add up over the steps of a path."""
+    monkeypatch.setattr(linear_stage, "bounds", large)
+    nb = wet().n_border
+    loading = Loading(np.eye(nb), 1.0e-5 * np.arange(1.0, nb + 1.0), np.eye(nb), np.zeros(nb), 10.0)
+
+    def pushed(tolerance):
+        """Iterations, and the part of the volumes exchanged that is left over."""
+        out = start(wet("pairs"), tolerance=tolerance, recycle_from=0)
+        one, system = out.driver.newton, out.driver.newton.system
+        one.solver.equilibrate = True
+        found = one.solve(out.state, loading, np.zeros(system.pattern.n_free), np.zeros(nb))
+        volumes = sum(float(value) ** 2 for value in found.residual.free[system.is_pressure]) ** 0.5
+        return found.iterations, volumes / system.model.water.scale / found.residual.volume_norm
+
+    first, left = pushed(1.0e-2)
+    assert first == 1 and 1.0e-9 < left < 1.0e-4
+    again, rest = pushed(3.0 * left)  # the first iterate meets this, but not a tenth of it
+    assert again > first and rest <= 0.1 * 3.0 * left
+
+
+def test_a_motion_imposed_anew_is_solved_for_tightly(linear, monkeypatch):
+    """Penalties, not the forces that balance, make its right-hand side: a percent of them is more than those forces."""
+    monkeypatch.setattr(linear_stage, "bounds", large)
+    step, wanted = recycled.Recycled.step, {True: [], False: []}
+
+    def noted(self, *args):
+        wanted[np.abs(args[2].imposed).max() > 1.0e-12].append(args[-1])
+        return step(self, *args)
+
+    monkeypatch.setattr(recycled.Recycled, "step", noted)
+    there = stage({0: 2.0e-4}, arm=0.3, first_fraction=0.25, max_fraction=0.5)
+    back = stage({0: -2.0e-4}, arm=0.3, first_fraction=0.5, max_fraction=0.5)
+    run(footing(), there, back, linear=linear, tolerance=1.0e-9, recycle_from=0)
+    assert len(wanted[True]) >= 2 and max(wanted[True]) <= 1.0e-6
+    assert max(wanted[False]) > 1.0e-4

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix, diags, identity, kron
 
-from fe_engine import backends
-from fe_engine.backends import SUPERLU_COMFORT, SymmetricPardiso, available_backends, make_backend
+from fe_engine import memory
 from fe_engine.errors import LinearSolverError
-from fe_engine.linear import LinearSolver
+from fe_engine.linear import backends
+from fe_engine.linear.backends import SUPERLU_COMFORT, SymmetricPardiso, available_backends, make_backend
+from fe_engine.linear.solver import LinearSolver
 
 HAS_PARDISO = importlib.util.find_spec("pypardiso") is not None
 needs_pardiso = pytest.mark.skipif(not HAS_PARDISO, reason="pypardiso is not installed")
@@ -92,11 +93,23 @@ def test_new_values_on_the_old_pattern(name):
 def test_pardiso_analyses_the_pattern_once(monkeypatch):
     backend, phases = make_backend("pardiso", 10), []
     call = backend._call
-    monkeypatch.setattr(backend, "_call", lambda phase, rhs: phases.append(phase) or call(phase, rhs))
+    monkeypatch.setattr(backend, "_call", lambda phase, *given: phases.append(phase) or call(phase, *given))
     for seed in (1, 2, 3):
         backend.factorise(unsymmetric(seed))
         backend.solve(rhs_of(laplacian()))
-    assert phases == [12, 33, 22, 33, 22, 33]
+    assert phases == [11, 22, 33, 22, 33, 22, 33]
+    backend.close()
+
+
+@needs_pardiso
+def test_what_factors_need_is_judged_before_they_are_made(monkeypatch):
+    backend, matrix = make_backend("pardiso", 10), laplacian()
+    with monkeypatch.context() as short:
+        short.setattr(memory, "left", lambda: 0.0)
+        with pytest.raises(MemoryError, match=rf"factorisation of {matrix.shape[0]} unknowns needs \S+ GB, 0 GB are"):
+            backend.factorise(matrix)
+    backend.factorise(matrix)
+    np.testing.assert_allclose(matrix @ backend.solve(rhs_of(matrix)), rhs_of(matrix), atol=1e-12)
     backend.close()
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.sparse import diags_array, random_array
 
-from fe_engine.linear import equilibrated
-from fe_engine.sparse import scaled_entries, times
+from fe_engine.linear.solver import equilibrated
+from fe_engine.linear.sparse import scaled_entries, times
 
 RNG = np.random.default_rng(5)
 MATRIX = random_array((300, 300), density=0.05, format="csr", rng=RNG)

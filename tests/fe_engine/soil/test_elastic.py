@@ -10,7 +10,7 @@ from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC, OK, REGIME_CONE, REGI
 from fe_engine.soil import plasol
 from fe_engine.soil.dispatch import N_HISTORY, N_PARAMETERS, update_soil
 from fe_engine.soil.elastic import add_elastic_stress, elastic_matrix, elastic_tangent, moduli
-from tests.fe_engine.models import SAND
+from tests.support.models import SAND
 
 YOUNG, POISSON = 2.0e8, 0.3
 

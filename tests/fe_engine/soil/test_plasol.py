@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import plasol
 from fe_engine.soil.elastic import elastic_matrix
-from tests.fe_engine.models import DEGREE, rotation_matrix, taylor_slope, to_matrix, to_voigt
-from tests.fe_engine.soil_points import (
+from tests.support.models import DEGREE, rotation_matrix, taylor_slope, to_matrix, to_voigt
+from tests.support.soil_points import (
     OPENING,
     OTHER,
     POISSON,
@@ -31,7 +31,7 @@ from tests.fe_engine.soil_points import (
     strains,
     update_by,
 )
-from tests.fe_engine.soil_points import trial_excess as excess_of
+from tests.support.soil_points import trial_excess as excess_of
 
 
 def update(p, strain, stress=START, kappa=0.0, update=plasol.update) -> Answer:

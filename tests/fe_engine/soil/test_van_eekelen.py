@@ -14,8 +14,8 @@ from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CON
 from fe_engine.soil import lode, plasol, van_eekelen
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.soil.elastic import elastic_matrix
-from tests.fe_engine.models import DEGREE, rotation_matrix, taylor_slope, to_matrix, to_voigt
-from tests.fe_engine.soil_points import (
+from tests.support.models import DEGREE, rotation_matrix, taylor_slope, to_matrix, to_voigt
+from tests.support.soil_points import (
     OPENING,
     OTHER,
     POISSON,

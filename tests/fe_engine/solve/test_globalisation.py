@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from fe_engine.globalisation import Course, bounds
+from fe_engine.solve.globalisation import Course, bounds
 
 
 def course(merits, sizes=(), scale=1.0):

@@ -6,13 +6,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fe_engine import newton
-from fe_engine.backends import available_backends
 from fe_engine.contact import coulomb
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
-from fe_engine.newton import Loading, Newton
+from fe_engine.linear.backends import available_backends
+from fe_engine.solve import stage as linear_stage
+from fe_engine.solve.newton import Loading, Newton
 from fe_engine.state import State
-from tests.fe_engine.models import CONTACT, footing, replace, run, stage, start, taylor_slope
+from tests.support.models import CONTACT, footing, replace, run, stage, start, taylor_slope
 
 VERTICAL = 2.0e4 * 0.5  # N: initial pressure times the area of the footing
 STEPS = {"first_fraction": 0.05, "max_fraction": 0.2}
@@ -259,7 +259,7 @@ def test_a_step_whose_residual_jumps_is_shortened_where_the_next_correction_is_l
 @pytest.mark.parametrize(("tolerance", "recycle_from"), [(1.0e-2, 10**9), (3.0e-3, 0)])
 def test_the_border_is_held_ten_times_closer_to_balance(tolerance, recycle_from, monkeypatch):
     """What the tolerance of all equations would leave there (0.29 and 0.11 of it) turns the body."""
-    monkeypatch.setattr(newton, "bounds", lambda _: (0.01, 0.1))  # as of a large model
+    monkeypatch.setattr(linear_stage, "bounds", lambda _: (0.01, 0.1))  # as of a large model
     wanted, left = STAGES["heave fixed"], []
     out = run(footing(), wanted, tolerance=tolerance, recycle_from=recycle_from)
     for step in out.steps:

@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 import pytest
 
-from fe_engine.step_size import StepSize
+from fe_engine.solve.step_size import StepSize
 
 
 def walk(size: StepSize, limit: float, number: int) -> tuple[int, int]:

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from fe_engine.conventions import ELASTIC
 from fe_engine.errors import NotConverged
+from fe_engine.solve.step_size import LIMITS, StepSize
+from fe_engine.solve.stepping import Driver, _next, fewest_increments
 from fe_engine.state import State
-from fe_engine.step_size import LIMITS, StepSize
-from fe_engine.stepping import Driver, _next, fewest_increments
-from tests.fe_engine.models import footing, run, soil, stage, start
+from tests.support.models import footing, run, soil, stage, start
 
 CAPACITY = 0.5 * 2.0e4 * 0.5  # N: mu times pressure times area
 KINDS = {
@@ -246,3 +246,16 @@ def test_the_stiffness_of_an_increment_is_the_work_of_the_force_over_the_motion(
 
 def test_where_no_force_is_given_there_is_no_such_stiffness():
     assert run(footing(), stage({0: 1.0e-6})).driver.stiffness is None
+
+
+def test_an_increment_that_is_refused_is_tried_again_in_a_smaller_one():
+    """Up to half of the stage; beyond, every attempt is given up and recorded, and the reason ends the stage."""
+    pull = KINDS["pull"]
+    half = 0.5 * abs(run(footing(), pull).state.committed.border[0])
+    out = start(footing())
+    out.driver.refusal = lambda border: "too far" if abs(border[0]) > half * (1.0 + 1e-9) else ""
+    with pytest.raises(NotConverged, match=r"^too far; last residuals"):
+        out.driver.run(pull, out.steps.append)
+    assert out.steps[-1].fraction == pytest.approx(0.5, abs=1e-5)
+    assert {error.reason for _, _, error in out.driver.given_up} == {"too far"}
+    assert sum(not row["converged"] for row in out.driver.record) >= len(out.driver.given_up) > 0

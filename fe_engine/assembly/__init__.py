@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Residual and tangent on a fixed sparsity pattern."""

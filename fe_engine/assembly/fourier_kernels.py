@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: MIT
+"""Compiled loops over the points of a Fourier model: soil, its tangent, and contact; nothing is decided here.
+
+Coefficients, and the forces on them, are arrays (n, 3, K), K = N + 1. One thread: sums have one order.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fe_engine.compiled import njit
+from fe_engine.contact import coulomb
+from fe_engine.conventions import OK, REGIME_ELASTIC
+from fe_engine.elements.fourier import add_amplitudes, add_force, amplitudes, strain_at
+from fe_engine.soil.dispatch import update_soil
+from fe_engine.soil.elastic import stored_density, subtract_elastic_tangent
+
+_update_contact = coulomb.update
+_linearise_contact = coulomb.linearise
+
+
+class Soil(NamedTuple):
+    """Section elements (ne, 8), see fourier_elements; waves (M, K, 2), weight: radians an azimuth stands for."""
+
+    quads: np.ndarray
+    gradient: np.ndarray
+    volume: np.ndarray
+    waves: np.ndarray
+    weight: float
+    material: np.ndarray
+    laws: np.ndarray
+    parameters: np.ndarray
+    initial_stress: np.ndarray
+
+
+class Contact(NamedTuple):
+    """Stations: node (ns,), jump = operator (3, 3, K) : coefficients - body (3, nb) border, all in their frames."""
+
+    node: np.ndarray
+    operator: np.ndarray
+    body: np.ndarray
+    area: np.ndarray
+    parameters: np.ndarray
+    initial_pressure: np.ndarray
+
+
+@njit
+def gather(nodes, new, old, out):
+    """Write the increment of the coefficients (8, 3, K) of an element."""
+    for a in range(8):
+        n = nodes[a]
+        for i in range(3):
+            for k in range(out.shape[2]):
+                out[a, i, k] = new[n, i, k] - old[n, i, k]
+
+
+@njit
+def soil_forces(soil, old, new, regime, want, tangent, force):
+    """Add the forces of the soil to force (n, 3, K); ``old`` and ``new`` are (displacement, stress, history).
+
+    Where ``want``, tangent (ne, 4 M, 6, 6) gets what the points that are not elastic have beyond the elastic tangent,
+    times the volume of the point. Returns -1, or the number of an element whose law did not converge.
+    """
+    n_azimuths, n_waves = soil.waves.shape[0], soil.waves.shape[1]
+    move = np.empty((8, 3, n_waves))
+    strains, stresses = np.empty((n_waves, 6)), np.empty((n_waves, 6))
+    strain, change, c = np.empty(6), np.empty(6), np.empty((6, 6))
+    for e in range(soil.quads.shape[0]):
+        law, p = soil.laws[soil.material[e]], soil.parameters[soil.material[e]]
+        gather(soil.quads[e], new[0], old[0], move)
+        for g in range(4):
+            amplitudes(soil.gradient[e, g], move, strains)
+            stresses[:] = 0.0
+            volume = soil.weight * soil.volume[e, g]
+            for j in range(n_azimuths):
+                point = g * n_azimuths + j
+                strain_at(strains, soil.waves[j], strain)
+                status, what = update_soil(
+                    law, p, strain, old[1][e, point], old[2][e, point], new[1][e, point], new[2][e, point], c, want
+                )
+                if status != OK:
+                    return e
+                regime[e, point] = what
+                for i in range(6):
+                    change[i] = new[1][e, point, i] - soil.initial_stress[e, point, i]
+                add_amplitudes(change, soil.waves[j], volume, stresses)
+                if want and what != REGIME_ELASTIC:
+                    subtract_elastic_tangent(p[0], p[1], c)
+                    for i in range(6):
+                        for m in range(6):
+                            tangent[e, point, i, m] = volume * c[i, m]
+            add_force(soil.gradient[e, g], stresses, soil.quads[e], force)
+    return -1
+
+
+@njit
+def plastic_product(soil, regime, tangent, x, out):
+    """Add to out (n, 3, K) what the soil's tangent has beyond the elastic one, times x (n, 3, K)."""
+    n_azimuths, n_waves = soil.waves.shape[0], soil.waves.shape[1]
+    move = np.empty((8, 3, n_waves))
+    strains, stresses = np.empty((n_waves, 6)), np.empty((n_waves, 6))
+    strain, stress = np.empty(6), np.empty(6)
+    for e in range(soil.quads.shape[0]):
+        yields = False
+        for point in range(regime.shape[1]):
+            yields |= regime[e, point] != REGIME_ELASTIC
+        if not yields:
+            continue
+        for a in range(8):
+            move[a] = x[soil.quads[e, a]]
+        for g in range(4):
+            amplitudes(soil.gradient[e, g], move, strains)
+            stresses[:] = 0.0
+            for j in range(n_azimuths):
+                point = g * n_azimuths + j
+                if regime[e, point] == REGIME_ELASTIC:
+                    continue
+                strain_at(strains, soil.waves[j], strain)
+                for i in range(6):
+                    stress[i] = 0.0
+                    for m in range(6):
+                        stress[i] += tangent[e, point, i, m] * strain[m]
+                add_amplitudes(stress, soil.waves[j], 1.0, stresses)
+            add_force(soil.gradient[e, g], stresses, soil.quads[e], out)
+
+
+@njit
+def soil_work(soil, old, new):
+    """Return (stored, dissipated, initial) work of a step in J; ``old`` and ``new`` are (displacement, stress)."""
+    n_azimuths, n_waves = soil.waves.shape[0], soil.waves.shape[1]
+    move, strains, strain = np.empty((8, 3, n_waves)), np.empty((n_waves, 6)), np.empty(6)
+    stored, dissipated, initial = 0.0, 0.0, 0.0
+    for e in range(soil.quads.shape[0]):
+        p = soil.parameters[soil.material[e]]
+        gather(soil.quads[e], new[0], old[0], move)
+        for g in range(4):
+            amplitudes(soil.gradient[e, g], move, strains)
+            volume = soil.weight * soil.volume[e, g]
+            for j in range(n_azimuths):
+                point = g * n_azimuths + j
+                strain_at(strains, soil.waves[j], strain)
+                done, begun = 0.0, 0.0
+                for i in range(6):
+                    done += 0.5 * (old[1][e, point, i] + new[1][e, point, i]) * strain[i]
+                    begun += soil.initial_stress[e, point, i] * strain[i]
+                kept = stored_density(p[0], p[1], new[1][e, point]) - stored_density(p[0], p[1], old[1][e, point])
+                stored += volume * kept
+                dissipated += volume * (done - kept)
+                initial += volume * begun
+    return stored, dissipated, initial
+
+
+@njit
+def strain_step(soil, e, point, old, new):
+    """Return the strain increment (6,) of a point between two displacements."""
+    n_azimuths, n_waves = soil.waves.shape[0], soil.waves.shape[1]
+    move, strains, strain = np.empty((8, 3, n_waves)), np.empty((n_waves, 6)), np.empty(6)
+    gather(soil.quads[e], new, old, move)
+    amplitudes(soil.gradient[e, point // n_azimuths], move, strains)
+    strain_at(strains, soil.waves[point % n_azimuths], strain)
+    return strain
+
+
+@njit
+def _jump(s, k, displacement, border, out):
+    """Write the jump (3,) of station k in its frame: soil minus body."""
+    node = s.node[k]
+    for i in range(3):
+        out[i] = 0.0
+        for c in range(3):
+            for m in range(displacement.shape[2]):
+                out[i] += s.operator[k, i, c, m] * displacement[node, c, m]
+        for j in range(len(border)):
+            out[i] -= s.body[k, i, j] * border[j]
+
+
+@njit
+def station_jumps(s, displacement, border):
+    """Return the jumps (ns, 3) in m of all stations in their frames."""
+    out = np.empty((len(s.area), 3))
+    for k in range(len(s.area)):
+        _jump(s, k, displacement, border, out[k])
+    return out
+
+
+@njit
+def _add_traction(s, k, traction, free, border):
+    """Add the change of contact force of station k since the initial state."""
+    node = s.node[k]
+    for i in range(3):
+        force = s.area[k] * (traction[i] + (s.initial_pressure[k] if i == 0 else 0.0))
+        for c in range(3):
+            for m in range(s.operator.shape[3]):
+                free[node, c, m] += s.operator[k, i, c, m] * force
+        for j in range(len(border)):
+            border[j] -= s.body[k, i, j] * force
+
+
+@njit
+def add_tractions(s, traction, free, border):
+    """Add the changes of the contact forces of all stations, for tractions (ns, 3)."""
+    for k in range(len(s.area)):
+        _add_traction(s, k, traction[k], free, border)
+
+
+@njit
+def contact_forces(s, old, new, contact_state, free, border):
+    """Add the contact forces of the law; ``old`` and ``new`` are (displacement, border, traction)."""
+    jump, jump_old = np.empty(3), np.empty(3)
+    for k in range(len(s.area)):
+        _jump(s, k, new[0], new[1], jump)
+        _jump(s, k, old[0], old[1], jump_old)
+        contact_state[k] = _update_contact(s.parameters[k], s.initial_pressure[k], jump, jump_old, old[2][k], new[2][k])
+        _add_traction(s, k, new[2][k], free, border)
+
+
+@njit
+def linear_contact(s, old, new, iterate, fresh, free, border):
+    """Add the linearised contact forces; see kernels.station_tangent, whose ``iterate`` holds the tangent, too."""
+    jump, jump_old, guess = np.empty(3), np.empty(3), np.empty(3)
+    for k in range(len(s.area)):
+        _jump(s, k, new[0], new[1], jump)
+        _jump(s, k, old[0], old[1], jump_old)
+        restart = fresh or iterate[1][k, 0] == 0.0
+        for i in range(3):
+            guess[i] = new[2][k, i] if restart else iterate[1][k, i]
+            if not restart:
+                for j in range(3):
+                    guess[i] += iterate[2][k, i, j] * (jump[j] - iterate[0][k, j])
+        _linearise_contact(
+            s.parameters[k], s.initial_pressure[k], jump, jump_old, old[2][k], guess, iterate[1][k], iterate[2][k]
+        )
+        iterate[0][k, :] = jump
+        _add_traction(s, k, iterate[1][k], free, border)
+
+
+@njit
+def contact_matrix(s, tangent, place, out):
+    """Add the tangents (ns, 3, 3) of the stations to out (m + nb, m + nb): the interface, then the border.
+
+    ``place`` (ns, 3, K) is where a coefficient stands in the interface, -1 where it is held.
+    """
+    n_waves, n_border = s.operator.shape[3], s.body.shape[2]
+    m = out.shape[0] - n_border
+    width = 3 * n_waves + n_border
+    row, at = np.zeros((3, width)), np.zeros(width, dtype=np.int64)
+    for k in range(len(s.area)):
+        n = 0
+        for c in range(3):
+            for w in range(n_waves):
+                if place[k, c, w] >= 0:
+                    at[n] = place[k, c, w]
+                    for i in range(3):
+                        row[i, n] = s.operator[k, i, c, w]
+                    n += 1
+        for j in range(n_border):
+            at[n] = m + j
+            for i in range(3):
+                row[i, n] = -s.body[k, i, j]
+            n += 1
+        for a in range(n):
+            for i in range(3):
+                left = 0.0
+                for h in range(3):
+                    left += row[h, a] * tangent[k, h, i]
+                left *= s.area[k]
+                if left != 0.0:
+                    for b in range(n):
+                        out[at[a], at[b]] += left * row[i, b]

@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: MIT
+"""Factors of the matrices of all harmonics on one section, which have the same pattern of 3 x 3 blocks a pair of nodes.
+
+Each matrix is K = L D L^T with the kept nodes I last. All others are eliminated,
+
+    forward:  D^-1 L^-1 of the eliminated part, and the right-hand side that is left for I,
+    backward: the eliminated unknowns from those of I,
+
+and their Schur complement S on I stays, dense: whatever is added to S, a solve goes through the factors once in each
+direction. Four harmonics at a time go through the loops, as lanes of a vector; missing ones are unit matrices.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix, csc_matrix, identity
+from scipy.sparse.linalg import splu
+
+from fe_engine.compiled import njit
+from fe_engine.errors import LinearSolverError
+
+LANES = 4
+_SYMMETRIC = {"SymmetricMode": True}
+
+
+class HarmonicFactors:
+    """Factors for vectors (n, 3, K) on the nodes of a section, K harmonics.
+
+    Attributes
+    ----------
+    kept : (nk,) nodes that are not eliminated; schur : (K, 3 nk, 3 nk), three rows a node.
+    n_entries : numbers in the factors.
+    """
+
+    def __init__(self, elements: np.ndarray, kept: np.ndarray, stiffness: np.ndarray, held: np.ndarray) -> None:
+        """Factorise.
+
+        Parameters
+        ----------
+        elements : (ne, nn) nodes; kept : (nk,) nodes that stay; stiffness : (K, ne, 3 nn, 3 nn) of each harmonic.
+        held : (n, 3, K) bool, where a unit row and column stand; no stiffness may be there.
+        """
+        n_waves = len(stiffness)
+        n = len(held)
+        self.kept, self.n_waves, self._n = kept, n_waves, n
+        self._node, self._pointer, self._row = _symbolic(elements, kept, n)
+        self._place = np.empty(n, dtype=np.int64)
+        self._place[self._node] = np.arange(n)
+        self._n_eliminated = n - len(kept)
+        self._groups = []
+        self.schur = np.empty((n_waves, 3 * len(kept), 3 * len(kept)))
+        numbers = self._place[elements]
+        for first in range(0, n_waves, LANES):
+            ks = range(first, min(first + LANES, n_waves))
+            diagonal, lower = np.zeros((n, 3, 3, LANES)), np.zeros((len(self._row), 3, 3, LANES))
+            for lane, k in enumerate(ks):
+                _assemble(numbers, stiffness[k], self._pointer, self._row, lane, diagonal, lower)
+            unit = np.ones((n, 3, LANES), dtype=bool)
+            unit[:, :, : len(ks)] = held[self._node][:, :, first : first + LANES]
+            node, i, lane_of = np.nonzero(unit)
+            diagonal[node, i, i, lane_of] = 1.0
+            inverse = np.zeros((self._n_eliminated, 3, 3, LANES))
+            if not _factorise(self._n_eliminated, self._pointer, self._row, diagonal, lower, inverse):
+                raise LinearSolverError("the stiffness of a harmonic is not positive definite")
+            for lane, k in enumerate(ks):
+                self.schur[k] = self._dense(diagonal[..., lane], lower[..., lane])
+            used = self._pointer[self._n_eliminated]
+            self._groups.append((first, len(ks), np.ascontiguousarray(lower[:used]), inverse))
+        self.n_entries = sum(lower.size + inverse.size for _, _, lower, inverse in self._groups)
+
+    def forward(self, rhs: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
+        """Eliminate rhs (n, 3, K): return what `backward` needs, and what is left (nk, 3, K) for the kept nodes."""
+        swept, left = [], np.empty((len(self.kept), 3, self.n_waves))
+        for first, count, lower, inverse in self._groups:
+            x = np.zeros((self._n, 3, LANES))
+            _put(self._node, rhs, first, count, x)
+            _forward(self._n_eliminated, self._pointer, self._row, lower, inverse, x)
+            left[:, :, first : first + count] = x[self._n_eliminated :, :, :count]
+            swept.append(x)
+        return swept, left
+
+    def backward(self, swept: list[np.ndarray], kept: np.ndarray) -> np.ndarray:
+        """Return the unknowns (n, 3, K), those of the kept nodes (nk, 3, K) being known; uses up ``swept``."""
+        out = np.empty((self._n, 3, self.n_waves))
+        for (first, count, lower, _), x in zip(self._groups, swept, strict=True):
+            x[self._n_eliminated :, :, :count] = kept[:, :, first : first + count]
+            _backward(self._n_eliminated, self._pointer, self._row, lower, x)
+            _take(self._node, x, first, count, out)
+        return out
+
+    def _dense(self, diagonal: np.ndarray, lower: np.ndarray) -> np.ndarray:
+        """Schur complement (3 nk, 3 nk) of one lane."""
+        m, size = self._n_eliminated, len(self.kept)
+        found = np.zeros((size, 3, size, 3))
+        for j in range(size):
+            found[j, :, j] = diagonal[m + j]
+            entries = slice(self._pointer[m + j], self._pointer[m + j + 1])
+            rows = self._row[entries] - m
+            found[rows, :, j] = lower[entries]
+            found[j, :, rows] = lower[entries].transpose(0, 2, 1)
+        return found.reshape(3 * size, 3 * size)
+
+
+def _symbolic(elements: np.ndarray, kept: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Node at each place of the elimination, and the rows (CSC, strictly below the diagonal) of each column of L."""
+    graph = _graph(elements, n)
+    last = np.zeros(n, dtype=bool)
+    last[kept] = True
+    inner = np.flatnonzero(~last)
+    order = splu(graph[inner][:, inner], permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=_SYMMETRIC).perm_c
+    sequence = np.concatenate([inner[np.argsort(order)], kept])
+    factors = splu(graph[sequence][:, sequence], permc_spec="NATURAL", diag_pivot_thresh=0.0, options=_SYMMETRIC)
+    # SuperLU numbers a natural order anew, along the tree in which columns depend on each other
+    moved = np.argsort(factors.perm_c)
+    if not np.array_equal(moved[len(inner) :], np.arange(len(inner), n)):
+        raise LinearSolverError("the nodes of the interface are not connected through the soil")
+    lower = csc_matrix(factors.L)
+    lower.sort_indices()
+    pointer = lower.indptr - np.arange(n + 1)  # the first of each column is its diagonal
+    return sequence[moved], pointer.astype(np.int64), np.delete(lower.indices, lower.indptr[:-1]).astype(np.int32)
+
+
+def _graph(elements: np.ndarray, n: int) -> csc_matrix:
+    """Matrix (n, n) with entries where two nodes share an element, diagonally dominant: no entry of L cancels."""
+    nn = elements.shape[1]
+    row, column = np.repeat(elements, nn, axis=1).ravel(), np.tile(elements, (1, nn)).ravel()
+    pairs = coo_matrix((np.ones(len(row)), (row, column)), shape=(n, n)).tocsc()
+    pairs.data[:] = -1.0
+    heavy = 2.0 * float(np.diff(pairs.indptr).max())
+    return (pairs + heavy * identity(n, format="csc")).tocsc()
+
+
+@njit
+def _assemble(numbers, stiffness, pointer, row, lane, diagonal, lower):
+    """Add the stiffnesses (ne, 3 nn, 3 nn) of one harmonic to the blocks on and below the diagonal."""
+    for e in range(numbers.shape[0]):
+        for a in range(numbers.shape[1]):
+            for b in range(numbers.shape[1]):
+                i, j = numbers[e, a], numbers[e, b]
+                if i < j:
+                    continue
+                if i == j:
+                    for r in range(3):
+                        for c in range(3):
+                            diagonal[i, r, c, lane] += stiffness[e, 3 * a + r, 3 * b + c]
+                    continue
+                p = pointer[j] + np.searchsorted(row[pointer[j] : pointer[j + 1]], i)
+                for r in range(3):
+                    for c in range(3):
+                        lower[p, r, c, lane] += stiffness[e, 3 * a + r, 3 * b + c]
+
+
+@njit
+def _factorise(n_eliminated, pointer, row, diagonal, lower, inverse):
+    """Eliminate column by column, in place; ``inverse`` gets the inverted pivots. False where one is not positive."""
+    longest = 0
+    for j in range(n_eliminated):
+        longest = max(longest, pointer[j + 1] - pointer[j])
+    column = np.empty((longest, 3, 3, LANES))  # of A, where ``lower`` gets that of L
+    for j in range(n_eliminated):
+        for k in range(LANES):
+            if not _invert(diagonal[j, :, :, k], inverse[j, :, :, k]):
+                return False
+        start, end = pointer[j], pointer[j + 1]
+        column[: end - start] = lower[start:end]
+        for p in range(start, end):
+            for r in range(3):
+                for c in range(3):
+                    for k in range(LANES):
+                        total = 0.0
+                        for h in range(3):
+                            total += column[p - start, r, h, k] * inverse[j, h, c, k]
+                        lower[p, r, c, k] = total
+        for q in range(start, end):
+            target = row[q]
+            _update(lower[q], column[q - start], diagonal[target])
+            at = pointer[target]
+            for p in range(q + 1, end):
+                while row[at] != row[p]:
+                    at += 1
+                _update(lower[p], column[q - start], lower[at])
+    return True
+
+
+@njit
+def _update(left, right, out):
+    """Subtract left right^T, lane by lane."""
+    for r in range(3):
+        for c in range(3):
+            for k in range(LANES):
+                total = left[r, 0, k] * right[c, 0, k] + left[r, 1, k] * right[c, 1, k]
+                out[r, c, k] -= total + left[r, 2, k] * right[c, 2, k]
+
+
+@njit
+def _invert(a, out):
+    """Invert a symmetric positive definite 3 x 3 matrix; False where it is not."""
+    m00 = a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1]
+    m01 = a[0, 2] * a[2, 1] - a[0, 1] * a[2, 2]
+    m02 = a[0, 1] * a[1, 2] - a[0, 2] * a[1, 1]
+    determinant = a[0, 0] * m00 + a[1, 0] * m01 + a[2, 0] * m02
+    minor = a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]
+    if not (a[0, 0] > 0.0 and minor > 0.0 and determinant > 0.0):
+        return False
+    d = 1.0 / determinant
+    out[0, 0], out[0, 1], out[0, 2] = d * m00, d * m01, d * m02
+    out[1, 1], out[2, 2] = d * (a[0, 0] * a[2, 2] - a[0, 2] * a[2, 0]), d * minor
+    out[1, 2] = d * (a[0, 2] * a[1, 0] - a[0, 0] * a[1, 2])
+    out[1, 0], out[2, 0], out[2, 1] = out[0, 1], out[0, 2], out[1, 2]
+    return True
+
+
+@njit
+def _put(node, rhs, first, count, x):
+    for j in range(len(node)):
+        for i in range(3):
+            for k in range(count):
+                x[j, i, k] = rhs[node[j], i, first + k]
+
+
+@njit
+def _take(node, x, first, count, out):
+    for j in range(len(node)):
+        for i in range(3):
+            for k in range(count):
+                out[node[j], i, first + k] = x[j, i, k]
+
+
+@njit
+def _forward(n_eliminated, pointer, row, lower, inverse, x):
+    """Lanes are written out: the compiler cannot know that x and the factors share no memory."""
+    for j in range(n_eliminated):
+        u0, u1, u2, u3 = x[j, 0, 0], x[j, 0, 1], x[j, 0, 2], x[j, 0, 3]
+        v0, v1, v2, v3 = x[j, 1, 0], x[j, 1, 1], x[j, 1, 2], x[j, 1, 3]
+        w0, w1, w2, w3 = x[j, 2, 0], x[j, 2, 1], x[j, 2, 2], x[j, 2, 3]
+        for p in range(pointer[j], pointer[j + 1]):
+            i = row[p]
+            for a in range(3):
+                f = lower[p, a]
+                t0 = x[i, a, 0] - f[0, 0] * u0 - f[1, 0] * v0 - f[2, 0] * w0
+                t1 = x[i, a, 1] - f[0, 1] * u1 - f[1, 1] * v1 - f[2, 1] * w1
+                t2 = x[i, a, 2] - f[0, 2] * u2 - f[1, 2] * v2 - f[2, 2] * w2
+                t3 = x[i, a, 3] - f[0, 3] * u3 - f[1, 3] * v3 - f[2, 3] * w3
+                x[i, a, 0], x[i, a, 1], x[i, a, 2], x[i, a, 3] = t0, t1, t2, t3
+        for a in range(3):
+            f = inverse[j, a]
+            x[j, a, 0] = f[0, 0] * u0 + f[1, 0] * v0 + f[2, 0] * w0
+            x[j, a, 1] = f[0, 1] * u1 + f[1, 1] * v1 + f[2, 1] * w1
+            x[j, a, 2] = f[0, 2] * u2 + f[1, 2] * v2 + f[2, 2] * w2
+            x[j, a, 3] = f[0, 3] * u3 + f[1, 3] * v3 + f[2, 3] * w3
+
+
+@njit
+def _backward(n_eliminated, pointer, row, lower, x):
+    for j in range(n_eliminated - 1, -1, -1):
+        u0, u1, u2, u3 = x[j, 0, 0], x[j, 0, 1], x[j, 0, 2], x[j, 0, 3]
+        v0, v1, v2, v3 = x[j, 1, 0], x[j, 1, 1], x[j, 1, 2], x[j, 1, 3]
+        w0, w1, w2, w3 = x[j, 2, 0], x[j, 2, 1], x[j, 2, 2], x[j, 2, 3]
+        for p in range(pointer[j], pointer[j + 1]):
+            i = row[p]
+            for a in range(3):
+                f = lower[p, a]
+                t0, t1, t2, t3 = x[i, a, 0], x[i, a, 1], x[i, a, 2], x[i, a, 3]
+                u0, u1, u2, u3 = u0 - f[0, 0] * t0, u1 - f[0, 1] * t1, u2 - f[0, 2] * t2, u3 - f[0, 3] * t3
+                v0, v1, v2, v3 = v0 - f[1, 0] * t0, v1 - f[1, 1] * t1, v2 - f[1, 2] * t2, v3 - f[1, 3] * t3
+                w0, w1, w2, w3 = w0 - f[2, 0] * t0, w1 - f[2, 1] * t1, w2 - f[2, 2] * t2, w3 - f[2, 3] * t3
+        x[j, 0, 0], x[j, 0, 1], x[j, 0, 2], x[j, 0, 3] = u0, u1, u2, u3
+        x[j, 1, 0], x[j, 1, 1], x[j, 1, 2], x[j, 1, 3] = v0, v1, v2, v3
+        x[j, 2, 0], x[j, 2, 1], x[j, 2, 2], x[j, 2, 3] = w0, w1, w2, w3

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Balances of energy and water."""

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Linear solvers behind one interface."""

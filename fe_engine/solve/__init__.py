@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Newton iterations, globalisation, load and time steps."""

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: MIT
+"""Newton steps of a Fourier model by GMRES, preconditioned with elastic soil and the contact of the present tangent.
+
+The tangent is P + D: P has the soil at rest, the contact of the stations and the border, D what the soil that yields
+has beyond the elastic tangent. The series takes the soil at rest apart into one matrix a harmonic, factorised once with
+the equations of the interface left over (see `harmonic_factors`): their Schur complement S, the contact and the border
+make a dense matrix, which is factorised at each step. So P is inverted exactly. With x = P^-1 (rhs + v) there is
+
+    (1 + D P^-1) v = -D P^-1 rhs,
+
+where v has forces on elements that yield alone: GMRES (Saad & Schultz 1986) finds it in a few iterations, none where
+the soil is elastic.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.linalg import lapack, solve_triangular
+
+from fe_engine.assembly.fourier_system import FourierSystem, FourierTangent
+from fe_engine.assembly.system import Residual
+from fe_engine.clock import Clock
+from fe_engine.errors import LinearSolverError
+from fe_engine.linear.preconditioner import Control, Origin
+from fe_engine.linear.recycled import control_of
+from fe_engine.solve.stage import Balance
+
+# Shares of its residual within which a system is solved
+_BOUNDS = (1.0e-2, 0.1)
+_MOST = 200  # iterations; more than that says that the tangent is nearly singular
+_EXACT = 1.0e-10
+
+
+class FourierStage:
+    """Solves bordered systems of a Fourier model; see `linear_stage.LinearStage`.
+
+    Attributes
+    ----------
+    n_factorisations, n_solves, n_iterations : dense factorisations, solves with P, and iterations so far.
+    worst_residual : 0, since systems are solved as far as Newton asks.
+    """
+
+    bounds = _BOUNDS
+
+    def __init__(self, system: FourierSystem, clock: Clock | None = None) -> None:
+        self.system, self.clock = system, clock or Clock()
+        self.backend = SimpleNamespace(name="fourier")
+        self.n_factorisations = self.n_solves = self.n_iterations = 0
+        self.worst_residual = 0.0
+
+    # --- Newton's questions ---
+
+    def begin_increment(self) -> None:
+        """Nothing is kept from increment to increment."""
+
+    def end_increment(self) -> None:
+        """Nothing is kept from increment to increment."""
+
+    def forget(self) -> None:
+        """Nothing is kept from increment to increment."""
+
+    @property
+    def origin(self) -> Origin | None:
+        """None: the next increment depends on the state alone."""
+        return None
+
+    def restore(self, origin: Origin) -> None:
+        """Nothing has to be taken up."""
+
+    def condition_estimate(self) -> float | None:
+        """None: no tangent is ever assembled."""
+        return None
+
+    def close(self) -> None:
+        """Nothing has to be released."""
+
+    def step(
+        self, linear: Residual, tangent: FourierTangent, balance: Balance, share: float, imposed: bool
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """See `linear_stage.LinearStage`."""
+        control = control_of(balance.control, balance.load, balance.violation, balance.scale)
+        p = self._preconditioner(tangent, control)
+        rhs = p.right_hand_side(-linear.free, -balance.unbalanced)
+        x = self._solve(p, tangent, rhs, share, None if imposed else float(np.linalg.norm(linear.free)))
+        return p.motions(x)
+
+    def border_stiffness(self, tangent: FourierTangent) -> np.ndarray:
+        """Stiffness (nb, nb) of the border: its forces under unit motions."""
+        nb, n = self.system.model.n_border, self.system.pattern.n_free
+        none, found = np.zeros((nb, 0)), np.empty((nb, nb))
+        for j in range(nb):
+            p = self._preconditioner(tangent, Control(np.eye(nb)[j], none, none))
+            x = self._solve(p, tangent, p.right_hand_side(np.zeros(n), np.zeros(nb)), _EXACT, None)
+            found[:, j] = p.border_force(x)
+        return found
+
+    def _preconditioner(self, tangent: FourierTangent, control: Control) -> Preconditioner:
+        with self.clock.phase("factorisation"):
+            self.n_factorisations += 1
+            return Preconditioner(self.system, tangent, control)
+
+    def _solve(
+        self, p: Preconditioner, tangent: FourierTangent, rhs: np.ndarray, share: float, size: float | None
+    ) -> np.ndarray:
+        """Solve for rhs (n + k,), up to a share of ``size`` (N), or of what P alone leaves where that is None."""
+        with self.clock.phase("solve"):
+            x, n = p.solve(rhs), self.system.pattern.n_free
+            self.n_solves += 1
+            v = -self.system.plastic_product(tangent, x[:n])
+            left = float(np.linalg.norm(v))
+            target = share * (left if size is None else size)
+            return x if left <= target else x + self._gmres(p, tangent, v, left, target)
+
+    def _gmres(
+        self, p: Preconditioner, tangent: FourierTangent, v: np.ndarray, size: float, target: float
+    ) -> np.ndarray:
+        """Solve (P + D) x = v (n,) from x = 0, with the norm ``size`` of v, until ``target`` is left."""
+        n, most = len(v), min(_MOST, len(v))
+        basis, images = np.empty((most + 1, n)), np.empty((most, p.size))
+        upper, turns, rhs = np.zeros((most + 1, most)), np.zeros((most, 2)), np.zeros(most + 1)
+        basis[0], rhs[0] = v / size, size
+        padded = np.zeros(p.size)
+        for k in range(most):
+            padded[:n] = basis[k]
+            images[k] = p.solve(padded)
+            w = basis[k] + self.system.plastic_product(tangent, images[k, :n])
+            for _ in range(2):  # once is not enough in floating point
+                shares = basis[: k + 1] @ w
+                w -= shares @ basis[: k + 1]
+                upper[: k + 1, k] += shares
+            upper[k + 1, k] = np.linalg.norm(w)
+            _turn(upper[:, k], turns, rhs, k)
+            self.n_iterations += 1
+            self.n_solves += 1
+            if not np.isfinite(rhs[k + 1]):
+                raise LinearSolverError("GMRES overflows")
+            if abs(rhs[k + 1]) <= target:
+                found: np.ndarray = solve_triangular(upper[: k + 1, : k + 1], rhs[: k + 1]) @ images[: k + 1]
+                return found
+            basis[k + 1] = w / np.linalg.norm(w)
+        raise LinearSolverError(f"GMRES leaves {abs(rhs[most]) / size:.1e} of the forces after {most} iterations")
+
+
+class Preconditioner:
+    """P, inverted: elastic soil, contact of one tangent, and a border of which some motions are free.
+
+    Vectors are (n + k,): free equations, then the free motions of the border or its forces along them. size : n + k.
+    """
+
+    def __init__(self, system: FourierSystem, tangent: FourierTangent, control: Control) -> None:
+        self.factors, self.n, self.control = system.factors, system.pattern.n_free, control
+        self._kept, self._shape = system.pattern.interface, system.model.displacement_shape
+        self._inside = system.pattern.place[system.pattern.kept]
+        m = len(self._kept)
+        self._contact = contact = system.contact_matrix(tangent)
+        k = control.motions.shape[1]
+        self.size = self.n + k
+        matrix = np.empty((m + k, m + k), order="F")
+        matrix[:m, :m] = system.schur + contact[:m, :m]
+        matrix[:m, m:] = contact[:m, m:] @ control.motions
+        matrix[m:, :m] = control.forces.T @ contact[m:, :m]
+        matrix[m:, m:] = control.forces.T @ contact[m:, m:] @ control.motions
+        self._lu, self._pivots, wrong = lapack.dgetrf(matrix, overwrite_a=True)
+        if wrong:
+            raise LinearSolverError("the interface is singular")
+
+    def right_hand_side(self, free: np.ndarray, border: np.ndarray) -> np.ndarray:
+        """Right-hand side (n + k,) of forces (n,), (nb,), less those of the imposed motions."""
+        kept, b = self._kept, self.control.imposed
+        imposed = self._contact[:, len(kept) :] @ b
+        rhs = np.concatenate([free, self.control.forces.T @ (border - imposed[len(kept) :])])
+        rhs[kept] -= imposed[: len(kept)]
+        return rhs
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        """Apply the inverse to rhs (n + k,)."""
+        swept, left = self.factors.forward(rhs[: self.n].reshape(self._shape))
+        inside, m = self._inside, len(self._kept)
+        free = inside >= 0
+        middle, _ = lapack.dgetrs(self._lu, self._pivots, np.concatenate([left[free], rhs[self.n :]]))
+        kept = np.zeros(inside.shape)
+        kept[free] = middle[:m]
+        return np.concatenate([self.factors.backward(swept, kept).ravel(), middle[m:]])
+
+    def motions(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Motions (n,), (nb,) of a solution, the imposed ones included."""
+        return x[: self.n], self.control.imposed + self.control.motions @ x[self.n :]
+
+    def border_force(self, x: np.ndarray) -> np.ndarray:
+        """Forces (nb,) on the border under a solution."""
+        free, border = self.motions(x)
+        m = len(self._kept)
+        found: np.ndarray = self._contact[m:, :m] @ free[self._kept] + self._contact[m:, m:] @ border
+        return found
+
+
+def _turn(column: np.ndarray, turns: np.ndarray, rhs: np.ndarray, k: int) -> None:
+    """Make a column (k + 2,) of the Hessenberg matrix upper triangular by plane rotations, of which one is new."""
+    for j in range(k):
+        c, s = turns[j]
+        column[j], column[j + 1] = c * column[j] + s * column[j + 1], c * column[j + 1] - s * column[j]
+    size = float(np.hypot(column[k], column[k + 1]))
+    if size == 0.0:
+        raise LinearSolverError("the tangent is singular")
+    c, s = column[k] / size, column[k + 1] / size
+    turns[k] = c, s
+    column[k], column[k + 1] = size, 0.0
+    rhs[k], rhs[k + 1] = c * rhs[k], -s * rhs[k]

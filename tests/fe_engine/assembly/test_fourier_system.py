@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: MIT
+"""Fourier systems: residual and tangent against a plain loop, consistency, linear steps, balance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fe_engine.assembly import fourier_kernels as kernels
+from fe_engine.assembly.fourier_system import FourierSystem
+from fe_engine.balance.energy import EnergyBalance
+from fe_engine.contact import coulomb
+from fe_engine.conventions import ELASTIC
+from fe_engine.elements import fourier as elements
+from fe_engine.errors import LawError, ModelError
+from fe_engine.soil.dispatch import update_soil
+from fe_engine.solve.fourier_stage import FourierStage
+from fe_engine.solve.stage import Balance
+from fe_engine.state import State
+from tests.support.fourier_models import disc, run, start
+from tests.support.models import replace, stage, taylor_slope
+
+MOVE = 4.0e-5  # m: opens stations (2e4 Pa over 1e8 N/m3 is 2e-4 m, less with stiffer ones) and shears the sand
+SOFT = (1.0e8, 5.0e7, 0.02)
+
+
+def random_move(system, rng, size=MOVE):
+    free = size * rng.normal(size=system.pattern.n_free)
+    free[system.pattern.held.ravel()] = 0.0
+    return free, 3.0 * size * rng.normal(size=3)
+
+
+def moved(model, seed=0):
+    """System and state after a committed random move and a trial one."""
+    system, state, rng = FourierSystem(model), State(model), np.random.default_rng(seed)
+    for commit in (True, False):
+        system.apply(state, *random_move(system, rng))
+        system.residual(state)
+        if commit:
+            state.commit()
+    return system, state, rng
+
+
+def coefficients(model):
+    """Matrix (n 3 K, n 3 K): all coefficients from the free ones, the rows of held ones being zero."""
+    shape, axis = model.displacement_shape, model.mesh.nodes[:, 0] == 0.0
+    number, matrix = np.arange(np.prod(shape)).reshape(shape), np.eye(int(np.prod(shape)))
+    for n, i, k in np.ndindex(*shape):
+        free = not model.fixed[n, i] and not (i == 1 and k == 0)
+        if axis[n]:
+            free &= (i, k) in ((2, 0), (0, 1))
+        if not free:
+            matrix[number[n, i, k]] = 0.0
+    for n in np.flatnonzero(axis & (shape[2] > 1)):
+        matrix[number[n, 1, 1]] = -matrix[number[n, 0, 1]]
+    return matrix
+
+
+def plain_loop(model, state):
+    """Residual and tangent, dense: every point and station in turn, in the axes of the point."""
+    old, new, waves = state.committed, state.trial, model.harmonics + 1
+    n, reduce = int(np.prod(model.displacement_shape)), coefficients(model)
+    number = np.arange(n).reshape(model.displacement_shape)
+    gradient, volume = elements.geometry(model.mesh.nodes, model.mesh.quads)
+    force, stiffness = np.zeros(n + 3), np.zeros((n + 3, n + 3))
+    shift = (new.displacement - old.displacement).ravel()
+    for e, quad in enumerate(model.mesh.quads):
+        material = model.materials[model.material[e]]
+        for point in range(4 * model.azimuths):
+            g, j = divmod(point, model.azimuths)
+            theta = (j + 0.5) * np.pi / model.azimuths
+            b = np.zeros((6, n))
+            for k in range(waves):
+                c, s = np.cos(k * theta), np.sin(k * theta)
+                of_k = elements.strain_operator(gradient[e, g], k)
+                b[:, number[quad, :, k].ravel()] = np.array([c, c, c, s, s, c])[:, None] * of_k
+            stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
+            weight = np.pi / model.azimuths * volume[e, g]
+            update_soil(
+                material.law, material.parameters, b @ shift, old.stress[e, point], old.history[e, point], stress,
+                history, tangent, True,
+            )  # fmt: skip
+            force[:n] += weight * b.T @ (stress - model.initial_stress[e, point])
+            stiffness[:n, :n] += weight * b.T @ tangent @ b
+    s = model.stations
+    for i in range(len(s)):
+        theta, jump = s.azimuth[i], np.zeros((3, n + 3))
+        radial, around = np.array([np.cos(theta), np.sin(theta), 0.0]), np.array([-np.sin(theta), np.cos(theta), 0.0])
+        for k in range(waves):
+            c, d = np.cos(k * theta), np.sin(k * theta)
+            local = np.stack([c * radial, d * around, c * np.array([0.0, 0.0, 1.0])], axis=1)
+            jump[:, number[s.nodes[i, 0], :, k]] = s.frame[i] @ local
+        jump[:, n:] = -s.frame[i] @ s.body[i]
+        w, w_old = (jump @ np.concatenate([f.displacement.ravel(), f.border]) for f in (new, old))
+        p, p0 = model.contact[i], model.initial_pressure[i]
+        guess, traction, tangent = np.zeros(3), np.zeros(3), np.zeros((3, 3))
+        coulomb.update(p, p0, w, w_old, old.traction[i], guess)
+        coulomb.linearise(p, p0, w, w_old, old.traction[i], guess, traction, tangent)
+        force += s.area[i] * jump.T @ (traction + np.array([p0, 0.0, 0.0]))
+        stiffness += s.area[i] * jump.T @ tangent @ jump
+    whole = np.zeros((n + 3, n + 3))
+    whole[:n, :n], whole[n:, n:] = reduce, np.eye(3)
+    return whole.T @ force, whole.T @ stiffness @ whole
+
+
+def product(system, tangent, free, border):
+    """The tangent times increments, from its parts."""
+    p, m = system.pattern, len(system.pattern.interface)
+    elastic = elastic_product(system, free)
+    contact = system.contact_matrix(tangent) @ np.concatenate([free[p.interface], border])
+    out = elastic + system.plastic_product(tangent, free)
+    out[p.interface] += contact[:m]
+    return np.concatenate([out, contact[m:]])
+
+
+def elastic_product(system, free):
+    """Elastic forces of increments: those of the same model with an elastic law."""
+    model = system.model
+    calm = replace(model, materials=[replace(m, law=ELASTIC) for m in model.materials])
+    state, rest = State(calm), FourierSystem(calm)
+    rest.apply(state, free, np.zeros(3))
+    return rest.pattern.folded(rest._soil(state, False)) - 0.0
+
+
+@pytest.mark.parametrize(("harmonics", "seed"), [(0, 3), (1, 2), (2, 0)])
+def test_residual_and_tangent_equal_the_plain_loop(harmonics, seed):
+    model = disc(harmonics, contact=SOFT, skew=True)
+    system, state, rng = moved(model, seed)
+    judged, linear, tangent = system.linearise(state, True)
+    force, stiffness = plain_loop(model, state)
+    assert min(judged.n_plastic, judged.n_slip) > 0
+    size = np.abs(force).max()
+    for found in (judged, linear):
+        np.testing.assert_allclose(np.concatenate([found.free, found.border]), force, rtol=1e-9, atol=1e-12 * size)
+    for _ in range(3):
+        free, border = random_move(system, rng)
+        wanted = stiffness @ np.concatenate([free, border])
+        found = product(system, tangent, free, border)
+        np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-11 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_tangent_is_consistent(seed):
+    model = disc(2, contact=SOFT, skew=True)
+    system, state, rng = moved(model, seed)
+    size = system.pattern.n_free
+
+    def force(x):
+        system.apply(state, x[:size], x[size:])
+        found = system.residual(state)
+        return np.concatenate([found.free, found.border])
+
+    x = np.concatenate(random_move(system, rng))
+    force(x)
+    _, _, tangent = system.linearise(state, True)
+    step = np.concatenate(random_move(system, rng))
+    slope = product(system, tangent, step[:size], step[size:])
+    # a slope that is applied: taylor_slope multiplies it with the step
+    order = taylor_slope(force, np.outer(slope, step) / (step @ step), x, step, 10.0 ** -np.arange(3.0, 5.5, 0.5))
+    assert order > 1.9
+
+
+def test_a_step_solves_the_bordered_system():
+    model = disc(2, contact=SOFT, skew=True)
+    system, state, _ = moved(model)
+    _, linear, tangent = system.linearise(state, True)
+    control, load, violation = np.array([[1.0, 0.0, 0.0]]), np.array([[1.0], [0.0], [-2.0]]), np.array([3e-5])
+    balance = Balance(control, load, violation, linear.border, np.ones(3))
+    stage_ = FourierStage(system)
+    free, border = stage_.step(linear, tangent, balance, 1e-10, True)
+    left = np.concatenate([linear.free, linear.border]) + product(system, tangent, free, border)
+    assert stage_.n_iterations > 0
+    assert border[0] == pytest.approx(3e-5, rel=1e-12)
+    assert np.abs(left[:-3]).max() < 1e-7 * np.abs(linear.free).max()
+    assert left[-2] == pytest.approx(0.0, abs=1e-7 * np.abs(linear.border).max())  # w: no force imposes it
+    assert left[-1] == pytest.approx(-2.0 * left[-3], rel=1e-6)  # u and rotation: by one force at a height
+
+
+def test_elastic_soil_takes_no_iteration():
+    out = run(disc(1, ELASTIC), stage({0: 1e-4}, max_fraction=1.0, first_fraction=1.0))
+    assert out.driver.newton.stage.n_iterations == 0
+    assert out.driver.newton.stage.n_solves > 0
+
+
+def test_border_stiffness_is_the_slope_of_the_forces():
+    """Small elastic motions of the border, solved by Newton, against the stiffness."""
+    model = disc(1, ELASTIC, contact=(1e9, 1e9, 50.0))
+    matrix = start(model).driver.newton.border_stiffness(State(model))
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())
+    for j in range(3):
+        imposed = {i: 1e-7 * (i == j) for i in range(3)}
+        out = run(model, stage(imposed, max_fraction=1.0, first_fraction=1.0), tolerance=1e-9)
+        force = out.steps[-1].increment.residual.border
+        np.testing.assert_allclose(force / 1e-7, matrix[:, j], atol=1e-6 * np.abs(matrix).max())
+
+
+def test_vertical_load_is_axisymmetric_whatever_the_number_of_harmonics():
+    ends = []
+    for harmonics in (0, 3):
+        out = run(
+            disc(harmonics), stage({0: 0.0, 1: 5e-4, 2: 0.0}, max_fraction=0.5, first_fraction=0.1), tolerance=1e-8
+        )
+        field = out.state.committed.displacement
+        assert np.abs(field[..., 1:]).max(initial=0.0) < 1e-9 * np.abs(field).max()
+        assert np.abs(field[:, 1, 0]).max() == 0.0
+        ends.append(out.steps[-1].multipliers[1])
+    assert ends[0] == pytest.approx(ends[1], rel=1e-9)
+
+
+def test_converged_forces_balance_and_newton_is_fast():
+    out = run(disc(2), stage({0: 2e-4}, force=(0.0, 5e3, 0.0), first_fraction=0.1, max_fraction=0.25))
+    residual = out.steps[-1].increment.residual
+    assert residual.n_plastic > 0
+    assert residual.border[1] == pytest.approx(5e3, rel=1e-4)
+    assert np.median([step.increment.iterations for step in out.steps]) <= 8
+
+
+def test_energy_balances():
+    model = disc(2)
+    out = start(model, tolerance=1e-8)
+    energy = EnergyBalance(out.driver.newton.system)
+
+    def on(step):
+        energy.advance(out.state.committed, step.increment.residual.border)
+
+    out.driver.run(stage({0: 3e-4}, first_fraction=0.1, max_fraction=0.25), on)
+    now = energy.now()
+    assert now.plastic > 0.0 and now.friction > 0.0
+    assert abs(now.imbalance) < 1e-6 * now.moved
+
+
+def test_a_law_that_fails_is_named_with_its_place(monkeypatch):
+    system = FourierSystem(model := disc(1))
+    monkeypatch.setattr(kernels, "soil_forces", lambda *_: 3)
+    r, z = model.mesh.nodes[model.mesh.quads[3]].mean(axis=0)
+    with pytest.raises(LawError, match=rf"soil law .* in element 3 at r={r:.3f}, z={z:.3f} m"):
+        system.residual(State(model))
+
+
+def test_too_few_azimuths_are_refused():
+    model = disc(2)
+    with pytest.raises(ModelError, match="azimuths"):
+        FourierSystem(replace(model, azimuths=2, initial_stress=model.initial_stress[:, :8]))
+
+
+def test_the_place_of_an_equation_names_node_harmonic_and_direction():
+    system = FourierSystem(disc(2))
+    equation = int(system.pattern.equation[5, 2, 1])
+    assert "node 5" in system.place_of_equation(equation)
+    assert "harmonic 1, direction z" in system.place_of_equation(equation)

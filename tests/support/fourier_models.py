@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: MIT
+"""Small Fourier models that the engine's tests share."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fe_engine.assembly.fourier_system import FourierSystem
+from fe_engine.contact import coulomb
+from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
+from fe_engine.elements import fourier as elements
+from fe_engine.elements import rigid
+from fe_engine.elements.interface import local_frames
+from fe_engine.fourier_model import FourierModel, RingStations, SectionMesh
+from fe_engine.solve.fourier_stage import FourierStage
+from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.stepping import Driver
+from fe_engine.state import State
+from tests.support.models import CONTACT, Run, rotation_matrix, soil
+
+
+def section(r: np.ndarray, z: np.ndarray) -> SectionMesh:
+    """Rectangles between lines; sets: side, bottom, top."""
+    grid_r, grid_z = (np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])])) for x in (r, z))
+    points = np.stack(np.meshgrid(grid_r, grid_z, indexing="ij"), axis=-1).reshape(-1, 2)
+    number = np.arange(len(points)).reshape(len(grid_r), len(grid_z))
+    a, b = (x.ravel() for x in np.meshgrid(2 * np.arange(len(r) - 1), 2 * np.arange(len(z) - 1), indexing="ij"))
+    at = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
+    quads = np.stack([number[a + i, b + j] for i, j in at], axis=1)
+    used = np.unique(quads)
+    new = np.full(len(points), -1)
+    new[used] = np.arange(len(used))
+    sets = {"side": number[-1], "bottom": number[:, -1], "top": number[:, 0]}
+    return SectionMesh(points[used], new[quads], {name: new[ids][new[ids] >= 0] for name, ids in sets.items()})
+
+
+def disc(
+    harmonics: int = 2, law: int = DRUCKER_PRAGER, contact: tuple = CONTACT, skew: bool = False,
+    pressure: float = 2.0e4, **changes: float,
+) -> FourierModel:  # fmt: skip
+    """A cylinder of soil (radius 3 m, depth 2 m, roller, fixed base) under a rigid disc of radius 1 m.
+
+    ``skew`` turns the frames of the stations at random, and puts an elastic soil into some elements.
+    """
+    mesh = section(np.array([0.0, 0.5, 1.0, 1.9, 3.0]), np.array([0.0, 0.4, 1.0, 2.0]))
+    fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
+    fixed[mesh.node_sets["side"], 0] = True
+    fixed[mesh.node_sets["bottom"]] = True
+    m, azimuth, rng = harmonics + 3, elements.azimuths(harmonics + 1), np.random.default_rng(4)
+    top = mesh.node_sets["top"]
+    under = top[(mesh.nodes[top, 0] > 0.0) & (mesh.nodes[top, 0] <= 1.0)]
+    node, angle = np.repeat(under, len(azimuth)), np.tile(azimuth, len(under))
+    r, z = mesh.nodes[node].T
+    position = np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=1)
+    frame = local_frames(np.tile([0.0, 0.0, 1.0], (len(node), 1)))
+    if skew:
+        frame = np.array([rotation_matrix(tuple(rng.normal(size=3)), 0.4) for _ in node]) @ frame
+    stations = RingStations(
+        position, frame, 0.3 * r * np.pi / len(azimuth), node[:, None], np.ones((len(node), 1)),
+        rigid.displacement_operator(position, np.zeros(3)), np.zeros(len(node), dtype=np.int64), angle,
+    )  # fmt: skip
+    depth = np.repeat(elements.gauss_positions(mesh.nodes, mesh.quads)[:, :, 1], m, axis=1)
+    stress = np.zeros((*depth.shape, 6))
+    stress[..., :3] = -(pressure + 1.0e4 * depth)[..., None]
+    return FourierModel(
+        mesh, harmonics, m, [soil(law, **changes), soil(ELASTIC, young=5.0e7)],
+        (np.arange(mesh.n_elements) % 4 == 3).astype(int) * int(skew), stress, fixed, 3, np.array([1.0, 1.0, 1.0]),
+        stations, np.tile(coulomb.pack(*contact), (len(node), 1)), np.full(len(node), pressure),
+    )  # fmt: skip
+
+
+def start(model: FourierModel, **settings) -> Run:
+    """Return a driver at the initial state of a model."""
+    system, state = FourierSystem(model), State(model)
+    return Run(Driver(Newton(system, FourierStage(system), Settings(**settings)), state), state, [])
+
+
+def run(model: FourierModel, *stages, **settings) -> Run:
+    """Run stages from the initial state."""
+    out = start(model, **settings)
+    for each in stages:
+        out.driver.run(each, out.steps.append)
+    return out
