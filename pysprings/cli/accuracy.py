@@ -7,21 +7,20 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from pysprings.accuracy.settings import settings
-from pysprings.accuracy_study import child, rows, study, text
-from pysprings.accuracy_study.rows import Found
-from pysprings.cli_support import interruptible, print_json, print_table, refuse, say
-from pysprings.errors import RunIncomplete
-from pysprings.progress import reporter
-from pysprings.scene import Scene
+from pysprings.cli.support import interruptible, print_json, print_table, refuse, refuse_no_folder, say
+from pysprings.core.errors import RunIncomplete
+from pysprings.core.progress import reporter
+from pysprings.full_model.accuracy.settings import settings
+from pysprings.scene.load import Scene
+from pysprings.studies.accuracy import child, rows, study, text
+from pysprings.studies.accuracy.rows import Found
 
 
 def run(
     scene: Scene, out: Path, meshes: Sequence[str], quick: bool, force: bool, presets: Path | None, as_json: bool
 ) -> None:
     """Run or go on; raise RunIncomplete at the end where a run has not reached its end."""
-    if out.exists() and not out.is_dir():
-        refuse("--out", "is a file, not a folder", out)
+    refuse_no_folder(out)
     if presets is not None and presets.is_dir():
         refuse("--write-presets", "is a folder, not a file", presets)
     wanted = settings(meshes, quick, *_linear_solvers(scene))
@@ -51,7 +50,7 @@ def _linear_solvers(scene: Scene) -> tuple[list[str], str]:
     """Linear solvers that a scene may name and that work here, and the one it would use."""
     from pydantic import ValidationError
 
-    from fe_engine.backends import available_backends
+    from fe_engine.linear.backends import available_backends
 
     found = []
     for name in available_backends():

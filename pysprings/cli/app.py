@@ -5,33 +5,38 @@ from __future__ import annotations
 
 import sys
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pysprings import __version__
-from pysprings.cli_support import (
+from pysprings.cli.support import (
     DEBUG,
     guarded,
+    in_discretisation,
     interruptible,
     print_json,
     quantities,
     record_stamp,
     refuse,
     refuse_other_run,
+    refuse_unfinished,
     result_folder,
     say,
     springs_of,
     springs_or_table,
     with_target,
 )
-from pysprings.errors import ResourceError, RunIncomplete
-from pysprings.jit import choose_for_command
-from pysprings.result_files import is_unfinished
+from pysprings.core.errors import ResourceError, RunIncomplete
+from pysprings.core.files.layout import is_unfinished
+from pysprings.core.jit import choose_for_command
+from pysprings.core.streams import open_missing_streams
+from pysprings.core.version import __version__
+from pysprings.scene.template_names import template_names
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 EPILOG = (
     "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; 130 interrupted."
@@ -55,8 +60,15 @@ class Preset(StrEnum):
     fine = "fine"
 
 
+class Discretisation(StrEnum):
+    """Discretisations, as in the scene's [mesh]."""
+
+    hex8 = "hex8"
+    fourier = "fourier"
+
+
 class Target(StrEnum):
-    """Errors that a run may aim at: see `pysprings.accuracy.presets`."""
+    """Errors that a run may aim at: see `pysprings.full_model.accuracy.presets`."""
 
     five = "5%"
     two = "2%"
@@ -73,7 +85,7 @@ class Format(StrEnum):
 
 
 class SpringSet(StrEnum):
-    """What a prediction uses: see `pysprings.macro`."""
+    """What a prediction uses: see `pysprings.macro.predict`."""
 
     fan = "fan"
     full = "full"
@@ -81,15 +93,25 @@ class SpringSet(StrEnum):
     py = "py"
 
 
+SETS = (
+    "springs to use: fan (all reactions, between calibration paths of several directions), full (all reactions of one "
+    "path), pisa (p-y from a pure translation, moments from a pure rotation), py (p-y alone)"
+)
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (TOML)")]
 Result = Annotated[Path, typer.Argument(metavar="RESULT", help="folder of a run, or its springs.nc")]
 Mesh = Annotated[Preset | None, typer.Option("--mesh", help="mesh preset instead of the scene's")]
+Series = Annotated[
+    Discretisation | None, typer.Option("--discretisation", help="bricks or Fourier series instead of the scene's")
+]
 Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
 
 
 def _print_version(wanted: bool) -> None:
     if wanted:
+        from pysprings.core.licences import installed, text
+
         print(f"pysprings {__version__}")
+        print(text(installed()))
         raise typer.Exit
 
 
@@ -97,7 +119,9 @@ def _print_version(wanted: bool) -> None:
 def _options(
     _version: Annotated[
         bool,
-        typer.Option("--version", help="Print the version and exit.", is_eager=True, callback=_print_version),
+        typer.Option(
+            "--version", help="Print the version and the licences, and exit.", is_eager=True, callback=_print_version
+        ),
     ] = False,
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
 ) -> None:
@@ -108,11 +132,13 @@ def _options(
 @guarded
 def init(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="scene file to write")] = Path("caisson.toml"),
-    template: Annotated[str, typer.Option("--template", metavar="NAME", help="scene to start from")] = "paper-drained",
+    template: Annotated[
+        str, typer.Option("--template", metavar="NAME", help=f"scene to start from: {', '.join(template_names())}")
+    ] = "paper-drained",
     force: Annotated[bool, typer.Option("--force", help="replace existing files")] = False,
 ) -> None:
     """Write a commented scene, and the JSON schema that helps editors with it."""
-    from pysprings.scene_template import write_scene
+    from pysprings.scene.template import write_scene
 
     written = write_scene(file, template, force)
     for path in written:
@@ -123,14 +149,14 @@ def init(
 
 @app.command()
 @guarded
-def check(scene: SceneFile, mesh: Mesh = None, as_json: Json = False) -> None:
+def check(scene: SceneFile, mesh: Mesh = None, discretisation: Series = None, as_json: Json = False) -> None:
     """Validate a scene; say what it leaves out, how large the model is and what it costs. Solves nothing."""
-    from pysprings.cli_reports import describe_json, print_description
-    from pysprings.scene import load_scene
+    from pysprings.cli.reports import describe_json, print_description
+    from pysprings.scene.load import load_scene
 
-    loaded = load_scene(scene)
+    loaded = in_discretisation(load_scene(scene), discretisation and discretisation.value)
     loaded = loaded.replace(mesh={"preset": mesh.value}) if mesh else loaded
-    from pysprings.estimate import describe
+    from pysprings.model.forecast.estimate import describe
 
     about = describe(loaded)
     if as_json:
@@ -143,8 +169,11 @@ def check(scene: SceneFile, mesh: Mesh = None, as_json: Json = False) -> None:
 @guarded
 def run(
     scene: SceneFile,
-    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/SCENE]")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/SCENE]")
+    ] = None,
     mesh: Mesh = None,
+    discretisation: Series = None,
     target: Annotated[
         Target | None, typer.Option("--target-error", help="the cheapest setting with this error, instead of a mesh")
     ] = None,
@@ -156,10 +185,11 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Full model, springs, prediction with the springs, tables and pictures."""
-    from pysprings.cli_reports import print_results, results_json
-    from pysprings.scene import load_scene
+    from pysprings.cli.reports import print_results, results_json
+    from pysprings.scene.load import load_scene
 
-    loaded, extra = load_scene(scene), {"estimate_error": True} if estimate else {}
+    loaded = in_discretisation(load_scene(scene), discretisation and discretisation.value)
+    extra = {"estimate_error": True} if estimate else {}
     if target is not None:
         loaded, extra = with_target(loaded, target.value, mesh is not None)
     folder = out or Path("out") / scene.stem
@@ -174,6 +204,7 @@ def run(
         print_results(folder)
     if isinstance(stopped, KeyboardInterrupt) and is_unfinished(folder):
         option = f" --mesh {mesh.value}" if mesh else f" --target-error {target.value}" if target else ""
+        option += f" --discretisation {discretisation.value}" if discretisation else ""
         option += " --estimate-error" if estimate else ""
         say(f"go on with: pysprings run {scene} --out {folder}{option} --resume")
     if stopped is not None:
@@ -185,8 +216,8 @@ Stopped = RunIncomplete | ResourceError | KeyboardInterrupt | None
 
 def _run(scene: Scene, folder: Path, mesh: str | None, resume: bool, extra: dict[str, Any]) -> Stopped:
     """Run a scene; return what ended it early when results were written nevertheless."""
-    from pysprings.folder import run_to_folder
-    from pysprings.progress import reporter
+    from pysprings.core.progress import reporter
+    from pysprings.results.folder import run_to_folder
 
     before = record_stamp(folder)
     try:
@@ -201,7 +232,7 @@ def _run(scene: Scene, folder: Path, mesh: str | None, resume: bool, extra: dict
 
 def _as_it_ended(folder: Path, scene: Scene) -> Stopped:
     """Say that the run in a folder has ended, and how; change nothing."""
-    from pysprings.cli_reports import read_record
+    from pysprings.cli.reports import read_record
 
     record = read_record(folder)
     refuse_other_run(folder, record, scene.sha256)
@@ -213,8 +244,8 @@ def _as_it_ended(folder: Path, scene: Scene) -> Stopped:
 @guarded
 def springs(
     result: Result,
-    form: Annotated[Format | None, typer.Option("--format", help="[default: from --out, else csv]")] = None,
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="file to write [default: stdout]")] = None,
+    form: Annotated[Format | None, typer.Option("--format", help="format \\[default: from --out, else csv]")] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="file to write \\[default: stdout]")] = None,
     wide: Annotated[bool, typer.Option("--wide", help="csv: rows are steps, a pair of columns y, p a depth")] = False,
     as_json: Json = False,
 ) -> None:
@@ -225,15 +256,15 @@ def springs(
     wanted = "wide" if wide else wanted
     tree = springs_of(result)
     if out is None:
-        from pysprings.exporters import text
+        from pysprings.results.exporters import text
 
         print(text(tree, wanted), end="")
     elif wanted == "nc":
-        from pysprings.springs import save_springs
+        from pysprings.springs.dataset import save_springs
 
         print(save_springs(tree, out))
     else:
-        from pysprings.exporters import export
+        from pysprings.results.exporters import export
 
         print(export(tree, wanted, out))
 
@@ -256,15 +287,23 @@ def _format(form: Format | None, out: Path | None) -> str:
 @guarded
 def export(
     result: Annotated[Path, typer.Argument(metavar="RESULT", help="full_model.nc, or the folder of a run")],
-    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="[default: paraview/ beside it]")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="folder for the files \\[default: paraview/ beside it]")
+    ] = None,
 ) -> None:
-    """Write ParaView files (.pvd, .vtu) of a run that kept the whole model ([output] paraview = true)."""
-    from pysprings.exporters import paraview
-    from pysprings.result_files import PARAVIEW
-    from pysprings.storage import read_tree
+    """Write ParaView files (.pvd, .vtu) of a run that kept the whole model (\\[output] paraview = true)."""
+    from pysprings.core.files.layout import PARAVIEW
+    from pysprings.core.files.storage import read_tree
+    from pysprings.core.files.written import note, own_folder
+    from pysprings.results.exporters import paraview
 
+    refuse_unfinished(result)
     file = result / "full_model.nc" if result.is_dir() else result
-    for path in paraview(file.parent / PARAVIEW if out is None else out, read_tree(file)):
+    if out is None:
+        written = paraview(own_folder(file.parent, PARAVIEW), read_tree(file), partial(note, file.parent))
+    else:
+        written = paraview(out, read_tree(file))
+    for path in written:
         print(path)
 
 
@@ -296,7 +335,7 @@ def predict(
         typer.Option("--sequence", metavar="FILE", help="CSV with a load (H_N, M_Nm, V_N) or motion (u_m ...) a line"),
     ] = None,
     spring_set: Annotated[
-        SpringSet | None, typer.Option("--springs", help="springs to use [default: fan where there is one, else full]")
+        SpringSet | None, typer.Option("--springs", help=SETS + " \\[default: fan where there is one, else full]")
     ] = None,
     path: Annotated[
         str | None, typer.Option("--path", metavar="NAME", help="load path whose springs serve (full, py)")
@@ -309,7 +348,10 @@ def predict(
         typer.Option("--rate", metavar="VELOCITY", help="of rho = |(u, rotation*L)|, for springs from several rates"),
     ] = None,
     stiffness: Annotated[
-        bool, typer.Option("--stiffness", help="also the tangent stiffness at mudline, and the initial one, 6x6")
+        bool,
+        typer.Option(
+            "--stiffness", help="also the stiffness of the springs at each state, and the full model's initial one, 6x6"
+        ),
     ] = False,
     skirt_length: Annotated[
         str | None, typer.Option("--skirt-length", metavar="LENGTH", help="of a table without depth_bottom_m")
@@ -320,8 +362,8 @@ def predict(
 
     SPRINGS may be a table of p-y curves (CSV, Excel) with columns depth_m, y_m, p_N_per_m, and companions if any.
     """
-    from pysprings import cli_predict as asked
-    from pysprings.cli_reports import prediction_json, print_prediction, remarks_of
+    from pysprings.cli import predict as asked
+    from pysprings.cli.reports import prediction_json, print_prediction, remarks_of
 
     given = quantities(
         {
@@ -338,9 +380,9 @@ def predict(
     )
     asked.refuse_contradictions(given, sequence)
     kind = spring_set.value if spring_set else None
-    springs = asked.at_rate(springs_or_table(result, given["--skirt-length"]), given["--rate"])
+    springs = asked.at_rate(springs_or_table(result, given["--skirt-length"], strict), given["--rate"])
     states = asked.answer(springs, given, sequence, kind, path, points, strict)
-    six = asked.initial_six(springs, kind, path) if stiffness else None
+    six = asked.initial_six(springs) if stiffness else None
     if as_json:
         print_json(prediction_json(states) | (asked.stiffness_json(states, six) if stiffness else {}))
         return
@@ -355,7 +397,9 @@ def predict(
 @guarded
 def compare(
     result: Result,
-    spring_set: Annotated[SpringSet | None, typer.Option("--springs", help="only these springs [default: all]")] = None,
+    spring_set: Annotated[
+        SpringSet | None, typer.Option("--springs", help="only these springs \\[default: all]")
+    ] = None,
     slices: Annotated[bool, typer.Option("--slices", help="error and cost by number of depth slices instead")] = False,
     as_json: Json = False,
 ) -> None:
@@ -363,7 +407,7 @@ def compare(
     tree = springs_of(result)
     kind = spring_set.value if spring_set else None
     if slices:
-        from pysprings import slices as by_slices
+        from pysprings.macro import slices as by_slices
 
         table = by_slices.slice_convergence(tree, springs_kind=kind)
         if as_json:
@@ -371,8 +415,8 @@ def compare(
         else:
             print(by_slices.to_text(table), end="")
         return
-    from pysprings.comparison import compare as compare_models
-    from pysprings.comparison_text import to_dict, to_text
+    from pysprings.macro.comparison import compare as compare_models
+    from pysprings.macro.comparison_text import to_dict, to_text
 
     frame = compare_models(tree, kind)
     if as_json:
@@ -386,7 +430,7 @@ def compare(
 def accuracy(
     scene: SceneFile,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/accuracy-SCENE]")
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/accuracy-SCENE]")
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="small meshes and few settings")] = False,
     mesh: Annotated[
@@ -403,8 +447,8 @@ def accuracy(
 
     Runs that have ended in DIR are not run again; interrupted ones go on.
     """
-    from pysprings import cli_accuracy
-    from pysprings.scene import load_scene
+    from pysprings.cli import accuracy as cli_accuracy
+    from pysprings.scene.load import load_scene
 
     folder = out or Path("out") / f"accuracy-{scene.stem}"
     cli_accuracy.run(load_scene(scene), folder, mesh or [], quick, force, presets, as_json)
@@ -430,7 +474,7 @@ def stability(
 
     Ends with exit code 3 where a case stops without a named reason.
     """
-    from pysprings import cli_stability
+    from pysprings.cli import stability as cli_stability
 
     far = quantities({"--reach": (reach, "m", "20 mm")})["--reach"]
     assert far is not None
@@ -444,7 +488,7 @@ def stability(
 def paper(
     mesh: Annotated[Preset, typer.Option("--mesh", help="mesh preset of the runs")] = Preset.medium,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="result folder [default: out/paper-MESH]")
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/paper-MESH]")
     ] = None,
     sensitivity: Annotated[
         bool, typer.Option("--sensitivity", help="also vary what the paper leaves open, one at a time")
@@ -457,7 +501,7 @@ def paper(
 
     Runs that have ended in DIR are not run again; interrupted ones go on.
     """
-    from pysprings import cli_paper
+    from pysprings.cli import paper as cli_paper
 
     variants_on = sensitivity_mesh.value if sensitivity else None
     cli_paper.run(out or Path("out") / f"paper-{mesh.value}", mesh.value, variants_on, force, as_json)
@@ -465,9 +509,7 @@ def paper(
 
 def main() -> None:
     """Run the command line."""
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="backslashreplace")
+    open_missing_streams()
     choose_for_command(sys.argv[1:])
     app(prog_name="pysprings")
 

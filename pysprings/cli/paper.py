@@ -6,16 +6,15 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from pysprings.cli_support import interruptible, print_json, refuse, say
-from pysprings.errors import RunIncomplete
-from pysprings.paper import study, text
-from pysprings.progress import reporter
+from pysprings.cli.support import interruptible, print_json, refuse_no_folder, say
+from pysprings.core.errors import RunIncomplete
+from pysprings.core.progress import reporter
+from pysprings.studies.paper import study, text
 
 
 def run(out: Path, mesh: str, sensitivity_mesh: str | None, force: bool, as_json: bool) -> None:
     """Run or go on; raise RunIncomplete at the end where a run has stopped by itself."""
-    if out.exists() and not out.is_dir():
-        refuse("--out", "is a file, not a folder", out)
+    refuse_no_folder(out)
     try:
         with interruptible(), reporter(sys.stderr) as progress:
             stopped = study.study(out, mesh, progress, sensitivity_mesh, force=force)

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.cli_support import print_table, refuse, say
+from pysprings.cli.support import print_table, refuse, say
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pysprings.macro_sets import Springs
+    from pysprings.macro.sets import Springs
 
 Given = Mapping[str, float | None]
 
@@ -23,23 +23,23 @@ def answer(
     springs: Springs, given: Given, sequence: Path | None, kind: str | None, path: str | None, points: int, strict: bool
 ) -> xr.Dataset:
     """Return the states asked for: the last one of a load or motion, all of a curve or sequence."""
-    from pysprings import macro
+    from pysprings.macro import predict
 
     common: dict[str, Any] = {"springs_kind": kind, "path": path, "strict": strict}
     height, down, limit = given["--arm"], given["--V"], given["--u-max"]
     if sequence is not None:
-        from pysprings.tables.sequence import read_sequence
+        from pysprings.results.tables.sequence import read_sequence
 
         wanted = read_sequence(sequence)
         V = wanted.V if wanted.V is not None else down
-        states = macro.sequence(springs, wanted.targets, control=wanted.control, arm=wanted.arm, V=V, **common)
+        states = predict.sequence(springs, wanted.targets, control=wanted.control, arm=wanted.arm, V=V, **common)
     elif limit is not None:
-        states = macro.curve(springs, u_max=limit, arm=height or 0.0, n=points, V=down, **common)
+        states = predict.curve(springs, u_max=limit, arm=height or 0.0, n=points, V=down, **common)
     elif given["--u"] is not None or given["--rotation"] is not None:
         common |= {"u": given["--u"], "rotation": given["--rotation"]}
-        states = macro.impose(springs, arm=height or 0.0, V=down, **common).isel(step=[-1])
+        states = predict.impose(springs, arm=height or 0.0, V=down, **common).isel(step=[-1])
     else:
-        states = macro.predict(springs, H=given["--H"], arm=height, M=given["--M"], V=down, **common).isel(step=[-1])
+        states = predict.predict(springs, H=given["--H"], arm=height, M=given["--M"], V=down, **common).isel(step=[-1])
     return states
 
 
@@ -49,7 +49,7 @@ def at_rate(springs: Springs, rate: float | None) -> Springs:
         return springs
     import xarray as xr
 
-    from pysprings import rates
+    from pysprings.springs import rates
 
     if not isinstance(springs, xr.DataTree):
         refuse("--rate", "a table has no rates")
@@ -58,13 +58,11 @@ def at_rate(springs: Springs, rate: float | None) -> Springs:
     return rates.at_rate(springs, rate)
 
 
-def initial_six(springs: Springs, kind: str | None, path: str | None) -> xr.DataArray | None:
+def initial_six(springs: Springs) -> xr.DataArray | None:
     """Return the initial stiffness 6x6; None where springs from a table do not know it."""
-    from pysprings.macro import model_of
-    from pysprings.macro_six import stiffness_six
+    from pysprings.macro.stiffness_six import has_six, stiffness_six
 
-    model = model_of(springs, kind, path)
-    return None if model.stiffness_initial is None else stiffness_six(model)
+    return stiffness_six(springs) if has_six(springs) else None
 
 
 def refuse_contradictions(given: Given, sequence: Path | None) -> None:
@@ -105,10 +103,10 @@ MOST_MATRICES = 1  # more states: a line each
 
 
 def print_stiffness(states: xr.Dataset, six: xr.DataArray | None) -> None:
-    """Print the tangent at one state as a matrix, at several as a line each; then the initial 6x6 matrix."""
+    """Print the springs' tangent at one state as a matrix, at several as a line each; then the initial 6x6 matrix."""
     tangent = states["stiffness"]
     dofs = [str(name) for name in tangent["dof"].values]
-    print("\ntangent stiffness at mudline (MN, m, rad):")
+    print("\nstiffness of the springs at the state, at mudline (MN, m, rad):")
     if tangent.sizes["step"] <= MOST_MATRICES:
         print_table(["", *(f"per {name}" for name in dofs)], _lines(tangent.isel(step=-1), dofs))
     else:
@@ -122,7 +120,7 @@ def print_stiffness(states: xr.Dataset, six: xr.DataArray | None) -> None:
     if six is None:
         say("note: no 6x6 stiffness: a table without a vertical path has no vertical stiffness")
         return
-    print("\ninitial stiffness 6x6 at mudline (MN, m, rad):")
+    print(f"\n{six.attrs['long_name']}, 6x6 (MN, m, rad):")
     print_table(["", *(f"per {name}" for name in six["dof"].values)], _lines(six, [str(x) for x in six["dof"].values]))
     say(f"note: {six.attrs['torsion']}")
 

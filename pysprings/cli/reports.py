@@ -9,15 +9,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.cli_support import number, print_table, say, springs_of
-from pysprings.errors import printable
-from pysprings.omission_text import saved_text
-from pysprings.result_files import FILES, pictures_in
+from pysprings.cli.support import print_table, read_springs, say
+from pysprings.core.errors import printable
+from pysprings.core.files.layout import FILES, WRITING, pictures_in
+from pysprings.core.text import number
+from pysprings.model.forecast.omission_text import saved_text
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 # entries of a description that have a unit
 LABELS = {
@@ -25,11 +26,16 @@ LABELS = {
     "memory_GB": "memory, estimated [GB]",
     "disk_GB": "full_model.nc, estimated [GB]",
     "time_s": "time, estimated [s]",
+    "domain_radius_over_diameter": "radius of the domain over the diameter",
+    "soil_below_tip_over_diameter": "soil below the tip over the diameter",
+    "stiffening_by_the_domain_percent": "stiffer than unbounded soil, about [%]",
     "normal_stiffness_N_per_m3": "penalty, normal [N/m3]",
     "shear_stiffness_N_per_m3": "penalty, shear [N/m3]",
     "largest_initial_penetration_m": "its largest initial penetration [m]",
     "loss_of_elastic_stiffness_percent": "its loss of elastic stiffness [%]",
 }
+
+STATUS_WORDS = {WRITING: "stopped while its files were written"}  # of a status that is no word for people
 
 ROUNDING = 1e-9  # loads below this share of the largest are what rounding has left of zero
 
@@ -77,12 +83,12 @@ def _rows(key: str, value: Any) -> list[tuple[str, str]]:
 
 def results_json(folder: Path) -> dict[str, Any]:
     """Return what `pysprings run --json` prints: run.json, the files and the comparison."""
-    from pysprings.comparison import compare
-    from pysprings.comparison_text import to_dict
+    from pysprings.macro.comparison import compare
+    from pysprings.macro.comparison_text import to_dict
 
     record = read_record(folder)
     files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
-    comparison = to_dict(compare(springs_of(folder))) if _has_springs(folder, record) else None
+    comparison = to_dict(compare(read_springs(folder))) if _has_springs(folder, record) else None
     return {"folder": str(folder), "files": files, "run": record, "compare": comparison}
 
 
@@ -99,11 +105,11 @@ def _has_springs(folder: Path, record: Mapping[str, Any]) -> bool:
 
 def print_results(folder: Path) -> None:
     """Print where the results of a run are, how the paths went, the cost, and the comparison."""
-    from pysprings.comparison import compare
-    from pysprings.comparison_text import to_text
+    from pysprings.macro.comparison import compare
+    from pysprings.macro.comparison_text import to_text
 
     record = read_record(folder)
-    print(f"results in {folder} ({record['status']})")
+    print(f"results in {folder} ({STATUS_WORDS.get(record['status'], record['status'])})")
     rows = [(str(folder / name), text) for name, text in FILES.items() if (folder / name).exists()]
     rows += _pictures(folder)
     width = max((len(name) for name, _ in rows), default=0)
@@ -118,7 +124,7 @@ def print_results(folder: Path) -> None:
     print_estimate(record)
     if _has_springs(folder, record):
         print("\nprediction with the springs against the full model:")
-        print(to_text(compare(springs_of(folder))), end="")
+        print(to_text(compare(read_springs(folder))), end="")
 
 
 def _pictures(folder: Path) -> list[tuple[str, str]]:
@@ -178,7 +184,7 @@ def _cut_back(each: Mapping[str, Any]) -> str:
 
 
 def ring_text(rings: Mapping[str, Any] | None) -> str:
-    """Say in words what `pysprings.ring_measure` found; empty where nothing was measured."""
+    """Say in words what `pysprings.full_model.ring_measure` found; empty where nothing was measured."""
     if not rings:
         return ""
     found = [
@@ -252,7 +258,7 @@ def print_cost(record: Mapping[str, Any]) -> None:
 def print_estimate(record: Mapping[str, Any]) -> None:
     """Print the setting that a target error chose, and the run's own estimate of its error."""
     if target := record.get("target_error"):
-        from pysprings.accuracy.measures import MEASURES
+        from pysprings.full_model.accuracy.measures import MEASURES
 
         errors = target["error_in_study_pct"].items()
         found = ", ".join(f"{MEASURES[name].head} {value:.2g} %" for name, value in errors)
@@ -261,7 +267,7 @@ def print_estimate(record: Mapping[str, Any]) -> None:
             f"target error {target['target']}: setting {target['setting']}, in the study of '{study['scene']}' {found}"
         )
     if estimate := record.get("error_estimate"):
-        from pysprings.accuracy.two_mesh import words
+        from pysprings.full_model.accuracy.two_mesh import words
 
         print(words(estimate))
 
@@ -279,13 +285,23 @@ def prediction_json(states: xr.Dataset) -> dict[str, Any]:
 
 
 def print_prediction(states: xr.Dataset) -> None:
-    """Print states (dimension step) as a table, in the units people use."""
+    """Print states (dimension step) as a table, in the units people use, with their marks where there are any."""
     columns = [column for column in COLUMNS if column[0] in states]
     headers = [f"{name} [{unit}]" for name, unit, _ in columns]
     largest = max(abs(float(value)) for name in ("H", "V", "M") if name in states for value in states[name].values)
     noise = {name: ROUNDING * largest if name in ("H", "V", "M") else 0.0 for name, *_ in columns}
     cells = [[_figures(value, factor, noise[name]) for value in states[name].values] for name, _, factor in columns]
+    if any(marks := [_marks(states, step) for step in range(states.sizes["step"])]):
+        headers, cells = [*headers, "marks"], [*cells, marks]
     print_table(headers, [list(row) for row in zip(*cells, strict=True)])
+
+
+MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load")
+
+
+def _marks(states: xr.Dataset, step: int) -> str:
+    """Return the marks of one state that are set, by name."""
+    return ", ".join(name for name in MARKS if name in states and states[name].values[step])
 
 
 def remarks_of(states: xr.Dataset) -> str:

@@ -7,9 +7,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pysprings import stability, stability_text
-from pysprings.cli_support import print_json, say
-from pysprings.storage import replacing, write_text
+from pysprings.cli.support import print_json, say
+from pysprings.core.files.storage import replacing, write_text
+from pysprings.studies.stability import catalogue as stability
+from pysprings.studies.stability import text as stability_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,7 +43,7 @@ def run(names: list[str], mesh: str, refinement: float, reach: float, out: Path 
 
 def _write(table: pd.DataFrame, out: Path) -> None:
     """Write stability.csv, stability.md and stability.png."""
-    from pysprings.plots.stability import catalogue
+    from pysprings.studies.stability.picture import catalogue
 
     write_text(table.to_csv(index=False), out / "stability.csv")
     write_text(stability_text.to_markdown(table), out / "stability.md")

@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
+import errno
 import functools
-import json
-import math
 import os
 import signal
 import sys
@@ -19,26 +18,29 @@ from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec
 
 import typer
 
-from pysprings.errors import (
+from pysprings.core.errors import (
     EXIT_BUG,
     EXIT_INTERRUPTED,
     EXIT_NOT_CONVERGED,
     EXIT_RESOURCES,
     EXIT_USER_INPUT,
+    MOST_LETTERS,
     Problem,
     ResourceError,
     RunIncomplete,
     UserInputError,
+    out_of_memory,
     printable,
 )
-from pysprings.result_files import is_unfinished, results_in
-from pysprings.run_lock import exclusive, new_folder
+from pysprings.core.files.layout import WRITING, is_unfinished, refuse_links, results_in
+from pysprings.core.files.lock import exclusive, new_folder
+from pysprings.core.text import json_text, plain_table
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pysprings.macro_sets import Springs
-    from pysprings.scene import Scene
+    from pysprings.macro.sets import Springs
+    from pysprings.scene.load import Scene
 
 P = ParamSpec("P")
 
@@ -81,11 +83,14 @@ def _explained(error: BaseException) -> tuple[str, int]:
         return "interrupted", EXIT_INTERRUPTED
     if isinstance(error, MemoryError):
         return (
-            "fatal: resources: out of memory; try a smaller mesh (`pysprings check` estimates)",
+            f"fatal: resources: {out_of_memory(error)}; try a smaller mesh (`pysprings check` estimates)",
             EXIT_RESOURCES,
         )
     if isinstance(error, ResourceError):
         return f"fatal: resources: {error}", EXIT_RESOURCES
+    if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:
+        name = printable(error.filename or "a path")
+        return f"fatal: user input: {name[:MOST_LETTERS]}: is longer than the system allows", EXIT_USER_INPUT
     if isinstance(error, OSError):
         what = f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
         return f"fatal: resources: {printable(what)}", EXIT_RESOURCES
@@ -94,6 +99,8 @@ def _explained(error: BaseException) -> tuple[str, int]:
         return f"fatal: not converged: {printable(error)}", EXIT_NOT_CONVERGED
     if engine and isinstance(error, engine.MeshError):
         return f"fatal: user input: mesh: {printable(error)}", EXIT_USER_INPUT
+    if engine and isinstance(error, engine.SettingError):
+        return f"fatal: user input: {printable(error)}", EXIT_USER_INPUT
     trace = "" if DEBUG["on"] else "; `pysprings --debug ...` shows where"
     return f"fatal: bug: {type(error).__name__}: {printable(error)}\nplease report it{trace}", EXIT_BUG
 
@@ -114,8 +121,8 @@ def refuse(key: str | None, message: str, file: str | os.PathLike[str] | None = 
 
 def quantities(given: Mapping[str, tuple[str | None, str, str]]) -> dict[str, float | None]:
     """Return SI values (None for options not given) of {option: (text or None, SI unit, example)}."""
-    from pysprings.magnitudes import fault
-    from pysprings.units import QuantityError, quoted, read
+    from pysprings.core.magnitudes import fault
+    from pysprings.core.units import QuantityError, quoted, read
 
     values: dict[str, float | None] = {}
     problems = []
@@ -132,32 +139,65 @@ def quantities(given: Mapping[str, tuple[str | None, str, str]]) -> dict[str, fl
     return values
 
 
-def springs_of(result: Path) -> xr.DataTree:
+def springs_of(result: Path, strict: bool = False) -> xr.DataTree:
+    """Open the springs of a result folder or spring file, as `read_springs`; refuse a run that has not ended."""
+    refuse_unfinished(result, strict)
+    return read_springs(result)
+
+
+def refuse_unfinished(result: Path, strict: bool = False) -> None:
+    """Refuse a folder whose run was killed or still writes; say of what was interrupted that it is a part.
+
+    strict : refuse that, too. A file that is named itself is whole: its folder is spoken of, not refused.
+    """
+    from pysprings.full_model.checkpoint import Checkpoints
+    from pysprings.studies.kept_runs import read_record
+
+    folder = result if result.is_dir() else result.parent
+    unfinished, record = is_unfinished(folder), read_record(folder)
+    saved = not unfinished or Checkpoints(folder).are_of(str(record.get("scene_sha256")))
+    onward = "`pysprings run SCENE --out DIR --resume` goes on with it"
+    if record.get("status") == "interrupted" and saved:
+        message = f"the run was interrupted: what is here is what had converged until then; {onward}"
+        if strict:
+            refuse("--strict", message, folder)
+        say(f"warning: {folder}: {message}")
+    elif unfinished or record.get("status") == WRITING:
+        message = "holds a run that has not ended (killed, or still running)"
+        if result.is_dir():
+            refuse(None, f"{message}: files here may be of a run before it, or not all there; {onward}", folder)
+        say(f"warning: {folder}: {message}; this file may be of a run before it")
+
+
+def read_springs(result: Path) -> xr.DataTree:
     """Open the springs of a result folder or spring file; extract them from a full-model file."""
-    from pysprings.springs import validate_springs
-    from pysprings.storage import read_tree
+    from pysprings.core.files.storage import read_tree
+    from pysprings.springs.dataset import validate_springs
 
     path = result / "springs.nc" if result.is_dir() else result
     if result.is_dir() and not path.exists():
         refuse(None, "no springs.nc in this folder; is it a result of `pysprings run`?", result)
     tree = read_tree(path)
     if "schema" not in tree.attrs and "scene_toml" in tree.attrs:
-        from pysprings.extract import extract_springs
+        from pysprings.springs.extract import extract_springs
 
         return extract_springs(tree)
     validate_springs(tree, file=path)
     return tree
 
 
-def springs_or_table(source: Path, skirt_length: float | None) -> Springs:
+def springs_or_table(source: Path, skirt_length: float | None, strict: bool = False) -> Springs:
     """Open what a prediction is made with: springs as `springs_of` does, or somebody's CSV or Excel table."""
-    from pysprings.tables import is_table, open_table
+    from pysprings.results.tables import ENDINGS, FOREIGN, is_table, open_table
 
     if is_table(source):
         return open_table(source, skirt_length)
+    if source.suffix.lower() in FOREIGN and not source.is_dir():
+        known = " or ".join(ENDINGS)
+        refuse(None, f"tables in the format {source.suffix.lower()} cannot be read; save it as {known}", source)
     if skirt_length is not None:
-        refuse("--skirt-length", "is for tables; a spring file has it", source)
-    return springs_of(source)
+        refuse("--skirt-length", f"is for tables ({', '.join(ENDINGS)}); a spring file has it", source)
+    return springs_of(source, strict)
 
 
 @contextmanager
@@ -168,8 +208,7 @@ def result_folder(out: Path, force: bool, resume: bool = False) -> Iterator[None
     """
     if force and resume:
         refuse("--resume", "goes on with a run, --force begins anew: give one of them")
-    if out.exists() and not out.is_dir():
-        refuse("--out", "is a file, not a folder", out)
+    refuse_no_folder(out)
     with ExitStack() as stack:
         try:
             stack.enter_context(new_folder(out))
@@ -178,9 +217,18 @@ def result_folder(out: Path, force: bool, resume: bool = False) -> Iterator[None
         if not os.access(out, os.W_OK | os.X_OK):
             refuse("--out", "is not writable", out)
         stack.enter_context(exclusive(out))
+        refuse_links(out)
         if not force:
             _refuse_what_is_there(out, resume)
         yield
+
+
+def refuse_no_folder(out: Path) -> None:
+    """Refuse a result folder that is a file, or a link to nothing."""
+    if out.is_symlink() and not out.exists():
+        refuse("--out", f"is a link to {os.readlink(out)}, which is not there", out)
+    if out.exists() and not out.is_dir():
+        refuse("--out", "is a file, not a folder", out)
 
 
 def _refuse_what_is_there(out: Path, resume: bool) -> None:
@@ -202,8 +250,9 @@ def refuse_other_run(folder: Path, record: Mapping[str, Any], scene_sha256: str)
     """Refuse to take the results of a folder for those of a scene, unless they are its own and whole."""
     if record.get("scene_sha256") != scene_sha256:
         refuse("--resume", "the results here are those of another scene or mesh; --force begins anew", folder)
-    if record.get("status") == "interrupted":
-        refuse("--resume", "nothing to resume: the run here was interrupted, and its checkpoints are gone", folder)
+    if record.get("status") in ("interrupted", WRITING):
+        message = "nothing to resume: the run here was interrupted, and its checkpoints are gone; --force begins anew"
+        refuse("--resume", message, folder)
 
 
 @contextmanager
@@ -226,12 +275,26 @@ def interruptible() -> Iterator[None]:
             signal.signal(kind, signal.SIG_DFL)
 
 
+def in_discretisation(scene: Scene, wanted: str | None) -> Scene:
+    """Return the scene in another discretisation; refuse what that cannot carry."""
+    from pysprings.scene.checks import clashes, dotted
+
+    if wanted is None or wanted == scene.mesh.discretisation:
+        return scene
+    changed = scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"discretisation": wanted})})
+    for clash in clashes(changed):
+        refuse("--discretisation", f"{dotted(clash.keys[0])}: {clash.message}")
+    return scene.replace(mesh={"discretisation": wanted})
+
+
 def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[str, Any]]:
     """Return the scene with the cheapest setting for a target error, and what `run_to_folder` is told beside it."""
-    from pysprings.accuracy import presets
+    from pysprings.full_model.accuracy import presets
 
     if has_mesh:
         refuse("--target-error", "chooses the mesh itself: give it or --mesh")
+    if scene.mesh.discretisation != "hex8":
+        refuse("--target-error", 'rests on a study of bricks: choose a mesh, or discretisation = "hex8"')
     setting = presets.cheapest(target)
     extra = {"estimate_error": True, "notes": {"target_error": presets.note(target, setting)}}
     return presets.applied(setting, scene), extra
@@ -245,44 +308,9 @@ def record_stamp(folder: Path) -> tuple[int, int] | None:
 
 def print_json(data: Any) -> None:
     """Print one JSON document on stdout; numbers that are not finite become null."""
-    print(json.dumps(_plain(data), indent=2, allow_nan=False))
-
-
-def _plain(data: Any) -> Any:
-    """Return data as JSON can hold it."""
-    if isinstance(data, Mapping):
-        return {str(key): _plain(value) for key, value in data.items()}
-    if hasattr(data, "tolist"):  # numpy scalars and arrays
-        return _plain(data.tolist())
-    if isinstance(data, float):
-        return data if math.isfinite(data) else None
-    if data is None or isinstance(data, bool | int | str):
-        return data
-    if isinstance(data, Sequence | set | frozenset):
-        return [_plain(value) for value in data]
-    return str(data)
+    print(json_text(data, indent=2))
 
 
 def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Print a table in plain text: first column left, the others right."""
-    lines = [list(headers), *(list(row) for row in rows)]
-    widths = [max(len(line[column]) for line in lines) for column in range(len(headers))]
-    lines.insert(1, ["-" * width for width in widths])
-    for line in lines:
-        cells = [
-            printable(cell).rjust(width) if column else printable(cell).ljust(width)
-            for column, (cell, width) in enumerate(zip(line, widths, strict=True))
-        ]
-        print("  ".join(cells).rstrip())
-
-
-def number(value: Any) -> str:
-    """Return a number for people: thousands apart, four figures."""
-    if value is None:
-        return "-"
-    value = value.item() if hasattr(value, "item") else value
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return str(value)
-    if isinstance(value, int) or (abs(value) >= 1e4 and math.isfinite(value) and abs(value) < 1e15):
-        return f"{value:,.0f}"
-    return f"{value:.4g}"
+    print(plain_table([printable(head) for head in headers], [[printable(cell) for cell in row] for row in rows]))

@@ -23,6 +23,7 @@ def printable(text: object) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in str(text))
 
 
+MOST_PROBLEMS = 20  # lines of a message: a broken file may have thousands
 MOST_LETTERS = 500  # of a message: what it quotes may be a whole file
 
 
@@ -58,7 +59,7 @@ class PyspringsError(Exception):
 class UserInputError(PyspringsError):
     """The user's input is refused; `problems` lists everything that is wrong with it.
 
-    `str()` has one line per problem: `fatal: user input: file:line:col: key: message`.
+    `str()` has one line per problem: `fatal: user input: file:line:col: key: message`; the first lines of many.
     """
 
     exit_code = EXIT_USER_INPUT
@@ -68,7 +69,14 @@ class UserInputError(PyspringsError):
         super().__init__(self.problems)
 
     def __str__(self) -> str:
-        return "\n".join(f"fatal: user input: {problem}" for problem in self.problems)
+        lines = [str(problem) for problem in self.problems[:MOST_PROBLEMS]]
+        if (left := len(self.problems) - MOST_PROBLEMS) > 0:
+            lines.append(f"and {left:,} more problems")
+        return "\n".join(f"fatal: user input: {line}" for line in lines)
+
+
+class BeyondSprings(UserInputError):
+    """A prediction was asked for where the springs hold no answer; the message says what they carry, and from where."""
 
 
 class ResourceError(PyspringsError):
@@ -89,3 +97,8 @@ class RunIncomplete(PyspringsError):
 
     def __str__(self) -> str:
         return self.message
+
+
+def out_of_memory(error: MemoryError) -> str:
+    """Return one line for memory that was refused, with the figures where the error has them."""
+    return f"out of memory: {printable(error)}" if str(error) else "out of memory"

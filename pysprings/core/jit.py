@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# Set before `pysprings.macro_solver` is imported; what is decorated then stays as it is.
+# Set before `pysprings.macro.solver` is imported; what is decorated then stays as it is.
 PLAIN = {"on": False}
 
 # Options of `pysprings predict` that ask for many states: there Numba pays.
@@ -16,13 +17,16 @@ _MANY = ("--points", "--sequence")
 
 
 def jitted(function: F) -> F:
-    """Compile a function at its first call (kept between processes), or leave it as it is."""
+    """Compile a function at its first call (kept between processes), or leave it as it is.
+
+    Its file has everything that it is compiled from: it calls jitted functions of that file, and no others.
+    """
     if PLAIN["on"]:
         return function
-    from numba import njit
+    from fe_engine.compiled import digest, kept
 
-    compiled: Any = njit(cache=True)(function)
-    return cast(F, compiled)
+    file = Path(function.__code__.co_filename)
+    return cast(F, kept(function, file.parent, digest(file.parent, [file])))
 
 
 def choose_for_command(arguments: Sequence[str]) -> None:

@@ -19,7 +19,7 @@ from decimal import Decimal
 from functools import cache
 from typing import Any
 
-from pysprings.errors import printable
+from pysprings.core.errors import printable
 
 MAX_LENGTH = 64
 

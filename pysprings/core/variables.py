@@ -273,12 +273,17 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       "in (u, rotation*skirt_length), relative to the size of the state; of a fan: from its nearest ray",
       required=False),
     V("off_path", "1 where the state is far from the path the springs come from", "1", ("step",),
-      "springs of one path do not hold on another; of a fan: 1 between rays more than 60 degrees apart",
-      required=False),
+      "springs of one path do not hold on another; of a fan: 1 between rays more than 60 degrees apart; "
+      "1 after a sequence has left its first direction", required=False),
+    V("beyond_end", "1 where the state is beyond what the full model carried", "1", ("step",),
+      "beyond the end of a path that stopped or met a limit load: no answer"),
+    V("turned_back", "1 after the sequence has turned back", "1", ("step",),
+      "the springs go back on the same curve, without hysteresis; the soil does not"),
     V("off_load", "1 where V is not covered by the lateral springs", "1", ("step",),
       "reactions to u and rotation are those at the nearest vertical load that is", required=False),
     _SPRINGS_ROOT["dof"], _SPRINGS_ROOT["dof_conjugate"],
-    V("stiffness", "tangent stiffness at the lid centre", "1", ("step", "dof", "dof_conjugate"), _TANGENT),
+    V("stiffness", "stiffness of the springs at the state: tangent at the lid centre", "1",
+      ("step", "dof", "dof_conjugate"), _TANGENT),
 )
 
 GROUPS: dict[str, dict[str, Variable]] = {

@@ -16,7 +16,6 @@ import hashlib
 import io
 import json
 import os
-import shutil
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -26,9 +25,10 @@ from typing import Any
 
 import numpy as np
 
-from pysprings.errors import Problem, ResourceError, UserInputError
-from pysprings.result_files import CHECKPOINT
-from pysprings.storage import leftovers, replacing
+from pysprings.core.errors import Problem, ResourceError, UserInputError
+from pysprings.core.files.layout import CHECKPOINT, checkpoints_in
+from pysprings.core.files.storage import leftovers, replacing
+from pysprings.core.files.written import own_folder
 
 FORMAT = "pysprings-checkpoint-1"
 SHARE = 0.02  # of the wall time of a run
@@ -57,6 +57,7 @@ class Loaded:
     paths: dict[str, Saved] = field(default_factory=dict)
     state: Saved | None = None
     damaged: list[str] = field(default_factory=list)
+    environments: list[dict[str, str]] = field(default_factory=list)  # in which the files were written
 
     @property
     def newest(self) -> Saved | None:
@@ -82,12 +83,14 @@ class Checkpoints:
 
     Attributes
     ----------
-    identity : what has to be the same for a run to go on, by name: scene, mesh, version, linear solver.
+    identity : what has to be the same for a run to go on, by name: scene, mesh, version, engine, linear solver.
+    environment : what the run is computed with (`full_model.environment`); another one is noted, not refused.
     spent : wall seconds that checkpoints have cost; ``written`` how many of the path on its way there were.
     """
 
     folder: Path
     identity: dict[str, str] = field(default_factory=dict)
+    environment: dict[str, str] = field(default_factory=dict)
     spent: float = 0.0
     written: int = 0
     _last_cost: float = 0.0
@@ -96,8 +99,8 @@ class Checkpoints:
 
     @property
     def place(self) -> Path:
-        """The folder of the files."""
-        return self.folder / CHECKPOINT
+        """The folder of the files; UserInputError where a link is in its place."""
+        return own_folder(self.folder, CHECKPOINT)
 
     def begin(self, shared: Saved, anew: bool = True) -> None:
         """Write what the paths of a run share; throw away the checkpoints of an earlier run where it begins anew."""
@@ -145,7 +148,8 @@ class Checkpoints:
         file = self.place / name
         try:
             with self.charged():
-                write(file, Saved({"identity": self.identity} | saved.meta, saved.arrays))
+                about = {"identity": self.identity, "environment": self.environment}
+                write(file, Saved(about | saved.meta, saved.arrays))
         except OSError as error:
             raise ResourceError(
                 f"{file}: the checkpoint cannot be written ({error.strerror or error}); the run stops here, what had "
@@ -158,7 +162,7 @@ class Checkpoints:
         if not self.place.is_dir():
             raise refusal(self.folder, "nothing to resume: no interrupted run in this folder")
         loaded.shared = self._read(_START, loaded)
-        for file in sorted(self.place.glob(_PATH.format(0).replace("000", "*"))):
+        for file in [file for file in checkpoints_in(self.place) if file.name.startswith("path-")]:
             if (saved := self._read(file.name, loaded)) is not None:
                 loaded.paths[saved.meta["path"]] = saved
         states = [saved for name in _GENERATIONS if (saved := self._read(name, loaded)) is not None]
@@ -180,6 +184,7 @@ class Checkpoints:
             loaded.damaged.append(f"{name}: {error}")
             return None
         self._refuse_another_run(saved.meta["identity"])
+        loaded.environments.append(saved.meta["environment"])
         return saved
 
     def _refuse_another_run(self, other: Mapping[str, str]) -> None:
@@ -189,18 +194,32 @@ class Checkpoints:
                 raise refusal(self.folder, f"--resume: another run was interrupted here: {what}; --force begins anew")
 
     def remove(self) -> None:
-        """Remove the checkpoints."""
-        if self.place.is_dir():
-            for file in [*self.place.glob("*.npz"), *leftovers(self.place)]:
+        """Remove the checkpoints, by their names; the folder stays where it holds something else."""
+        place = self.place
+        if place.is_dir():
+            for file in [*checkpoints_in(place), *leftovers(place)]:
                 file.unlink(missing_ok=True)
-            if not any(self.place.iterdir()):
-                shutil.rmtree(self.place)
+            if not any(place.iterdir()):
+                place.rmdir()
+
+    def are_of(self, scene_sha256: str) -> bool:
+        """Tell whether the run that the checkpoints belong to is one of this scene, as far as they can be read."""
+        try:
+            found = read(self.place / _START).meta["identity"]["scene"]
+        except (OSError, Damaged, LookupError, TypeError):
+            return False
+        return bool(found == scene_identity(scene_sha256))
+
+
+def scene_identity(sha256: str) -> str:
+    """Return how checkpoints name a scene."""
+    return f"sha256 {sha256}"
 
 
 def write(file: Path, saved: Saved) -> None:
     """Write a checkpoint file; atomic, on the disk when this returns."""
     packed = io.BytesIO()
-    meta = json.dumps(saved.meta, default=_plain).encode("utf-8")
+    meta = json.dumps(saved.meta, default=lambda value: value.tolist()).encode("utf-8")
     arrays: dict[str, Any] = {_META: np.frombuffer(meta, dtype=np.uint8), **saved.arrays}
     np.savez(packed, **arrays)
     content = packed.getbuffer()
@@ -230,11 +249,6 @@ def read(file: Path) -> Saved:
     except ValueError as error:
         raise Damaged(str(error)) from error
     return Saved(json.loads(arrays.pop(_META).tobytes()), arrays)
-
-
-def _plain(value: Any) -> Any:
-    """NumPy's scalars and arrays as JSON has them."""
-    return value.tolist()
 
 
 def refusal(folder: str | os.PathLike[str], message: str) -> UserInputError:

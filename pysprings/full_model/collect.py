@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fe_engine.assembly import System
-from fe_engine.kernels_water import station_gaps
+from fe_engine.assembly.system import System
+from fe_engine.balance.water import WaterBalance
 from fe_engine.state import Fields
-from fe_engine.water_balance import WaterBalance
-from pysprings import variables
-from pysprings.build import SURFACE, Built
-from pysprings.cavitation import Margin, smallest_margin
-from pysprings.volume import Volume
+from pysprings.core import variables
+from pysprings.full_model.cavitation import Margin, smallest_margin
+from pysprings.full_model.volume import Volume
+from pysprings.model.build import SURFACE, Built
 
 SIDES = {"outside": "outer", "inside": "inner"}
 
@@ -47,7 +46,8 @@ class Collector:
         self.position = built.model.stations.position  # type: ignore[union-attr]
         self.surface = built.model.stations.surface  # type: ignore[union-attr]
         self.rings = {side: self._ring_stations(side) for side in SIDES}
-        self.bounds = _depth_bounds(built.caisson.depth)
+        self.depth, self.azimuth = built.caisson.depth, built.caisson.azimuth
+        self.bounds = _depth_bounds(self.depth)
         self.rows: list[dict[str, Any]] = []
 
     def _ring_stations(self, side: str) -> np.ndarray:
@@ -67,7 +67,7 @@ class Collector:
         row: dict[str, Any] = {"time": time, "u": u, "w": w, "rotation": rotation, "converged": np.int8(converged)}
         row |= self._resultants(force)
         row |= self._rings(state, force, water)
-        row |= self._shape(state, u + rotation * self.built.caisson.depth)
+        row |= self._shape(state, u + rotation * self.depth)
         row |= self._patches(state, water)
         row |= self._water(state, water)
         if self.keep_fields:
@@ -103,7 +103,7 @@ class Collector:
             mine = self.surface == code
             row |= {f"{key}_{name}": float(value[mine].sum()) for key, value in total.items()}
         row |= {key: float(value.sum()) for key, value in total.items()}
-        row["M_tip"] -= self.built.caisson.depth[-1] * row["H_tip"]
+        row["M_tip"] -= self.bounds[-1, 1] * row["H_tip"]
         return row
 
     def _film_pressure(self, state: Fields) -> np.ndarray:
@@ -150,13 +150,22 @@ class Collector:
         m, t = np.empty(p.shape[:2]), np.empty(p.shape[:2])
         for s, ring in enumerate(self.rings.values()):
             for c, name in enumerate(variables.COMPONENTS):
-                p[:, s, c] = parts[name][ring].sum(axis=0) / height
-            m[:, s] = -(force[:, 2] * x)[ring].sum(axis=0) / height
-            t[:, s] = force[:, 2][ring].sum(axis=0) / height
+                p[:, s, c] = self._by_slice(parts[name][ring].sum(axis=0)) / height
+            turning = self._turning(force[:, 0][ring].sum(axis=0))
+            m[:, s] = (turning - self._by_slice((force[:, 2] * x)[ring].sum(axis=0))) / height
+            t[:, s] = self._by_slice(force[:, 2][ring].sum(axis=0)) / height
         return {"p_component": p, "m": m, "t": t, "p": p.sum(axis=(1, 2))}
 
+    def _by_slice(self, of_rings: np.ndarray) -> np.ndarray:
+        """Forces of slices (nz,) from those of rings of nodes: each ring has its slice."""
+        return of_rings
+
+    def _turning(self, lateral: np.ndarray) -> np.ndarray:
+        """Moment (nz,) of the lateral forces of rings (nz,) about the depth of their slice: they act there."""
+        return np.zeros_like(lateral)
+
     def _gap(self, state: Fields) -> np.ndarray:
-        return station_gaps(self.system.stations, state.displacement, state.border)
+        return self.system.gaps(state)
 
     def _patches(self, state: Fields, water: np.ndarray) -> dict[str, np.ndarray]:
         """Normal stress, water pressure and gap under the lid and the tip."""
@@ -188,7 +197,6 @@ class Collector:
 
     def dataset(self) -> xr.Dataset:
         """All rows as a Dataset with the variables of `variables.GROUPS["result_path"]`."""
-        caisson = self.built.caisson
         names = variables.GROUPS["result_path"]
         data: dict[str, Any] = {}
         for name in self.rows[0]:
@@ -204,7 +212,7 @@ class Collector:
             data[name] = ("step", values - values[0])
         data["depth_bounds"] = (("depth", "bound"), self.bounds)
         coords = {
-            "depth": caisson.depth, "azimuth": caisson.azimuth, "side": list(variables.SIDES),
+            "depth": self.depth, "azimuth": self.azimuth, "side": list(variables.SIDES),
             "component": list(variables.COMPONENTS), "step": np.arange(len(self.rows)),
         }  # fmt: skip
         return variables.attach(xr.Dataset(data, coords=coords), "result_path")

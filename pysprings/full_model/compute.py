@@ -8,7 +8,6 @@ import os
 import platform
 import warnings
 from contextlib import suppress
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
@@ -16,42 +15,42 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-import pysprings
-from fe_engine.assembly import System
 from fe_engine.clock import Clock
+from fe_engine.compiled import engine_digest
 from fe_engine.errors import FEError, LinearSolverError
-from fe_engine.linear import LinearSolver
-from fe_engine.newton import Newton, Settings
 from fe_engine.state import State
-from pysprings import variables
-from pysprings.accuracy.own_estimate import add_estimate, was_interrupted
-from pysprings.build import build_model
-from pysprings.build_water import undrained_time
-from pysprings.cavitation import warning as cavitation_warning
-from pysprings.checkpoint import Checkpoints, Loaded, Saved
-from pysprings.collect import section_dataset
-from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
-from pysprings.omissions import left_out
-from pysprings.path_run import PathRun, Work
-from pysprings.penalty import penalty_of
-from pysprings.progress import Progress
-from pysprings.resources import refuse_what_cannot_fit
-from pysprings.result_files import is_unfinished
-from pysprings.run_lock import exclusive, new_folder
-from pysprings.run_record import (
+from pysprings.core import variables, version
+from pysprings.core.errors import Problem, ResourceError, RunIncomplete, UserInputError, out_of_memory
+from pysprings.core.files.layout import is_unfinished, refuse_links
+from pysprings.core.files.lock import exclusive, new_folder
+from pysprings.core.progress import Progress
+from pysprings.core.threads import blas_on_one_thread
+from pysprings.full_model.accuracy.own_estimate import add_estimate, was_interrupted
+from pysprings.full_model.cavitation import warning as cavitation_warning
+from pysprings.full_model.checkpoint import Checkpoints, Loaded, Saved, scene_identity
+from pysprings.full_model.discretise import make_engine, section_of, volume_of
+from pysprings.full_model.environment import differences, environment_of
+from pysprings.full_model.path_run import PathRun, Work
+from pysprings.full_model.record import (
     Meter,
     convergence_dataset,
     cut_back,
     energy_summary,
     summarise,
 )
-from pysprings.small_strain import large_motion
-from pysprings.threads import blas_on_one_thread
-from pysprings.unit_time import factorise_and_solve_seconds
-from pysprings.volume import volume_dataset
+from pysprings.full_model.unit_time import factorise_and_solve_seconds
+from pysprings.model.discretise import build
+from pysprings.model.forecast.domain_effect import domain_effect
+from pysprings.model.forecast.omissions import left_out
+from pysprings.model.forecast.resources import refuse_what_cannot_fit
+from pysprings.model.forecast.small_strain import large_motion
+from pysprings.model.fourier import BuiltFourier
+from pysprings.model.penalty import penalty_of
+from pysprings.model.water import undrained_time
+from pysprings.springs.path_ends import end_attrs
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 # why a run has ended before its paths did (`stopped_by` in run.json)
 INTERRUPTED, OUT_OF_MEMORY = "interrupted", "out of memory"
@@ -71,14 +70,16 @@ def run(
     checkpoint : folder for checkpoints. Where one holds those of this very run, stopped, it goes on from them; they are
         removed when it has ended.
     estimate_error : run the scene on a coarser mesh, too, and put an estimate of the discretisation error into the
-        record (`pysprings.accuracy.two_mesh`).
+        record (`pysprings.full_model.accuracy.two_mesh`).
 
     Returns
     -------
-    DataTree with one group per path (see `pysprings.variables`). ``attrs["status"]`` is "complete", or "partial"
+    DataTree with one group per path (see `pysprings.core.variables`). ``attrs["status"]`` is "complete", or "partial"
     when a path did not converge to its end (with a warning), or "interrupted"; what converged is kept. Water that
     would cavitate at the scene's water depth is warned of.
     """
+    if estimate_error and scene.mesh.discretisation != "hex8":
+        raise UserInputError([Problem(key="mesh.discretisation", message='errors are estimated for "hex8" alone')])
     if checkpoint is None:
         result = compute(scene, mesh, progress, linear)
     else:
@@ -98,6 +99,7 @@ def _compute_in(
 ) -> xr.DataTree:
     """Compute with checkpoints in a folder, from those that it holds."""
     with new_folder(folder), exclusive(folder):
+        refuse_links(folder)
         checkpoints = Checkpoints(folder)
         result = compute(scene, mesh, progress, linear, checkpoints, resume=is_unfinished(folder))
         if result.attrs["status"] != "interrupted":
@@ -133,9 +135,9 @@ def _compute(
         _run_paths(work, loaded)
     except KeyboardInterrupt:
         work.stopped = INTERRUPTED
-    except MemoryError:
+    except MemoryError as error:
         work.stopped = OUT_OF_MEMORY
-        work.failures.append(OUT_OF_MEMORY)
+        work.failures.append(out_of_memory(error))
     if work.condition is None:
         work.condition = work.newton.condition_estimate()
     record = _record(work, loaded)
@@ -155,12 +157,13 @@ def _take_up(work: Work, started: str, resume: bool) -> Loaded:
     """Return what is known before the first path: the initial stiffness, and what checkpoints hold."""
     checkpoints, loaded = work.checkpoints, Loaded()
     if checkpoints is not None:
-        checkpoints.identity = _identity(work)
+        checkpoints.identity, checkpoints.environment = _identity(work), environment_of(work.newton.solver.backend)
         loaded = checkpoints.load() if resume else loaded
+        work.warnings += differences(loaded.environments, checkpoints.environment)
     if loaded.newest is not None:
         work.go_on_from(loaded.newest.meta["cost"])
         work.resumed.append({"at_utc": started, "from": loaded.place})
-    work.warnings += [f"checkpoint {text}; what it held is computed again" for text in loaded.damaged]
+        work.warnings += [f"checkpoint {text}; what it held is computed again" for text in loaded.damaged]
     if loaded.shared is None:
         loaded.shared = Saved({"started_utc": started}, {"stiffness": _initial_stiffness(work)})
         if checkpoints is not None:
@@ -175,8 +178,9 @@ def _identity(work: Work) -> dict[str, str]:
     return {
         "mesh": work.scene.mesh.preset,
         "linear solver": work.newton.solver.backend.name,
-        "version of pysprings": pysprings.__version__,
-        "scene": f"sha256 {work.scene.sha256}",
+        "version of pysprings": version.__version__,
+        "engine": f"sha256 {engine_digest()}",
+        "scene": scene_identity(work.scene.sha256),
     }
 
 
@@ -194,21 +198,17 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
     progress("model", 0.0, "mesh")
     with clock.phase("mesh"):
         try:
-            built = build_model(scene)
+            built = build(scene)
         except FEError as error:
             raise UserInputError([Problem(key="mesh", message=str(error))]) from error
     with clock.phase("set-up"):
-        system = System(built.model, clock)
         try:
-            wet, symmetric = built.model.water is not None, built.model.symmetric
-            solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, wet, symmetric)
+            engine = make_engine(scene, built, clock)
         except LinearSolverError as error:
             raise ResourceError(str(error)) from error
-        settings = Settings(scene.solver.tolerance, scene.solver.max_iterations)
-        newton = Newton(system, solver, replace(settings, exact=scene.drainage.mode == "undrained"))
-    progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {system.pattern.n_free} unknowns")
-    remarks = list(penalty_of(scene).remarks)
-    return Work(scene, built, system, newton, clock, progress, warnings=remarks)
+    progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {engine.system.pattern.n_unknowns} unknowns")
+    remarks = [*domain_effect(scene).remarks, *penalty_of(scene).remarks]
+    return Work(scene, built, engine.system, engine.newton, clock, progress, warnings=remarks)
 
 
 def _initial_stiffness(work: Work) -> np.ndarray:
@@ -248,7 +248,7 @@ def _keep(work: Work, run: PathRun) -> None:
         dataset = run.collector.dataset()
         dataset.attrs = {
             "kind": path.kind, "arm_m": path.arm, "role": path.role, "status": run.status, "heave": path.heave,
-        }  # fmt: skip
+        } | end_attrs(run.status, run.why, dataset)  # fmt: skip
         if path.rate is not None:
             dataset.attrs["rate_m_per_s"] = path.rate
         if path.arm_from is not None:
@@ -277,16 +277,17 @@ def _record(work: Work, loaded: Loaded) -> dict[str, Any]:
         "stopped_by": work.stopped or None,
         "failures": work.failures,
         "warnings": work.warnings,
-        "version": pysprings.__version__,
+        "version": version.__version__,
         "started_utc": loaded.shared.meta["started_utc"],
         "resumed": work.resumed,
         "python": platform.python_version(),
         "platform": platform.platform(),
+        "environment": environment_of(solver.backend),
         "scene_sha256": work.scene.sha256,
         "scene_toml": work.scene.to_toml(),
         "mesh": {
-            "preset": work.scene.mesh.preset,
-            "nodes": mesh.n_nodes, "elements": mesh.n_elements, "unknowns": work.system.pattern.n_free + 3,
+            "preset": work.scene.mesh.preset, "discretisation": work.scene.mesh.discretisation, **_series(work),
+            "nodes": mesh.n_nodes, "elements": mesh.n_elements, "unknowns": work.system.pattern.n_unknowns + 3,
             "steel_elements": 0 if work.built.steel is None else len(work.built.steel.hexes),
             "interface_stations": len(work.system.stations.area),
             "min_scaled_jacobian": work.built.quality.min_jacobian, "max_aspect": work.built.quality.max_aspect,
@@ -302,6 +303,14 @@ def _record(work: Work, loaded: Loaded) -> dict[str, Any]:
         "left_out": [omission.record() for omission in left_out(work.scene)],
         **_cost_before(work, loaded),
     }  # fmt: skip
+
+
+def _series(work: Work) -> dict[str, int]:
+    """Highest harmonic and numbers of azimuths of a Fourier model; nothing of bricks."""
+    if not isinstance(work.built, BuiltFourier):
+        return {}
+    model = work.built.model
+    return {"harmonics": model.harmonics, "azimuths": model.azimuths, "contact_azimuths": len(work.built.azimuth)}
 
 
 def _cost_before(work: Work, loaded: Loaded) -> dict[str, Any]:
@@ -324,10 +333,10 @@ def _tree(work: Work, record: dict[str, Any]) -> xr.DataTree:
     root.attrs = {
         "Conventions": "CF-1.11",
         "title": scene.title,
-        "source": f"pysprings {pysprings.__version__}",
+        "source": f"pysprings {version.__version__}",
         "history": f"{record['started_utc']} pysprings run",
         "references": "Cerfontaine, Charlier & Collin (2018), NUMGE 2018, 1519-1528",
-        "pysprings_version": pysprings.__version__,
+        "pysprings_version": version.__version__,
         "scene_sha256": scene.sha256,
         "scene_toml": scene.source_text,
         "solver": record["solver"]["linear"],
@@ -345,9 +354,9 @@ def _tree(work: Work, record: dict[str, Any]) -> xr.DataTree:
         "vertical_load_N": 2.0 * (work.built.balanced_load + work.built.extra_load),
         "run_json": json.dumps(record),
     }
-    groups: dict[str, Any] = {"/": root, "/section": section_dataset(work.built)} | work.paths
+    groups: dict[str, Any] = {"/": root, "/section": section_of(work.built)} | work.paths
     if scene.output.paraview:
-        groups["/volume"] = volume_dataset(work.built)
+        groups["/volume"] = volume_of(work.built)
     return xr.DataTree.from_dict(groups, name="result")
 
 
@@ -356,7 +365,7 @@ def raise_if_incomplete(result: xr.DataTree, folder: str | os.PathLike[str] | No
     record = json.loads(result.attrs["run_json"])
     if record["stopped_by"] == OUT_OF_MEMORY:
         kept = "" if folder is None else f"; what converged is kept in {folder}, --resume goes on from there"
-        raise ResourceError(f"out of memory; try a smaller mesh (`pysprings check` estimates){kept}")
+        raise ResourceError(f"{record['failures'][-1]}; try a smaller mesh (`pysprings check` estimates){kept}")
     if result.attrs["status"] == "interrupted":
         raise KeyboardInterrupt
     if result.attrs["status"] != "complete":

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Why a path stopped: a named physical reason from the state itself, with the figure that shows it.
 
-``limit load``   under a given load, the caisson's stiffness is gone, nothing balances the load, or the caisson
-                 has moved too far.
+``limit load``   under a given load, the caisson's stiffness is gone, or nothing balances the load.
+``displacement limit``  under a given load, the caisson has moved too far, and the soil still resists more.
 ``apex``         the soil around the largest residual has lost its confining stress: no stiffness, no strength.
 ``localisation`` the soil's tangent there has lost its ellipticity (Rudnicki & Rice 1975): det(n.C.n) <= 0 for some
                  direction n, so that strains may concentrate in a band of any width; plasticity without hardening
@@ -17,18 +17,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fe_engine import hex8, kernels
 from fe_engine.conventions import CONTACT_OPEN, REGIME_APEX, REGIME_CONE
 from fe_engine.errors import FEError
 from fe_engine.soil.dispatch import N_HISTORY, update_soil
+from pysprings.full_model.displacement_limit import DISPLACEMENT_LIMIT
+from pysprings.springs.path_ends import LIMIT_LOAD
 
 if TYPE_CHECKING:
-    from fe_engine.assembly import System
+    from fe_engine.assembly.fourier_system import FourierSystem
+    from fe_engine.assembly.system import System
+    from fe_engine.solve.stepping import Driver
     from fe_engine.state import State
-    from fe_engine.stepping import Driver
 
-LIMIT_LOAD = "limit load"
-REASONS = (LIMIT_LOAD, "apex", "localisation", "friction", "unexplained")
+REASONS = (LIMIT_LOAD, DISPLACEMENT_LIMIT, "apex", "localisation", "friction", "unexplained")
 # A caisson under a given load is at its limit where this share of its initial stiffness is left
 _LIMIT = 0.02
 # ... or where the iterations of a step that could not be smaller leave this share of the forces
@@ -37,6 +38,13 @@ _NO_BALANCE = 0.1
 _MOST = 0.25
 _NODES = 10  # with the largest residuals: what cycles is beside them as often as at the largest
 _VOIGT = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+
+
+def too_far(driver: Driver, initial: np.ndarray, moved: str) -> str:
+    """Name the reason why a given load has moved the caisson too far; ``moved`` says how far, ``initial`` as below."""
+    left = _stiffness_left(driver, initial)
+    reason = LIMIT_LOAD if left < _LIMIT else DISPLACEMENT_LIMIT
+    return f"{reason}: {moved}; {100.0 * max(left, 0.0):.2g} % of the initial stiffness is left"
 
 
 def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> str:
@@ -62,7 +70,7 @@ def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> str:
     return "unexplained"
 
 
-def _around(system: System, state: State) -> np.ndarray:
+def _around(system: System | FourierSystem, state: State) -> np.ndarray:
     """Elements of the nodes with the largest residuals of the last attempt."""
     try:
         residual = np.abs(system.residual(state).free)
@@ -71,9 +79,8 @@ def _around(system: System, state: State) -> np.ndarray:
     if not np.all(np.isfinite(residual)):
         residual = np.nan_to_num(residual, nan=np.inf)
     worst = np.argsort(residual)[-_NODES:]
-    nodes = np.unique(np.nonzero(np.isin(system.pattern.equation, worst))[0])
-    found = np.flatnonzero(np.isin(system.hexes, nodes).any(axis=1))
-    return found if len(found) else np.arange(min(8, len(system.hexes)))  # film nodes
+    found = system.elements_at(worst)
+    return found if len(found) else np.arange(min(8, len(system.regime)))  # film nodes
 
 
 def _stiffness_left(driver: Driver, initial: np.ndarray) -> float:
@@ -90,25 +97,22 @@ def _least_residual(driver: Driver) -> float:
     return min((float(row["residual"]) for row in error.history[1:]), default=0.0)
 
 
-def _ellipticity(system: System, state: State, elements: np.ndarray) -> float:
+def _ellipticity(system: System | FourierSystem, state: State, elements: np.ndarray) -> float:
     """Least det(n.C.n) over its elastic value, of the yielding points of these elements over directions n."""
     directions = _directions()
     worst = 1.0
-    move, strain = np.empty((8, 3)), np.empty(6)
     stress, history, tangent = np.empty(6), np.empty(N_HISTORY), np.empty((6, 6))
-    old, new = state.committed, state.trial
+    old, materials = state.committed, system.model.materials
     for e in elements:
         if not (system.regime[e] == REGIME_CONE).any():
             continue
-        kernels.gather(system.hexes[e], new.displacement, old.displacement, (system.frame_of, system.frames), move)
-        kind = system.model.material[e]
+        material = materials[system.model.material[e]]
         for g in np.flatnonzero(system.regime[e] == REGIME_CONE):
-            hex8.strain_at(system.gradient[e, g], system.mean_gradient[e], move, strain)
             update_soil(
-                system.laws[kind], system.parameters[kind], strain, old.stress[e, g], old.history[e, g], stress,
-                history, tangent, True,
+                material.law, material.parameters, system.strain_step(state, int(e), int(g)), old.stress[e, g],
+                old.history[e, g], stress, history, tangent, True,
             )  # fmt: skip
-            worst = min(worst, float(np.min(_acoustic(tangent, directions))) / _elastic(system.parameters[kind]))
+            worst = min(worst, float(np.min(_acoustic(tangent, directions))) / _elastic(material.parameters))
     return worst
 
 
@@ -132,8 +136,6 @@ def _elastic(parameters: np.ndarray) -> float:
     return float((bulk + 4.0 / 3.0 * shear) * shear * shear)
 
 
-def _contact_there(system: System, elements: np.ndarray) -> bool:
+def _contact_there(system: System | FourierSystem, elements: np.ndarray) -> bool:
     """Tell whether closed stations stand on these elements."""
-    nodes = np.unique(system.hexes[elements])
-    touching = np.isin(system.stations.nodes, nodes).any(axis=1)
-    return bool(np.any(touching & (system.contact_state != CONTACT_OPEN)))
+    return bool(np.any(system.stations_on(elements) & (system.contact_state != CONTACT_OPEN)))

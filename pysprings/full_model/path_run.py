@@ -10,32 +10,33 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from fe_engine.assembly import System
+from fe_engine.assembly.fourier_system import FourierSystem
+from fe_engine.assembly.system import System
+from fe_engine.balance.energy import EnergyBalance
+from fe_engine.balance.water import WaterBalance
 from fe_engine.clock import Clock
-from fe_engine.energy_balance import EnergyBalance
 from fe_engine.errors import NotConverged
+from fe_engine.linear.preconditioner import Origin
 from fe_engine.model import Stage
-from fe_engine.newton import Newton
-from fe_engine.preconditioner import Origin
+from fe_engine.solve.newton import Newton
+from fe_engine.solve.step_size import StepSize
+from fe_engine.solve.stepping import Driver, Position, Step
 from fe_engine.state import FIELDS, State, initial_fields
-from fe_engine.step_size import StepSize
-from fe_engine.stepping import Driver, Position, Step
-from fe_engine.water_balance import WaterBalance
-from pysprings.build import Built
-from pysprings.build_water import undrained_time
-from pysprings.cavitation import Margin
-from pysprings.checkpoint import Checkpoints, Saved
-from pysprings.collect import Collector
-from pysprings.diagnosis import LIMIT_LOAD, diagnose
-from pysprings.progress import Progress
-from pysprings.run_record import DEAD_LOAD
-from pysprings.stages import dead_load_stage, path_stages
+from pysprings.core.progress import Progress
+from pysprings.full_model.cavitation import Margin
+from pysprings.full_model.checkpoint import Checkpoints, Saved
+from pysprings.full_model.diagnosis import REASONS, diagnose, too_far
+from pysprings.full_model.discretise import make_collector
+from pysprings.full_model.displacement_limit import DisplacementLimit
+from pysprings.full_model.record import DEAD_LOAD
+from pysprings.model.build import Built
+from pysprings.model.fourier import BuiltFourier
+from pysprings.model.stages import dead_load_stage, path_stages
+from pysprings.model.water import undrained_time
 
 if TYPE_CHECKING:
-    from pysprings.scene import Path, Scene
+    from pysprings.scene.load import Path, Scene
 
-# Largest motion of the caisson under a given load, over its diameter
-_LARGEST_MOTION = 0.5
 _FIELD, _ROW, _LAST, _FACTORS = "field/", "row/", "last/", "factors/"  # names of arrays in a checkpoint
 
 
@@ -44,8 +45,8 @@ class Work:
     """What the paths of one run share, and what has been computed so far."""
 
     scene: Scene
-    built: Built
-    system: System
+    built: Built | BuiltFourier
+    system: System | FourierSystem
     newton: Newton
     clock: Clock
     progress: Progress
@@ -111,23 +112,17 @@ class PathRun:
         self.state = State(model)
         work.newton.forget()  # whichever paths ran before
         self.driver = Driver(work.newton, self.state)
-        self.water = None if model.water is None else WaterBalance(work.system, initial_fields(model))
+        self.water = None
+        if isinstance(work.system, System) and model.water is not None:
+            self.water = WaterBalance(work.system, initial_fields(model))
         self.energy = EnergyBalance(work.system)
-        output = scene.output
-        self.collector = Collector(
-            work.built,
-            work.system,
-            output.interface_fields,
-            output.section,
-            self.water,
-            _sea(scene),
-            volume=output.paraview,
-        )
+        self.collector = make_collector(scene, work.built, work.system, self.water, _sea(scene))
         self.extra = work.built.extra_load_of(scene.vertical_load_of(path))
         self.n_dead, self.stage, self.time = int(self.extra != 0.0), 0, 0.0
         self.n_stages = self.n_dead + len(self._path_stages(0.0))
         self.limits: list[str] = []
-        self.status, self.failure = "interrupted", ""  # until it has ended
+        self.reach: DisplacementLimit | None = None  # of a path under a given load
+        self.status, self.failure, self.why = "interrupted", "", "interrupted"  # until it has ended
         self._position: Position | None = None  # where to go on in the stage
         self._standing: _Standing | None = None  # after the last step, unless it is in a checkpoint
 
@@ -138,9 +133,10 @@ class PathRun:
         """
         try:
             self._run_stages()
-            self.status = "complete"
+            self.status, self.why = "complete", ""
         except NotConverged as error:
-            self.status, self.failure = "partial", self._why(error)
+            self.status, self.why = "partial", self._why(error)
+            self.failure = self._told(self.why)
             if not self.collector.rows:  # the dead load itself: the state that it reached is kept, marked
                 self._collect(converged=False)
         except (KeyboardInterrupt, MemoryError):
@@ -153,7 +149,12 @@ class PathRun:
             self._run_stage(dead_load_stage(self.extra))
         if not self.collector.rows:
             self._collect()
-        stages = self._path_stages(rest=float(self.collector.rows[0]["w"]))
+        rest = float(self.collector.rows[0]["w"])
+        stages = self._path_stages(rest)
+        if self.path.kind == "load":
+            caisson = self.work.scene.caisson
+            self.reach = DisplacementLimit(caisson.outer_diameter, caisson.skirt_length, rest)
+            self.driver.refusal = self.reach.refusal
         while self.stage < self.n_stages:
             self._run_stage(stages[self.stage - self.n_dead])
 
@@ -178,8 +179,7 @@ class PathRun:
         if at >= 0:
             self.time += step.time_step
             self._collect()
-            if self.path.kind == "load":
-                _refuse_flight(self.work.scene, self.state)
+            self._refuse_flight()
         self._checkpoint()
         if at < 0:
             self.work.progress(self.path.name, 0.0, DEAD_LOAD)
@@ -191,14 +191,24 @@ class PathRun:
         with self.work.clock.phase("output"):
             self.collector.add(self.state.committed, self.time, converged)
 
+    def _refuse_flight(self) -> None:
+        """Stop a path under a given load where the caisson leaves."""
+        border = self.state.committed.border
+        if self.reach is not None and self.reach.share(border) > 1.0:
+            raise NotConverged(too_far(self.driver, self.work.stiffness, self.reach.text(border)))
+
     def _why(self, error: NotConverged) -> str:
-        """One line: which path stopped, on its way to which part of the load, why, where in the model."""
+        """Why the path stopped, and where in the model: begins with the name of the reason (`diagnosis.REASONS`)."""
+        why = str(error)
+        if not why.startswith(REASONS):
+            forced = self.driver.aim[0] == DEAD_LOAD or self.path.kind == "load"
+            why = f"{diagnose(self.driver, forced, self.work.stiffness)} ({why})"
+        return why
+
+    def _told(self, why: str) -> str:
+        """One line: which path stopped, on its way to which part of the load, and why."""
         stage, target = self.driver.aim
         of = " of its dead load" if stage == DEAD_LOAD else ""
-        why = str(error)
-        if not why.startswith(LIMIT_LOAD):
-            forced = stage == DEAD_LOAD or self.path.kind == "load"
-            why = f"{diagnose(self.driver, forced, self.work.stiffness)} ({why})"
         return f"path '{self.path.name}' stopped on its way to {100 * target:.4g} %{of}: {why}"
 
     # --- saving ---
@@ -264,8 +274,9 @@ class PathRun:
         kept, driver = self.collector.rows[:rows], self.driver
         failed = [(stage, fraction, _told(error)) for stage, fraction, error in driver.given_up[:given_up]]
         meta = {
-            "path": self.path.name, "status": self.status, "failure": self.failure, "cost": self.work.cost(),
-            "n_rows": len(kept), "record": driver.record[:record], "given_up": failed, "limits": self.limits[:limits],
+            "path": self.path.name, "status": self.status, "failure": self.failure, "why": self.why,
+            "cost": self.work.cost(), "n_rows": len(kept), "record": driver.record[:record], "given_up": failed,
+            "limits": self.limits[:limits],
         }  # fmt: skip
         names = kept[0] if kept else {}
         return Saved(meta, {_ROW + name: np.array([row[name] for row in kept]) for name in names})
@@ -283,7 +294,7 @@ class PathRun:
         driver.record, self.limits = meta["record"], meta["limits"]
         driver.given_up = [(stage, fraction, NotConverged(**error)) for stage, fraction, error in meta["given_up"]]
         driver.n_steps = meta["n_steps"]
-        self.status, self.failure = meta["status"], meta["failure"]
+        self.status, self.failure, self.why = meta["status"], meta["failure"], meta.get("why", "")
         if "stage" in meta:
             self._restore_standing(saved)
         self.energy.go_on_from(self.state.committed, *meta["energy"])
@@ -316,11 +327,3 @@ def _sea(scene: Scene) -> tuple[float, float] | None:
     """Unit weight (N/m3) and depth (m) of the sea, where suction is checked against cavitation."""
     drainage = scene.drainage
     return None if drainage.water_depth is None else (drainage.water_unit_weight, drainage.water_depth)
-
-
-def _refuse_flight(scene: Scene, state: State) -> None:
-    """Stop a path under a given load where the caisson leaves: small displacements then make no sense."""
-    u, _, rotation = state.committed.border
-    reach = max(abs(u), abs(u + rotation * scene.caisson.skirt_length))
-    if reach > _LARGEST_MOTION * scene.caisson.outer_diameter:
-        raise NotConverged(f"{LIMIT_LOAD}: the caisson has moved by {reach:.3g} m, the soil does not carry the load")

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from fe_engine.balance.energy import TERMS, Energy
 from fe_engine.clock import Clock
-from fe_engine.energy_balance import TERMS, Energy
 from fe_engine.errors import NotConverged
-from pysprings import variables
-from pysprings.ring_measure import contact_alternation
+from pysprings.core import variables
+from pysprings.full_model.ring_measure import contact_alternation
 
 DEAD_LOAD = "dead load"  # the stage before a path whose caisson carries more or less than the balance
 
@@ -60,10 +60,10 @@ def summarise(
 
     Parameters
     ----------
-    record : one row per iteration (`fe_engine.stepping.Driver`).
+    record : one row per iteration (`fe_engine.solve.stepping.Driver`).
     cut_backs : one entry per attempt that was given up, see `cut_back`.
     path : what was collected along the path.
-    limits : what limited the size of each step (`fe_engine.step_size.LIMITS`).
+    limits : what limited the size of each step (`fe_engine.solve.step_size.LIMITS`).
     """
     attempts = [list(rows) for _, rows in groupby(with_attempts(record), lambda r: (r["increment"], r["attempt"]))]
     good = [rows for rows in attempts if rows[-1]["converged"]]

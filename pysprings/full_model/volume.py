@@ -6,13 +6,12 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from fe_engine.assembly import System
-from fe_engine.kernels_water import station_gaps
-from fe_engine.rigid import displacement_operator
+from fe_engine.assembly.system import System
+from fe_engine.elements.rigid import displacement_operator
 from fe_engine.soil.plasol import KAPPA
 from fe_engine.state import Fields
-from pysprings import variables
-from pysprings.build import Built
+from pysprings.core import variables
+from pysprings.model.build import Built
 
 
 class Volume:
@@ -48,7 +47,7 @@ class Volume:
     def _gap(self, state: Fields) -> np.ndarray:
         """Largest opening (n,) of the stations that a node of the soil belongs to."""
         stations = self.system.stations
-        gap = station_gaps(stations, state.displacement, state.border)
+        gap = self.system.gaps(state)
         found = np.zeros(self.built.model.mesh.n_nodes)
         station, place = np.nonzero(stations.weight > 0.0)
         np.maximum.at(found, stations.nodes[station, place], gap[station])

@@ -11,15 +11,18 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings import variables
-from pysprings.macro_down import vertical_answer
-from pysprings.macro_fan import WIDEST, FanTable
-from pysprings.macro_limit import RANGE_SLACK, Limit, range_used
-from pysprings.macro_solver import row_values
+from pysprings.core import variables
+from pysprings.macro.ends import past_ends
+from pysprings.macro.fan import WIDEST, FanTable
+from pysprings.macro.history import Turns
+from pysprings.macro.limit import RANGE_SLACK, Limit, range_used
+from pysprings.macro.softening import softening_notes
+from pysprings.macro.solver import row_values
+from pysprings.macro.vertical_answer import vertical_answer
 
 if TYPE_CHECKING:
-    from pysprings.macro_model import MacroModel
-    from pysprings.macro_tables import SpringTable
+    from pysprings.macro.curve_table import SpringTable
+    from pysprings.macro.model import MacroModel
 
 Array = NDArray[np.float64]
 
@@ -46,12 +49,15 @@ def answer_dataset(
     drive: dict[str, Any],
     message: str,
     limit: Callable[[int], Limit] | None = None,
+    turned: Turns | None = None,
+    aim: Array | None = None,
 ) -> xr.Dataset:
     """Return states (n, 2) = (u, rotation) and loads (n, 2) = (H, M) as a dataset, with w, V, p and marks.
 
     V [N] is the vertical load asked for (None: that of the path); drive names the control and the load
     height; message tells where a path ended before its aim; limit finds the largest load within the range of the
-    springs, given the first state beyond it.
+    springs, given the first state beyond it; turned marks states after a turn of the way (None: independent states);
+    aim (H, M) is the load that was not carried where the way ends before its aim.
     """
     u, rotation = states.T
     table = model.table
@@ -72,16 +78,24 @@ def answer_dataset(
         "range_used": found.used,
         "extrapolated": (np.fmax(found.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
     } | down.values
+    nowhere = np.zeros(u.size, dtype=bool)
+    turned = turned or Turns(nowhere, nowhere)
+    values["turned_back"] = turned.back.astype(np.int8)
     if found.distance is not None:
-        values |= {"path_distance": found.distance, "off_path": found.off.astype(np.int8)}
+        values["path_distance"] = found.distance
+    if found.distance is not None or turned.aside.any():
+        values["off_path"] = (found.off | turned.aside).astype(np.int8)
+    past, refusals = past_ends(model, states, found.used, loads, down.values.get("V"), aim)
+    values["beyond_end"] = (past | down.past).astype(np.int8)
     beyond = np.flatnonzero(found.used > 1.0 + RANGE_SLACK)
     notes = _beyond(model, found.used, limit(int(beyond[0])) if limit else None, drive) if beyond.size else []
-    notes += found.notes + down.notes
+    notes += found.notes + turned.notes() + down.notes
     attrs = (
         _provenance(model)
         | drive
         | {"status": "partial" if message else "complete", "message": message, "warnings": " | ".join(notes)}
-        | {"remarks": " | ".join(model.remarks)}
+        | {"remarks": " | ".join(model.remarks), "path_end": _ends(model)}
+        | {"refusals": " | ".join(_with_limit(refusals, drive) + down.refusals)}
     )
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
@@ -89,6 +103,20 @@ def answer_dataset(
     tangent = model.tangents(states, down.tangent)
     coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
     return xr.Dataset(data | {"stiffness": tangent.variable}, coords, attrs)
+
+
+def _ends(model: MacroModel) -> str:
+    """How the paths behind the lateral springs ended, in one text."""
+    found = {name: model.ends[name].how for name in model.sources}
+    return found[model.sources[0]] if len(found) == 1 else ", ".join(f"{name}: {how}" for name, how in found.items())
+
+
+def _with_limit(refusals: list[str], drive: dict[str, Any]) -> list[str]:
+    """Refusals with what the springs carry on the way asked for, where that has been found (`_beyond`)."""
+    if "limit_H_N" not in drive:
+        return refusals
+    limit = Limit(*(drive[f"limit_{name}"] for name in ("u_m", "rotation_rad", "H_N", "M_Nm")))
+    return [f"{text}; {limit}" for text in refusals]
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +142,7 @@ def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Found:
     p, usable = _lateral(table, depth, states), _usable(table, depth)
     if "u" not in model.origin:
         nowhere = np.zeros(used.size, dtype=bool)
-        return _Found(None, None, p, usable, used, None, nowhere, [])
+        return _Found(None, None, p, usable, used, None, nowhere, softening_notes(table, states))
     distance = _distance(_track(model), states * [1.0, model.length])
     off = distance > OFF_PATH
     w, V = (None, None) if model.stiffness_initial is None else _path_vertical(model, *states.T)

@@ -7,8 +7,9 @@ rotation for the first, H and M for the second. With the sets "py" and "full" a 
 own springs, a held-back path by the springs of the first calibration path. The set "fan" is made from all rays
 among the calibration paths and answers every path; "pisa" takes its lateral families from the pure translation among
 them and its moments from the pure rotation. Where calibration paths have several rates, every path is answered at its
-own, and so it is with several vertical loads (`pysprings.rates`, `pysprings.loads`). A path of kind "vertical" is
-answered by the vertical springs (set "vertical"): V at equal w, its errors relative to the change of V from rest.
+own, and so it is with several vertical loads (`pysprings.springs.rates`, `pysprings.springs.dead_loads`). A path of
+kind "vertical" is answered by the vertical springs (set "vertical"): V at equal w, its errors relative to the change of
+V from rest.
 
 A held-back path with a `vertical_load` of its own is answered under that load; `off_load_states` counts the states
 where no lateral springs know it, `w_error_...` is the largest distance of w.
@@ -41,14 +42,15 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.loads import for_path
-from pysprings.macro_control import Control
-from pysprings.macro_down import along_vertical, refused
-from pysprings.macro_fan import fan_paths
-from pysprings.macro_model import MacroModel
-from pysprings.macro_sets import spring_sets
-from pysprings.macro_vertical import build_vertical
-from pysprings.springs import SCHEMA, get_path, path_load, path_names
+from pysprings.core.path_kinds import PATH_KINDS, VERTICAL, bends, kind_of
+from pysprings.macro.control import Control
+from pysprings.macro.fan import fan_paths
+from pysprings.macro.model import MacroModel
+from pysprings.macro.sets import spring_sets
+from pysprings.macro.vertical import build_vertical
+from pysprings.macro.vertical_answer import along_vertical, refused
+from pysprings.springs.dataset import SCHEMA, get_path, path_load, path_names
+from pysprings.springs.dead_loads import for_path
 
 Array = NDArray[np.float64]
 
@@ -56,22 +58,10 @@ Array = NDArray[np.float64]
 SKIP_BELOW = 0.01
 SMALL_OVER_DIAMETER = 1e-4
 
-# Driving variable, load of the eta curve, and answers whose errors are reported, by kind of path.
-_DRIVERS: dict[str, tuple[Control, str, str, tuple[str, ...]]] = {
-    "pull": ("displacement", "u", "H", ("H", "rotation")),
-    "load": ("displacement", "u", "H", ("H", "rotation")),
-    "translation": ("state", "u", "H", ("H", "M")),
-    "rotation": ("state", "rotation", "M", ("H", "M")),
-    "swipe": ("state", "u", "H", ("H", "M")),
-    "vertical": ("state", "w", "V", ("V",)),
-}
-
-VERTICAL = "vertical"  # kind of path, and the springs that answer it
 _ERRORS = ("H", "rotation", "M", "V")
 
 AT_LOAD = {"long_name": "lateral displacement of the lid centre under the load of the full model", "units": "m"}
 # The point of rotation is followed on paths with a free head, where it is nearer than this many diameters.
-FREE_HEAD = ("pull", "load")
 FAR = 100.0
 NO_TURN = 1e-15  # rad: what rounding leaves of a rotation that is held
 
@@ -164,7 +154,7 @@ def states(springs: xr.DataTree) -> pd.DataFrame:
 def _springs_of(model: xr.DataTree) -> xr.DataTree:
     if model.attrs.get("schema") == SCHEMA:
         return model
-    from pysprings.extract import extract_springs  # only a full result needs it
+    from pysprings.springs.extract import extract_springs  # only a full result needs it
 
     return extract_springs(model)
 
@@ -221,17 +211,13 @@ def _largest(difference: Array) -> float:
 def _abscissa(full: xr.Dataset, driver: str, length: float) -> Array:
     """Displacement (or rotation) that drives a path; of a path that bends the way it has come, in m."""
     x: Array = full[driver].values
-    return np.abs(x) + length * np.abs(full["rotation"].values) if bends(full) else x
-
-
-def bends(full: xr.Dataset) -> bool:
-    """Tell whether H and M do not keep their ratio on a path: a swipe, a load that climbs."""
-    return bool(full.attrs["kind"] == "swipe" or "arm_from_m" in full.attrs)
+    return np.abs(x) + length * np.abs(full["rotation"].values) if bends(full.attrs) else x
 
 
 def _driver(full: xr.Dataset) -> tuple[Control, str, str, tuple[str, ...]]:
-    """How a path of the full model is followed: see `_DRIVERS`."""
-    return _DRIVERS["swipe" if bends(full) else full.attrs["kind"]]
+    """Return how a path of the full model is followed: control, driving variable, its load, answers with an error."""
+    kind = kind_of(full.attrs)
+    return "displacement" if kind.free_head else "state", kind.drives, kind.load, kind.answers
 
 
 def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, ...]) -> dict[str, float]:
@@ -243,7 +229,7 @@ def _errors(full: xr.Dataset, trace: xr.Dataset, x: Array, answers: tuple[str, .
             reference = full[label].values[: x.size]
             change = reference - reference[0] if label == "V" and reference.size else reference
             # H or M may pass through zero there: errors count beside the largest of the path
-            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if bends(full) else change
+            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if bends(full.attrs) else change
             worst, last = _relative_errors(x, scale, scale + trace[label].values - reference)
         out |= {f"{label}_error_max_pct": worst, f"{label}_error_end_pct": last}
     return out
@@ -306,7 +292,7 @@ def _at_equal_load(full: xr.Dataset, trace: xr.Dataset) -> dict[str, Any]:
     answer = trace["u_at_load"].values
     reached = np.isfinite(answer)
     x, worst, last = full["u"].values[: answer.size][reached], np.nan, np.nan
-    if full.attrs["kind"] not in ("rotation", VERTICAL):  # there u is 0, or what rounding has left of it
+    if PATH_KINDS[full.attrs["kind"]].drives == "u":  # there u is 0, or what rounding has left of it
         worst, last = _relative_errors(x, x, answer[reached])
     return {"u_error_max_pct": worst, "u_error_end_pct": last, "states_at_load": int(reached.sum()) - 1}
 
@@ -317,7 +303,7 @@ def _point_error(full: xr.Dataset, trace: xr.Dataset, length: float) -> float:
     u, rotation = full["u"].values[:n], full["rotation"].values[:n]
     near = (np.abs(rotation) * length * FAR > np.abs(u)) & (np.abs(u) >= SKIP_BELOW * np.abs(u).max(initial=0.0))
     near &= (u != 0.0) & (trace["rotation"].values != 0.0)
-    if full.attrs["kind"] not in FREE_HEAD or not near.any():
+    if not PATH_KINDS[full.attrs["kind"]].free_head or not near.any():
         return float("nan")
     own = trace["u"].values[near] / trace["rotation"].values[near]
     return float(np.abs(own - u[near] / rotation[near]).max())

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pysprings.comparison import SKIP_BELOW, SMALL_OVER_DIAMETER
-from pysprings.springs import ROLES, same_load
+from pysprings.macro.comparison import SKIP_BELOW, SMALL_OVER_DIAMETER
+from pysprings.springs.dataset import ROLES, same_load
 
 _TEXT_COLUMNS = {
     "path": "path",
@@ -120,8 +120,8 @@ def _cell(value: Any, column: str) -> str:
 
 def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
     """Return the comparison for JSON: definitions and rows; what is undefined is None."""
-    records = frame.to_dict(orient="records")
-    rows = [{str(name): _finite(value) for name, value in row.items()} for row in records]
+    records = frame.astype(object).where(frame.notna(), None).to_dict(orient="records")
+    rows = [{str(name): value for name, value in row.items()} for row in records]
     definitions = {
         "eta": "1 - area between load-displacement curves / area under the full model's",
         "eta_small_to": f"outer diameter * {SMALL_OVER_DIAMETER:g}; over the skirt length on a rotation path",
@@ -138,7 +138,3 @@ def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
         "definitions": definitions,
         "rows": rows,
     }
-
-
-def _finite(value: Any) -> Any:
-    return None if isinstance(value, float) and not np.isfinite(value) else value

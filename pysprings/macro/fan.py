@@ -23,10 +23,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.errors import Problem, UserInputError
-from pysprings.loads import main_paths
-from pysprings.macro_solver import fan_rows
-from pysprings.springs import get_path, net_m, net_p, slice_heights
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.macro.solver import fan_rows
+from pysprings.springs.dataset import get_path, net_m, net_p, slice_heights
+from pysprings.springs.dead_loads import main_paths
 
 Array = NDArray[np.float64]
 

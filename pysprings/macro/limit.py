@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro_control import Control
-from pysprings.macro_fan import FanTable
+from pysprings.macro.control import Control
+from pysprings.macro.fan import FanTable
 
 if TYPE_CHECKING:
-    from pysprings.macro_model import MacroModel
-    from pysprings.macro_tables import SpringTable
+    from pysprings.macro.curve_table import SpringTable
+    from pysprings.macro.model import MacroModel
 
 Array = NDArray[np.float64]
 

@@ -3,29 +3,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings import variables
-from pysprings.loads import at_load
-from pysprings.macro_answer import answer_dataset
-from pysprings.macro_control import Control, ending, equations
-from pysprings.macro_curves import CurveSprings
-from pysprings.macro_fan import FanTable, build_fan, pure_paths
-from pysprings.macro_limit import Limit, range_limit
-from pysprings.macro_sets import ALONE, Springs, choose_set
-from pysprings.macro_solver import FAN, ROWS, follow, reactions, solve_cases, tangents
-from pysprings.macro_tables import SpringSet, SpringTable, build_pisa, build_table
-from pysprings.macro_vertical import VerticalTable, build_vertical
-from pysprings.springs import get_path, path_load
+from pysprings.core import variables
+from pysprings.macro.answer import answer_dataset
+from pysprings.macro.control import Control, ending, equations
+from pysprings.macro.curve_table import SpringSet, SpringTable, build_pisa, build_table
+from pysprings.macro.fan import FanTable, build_fan, pure_paths
+from pysprings.macro.history import turns
+from pysprings.macro.limit import Limit, range_limit
+from pysprings.macro.sets import ALONE, Springs, choose_set
+from pysprings.macro.solver import FAN, ROWS, follow, reactions, solve_cases, tangents
+from pysprings.macro.user_curves import CurveSprings
+from pysprings.macro.vertical import VerticalTable, build_vertical
+from pysprings.springs.dataset import get_path, path_dataset, path_load, path_names
+from pysprings.springs.dead_loads import at_load, load_sets
+from pysprings.springs.path_ends import UNKNOWN, PathEnd, end_of
 
 Array = NDArray[np.float64]
 
 NO_VERTICAL = "a table without a vertical path has no vertical springs: w and V are left out"
+NO_ENDS = "springs of an earlier version: how their paths ended is not known, loads beyond a limit load are not refused"
 FIRST_STEPS = "a table has no initial stiffness: the fan starts with that of the first recorded steps"
 
 
@@ -53,6 +57,10 @@ class MacroModel:
     settled
         What is missing in w [m] of lateral springs that lie between two vertical loads: their settlement is that of
         the vertical springs.
+    ends, sources
+        How the paths of the springs ended, by name, and the names of those that the lateral springs come from.
+    elastic_loads
+        Vertical loads [N] that an elastic vertical stiffness may answer: see `macro_ends`.
     """
 
     table: SpringTable | FanTable
@@ -63,6 +71,9 @@ class MacroModel:
     remarks: tuple[str, ...] = ()
     vertical: VerticalTable | None = None
     settled: float = 0.0
+    ends: Mapping[str, PathEnd] = field(default_factory=dict)
+    sources: tuple[str, ...] = ()
+    elastic_loads: tuple[float, float] = (-np.inf, np.inf)
 
     @classmethod
     def from_springs(
@@ -72,10 +83,12 @@ class MacroModel:
 
         springs_kind chooses "fan", "full", "pisa" or "py"; path the path whose springs serve (for "full" and "py").
         p-y curves without companions give "py" and say so. Of springs at several vertical loads those at V [N] serve
-        (`pysprings.loads`; None: the load of the scene).
+        (`pysprings.springs.dead_loads`; None: the load of the scene).
         """
+        ends, elastic = _known(springs)
         if path is None and isinstance(springs, xr.DataTree):
             springs = at_load(springs, V)
+            ends |= _known(springs)[0]  # a path between two loads ends with the shorter one
         kind = choose_set(springs, springs_kind, path)
         remarks: tuple[str, ...] = (ALONE,) if kind == "py" else ()
         if isinstance(springs, CurveSprings):
@@ -84,12 +97,15 @@ class MacroModel:
             remarks += tuple(filter(None, (curves.note, NO_VERTICAL)))
             return cls(curves.table(kind), kind, springs.origin(name), None, attrs, remarks)
         table: SpringTable | FanTable
+        sources: tuple[str, ...] = ()
         if kind == "fan":
             table = build_fan(springs)
+            sources = table.path
             origin = get_path(springs, table.path[0])
         elif kind == "pisa":
             pure = pure_paths(springs)
             assert pure is not None  # `choose_set` has seen to it
+            sources = pure
             origin = get_path(springs, pure[0])
             table = build_pisa(origin, get_path(springs, pure[1]))
         else:
@@ -105,7 +121,10 @@ class MacroModel:
         vertical, settled = build_vertical(springs), 0.0
         if vertical is not None and "blended_loads_N" in attrs:
             settled = vertical.displacement(path_load(origin))[0] - float(origin["w"][0])
-        return cls(table, kind, origin, known, attrs, remarks, vertical, settled)
+        sources = sources or (str(origin.attrs["path"]),)
+        if "schema" in attrs and any(ends[name].how == UNKNOWN for name in sources):
+            remarks += (NO_ENDS,)
+        return cls(table, kind, origin, known, attrs, remarks, vertical, settled, ends, sources, elastic)
 
     @property
     def length(self) -> float:
@@ -203,4 +222,15 @@ class MacroModel:
             return range_limit(self, control, targets[: first + 1], arm, states[:first])
 
         drive = {"control": control, "arm_m": float(arm)}
-        return answer_dataset(self, states, loads, down, drive, message, limit)
+        aim = targets[len(states)] if control == "load" and len(states) < len(targets) else None
+        turned = turns(control, targets[: len(states)], self.length, down, self.rest_load)
+        return answer_dataset(self, states, loads, down, drive, message, limit, turned, aim)
+
+
+def _known(springs: Springs) -> tuple[dict[str, PathEnd], tuple[float, float]]:
+    """How the paths of springs ended, and the vertical loads [N] for an elastic stiffness (`macro_ends`)."""
+    if isinstance(springs, CurveSprings):
+        return {name: PathEnd(name, UNKNOWN) for name in springs.sets}, (-np.inf, np.inf)
+    ends = {name: end_of(name, path_dataset(springs, name)) for name in path_names(springs)}
+    loads = [each.V for each in load_sets(springs)] or [path_load(get_path(springs))]
+    return ends, (min(loads) - abs(min(loads)), max(loads) + abs(max(loads)))

@@ -19,7 +19,12 @@ with their last slope; the largest load within them is named), `off_path` (sprin
 and m hold on that path only; a fan: between rays more than 60 degrees apart) and `off_load`, a vertical load other
 than those of the lateral springs (`loads`: between sets at several loads they are interpolated), where w follows the
 vertical springs (`macro_vertical`; without them the elastic vertical stiffness) and H and M are those at the nearest
-load. With `strict` such an answer is refused.
+load. A sequence that leaves its first direction is `off_path` from there on, one that turns back `turned_back`
+(`macro_history`). With `strict` such an answer is refused.
+
+Beyond what the full model was seen to carry there is no answer (`BeyondSprings`, `macro_ends`): beyond the range of
+springs whose path stopped or met a limit load, beyond a limit load in its direction, and under vertical loads that
+neither vertical springs nor a small change from the load of the paths cover.
 Springs are odd: a load towards -x is the mirror image of one towards +x. They are monotonic backbones, used as they
 are in both ways: the body is nonlinear elastic, and a load path that turns back goes back on the same curve.
 """
@@ -32,12 +37,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.errors import RunIncomplete
-from pysprings.macro_answer import answer_dataset
-from pysprings.macro_control import Control
-from pysprings.macro_down import check_finite, refused
-from pysprings.macro_model import MacroModel
-from pysprings.macro_sets import Springs
+from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete
+from pysprings.macro.answer import answer_dataset
+from pysprings.macro.control import Control
+from pysprings.macro.model import MacroModel
+from pysprings.macro.sets import Springs
+from pysprings.macro.vertical_answer import check_arrays, check_numbers, refused
 
 __all__ = [
     "MacroModel", "MacroWarning", "PredictionNotConverged", "curve", "impose", "model_of", "predict", "predict_batch",
@@ -82,9 +87,9 @@ def predict(
     UserInputError
         With strict: the springs support the answer only in part. Without, that is a MacroWarning.
     """
+    check_numbers(H=H, arm=arm, M=M, V=V)
     model, share = model_of(springs, springs_kind, path, V), np.linspace(0.0, 1.0, _points(n))
     if V is not None and H is None and M is None and arm is None:
-        check_finite(V=V)
         rest = model.rest_load
         return spoken(model.trace("load", np.zeros((n, 2)), 0.0, rest + share * (V - rest)), strict)
     force, moment = (float(value) for value in _loads(H, arm, M))
@@ -104,6 +109,7 @@ def curve(
     strict: bool = False,
 ) -> xr.Dataset:
     """Return the load-displacement curve, n points to u_max [m] at the lid centre, load at height arm [m]."""
+    check_numbers(u_max=u_max)
     return impose(springs, u=u_max, arm=arm, V=V, springs_kind=springs_kind, path=path, n=n, strict=strict)
 
 
@@ -127,7 +133,7 @@ def impose(
     given = {name: value for name, value in (("u", u), ("rotation", rotation)) if value is not None}
     if not given:
         raise refused("u", "give a displacement, a rotation, or both")
-    check_finite(arm=arm, **given)
+    check_numbers(arm=arm, V=V, **given)
     targets = np.zeros((_points(n), 2))
     for column, value in enumerate(given.values()):
         targets[:, column] = np.linspace(0.0, value, n)
@@ -152,15 +158,21 @@ def sequence(
     control is "load" (H [N], M [N m]), "state" (u [m], rotation [rad] imposed), "displacement" or "rotation" (first
     column, load at height arm [m]). V [N]: one number, or one a row (of springs at several vertical loads those at its
     first value serve). The springs are nonlinear elastic: where the sequence turns back, so does the answer, on the
-    same curve.
+    same curve. From there on states are marked `turned_back`; from where the targets leave the direction of the first
+    one (H to M, or u to rotation) they are marked `off_path`.
     """
+    check_numbers(arm=arm)
+    check_arrays(targets=targets, V=V)
     wanted = np.asarray(targets, dtype=float)
     if wanted.ndim != 2 or wanted.shape[1] != 2 or not len(wanted):
         raise refused("targets", f"must have the shape (n, 2), not {wanted.shape}")
-    if not np.isfinite(wanted).all():
-        raise refused("targets", "not finite")
-    first = None if V is None else float(np.ravel(V)[0])
-    answer = model_of(springs, springs_kind, path, first).trace(control, wanted, arm, V)
+    down = None if V is None else np.asarray(V, dtype=float)
+    if down is not None and down.shape not in ((), (len(wanted),)):
+        raise refused("V", f"give one number, or one a row of targets ({len(wanted)}), not the shape {down.shape}")
+    first = None if down is None else float(down.ravel()[0])
+    answer = model_of(springs, springs_kind, path, first).trace(
+        control, wanted, arm, down if down is not None and down.ndim else first
+    )
     remarks = filter(None, (answer.attrs["remarks"], ELASTIC))
     return spoken(answer.assign_attrs(remarks=" | ".join(remarks)), strict)
 
@@ -179,17 +191,29 @@ def predict_batch(
 
     V [N] is one for all. What `predict` warns of is a mark by case here: `extrapolated`, `off_path`, `off_load`, and
     `converged` 0 where the springs cannot carry the load (the case then holds the largest load that was reached on the
-    straight way to it).
+    straight way to it). What `predict` refuses is `beyond_end`: `converged` is 0 then, and u, w and rotation are NaN.
     """
+    check_arrays(H=H, arm=arm, M=M)
+    check_numbers(V=V)
     force, moment = np.broadcast_arrays(*_loads(H, arm, M))
     targets = np.stack([force.ravel(), moment.ravel()], axis=1)
     model = model_of(springs, springs_kind, path, V)
     states, loads, reached = model.solve_cases("load", targets)
     answer = answer_dataset(model, states, loads, V, {"control": "load"}, "")
-    answer["converged"] = answer["converged"].copy(data=reached)
+    answer = _without_refused(answer.assign(converged=answer["converged"].copy(data=reached)))
     return answer.drop_vars(["p", "y", "usable", "stiffness", "depth", "depth_bounds", "dof", "dof_conjugate"]).rename(
         step="case"
     )
+
+
+def _without_refused(answer: xr.Dataset) -> xr.Dataset:
+    """Answers of a batch without the motions of cases that `predict` refuses."""
+    past = answer["beyond_end"].values == 1
+    for name in ("u", "w", "rotation"):
+        if name in answer:
+            answer[name] = answer[name].copy(data=np.where(past, np.nan, answer[name].values))
+    kept = np.where(past, 0, answer["converged"].values).astype(np.int8)
+    return answer.assign(converged=answer["converged"].copy(data=kept))
 
 
 def stiffness(
@@ -205,7 +229,9 @@ def stiffness(
     path: str | None = None,
     strict: bool = False,
 ) -> xr.DataArray:
-    """Return the tangent stiffness (3, 3) at mudline for (u, w, rotation): at rest, under a load, or at a motion.
+    """Return the stiffness (3, 3) of the springs at a state, at mudline for (u, w, rotation): the tangent there.
+
+    The state is that at rest, under a load, or at a motion; the full model's initial stiffness is `stiffness_six`.
 
     Under a load H [N] at height arm [m] or with moment M [N m] (`predict`), or at u [m] and rotation [rad], imposed
     (one of them: the load acts at height arm, as in `impose`). See `MacroModel.tangents` for units and for w.
@@ -227,8 +253,10 @@ def tangent_stiffness(
     springs_kind: str | None = None,
     path: str | None = None,
 ) -> xr.DataArray:
-    """Return the tangent stiffness (3, 3) at mudline for (u, w, rotation) at a state (m, rad)."""
-    return model_of(springs, springs_kind, path).tangent_stiffness(u, rotation)
+    """Return the stiffness (3, 3) of the springs at a state (m, rad), at mudline for (u, w, rotation): the tangent."""
+    check_numbers(u=u, rotation=rotation)
+    answer = model_of(springs, springs_kind, path).trace("state", np.array([[u, rotation]]))
+    return spoken(answer, strict=False)["stiffness"].isel(step=-1, drop=True)
 
 
 def model_of(
@@ -248,15 +276,18 @@ def _loads(H: float | Array | None, arm: float | Array | None, M: float | Array 
         raise refused("arm", "give the height of the load or its moment, not both")
     if H is None and M is None:
         raise refused("H", "give a load or a moment")
-    given = {name: value for name, value in (("H", H), ("arm", arm), ("M", M)) if value is not None}
-    check_finite(**{name: float(np.sum(value)) for name, value in given.items()})
     force = np.asarray(0.0 if H is None else H, dtype=float)
     moment = np.asarray(M, dtype=float) if M is not None else -force * np.asarray(0.0 if arm is None else arm)
     return force, moment
 
 
 def spoken(answer: xr.Dataset, strict: bool) -> xr.Dataset:
-    """Raise when an answer is partial, warn (refuse, when strict) where it says so; else hand it on."""
+    """Raise when an answer is beyond the springs or partial; warn (refuse, when strict) where it says so; hand it on.
+
+    Every answer passes here but those of `predict_batch`, which are marked by case.
+    """
+    if refusals := [text for text in answer.attrs["refusals"].split(" | ") if text]:
+        raise BeyondSprings([Problem(key="springs", message=text) for text in refusals])
     if answer.attrs["status"] != "complete":
         raise PredictionNotConverged(answer.attrs["message"])
     notes = [note for note in answer.attrs["warnings"].split(" | ") if note]
@@ -268,6 +299,7 @@ def spoken(answer: xr.Dataset, strict: bool) -> xr.Dataset:
 
 
 def _points(n: int) -> int:
-    if n < 2:
+    check_numbers(n=n)
+    if n != int(n) or n < 2:
         raise refused("n", f"{n} points: at least 2 are needed")
     return n

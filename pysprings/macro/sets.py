@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import xarray as xr
 
-from pysprings.errors import Problem, UserInputError
-from pysprings.macro_curves import FAMILIES, CurveSprings
-from pysprings.macro_fan import has_fan, pure_paths
-from pysprings.macro_tables import SPRING_SETS, SpringSet
-from pysprings.rates import RateSet, rate_sets
-from pysprings.springs import path_dataset, path_names
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.macro.curve_table import SPRING_SETS, SpringSet
+from pysprings.macro.fan import has_fan, pure_paths
+from pysprings.macro.user_curves import FAMILIES, CurveSprings
+from pysprings.springs.dataset import path_dataset, path_names
+from pysprings.springs.rates import RateSet, rate_sets
 
 Springs = xr.DataTree | CurveSprings
 

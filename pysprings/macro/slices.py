@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.comparison import compare
-from pysprings.errors import Problem, UserInputError
-from pysprings.macro_model import MacroModel
-from pysprings.springs import get_path, is_vertical, path_dataset, path_names, slice_heights
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.macro.comparison import compare
+from pysprings.macro.model import MacroModel
+from pysprings.springs.dataset import get_path, is_vertical, path_dataset, path_names, slice_heights
 
 REPEATS = 5
 POINTS = 50

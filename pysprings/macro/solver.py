@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Equilibrium of a rigid body on nonlinear springs: reactions of a state and path following, jitted (`pysprings.jit`).
+"""Equilibrium of a rigid body on nonlinear springs: reactions of a state and path following (jitted, `core.jit`).
 
 State x = (u, rotation); loads F(x) = (H, M) and their tangent K (2, 2), by the law of the springs:
 
@@ -22,7 +22,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.jit import jitted
+from pysprings.core.jit import jitted
 
 Array = NDArray[np.float64]
 

@@ -7,43 +7,68 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.errors import Problem, UserInputError
-from pysprings.macro_model import MacroModel
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.macro.model import MacroModel
+from pysprings.macro.sets import Springs
+from pysprings.macro.user_curves import CurveSprings
+
+Array = NDArray[np.float64]
 
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
 TORSION = "torsion (rz) is not known from lateral loading: its row and column are 0; put in a value of your own"
 
 
-def stiffness_six(model: MacroModel) -> xr.DataArray:
+FULL_MODEL = "initial stiffness of the full model"
+FIRST_STEPS = "stiffness of the first recorded steps of the table"  # no full model stands behind a table
+
+
+def stiffness_six(springs: Springs | MacroModel) -> xr.DataArray:
     """Return the initial stiffness (6, 6) at the lid centre for (x, y, z, rx, ry, rz), symmetric.
 
-    Axes are those of the springs: x along the load, z down, y completing a right-handed set; rotations right-hand.
-    Units: N/m for displacements, N/rad = N m/m between x and ry (y and rx), N m/rad for rotations. The caisson at
-    rest is axisymmetric: what holds for (x, ry) holds for (y, -rx). A state under load is not, and has no such
-    matrix. The block is the mean of the springs' tangent and its transpose (a full model's and a fan's are symmetric
-    but for rounding). Torsion is unknown and stated so: zeros.
+    It is the full model's, `stiffness_initial` of the spring file, whatever spring set predicts; a table with a
+    vertical path has that of its first recorded steps instead, and `long_name` says which. Axes are those of the
+    springs: x along the load, z down, y completing a right-handed set; rotations right-hand. Units: N/m for
+    displacements, N/rad = N m/m between x and ry (y and rx), N m/rad for rotations. The caisson at rest is
+    axisymmetric: what holds for (x, ry) holds for (y, -rx). A state under load is not, and has no such matrix: see
+    `stiffness` for the springs' tangent at a state. The block is the mean of the (3, 3) matrix and its transpose
+    (they agree but for rounding). Torsion is unknown and stated so: zeros.
 
     Raises
     ------
     UserInputError
-        Springs from a table, which know no vertical stiffness.
+        Springs from a table without a vertical path, which have no vertical stiffness.
     """
-    if model.stiffness_initial is None:
+    initial, source = _initial(springs)
+    if initial is None:
         message = "springs from a table have no vertical stiffness: a 6x6 matrix needs springs.nc"
         raise UserInputError([Problem(key="springs", message=message)])
-    matrix = axisymmetric(model.tangent_stiffness().values)
     coords = {"dof": list(DOFS), "dof_conjugate": list(DOFS)}
     attrs = {
-        "long_name": "initial stiffness at the lid centre",
+        "long_name": f"{source} at the lid centre",
         "units": "1",
         "comment": "mixed units: N m-1; N radian-1 between x and ry, y and rx; N m radian-1 for rotations",
-        "springs": model.spring_set,
         "torsion": TORSION,
     }
-    return xr.DataArray(matrix, coords, ("dof", "dof_conjugate"), attrs=attrs, name="stiffness_6x6")
+    return xr.DataArray(axisymmetric(initial), coords, ("dof", "dof_conjugate"), attrs=attrs, name="stiffness_6x6")
 
 
-def axisymmetric(tangent: NDArray[np.float64]) -> NDArray[np.float64]:
+def has_six(springs: Springs | MacroModel) -> bool:
+    """Tell whether `stiffness_six` has an answer for springs."""
+    return _initial(springs)[0] is not None
+
+
+def _initial(springs: Springs | MacroModel) -> tuple[Array | None, str]:
+    """Initial stiffness (3, 3) that springs hold, None where they have no vertical one; and whose it is."""
+    if isinstance(springs, CurveSprings):
+        return None, ""
+    source = FIRST_STEPS if "first_steps" in springs.attrs else FULL_MODEL
+    if isinstance(springs, MacroModel):
+        return springs.stiffness_initial, source
+    matrix: Array = springs.dataset["stiffness_initial"].values
+    return (matrix if matrix.shape == (3, 3) else None), source
+
+
+def axisymmetric(tangent: Array) -> Array:
     """Return the symmetric (6, 6) matrix of an axisymmetric body from its (3, 3) one for (u, w, rotation)."""
     k = 0.5 * (tangent + tangent.T)
     lateral, coupling, rocking, vertical = k[0, 0], k[0, 2], k[2, 2], k[1, 1]

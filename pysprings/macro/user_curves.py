@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.errors import Problem, UserInputError
-from pysprings.macro_tables import Row, SpringSet, SpringTable, stack
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.macro.curve_table import Row, SpringSet, SpringTable, stack
 
 Array = NDArray[np.float64]
 

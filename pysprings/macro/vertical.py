@@ -22,10 +22,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.loads import rest_load
-from pysprings.macro_fan import initial_slopes, secant_slopes
-from pysprings.macro_solver import spring_row
-from pysprings.springs import get_path, is_vertical, path_names, same_load, slice_heights
+from pysprings.macro.fan import initial_slopes, secant_slopes
+from pysprings.macro.solver import spring_row
+from pysprings.springs.dataset import get_path, is_vertical, path_names, same_load, slice_heights
+from pysprings.springs.dead_loads import rest_load
 
 Array = NDArray[np.float64]
 

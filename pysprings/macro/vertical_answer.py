@@ -10,13 +10,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings import variables
-from pysprings.errors import Problem, UserInputError
-from pysprings.macro_vertical import VerticalTable
-from pysprings.springs import path_load, same_load
+from pysprings.core import variables
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.units import quoted
+from pysprings.macro.ends import past_elastic
+from pysprings.macro.vertical import VerticalTable
+from pysprings.springs.dataset import path_load, same_load
 
 if TYPE_CHECKING:
-    from pysprings.macro_model import MacroModel
+    from pysprings.macro.model import MacroModel
 
 Array = NDArray[np.float64]
 
@@ -28,13 +30,16 @@ SLACK = 1e-6
 class Down:
     """w, V and marks by step (none for springs from a table), tangent dV/dw and range used (n,), words.
 
-    message tells that no w carries V: w is that of the end of the curve then.
+    past (n,) marks V beyond what is known, refusals are sentences on them; message tells that no w carries V: w is
+    that of the end of the curve then.
     """
 
     values: dict[str, Array] = field(default_factory=dict)
     tangent: Array | None = None
     used: Array | float = 0.0
     notes: list[str] = field(default_factory=list)
+    past: NDArray[np.bool_] | bool = False
+    refusals: list[str] = field(default_factory=list)
     message: str = ""
 
 
@@ -58,7 +63,6 @@ def vertical_answer(
     if wanted is None:
         return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, wanted)
-    check_finite(V=float(np.abs(down).max(initial=0.0)))
     other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
     moved = other & (states != 0.0).any(axis=1)
     marks = {"V": down, "off_load": moved.astype(np.int8)}
@@ -66,15 +70,25 @@ def vertical_answer(
         K = float(model.stiffness_initial[1, 1])
         notes = [_not_the_paths(model, down[other]) + "w from the elastic vertical stiffness"] if other.any() else []
         notes = [f"{note}, lateral springs unchanged" for note in notes]
-        return Down(marks | {"w": w + (down - V) / K, "off_load": other.astype(np.int8)}, notes=notes)
+        past, refusals = past_elastic(model, down, other)
+        return Down(
+            marks | {"w": w + (down - V) / K, "off_load": other.astype(np.int8)},
+            notes=notes,
+            past=past,
+            refusals=refusals,
+        )
     there, at_path = _displacements(model, down), _displacements(model, V)
     notes = [_not_the_paths(model, down[moved]) + "lateral springs unchanged"] if moved.any() else []
     used = there[2]
+    past, refusals = past_elastic(model, down, np.isinf(used))
+    stopped, sentences = _stopped(model, down, used)
     return Down(
         marks | {"w": w + there[0] - at_path[0]},
         there[1],
         np.nan_to_num(used, nan=np.inf),
         notes + _unknown(model, used),
+        past | stopped,
+        refusals + sentences,
         _no_equilibrium(model, down[np.isnan(used)]),
     )
 
@@ -87,6 +101,7 @@ def along_vertical(table: VerticalTable, path: xr.Dataset) -> xr.Dataset:
     values = {"u": nothing, "w": w, "rotation": nothing, "H": nothing, "V": rows[-1], "M": nothing}
     used = np.array([table.used(float(value)) for value in w])
     marks = {"converged": np.ones(w.size), "extrapolated": used > 1.0 + SLACK, "off_path": nothing, "off_load": nothing}
+    marks |= {"turned_back": nothing, "beyond_end": nothing}
     values |= {"range_used": used} | {name: mark.astype(np.int8) for name, mark in marks.items()}
     data: dict[str, Any] = {name: (known[name].dims, x, known[name].attributes()) for name, x in values.items()}
     data |= {
@@ -123,6 +138,20 @@ def _unknown(model: MacroModel, used: Array) -> list[str]:
     return notes
 
 
+def _stopped(model: MacroModel, V: Array, used: Array) -> tuple[NDArray[np.bool_], list[str]]:
+    """Vertical loads beyond the end of a vertical path that stopped, as marks and sentences."""
+    assert model.vertical is not None
+    marks, sentences = np.zeros(V.size, dtype=bool), []
+    for branch in model.vertical.branches:
+        end = model.ends[branch.path]
+        beyond = (used > 1.0 + SLACK) & np.isfinite(used) & (branch.sign * (V - model.vertical.rest[1]) > 0.0)
+        if end.failed and beyond.any():
+            marks |= beyond
+            text = f"V = {_list(V[beyond])} N is beyond what the full model carried"
+            sentences.append(f"{text}, {model.vertical.limits()}: {end}")
+    return marks, sentences
+
+
 def _no_equilibrium(model: MacroModel, V: Array) -> str:
     assert model.vertical is not None
     if not V.size:
@@ -140,11 +169,33 @@ def _list(V: Array) -> str:
     return ", ".join(f"{value:.7g}" for value in values[:3]) + (" ..." if values.size > 3 else "")
 
 
-def check_finite(**values: float) -> None:
-    """Refuse numbers that are not finite, by name."""
-    bad = [name for name, value in values.items() if not np.isfinite(value)]
-    if bad:
-        raise UserInputError([Problem(key=name, message="not a finite number") for name in bad])
+def check_numbers(**values: Any) -> None:
+    """Refuse, by name, what is not one finite number (None: not given)."""
+    _refuse({name: _number_fault(value, arrays=False) for name, value in values.items()})
+
+
+def check_arrays(**values: Any) -> None:
+    """Refuse, by name, what is neither a finite number nor an array of them (None: not given)."""
+    _refuse({name: _number_fault(value, arrays=True) for name, value in values.items()})
+
+
+def _refuse(faults: dict[str, str]) -> None:
+    if bad := [Problem(key=name, message=message) for name, message in faults.items() if message]:
+        raise UserInputError(bad)
+
+
+def _number_fault(value: Any, arrays: bool) -> str:
+    """Say why a value is no finite number in SI units; empty where it is one, or None."""
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return f"{quoted(value)} is a text: give a number in SI units (N, m, rad, N m)"
+    data = np.asarray(value)
+    if data.dtype.kind not in "iuf":
+        return f"a number is needed, not {type(value).__name__}"
+    if data.ndim and not arrays:
+        return "one number is needed, not an array (`predict_batch` takes arrays)"
+    return "" if np.isfinite(data).all() else "not a finite number"
 
 
 def refused(key: str, message: str) -> UserInputError:

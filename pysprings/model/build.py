@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fe_engine import hex8, interface, rigid, solid_shell
 from fe_engine.contact import coulomb
 from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC, VAN_EEKELEN
+from fe_engine.elements import hex8, interface, rigid, solid_shell
+from fe_engine.elements.interface import Stations
 from fe_engine.errors import MeshError
-from fe_engine.interface import Stations
 from fe_engine.mesh import Quality
 from fe_engine.model import Linear, Material, Model
 from fe_engine.soil import plasol
-from pysprings.build_water import beside_steel, make_water
-from pysprings.caisson_mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
-from pysprings.penalty import penalty_of
-from pysprings.steel_mesh import SteelMesh, make_steel, with_steel
+from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
+from pysprings.model.penalty import penalty_of
+from pysprings.model.steel import SteelMesh, make_steel, with_steel
+from pysprings.model.water import beside_steel, make_water
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 _LAWS = {"elastic": ELASTIC, "drucker-prager": DRUCKER_PRAGER, "van-eekelen": VAN_EEKELEN}
 SURFACE = {name: code for code, name in enumerate(SURFACES)}
@@ -46,7 +46,7 @@ class Built:
 
     def extra_load_of(self, wanted: float | str) -> float:
         """What a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
-        return _extra_load(wanted, self.balanced_load)
+        return extra_load(wanted, self.balanced_load)
 
 
 def geometry_of(scene: Scene) -> Geometry:
@@ -82,7 +82,7 @@ def build_on(scene: Scene, caisson: CaissonMesh) -> Built:
     quality = mesh.check()
     fixed, frames = _constraints(scene, caisson)
     stations = make_stations(geometry, caisson)
-    pressure = _initial_pressure(scene, stations)
+    pressure = initial_pressure(scene, stations)
     balanced = float(np.sum(pressure * stations.area * stations.frame[:, 0, 2]))
     water, film_mesh_node = make_water(scene, caisson, stations)
     steel = None if scene.caisson.behaviour == "rigid" else make_steel(caisson, scene.caisson.lid_thickness)
@@ -90,7 +90,7 @@ def build_on(scene: Scene, caisson: CaissonMesh) -> Built:
         mesh=mesh,
         materials=[soil_material(scene)],
         material=np.zeros(mesh.n_elements, dtype=np.int64),
-        initial_stress=_initial_stress(scene, hex8.gauss_positions(mesh.nodes, mesh.hexes)[:, :, 2]),
+        initial_stress=initial_stress(scene, hex8.gauss_positions(mesh.nodes, mesh.hexes)[:, :, 2]),
         fixed=fixed,
         frames=frames,
         n_border=rigid.N_DOFS,
@@ -100,7 +100,7 @@ def build_on(scene: Scene, caisson: CaissonMesh) -> Built:
         initial_pressure=pressure,
         water=water,
     )
-    extra = _extra_load(scene.caisson.vertical_load, balanced)
+    extra = extra_load(scene.caisson.vertical_load, balanced)
     if steel is not None:
         model = _add_steel(scene, model, steel)
     return Built(model, caisson, quality, balanced, extra, film_mesh_node, steel)
@@ -126,7 +126,7 @@ def _add_steel(scene: Scene, model: Model, steel: SteelMesh) -> Model:
     )
 
 
-def _extra_load(wanted: float | str, balanced: float) -> float:
+def extra_load(wanted: float | str, balanced: float) -> float:
     return 0.0 if wanted == "balanced" else 0.5 * float(wanted) - balanced
 
 
@@ -217,7 +217,7 @@ def _vertical_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
     return scene.soil.surcharge + scene.soil.effective_unit_weight * depth
 
 
-def _initial_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
+def initial_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
     """Geostatic stress (..., 6), tension positive."""
     vertical = _vertical_stress(scene, depth)
     stress = np.zeros((*depth.shape, 6))
@@ -226,7 +226,7 @@ def _initial_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
     return stress
 
 
-def _initial_pressure(scene: Scene, stations: Stations) -> np.ndarray:
+def initial_pressure(scene: Scene, stations: Stations) -> np.ndarray:
     """Contact pressure (ns,) that the geostatic stress puts on each station, in Pa."""
     vertical = _vertical_stress(scene, stations.position[:, 2])
     upright = stations.frame[:, 0, 2] ** 2

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 AUTO = 390.0  # K D/E
 STIFFEST = 10.0 * AUTO

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fe_engine.model import Stage
+from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.variables import DOFS
 
 if TYPE_CHECKING:
-    from pysprings.scene import Path, Scene
+    from pysprings.scene.load import Path, Scene
 
 # The first step is this fraction of the diameter (0.02 mm for 7.8 m): well inside first yield and first slip,
 # where most points switch regime and nothing can be extrapolated yet. In a soil that yields earlier than sand it is
@@ -104,7 +106,7 @@ def _stage(
     rows, patterns = _imposed(path)
     targets = _targets(path, ends[1])
     force = np.array([0.0, extra_load, 0.0])
-    if path.kind == "load":
+    if PATH_KINDS[path.kind].force:
         force += 0.5 * ends[1] * np.array([1.0, 0.0, -path.arm])
     if path.heave == "fixed":
         rows.append([0.0, 1.0, 0.0])
@@ -133,29 +135,23 @@ def _time(path: Path, rate: float | None, time: float | None, start: float, end:
 
 def imposed_end(path: Path) -> float:
     """End value of the imposed quantity: displacement (m), rotation (rad) or lateral force (N)."""
-    other = {"rotation": path.rotation, "load": path.lateral_force, "vertical": path.vertical_displacement}
-    return _need(other.get(path.kind, path.lateral_displacement))
+    return _need(getattr(path, PATH_KINDS[path.kind].imposed))
 
 
 def _imposed(path: Path) -> tuple[list, list]:
     """Rows of the control and the force patterns that impose them, in (u, w, rotation)."""
-    lateral, down, turn = np.eye(3).tolist()
-    if path.kind == "pull":
-        return [lateral], [[1.0, 0.0, -path.arm]]
-    if path.kind in ("translation", "rotation", "swipe"):
-        return [lateral, turn], [lateral, turn]
-    if path.kind == "vertical":
-        return [lateral, down, turn], [lateral, down, turn]
-    return [], []
+    kind = PATH_KINDS[path.kind]
+    rows = [np.eye(3)[DOFS.index(dof)].tolist() for dof in kind.holds]
+    return rows, [[1.0, 0.0, -path.arm]] if kind.free_head and rows else [list(row) for row in rows]
 
 
 def _targets(path: Path, end: float) -> list[float]:
     """End values of what `_imposed` controls, when the imposed quantity of the path is at ``end``."""
-    if path.kind == "pull":
-        return [end]
-    if path.kind == "translation":
-        return [end, (path.rotation or 0.0) * end / imposed_end(path)]
-    return {"rotation": [0.0, end], "swipe": [end, 0.0], "vertical": [0.0, end, 0.0]}.get(path.kind, [])
+    kind = PATH_KINDS[path.kind]
+    targets = {dof: end if dof == kind.drives else 0.0 for dof in kind.holds}
+    if kind.straight and kind.drives == "u":
+        targets["rotation"] = (path.rotation or 0.0) * end / imposed_end(path)
+    return list(targets.values())
 
 
 def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, float]:
@@ -165,8 +161,9 @@ def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, flo
     largest = scene.solver.max_step_fraction or _LARGEST_STEP
     first = scene.solver.first_step_fraction
     if first is None:
-        scale = {"rotation": scene.caisson.skirt_length, "load": 0.0}.get(path.kind, 1.0)
-        reach = abs(travel) * scale
+        kind = PATH_KINDS[path.kind]
+        scale = scene.caisson.skirt_length if kind.drives == "rotation" else 1.0
+        reach = 0.0 if kind.force else abs(travel) * scale
         first = min(1.0, _first_strain(scene) * scene.caisson.outer_diameter / reach) if reach else 0.01
     return min(first, 1.0), max(first, largest)
 

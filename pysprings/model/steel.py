@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fe_engine.interface import Stations
-from pysprings.caisson_mesh import CaissonMesh
+from fe_engine.elements.interface import Stations
+from pysprings.model.mesh import CaissonMesh
 
 # Radius of the patch over that of the skirt's inside; at least the nodes around the axis belong to it
 PATCH = 0.25

@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fe_engine import biot, interface
-from fe_engine.interface import Film, Stations
+from fe_engine.elements import biot, interface
+from fe_engine.elements.interface import Film, Stations
+from fe_engine.fourier_model import SectionMesh
 from fe_engine.mesh import Mesh
 from fe_engine.model import Water
 from fe_engine.soil.elastic import moduli
-from pysprings.caisson_mesh import SURFACES, CaissonMesh
+from pysprings.model.mesh import SURFACES, CaissonMesh
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 # An undrained path lasts this share of the time in which water crosses the smallest cell: nothing flows.
 _UNDRAINED = 1.0e-6
@@ -58,7 +59,7 @@ def mobility(scene: Scene) -> float:
     return scene.soil.hydraulic_conductivity / scene.drainage.water_unit_weight
 
 
-def undrained_time(scene: Scene, mesh: Mesh) -> float:
+def undrained_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
     """Time in s of an undrained path: a millionth of h2/c_v, with the shortest edge h and c_v = k M/gamma_w."""
     bulk, shear = moduli(scene.soil.young_modulus, scene.soil.poisson_ratio)
     consolidation = mobility(scene) * (bulk + 4.0 * shear / 3.0)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The axes and signs of every file, as a drawing: SVG for reports and the README, plain text for tables.
 
-``python -m pysprings.sketch FILE.svg`` writes the drawing.
+``python -m pysprings.results.axes FILE.svg`` writes the drawing.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def axes_svg() -> str:
 
 def write_axes_svg(file: str | os.PathLike[str]) -> Path:
     """Write the sketch to a file, whole or not at all, and return its path."""
-    from pysprings.storage import write_text
+    from pysprings.core.files.storage import write_text
 
     return write_text(axes_svg(), file)
 

@@ -5,30 +5,41 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.accuracy.own_estimate import add_estimate, was_interrupted
-from pysprings.checkpoint import Checkpoints
-from pysprings.comparison import compare, curves
-from pysprings.errors import UserInputError
-from pysprings.exporters import csv_tables, excel, load_displacement_table, paraview
-from pysprings.extract import extract_springs
-from pysprings.full_model import compute, raise_if_incomplete, scene_to_run
-from pysprings.progress import Progress
-from pysprings.report import write_report
-from pysprings.resources import refuse_full_disk
-from pysprings.result_files import FIGURES, PARAVIEW, is_unfinished, remove_results
-from pysprings.run_lock import exclusive, new_folder
-from pysprings.run_record import Meter
-from pysprings.springs import balance, get_path, path_names, save_springs
-from pysprings.storage import leftovers, write_text, write_tree
+from pysprings.core.errors import UserInputError
+from pysprings.core.files.layout import (
+    FIGURES,
+    OWN_FOLDERS,
+    PARAVIEW,
+    WRITING,
+    is_unfinished,
+    refuse_links,
+    remove_results,
+)
+from pysprings.core.files.lock import exclusive, new_folder
+from pysprings.core.files.storage import remove_leftovers, write_text, write_tree
+from pysprings.core.files.written import KEY, LIST, note, noted, own_folder
+from pysprings.core.progress import Progress
+from pysprings.core.text import json_text
+from pysprings.full_model.accuracy.own_estimate import add_estimate, was_interrupted
+from pysprings.full_model.checkpoint import Checkpoints
+from pysprings.full_model.compute import compute, raise_if_incomplete, scene_to_run
+from pysprings.full_model.record import Meter
+from pysprings.macro.comparison import compare, curves
+from pysprings.model.forecast.resources import refuse_full_disk
+from pysprings.results.exporters import csv_tables, excel, load_displacement_table, paraview
+from pysprings.results.report.page import write_report
+from pysprings.springs.dataset import balance, get_path, path_names, save_springs
+from pysprings.springs.extract import extract_springs
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 
 def run_to_folder(
@@ -47,6 +58,7 @@ def run_to_folder(
     folder, ran = Path(out), scene_to_run(scene, mesh)
     refuse_full_disk(ran, folder)
     with new_folder(folder), exclusive(folder):
+        refuse_links(folder)
         checkpoints = Checkpoints(folder)
         result = compute(
             scene, mesh=mesh, progress=progress, checkpoints=checkpoints, resume=resume, time_unit=time_unit
@@ -67,8 +79,9 @@ def run_to_folder(
 def run_or_go_on(scene: Scene, folder: Path, progress: Progress | None = None, time_unit: bool = False) -> Path:
     """Run a scene into a folder, or go on with what was interrupted there; anew where its checkpoints do not serve.
 
-    They do not where they belong to another scene, mesh or version, or are damaged.
+    They do not where they belong to another scene, mesh or version, or are damaged. A folder that is a link is refused.
     """
+    own_folder(folder.parent, folder.name)
     resume = is_unfinished(folder)
     try:
         return run_to_folder(scene, folder, progress=progress, resume=resume, time_unit=time_unit)
@@ -79,25 +92,26 @@ def run_or_go_on(scene: Scene, folder: Path, progress: Progress | None = None, t
 
 
 def _write_all(folder: Path, scene: Scene, result: xr.DataTree) -> None:
-    """Write every file of a result, in the place of those of an earlier run."""
+    """Write every file of a result, in the place of those of an earlier run; run.json has its status at the end."""
     meter, record = Meter(), json.loads(result.attrs["run_json"])
     remove_results(folder)
-    for file in leftovers(folder):
-        file.unlink(missing_ok=True)
+    remove_leftovers(folder, *(folder / name for name in OWN_FOLDERS))
+    written = partial(note, folder)
     with meter.clock.phase("output: files"):
         write_tree(result, folder / "full_model.nc")
-        _write_record(folder, record)
+        _write_record(folder, record | {"status": WRITING})
         springs = _springs(result)
         _write_tables(folder, result, springs, record)
         if "volume" in result.children:
-            paraview(folder / PARAVIEW, result)
+            paraview(folder / PARAVIEW, result, written)
     with meter.clock.phase("output: pictures"):
-        figures = _draw(folder, result, springs) if scene.output.figures else []
+        figures = _draw(folder, result, springs, written) if scene.output.figures else []
     meter.charge(record)  # the report shows the cost of everything but itself
     with meter.clock.phase("output: report"):
         write_report(folder, result, springs, run=record, figures=figures)
     meter.charge(record)
-    _write_record(folder, record)
+    _write_record(folder, record | {KEY: noted(folder)})
+    (folder / LIST).unlink(missing_ok=True)
 
 
 def _springs(result: xr.DataTree) -> xr.DataTree | None:
@@ -121,12 +135,14 @@ def _write_tables(folder: Path, result: xr.DataTree, springs: xr.DataTree | None
         excel(folder / "springs.xlsx", springs)
 
 
-def _draw(folder: Path, result: xr.DataTree, springs: xr.DataTree | None) -> list[Path]:
-    from pysprings import plots
+def _draw(
+    folder: Path, result: xr.DataTree, springs: xr.DataTree | None, written: Callable[[Path], object]
+) -> list[Path]:
+    from pysprings.results import plots
 
     predicted = {name: curves(springs, name) for name in path_names(springs)} if springs is not None else {}
-    return plots.save_all(result, springs, folder / FIGURES, predicted)
+    return plots.save_all(result, springs, folder / FIGURES, predicted, written)
 
 
 def _write_record(folder: Path, record: dict[str, Any]) -> None:
-    write_text(json.dumps(record, indent=2) + "\n", folder / "run.json")
+    write_text(json_text(record, indent=2) + "\n", folder / "run.json")

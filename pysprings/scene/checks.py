@@ -7,11 +7,12 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
-from pysprings.toml_positions import KeyPath
-from pysprings.units import show
+from pysprings.core.path_kinds import PATH_KINDS, UNITS, VERTICAL
+from pysprings.core.units import show
+from pysprings.scene.positions import KeyPath
 
 if TYPE_CHECKING:
-    from pysprings.scene_model import Caisson, Domain, Path, Scene, Soil, Solver
+    from pysprings.scene.model import Caisson, Domain, Path, Scene, Soil, Solver
 
 MIN_RADIUS_RATIO = 1.02  # domain radius over caisson radius: room for a graded mesh around the skirt
 MIN_DEPTH_RATIO = 1.02  # domain depth over skirt length: room for a graded mesh below the tip
@@ -21,18 +22,6 @@ MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at 
 _EXPONENT = -0.229
 _MOST_FRICTION = math.radians(46.5)
 _ANGLES = tuple(math.pi / 3.0 * i / 60.0 for i in range(61))  # Lode angles, from compression to extension
-
-# kind of path -> (what it imposes, what else it uses)
-_IMPOSED = {
-    "pull": ("lateral_displacement", {"arm", "rate"}),
-    "translation": ("lateral_displacement", {"rotation", "rate"}),
-    "rotation": ("rotation", set()),
-    "swipe": ("lateral_displacement", {"rotation", "rate"}),
-    "load": ("lateral_force", {"arm", "arm_from"}),
-    "vertical": ("vertical_displacement", {"rate"}),
-}
-_MOTIONS = {"lateral_displacement": "mm", "rotation": "deg", "vertical_displacement": "mm"}
-_UNITS = _MOTIONS | {"lateral_force": "MN"}
 
 
 class Clash(NamedTuple):
@@ -48,6 +37,7 @@ def clashes(scene: Scene) -> Iterator[Clash]:
     yield from _domain(scene.domain, scene.caisson)
     yield from _soil(scene.soil)
     yield from _initial_state(scene.soil, scene.domain)
+    yield from _series(scene)
     yield from _solver(scene.solver)
     yield from _paths(scene.paths)
     if scene.drainage.mode == "coupled":
@@ -56,7 +46,7 @@ def clashes(scene: Scene) -> Iterator[Clash]:
 
 def dotted(path: KeyPath) -> str:
     """Return a key path as people write it: `path[0].arm`, quoted where a name is not plain."""
-    from pysprings.units import quoted
+    from pysprings.core.units import quoted
 
     text = ""
     for part in path:
@@ -84,6 +74,21 @@ def _domain(domain: Domain, caisson: Caisson) -> Iterator[Clash]:
         keys = ("domain", "depth"), ("caisson", "skirt_length")
         limit = f"{MIN_DEPTH_RATIO:g} times caisson.skirt_length ({show(caisson.skirt_length, 'm')})"
         yield Clash(keys, f"{show(domain.depth, 'm')} must be more than {limit}")
+
+
+def _series(scene: Scene) -> Iterator[Clash]:
+    """Check what a Fourier series can carry."""
+    mesh, chosen = scene.mesh, ("mesh", "discretisation")
+    if mesh.discretisation == "hex8":
+        if mesh.harmonics is not None:
+            yield Clash((("mesh", "harmonics"), chosen), 'are those of discretisation = "fourier"')
+        return
+    if mesh.azimuth is not None:
+        yield Clash((("mesh", "azimuth"), chosen), "counts bricks; a series has mesh.harmonics")
+    if scene.caisson.behaviour != "rigid":
+        yield Clash((("caisson", "behaviour"), chosen), 'must be "rigid" with discretisation = "fourier"')
+    if scene.drainage.mode != "drained":
+        yield Clash((("drainage", "mode"), chosen), 'must be "drained" with discretisation = "fourier"')
 
 
 def _soil(soil: Soil) -> Iterator[Clash]:
@@ -220,20 +225,21 @@ def _paths(paths: tuple[Path, ...]) -> Iterator[Clash]:
 
 def _path(index: int, path: Path) -> Iterator[Clash]:
     here: KeyPath = ("path", index)
-    imposed, used = _IMPOSED[path.kind]
-    for name in (*_UNITS, "arm", "arm_from", "rate"):
+    kind = PATH_KINDS[path.kind]
+    imposed = kind.imposed
+    for name in (*UNITS, "arm", "arm_from", "rate"):
         given = path.arm_from is not None if name == "arm_from" else getattr(path, name)
-        if given and name != imposed and name not in used:
+        if given and name != imposed and name not in kind.uses:
             yield Clash(((*here, name), (*here, "kind")), f'a path of kind "{path.kind}" does not use it')
-    if path.kind == "vertical" and path.heave == "fixed":
+    if path.kind == VERTICAL and path.heave == "fixed":
         yield Clash(((*here, "heave"), (*here, "kind")), 'a path of kind "vertical" moves the caisson up or down')
     if path.rate is not None and path.duration is not None:
         yield Clash(((*here, "duration"), (*here, "rate")), "give rate or duration, not both")
     if path.then and path.role == "calibration":
         text = 'springs are made from monotonic paths only: a path with `then` needs role = "held-back"'
         yield Clash(((*here, "then"), (*here, "role")), text)
-    if path.kind == "swipe":
-        yield from _swipe(here, path)
+    if kind.bends:
+        yield from _bent(here, path)
     if path.arm_from is not None and path.then:
         yield Clash(((*here, "then"), (*here, "arm_from")), "a load that climbs (arm_from) has nothing after it")
     if path.arm_from is not None and path.role == "calibration":
@@ -254,8 +260,7 @@ def _times(paths: tuple[Path, ...]) -> Iterator[Clash]:
         here: KeyPath = ("path", index)
         mode = ("drainage", "mode")
         if path.rate is None and path.duration is None:
-            both = dict.fromkeys(("pull", "translation", "vertical"), "rate or duration")
-            allowed = (both | {"swipe": "rate"}).get(path.kind, "duration")
+            allowed = " or ".join(PATH_KINDS[path.kind].paces)
             yield Clash((here, (*here, "kind"), mode), f'drainage.mode = "coupled" needs {allowed} here')
         for entry, then in enumerate(path.then):
             if then.rate is None and then.time is None:
@@ -263,22 +268,23 @@ def _times(paths: tuple[Path, ...]) -> Iterator[Clash]:
                 yield Clash(((*here, "then", entry), (*here, "then"), mode), text)
 
 
-def _swipe(here: KeyPath, path: Path) -> Iterator[Clash]:
-    """Check what a swipe needs beside its displacement."""
-    kind = (*here, "kind")
-    if not path.rotation:
-        yield Clash(((*here, "rotation"), kind), 'a path of kind "swipe" needs a rotation')
+def _bent(here: KeyPath, path: Path) -> Iterator[Clash]:
+    """Check what a path on which H and M change their ratio needs beside what it imposes."""
+    where, kind = (*here, "kind"), PATH_KINDS[path.kind]
+    for name in kind.needs:
+        if not getattr(path, name):
+            yield Clash(((*here, name), where), f'a path of kind "{path.kind}" needs a {name}')
     if path.role == "calibration":
-        text = 'springs are made from paths of one direction only: a swipe needs role = "held-back"'
-        yield Clash(((*here, "role"), kind), text)
+        text = f'springs are made from paths of one direction only: a {path.kind} needs role = "held-back"'
+        yield Clash(((*here, "role"), where), text)
     for name in ("then", "duration"):
         if getattr(path, name):
-            yield Clash(((*here, name), kind), 'a path of kind "swipe" does not use it')
+            yield Clash(((*here, name), where), f'a path of kind "{path.kind}" does not use it')
 
 
 def _stops(here: KeyPath, imposed: str, target: float, stops: tuple[float, ...]) -> Iterator[Clash]:
     """Check that the values where a step must land lead from 0 to the target."""
-    previous, unit = 0.0, _UNITS[imposed]
+    previous, unit = 0.0, UNITS[imposed]
     for entry, stop in enumerate(stops):
         keys = (*here, "report_at", entry), (*here, imposed), (*here, "kind"), (*here, "report_at")
         if not 0.0 < stop / target <= 1.0:

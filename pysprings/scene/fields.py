@@ -19,8 +19,9 @@ from typing import Any
 from pydantic import ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from pysprings import units
-from pysprings.units import quoted
+from pysprings.core import units
+from pysprings.core.files.file_names import is_device
+from pysprings.core.units import quoted
 
 FROM_TOML = {"bare_numbers": False}  # validation context of a scene that comes from a file
 QUANTITY_PATTERN = r"^\s*[+\-−]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+\-]?[0-9]{1,4})?\s*[^0-9\s.,_'].*$"
@@ -239,17 +240,20 @@ class Flag(Field):
 
 @dataclass(frozen=True)
 class Text(Field):
-    """A text on one line; `pattern` and `meaning` say which."""
+    """A text on one line; `pattern` and `meaning` say which; with `names_files` none that a system refuses."""
 
     text: str
     pattern: str = r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{1,200}"
     meaning: str = "1 to 200 characters on one line"
+    names_files: bool = False
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, str):
             raise refuse(f"expected a text in quotes, got {quoted(value)}")
         if not re.fullmatch(self.pattern, value) or not value.strip():
             raise refuse(f"{quoted(value)} is not {self.meaning}")
+        if self.names_files and is_device(value):
+            raise refuse(f"{quoted(value)} names files, too, and Windows takes such a file for a device")
         return str(value)
 
     def schema(self) -> dict[str, Any]:

@@ -15,10 +15,10 @@ from typing import Any, NoReturn
 
 from pydantic import ValidationError
 
-from pysprings.errors import Problem, UserInputError
-from pysprings.scene_checks import dotted
-from pysprings.scene_fields import FROM_TOML, suggestion
-from pysprings.scene_model import (
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.scene.checks import dotted
+from pysprings.scene.fields import FROM_TOML, suggestion
+from pysprings.scene.model import (
     Caisson,
     Domain,
     Drainage,
@@ -31,7 +31,7 @@ from pysprings.scene_model import (
     Soil,
     Solver,
 )
-from pysprings.toml_positions import KeyPath, Place, locate, nearest
+from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
 
 __all__ = [
     "Caisson",
@@ -87,8 +87,11 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
 def parse_scene(text: str, file: str | None = None) -> Scene:
     """Read a scene from TOML text; `file` is its name in messages."""
     try:
+        refuse_depth(text)
         data = _parse_toml(text, file)
         places = locate(text)
+    except TooDeep as error:
+        _refuse(file, str(error), *error.place)
     except RecursionError:
         _refuse(file, "lists or tables are nested too deeply")
     if not data:

@@ -15,9 +15,10 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, PrivateAttr, model_validator
 from pydantic import Field as Key
 
-from pysprings.scene_checks import clashes, dotted
-from pysprings.scene_fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text, refuse
-from pysprings.scene_then import Then, ThenList
+from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.scene.checks import clashes, dotted
+from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text, refuse
+from pysprings.scene.then import Then, ThenList
 
 _DEGREE = math.pi / 180.0
 
@@ -39,8 +40,10 @@ _ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
 _ARM_FROM = Quantity("m", "[-1e3, 1e3]", "height where a load acts first; it then climbs to arm", "0 m", optional=True)
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
 _TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
-_SHIFTS = (("pull", _SHIFT), ("translation", _SHIFT), ("swipe", _SHIFT))
-_IMPOSED = (*_SHIFTS, ("rotation", _TURN), ("load", _PUSH), ("vertical", _SINK))
+_QUANTITIES = {
+    "lateral_displacement": _SHIFT, "rotation": _TURN, "lateral_force": _PUSH, "vertical_displacement": _SINK,
+}  # fmt: skip
+_IMPOSED = tuple((name, _QUANTITIES[kind.imposed]) for name, kind in PATH_KINDS.items())
 _SEA = "depth of the sea; where given, suction is checked for cavitation"
 _DEPTH = Quantity("m", "[0, 2e4]", _SEA, "30 m", optional=True)
 _VISCOSITY = Quantity("Pa s", "[1e-6, 1e3]", "dynamic viscosity of water", "0.001 Pa s")
@@ -170,9 +173,10 @@ class Path(Section):
             "name of the path in every table",
             pattern=r"[A-Za-z][A-Za-z0-9_-]{0,59}",
             meaning="a name (a letter, then letters, digits, _ or -, at most 60)",
+            names_files=True,
         ),
     ]
-    kind: Annotated[str, Choice(("pull", "translation", "rotation", "swipe", "load", "vertical"), "what is imposed")]
+    kind: Annotated[str, Choice(tuple(PATH_KINDS), "what is imposed")]
     lateral_displacement: Annotated[float | None, _SHIFT] = None
     rotation: Annotated[float | None, _TURN] = None
     lateral_force: Annotated[float | None, _PUSH] = None
@@ -205,6 +209,10 @@ class Mesh(Section):
     preset: Annotated[str, Choice(("coarse", "medium", "paper", "fine"), "size of the mesh")] = "coarse"
     azimuth: Annotated[int | None, Count(8, 256, "cells around the half ring", multiple_of=4, optional=True)] = None
     refinement: Annotated[float, Number("[0.25, 8]", "factor on all numbers of cells of the preset", 1.0)] = 1.0
+    discretisation: Annotated[
+        str, Choice(("hex8", "fourier"), "bricks, or Fourier series in azimuth on a section of quadratic elements")
+    ] = "hex8"
+    harmonics: Annotated[int | None, Count(1, 64, "highest harmonic of the series", optional=True)] = None
 
 
 class Solver(Section):
@@ -263,8 +271,15 @@ class Scene(Section):
 
     @property
     def sha256(self) -> str:
-        """SHA-256 (hex) of all values, whatever units and order the file wrote them in."""
-        canonical = json.dumps(self.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
+        """SHA-256 (hex) of all values, whatever units and order the file wrote them in.
+
+        Keys of a series count where there is one: a scene of bricks has the number that it had before there were any.
+        """
+        values = self.model_dump(mode="json")
+        if self.mesh.discretisation == "hex8":
+            for key in ("discretisation", "harmonics"):
+                del values["mesh"][key]
+        canonical = json.dumps(values, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()
 
     @property
@@ -275,7 +290,7 @@ class Scene(Section):
 
     def to_toml(self) -> str:
         """Return the whole scene as TOML; loading it gives an equal scene."""
-        from pysprings.scene_toml import to_toml
+        from pysprings.scene.toml import to_toml
 
         return to_toml(self)
 

@@ -11,9 +11,13 @@ from __future__ import annotations
 import re
 import tomllib
 from bisect import bisect_right
+from contextlib import suppress
 from dataclasses import dataclass
 
 KeyPath = tuple[str | int, ...]
+
+MOST_PARTS = 16  # of a dotted key or a header
+MOST_LEVELS = 64  # of lists and tables
 
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _SPACE = re.compile(r"[ \t]*")
@@ -42,6 +46,24 @@ def locate(text: str) -> dict[KeyPath, Place]:
     return {path: Place(scanner.place(key), scanner.place(value)) for path, (key, value) in scanner.found.items()}
 
 
+def refuse_depth(text: str) -> None:
+    """Raise TooDeep where a key has too many parts, or lists and tables too many levels; needs no valid text.
+
+    tomllib takes a time that grows with the square of the parts, and tables nested as deeply break what reads them.
+    Other faults of a text are left to tomllib.
+    """
+    with suppress(ValueError):
+        _Scanner(text, bounded=True).document()
+
+
+class TooDeep(Exception):
+    """A text with deeper keys, lists or tables than a scene has; ``place`` is line and column."""
+
+    def __init__(self, message: str, place: tuple[int, int]) -> None:
+        super().__init__(message)
+        self.place = place
+
+
 def nearest(places: dict[KeyPath, Place], path: KeyPath) -> Place:
     """Return the place of a key path, else of the innermost table around it that stands in the text."""
     while path and path not in places:
@@ -52,8 +74,9 @@ def nearest(places: dict[KeyPath, Place], path: KeyPath) -> Place:
 class _Scanner:
     """Walks through a text once; `found` maps key paths to the offsets of key and value."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, bounded: bool = False) -> None:
         self.text = text
+        self.bounded = bounded  # TooDeep beyond MOST_PARTS and MOST_LEVELS
         self.at = 0
         self.found: dict[KeyPath, tuple[int, int]] = {}
         self.lengths: dict[KeyPath, int] = {}  # of arrays of tables
@@ -111,6 +134,9 @@ class _Scanner:
         names = [self.name()]
         while self.take("."):
             names.append(self.name())
+            if self.bounded and len(names) > MOST_PARTS:
+                message = f"a key of more than {MOST_PARTS} parts; no key of a scene has more than two"
+                raise TooDeep(message, self.place(names[0][1]))
         return names
 
     def name(self) -> tuple[str, int]:
@@ -146,6 +172,9 @@ class _Scanner:
         self.value(path)
 
     def value(self, path: KeyPath) -> None:
+        if self.bounded and len(path) > MOST_LEVELS:
+            message = f"lists or tables are nested too deeply (more than {MOST_LEVELS} levels)"
+            raise TooDeep(message, self.place(self.at))
         if self.take("["):
             self.entries(path)
         elif self.take("{"):

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from pysprings.scene import SECTIONS
-from pysprings.scene_fields import QuantityList
-from pysprings.scene_model import Scene, Section
-from pysprings.scene_toml import field_of
+from pysprings.scene.fields import QuantityList
+from pysprings.scene.load import SECTIONS
+from pysprings.scene.model import Scene, Section
+from pysprings.scene.toml import field_of
 
 FILE_NAME = "pysprings.schema.json"
 

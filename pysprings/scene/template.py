@@ -7,15 +7,10 @@ import json
 from importlib.resources import files
 from pathlib import Path
 
-from pysprings.errors import Problem, UserInputError
-from pysprings.scene_fields import suggestion
-from pysprings.scene_schema import FILE_NAME, scene_schema
-
-
-def template_names() -> list[str]:
-    """Return the names of the templates."""
-    found = files("pysprings").joinpath("templates").iterdir()
-    return sorted(item.name.removesuffix(".toml") for item in found if item.name.endswith(".toml"))
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.scene.fields import suggestion
+from pysprings.scene.schema import FILE_NAME, scene_schema
+from pysprings.scene.template_names import template_names
 
 
 def template_text(name: str) -> str:
@@ -24,7 +19,7 @@ def template_text(name: str) -> str:
     if name not in known:
         hint = suggestion(name, known) or f" (there is: {', '.join(known)})"
         raise UserInputError([Problem(key="--template", message=f"no template '{name}'{hint}")])
-    return files("pysprings").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
+    return files("pysprings.scene").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
 
 
 def write_scene(file: Path, template: str, force: bool = False) -> list[Path]:

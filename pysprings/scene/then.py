@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 from pydantic import ValidationInfo
 from pydantic_core import PydanticCustomError
 
-from pysprings.scene_fields import Quantity, QuantityList, refuse
-from pysprings.units import quoted
+from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.units import quoted
+from pysprings.scene.fields import Quantity, QuantityList, refuse
 
 _EXAMPLES = ("rest 2 hour", "20 mm at 0.5 mm/s", "0 mm in 10 min")
 
@@ -27,7 +28,7 @@ class Then(NamedTuple):
 
 _THEN = re.compile(r"(?P<value>.+?)(?: (?P<how>at|in) (?P<pace>.+))?")
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "", "0.05 mm/s")
-_RATES = {"pull": _RATE, "translation": _RATE, "vertical": _RATE}  # kinds of path that have a velocity
+_RATES = {name: _RATE for name, kind in PATH_KINDS.items() if kind.has_velocity}
 _TIME = Quantity("s", "[1e-6, 1e12]", "", "2 hour")
 
 

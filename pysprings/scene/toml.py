@@ -10,8 +10,8 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from pysprings.scene_fields import Field, QuantityList
-from pysprings.scene_model import Scene
+from pysprings.scene.fields import Field, QuantityList
+from pysprings.scene.model import Scene
 
 
 def to_toml(scene: Scene) -> str:

@@ -3,7 +3,7 @@
 
 A spring set is an `xarray.DataTree`: the root has the caisson and where the springs come from, and one group
 `/paths/<name>` per load path has the reactions of the soil by depth, side and component along that path
-(`pysprings.variables` lists every variable). The forces are monotonic backbones, not cyclic laws.
+(`pysprings.core.variables` lists every variable). The forces are monotonic backbones, not cyclic laws.
 """
 
 from __future__ import annotations
@@ -16,19 +16,22 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings import variables
-from pysprings.errors import Problem, UserInputError
-from pysprings.springs_numbers import is_number, name_fault, number_faults, text_of
-from pysprings.storage import read_tree, refusal, write_tree
-from pysprings.units import quoted
+from pysprings.core import variables
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.files.storage import read_tree, refusal, write_tree
+from pysprings.core.path_kinds import PATH_KINDS, VERTICAL
+from pysprings.core.units import quoted
+from pysprings.springs.numbers import is_number, name_fault, number_faults, text_of
+from pysprings.springs.path_ends import end_faults
 
 SCHEMA = "pysprings-springs-2"
-KINDS = ("pull", "translation", "rotation", "swipe", "load", "vertical")
 ROLES = ("calibration", "held-back")
 STATES = ("complete", "partial", "interrupted")
 FEWEST_STATES = 2  # a curve needs the initial state and one more
 SAME_LOAD = 1e-3  # vertical loads that differ by less than this share are one
 NO_LOAD = 1.0  # or by this [N]
+# Reactions sum to the load within this share of the largest of them. Files of a run: 1e-15; single precision: 1e-7.
+BALANCED = 1e-6
 
 _ROOT_NUMBERS = ("outer_diameter_m", "skirt_length_m", "skirt_thickness_m", "vertical_load_N")
 _ROOT_TEXTS = ("drainage", "pysprings_version", "scene_sha256")
@@ -53,13 +56,22 @@ def save_springs(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     return write_tree(tree, path)
 
 
-def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = None) -> None:
-    """Raise UserInputError, with one problem per fault, unless the tree is a complete spring set."""
+def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = None, balanced: bool = True) -> None:
+    """Raise UserInputError, with one problem per fault, unless the tree is a complete spring set.
+
+    balanced: also where the reactions of a path do not sum to its loads (merged slices lose a part of the moment).
+    """
     schema = tree.attrs.get("schema")
     if text_of(schema) != SCHEMA:
         raise refusal(file, "schema", _foreign(tree, schema))
     found = [*_root_faults(tree), *variables.tree_problems(tree, "springs")] or list(_type_faults(tree))
     found = found or [fault for name in path_names(tree) for fault in _path_faults(tree, name)]
+    found = found or [
+        (f"paths/{name}/{key}", text)
+        for name in path_names(tree)
+        if balanced
+        for key, text in _balance_faults(path_dataset(tree, name))
+    ]
     if found:
         name = None if file is None else str(file)
         raise UserInputError([Problem(file=name, key=key, message=message) for key, message in found])
@@ -119,11 +131,12 @@ def _resists(stiffness: np.ndarray) -> bool:
 def _path_faults(tree: xr.DataTree, name: str) -> Iterator[tuple[str, str]]:
     dataset = path_dataset(tree, name)
     place = f"paths/{name}"
-    for key, allowed in (("kind", KINDS), ("role", ROLES), ("status", STATES)):
+    for key, allowed in (("kind", tuple(PATH_KINDS)), ("role", ROLES), ("status", STATES)):
         if text_of(dataset.attrs.get(key)) not in allowed:
             yield f"{place}/{key}", f"attribute must be one of {', '.join(allowed)}"
     if not is_number(dataset.attrs.get("arm_m")):
         yield f"{place}/arm_m", "missing attribute, or not a number"
+    yield from ((f"{place}/{key}", text) for key, text in end_faults(dataset.attrs))
     for key in ("rate_m_per_s", "arm_from_m"):
         if not is_number(dataset.attrs.get(key, 1.0)):
             yield f"{place}/{key}", "not a number"
@@ -204,7 +217,7 @@ def get_path(tree: xr.DataTree, name: str | None = None) -> xr.Dataset:
 
 def is_vertical(tree: xr.DataTree, name: str) -> bool:
     """Tell whether a path moves the caisson vertically only."""
-    return bool(tree.children["paths"].children[name].attrs.get("kind") == "vertical")
+    return bool(tree.children["paths"].children[name].attrs.get("kind") == VERTICAL)
 
 
 def path_load(path: xr.Dataset) -> float:
@@ -240,15 +253,22 @@ def balance(dataset: xr.Dataset) -> dict[str, float]:
     H = sum p dz + H_tip + H_lid;  V = sum t dz + V_tip + V_lid;
     M = sum (p z + m) dz + L H_tip + M_tip + M_lid.  Zero where the springs hold all reactions of the caisson.
     """
+    sums = _sums(dataset)
+    return {
+        name: float(np.abs(total - dataset.variables[name].values).max()) / size if size else 0.0
+        for name, (total, size) in sums.items()
+    }
+
+
+def _sums(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, float]]:
+    """Sums of the reactions by step for H, V [N] and M [N m], each with what its error counts beside: see `balance`."""
     dz, z = slice_heights(dataset), dataset["depth"].values
     p, m, t = (
         net_p(dataset).values,
         net_m(dataset).values,
         dataset["t"].sum("side").transpose("depth", "step").values,
     )
-    value = {
-        name: dataset[name].values for name in ("H", "V", "M", "H_tip", "H_lid", "V_tip", "V_lid", "M_tip", "M_lid")
-    }
+    value = {name: dataset[name].values for name in ("H_tip", "H_lid", "V_tip", "V_lid", "M_tip", "M_lid")}
     length = float(dataset["depth_bounds"].values[-1, 1])
     parts = {
         "H": (dz @ p, value["H_tip"], value["H_lid"]),
@@ -257,13 +277,24 @@ def balance(dataset: xr.Dataset) -> dict[str, float]:
     }
     least = 1.0e-3 * max(_largest(parts["H"]), _largest(parts["V"]))
     least_of = {"H": least, "V": least, "M": least * length}
-    return {name: _relative(sum(terms) - value[name], terms, least_of[name]) for name, terms in parts.items()}
+    return {name: (np.sum(terms, axis=0), max(_largest(terms), least_of[name])) for name, terms in parts.items()}
+
+
+def _balance_faults(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
+    """Yield (load, message) for loads that the reactions do not sum to, with the worst step."""
+    good = np.flatnonzero(dataset.variables["converged"].values == 1)
+    path = dataset.isel(step=good)
+    for name, (total, size) in _sums(path).items():
+        load = path.variables[name].values
+        worst = int(np.argmax(np.abs(total - load)))
+        if abs(total[worst] - load[worst]) > BALANCED * size:
+            units = "N m" if name == "M" else "N"
+            yield (
+                name,
+                f"step {good[worst]}: the reactions sum to {total[worst]:.6g} {units}, the load is {load[worst]:.6g} "
+                f"{units} (they may differ by {BALANCED:g} of the largest reaction of the path)",
+            )
 
 
 def _largest(terms: tuple[np.ndarray, ...]) -> float:
     return max(float(np.abs(term).max()) for term in terms)
-
-
-def _relative(missing: np.ndarray, terms: tuple[np.ndarray, ...], least: float) -> float:
-    size = max(_largest(terms), least)
-    return float(np.abs(missing).max()) / size if size else 0.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import xarray as xr
 
-from pysprings import variables
-from pysprings.errors import Problem, UserInputError
-from pysprings.springs import FEWEST_STATES, SCHEMA, path_dataset, path_names, validate_springs
+from pysprings.core import variables
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.springs.dataset import FEWEST_STATES, SCHEMA, path_dataset, path_names, validate_springs
 
 _ROOT_ATTRS = (
     "Conventions", "title", "source", "history", "references", "pysprings_version", "scene_sha256", "scene_toml",

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings import variables
-from pysprings.magnitudes import LARGEST, SMALLEST_AT_ALL
+from pysprings.core import variables
+from pysprings.core.files.file_names import is_device
+from pysprings.core.magnitudes import LARGEST, SMALLEST_AT_ALL
 
 LABELS = ("side", "component", "dof", "dof_conjugate")
 _UNITS = {"radian": "rad", "N m-1": "N/m", "N m m-1": "N m/m"}  # UDUNITS text -> key of LARGEST
@@ -25,6 +26,10 @@ def name_fault(name: str) -> str:
         return "a path's name has no '/' and no invisible characters"
     if name.startswith(tuple(_NOT_FIRST)) or len(name) > MOST_LETTERS:
         return f"a path's name has at most {MOST_LETTERS} characters, the first of them none of = + - @ . and blank"
+    if is_device(name) or name.endswith((".", " ")):
+        return (
+            "a path's name names files, too: Windows refuses this one (CON, NUL, COM1 ..., or '.' or blank at its end)"
+        )
     return ""
 
 

@@ -19,8 +19,10 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from pysprings.errors import Problem, UserInputError
-from pysprings.springs import get_path, is_vertical, path_load, path_names, same_load, validate_springs
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.path_kinds import is_straight
+from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names, same_load, validate_springs
+from pysprings.springs.path_ends import KEYS, earlier_end
 
 # Paths whose rates differ by less than this factor belong together
 TOGETHER = 10.0**0.5
@@ -122,15 +124,13 @@ def blend(slow: xr.Dataset, fast: xr.Dataset, share: float, length: float) -> xr
         other = fast[name].transpose(*values.dims).values
         moved = np.apply_along_axis(lambda column: np.interp(way, other_way, column), axis, other)
         out[name] = values.copy(data=(1.0 - share) * values.values + share * moved)
+    out.attrs = {key: value for key, value in slow.attrs.items() if key not in KEYS} | earlier_end(out, slow, fast)
     return out
-
-
-_STRAIGHT = ("translation", "rotation")  # kinds of path that keep their direction
 
 
 def _is_straight(path: xr.Dataset) -> bool:
     """Tell whether a path keeps its direction: by its kind, or as a table has been found to do."""
-    return path.attrs["kind"] in _STRAIGHT or bool(path.attrs.get("straight"))
+    return is_straight(path.attrs)
 
 
 def _way(path: xr.Dataset, length: float) -> np.ndarray:
@@ -188,7 +188,7 @@ def _tree(springs: xr.DataTree, paths: dict[str, xr.Dataset], rate: float) -> xr
         kept.attrs = {key: value for key, value in path.attrs.items() if key != "path"}
         groups[f"/paths/{name}"] = kept
     tree = xr.DataTree.from_dict(groups, name="springs")
-    validate_springs(tree)
+    validate_springs(tree, balanced=False)  # as balanced as what it is made of
     return tree
 
 

@@ -10,13 +10,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pysprings
-from pysprings.progress import duration
-from pysprings.result_files import CHECKPOINT
+from pysprings.core import version
+from pysprings.core.files.layout import is_unfinished
+from pysprings.core.files.written import keep, own_folder
+from pysprings.core.progress import duration
 
 if TYPE_CHECKING:
-    from pysprings.progress import Progress
-    from pysprings.scene import Scene
+    from pysprings.core.progress import Progress
+    from pysprings.scene.load import Scene
 
 RUNS = "runs"  # folder of the runs' folders
 _TAKEN_UP = 0.3  # a run whose first news is beyond this share has not come so far in this call
@@ -73,6 +74,15 @@ class Whole:
         self.report("all runs", whole, text)
 
 
+def run_folder(out: Path, name: str) -> Path:
+    """Return the folder of a run of a study; UserInputError where the folder of all runs is a link.
+
+    The folder of one run may be a link to where it has ended: it is read there. A run is neither made nor forgotten
+    behind a link (`forget`, `pysprings.results.folder.run_or_go_on`).
+    """
+    return own_folder(out, RUNS) / name
+
+
 def has_ended(folder: Path, scene: Scene) -> bool:
     """Tell whether a folder holds the ended run (complete, or stopped by itself) of this scene and version."""
     record = record_of(folder, scene)
@@ -80,7 +90,7 @@ def has_ended(folder: Path, scene: Scene) -> bool:
         record.get("status") in ("complete", "partial")
         and not record.get("stopped_by")
         and all((folder / name).exists() for name in NEEDED)
-        and not (folder / CHECKPOINT).exists()
+        and not is_unfinished(folder)
     )
 
 
@@ -91,8 +101,10 @@ def why_stopped(record: Mapping[str, Any]) -> str:
 
 def forget(folder: Path) -> None:
     """Have the run of a folder made again; its results stay until there are others."""
-    from pysprings.checkpoint import Checkpoints
+    from pysprings.full_model.checkpoint import Checkpoints
 
+    own_folder(folder.parent, folder.name)
+    keep(folder)
     (folder / "run.json").unlink(missing_ok=True)
     Checkpoints(folder).remove()
 
@@ -100,7 +112,7 @@ def forget(folder: Path) -> None:
 def record_of(folder: Path, scene: Scene) -> dict[str, Any]:
     """Return run.json of a folder where it is of this scene and version; else empty."""
     record = read_record(folder)
-    own = record.get("scene_sha256") == scene.sha256 and record.get("version") == pysprings.__version__
+    own = record.get("scene_sha256") == scene.sha256 and record.get("version") == version.__version__
     return record if own else {}
 
 

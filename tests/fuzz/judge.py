@@ -22,8 +22,8 @@ from typing import Any
 
 import typer
 
-from pysprings import cli
-from pysprings.macro import MacroWarning
+from pysprings.cli import app
+from pysprings.macro.predict import MacroWarning
 
 EXIT_CODES = {0: "accepted", 2: "user input", 3: "not converged", 4: "resources"}
 SECONDS = 20.0  # nothing of this size may take as long, on a busy machine either
@@ -145,7 +145,7 @@ def run(kind: str, folder: Path, *args: object) -> Outcome:
 @cache
 def _command() -> Any:
     """The command line, put together once."""
-    return typer.main.get_command(cli.app)
+    return typer.main.get_command(app.app)
 
 
 def _invoked(args: list[str]) -> Outcome:

@@ -15,9 +15,9 @@ import numpy as np
 import xarray as xr
 from hypothesis import strategies as st
 
-from pysprings.storage import write_tree
+from pysprings.core.files.storage import write_tree
 from tests.fuzz.mutate import NUMBERS, RAW, TEXTS, Op, damage, ops
-from tests.pysprings import synthetic
+from tests.support import synthetic
 
 SAFE = [text for text in TEXTS if "\x00" not in text and "\ud7ff" not in text]
 ATTRIBUTES: list[Any] = [

@@ -11,11 +11,11 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from pysprings import units
-from pysprings.scene import SECTIONS
-from pysprings.scene_fields import Choice, Count, Field, Flag, Interval, Number, Quantity, QuantityList, Text
-from pysprings.scene_template import template_text
-from pysprings.scene_toml import field_of
+from pysprings.core import units
+from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity, QuantityList, Text
+from pysprings.scene.load import SECTIONS
+from pysprings.scene.template import template_text
+from pysprings.scene.toml import field_of
 from tests.fuzz.mutate import NUMBERS, RAW, TEXTS, Data, Op, damage, ops
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"
@@ -36,9 +36,13 @@ LINES = [
     "[]", "[[]]",
     "a = 1 b = 2", '"a\\nb" = 2', "'../../x' = 1", "soil = 1", "title = 'x'\x00", "x = " + "1" * 5000, "#" * 5000,
     "y = [" + "1," * 3000 + "]", "z = '" + "é" * 5000 + "'", "k" * 3000 + " = 1", "\u2028a = 1", "\x0c",
-    "a.b.c.d.e = 1",
+    "a.b.c.d.e = 1", ".".join("a" * 900) + " = 1", "z = {" + "a." * 9000 + "a = 1}", "[" + "soil." * 3000 + "x]",
+    '[["b"' + ' . "b"' * 2000 + "]]", "soil." + "K" * 5000 + " = 1",
+    "x = {" + "a.a.a.a.a.a.a.a={" * 100 + "b=1" + "}" * 101,
 ]  # fmt: skip
-TEXT_OPS = ("value", "value", "number", "unit", "text", "key", "line", "drop", "twice", "swap", "section", "many")
+TEXT_OPS = (
+    "value", "value", "number", "unit", "text", "key", "line", "drop", "twice", "swap", "section", "many", "dotted",
+)  # fmt: skip
 GENTLE_OPS = ("scale", "scale", "scale", "drop", "comment", "space", "word")
 WHOLE = [*24 * [""], *4 * ["bom"], *4 * ["crlf"], "cr", "utf-16", "utf-32", "latin-1", "empty", "blank"]
 WHOLE += ["deep", "tables", "paths"]
@@ -80,6 +84,10 @@ def _edit(lines: list[str], what: str, at: int, how: int) -> None:
         lines[at], lines[other] = lines[other], lines[at]
     elif what == "section":
         lines.insert(at, f"[{list(SECTIONS)[how % len(SECTIONS)]}]")
+    elif what == "dotted":
+        name = ["a", "soil", '"b"', "path"][how % 4]
+        many = ".".join([name] * (2 + how // 4 % 20_000))
+        lines.insert(at, [f"{many} = 1", f"[{many}]", f"[[{many}]]", f"x = {{{many} = 1}}"][how // 16 % 4])
     elif what == "many":
         lines[at:at] = [lines[at]] * (how % 40)
 

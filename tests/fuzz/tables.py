@@ -11,9 +11,9 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from pysprings.exporters.csv import py_text
+from pysprings.results.exporters.csv import py_text
 from tests.fuzz.mutate import NUMBERS, RAW, TEXTS, Data, Op, damage, ops
-from tests.pysprings import synthetic
+from tests.support import synthetic
 
 Rows = list[list[str]]
 

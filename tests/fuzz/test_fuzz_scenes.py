@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from pysprings import resources
-from pysprings.scene import load_scene
-from pysprings.stages import path_stages
+from pysprings.model.forecast import resources
+from pysprings.model.stages import path_stages
+from pysprings.scene.load import load_scene
 from tests.fuzz.judge import run
 from tests.fuzz.mutate import QUICK, budget
 from tests.fuzz.scenes import damaged, typed

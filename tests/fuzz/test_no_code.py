@@ -18,8 +18,8 @@ MODULES = {
 # `pysprings accuracy` runs this program itself in processes of its own, to measure the memory of each run
 # and Pardiso is called by its address, as the wrapper that loads it does, with less copying
 ALLOWED = {
-    "fe_engine/backends.py": {"ctypes"},
-    "pysprings/accuracy_study/child.py": {"multiprocessing", "multiprocessing.connection"},
+    "fe_engine/linear/backends.py": {"ctypes"},
+    "pysprings/studies/accuracy/child.py": {"multiprocessing", "multiprocessing.connection"},
 }
 CALLS = {"eval", "exec", "compile", "__import__", "os.system", "os.popen", "os.execv", "os.spawnl", "os.startfile"}
 METHODS = {"read_pickle", "to_pickle", "eval", "sympify", "literal_eval", "system", "popen"}

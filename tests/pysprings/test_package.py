@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -12,7 +14,7 @@ from pathlib import Path
 import pytest
 
 import pysprings
-from pysprings.errors import Problem, RunIncomplete, UserInputError
+from pysprings.core.errors import Problem, RunIncomplete, UserInputError
 
 ROOT = Path(__file__).parents[2]
 
@@ -21,7 +23,7 @@ def test_every_name_of_the_front_door_opens() -> None:
     for name in pysprings.__all__:
         assert getattr(pysprings, name) is not None
     assert set(pysprings.__all__) <= set(dir(pysprings))
-    with pytest.raises(AttributeError, match="has no attribute 'nonsense'"):
+    with pytest.raises(AttributeError, match="No pysprings attribute nonsense"):
         _ = pysprings.nonsense  # type: ignore[attr-defined]
 
 
@@ -32,7 +34,7 @@ def test_import_is_light() -> None:
     assert done.stdout == "[]\n"
 
 
-@pytest.mark.parametrize(("name", "module"), [("run", "full_model"), ("compare", "comparison")])
+@pytest.mark.parametrize(("name", "module"), [("run", "full_model.compute"), ("compare", "macro.comparison")])
 def test_functions_are_not_hidden_by_modules(name: str, module: str) -> None:
     home = import_module(f"pysprings.{module}")
     assert getattr(pysprings, name) is getattr(home, name)
@@ -60,20 +62,44 @@ def project() -> dict:
     return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 
-def test_contract_on_laws_names_every_other_module_of_the_engine() -> None:
-    """import-linter can only forbid: an engine module missing from its list is a hole in the contract."""
-    contracts = {contract["id"]: contract for contract in project()["tool"]["importlinter"]["contracts"]}
-    contract = contracts["laws-alone"]
-    allowed = {*contract["source_modules"], "fe_engine.conventions"}
-    modules = {
-        f"fe_engine.{path.stem}"
-        for path in (ROOT / "fe_engine").iterdir()
-        if (path.suffix == ".py" and path.stem != "__init__") or (path / "__init__.py").exists()
-    }
-    assert modules - allowed <= set(contract["forbidden_modules"])
-
-
 def test_every_source_file_names_its_licence() -> None:
     for folder in ("fe_engine", "pysprings", "tests"):
         for path in (ROOT / folder).rglob("*.py"):
             assert path.read_text(encoding="utf-8").startswith("# SPDX-License-Identifier: MIT\n"), path
+
+
+VERSIONS = ("3.11", "3.12", "3.13", "3.14", "3.15")
+
+
+def test_classifiers_name_the_interpreters_that_are_tried() -> None:
+    about = project()["project"]
+    assert about["requires-python"] == f">={VERSIONS[0]}"
+    named = [line.rpartition(" ")[2] for line in about["classifiers"] if "Python :: 3." in line]
+    assert tuple(named) == VERSIONS
+
+
+@pytest.fixture(scope="module")
+def index() -> str:
+    """The path of uv, where it reaches a package index; else the tests that need one are skipped, by name."""
+    found = shutil.which("uv", path=str(Path(sys.executable).parent)) or shutil.which("uv")
+    if found is None:
+        pytest.skip("uv is not installed (it comes with the extra `dev`)")
+    done = subprocess.run(
+        [found, "pip", "compile", "--quiet", "-"], input="filelock\n", capture_output=True, text=True, timeout=60
+    )
+    if done.returncode:
+        pytest.skip(f"no package index is reachable: {done.stderr.strip().splitlines()[-1:]}")
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", VERSIONS)
+def test_every_dependency_has_wheels_for_this_interpreter(version: str, index: str) -> None:
+    command = [index, "pip", "compile", "--quiet", "--no-header", "--no-annotate", "--only-binary", ":all:"]
+    command += ["--python-version", version, "--extra", "dev", str(ROOT / "pyproject.toml")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    locked = {line.partition("==")[0].lower() for line in done.stdout.splitlines()}
+    wanted = {re.match(r"[A-Za-z0-9_.-]+", line)[0].lower() for line in project()["project"]["dependencies"]}  # type: ignore[index]
+    assert len(wanted) > 10
+    assert wanted - {"pypardiso"} <= locked

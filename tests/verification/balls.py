@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fe_engine import hex8
+from fe_engine.elements import hex8
 from fe_engine.mesh import FACES, Mesh
 from tests.verification.blocks import box
 

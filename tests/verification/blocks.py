@@ -7,15 +7,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fe_engine.assembly import System
+from fe_engine.assembly.system import System
 from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC, VAN_EEKELEN
-from fe_engine.linear import LinearSolver
+from fe_engine.linear.solver import LinearSolver
 from fe_engine.mesh import Mesh
 from fe_engine.model import Material, Model, Stage
-from fe_engine.newton import Newton, Settings
 from fe_engine.soil import plasol
+from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
-from fe_engine.stepping import Driver, Step
 
 YOUNG, POISSON = 200.0e6, 0.3
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fe_engine import interface
 from fe_engine.contact import coulomb
-from fe_engine.interface import Film, Stations
+from fe_engine.elements import interface
+from fe_engine.elements.interface import Film, Stations
 from fe_engine.model import Model
 from tests.verification.water import VISCOSITY
 

@@ -9,18 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from fe_engine import interface, rigid
-from fe_engine.assembly import System
-from fe_engine.interface import Stations
-from fe_engine.linear import LinearSolver
-from fe_engine.newton import Newton, Settings
+from fe_engine.assembly.system import System
+from fe_engine.elements import interface, rigid
+from fe_engine.elements.interface import Stations
+from fe_engine.linear.solver import LinearSolver
+from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import Fields, State
-from fe_engine.stepping import Driver, Step
 from pysprings import Scene
-from pysprings.build import SURFACE, Built, build_model
-from pysprings.caisson_mesh import SURFACES
-from pysprings.collect import Collector
-from pysprings.stages import path_stages
+from pysprings.full_model.collect import Collector
+from pysprings.model.build import SURFACE, Built, build_model
+from pysprings.model.mesh import SURFACES
+from pysprings.model.stages import path_stages
 
 
 @dataclass(frozen=True)

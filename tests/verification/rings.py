@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fe_engine.assembly.kernels import station_jumps
 from fe_engine.contact import coulomb
-from fe_engine.kernels import station_jumps
 from fe_engine.state import Fields
-from pysprings.build import SURFACE
+from pysprings.model.build import SURFACE
 from tests.verification.pushes import Push
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -20,6 +21,8 @@ class Row:
     source : where the reference comes from.
     tolerance : largest difference allowed, relative to the reference (absolute where the reference is 0); None
         where the row is only shown beside the others.
+    limit : "" where the reference is a value to meet; "at most" or "at least" where it is a limit, which no tolerance
+        softens.
     """
 
     case: str
@@ -29,6 +32,7 @@ class Row:
     reference: float
     source: str
     tolerance: float | None
+    limit: Literal["", "at most", "at least"] = ""
 
     @property
     def difference(self) -> float:
@@ -38,8 +42,20 @@ class Row:
 
     @property
     def holds(self) -> bool:
-        """Whether the difference is within the tolerance; a figure that is not a number never is."""
+        """Whether the difference is within the tolerance or the limit is kept; what is not a number never holds."""
+        if self.limit:
+            return self.ours <= self.reference if self.limit == "at most" else self.ours >= self.reference
         return self.tolerance is None or bool(abs(self.difference) <= self.tolerance)
+
+    @classmethod
+    def at_most(cls, case: str, quantity: str, ours: float, limit: float, source: str) -> Row:
+        """A figure without a unit that may not exceed a limit."""
+        return cls(case, quantity, "", ours, limit, source, None, "at most")
+
+    @classmethod
+    def at_least(cls, case: str, quantity: str, ours: float, limit: float, source: str) -> Row:
+        """A figure without a unit that may not be below a limit."""
+        return cls(case, quantity, "", ours, limit, source, None, "at least")
 
     @classmethod
     def error(cls, case: str, quantity: str, error: float, source: str, tolerance: float) -> Row:
@@ -47,7 +63,7 @@ class Row:
         return cls(case, quantity, "", error, 0.0, source, tolerance)
 
     def __str__(self) -> str:
-        allowed = "not judged" if self.tolerance is None else f"allowed {self.tolerance:.1e}"
+        allowed = self.limit or ("not judged" if self.tolerance is None else f"allowed {self.tolerance:.1e}")
         return (
             f"{self.case} | {self.quantity} [{self.unit}]: {self.ours:.10g}, reference {self.reference:.10g}, "
             f"difference {self.difference:.2e}, {allowed}"
@@ -65,8 +81,10 @@ HEADINGS = ("case", "quantity", "ours", "reference", "difference", "source")
 def cells(row: Row) -> tuple[str, ...]:
     """The row as text, in the order of HEADINGS."""
     unit = f", {row.unit}" if row.unit else ""
-    note = " (shown only)" if row.tolerance is None else "" if row.holds else " OUT OF TOLERANCE"
-    numbers = (_number(row.ours), _number(row.reference), _difference(row) + note)
+    shown_only = row.tolerance is None and not row.limit
+    note = " (shown only)" if shown_only else "" if row.holds else " OUT OF TOLERANCE"
+    reference = f"{row.limit} {_number(row.reference)}".lstrip()
+    numbers = (_number(row.ours), reference, ("-" if row.limit else _difference(row)) + note)
     return (row.case, row.quantity + unit, *numbers, row.source)
 
 

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: MIT
-"""Print the verification table: ``python -m tests.verification.table [--quick] [--markdown]``.
+"""Print the verification table: ``python -m tests.verification.table [--quick] [--markdown] [--out FILE]``.
 
-Rows go to stdout as each case ends, progress to stderr. Exit 1 when a row is out of tolerance or a case fails.
+Rows go to stdout as each case ends, progress to stderr; ``--out`` also writes them to a CSV file, from which
+`make evidence` makes the page of the documentation. Exit 1 when a row is out of tolerance or a case fails.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 import math
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 
 from tests.verification.cases import (
     alternation,
@@ -84,12 +87,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser("python -m tests.verification.table", description="Print the verification table.")
     parser.add_argument("--quick", action="store_true", help="leave out the stiffness on the paper mesh")
     parser.add_argument("--markdown", action="store_true", help="print a markdown table")
+    parser.add_argument("--out", type=Path, help="CSV file to write the rows to as well")
     options = parser.parse_args(arguments)
     print_line = _markdown_line if options.markdown else _plain_line
     print_line(HEADINGS)
     if options.markdown:
         print_line(("---", "---", "--:", "--:", "--:", "---"))
-    bad = total = 0
+    done: list[Row] = []
     for name, case in (QUICK | SLOW | ({} if options.quick else LONG)).items():
         print(f"{name} ...", end=" ", file=sys.stderr, flush=True)
         start = time.perf_counter()
@@ -97,9 +101,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"{time.perf_counter() - start:.1f} s", file=sys.stderr, flush=True)
         for row in rows:
             print_line(cells(row))
-        bad, total = bad + sum(not row.holds for row in rows), total + len(rows)
-    print(f"{total} rows, {bad} out of tolerance", file=sys.stderr)
+        done.extend(rows)
+    if options.out:
+        write_rows(done, options.out)
+    bad = sum(not row.holds for row in done)
+    print(f"{len(done)} rows, {bad} out of tolerance", file=sys.stderr)
     return 1 if bad else 0
+
+
+def write_rows(rows: Iterable[Row], file: Path) -> None:
+    """Write rows to a CSV file: the texts of the printed table, then the figures they were rounded from."""
+    with file.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow([*HEADINGS, "ours_exact", "reference_exact", "tolerance"])
+        for row in rows:
+            tolerance = "" if row.tolerance is None else row.tolerance
+            writer.writerow([*cells(row), repr(row.ours), repr(row.reference), tolerance])
 
 
 def _markdown_line(texts: Iterable[str]) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 
 import numpy as np
@@ -21,7 +22,7 @@ from tests.verification.cases import (
     undrained_column,
 )
 from tests.verification.rings import Ring, alternation
-from tests.verification.rows import Row, cells, failures, fitted_rate
+from tests.verification.rows import HEADINGS, Row, cells, failures, fitted_rate
 
 
 @pytest.mark.parametrize("name", table.QUICK)
@@ -113,6 +114,19 @@ def test_row_judges_relative_to_the_reference(ours, reference, tolerance, holds)
     assert failures([row]) == ([] if holds else [str(row)])
 
 
+@pytest.mark.parametrize("limit, ours, holds", [
+    ("at most", 5.0, True), ("at most", 5.01, False), ("at most", math.nan, False),
+    ("at least", 5.0, True), ("at least", 4.99, False), ("at least", math.nan, False),
+])  # fmt: skip
+def test_row_judges_by_a_limit(limit, ours, holds):
+    row = {"at most": Row.at_most, "at least": Row.at_least}[limit]("case", "quantity", ours, 5.0, "source")
+    assert row.holds is holds
+    assert ("OUT OF TOLERANCE" in cells(row)[4]) is not holds
+    assert cells(row)[3] == f"{limit} 5"
+    assert "shown only" not in cells(row)[4]
+    assert failures([row]) == ([] if holds else [str(row)])
+
+
 def _judged(found: float):
     return lambda: (Row("case", "quantity", "m", found, 1.0, "source", 0.01),)
 
@@ -184,3 +198,14 @@ def test_alternation_counts_open_stations_between_loaded_ones():
     found = alternation([_ring(pressure, azimuth)])
     # the third; the last stands in the symmetry plane, between two images of the one before it
     assert (found.isolated, found.widest) == (1, 20e-6)
+
+
+def test_rows_are_stored_as_they_are_printed(tmp_path):
+    rows = [Row("a, b", "x", "m", 1 / 3, 0.25, "closed form", 0.5), Row("c", "y", "", 2.0, 0.0, "ours", None)]
+    table.write_rows(rows, tmp_path / "rows.csv")
+    with (tmp_path / "rows.csv").open(newline="", encoding="utf-8") as stream:
+        heads, *stored = csv.reader(stream)
+    assert heads[:6] == list(HEADINGS)
+    assert [tuple(line[:6]) for line in stored] == [cells(row) for row in rows]
+    assert [float(line[6]) for line in stored] == [1 / 3, 2.0]
+    assert [line[8] for line in stored] == ["0.5", ""]

@@ -8,14 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from fe_engine import biot
 from fe_engine.conventions import ELASTIC
+from fe_engine.elements import biot
 from fe_engine.mesh import Mesh
 from fe_engine.model import Film, Material, Model, Stage, Water
-from fe_engine.newton import Newton
 from fe_engine.soil import plasol
+from fe_engine.solve.newton import Newton
+from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
-from fe_engine.stepping import Driver, Step
 from tests.verification.blocks import POISSON, YOUNG, block_model, elastic_soil, followers
 
 # Unit weight (N/m3) and viscosity (Pa s) of water, and the paper's sand: 1e-4 m/s

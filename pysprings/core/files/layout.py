@@ -6,6 +6,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from pysprings.core.files.written import LIST, listed, own_folder
+
 # files of a run, in the order in which people want to hear of them
 FILES = {
     "report.html": "report: open it in a browser",
@@ -22,6 +24,9 @@ FILES = {
 FIGURES = "figures"  # folder of the pictures
 PARAVIEW = "paraview"  # folder of the files for ParaView, on request
 CHECKPOINT = "checkpoint"  # folder of what an unfinished run needs to go on
+OWN_FOLDERS = (CHECKPOINT, FIGURES, PARAVIEW)
+_CHECKPOINT_FILE = re.compile(r"(start|path-\d{3,}|state-[ab])\.npz")
+WRITING = "writing"  # status in run.json until every file of the run is written
 
 # Kinds of pictures with their captions, in reading order. A picture is called `kind` when it shows the whole run,
 # `path_kind` when it shows a path, and `path_kind_state` when it shows one state: the last, or one at 2.5 mm.
@@ -51,7 +56,18 @@ def results_in(folder: Path) -> list[str]:
 
 def is_unfinished(folder: Path) -> bool:
     """Tell whether a folder holds the checkpoints of a run that was stopped: an ended one removes them."""
-    return any((folder / CHECKPOINT).glob("*.npz"))
+    return bool(checkpoints_in(folder / CHECKPOINT))
+
+
+def checkpoints_in(place: Path) -> list[Path]:
+    """Return the checkpoint files in their folder; files with other names are somebody else's."""
+    return sorted(file for file in place.glob("*.npz") if _CHECKPOINT_FILE.fullmatch(file.name))
+
+
+def refuse_links(folder: Path) -> None:
+    """Refuse a result folder that has a link in the place of a folder of its own (UserInputError)."""
+    for name in OWN_FOLDERS:
+        own_folder(folder, name)
 
 
 def picture_kind(stem: str, path: str) -> tuple[str, str] | None:
@@ -73,12 +89,6 @@ def pictures_in(folder: Path) -> list[Path]:
     return [path for path in files if path.stem in WHOLE_RUN or _shows_a_path(path.stem)]
 
 
-def paraview_in(folder: Path) -> list[Path]:
-    """Return the ParaView files of runs in a result folder: `path.pvd` with its `path_0000.vtu`, and so on."""
-    lists = sorted((folder / PARAVIEW).glob("*.pvd"))
-    return [*lists, *(file for each in lists for file in sorted(each.parent.glob(f"{each.stem}_[0-9]*.vtu")))]
-
-
 def _shows_a_path(stem: str) -> bool:
     """Tell whether a name is `path_kind` or `path_kind_state` for any path."""
     parts = stem.split("_")
@@ -86,8 +96,10 @@ def _shows_a_path(stem: str) -> bool:
 
 
 def remove_results(folder: Path) -> None:
-    """Remove all files of an earlier run from its folder; everything else in the folder stays."""
-    if not results_in(folder):
-        return
-    for path in [*(folder / name for name in FILES), *pictures_in(folder), *paraview_in(folder)]:
+    """Remove all files of an earlier run from its folder; everything else in the folder stays.
+
+    In the folders of pictures and ParaView files these are the ones that the run has listed; none behind a link.
+    """
+    refuse_links(folder)
+    for path in [*listed(folder, (FIGURES, PARAVIEW)), *(folder / name for name in FILES), folder / LIST]:
         path.unlink(missing_ok=True)

@@ -16,7 +16,7 @@ from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
-from pysprings.errors import ResourceError, printable
+from pysprings.core.errors import ResourceError, printable
 
 LOCK, HOLDER = ".pysprings.lock", ".pysprings.lock.json"
 _held: set[tuple[Path, int]] = set()  # folder and thread
@@ -58,6 +58,7 @@ def exclusive(folder: Path) -> Iterator[None]:
     _held.add(mine)
     try:
         holder = {"pid": os.getpid(), "host": platform.node(), "since": datetime.now(UTC).isoformat(timespec="seconds")}
+        (folder / HOLDER).unlink(missing_ok=True)  # a link of this name leads elsewhere
         (folder / HOLDER).write_text(json.dumps(holder), encoding="utf-8")
         yield
     finally:

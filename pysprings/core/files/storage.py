@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Files that are whole or absent: atomic writing of any file, NetCDF-4 writing and reading of DataTrees.
 
-A NetCDF file carries a checksum of its content (`pysprings.seal`), which is compared when it is opened.
+A NetCDF file carries a checksum of its content (`pysprings.core.files.seal`), which is compared when it is opened.
 """
 
 from __future__ import annotations
@@ -18,10 +18,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings.errors import Problem, ResourceError, UserInputError
-from pysprings.seal import ATTRIBUTE, bytes_hold, content_fault, seal
+from pysprings.core.errors import Problem, ResourceError, UserInputError
+from pysprings.core.files.netcdf_header import judge_header
+from pysprings.core.files.seal import ATTRIBUTE, bytes_hold, content_fault, seal
 
 _TEMPORARY = re.compile(r"\..+\.\d+\.tmp(\.\w+)?")
+_AMPLE = 1e9  # bytes free on a disk: it is not full
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -35,6 +37,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     target.parent.mkdir(parents=True, exist_ok=True)
     temporary = target.with_name(f".{target.stem}.{os.getpid()}.tmp{target.suffix}")
     try:
+        temporary.unlink(missing_ok=True)  # of a process of this number that was killed
         yield temporary
         with temporary.open("rb+") as stream:
             os.fsync(stream.fileno())
@@ -58,6 +61,12 @@ def _sync_folder(folder: Path) -> None:
 def leftovers(folder: Path) -> list[Path]:
     """Return the temporary files in a folder of processes that were killed while they wrote."""
     return [path for path in folder.glob(".*.tmp*") if _TEMPORARY.fullmatch(path.name)]
+
+
+def remove_leftovers(*folders: Path) -> None:
+    """Remove the temporary files that killed processes have left in folders."""
+    for file in (file for folder in folders for file in leftovers(folder)):
+        file.unlink(missing_ok=True)
 
 
 def write_text(text: str, path: str | os.PathLike[str]) -> Path:
@@ -88,9 +97,12 @@ def write_tree(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
 
 
 def _unwritable(path: Path, error: Exception) -> ResourceError:
-    free = shutil.disk_usage(path.parent).free / 1e6
+    free = shutil.disk_usage(path.parent).free
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return ResourceError(f"{path}: cannot be written ({reason}; {free:,.0f} MB are free there)")
+    why = f"{free / 1e6:,.0f} MB are free on the disk"
+    if free > _AMPLE:
+        why += ", so a quota or a limit on the size of files may be what is used up"
+    return ResourceError(f"{path}: cannot be written ({reason}; {why})")
 
 
 def _storable(dataset: xr.Dataset) -> xr.Dataset:
@@ -140,7 +152,7 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
         whole = bytes_hold(path)
         if whole is False:
             raise refusal(path, "", _CHANGED["bytes"])
-        _refuse_huge(path)
+        judge_header(path)
         fault = None if whole else content_fault(path)
         if fault in _CHANGED:
             raise refusal(path, "", _CHANGED[fault])
@@ -155,24 +167,6 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     if fault:
         warnings.warn(f"{path}: no {ATTRIBUTE}: written by another program, taken as it is", stacklevel=3)
     return found
-
-
-def _refuse_huge(path: str | os.PathLike[str]) -> None:
-    """Refuse a file that unpacks to more than the memory there is: what was never written takes no room on a disk."""
-    import netCDF4
-    import psutil
-
-    with netCDF4.Dataset(path) as root:
-        size = float(_unpacked(root))
-    free = psutil.virtual_memory().available
-    if size > free:
-        raise ResourceError(f"{path}: {size / 1e9:,.3g} GB when unpacked; {free / 1e9:.3g} GB of memory are free")
-
-
-def _unpacked(group: Any) -> int:
-    """Bytes of all variables of a group and those in it; texts count as pointers."""
-    own = sum(variable.size * getattr(variable.dtype, "itemsize", 8) for variable in group.variables.values())
-    return int(own) + sum(_unpacked(each) for each in group.groups.values())
 
 
 def _with_bounds_units(tree: xr.DataTree) -> xr.DataTree:

@@ -18,8 +18,8 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from pysprings.accuracy import quantities
-from pysprings.springs import get_path, path_names
+from pysprings.full_model.accuracy import quantities
+from pysprings.springs.dataset import get_path, path_names
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.accuracy.curves import LOAD, OTHER, PRESSURE, PY, STIFFNESS, Sample
-from pysprings.accuracy.richardson import Reference, extrapolate
-from pysprings.comparison import eta
+from pysprings.full_model.accuracy.curves import LOAD, OTHER, PRESSURE, PY, STIFFNESS, Sample
+from pysprings.full_model.accuracy.richardson import Reference, extrapolate
+from pysprings.macro.comparison import eta
 
 Array = NDArray[np.float64]
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from pysprings.accuracy import presets, two_mesh
-from pysprings.errors import PyspringsError
-from pysprings.run_record import Meter
+from pysprings.core.errors import PyspringsError
+from pysprings.full_model.accuracy import presets, two_mesh
+from pysprings.full_model.record import Meter
 
 if TYPE_CHECKING:
-    from pysprings.progress import Progress
-    from pysprings.scene import Scene
+    from pysprings.core.progress import Progress
+    from pysprings.scene.load import Scene
 
 INTERRUPTED = "interrupted"
 KEY = "error_estimate"  # in run.json

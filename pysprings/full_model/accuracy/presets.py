@@ -13,12 +13,12 @@ from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
-from pysprings.accuracy.curves import LOAD, PY
-from pysprings.accuracy.settings import MESH, Setting
-from pysprings.errors import Problem, UserInputError
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.full_model.accuracy.curves import LOAD, PY
+from pysprings.full_model.accuracy.settings import MESH, Setting
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 SCHEMA = "pysprings-accuracy-1"
 TARGETS = {"5%": 5.0, "2%": 2.0, "1%": 1.0}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The quantities whose error is measured, from one path of a full-model result (all its converged states).
 
-What drives a path and what answers depends on its kind: see `KINDS`. A path on which H and M do not grow in proportion
-(a swipe, a load that climbs) is followed along |u| + |rotation| L, as in `comparison`.
+What drives a path and what answers depends on its kind (`core.path_kinds`). A path on which H and M do not grow in
+proportion (a swipe, a load that climbs) is followed along |u| + |rotation| L, as in `macro.comparison`.
 """
 
 from __future__ import annotations
@@ -11,47 +11,34 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.comparison import bends
+from pysprings.core.path_kinds import PATH_KINDS, kind_of
 
 Array = NDArray[np.float64]
 
-# kind of path -> what drives it, its load, and what else answers
-KINDS: dict[str, tuple[str, str, str | None]] = {
-    "pull": ("u", "H", "rotation"),
-    "load": ("u", "H", "rotation"),
-    "translation": ("u", "H", "M"),
-    "rotation": ("rotation", "M", "H"),
-    "swipe": ("both", "H", "M"),
-    "vertical": ("w", "V", None),
-}
 # The contact pressure is sought down to this share of the skirt: at its tip the exact one is singular in elastic soil,
 # and the largest value there says how fine the mesh is, not how right.
 PRESSURE_DOWN_TO = 0.9
 _PRESSURE_DEPTHS = 19
 
 
-def _kind(path: xr.Dataset) -> tuple[str, str, str | None]:
-    return KINDS["swipe" if bends(path) else str(path.attrs["kind"])]
-
-
 def driver(path: xr.Dataset, length: float) -> Array:
     """Return the size of what drives a path, (step,): m, or rad on a rotation path; L = ``length`` in m."""
-    name = _kind(path)[0]
-    if name == "both":
+    kind = kind_of(path.attrs)
+    if kind.bends:
         return np.abs(path["u"].values) + length * np.abs(path["rotation"].values)
-    return np.abs(path[name].values - path[name].values[0])
+    return np.abs(path[kind.drives].values - path[kind.drives].values[0])
 
 
 def load(path: xr.Dataset) -> Array:
     """Return the load that answers what is driven, (step,): H [N], M [N m] of a rotation, change of V [N]."""
-    name = _kind(path)[1]
+    name = kind_of(path.attrs).load
     values: Array = path[name].values
     return values - values[0] if name == "V" else values
 
 
 def other(path: xr.Dataset) -> Array | None:
     """Return the second answer, (step,): the rotation of a free head [rad], else M [N m], H [N] of a rotation."""
-    name = _kind(path)[2]
+    name = kind_of(path.attrs).companion
     return None if name is None else path[name].values
 
 
@@ -96,16 +83,16 @@ def initial_stiffness(stiffness: Array, path: xr.Dataset) -> float:
     H/u [N/m] under a load at its arm (at the first one, of a load that climbs), or of a translation or a swipe with the
     ratio of rotation and u of its first step; M/rotation [N m/rad] about the lid centre; V/w [N/m].
     """
-    kind, heave_free = str(path.attrs["kind"]), path.attrs.get("heave", "free") == "free"
-    if kind == "vertical":
+    kind, heave_free = PATH_KINDS[str(path.attrs["kind"])], path.attrs.get("heave", "free") == "free"
+    if kind.drives == "w":
         return float(stiffness[1, 1])
     K = stiffness[np.ix_([0, 2], [0, 2])]
     if heave_free:  # w follows so that V stays
         K = K - np.outer(stiffness[[0, 2], 1], stiffness[1, [0, 2]]) / stiffness[1, 1]
-    if kind in ("pull", "load"):
+    if kind.free_head:
         arm = float(path.attrs.get("arm_from_m", path.attrs["arm_m"]))
         return float(1.0 / np.linalg.solve(K, np.array([1.0, -arm]))[0])
-    if kind == "rotation":
+    if kind.drives == "rotation":
         return float(K[1, 1])
     u, rotation = path["u"].values[1], path["rotation"].values[1]
     return float(K[0, 0] + K[0, 1] * (rotation / u if u else 0.0))

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from pysprings.errors import Problem, UserInputError
+from pysprings.core.errors import Problem, UserInputError
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 PRESETS = ("coarse", "medium", "paper", "fine")
 FINEST_FACTOR, COARSEST_FACTOR = 8.0, 0.25
@@ -93,8 +93,8 @@ def settings(
 
 def _unknowns(setting: Setting) -> int:
     """Unknowns of a mesh, by which presets and factors are ordered; of the default scene."""
-    from pysprings.resources import size_of
-    from pysprings.scene import Scene
+    from pysprings.model.forecast.resources import size_of
+    from pysprings.scene.load import Scene
 
     return size_of(setting.scene(Scene())).unknowns
 

@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from pysprings.accuracy import measures
-from pysprings.accuracy.curves import LOAD, PY, curves_of, samples
-from pysprings.accuracy.richardson import cell_size
-from pysprings.accuracy.settings import COARSEST_FACTOR
+from pysprings.full_model.accuracy import measures
+from pysprings.full_model.accuracy.curves import LOAD, PY, curves_of, samples
+from pysprings.full_model.accuracy.richardson import cell_size
+from pysprings.full_model.accuracy.settings import COARSEST_FACTOR
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 FACTOR = 0.7
 # Without a study's order: that of stresses in linear elements, which the singularity at the tip does not let pass.
@@ -38,7 +38,7 @@ ESTIMATED = {"load_max": LOAD, "py_rms": PY}
 
 def coarser(scene: Scene) -> Scene:
     """Return the scene on the coarser mesh, without what only people look at."""
-    from pysprings.build import counts_of
+    from pysprings.model.build import counts_of
 
     azimuth = scene.mesh.azimuth
     changed: dict[str, Any] = {"refinement": max(FACTOR * scene.mesh.refinement, COARSEST_FACTOR)}

@@ -5,22 +5,26 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from pysprings.build import build_model
-from pysprings.omissions import left_out, symmetric_factors
-from pysprings.penalty import penalty_of
-from pysprings.resources import (
+from fe_engine.assembly.fourier_system import make_pattern
+from fe_engine.memory import left as memory_available
+from pysprings.model.build import Built
+from pysprings.model.discretise import build
+from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect
+from pysprings.model.forecast.omissions import left_out, symmetric_factors
+from pysprings.model.forecast.resources import (
     gigabytes,
-    memory_available,
-    memory_bytes,
+    model_bytes,
     refuse_what_cannot_fit,
     size_of,
     steps_bytes,
 )
-from pysprings.run_time import seconds
-from pysprings.small_strain import scene_warnings
+from pysprings.model.forecast.run_time import seconds
+from pysprings.model.forecast.small_strain import scene_warnings
+from pysprings.model.fourier import BuiltFourier
+from pysprings.model.penalty import penalty_of
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 
 def describe(scene: Scene) -> dict[str, Any]:
@@ -29,14 +33,14 @@ def describe(scene: Scene) -> dict[str, Any]:
     Raises ResourceError, before anything is built, where the run cannot fit in the memory of this machine.
     """
     refuse_what_cannot_fit(scene)
-    built = build_model(scene)
+    built = build(scene)
     mesh, quality = built.model.mesh, built.quality
-    unknowns = int(3 * mesh.n_nodes - built.model.fixed.sum()) + built.model.n_border
-    if built.model.water is not None:
-        unknowns += int((~built.model.water.fixed).sum())
+    unknowns = _unknowns(built)
     steps = steps_bytes(scene, size_of(scene))[1]
     symmetric = symmetric_factors(scene)
-    memory = memory_bytes(unknowns, built.model.water is not None, symmetric) + steps
+    memory = model_bytes(scene, symmetric) + steps
+    effect = domain_effect(scene)
+    warnings = [*_memory_warning(memory), *effect.remarks, *scene_warnings(scene), *penalty_of(scene).remarks]
     return {
         "mesh": {
             "nodes": mesh.n_nodes,
@@ -47,14 +51,32 @@ def describe(scene: Scene) -> dict[str, Any]:
             "largest_aspect_ratio": quality.max_aspect,
         },
         "unknowns": unknowns,
+        "domain": _domain(effect),
         "contact": _contact(scene),
         "vertical_load_N": 2.0 * (built.balanced_load + built.extra_load),
         "memory_GB": memory / 1e9,
         "disk_GB": steps / 1e9,
         "time_s": seconds(scene, unknowns, symmetric=symmetric),
         "left_out": [omission.record() for omission in left_out(scene)],
-        "warnings": [*_memory_warning(memory), *scene_warnings(scene), *penalty_of(scene).remarks],
+        "warnings": warnings,
     }
+
+
+def _domain(effect: DomainEffect) -> dict[str, float]:
+    """How far the domain reaches around the caisson, and how much it stiffens it."""
+    return {
+        "domain_radius_over_diameter": effect.radius,
+        "soil_below_tip_over_diameter": effect.below_tip,
+        "stiffening_by_the_domain_percent": 100.0 * (effect.stiffening - 1.0),
+    }
+
+
+def _unknowns(built: Built | BuiltFourier) -> int:
+    if isinstance(built, BuiltFourier):
+        return make_pattern(built.model).n_unknowns + built.model.n_border
+    model = built.model
+    pressures = 0 if model.water is None else int((~model.water.fixed).sum())
+    return int(3 * model.mesh.n_nodes - model.fixed.sum()) + model.n_border + pressures
 
 
 def _contact(scene: Scene) -> dict[str, Any]:

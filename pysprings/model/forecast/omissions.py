@@ -9,16 +9,16 @@ counted.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from fe_engine.backends import available_backends
+from fe_engine.linear.backends import available_backends
 from fe_engine.soil.dispatch import N_HISTORY
-from pysprings.resources import memory_bytes, size_of, steps_bytes
-from pysprings.run_time import PICTURE_SECONDS, seconds
+from pysprings.model.forecast.resources import memory_bytes, size_of, steps_bytes
+from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 COUNTS, LAWS, MEASURED = "counts of this mesh", "counts of this mesh and fitted laws", "measured on coarse meshes"
 
@@ -74,7 +74,10 @@ class _Load:
 
 
 def left_out(scene: Scene) -> list[Omission]:
-    """List what the scene does not need and the model does not carry."""
+    """List what the scene does not need and the model does not carry; the laws of savings are those of bricks."""
+    if scene.mesh.discretisation == "fourier":
+        bricks = left_out(_with(scene, "mesh", discretisation="hex8", harmonics=None))
+        return [replace(omission, saved=None) for omission in bricks]
     return [
         *_steel(scene),
         _half(scene),
@@ -88,7 +91,8 @@ def left_out(scene: Scene) -> list[Omission]:
 
 def symmetric_factors(scene: Scene) -> bool:
     """Whether half of each factorisation is left out: see `Model.symmetric`; only Pardiso can."""
-    symmetric = scene.soil.yield_surface == "elastic" and scene.drainage.mode == "drained" and _smooth(scene)
+    elastic = scene.soil.yield_surface == "elastic" and scene.mesh.discretisation == "hex8"
+    symmetric = elastic and scene.drainage.mode == "drained" and _smooth(scene)
     return symmetric and scene.solver.linear in ("auto", "pardiso") and "pardiso" in available_backends()
 
 

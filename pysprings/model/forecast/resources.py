@@ -9,20 +9,27 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pysprings.build import counts_of
-from pysprings.caisson_mesh import Counts, core_square
-from pysprings.errors import ResourceError
-from pysprings.run_time import least_increments, likely_increments
-from pysprings.steel_mesh import patch
+from fe_engine.assembly.fourier_system import held_coefficients
+from fe_engine.assembly.harmonic_factors import LANES
+from fe_engine.errors import MeshError
+from fe_engine.memory import address_space
+from fe_engine.memory import limit as memory_limit
+from pysprings.core.errors import Problem, ResourceError, UserInputError
+from pysprings.model.build import counts_of
+from pysprings.model.forecast.run_time import least_increments, likely_increments
+from pysprings.model.fourier import fixed_directions, section_counts_of, section_of
+from pysprings.model.mesh import Counts, core_square
+from pysprings.model.steel import patch
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 # Fitted on the presets coarse, medium and paper (4,600 to 52,000 unknowns, 71,000 with water) with Pardiso on two
 # cores: entries of the LU factors; water has more of them for each unknown, and scaled copies of its matrix. Given
@@ -31,12 +38,17 @@ _FACTOR_ENTRIES, _FACTOR_EXPONENT = 10.3, 1.44
 _BASE_BYTES, _BYTES_PER_UNKNOWN, _BYTES_PER_ENTRY = 0.37e9, 3.0e3, 9.0
 _WATER_FACTOR, _WATER_BYTES_PER_UNKNOWN = 1.75, 4.0e3
 _SYMMETRIC_ENTRIES = 0.55  # measured by benchmarks/omissions.py
+# Entries of the factors of one harmonic by the number of elements, fitted on 59 to 638 of them; numbers that a point of
+# the soil law keeps: a tangent, and stress, history and their copies.
+_SERIES_ENTRIES, _SERIES_EXPONENT, _BYTES_OF_A_POINT = 194.0, 1.256, 60.0
 # A recorded step stands in memory as it came, in its dataset, and in what tables and pictures make of it.
 _COPIES_OF_A_STEP = 3.0
 # NetCDF compresses fields of steps that move to about this share at best.
 _BEST_COMPRESSION = 0.2
 
-_CGROUP, _MY_GROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
+# Address space beyond the memory that is used: what the process has mapped when its modules are loaded (NumPy, SciPy,
+# Numba), libraries that load later (MKL, netCDF, Matplotlib), and stack and heap of each thread. Measured on x86-64.
+_MAPPED_AT_START, _MAPPED_LATER, _MAPPED_PER_THREAD = 0.57e9, 0.40e9, 0.072e9
 
 
 @dataclass(frozen=True)
@@ -56,6 +68,8 @@ class Size:
 
 def size_of(scene: Scene, whole: bool = False) -> Size:
     """Return the counts of a scene's model, or of one of the ``whole`` domain, both halves; builds nothing."""
+    if scene.mesh.discretisation == "fourier":
+        return _series_size(scene)
     counts = counts_of(scene)
     n, rings = counts.azimuth, counts.plug + counts.tip + counts.outer
     levels = counts.skirt + counts.below + 1
@@ -76,6 +90,40 @@ def size_of(scene: Scene, whole: bool = False) -> Size:
     volume = 4 * (4 * nodes + 7 * elements) if scene.output.paraview else 0
     step = _step_bytes(scene, counts, plane) + volume
     return Size(nodes, elements, unknowns + pores + film, step, pores, film)
+
+
+def _series_size(scene: Scene) -> Size:
+    """Counts of a Fourier model; nodes and elements are those of its section, which is small enough to be made."""
+    counts = section_counts_of(scene)
+    try:
+        mesh, waves = section_of(scene, counts).mesh, counts.harmonics + 1
+    except MeshError as error:
+        raise UserInputError([Problem(key="mesh", message=str(error))]) from error
+    held = held_coefficients(mesh, fixed_directions(scene, mesh), counts.harmonics)
+    corners = np.unique(mesh.quads[:, :4])
+    values = 60 + 12 * counts.skirt + 2 * waves * 2 * (counts.plug + counts.tip)
+    if scene.output.interface_fields:
+        values += 5 * 2 * (2 * waves + 1) * counts.skirt
+    if scene.output.section:
+        values += 2 * (2 * len(corners) - int(mesh.on_axis[corners].sum()))
+    m = counts.harmonics + 3
+    volume = 4 * (4 * len(corners) * (m + 1) + 7 * mesh.n_elements * m) if scene.output.paraview else 0
+    return Size(mesh.n_nodes, mesh.n_elements, int(np.count_nonzero(~held)) + 3, 8 * values + volume)
+
+
+def model_bytes(scene: Scene, symmetric: bool = False) -> float:
+    """Estimated peak memory of a run of this scene, in bytes, without its recorded steps."""
+    size = size_of(scene)
+    if scene.mesh.discretisation != "fourier":
+        return memory_bytes(size.unknowns, scene.drainage.mode != "drained", symmetric)
+    counts = section_counts_of(scene)
+    waves, m = counts.harmonics + 1, counts.harmonics + 3
+    lanes = LANES * math.ceil(waves / LANES)
+    interface = 3 * waves * 2 * (2 * counts.skirt + counts.plug + counts.tip)
+    return (
+        _BASE_BYTES + 8.0 * lanes * _SERIES_ENTRIES * float(size.elements) ** _SERIES_EXPONENT
+        + 8.0 * 4 * m * size.elements * _BYTES_OF_A_POINT + 8.0 * 4.0 * interface**2
+    )  # fmt: skip
 
 
 def _plan(n: int, whole: bool) -> tuple[int, int, int]:
@@ -126,17 +174,40 @@ def steps_bytes(scene: Scene, size: Size) -> tuple[float, float]:
 def refuse_what_cannot_fit(scene: Scene) -> None:
     """Raise ResourceError, with the figures, where a run needs more memory than this process may ever have."""
     size, limit = size_of(scene), memory_limit()
-    model = memory_bytes(size.unknowns, scene.drainage.mode != "drained")
+    model = model_bytes(scene)
     if model > limit:
         raise ResourceError(
             f"the model needs about {gigabytes(model)} of memory ({size.nodes:,} nodes, {size.unknowns:,} unknowns), "
             f"{gigabytes(limit)} are there: choose a smaller mesh.preset, mesh.refinement or mesh.azimuth"
         )
+    _refuse_small_address_space(model)
     needed = _COPIES_OF_A_STEP * steps_bytes(scene, size)[0]
     if model + needed > limit:
         raise ResourceError(
             f"{_increments(scene)}, which need {gigabytes(needed)} of memory beside {gigabytes(model)} of the model, "
             f"{gigabytes(limit)} are there: {_FEWER}"
+        )
+
+
+def _refuse_small_address_space(model: float) -> None:
+    """Raise ResourceError where libraries could not be loaded beside the model: they end the process, or never return.
+
+    ``model`` is the memory that a run needs, in bytes. The libraries need address space that they never use.
+    """
+    allowed = address_space()
+    if math.isinf(allowed):
+        return
+    import psutil
+    from numba import get_num_threads
+
+    libraries = max(float(psutil.Process().memory_info().vms), _MAPPED_AT_START)
+    if "pypardiso" not in sys.modules:  # a run before this one has loaded them
+        libraries += _MAPPED_LATER + _MAPPED_PER_THREAD * get_num_threads()
+    needed = libraries + model - _BASE_BYTES
+    if needed > allowed:
+        raise ResourceError(
+            f"the run needs about {gigabytes(needed)} of address space ({gigabytes(libraries)} for libraries), "
+            f"{gigabytes(allowed)} are allowed (`ulimit -v`): raise it, or choose a smaller mesh or fewer threads"
         )
 
 
@@ -164,55 +235,6 @@ def refuse_full_disk(scene: Scene, folder: str | os.PathLike[str]) -> None:
         raise ResourceError(
             f"{_increments(scene)}, {gigabytes(least)} in full_model.nc; {place} has {gigabytes(free)} free: {_FEWER}"
         )
-
-
-def memory_limit() -> float:
-    """Memory in bytes that this process may ever have: of the machine, its control groups, and its address space."""
-    import psutil
-
-    return min(float(psutil.virtual_memory().total), *_cgroup_limits(), _address_space())
-
-
-def memory_available() -> float:
-    """Memory in bytes that is free now, or can be made free, within `memory_limit`."""
-    import psutil
-
-    return min(float(psutil.virtual_memory().available), memory_limit())
-
-
-def _cgroup_limits() -> list[float]:
-    """Limits in bytes of the control groups of this process (Linux; versions 2 and 1), infinity where there is none."""
-    found = [math.inf]
-    try:
-        lines = _MY_GROUPS.read_text(encoding="ascii", errors="replace").splitlines()
-    except OSError:
-        return found
-    for line in lines:
-        _, controllers, group = line.split(":", 2)
-        if controllers not in ("", "memory"):
-            continue
-        base, name = (_CGROUP, "memory.max") if not controllers else (_CGROUP / "memory", "memory.limit_in_bytes")
-        place = base / group.strip("/")
-        found += [_number_in(each / name) for each in (place, *place.parents) if each == base or base in each.parents]
-    return found
-
-
-def _number_in(file: Path) -> float:
-    try:
-        text = file.read_text(encoding="ascii", errors="replace").strip()
-    except OSError:
-        return math.inf
-    return float(text) if text.isdigit() else math.inf
-
-
-def _address_space() -> float:
-    """Limit of the address space in bytes (`ulimit -v`), infinity where there is none."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return math.inf
-    soft = resource.getrlimit(resource.RLIMIT_AS)[0]
-    return math.inf if soft == resource.RLIM_INFINITY else float(soft)
 
 
 def gigabytes(value: float) -> str:

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fe_engine.stepping import fewest_increments
-from pysprings.small_strain import imposed_motion
-from pysprings.stages import path_stages
+from fe_engine.solve.stepping import fewest_increments
+from pysprings.model.forecast.small_strain import imposed_motion
+from pysprings.model.stages import path_stages
 
 if TYPE_CHECKING:
-    from pysprings.scene import Path, Scene
+    from pysprings.scene.load import Path, Scene
 
 # Seconds of a run, and of an increment of a pull to 2.5 mm, by the number of unknowns and its square
 _START, _PER_UNKNOWN, _PER_SQUARE = 1.0, 1.25e-5, 9.1e-11

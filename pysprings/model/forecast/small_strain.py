@@ -6,8 +6,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from pysprings.core.path_kinds import PATH_KINDS
+
 if TYPE_CHECKING:
-    from pysprings.scene import Path, Scene
+    from pysprings.scene.load import Path, Scene
 
 # Geometry and contact faces stay where they were: a motion of this share of the skirt length, or a rotation of as many
 # radians (which moves the tip as far), is beyond what that describes.
@@ -37,15 +39,15 @@ def scene_warnings(scene: Scene) -> list[str]:
 
 def imposed_motion(path: Path) -> tuple[float, float]:
     """Return the largest displacement (m) and rotation (rad) that a path imposes; 0 where it imposes a force."""
-    further = [abs(value) for value in _ends(path)]
-    if path.kind == "rotation":
-        return 0.0, max([abs(path.rotation or 0.0), *further])
-    if path.kind == "load":
+    kind = PATH_KINDS[path.kind]
+    if kind.force:
         return 0.0, 0.0
-    first = abs((path.vertical_displacement if path.kind == "vertical" else path.lateral_displacement) or 0.0)
-    largest = max([first, *further])
+    first = abs(getattr(path, kind.imposed) or 0.0)
+    largest = max([first, *(abs(value) for value in _ends(path))])
+    if kind.drives == "rotation":
+        return 0.0, largest
     turn = abs(path.rotation or 0.0)
-    return largest, turn * (largest / first if path.kind == "translation" and first else 1.0)
+    return largest, turn * (largest / first if kind.straight and first else 1.0)
 
 
 def _ends(path: Path) -> Iterator[float]:

@@ -7,6 +7,7 @@ Every writer replaces its file only when the new one is whole. Heavy libraries l
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,7 +27,7 @@ def csv_tables(
     comparison: pd.DataFrame | None = None,
 ) -> list[Path]:
     """Write `py.csv` and `py_wide.csv`, given the data also `load_displacement.csv` and `compare.csv`."""
-    from pysprings.exporters import csv
+    from pysprings.results.exporters import csv
 
     written = [csv.write_py(springs, Path(folder) / "py.csv"), csv.write_wide(springs, Path(folder) / "py_wide.csv")]
     if result is not None:
@@ -38,30 +39,33 @@ def csv_tables(
 
 def load_displacement_table(folder: PathLike, result: xr.DataTree) -> Path:
     """Write `load_displacement.csv` of a result that has no springs, or beside them; return its path."""
-    from pysprings.exporters import csv
+    from pysprings.results.exporters import csv
 
     return csv.write_load_displacement(result, Path(folder) / "load_displacement.csv")
 
 
 def excel(path: PathLike, springs: xr.DataTree) -> Path:
     """Write the springs as an Excel workbook with charts (kN, m, mm, mrad); return its path."""
-    from pysprings.exporters import xlsx
+    from pysprings.results.exporters import xlsx
 
     return xlsx.write_workbook(springs, path)
 
 
-def paraview(folder: PathLike, result: xr.DataTree) -> list[Path]:
-    """Write ParaView files of a result that holds the whole model: a `.pvd` for each path, a `.vtu` for each step."""
-    from pysprings.exporters import vtu
+def paraview(folder: PathLike, result: xr.DataTree, note: Callable[[Path], object] | None = None) -> list[Path]:
+    """Write ParaView files of a result that holds the whole model: a `.pvd` for each path, a `.vtu` for each step.
 
-    return vtu.write_paraview(result, Path(folder))
+    `note` is called with each file when it is written.
+    """
+    from pysprings.results.exporters import vtu
+
+    return vtu.write_paraview(result, Path(folder), note)
 
 
 def export(springs: xr.DataTree, form: str, path: PathLike) -> Path:
     """Write the springs to one file in a form of `FORMATS` (csv: long p-y table, wide: wide one); return its path."""
     if form == "xlsx":
         return excel(path, springs)
-    from pysprings.storage import write_text
+    from pysprings.core.files.storage import write_text
 
     return write_text(text(springs, form), path)
 
@@ -69,13 +73,13 @@ def export(springs: xr.DataTree, form: str, path: PathLike) -> Path:
 def text(springs: xr.DataTree, form: str) -> str:
     """Return the springs as text, for a terminal or a pipe: "csv" (long p-y table), "wide" (wide one) or "json"."""
     if form in ("csv", "wide"):
-        from pysprings.exporters import csv
+        from pysprings.results.exporters import csv
 
         return csv.py_text(springs) if form == "csv" else csv.wide_text(springs)
     if form == "json":
-        from pysprings.exporters import json
+        from pysprings.results.exporters import json
 
         return json.springs_text(springs)
-    from pysprings.errors import Problem, UserInputError
+    from pysprings.core.errors import Problem, UserInputError
 
     raise UserInputError([Problem(key="format", message=f"'{form}' is not one of {', '.join(FORMATS)}")])

@@ -9,9 +9,9 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from pysprings.exporters.tables import load_displacement, py_long
-from pysprings.exporters.wide import py_wide
-from pysprings.storage import write_text
+from pysprings.core.files.storage import write_text
+from pysprings.results.exporters.tables import load_displacement, py_long
+from pysprings.results.exporters.wide import py_wide
 
 # Ten digits: far below what the model knows, and short enough to read.
 _NUMBER = "%.10g"

@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.springs import is_vertical, path_dataset, path_names
+from pysprings.springs.dataset import is_vertical, path_dataset, path_names
 
 # Column -> variable of a result path. The order is part of the public contract.
 LOAD_DISPLACEMENT = {

@@ -9,17 +9,19 @@ by -1. The "time" of a `.pvd` is the step's time where a path has one, else the 
 from __future__ import annotations
 
 import base64
+import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from pysprings.errors import Problem, UserInputError
-from pysprings.springs import path_dataset, path_names
-from pysprings.storage import write_text
-from pysprings.variables import STRESSES
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.files.storage import write_text
+from pysprings.core.variables import STRESSES
+from pysprings.springs.dataset import path_dataset, path_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,29 +30,45 @@ _TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "int8": 
 _HEXAHEDRON = 12  # VTK's number of the cell; its corners are in the order of ours
 
 
-def write_paraview(result: xr.DataTree, folder: Path) -> list[Path]:
-    """Write the files of all paths of a result with a group `volume`; return the `.pvd` files."""
+def write_paraview(result: xr.DataTree, folder: Path, note: Callable[[Path], object] | None = None) -> list[Path]:
+    """Write the files of all paths of a result with a group `volume`; return the `.pvd` files.
+
+    A step file that the `.pvd` before this one lists, and this one does not, is removed. `note` is called with each
+    file when it is written.
+    """
     if "volume" not in result.children:
         message = "holds no whole model: run the scene with [output] paraview = true"
         raise UserInputError([Problem(key="paraview", message=message)])
     mesh = result.children["volume"].to_dataset(inherit=False)
     folder.mkdir(parents=True, exist_ok=True)
-    return [_write_path(mesh, path_dataset(result, name), name, folder) for name in path_names(result)]
+    done = note or (lambda _: None)
+    return [_write_path(mesh, path_dataset(result, name), name, folder, done) for name in path_names(result)]
 
 
-def _write_path(mesh: xr.Dataset, path: xr.Dataset, name: str, folder: Path) -> Path:
+def _write_path(mesh: xr.Dataset, path: xr.Dataset, name: str, folder: Path, note: Callable[[Path], object]) -> Path:
     """Write every step of a path and the list of them."""
-    for old in folder.glob(f"{name}_[0-9][0-9][0-9][0-9].vtu"):
-        old.unlink()  # of a longer run
+    for old in _steps_listed(folder, name):
+        old.unlink(missing_ok=True)  # of a longer run
     time, rows = path["time"].values, []
     timed = bool(np.all(np.diff(time) > 0.0))
     for step in range(path.sizes["step"]):
         file = folder / f"{name}_{step:04d}.vtu"
-        write_text(_grid(mesh, path.isel(step=step)), file)
+        note(write_text(_grid(mesh, path.isel(step=step)), file))
         when = float(time[step]) if timed else float(step)
         rows.append(f'<DataSet timestep="{when:.9g}" group="" part="0" file={quoteattr(file.name)}/>')
     body = "\n".join(rows)
-    return write_text(_wrapped("Collection", f"<Collection>\n{body}\n</Collection>"), folder / f"{name}.pvd")
+    listing = write_text(_wrapped("Collection", f"<Collection>\n{body}\n</Collection>"), folder / f"{name}.pvd")
+    note(listing)
+    return listing
+
+
+def _steps_listed(folder: Path, name: str) -> list[Path]:
+    """Return the step files of a path that its `.pvd` in a folder lists."""
+    try:
+        text = (folder / f"{name}.pvd").read_text(encoding="utf-8")
+    except (OSError, ValueError):
+        return []
+    return [folder / found for found in re.findall(rf'file="({re.escape(name)}_\d{{4,}}\.vtu)"', text)]
 
 
 def _wrapped(kind: str, body: str) -> str:

@@ -20,14 +20,14 @@ import xarray as xr
 import xlsxwriter
 from numpy.typing import NDArray
 
-from pysprings.comparison import compare, curves
-from pysprings.exporters.tables import with_net
-from pysprings.exporters.xlsx_about import about_lines
-from pysprings.exporters.xlsx_names import LENGTHS, Names
-from pysprings.exporters.xlsx_stiffness import write_stiffness
-from pysprings.macro_sets import spring_sets
-from pysprings.springs import is_vertical, path_dataset, path_names
-from pysprings.storage import replacing
+from pysprings.core.files.storage import replacing
+from pysprings.macro.comparison import compare, curves
+from pysprings.macro.sets import spring_sets
+from pysprings.results.exporters.tables import with_net
+from pysprings.results.exporters.xlsx_about import about_lines
+from pysprings.results.exporters.xlsx_names import LENGTHS, Names
+from pysprings.results.exporters.xlsx_stiffness import write_stiffness
+from pysprings.springs.dataset import is_vertical, path_dataset, path_names
 
 # A text stays a text (a name may begin with =), and no temporary file is left elsewhere.
 PLAIN = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False, "in_memory": True}

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.exporters.xlsx_names import MEANING
-from pysprings.macro_fan import build_fan, has_fan
-from pysprings.springs import balance, get_path, is_vertical, path_load, path_names
+from pysprings.macro.fan import build_fan, has_fan
+from pysprings.results.exporters.xlsx_names import MEANING
+from pysprings.springs.dataset import balance, get_path, is_vertical, path_load, path_names
 
 _ORIGIN = {
     "title": "scene",

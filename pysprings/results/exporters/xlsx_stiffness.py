@@ -9,11 +9,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.exporters.xlsx_names import Names
-from pysprings.macro_model import MacroModel
-from pysprings.macro_sets import spring_sets
-from pysprings.macro_six import TORSION, axisymmetric
-from pysprings.springs import is_vertical, path_names
+from pysprings.macro.model import MacroModel
+from pysprings.macro.sets import spring_sets
+from pysprings.macro.stiffness_six import FULL_MODEL, TORSION, stiffness_six
+from pysprings.results.exporters.xlsx_names import Names
+from pysprings.springs.dataset import is_vertical, path_names
 
 KN = 1e-3
 _SIX = (("Fx [kN]", "Fy [kN]", "Fz [kN]", "Mx [kN m]", "My [kN m]", "Mz [kN m]"),
@@ -25,7 +25,8 @@ _NOTES = (
     "axisymmetric: what holds for (x, ry) holds for (y, -rx).",
     TORSION[0].upper() + TORSION[1:] + ".",
     "For other axes (z up, another point) transform the matrix before use.",
-    "Springs of one path: slope of the first recorded step; w is the full model's elastic stiffness.",
+    "Springs of one path at rest: slope of the first recorded step, below the full model's initial one; w is the full "
+    "model's elastic stiffness.",
 )
 
 
@@ -34,17 +35,16 @@ def write_stiffness(sheet: Any, springs: xr.DataTree, names: Names, title: Any, 
     sheet.set_column(0, 0, 30)
     sheet.set_column(1, 6, 16)
     full = springs.dataset["stiffness_initial"].values
-    row = _block(
-        sheet, 0, "initial stiffness of the full model at the lid centre, 6 x 6", axisymmetric(full), _SIX, title, head
-    )
+    row = _block(sheet, 0, f"{FULL_MODEL} at the lid centre, 6 x 6", stiffness_six(springs).values, _SIX, title, head)
     names.define("K_6x6", sheet.name, (2, 1), (7, 6))
     for note in _NOTES:
         sheet.write_string(row, 0, note)
         row += 1
     row += 1
     names.define("K_3x3", sheet.name, (row + 2, 1), (row + 4, 3))
-    for words, matrix in [("full model", full), *_sets(springs)]:
-        row = _block(sheet, row, f"initial tangent, {words}", matrix, _THREE, title, head)
+    row = _block(sheet, row, f"{FULL_MODEL} at the lid centre, 3 x 3", full, _THREE, title, head)
+    for words, matrix in _sets(springs):
+        row = _block(sheet, row, f"stiffness of the springs at rest: {words}", matrix, _THREE, title, head)
 
 
 def _sets(springs: xr.DataTree) -> list[tuple[str, NDArray[np.float64]]]:

@@ -5,19 +5,19 @@
 >>> plots.py_curves(plots.path_data(springs, "pull")).savefig("py.png")    # doctest: +SKIP
 """
 
-from pysprings.plots.comparison import macro_against_full
-from pysprings.plots.data import convergence_data, path_data, section_data
-from pysprings.plots.files import save, save_all
-from pysprings.plots.gap import gap_map
-from pysprings.plots.load import load_displacement
-from pysprings.plots.newton import newton_record
-from pysprings.plots.pressure_rose import pressure_rose, shear_rose
-from pysprings.plots.reactions import py_curves
-from pysprings.plots.rose import stress_rose
-from pysprings.plots.section import mesh, section_displacement, section_pressure
-from pysprings.plots.steel import ovalisation
-from pysprings.plots.vertical import vertical_springs
-from pysprings.springs import path_names
+from pysprings.results.plots.comparison import macro_against_full
+from pysprings.results.plots.data import convergence_data, path_data, section_data
+from pysprings.results.plots.files import save, save_all
+from pysprings.results.plots.gap import gap_map
+from pysprings.results.plots.load import load_displacement
+from pysprings.results.plots.newton import newton_record
+from pysprings.results.plots.pressure_rose import pressure_rose, shear_rose
+from pysprings.results.plots.reactions import py_curves
+from pysprings.results.plots.rose import stress_rose
+from pysprings.results.plots.section import mesh, section_displacement, section_pressure
+from pysprings.results.plots.steel import ovalisation
+from pysprings.results.plots.vertical import vertical_springs
+from pysprings.springs.dataset import path_names
 
 __all__ = [
     "convergence_data",

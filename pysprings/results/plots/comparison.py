@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pysprings.plots.data import converged, unit_text
-from pysprings.plots.style import (
+from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.results.plots.data import converged, unit_text
+from pysprings.results.plots.style import (
     BLUE,
     GREEN,
     INK,
@@ -36,7 +37,6 @@ LOOKS = {
     "pisa": (ORANGE, ":", "D"),
     "py": (VERMILLION, "--", "s"),
 }
-FREE_HEAD = ("pull", "load")
 SMALLEST = 0.01  # states below this share of the largest displacement have no error and no point of rotation
 NAMES = {
     "fan": "macro-model, fan of all calibration paths",
@@ -62,7 +62,7 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
     load = "M" if rotates else "H"
     driver, label = ("rotation", "rotation [mrad]") if rotates else ("u", "lateral displacement u of the lid [mm]")
     answer, reply = ("u", "u [mm]") if rotates else ("rotation", "rotation [mrad]")
-    free = full.attrs.get("kind") in FREE_HEAD
+    free = PATH_KINDS[full.attrs["kind"]].free_head
     figure = new_figure(9.6, 8.6 if free else 4.8)
     left, right, *below = figure.subplots(2 if free else 1, 2).ravel()
     factor, unit = unit_text(full[load].values)

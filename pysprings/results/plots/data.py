@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from pysprings.plots.style import KN, MM, MN, MRAD
-from pysprings.springs import path_dataset
+from pysprings.results.plots.style import KN, MM, MN, MRAD
+from pysprings.springs.dataset import path_dataset
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

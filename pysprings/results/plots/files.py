@@ -4,23 +4,34 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 
-from pysprings.plots import comparison, gap, load, newton, pressure_rose, reactions, rose, section, steel, vertical
-from pysprings.plots.data import (
+from pysprings.core.files.storage import replacing
+from pysprings.results.plots import (
+    comparison,
+    gap,
+    load,
+    newton,
+    pressure_rose,
+    reactions,
+    rose,
+    section,
+    steel,
+    vertical,
+)
+from pysprings.results.plots.data import (
     convergence_data,
     path_data,
     pick_step,
     section_data,
     settings,
 )
-from pysprings.plots.style import STYLE
-from pysprings.springs import path_names
-from pysprings.storage import replacing
+from pysprings.results.plots.style import STYLE
+from pysprings.springs.dataset import path_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,6 +47,7 @@ def save_all(
     springs: xr.DataTree | None,
     folder: str | os.PathLike[str],
     curves: Mapping[str, Mapping[str, xr.Dataset]] | None = None,
+    note: Callable[[Path], object] | None = None,
 ) -> list[Path]:
     """Write every figure that the result allows, as PNG and, where small, SVG; return the files in order.
 
@@ -49,12 +61,17 @@ def save_all(
         Where to write; made when missing. Files of the same name are replaced one by one, each atomically.
     curves
         Predictions of the rigid body on springs: path name -> spring set (``"full"``, ``"py"``) -> Dataset.
+    note
+        Called with each file when it is written.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
     for name, figure in figures(result, springs, curves or {}):
-        written += save(figure, target / name)
+        for file in save(figure, target / name):
+            written.append(file)
+            if note is not None:
+                note(file)
     return written
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.patches import Circle
 
-from pysprings.plots.data import pick_step, step_text
-from pysprings.plots.style import DEG, GREY, MM, PALE, PURPLE, STEEL, new_figure, set_title, styled
+from pysprings.results.plots.data import pick_step, step_text
+from pysprings.results.plots.style import DEG, GREY, MM, PALE, PURPLE, STEEL, new_figure, set_title, styled
 
 if TYPE_CHECKING:
     import xarray as xr

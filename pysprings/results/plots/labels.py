@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
-from pysprings.plots.style import INK
+from pysprings.results.plots.style import INK
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

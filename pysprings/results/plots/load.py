@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pysprings.plots.data import abscissa, converged, unit_text
-from pysprings.plots.labels import label_beside
-from pysprings.plots.style import (
+from pysprings.results.plots.data import abscissa, converged, unit_text
+from pysprings.results.plots.labels import label_beside
+from pysprings.results.plots.style import (
     BLUE,
     DEG,
     GREEN,

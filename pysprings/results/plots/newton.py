@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from pysprings.plots.data import converged
-from pysprings.plots.style import BLUE, GREEN, GREY, SKY, VERMILLION, new_figure, set_title, styled
+from pysprings.results.plots.data import converged
+from pysprings.results.plots.style import BLUE, GREEN, GREY, SKY, VERMILLION, new_figure, set_title, styled
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pysprings.plots.signed_rose import Quantity, draw_signed_rose
-from pysprings.plots.style import styled
+from pysprings.results.plots.signed_rose import Quantity, draw_signed_rose
+from pysprings.results.plots.style import styled
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import matplotlib as mpl
 import numpy as np
 
-from pysprings.plots.data import converged, lateral_reaction, pick_depths, spread_depths
-from pysprings.plots.labels import label_ends
-from pysprings.plots.style import (
+from pysprings.results.plots.data import converged, lateral_reaction, pick_depths, spread_depths
+from pysprings.results.plots.labels import label_ends
+from pysprings.results.plots.style import (
     KN,
     MM,
     new_figure,

@@ -11,8 +11,8 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Circle, Patch, Wedge
 
-from pysprings.plots.data import pick_depths, pick_step, step_text
-from pysprings.plots.style import (
+from pysprings.results.plots.data import pick_depths, pick_step, step_text
+from pysprings.results.plots.style import (
     DEG,
     GREY,
     INK,

@@ -11,8 +11,8 @@ from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from pysprings.plots.data import caisson_size, pick_step, step_text
-from pysprings.plots.style import INK, KPA, MM, SOIL, STEEL, VERMILLION, new_figure, set_title, styled
+from pysprings.results.plots.data import caisson_size, pick_step, step_text
+from pysprings.results.plots.style import INK, KPA, MM, SOIL, STEEL, VERMILLION, new_figure, set_title, styled
 
 if TYPE_CHECKING:
     import xarray as xr

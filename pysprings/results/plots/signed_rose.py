@@ -15,9 +15,9 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 
-from pysprings.plots.data import pick_depths, pick_step, step_text
-from pysprings.plots.rose import GAP_LOOK, TRACE, draw_gaps, refine, ring
-from pysprings.plots.style import GREY, INK, KPA, PALE, SIDE_COLOURS, STEEL, new_figure, set_title
+from pysprings.results.plots.data import pick_depths, pick_step, step_text
+from pysprings.results.plots.rose import GAP_LOOK, TRACE, draw_gaps, refine, ring
+from pysprings.results.plots.style import GREY, INK, KPA, PALE, SIDE_COLOURS, STEEL, new_figure, set_title
 
 if TYPE_CHECKING:
     import xarray as xr

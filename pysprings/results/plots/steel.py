@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pysprings.plots.data import pick_step, step_text
-from pysprings.plots.style import BLUE, INK, MM, VERMILLION, new_figure, set_title, styled, zero_lines
+from pysprings.results.plots.data import pick_step, step_text
+from pysprings.results.plots.style import BLUE, INK, MM, VERMILLION, new_figure, set_title, styled, zero_lines
 
 if TYPE_CHECKING:
     import xarray as xr

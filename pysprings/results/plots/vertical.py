@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pysprings.plots.data import abscissa, converged, spread_depths, unit_text
-from pysprings.plots.labels import label_beside, label_ends
-from pysprings.plots.load import SURFACES
-from pysprings.plots.reactions import MOST_CURVES, depth_colours
-from pysprings.plots.style import (
+from pysprings.results.plots.data import abscissa, converged, spread_depths, unit_text
+from pysprings.results.plots.labels import label_beside, label_ends
+from pysprings.results.plots.load import SURFACES
+from pysprings.results.plots.reactions import MOST_CURVES, depth_colours
+from pysprings.results.plots.style import (
     INK,
     KN,
     SURFACE_COLOURS,

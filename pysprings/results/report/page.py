@@ -15,9 +15,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.omission_text import saved_text
-from pysprings.report_springs import spring_tables
-from pysprings.report_tables import (
+from pysprings.core.files.layout import PICTURES, picture_kind, pictures_in
+from pysprings.model.forecast.omission_text import saved_text
+from pysprings.results.axes import axes_svg
+from pysprings.results.report.springs import spring_tables
+from pysprings.results.report.tables import (
     Table,
     compare_table,
     convergence_table,
@@ -33,8 +35,6 @@ from pysprings.report_tables import (
     validity,
     water_table,
 )
-from pysprings.result_files import PICTURES, picture_kind, pictures_in
-from pysprings.sketch import axes_svg
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -76,7 +76,7 @@ def write_report(
     Whatever is not given is read from the folder: full_model.nc, springs.nc, compare.csv, run.json and the
     pictures in its subfolder ``figures``. Only the result is needed.
     """
-    from pysprings.storage import read_tree, write_text
+    from pysprings.core.files.storage import read_tree, write_text
 
     place = Path(folder)
     result = read_tree(place / "full_model.nc") if result is None else result
@@ -106,11 +106,11 @@ def render(
     springs
         Spring set; the equilibrium check is made on it, else on the result.
     compare
-        Table of `pysprings.comparison.compare`, one row per path and spring set.
+        Table of `pysprings.macro.comparison.compare`, one row per path and spring set.
     run
         Content of run.json: cost by phase, what was left out.
     figures
-        Picture files, named as `pysprings.plots.save_all` names them.
+        Picture files, named as `pysprings.results.plots.save_all` names them.
     """
     run = run or {}
     names = list(result["paths"].children) if "paths" in result.children else []
@@ -153,7 +153,7 @@ def environment() -> Environment:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     return Environment(
-        loader=PackageLoader("pysprings", "templates"), autoescape=True, undefined=StrictUndefined,
+        loader=PackageLoader("pysprings.results.report", "templates"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pysprings.report_tables import Table, number
-from pysprings.springs import get_path, is_vertical, net_m, net_p, path_names
+from pysprings.core.text import number
+from pysprings.results.report.tables import Table
+from pysprings.springs.dataset import get_path, is_vertical, net_m, net_p, path_names
 
 if TYPE_CHECKING:
     import xarray as xr

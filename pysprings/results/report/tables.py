@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pysprings.ring_measure import contact_alternation
+from pysprings.core.text import number
+from pysprings.full_model.ring_measure import contact_alternation
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,19 +25,6 @@ class Table:
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
     note: str = ""
-
-
-def number(value: Any, digits: int = 4) -> str:
-    """Write a number for reading; text stays text."""
-    if isinstance(value, (bool, np.bool_)):
-        return "yes" if value else "no"
-    if isinstance(value, (int, np.integer)):
-        return f"{int(value):,}".replace(",", " ")
-    if isinstance(value, (float, np.floating)):
-        return f"{float(value) + 0.0:.{digits}g}" if np.isfinite(value) else "-"
-    if isinstance(value, (list, tuple)):
-        return ", ".join(number(item, digits) for item in value)
-    return str(value)
 
 
 def input_tables(scene_toml: str) -> list[Table]:
@@ -59,8 +47,8 @@ def input_tables(scene_toml: str) -> list[Table]:
 
 def _with_defaults(scene_toml: str) -> str:
     """Return the scene with every default written out; as it is where this version does not take it."""
-    from pysprings.errors import UserInputError
-    from pysprings.scene import parse_scene
+    from pysprings.core.errors import UserInputError
+    from pysprings.scene.load import parse_scene
 
     try:
         return parse_scene(scene_toml).to_toml() if scene_toml else ""
@@ -113,7 +101,7 @@ def convergence_table(paths: Mapping[str, Any], run: Mapping[str, Any] | None = 
 def _convergence_row(path: Any, summary: Mapping[str, Any]) -> list[str]:
     if "convergence" not in path.children or not path["convergence"].sizes.get("iteration", 0):
         return ["not recorded"] * 8
-    from pysprings.plots.newton import attempts, failed_steps
+    from pysprings.results.plots.newton import attempts, failed_steps
 
     record = path["convergence"].to_dataset(inherit=False)
     tries = attempts(record, failed_steps(path.to_dataset(), record))
@@ -183,9 +171,9 @@ def ring_table(paths: Mapping[str, Any]) -> Table:
 def equilibrium_table(tree: xr.DataTree) -> Table:
     """Make the table of the equilibrium check over the converged steps of a result or of springs.
 
-    Missing: the sum of the soil reactions less the applied load (`pysprings.springs.balance`).
+    Missing: the sum of the soil reactions less the applied load (`pysprings.springs.dataset.balance`).
     """
-    from pysprings.springs import balance, get_path, path_names
+    from pysprings.springs.dataset import balance, get_path, path_names
 
     rows = []
     for name in path_names(tree):
@@ -282,7 +270,7 @@ def end_table(path: Any) -> Table:
         ),
     ]
     if "gap" in path:
-        from pysprings.plots.gap import openings
+        from pysprings.results.plots.gap import openings
 
         rows += [("widest gap, " + each.surface, _opening(each)) for each in openings(path.to_dataset(), last)]
     return Table("At the last converged step", ("", ""), rows)
@@ -409,6 +397,7 @@ def cost_tables(run: Mapping[str, Any]) -> list[Table]:
     flat = {**run, **dict(run.get("solver") or {})}
     totals = [(words, number(flat[key] * factor)) for key, (words, factor) in _TOTALS.items() if key in flat]
     totals += [(key, str(run[key])) for key in ("python", "platform") if key in run]
+    totals += [(str(name), str(value)) for name, value in dict(run.get("environment") or {}).items()]
     if totals:
         tables.append(Table("Totals", ("", ""), totals))
     return tables

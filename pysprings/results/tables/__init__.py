@@ -12,9 +12,10 @@ from pathlib import Path
 
 import xarray as xr
 
-from pysprings.macro_curves import CurveSprings
+from pysprings.macro.user_curves import CurveSprings
 
 ENDINGS = (".csv", ".xlsx")
+FOREIGN = (".xls", ".xlsm", ".xlsb", ".ods", ".tsv", ".txt", ".numbers")  # tables of other formats
 
 
 def is_table(path: str | os.PathLike[str]) -> bool:
@@ -44,13 +45,13 @@ def open_table(path: str | os.PathLike[str], skirt_length: float | None = None) 
     UserInputError
         Every fault of the table, each with file and line.
     """
-    from pysprings.tables.curves import build_curves
-    from pysprings.tables.file import Faults, read_rows
-    from pysprings.tables.recorded import build_tree, is_record
+    from pysprings.results.tables.curves import build_curves
+    from pysprings.results.tables.file import Faults, read_rows
+    from pysprings.results.tables.recorded import build_tree, is_record
 
     faults = Faults()
     rows = read_rows(path, faults)
     return build_tree(rows, faults) if is_record(rows) else build_curves(rows, skirt_length, faults)
 
 
-__all__ = ["ENDINGS", "is_table", "open_table"]
+__all__ = ["ENDINGS", "FOREIGN", "is_table", "open_table"]

@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from pysprings.macro_curves import Curve, CurveSet, CurveSprings
-from pysprings.macro_tables import MAX_NEGATIVE
-from pysprings.tables.file import Faults
-from pysprings.tables.places import net_rows, place_of, slices
+from pysprings.macro.curve_table import MAX_NEGATIVE
+from pysprings.macro.user_curves import Curve, CurveSet, CurveSprings
+from pysprings.results.tables.file import Faults
+from pysprings.results.tables.places import net_rows, place_of, slices
 
 Array = NDArray[np.float64]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+import io
 import os
 import re
 import zipfile
@@ -17,12 +18,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pysprings.errors import Problem, UserInputError
-from pysprings.exporters.tables import PY_COLUMNS
-from pysprings.magnitudes import fault, unit_of_column
-from pysprings.springs_numbers import name_fault
-from pysprings.tables.wide import is_wide, unfold
-from pysprings.units import quoted
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.magnitudes import fault, unit_of_column
+from pysprings.core.units import quoted
+from pysprings.results.exporters.tables import PY_COLUMNS
+from pysprings.results.tables.wide import is_wide, unfold
+from pysprings.springs.numbers import name_fault
 
 NEEDED = ("depth_m", "y_m", "p_N_per_m")
 FAMILIES = ("py", "mtheta", "base", "lid", "tz")
@@ -30,15 +31,14 @@ TEXTS = ("path", "family", "side", "component")
 # Sheets that are not read: words and pictures.
 OTHER_SHEETS = ("about", "charts", "load-displacement", "stiffness 6x6")
 SHEETS = {"py": "py", "p-y": "py", "mtheta": "mtheta", "m-theta": "mtheta", "base": "base", "tip": "base", "lid": "lid"}
-MOST = 20  # problems shown
 MOST_WORDS = 200  # characters of what a library says
-# Largest table: bytes (of a workbook when unpacked), and lines of a sheet.
-MOST_BYTES, MOST_LINES = 50_000_000, 200_000
+# Largest table: bytes (of a workbook when unpacked), lines of a sheet, and of a CSV file (ten seconds of checks).
+MOST_BYTES, MOST_LINES, MOST_CSV_LINES = 50_000_000, 200_000, 300_000
 
 
 @dataclass
 class Faults:
-    """Everything found wrong so far; `stop` raises it, the first lines of it when it is long."""
+    """Everything found wrong so far; `stop` raises it."""
 
     problems: list[Problem] = field(default_factory=list)
     _seen: set[tuple[Any, ...]] = field(default_factory=set)
@@ -58,8 +58,7 @@ class Faults:
         if not self.problems:
             return
         found = sorted(self.problems, key=lambda each: (each.file or "", each.line or 0))
-        more = [Problem(message=f"and {len(found) - MOST} more problems")] if len(found) > MOST else []
-        raise UserInputError(found[:MOST] + more)
+        raise UserInputError(found)
 
 
 def read_rows(path: str | os.PathLike[str], faults: Faults) -> pd.DataFrame:
@@ -120,7 +119,12 @@ def _csv_lines(path: Path) -> list[tuple[int, list[Any]]]:
     if (size := path.stat().st_size) > MOST_BYTES:
         raise _too_large(path, f"{size / 1e6:,.0f} MB, at most {MOST_BYTES / 1e6:.0f}")
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
+        content = path.read_bytes()
+        if (count := content.count(b"\n")) > MOST_CSV_LINES:
+            raise _too_large(
+                path, f"{count:,} lines, at most {MOST_CSV_LINES:,}; springs.nc of a run has no such limit"
+            )
+        with io.StringIO(content.decode("utf-8-sig"), newline="") as stream:
             reader = csv.reader(stream)
             lines = [(reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells)]
     except (UnicodeDecodeError, csv.Error) as error:

@@ -8,11 +8,11 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.macro_fan import STRAIGHT, fan_paths
-from pysprings.macro_vertical import build_vertical
-from pysprings.springs import get_path, net_m, net_p, slice_heights
-from pysprings.tables.file import Faults
-from pysprings.tables.places import ROUNDING, net_rows, place_of, slices
+from pysprings.macro.fan import STRAIGHT, fan_paths
+from pysprings.macro.vertical import build_vertical
+from pysprings.results.tables.file import Faults
+from pysprings.results.tables.places import ROUNDING, net_rows, place_of, slices
+from pysprings.springs.dataset import get_path, net_m, net_p, slice_heights
 
 Array = NDArray[np.float64]
 Grid = dict[str, Array]  # column -> (depth, step)

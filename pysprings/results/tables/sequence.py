@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro_control import Control
-from pysprings.tables.file import Faults, meant, numbers, sheet_of
-from pysprings.units import quoted
+from pysprings.core.units import quoted
+from pysprings.macro.control import Control
+from pysprings.results.tables.file import Faults, meant, numbers, sheet_of
 
 Array = NDArray[np.float64]
 

@@ -16,18 +16,18 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.errors import Problem, PyspringsError, ResourceError, RunIncomplete, UserInputError
+from pysprings.core.errors import Problem, PyspringsError, ResourceError, RunIncomplete, UserInputError
 
 if TYPE_CHECKING:
-    from pysprings.progress import Progress
-    from pysprings.scene import Scene
+    from pysprings.core.progress import Progress
+    from pysprings.scene.load import Scene
 
 Run = Callable[["Scene", Path, "Progress"], None]
 
 
 def run_here(scene: Scene, folder: Path, progress: Progress) -> None:
     """Run a scene into a folder, or go on there, and time its unit; raises as `run_to_folder` does."""
-    from pysprings.folder import run_or_go_on
+    from pysprings.results.folder import run_or_go_on
 
     run_or_go_on(scene, folder, progress, time_unit=True)
 
@@ -76,7 +76,7 @@ _ERRORS: dict[str, type[PyspringsError]] = {"incomplete": RunIncomplete, "resour
 
 def _work(values: dict[str, Any], folder: Path, pipe: Connection) -> None:
     """Run in the new process: Ctrl-C is the parent's affair, which asks with SIGTERM, once."""
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt

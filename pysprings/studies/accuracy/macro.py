@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from pysprings import slices
-from pysprings.accuracy import quantities
-from pysprings.accuracy.curves import LOAD, OTHER, Curve, leading
-from pysprings.comparison import curves
-from pysprings.macro_sets import spring_sets
-from pysprings.springs import get_path, is_vertical, path_names
+from pysprings.full_model.accuracy import quantities
+from pysprings.full_model.accuracy.curves import LOAD, OTHER, Curve, leading
+from pysprings.macro import slices
+from pysprings.macro.comparison import curves
+from pysprings.macro.sets import spring_sets
+from pysprings.springs.dataset import get_path, is_vertical, path_names
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
-from pysprings.pareto import front
-from pysprings.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
+from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
+from pysprings.studies.accuracy.pareto import front
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,7 +36,7 @@ LEAST = 1e-3  # %, what is below is drawn there
 
 @styled
 def error_against_time(table: pd.DataFrame, title: str, targets: Collection[float] = ()) -> Figure:
-    """Draw the table of a study (`pysprings.accuracy_study`): error [%] over wall time [s], both logarithmic.
+    """Draw the table of a study (`pysprings.studies.accuracy`): error [%] over wall time [s], both logarithmic.
 
     Marks with a white middle: the run is the reference itself, its uncertainty stands for its error. Dotted lines:
     ``targets`` [%].

@@ -11,15 +11,25 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.accuracy import measures
-from pysprings.accuracy.curves import LOAD, OTHER, Curve, Grid, Sample, common_grids, curves_of, sampled, samples
-from pysprings.accuracy.presets import JUDGED
-from pysprings.accuracy.richardson import Reference, cell_size
-from pysprings.accuracy.settings import MESH, Setting
-from pysprings.accuracy_study import macro
-from pysprings.accuracy_study.runs import Ended
-from pysprings.pareto import front
-from pysprings.storage import read_tree
+from pysprings.core.files.storage import read_tree
+from pysprings.full_model.accuracy import measures
+from pysprings.full_model.accuracy.curves import (
+    LOAD,
+    OTHER,
+    Curve,
+    Grid,
+    Sample,
+    common_grids,
+    curves_of,
+    sampled,
+    samples,
+)
+from pysprings.full_model.accuracy.presets import JUDGED
+from pysprings.full_model.accuracy.richardson import Reference, cell_size
+from pysprings.full_model.accuracy.settings import MESH, Setting
+from pysprings.studies.accuracy import macro
+from pysprings.studies.accuracy.pareto import front
+from pysprings.studies.accuracy.runs import Ended
 
 FULL, MACRO = "full", "macro"
 REFERENCE = "reference"  # column: the error is that of the reference itself

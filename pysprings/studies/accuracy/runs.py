@@ -9,16 +9,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.accuracy.settings import Setting
-from pysprings.accuracy_study.child import Run
-from pysprings.errors import ResourceError, RunIncomplete, UserInputError
-from pysprings.kept_runs import RUNS, Whole, forget, has_ended, record_of, why_stopped
-from pysprings.resources import size_of
-from pysprings.run_time import seconds
+from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
+from pysprings.full_model.accuracy.settings import Setting
+from pysprings.model.forecast.resources import size_of
+from pysprings.model.forecast.run_time import seconds
+from pysprings.studies.accuracy.child import Run
+from pysprings.studies.kept_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
 
 if TYPE_CHECKING:
-    from pysprings.progress import Progress
-    from pysprings.scene import Scene
+    from pysprings.core.progress import Progress
+    from pysprings.scene.load import Scene
 
 WARM_UP = "warm-up"
 _WARM_UP = {"mesh": {"preset": "coarse", "refinement": 0.4, "azimuth": None}, "solver": {"max_step_fraction": 0.5}}
@@ -52,13 +52,13 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
     """
     scenes = {each.name: each.scene(study_scene(scene)) for each in settings}
     weights = {name: seconds(each, size_of(each).unknowns) for name, each in scenes.items()}
-    missing = {name for name, each in scenes.items() if not has_ended(out / RUNS / name, each)}
+    missing = {name for name, each in scenes.items() if not has_ended(run_folder(out, name), each)}
     if missing:  # compiled code is kept on disk: no run of the table pays for it
-        _warm_up(scene, out / RUNS / WARM_UP, report, run)
+        _warm_up(scene, run_folder(out, WARM_UP), report, run)
     whole = Whole(weights, report, paths=tuple(path.name for path in scene.paths))
     found = []
     for setting in settings:
-        folder, why = out / RUNS / setting.name, ""
+        folder, why = run_folder(out, setting.name), ""
         if setting.name in missing:
             why = _run(scenes[setting.name], folder, whole.of(setting.name), run)
         whole.ended(setting.name, setting.name in missing)
@@ -70,7 +70,7 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
 def forget_all(settings: Sequence[Setting], out: Path) -> None:
     """Have every run made again; results stay until there are others."""
     for setting in settings:
-        forget(out / RUNS / setting.name)
+        forget(run_folder(out, setting.name))
 
 
 def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:

@@ -3,31 +3,31 @@
 
 from __future__ import annotations
 
-import json
-import math
 import os
 import platform
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pysprings
-from pysprings.accuracy.measures import MEASURES
-from pysprings.accuracy.presets import JUDGED, SCHEMA, TARGETS
-from pysprings.accuracy.settings import Setting
-from pysprings.accuracy_study import rows, runs, text
-from pysprings.accuracy_study.child import Run, run_in_child
-from pysprings.accuracy_study.rows import Found
-from pysprings.errors import Problem, UserInputError
-from pysprings.kept_runs import RUNS
-from pysprings.run_lock import exclusive, new_folder
-from pysprings.storage import write_text
+from pysprings.core import version
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.files.lock import exclusive, new_folder
+from pysprings.core.files.storage import remove_leftovers, write_text
+from pysprings.core.files.written import own_folder
+from pysprings.core.text import json_text
+from pysprings.full_model.accuracy.measures import MEASURES
+from pysprings.full_model.accuracy.presets import JUDGED, SCHEMA, TARGETS
+from pysprings.full_model.accuracy.settings import Setting
+from pysprings.studies.accuracy import rows, runs, text
+from pysprings.studies.accuracy.child import Run, run_in_child
+from pysprings.studies.accuracy.rows import Found
+from pysprings.studies.kept_runs import RUNS
 
 if TYPE_CHECKING:
-    from pysprings.progress import Progress
-    from pysprings.scene import Scene
+    from pysprings.core.progress import Progress
+    from pysprings.scene.load import Scene
 
 FILES = {
     "accuracy.md": "tables, reference and orders: the document",
@@ -48,6 +48,7 @@ def study(
     force : have every run made again. run : how one is run (in a process of its own).
     """
     with new_folder(out), exclusive(out):
+        remove_leftovers(out, own_folder(out, RUNS))
         if force:
             runs.forget_all(settings, out)
         ended = runs.run_all(scene, settings, out, report, run)
@@ -68,7 +69,7 @@ def to_json(scene: Scene, found: Found) -> dict[str, Any]:
             path: {
                 name: {"order": each.order, "note": each.note}
                 for name, each in references.items()
-            } | {"uncertainty_pct": _finite(found.uncertainty[path])}
+            } | {"uncertainty_pct": dict(found.uncertainty[path])}
             for path, references in found.references.items()
         },
         "rows": rows.records(found.table),
@@ -93,7 +94,7 @@ def presets(scene: Scene, found: Found) -> dict[str, Any]:
 
 def write_presets(scene: Scene, found: Found, file: Path) -> Path:
     """Write the presets as JSON; return the path."""
-    return write_text(json.dumps(presets(scene, found), indent=1, allow_nan=False) + "\n", file)
+    return write_text(json_text(presets(scene, found), indent=1) + "\n", file)
 
 
 def _orders(found: Found) -> dict[str, float | None]:
@@ -107,7 +108,7 @@ def _origin(scene: Scene) -> dict[str, Any]:
         "command": "pysprings accuracy",
         "scene": scene.title,
         "scene_sha256": scene.sha256,
-        "version": pysprings.__version__,
+        "version": version.__version__,
         "date": datetime.now(UTC).date().isoformat(),
         "machine": _machine(),
     }
@@ -118,20 +119,16 @@ def _machine() -> str:
     return f"{platform.machine()}, {sys.platform}, {os.cpu_count()} processors, Python {platform.python_version()}"
 
 
-def _finite(values: Mapping[str, float]) -> dict[str, float | None]:
-    return {name: value if math.isfinite(value) else None for name, value in values.items()}
-
-
 def _write(out: Path, scene: Scene, found: Found) -> None:
-    from pysprings.plots.accuracy import error_against_time
-    from pysprings.plots.files import save
+    from pysprings.results.plots.files import save
+    from pysprings.studies.accuracy.picture import error_against_time
 
     write_text(found.table.to_csv(index=False), out / "accuracy.csv")
-    write_text(json.dumps(to_json(scene, found), indent=1, allow_nan=False) + "\n", out / "accuracy.json")
+    write_text(json_text(to_json(scene, found), indent=1) + "\n", out / "accuracy.json")
     head = {
         "scene": scene.title,
         "sha256": scene.sha256,
-        "made by": f"`pysprings accuracy`, version {pysprings.__version__}",
+        "made by": f"`pysprings accuracy`, version {version.__version__}",
         "seconds on": _machine(),
     }
     write_text(text.to_markdown(found, head, "accuracy.png"), out / "accuracy.md")

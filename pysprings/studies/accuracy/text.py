@@ -7,10 +7,10 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from pysprings.accuracy.measures import MEASURES
-from pysprings.accuracy.presets import TARGETS, cheapest_within
-from pysprings.accuracy_study.rows import FULL, MACRO, Found, records
-from pysprings.markdown import markdown
+from pysprings.core.text import markdown_table
+from pysprings.full_model.accuracy.measures import MEASURES
+from pysprings.full_model.accuracy.presets import TARGETS, cheapest_within
+from pysprings.studies.accuracy.rows import FULL, MACRO, Found, records
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -100,7 +100,7 @@ def to_markdown(found: Found, head: Mapping[str, Any], picture: str) -> str:
 
 def _table(found: Found, model: str) -> list[str]:
     heads, rows = cells(found.table, model)
-    return markdown(heads, rows, numbers=True).splitlines()
+    return markdown_table(heads, rows, numbers=True).splitlines()
 
 
 def _value(row: Mapping[str, Any], name: str, model: str) -> Any:

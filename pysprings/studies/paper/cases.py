@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 _DEG = math.pi / 180.0
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -53,7 +53,7 @@ class Case:
 
         fields_only : keep contact fields but neither the symmetry plane nor pictures.
         """
-        from pysprings.scene import Scene
+        from pysprings.scene.load import Scene
 
         stops = tuple(u / 1e3 for u in self.stops_mm if u / 1e3 < self.end)
         path = {"name": PATH, "kind": "pull", "lateral_displacement": self.end, "report_at": stops}

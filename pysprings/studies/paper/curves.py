@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from matplotlib.lines import Line2D
 
-from pysprings.plots.labels import label_beside
-from pysprings.plots.reactions import depth_colours
-from pysprings.plots.style import (
+from pysprings.results.plots.labels import label_beside
+from pysprings.results.plots.reactions import depth_colours
+from pysprings.results.plots.style import (
     BLUE,
     GREEN,
     GREY,

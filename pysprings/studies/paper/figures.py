@@ -8,18 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pysprings import plots
-from pysprings.paper import measures
-from pysprings.paper.cases import DEPTHS, END, PATH, SHOWN
-from pysprings.paper.idealisations import BESIDE
-from pysprings.plots import paper as drawn
-from pysprings.plots.data import path_data, section_data
+from pysprings.core.files.written import own_folder
+from pysprings.results import plots
+from pysprings.results.plots.data import path_data, section_data
+from pysprings.studies.paper import curves as drawn
+from pysprings.studies.paper import measures
+from pysprings.studies.paper.cases import DEPTHS, END, PATH, SHOWN
+from pysprings.studies.paper.idealisations import BESIDE
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from pysprings.paper.runs import Run
+    from pysprings.studies.paper.runs import Run
 
 FOLDER = "figures"
 Runs = Mapping[str, "Run"]
@@ -67,8 +68,8 @@ def _sections(name: str, u: float) -> Callable[[Runs], Figure]:
 
 
 def _macro(runs: Runs) -> Figure:
-    from pysprings.comparison import curves
-    from pysprings.springs import open_springs
+    from pysprings.macro.comparison import curves
+    from pysprings.springs.dataset import open_springs
 
     springs = open_springs(runs["drained"].folder / "springs.nc")
     return plots.macro_against_full(_path(runs, "drained"), curves(springs, PATH))
@@ -137,5 +138,6 @@ def draw_all(runs: Runs) -> Iterator[tuple[Drawing, Figure]]:
 
 def write_all(runs: Runs, out: Path) -> list[tuple[Drawing, Path]]:
     """Write the figures below a folder as PNG (and SVG where small); return drawings with their PNG files."""
-    (out / FOLDER).mkdir(parents=True, exist_ok=True)
-    return [(drawing, plots.save(figure, out / FOLDER / drawing.stem)[0]) for drawing, figure in draw_all(runs)]
+    place = own_folder(out, FOLDER)
+    place.mkdir(parents=True, exist_ok=True)
+    return [(drawing, plots.save(figure, place / drawing.stem)[0]) for drawing, figure in draw_all(runs)]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pysprings.paper import measures as m
-from pysprings.paper.cases import DEPTHS, END, SHOWN
+from pysprings.studies.paper import measures as m
+from pysprings.studies.paper.cases import DEPTHS, END, SHOWN
 
 if TYPE_CHECKING:
     import pandas as pd

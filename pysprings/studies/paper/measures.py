@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Numbers read from a run: stresses over initial, gaps, slopes of the load curve and where it bends most.
 
-A path is the Dataset of `pysprings.springs.get_path` (converged steps only), SI. Displacements are those of the lid
-centre. Where a run has stopped before a displacement that is asked for, the answer is NaN.
+A path is the Dataset of `pysprings.springs.dataset.get_path` (converged steps only), SI. Displacements are those of
+the lid centre. Where a run has stopped before a displacement that is asked for, the answer is NaN.
 """
 
 from __future__ import annotations

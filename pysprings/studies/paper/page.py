@@ -7,22 +7,23 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pysprings
-from pysprings.paper import idealisations
-from pysprings.paper.cases import END, SHOWN
-from pysprings.paper.measures import load
-from pysprings.paper.sensitivity import CRITERIA
-from pysprings.paper.text import DRAINED_COLUMNS, NOTE, WATER_COLUMNS, cells, conclusion, split
-from pysprings.report import Picture, environment, picture_uri
-from pysprings.report_tables import Table, energy_table, input_tables, mesh_table, number, water_table
-from pysprings.sketch import axes_svg
-from pysprings.storage import write_text
+from pysprings.core import version
+from pysprings.core.files.storage import write_text
+from pysprings.core.text import number
+from pysprings.results.axes import axes_svg
+from pysprings.results.report.page import Picture, environment, picture_uri
+from pysprings.results.report.tables import Table, energy_table, input_tables, mesh_table, water_table
+from pysprings.studies.paper import idealisations
+from pysprings.studies.paper.cases import END, SHOWN
+from pysprings.studies.paper.measures import load
+from pysprings.studies.paper.sensitivity import CRITERIA
+from pysprings.studies.paper.text import DRAINED_COLUMNS, NOTE, WATER_COLUMNS, cells, conclusion, split
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pysprings.paper.figures import Drawing
-    from pysprings.paper.runs import Run
+    from pysprings.studies.paper.figures import Drawing
+    from pysprings.studies.paper.runs import Run
 
 
 def write(
@@ -34,7 +35,7 @@ def write(
     attrs: Mapping[Any, Any] = first.result.attrs if first else {}
     page = environment().get_template("paper.html.j2")
     text = page.render(
-        version=pysprings.__version__,
+        version=version.__version__,
         mesh=mesh,
         stopped=[run.remark for run in runs.values() if not run.complete],
         runs=run_table(runs),

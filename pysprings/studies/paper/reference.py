@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from pysprings import variables
-from pysprings.paper.cases import CASES, STEPS_MM, Case
-from pysprings.paper.measures import at
-from pysprings.storage import read_tree, write_tree
+from pysprings.core import variables
+from pysprings.core.files.storage import read_tree, write_tree
+from pysprings.studies.paper.cases import CASES, STEPS_MM, Case
+from pysprings.studies.paper.measures import at
 
 if TYPE_CHECKING:
-    from pysprings.paper.runs import Run
+    from pysprings.studies.paper.runs import Run
 
 MESH = "coarse"
 KEPT = ("drained", "slow")  # cases

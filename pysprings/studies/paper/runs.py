@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings import kept_runs
-from pysprings.errors import RunIncomplete
-from pysprings.kept_runs import RUNS, Whole, has_ended, record_of, why_stopped
-from pysprings.paper.cases import CASES, PATH, Case
+from pysprings.core.errors import RunIncomplete
+from pysprings.studies import kept_runs
+from pysprings.studies.kept_runs import Whole, has_ended, record_of, run_folder, why_stopped
+from pysprings.studies.paper.cases import CASES, PATH, Case
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pysprings.progress import Progress
+    from pysprings.core.progress import Progress
 
 _COUPLED = 1.6  # cost of a run with water over that of a drained one
 
@@ -49,12 +49,12 @@ def run_all(out: Path, mesh: str, report: Progress, cases: Sequence[Case] = CASE
 
     KeyboardInterrupt passes through: the same call goes on.
     """
-    from pysprings.folder import run_or_go_on
+    from pysprings.results.folder import run_or_go_on
 
     whole = Whole({case.name: 1.0 if case.drained else _COUPLED for case in cases}, report, paths=(PATH,))
     stopped = []
     for case in cases:
-        scene, folder = case.scene(mesh), out / RUNS / case.name
+        scene, folder = case.scene(mesh), run_folder(out, case.name)
         worked, why = not has_ended(folder, scene), ""
         if worked:
             try:
@@ -71,17 +71,17 @@ def run_all(out: Path, mesh: str, report: Progress, cases: Sequence[Case] = CASE
 def forget(out: Path, cases: Sequence[Case] = CASES) -> None:
     """Have every run below a folder made again; results stay until there are others."""
     for case in cases:
-        kept_runs.forget(out / RUNS / case.name)
+        kept_runs.forget(run_folder(out, case.name))
 
 
 def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, Run]:
     """Read the runs below a folder that belong to this mesh and version and have a converged step, by name."""
-    from pysprings.springs import path_names
-    from pysprings.storage import read_tree
+    from pysprings.core.files.storage import read_tree
+    from pysprings.springs.dataset import path_names
 
     runs = {}
     for case in cases:
-        folder = out / RUNS / case.name
+        folder = run_folder(out, case.name)
         record = record_of(folder, case.scene(mesh))
         if not record or not (folder / "full_model.nc").exists():
             continue
@@ -93,8 +93,8 @@ def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, 
 
 def path_of(result: xr.DataTree) -> xr.Dataset:
     """Return the path of a run (converged steps) with the nodes of the symmetry plane and the size of the caisson."""
-    from pysprings.plots.data import section_data, settings
-    from pysprings.springs import get_path
+    from pysprings.results.plots.data import section_data, settings
+    from pysprings.springs.dataset import get_path
 
     path = get_path(result, PATH)
     plane = section_data(result)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -13,18 +14,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import pysprings
-from pysprings.errors import PyspringsError
-from pysprings.paper import measures as m
-from pysprings.paper.cases import DEPTHS, END, SHOWN, VARIANTS, Case, Variant
-from pysprings.progress import duration
-from pysprings.storage import write_text
+from pysprings.core import version
+from pysprings.core.errors import PyspringsError
+from pysprings.core.files.storage import write_text
+from pysprings.core.files.written import own_folder
+from pysprings.core.progress import duration
+from pysprings.core.text import json_text
+from pysprings.studies.paper import measures as m
+from pysprings.studies.paper.cases import DEPTHS, END, SHOWN, VARIANTS, Case, Variant
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
 FOLDER = "sensitivity"
+_KEPT = re.compile(r".+-[0-9a-f]{16}\.json")  # as `_figures_of` names them
 # What counts as the paper's: stated with the table.
 FRONT_RANGE = (1.25, 1.75)  # mean over the four depths of p'_N over initial, front, at 2.5 mm: "approximately 50 %"
 BREAK_RANGE = (1.0e-3, 3.0e-3)  # m, place of the sharpest bend: "around 2 mm"
@@ -144,19 +148,19 @@ def _figures_of(folder: Path, mesh: str, case: Case) -> tuple[dict[str, Any], bo
         scene = case.scene(mesh, fields_only=True)
     except ValueError as error:  # pydantic's, of values that clash
         return {"status": "refused", "detail": _first_line(error)}, False
-    key = hashlib.sha256(f"{scene.sha256} {pysprings.__version__}".encode()).hexdigest()[:16]
-    file = folder / FOLDER / f"{case.name}-{key}.json"
+    key = hashlib.sha256(f"{scene.sha256} {version.__version__}".encode()).hexdigest()[:16]
+    file = own_folder(folder, FOLDER) / f"{case.name}-{key}.json"
     if (kept := _read(file)) is not None:
         return kept, False
     figures = _run(scene)
-    write_text(json.dumps(figures, indent=1) + "\n", file)
+    write_text(json_text(figures, indent=1) + "\n", file)
     return figures, True
 
 
 def _run(scene: Any) -> dict[str, Any]:
     """Run a scene; say how it ended, with the figures of what converged."""
-    from pysprings.full_model import INTERRUPTED, compute
-    from pysprings.springs import get_path
+    from pysprings.full_model.compute import INTERRUPTED, compute
+    from pysprings.springs.dataset import get_path
 
     try:
         with warnings.catch_warnings():
@@ -173,9 +177,10 @@ def _run(scene: Any) -> dict[str, Any]:
 
 
 def forget(folder: Path) -> None:
-    """Remove the figures of all variants, so that each is run again."""
-    for file in (folder / FOLDER).glob("*.json"):
-        file.unlink()
+    """Remove the figures of all variants, by their names, so that each is run again."""
+    for file in own_folder(folder, FOLDER).glob("*.json"):
+        if _KEPT.fullmatch(file.name):
+            file.unlink()
 
 
 def _read(file: Path) -> dict[str, Any] | None:

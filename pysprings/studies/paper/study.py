@@ -7,17 +7,18 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pysprings.exporters.csv import write_frame
-from pysprings.kept_runs import RUNS
-from pysprings.paper import claims, figures, idealisations, page, runs, sensitivity, text
-from pysprings.paper.cases import CASES, VARIANTS, Case, Variant
-from pysprings.run_lock import exclusive, new_folder
-from pysprings.storage import write_text
+from pysprings.core.files.lock import exclusive, new_folder
+from pysprings.core.files.storage import remove_leftovers, write_text
+from pysprings.core.files.written import own_folder
+from pysprings.results.exporters.csv import write_frame
+from pysprings.studies.kept_runs import RUNS
+from pysprings.studies.paper import claims, figures, idealisations, page, runs, sensitivity, text
+from pysprings.studies.paper.cases import CASES, VARIANTS, Case, Variant
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pysprings.progress import Progress
+    from pysprings.core.progress import Progress
 
 FILES = {
     "report.html": "report with claims, figures and sensitivities: open it in a browser",
@@ -41,6 +42,7 @@ def study(
     again where they are not asked for. force : forget what has run, and begin anew.
     """
     with new_folder(out), exclusive(out):
+        remove_leftovers(out, *(own_folder(out, name) for name in (RUNS, figures.FOLDER, sensitivity.FOLDER)))
         if force:
             runs.forget(out, cases)
             sensitivity.forget(out)

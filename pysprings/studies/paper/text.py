@@ -7,9 +7,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from pysprings.markdown import markdown
-from pysprings.paper.cases import END, SHOWN
-from pysprings.paper.sensitivity import CRITERIA
+from pysprings.core.text import markdown_table
+from pysprings.studies.paper.cases import END, SHOWN
+from pysprings.studies.paper.sensitivity import CRITERIA
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,7 +77,7 @@ def claims_markdown(table: pd.DataFrame) -> str:
          str(r["criterion"])]
         for r in table.to_dict(orient="records")
     ]  # fmt: skip
-    return markdown(["", "the paper", "here", "verdict", "reason", "criterion"], rows)
+    return markdown_table(["", "the paper", "here", "verdict", "reason", "criterion"], rows)
 
 
 def sensitivity_markdown(table: pd.DataFrame) -> str:
@@ -86,7 +86,7 @@ def sensitivity_markdown(table: pd.DataFrame) -> str:
     parts = [f"{conclusion(table)}\n", f"{CRITERIA}\n", f"{NOTE}\n"]
     for rows, columns in ((drained, DRAINED_COLUMNS), (water, WATER_COLUMNS)):
         if rows:
-            parts.append(markdown([head for head, _ in columns.values()], [cells(row, columns) for row in rows]))
+            parts.append(markdown_table([head for head, _ in columns.values()], [cells(row, columns) for row in rows]))
     return "\n".join(parts)
 
 

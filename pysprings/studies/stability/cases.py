@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pysprings.scene import Scene
+    from pysprings.scene.load import Scene
 
 _DEG = math.pi / 180.0
 REACH = 20e-3  # m
@@ -37,7 +37,7 @@ class Case:
 
         Raises UserInputError or ValueError where the input is refused.
         """
-        from pysprings.scene import Scene
+        from pysprings.scene.load import Scene
 
         coupled = self.changes.get("drainage", {}).get("mode", "drained") == "coupled"
         path = {"name": "path", "kind": "pull", "lateral_displacement": reach} | ({"rate": 0.05e-3} if coupled else {})

@@ -13,10 +13,10 @@ from typing import Any
 import pandas as pd
 from pydantic import ValidationError
 
-from pysprings.diagnosis import REASONS
-from pysprings.errors import Problem, PyspringsError, UserInputError
-from pysprings.full_model import compute
-from pysprings.stability_cases import CASES, REACH, Case
+from pysprings.core.errors import Problem, PyspringsError, UserInputError
+from pysprings.full_model.compute import compute
+from pysprings.full_model.diagnosis import REASONS
+from pysprings.studies.stability.cases import CASES, REACH, Case
 
 CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED = "converged", "warned", "stopped", "refused", "unexplained"
 OUTCOMES = (CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED)

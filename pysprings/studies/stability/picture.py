@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.lines import Line2D
 
-from pysprings.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION, new_figure, styled
+from pysprings.results.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION, new_figure, styled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,7 +22,7 @@ _ROW = 0.21  # inches
 
 @styled
 def catalogue(table: pd.DataFrame) -> Figure:
-    """Draw the table of `pysprings.stability.run_cases`: a row a case, from the first at the top."""
+    """Draw the table of `pysprings.studies.stability.catalogue.run_cases`: a row a case, from the first at the top."""
     figure = new_figure(10.0, 1.6 + _ROW * len(table))
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 1.0))
     row = np.arange(len(table))

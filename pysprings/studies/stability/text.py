@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from pysprings.markdown import markdown
+from pysprings.core.text import markdown_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -63,7 +63,7 @@ def to_markdown(table: pd.DataFrame) -> str:
         [*(_cell(row[str(name)], form) for name, (_, form) in _COLUMNS.items()), str(row["detail"])]
         for row in table.to_dict(orient="records")
     ]
-    return markdown(heads, rows)
+    return markdown_table(heads, rows)
 
 
 def _cell(value: Any, form: str) -> str:

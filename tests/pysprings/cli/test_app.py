@@ -14,24 +14,29 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from fe_engine.errors import MeshError, NotConverged
-from pysprings import __version__, cli, cli_support, storage
-from pysprings.errors import ResourceError, RunIncomplete
-from pysprings.scene import SECTIONS, Scene, load_scene
-from pysprings.scene_toml import field_of
-from pysprings.springs import open_springs, save_springs
-from tests.pysprings import synthetic
+from pysprings import __version__
+from pysprings.cli import app
+from pysprings.core.errors import ResourceError, RunIncomplete
+from pysprings.core.files import storage
+from pysprings.core.text import number
+from pysprings.scene.load import SECTIONS, Scene, load_scene
+from pysprings.scene.template_names import template_names
+from pysprings.scene.toml import field_of
+from pysprings.springs.dataset import open_springs, save_springs
+from tests.support import synthetic
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 class Result:
     """Exit code and streams of a command."""
 
     def __init__(self, *args: object) -> None:
-        result = CliRunner().invoke(cli.app, [str(arg) for arg in args], prog_name="pysprings")
+        result = CliRunner().invoke(app.app, [str(arg) for arg in args], prog_name="pysprings")
         self.code, self.out, self.err = result.exit_code, result.stdout, result.stderr
         assert "Traceback" not in self.err
 
@@ -70,11 +75,11 @@ def test_help_loads_nothing_heavy(args: list[str]) -> None:
     heavy = {"numpy", "scipy", "pandas", "xarray", "numba", "matplotlib", "pint", "netCDF4", "fe_engine"}
     code = (
         f"import sys; sys.argv = ['pysprings', *{args!r}]\n"
-        "from pysprings.cli import main\n"
+        "from pysprings.cli.app import main\n"
         "try: main()\n"
         "except SystemExit as end: assert not end.code, end.code\n"
         f"print(sorted({heavy!r} & set(sys.modules)), file=sys.stderr)\n"
-        "print([name for name in sys.modules if name.startswith('pysprings.scene')], file=sys.stderr)\n"
+        "print([name for name in sys.modules if name.startswith('pysprings.scene.load')], file=sys.stderr)\n"
     )
     done = run_python("-c", code)
     assert done.returncode == 0, done.stderr
@@ -83,13 +88,36 @@ def test_help_loads_nothing_heavy(args: list[str]) -> None:
 
 def test_python_dash_m_and_version() -> None:
     done = run_python("-m", "pysprings", "--version")
-    assert (done.returncode, done.stdout, done.stderr) == (0, f"pysprings {__version__}\n", "")
+    assert (done.returncode, done.stdout.splitlines()[0], done.stderr) == (0, f"pysprings {__version__}", "")
 
 
 def test_help_tells_the_exit_codes() -> None:
     text = " ".join(Result("--help").out.split())
     assert "2 user input" in text
     assert "130" in text
+
+
+@pytest.mark.parametrize("command", sorted(get_command(app.app).commands))
+def test_help_shows_every_bracket_of_its_texts(command: str) -> None:
+    """rich reads `[word]` as markup and leaves it out: every text must arrive whole."""
+    env = {"COLUMNS": "2000", "TERMINAL_WIDTH": "2000"}
+    shown = CliRunner().invoke(app.app, [command, "--help"], env=env).stdout
+    known = get_command(app.app).commands[command]
+    texts = [known.help, *(text for param in known.params if (text := getattr(param, "help", None)))]
+    assert len(texts) > 1
+    for text in texts:
+        for line in text.replace("\\[", "[").splitlines():
+            assert line.strip() in shown
+
+
+def test_help_lists_templates_and_says_what_the_spring_sets_are() -> None:
+    listed = " ".join(Result("init", "--help").out.replace("│", " ").split())
+    names = template_names()
+    assert len(names) > 1
+    assert all(name in listed for name in names)
+    said = " ".join(Result("predict", "--help").out.replace("│", " ").split())
+    for name in app.SpringSet:
+        assert f"{name.value} (" in said
 
 
 def test_wrong_usage_is_exit_2() -> None:
@@ -99,7 +127,7 @@ def test_wrong_usage_is_exit_2() -> None:
 
 
 def test_presets_are_those_of_the_scene() -> None:
-    assert [item.value for item in cli.Preset] == list(field_of(SECTIONS["mesh"].model_fields["preset"]).words)
+    assert [item.value for item in app.Preset] == list(field_of(SECTIONS["mesh"].model_fields["preset"]).words)
 
 
 # --- init ---
@@ -170,7 +198,7 @@ ABOUT = {
 
 
 def test_check_prints_a_table(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
-    fake(monkeypatch, "pysprings.estimate", describe=lambda scene: ABOUT)
+    fake(monkeypatch, "pysprings.model.forecast.estimate", describe=lambda scene: ABOUT)
     done = Result("check", scene_file)
     assert (done.code, done.err) == (0, "")
     for text in (
@@ -186,7 +214,7 @@ def test_check_prints_a_table(monkeypatch: pytest.MonkeyPatch, scene_file: Path)
 
 
 def test_check_json_is_one_document(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
-    fake(monkeypatch, "pysprings.estimate", describe=lambda scene: ABOUT)
+    fake(monkeypatch, "pysprings.model.forecast.estimate", describe=lambda scene: ABOUT)
     done = Result("check", scene_file, "--json")
     data = json.loads(done.out)
     assert data["mesh"]["nodes"] == 1848
@@ -196,7 +224,7 @@ def test_check_json_is_one_document(monkeypatch: pytest.MonkeyPatch, scene_file:
 
 
 def test_check_with_another_mesh(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
-    fake(monkeypatch, "pysprings.estimate", describe=lambda scene: {"preset": scene.mesh.preset})
+    fake(monkeypatch, "pysprings.model.forecast.estimate", describe=lambda scene: {"preset": scene.mesh.preset})
     assert "fine" in Result("check", scene_file, "--mesh", "fine").out
 
 
@@ -275,7 +303,7 @@ def fake_run(monkeypatch: pytest.MonkeyPatch, end: BaseException | None = None, 
             storage.write_text("", out / "figures" / name)
         return out
 
-    fake(monkeypatch, "pysprings.folder", run_to_folder=run_to_folder)
+    fake(monkeypatch, "pysprings.results.folder", run_to_folder=run_to_folder)
     return calls
 
 
@@ -447,7 +475,7 @@ def test_an_old_record_does_not_pass_for_a_new_one(monkeypatch: pytest.MonkeyPat
 
 def test_debug_shows_the_traceback(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake_run(monkeypatch, ZeroDivisionError("oops"))
-    result = CliRunner().invoke(cli.app, ["--debug", "run", str(scene_file)])
+    result = CliRunner().invoke(app.app, ["--debug", "run", str(scene_file)])
     assert result.exit_code == 1
     assert "Traceback" in result.stderr
     assert result.stderr.endswith("fatal: bug: ZeroDivisionError: oops\nplease report it\n")
@@ -458,7 +486,7 @@ def test_warnings_are_one_line_each(monkeypatch: pytest.MonkeyPatch, scene_file:
         warnings.warn("30,000 unknowns with SuperLU", stacklevel=1)
         return {}
 
-    fake(monkeypatch, "pysprings.estimate", describe=describe)
+    fake(monkeypatch, "pysprings.model.forecast.estimate", describe=describe)
     with warnings.catch_warnings():
         warnings.simplefilter("always")
         assert Result("check", scene_file).err == "warning: 30,000 unknowns with SuperLU\n"
@@ -498,9 +526,9 @@ def test_springs_to_files(springs_file: Path) -> None:
 
 
 def test_springs_of_a_full_model_file(monkeypatch: pytest.MonkeyPatch, springs_file: Path) -> None:
-    from pysprings.storage import write_tree
+    from pysprings.core.files.storage import write_tree
 
-    fake(monkeypatch, "pysprings.extract", extract_springs=lambda result: synthetic.make_springs())
+    fake(monkeypatch, "pysprings.springs.extract", extract_springs=lambda result: synthetic.make_springs())
     write_tree(synthetic.make_result(), Path("full_model.nc"))
     assert Result("springs", "full_model.nc").out == Result("springs", springs_file).out
 
@@ -544,10 +572,10 @@ def fake_macro(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         }
         return xr.Dataset({name: ("step", value) for name, value in values.items()} | {"M": ("step", [0.0, -16e6])})
 
-    import pysprings.macro
+    import pysprings.macro.predict
 
-    monkeypatch.setattr(pysprings.macro, "predict", answer)
-    monkeypatch.setattr(pysprings.macro, "curve", answer)
+    monkeypatch.setattr(pysprings.macro.predict, "predict", answer)
+    monkeypatch.setattr(pysprings.macro.predict, "curve", answer)
     return seen
 
 
@@ -696,5 +724,5 @@ def test_reader_that_stops_early_is_no_error(springs_file: Path) -> None:
 
 def test_numbers_for_people() -> None:
     values = (1848, np.int64(12345), 0.28149, 1.5e6, True, "x", 2e20)
-    shown = ["1,848", "12,345", "0.2815", "1,500,000", "True", "x", "2e+20"]
-    assert [cli_support.number(value) for value in values] == shown
+    shown = ["1,848", "12,345", "0.2815", "1,500,000", "yes", "x", "2e+20"]
+    assert [number(value) for value in values] == shown

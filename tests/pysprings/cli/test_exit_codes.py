@@ -6,35 +6,41 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
-from pysprings.springs import save_springs
-from tests.pysprings import synthetic, tiny
+from fe_engine.errors import SettingError
+from fe_engine.settings import MOST_THREADS, refuse_bad_settings
+from pysprings.springs.dataset import save_springs
+from tests.support import synthetic, tiny
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 # the command with a run that ends otherwise (and without what takes so long to load)
 REPLACED = """
 import os, signal, sys, types
 def end(*_, **__):
     {end}
-sys.modules["pysprings.folder"] = types.ModuleType("pysprings.folder")
-sys.modules["pysprings.folder"].run_to_folder = end
-from pysprings.cli import main
+sys.modules["pysprings.results.folder"] = types.ModuleType("pysprings.results.folder")
+sys.modules["pysprings.results.folder"].run_to_folder = end
+from pysprings.cli.app import main
 main()
 """
 
 
-def pysprings(*args: object, end: str = "", cwd: Path) -> subprocess.CompletedProcess[str]:
+def pysprings(
+    *args: object, end: str = "", cwd: Path, env: Mapping[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
     """Run the command; ``end`` is a statement that stands for the computation."""
     how = ["-c", REPLACED.format(end=end)] if end else ["-m", "pysprings"]
     command = [sys.executable, *how, *(str(arg) for arg in args)]
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    env = {**os.environ, "PYTHONPATH": str(ROOT), **(env or {})}
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=env, timeout=120)
 
 
@@ -79,3 +85,80 @@ def test_ends_of_a_run(tmp_path: Path, scene_file: Path, end: str, code: int, wo
 def test_2_user_input(tmp_path: Path) -> None:
     done = pysprings("run", "nothing.toml", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (2, "fatal: user input: nothing.toml: no such file\n")
+
+
+@pytest.mark.parametrize("text", ["0", "abc"])
+def test_2_a_number_of_threads_that_is_none(tmp_path: Path, scene_file: Path, text: str) -> None:
+    """Issue: a bug message, or a traceback of Numba."""
+    done = pysprings("check", scene_file, cwd=tmp_path, env={"NUMBA_NUM_THREADS": text})
+    message = f"NUMBA_NUM_THREADS: {text!r} is not a number of threads: a whole number, 1 to {MOST_THREADS}"
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"fatal: user input: {message}\n")
+
+
+def test_numbers_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    for text in ("1", " 8 ", str(MOST_THREADS)):
+        monkeypatch.setenv("NUMBA_NUM_THREADS", text)
+        refuse_bad_settings()
+    for text in ("", "0", "-1", "2.5", "two", str(MOST_THREADS + 1)):
+        monkeypatch.setenv("NUMBA_NUM_THREADS", text)
+        with pytest.raises(SettingError, match="is not a number of threads"):
+            refuse_bad_settings()
+
+
+def test_one_prediction_needs_no_threads(tmp_path: Path) -> None:
+    file = save_springs(synthetic.make_springs(), tmp_path / "springs.nc")
+    done = pysprings("predict", file, "--H", "1 MN", cwd=tmp_path, env={"NUMBA_NUM_THREADS": "abc"})
+    assert (done.returncode, done.stderr) == (0, "")
+    many = pysprings("predict", file, "--u-max", "1 mm", "--points=20", cwd=tmp_path, env={"NUMBA_NUM_THREADS": "abc"})
+    assert many.returncode == 2 and "NUMBA_NUM_THREADS" in many.stderr
+
+
+# --- closed standard streams ---
+
+
+def without(closed: str, *args: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """Run the command by a shell that closes a stream, say ``>&-``."""
+    if os.name == "nt":
+        pytest.skip("needs a POSIX shell")
+    python = [sys.executable, "-m", "pysprings", *(str(arg) for arg in args)]
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = ["sh", "-c", f'exec "$@" {closed}', "sh", *python]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=env, timeout=120)
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&-", "<&- >&- 2>&-"])
+def test_a_closed_stream_is_no_bug(tmp_path: Path, closed: str) -> None:
+    done = without(closed, "init", "a.toml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "a.toml").exists()
+    assert done.stdout.startswith("a.toml") == (">&-" not in closed.split())
+    assert done.stderr.startswith("next: ") == ("2>&-" not in closed)
+
+
+def test_a_run_with_closed_streams_computes_all(tmp_path: Path, scene_file: Path) -> None:
+    done = without(">&- 2>&-", "run", scene_file, "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0
+    assert (tmp_path / "out" / "springs.nc").exists()
+
+
+def test_warnings_do_not_go_among_the_data(tmp_path: Path) -> None:
+    """Issue: with stderr closed they went to stdout, in front of the JSON."""
+    file = save_springs(synthetic.make_springs(), tmp_path / "springs.nc")
+    args = ("predict", file, "--H", "100 MN", "--json")
+    whole, shut = (without(closed, *args, cwd=tmp_path) for closed in ("", "2>&-"))
+    assert (whole.returncode, shut.returncode) == (0, 0)
+    assert "warning: " in whole.stderr and shut.stderr == ""
+    assert json.loads(shut.stdout) == json.loads(whole.stdout)
+
+
+def test_a_file_does_not_get_the_number_of_a_closed_stream(tmp_path: Path) -> None:
+    if os.name == "nt":
+        pytest.skip("needs a POSIX shell")
+    code = (
+        "import os, sys; from pysprings.core.streams import open_missing_streams; open_missing_streams()\n"
+        "file = open('file', 'w'); os.write(1, b'x'); os.write(2, b'x'); print('y'); print('y', file=sys.stderr)"
+    )
+    command = ["sh", "-c", 'exec "$@" >&- 2>&-', "sh", sys.executable, "-c", code]
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    assert subprocess.run(command, cwd=tmp_path, env=env, timeout=60).returncode == 0
+    assert (tmp_path / "file").read_text() == ""

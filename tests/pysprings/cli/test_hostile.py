@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -13,18 +14,20 @@ import openpyxl
 import pytest
 from typer.testing import CliRunner
 
-from pysprings import cli, cli_support, exporters, open_table
-from pysprings.errors import UserInputError
-from pysprings.folder import run_to_folder
-from pysprings.magnitudes import LARGEST, fault, unit_of_column
-from pysprings.report import render
-from pysprings.springs import open_springs
-from pysprings.springs_numbers import name_fault
-from pysprings.storage import write_tree
-from pysprings.tables import file as tables
+from pysprings import open_table
+from pysprings.cli import app, support
+from pysprings.core.errors import UserInputError
+from pysprings.core.files.storage import write_tree
+from pysprings.core.magnitudes import LARGEST, fault, unit_of_column
+from pysprings.results import exporters
+from pysprings.results.folder import run_to_folder
+from pysprings.results.report.page import render
+from pysprings.results.tables import file as tables
+from pysprings.springs.dataset import open_springs
+from pysprings.springs.numbers import name_fault
 from tests.fuzz.judge import watched
 from tests.fuzz.tables import MINIMAL
-from tests.pysprings import synthetic, tiny
+from tests.support import synthetic, tiny
 
 HOSTILE = "=cmd|' /C calc'!A0 ../../x <script>alert(1)</script> & \"q\" \u202e\U0001f4a9 $x_{"
 
@@ -33,7 +36,7 @@ class Result:
     """Exit code and streams of a command."""
 
     def __init__(self, *args: object) -> None:
-        done = CliRunner().invoke(cli.app, [str(arg) for arg in args], prog_name="pysprings")
+        done = CliRunner().invoke(app.app, [str(arg) for arg in args], prog_name="pysprings")
         self.code, self.out, self.err = done.exit_code, done.stdout, done.stderr
 
 
@@ -83,8 +86,8 @@ def test_a_title_does_not_steer_the_terminal(tmp_path: Path) -> None:
 
 
 def test_messages_and_tables_do_not_steer_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    cli_support.say("a\x1b[31mb\nc")
-    cli_support.print_table(["x"], [["\x1b[2J"]])
+    support.say("a\x1b[31mb\nc")
+    support.print_table(["x"], [["\x1b[2J"]])
     captured = capsys.readouterr()
     assert captured.err == "a\\x1b[31mb\nc\n"
     assert captured.out.splitlines()[-1] == "\\x1b[2J"
@@ -300,7 +303,7 @@ def test_a_record_without_p_is_refused(tmp_path: Path) -> None:
 def test_springs_that_never_serve_carry_no_load(tmp_path: Path) -> None:
     """A path on which nothing moves laterally has no p-y curve at all."""
     from pysprings import predict
-    from pysprings.macro import PredictionNotConverged
+    from pysprings.macro.predict import PredictionNotConverged
 
     springs = synthetic.make_springs((synthetic.Path("pull", steps=3),), synthetic.Caisson(rings=3))
     for name in ("u", "rotation", "y"):
@@ -309,20 +312,111 @@ def test_springs_that_never_serve_carry_no_load(tmp_path: Path) -> None:
         predict(springs, H=1e5, springs_kind="py")
 
 
-def test_a_spring_file_that_unpacks_without_end_is_refused(tmp_path: Path) -> None:
-    """A terabyte that was never written takes no room on a disk."""
-    file = write_tree(synthetic.make_springs(caisson=synthetic.Caisson(rings=3)), tmp_path / "s.nc")
-    with netCDF4.Dataset(file, "a") as root:
-        root.createDimension("huge", 2**37)
-        root.createVariable("huge", "f8", ("huge",), chunksizes=(1024,))
-    done = Result("compare", file)
-    assert done.code == 4
-    assert done.err.startswith(f"fatal: resources: {file}: ")
-    assert "GB when unpacked" in done.err
+@pytest.fixture
+def springs_nc(tmp_path: Path) -> Path:
+    return write_tree(synthetic.make_springs(caisson=synthetic.Caisson(rings=3)), tmp_path / "s.nc")
+
+
+@pytest.mark.parametrize(("shape", "size"), [((2**28,), "2.15 GB"), ((2**40, 2**40), "9.67e+15 GB")])
+@pytest.mark.parametrize("sealed", [True, False])
+def test_a_spring_file_that_unpacks_without_end_is_refused(
+    springs_nc: Path, shape: tuple[int, ...], size: str, sealed: bool
+) -> None:
+    """What was never written takes no room on a disk; it takes none in memory either, with and without a checksum."""
+    resource = pytest.importorskip("resource")
+    with netCDF4.Dataset(springs_nc, "a") as root:
+        names = [f"huge{number}" for number in range(len(shape))]
+        for name, length in zip(names, shape, strict=True):
+            root.createDimension(name, length)
+        root["paths/pull"].createVariable("hv", "f8", names, chunksizes=(1024,) * len(shape))
+        if not sealed:
+            root.delncattr("content_sha256")
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    done = Result("compare", springs_nc)
+    assert done.code == 2
+    assert done.err.startswith(f"fatal: user input: {springs_nc}: {size} when unpacked from 0.")
+    assert "never written" in done.err
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300_000  # kB
+
+
+def test_a_spring_set_is_not_larger_than_hundreds_of_paths(springs_nc: Path) -> None:
+    """160 MB of zeros that were written: 0.5 MB on the disk, as small as deflate makes them."""
+    with netCDF4.Dataset(springs_nc, "a") as root:
+        root.createDimension("huge", 20_000_000)
+        variable = root.createVariable("huge", "f8", ("huge",), zlib=True)
+        variable[:] = 0.0
+    done = Result("compare", springs_nc)
+    assert done.code == 2
+    assert "160 MB when unpacked; a set of springs has at most 100 MB" in done.err
+
+
+def test_a_file_with_too_much_in_its_header_is_refused(springs_nc: Path) -> None:
+    with netCDF4.Dataset(springs_nc, "a") as root:
+        for number in range(201):
+            root["paths"].createVariable(f"v{number}", "f8", ())
+    done = Result("compare", springs_nc)
+    assert done.code == 2
+    assert done.err == f"fatal: user input: {springs_nc}: holds 201 variables in '/paths', at most 200\n"
+
+
+@pytest.mark.filterwarnings("ignore:.*no content_sha256")
+def test_the_first_problems_of_many_are_shown(springs_nc: Path) -> None:
+    """Empty groups lack every variable of a path."""
+    with netCDF4.Dataset(springs_nc, "a") as root:
+        root.delncattr("content_sha256")
+        for number in range(100):
+            root.createGroup(f"paths/x{number}")
+    done = Result("compare", springs_nc)
+    lines = [line for line in done.err.splitlines() if line.startswith("fatal: ")]
+    assert done.code == 2
+    assert len(lines) == 21
+    assert re.fullmatch(r"fatal: user input: and \d,\d{3} more problems", lines[-1])
+
+
+# --- names of files ---
+
+
+@pytest.mark.parametrize("name", ["CON", "nul", "Prn", "AUX", "COM1", "lpt9", "com0"])
+def test_names_that_are_devices_are_refused(tmp_path: Path, name: str) -> None:
+    text = f'[[path]]\nname = "{name}"\nkind = "pull"\nlateral_displacement = "1 mm"\n'
+    (tmp_path / "c.toml").write_text(text, encoding="utf-8")
+    done = Result("check", tmp_path / "c.toml")
+    assert done.code == 2
+    place = f"{tmp_path / 'c.toml'}:2:8: path[0].name"
+    assert (
+        done.err
+        == f'fatal: user input: {place}: "{name}" names files, too, and Windows takes such a file for a device\n'
+    )
+    assert name_fault(name)
+
+
+@pytest.mark.parametrize("name", ["CON.x", "nul .csv", "a.", "a "])
+def test_names_of_other_files_that_windows_refuses(name: str) -> None:
+    assert "Windows refuses" in name_fault(name)
+
+
+@pytest.mark.parametrize("name", ["CONE", "com", "COM10", "lpt-1", "aux2"])
+def test_names_like_those_of_devices_are_welcome(name: str) -> None:
+    assert name_fault(name) == ""
+    assert tiny.scene(paths=({**tiny.PULL, "name": name},)).paths[0].name == name
+
+
+TOO_LONG = [
+    ("run", "FILE", "--out", "LONG"), ("predict", "LONG", "--H", "1 MN"), ("check", "LONG"), ("init", "LONG"),
+    ("paper", "--out", "LONG"), ("export", "LONG"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("command", TOO_LONG, ids=lambda command: command[0])
+def test_paths_that_are_too_long_are_the_users(tmp_path: Path, command: tuple[str, ...]) -> None:
+    words = {"FILE": tiny.write(tiny.scene(), tmp_path / "c.toml"), "LONG": tmp_path / ("x" * 300)}
+    done = Result(*(words.get(word, word) for word in command))
+    assert done.code == 2, done.err
+    assert done.err.startswith("fatal: user input: ")
 
 
 def test_a_message_does_not_quote_a_whole_file() -> None:
-    from pysprings.errors import Problem
+    from pysprings.core.errors import Problem
 
     line = str(Problem("f", 1, 2, "k" * 5000, "m" * 5000))
     assert len(line) < 1050

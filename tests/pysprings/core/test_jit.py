@@ -13,20 +13,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pysprings import jit, macro_solver
-from pysprings.macro import MacroModel
-from pysprings.springs import save_springs
-from tests.pysprings.synthetic import make_springs
-from tests.pysprings.test_macro_fan import fan_springs, potential
+from pysprings.core import jit
+from pysprings.macro import solver
+from pysprings.macro.predict import MacroModel
+from pysprings.springs.dataset import save_springs
+from tests.pysprings.macro.test_fan import fan_springs, potential
+from tests.support.synthetic import make_springs
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture
 def plain(monkeypatch):
     """The solver once more, undecorated."""
     monkeypatch.setitem(jit.PLAIN, "on", True)
-    spec = importlib.util.spec_from_file_location("plain_solver", macro_solver.__file__)
+    spec = importlib.util.spec_from_file_location("plain_solver", solver.__file__)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -45,7 +46,7 @@ def test_plain_python_says_the_same(plain, spring_set):
         np.testing.assert_allclose(force, expected[0], rtol=1e-12, atol=1e-6)
         np.testing.assert_allclose(tangent, expected[1], rtol=1e-12, atol=1e-3)
     assert not hasattr(plain.reactions, "py_func")
-    assert hasattr(macro_solver.reactions, "py_func")
+    assert hasattr(solver.reactions, "py_func")
 
 
 def test_which_commands_do_without_numba(monkeypatch):
@@ -65,7 +66,7 @@ def test_which_commands_do_without_numba(monkeypatch):
 def test_the_command_loads_no_numba_and_finds_the_same(tmp_path):
     file = save_springs(make_springs(), tmp_path / "springs.nc")
     code = (
-        "import sys; from pysprings.cli import main\n"
+        "import sys; from pysprings.cli.app import main\n"
         "try: main()\n"
         "except SystemExit: pass\n"
         "print('numba' in sys.modules, 'pint' in sys.modules and 'pint.registry' in sys.modules, file=sys.stderr)"
@@ -75,6 +76,6 @@ def test_the_command_loads_no_numba_and_finds_the_same(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, env=env, timeout=60, check=True)
     assert done.stderr.split()[0] == "False"
     (state,) = json.loads(done.stdout)["states"]
-    from pysprings.macro import predict
+    from pysprings.macro.predict import predict
 
     assert state["u"] == pytest.approx(float(predict(make_springs(), H=1e6)["u"][-1]), rel=1e-9)

@@ -3,33 +3,46 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
-from pysprings.result_files import FILES, PICTURES, WHOLE_RUN, picture_kind, pictures_in, remove_results, results_in
+from pysprings.core.files.layout import (
+    FILES,
+    PICTURES,
+    WHOLE_RUN,
+    picture_kind,
+    pictures_in,
+    remove_results,
+    results_in,
+)
 
 OURS = ["mesh.png", "pull_py.svg", "a_b_gap_2.5mm.png", "a-1_stress_outside_last.png"]
+UNLISTED = ["pull_py.png"]  # a name as ours have, and no run has written it
+FOREIGN = ["scene.toml", "figures/../scene.toml", "/etc/x", "figures/sub/x", "other/x", 3, None]  # a list may hold
 THEIRS = ["photo.png", "py.png", "mesh_2.png", "pull_py.pdf", "pull_gap_first.png", "notes.txt"]
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "figures").mkdir()
-    for name in (*FILES, "scene.toml", *(f"figures/{name}" for name in OURS + THEIRS)):
+    for name in (*FILES, "scene.toml", *(f"figures/{name}" for name in [*OURS, *UNLISTED, *THEIRS])):
         (tmp_path / name).write_text("old")
+    record = {"files": [f"figures/{name}" for name in OURS] + FOREIGN}
+    (tmp_path / "run.json").write_text(json.dumps(record))
     return tmp_path
 
 
 def test_pictures_are_told_by_their_names(folder: Path) -> None:
-    assert [path.name for path in pictures_in(folder)] == sorted(OURS)
+    assert [path.name for path in pictures_in(folder)] == sorted([*OURS, *UNLISTED])
 
 
 def test_results_go_and_everything_else_stays(folder: Path) -> None:
     assert results_in(folder) == list(FILES)
     remove_results(folder)
     left = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
-    assert left == {"scene.toml", *(f"figures/{name}" for name in THEIRS)}
+    assert left == {"scene.toml", *(f"figures/{name}" for name in [*UNLISTED, *THEIRS])}
 
 
 def test_a_folder_without_results_is_left_alone(folder: Path) -> None:
@@ -37,7 +50,7 @@ def test_a_folder_without_results_is_left_alone(folder: Path) -> None:
     for name in FILES:
         (folder / name).unlink()
     remove_results(folder)
-    assert len(pictures_in(folder)) == len(OURS)
+    assert len(pictures_in(folder)) == len([*OURS, *UNLISTED])
     remove_results(folder / "nowhere")
 
 

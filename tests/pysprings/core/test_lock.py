@@ -12,14 +12,14 @@ from pathlib import Path
 
 import pytest
 
-from pysprings.errors import ResourceError
-from pysprings.run_lock import exclusive
+from pysprings.core.errors import ResourceError
+from pysprings.core.files.lock import exclusive
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 HOLD = """
 import sys, time
 from pathlib import Path
-from pysprings.run_lock import exclusive
+from pysprings.core.files.lock import exclusive
 with exclusive(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(60)

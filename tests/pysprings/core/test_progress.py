@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import io
 
-from pysprings.progress import PlainLines, reporter
+from pysprings.core.progress import PlainLines, reporter
 
 
 class Terminal(io.StringIO):

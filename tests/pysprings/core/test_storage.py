@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings import seal
-from pysprings.errors import ResourceError, UserInputError
-from pysprings.storage import leftovers, read_tree, replacing, write_text, write_tree
-from tests.pysprings.synthetic import make_result, make_springs
+from pysprings.core.errors import ResourceError, UserInputError
+from pysprings.core.files import seal
+from pysprings.core.files.storage import leftovers, read_tree, replacing, write_text, write_tree
+from tests.support.synthetic import make_result, make_springs
 
 
 def test_result_comes_back_identical(tmp_path):
@@ -182,7 +182,7 @@ def test_a_full_disk_is_a_resource_that_is_missing(tmp_path):
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
     try:
-        with pytest.raises(ResourceError, match=r"springs\.nc: cannot be written \(.*MB are free there\)"):
+        with pytest.raises(ResourceError, match=r"springs\.nc: cannot be written \(.*MB are free on the disk.*\)"):
             write_tree(make_springs(), old)
         with pytest.raises(OSError):
             write_text("x" * 10000, old)

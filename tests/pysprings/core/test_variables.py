@@ -7,8 +7,8 @@ import cf_xarray.units
 import pytest
 import xarray as xr
 
-from pysprings import variables
-from tests.pysprings.synthetic import make_result, make_springs
+from pysprings.core import variables
+from tests.support.synthetic import make_result, make_springs
 
 
 @pytest.mark.parametrize("group", list(variables.GROUPS))

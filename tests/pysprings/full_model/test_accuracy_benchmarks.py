@@ -12,12 +12,12 @@ import xarray as xr
 
 import pysprings
 from benchmarks import bench, error_estimates
-from fe_engine import recycled
+from fe_engine.linear import recycled
 from pysprings import Scene
-from pysprings.accuracy import two_mesh
-from pysprings.errors import PyspringsError
-from tests.pysprings.synthetic import Path as Pull
-from tests.pysprings.synthetic import make_result
+from pysprings.core.errors import PyspringsError
+from pysprings.full_model.accuracy import two_mesh
+from tests.support.synthetic import Path as Pull
+from tests.support.synthetic import make_result
 
 
 def run(unknowns: int, wall: float, unit: float) -> dict[str, Any]:
@@ -47,7 +47,9 @@ def test_cost_per_unknown_is_that_of_the_first_over_the_second() -> None:
 
 
 def test_meshes_of_the_benchmark_are_scenes() -> None:
+    assert set(bench.GROWTH) >= {"drained", "coupled"}
     for mode, meshes in bench.GROWTH.items():
+        assert len(meshes) > 1
         for mesh in meshes:
             found = bench.scene(mesh, 1e-3, mode)
             assert found.drainage.mode == mode
@@ -55,6 +57,7 @@ def test_meshes_of_the_benchmark_are_scenes() -> None:
 
 
 def test_what_the_benchmark_changes_in_the_solver_is_there() -> None:
+    assert bench.AT_REST_ALONE
     assert all(hasattr(recycled, name) for name in bench.AT_REST_ALONE)
 
 
@@ -72,7 +75,7 @@ def test_results_are_kept_by_scene_and_version(tmp_path: Path, monkeypatch: pyte
     for _ in range(2):
         error_estimates.result_of(Scene(title="a"), tmp_path)
     assert asked == ["a"]
-    monkeypatch.setattr(pysprings, "__version__", "99")
+    monkeypatch.setattr("pysprings.core.version.__version__", "99")
     told |= {"pysprings_version": "99", "status": "partial"}
     for _ in range(2):
         with pytest.raises(PyspringsError, match="stuck"):

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.accuracy import quantities
-from pysprings.accuracy.curves import (
+from pysprings.full_model.accuracy import quantities
+from pysprings.full_model.accuracy.curves import (
     LOAD,
     OTHER,
     POINTS,
@@ -24,9 +24,9 @@ from pysprings.accuracy.curves import (
     sampled,
     samples,
 )
-from pysprings.accuracy.measures import errors
-from pysprings.springs import get_path
-from tests.pysprings.synthetic import Caisson, Path, make_result, stiffness
+from pysprings.full_model.accuracy.measures import errors
+from pysprings.springs.dataset import get_path
+from tests.support.synthetic import Caisson, Path, make_result, stiffness
 
 PATHS = (Path("pull", arm=8.0), Path("shift", kind="translation"), Path("turn", kind="rotation", size=-1e-3))
 LENGTH = Caisson().length

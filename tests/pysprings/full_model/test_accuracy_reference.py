@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pysprings.accuracy import measures
-from pysprings.accuracy.curves import LOAD, OTHER, PRESSURE, PY, STIFFNESS, Sample
-from pysprings.accuracy.richardson import cell_size, extrapolate, order_from
-from pysprings.pareto import front
+from pysprings.full_model.accuracy import measures
+from pysprings.full_model.accuracy.curves import LOAD, OTHER, PRESSURE, PY, STIFFNESS, Sample
+from pysprings.full_model.accuracy.richardson import cell_size, extrapolate, order_from
+from pysprings.studies.accuracy.pareto import front
 
 H = (1.0, 0.71, 0.42)  # ratios that are not equal
 

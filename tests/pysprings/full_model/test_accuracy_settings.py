@@ -12,23 +12,24 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings import Scene, cli, load_scene
-from pysprings.accuracy import presets, two_mesh
-from pysprings.accuracy.curves import LOAD, PY
-from pysprings.accuracy.own_estimate import add_estimate, was_interrupted
-from pysprings.accuracy.richardson import cell_size
-from pysprings.accuracy.settings import BETWEEN, PRESETS, VARIED, read_mesh, settings
-from pysprings.build import counts_of
-from pysprings.caisson_mesh import PRESETS as MESHES
-from pysprings.cli_support import with_target
-from pysprings.errors import ResourceError, UserInputError
-from tests.pysprings.test_accuracy_curves import result
+from pysprings import Scene, load_scene
+from pysprings.cli import app
+from pysprings.cli.support import with_target
+from pysprings.core.errors import ResourceError, UserInputError
+from pysprings.full_model.accuracy import presets, two_mesh
+from pysprings.full_model.accuracy.curves import LOAD, PY
+from pysprings.full_model.accuracy.own_estimate import add_estimate, was_interrupted
+from pysprings.full_model.accuracy.richardson import cell_size
+from pysprings.full_model.accuracy.settings import BETWEEN, PRESETS, VARIED, read_mesh, settings
+from pysprings.model.build import counts_of
+from pysprings.model.mesh import PRESETS as MESHES
+from tests.pysprings.full_model.test_accuracy_curves import result
 
-STUDIED = Path(__file__).parents[2] / "data" / "scenes" / "service-load.toml"
+STUDIED = Path(__file__).parents[3] / "data" / "scenes" / "service-load.toml"
 
 
 def test_the_command_offers_the_targets_there_are() -> None:
-    assert [each.value for each in cli.Target] == list(presets.TARGETS)
+    assert [each.value for each in app.Target] == list(presets.TARGETS)
 
 
 def test_the_default_study() -> None:

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fe_engine.assembly import System
+from fe_engine.assembly.system import System
 from fe_engine.state import Fields, State
-from pysprings import variables
-from pysprings.build import SURFACE, Built, build_model
-from pysprings.collect import Collector, section_dataset
-from tests.pysprings import tiny
+from pysprings.core import variables
+from pysprings.full_model.collect import Collector, section_dataset
+from pysprings.model.build import SURFACE, Built, build_model
+from tests.support import tiny
 
 MOTION = np.array([1e-3, -2e-4, 5e-5])
 TIMES = (0.0, 7.5)
@@ -67,6 +67,7 @@ def test_totals_and_surfaces(built: Built, states: list[Fields], path: xr.Datase
     total = dict.fromkeys(("H", "V", "M"), 0.0)
     for name, code in SURFACE.items():
         mine = [(x, f) for surface, x, f, _ in forces(built, states[1]) if surface == code]
+        assert mine, f"no station on the {name}"
         part = {
             "H": sum(f[0] for _, f in mine),
             "V": sum(f[2] for _, f in mine),
@@ -185,3 +186,41 @@ def test_a_state_can_be_marked_as_not_converged(built: Built, states: list[Field
     collector.add(states[0], 0.0, converged=False)
     data = collector.dataset()
     assert data["converged"].values.tolist() == [0] and data["converged"].dtype == np.int8
+
+
+# --- the elastic caisson: what its sections do ---
+
+
+@pytest.mark.parametrize("azimuth", [8, 12])
+def test_the_mean_of_a_section_is_that_of_the_whole_ring(azimuth: int) -> None:
+    """Displacement of the wall's middle by a polynomial in cos(azimuth); mean by a loop around the whole circle.
+
+    cos^2 has the mean 1/2, cos and cos^3 none: nodes in the symmetry plane belong to both halves, and count once.
+    """
+    scene = tiny.scene(caisson={"behaviour": "elastic"}, mesh={"refinement": 0.4, "azimuth": azimuth})
+    built = build_model(scene)
+    steel, mesh = built.steel, built.model.mesh
+    assert steel is not None
+    state = deepcopy(State(built.model).committed)
+    state.border[...] = MOTION
+    length, amplitude = built.caisson.depth[-1], {"outside": 3e-4, "inside": 1e-4}  # their mean is that of the middle
+
+    def bent(cos: float, z: float, of: float) -> tuple[float, float]:
+        """Displacement along x and y of a point of the wall beyond the rigid motion."""
+        return of * (1.0 + z / length) * (1.0 + 2.0 * cos + 3.0 * cos**2 + cos**3), of * (2.0 + z) * (1.0 - cos**2)
+
+    for side, wall in steel.walls.items():
+        for node in wall.ravel():
+            x, y, z = mesh.nodes[node]
+            state.displacement[node, :2] = bent(float(x / np.hypot(x, y)), float(z), amplitude[side])
+    collector = Collector(built, System(built.model), False, False)
+    collector.add(state, 0.0)
+    row = collector.dataset().isel(step=0)
+    around = [2.0 * np.pi * k / 360 for k in range(360)]
+    for k, z in enumerate(built.caisson.depth):
+        mean = sum(bent(np.cos(a), z, 2e-4)[0] for a in around) / len(around)
+        assert mean == pytest.approx(2e-4 * (1.0 + z / length) * 2.5, rel=1e-12)
+        assert float(row["y"][k]) == pytest.approx(MOTION[0] + MOTION[2] * z + mean, rel=1e-9)
+        front, back, across = (bent(cos, z, 2e-4) for cos in (1.0, -1.0, 0.0))
+        assert float(row["diameter_change_x"][k]) == pytest.approx(front[0] - back[0], rel=1e-9)
+        assert float(row["diameter_change_y"][k]) == pytest.approx(2.0 * across[1], rel=1e-9)

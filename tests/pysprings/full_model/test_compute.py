@@ -11,17 +11,19 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fe_engine import step_size
 from fe_engine.errors import LinearSolverError
-from pysprings import full_model, variables
-from pysprings.comparison import compare
-from pysprings.errors import ResourceError, RunIncomplete, UserInputError
-from pysprings.extract import extract_springs
-from pysprings.full_model import compute, raise_if_incomplete, run
-from pysprings.plots import data as plot_data
-from pysprings.scene import parse_scene
-from pysprings.springs import balance, get_path
-from tests.pysprings import tiny
+from fe_engine.solve import step_size
+from fe_engine.solve.newton import Newton
+from pysprings.core import variables
+from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
+from pysprings.full_model import discretise
+from pysprings.full_model.compute import compute, raise_if_incomplete, run
+from pysprings.macro.comparison import compare
+from pysprings.results.plots import data as plot_data
+from pysprings.scene.load import parse_scene
+from pysprings.springs.dataset import balance, get_path
+from pysprings.springs.extract import extract_springs
+from tests.support import tiny
 
 
 def record_of(result: xr.DataTree) -> dict[str, Any]:
@@ -107,7 +109,6 @@ def test_phases_add_up_to_wall_and_cpu_time() -> None:
     assert set(record["phases"]) == {"mesh", "set-up", "assembly", "factorisation", "solve", "output", "other"}
     for key in ("wall_s", "cpu_s"):
         assert sum(phase[key] for phase in record["phases"].values()) == pytest.approx(record[key], abs=0.01)
-    assert record["phases"]["other"]["wall_s"] < 0.25 * record["wall_s"]
 
 
 def test_the_convergence_group_has_every_iteration() -> None:
@@ -256,8 +257,37 @@ def test_a_load_that_the_soil_does_not_carry() -> None:
     assert "the caisson has moved by" in failure
     path = result["paths/storm"]
     assert path.attrs["status"] == "partial"
-    assert np.abs(path["u"][:-1]).max() < 0.5 * 7.8
+    assert np.abs(path["u"][:-1]).max() < 0.1 * 7.8
     assert 1e6 < float(path["H"][-1]) < 1e7
+
+
+CLAY = {"friction_angle_initial": 0.0, "friction_angle_final": 0.0, "cohesion": 40e3, "young_modulus": 20e6}
+SOFT = {"yield_surface": "elastic", "young_modulus": 1e6}
+
+
+@pytest.mark.parametrize(("soil", "reason"), [(CLAY, "limit load"), (SOFT, "displacement limit")])
+def test_a_load_ends_where_the_caisson_has_moved_too_far(soil: dict[str, Any], reason: str) -> None:
+    """Clay as cohesion alone has no peak: it went on to 4 m and 72 deg. A soft soil still resists: another name."""
+    path = {"name": "storm", "kind": "load", "lateral_force": 2e7, "arm": 10.0}
+    steps = {"first_step_fraction": 0.02, "max_step_fraction": 0.1}
+    result = compute(tiny.scene(soil=soil, solver=steps, paths=(path,)))
+    (failure,) = record_of(result)["failures"]
+    assert f" %: {reason}: the caisson has moved by " in failure
+    assert "(limit 10% of the diameter, 5 deg)" in failure
+    data = result["paths/storm"]
+    tip = data["u"] + 4.0 * data["rotation"]
+    share = np.max([np.abs(data["u"]) / 0.78, np.abs(tip) / 0.78, np.abs(np.rad2deg(data["rotation"])) / 5.0], axis=0)
+    assert (share[:-1] <= 1.0).all()
+    assert 1.0 < share[-1] <= 1.5
+    assert (data["converged"] == 1).all()
+
+
+def test_a_pull_goes_as_far_as_it_is_told() -> None:
+    """Only a given load is stopped: an imposed displacement beyond a tenth of the diameter is run, and named."""
+    path = {"name": "pull", "kind": "pull", "lateral_displacement": 1.0}
+    result = compute(tiny.scene(soil=SOFT, interface={"friction_coefficient": 0.0}, paths=(path,)))
+    assert end(result, "u") == pytest.approx(1.0)
+    assert record_of(result)["failures"] == []
 
 
 def test_a_dead_load_that_the_soil_does_not_carry() -> None:
@@ -299,7 +329,7 @@ def test_a_linear_solver_that_is_not_there_is_a_missing_resource(monkeypatch: py
     def missing(*_: object, **_options: object) -> None:
         raise LinearSolverError("pardiso does not load here: no library")
 
-    monkeypatch.setattr(full_model, "LinearSolver", missing)
+    monkeypatch.setattr(discretise, "LinearSolver", missing)
     with pytest.raises(ResourceError, match="pardiso does not load here"):
         run(tiny.scene())
 
@@ -308,7 +338,7 @@ def test_a_singular_start_is_a_run_that_stopped(monkeypatch: pytest.MonkeyPatch)
     def singular(*_: object) -> None:
         raise LinearSolverError("zero pivot")
 
-    monkeypatch.setattr(full_model.Newton, "border_stiffness", singular)
+    monkeypatch.setattr(Newton, "border_stiffness", singular)
     with pytest.raises(RunIncomplete, match="stiffness of the initial state cannot be computed: zero pivot"):
         run(tiny.scene())
 

@@ -12,9 +12,9 @@ import pytest
 
 from fe_engine.soil import plasol
 from fe_engine.soil.elastic import elastic_tangent
-from pysprings import diagnosis
-from pysprings.full_model import compute
-from tests.pysprings import tiny
+from pysprings.full_model import diagnosis
+from pysprings.full_model.compute import compute
+from tests.support import tiny
 
 
 def test_the_elastic_acoustic_tensor_has_the_textbook_determinant() -> None:

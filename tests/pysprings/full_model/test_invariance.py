@@ -14,18 +14,18 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fe_engine.assembly import System
-from fe_engine.linear import LinearSolver
+from fe_engine.assembly.system import System
+from fe_engine.linear.solver import LinearSolver
 from fe_engine.model import Model
-from fe_engine.newton import Newton, Settings
+from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
-from fe_engine.stepping import Driver, Step
 from pysprings import Scene
-from pysprings.build import build_model
-from pysprings.full_model import run
-from pysprings.stages import path_stages
-from tests.fe_engine.models import rotation_matrix, to_matrix, to_voigt
-from tests.pysprings import tiny
+from pysprings.full_model.compute import run
+from pysprings.model.build import build_model
+from pysprings.model.stages import path_stages
+from tests.support import tiny
+from tests.support.models import rotation_matrix, to_matrix, to_voigt
 
 # dimension of each scaled quantity: powers of force, length and time; what is left out has none
 DIMENSIONS: dict[str, dict[str, tuple[int, int, int]]] = {

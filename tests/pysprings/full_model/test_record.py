@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 
 from fe_engine.errors import NotConverged
-from pysprings import variables
-from pysprings.run_record import (
+from pysprings.core import variables
+from pysprings.full_model.record import (
     DEAD_LOAD,
     Meter,
     convergence_dataset,
@@ -21,7 +21,7 @@ from pysprings.run_record import (
     summarise,
     with_attempts,
 )
-from pysprings.stages import dead_load_stage
+from pysprings.model.stages import dead_load_stage
 
 COUNTS = {"n_open": 0, "n_slip": 1, "n_plastic": 2, "n_apex": 0, "damping": 1.0, "correction": 0.0}
 

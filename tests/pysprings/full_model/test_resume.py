@@ -6,6 +6,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -21,19 +22,23 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import pysprings
-from fe_engine import step_size
-from fe_engine.newton import Settings
-from pysprings import cavitation, checkpoint, cli, full_model
-from pysprings.checkpoint import Checkpoints
-from pysprings.cli_support import interruptible
-from pysprings.errors import ResourceError, UserInputError
-from pysprings.folder import run_to_folder
-from pysprings.full_model import compute
-from pysprings.result_files import FILES
-from tests.pysprings import tiny
-from tests.pysprings.test_water_run import wet
+from fe_engine.compiled import engine_digest
+from fe_engine.solve import step_size
+from fe_engine.solve.newton import Newton, Settings
+from pysprings.cli import app
+from pysprings.cli.support import interruptible
+from pysprings.core.errors import ResourceError, UserInputError
+from pysprings.core.files.layout import FILES
+from pysprings.full_model import cavitation, checkpoint, discretise
+from pysprings.full_model import compute as full_model
+from pysprings.full_model.checkpoint import Checkpoints, Saved
+from pysprings.full_model.compute import compute
+from pysprings.full_model.environment import differences
+from pysprings.results.folder import run_to_folder
+from tests.pysprings.full_model.test_water_run import wet
+from tests.support import tiny
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SECOND = {**tiny.PULL, "name": "second", "kind": "translation"}
 
 
@@ -136,7 +141,7 @@ def test_factors_of_earlier_tangents_go_on_too(
 ) -> None:
     """As large models solve: what the factors were made from is in the checkpoint."""
     own = record_of(straight("drained"))["solver"]["factorisations"]
-    monkeypatch.setattr(full_model, "Settings", lambda tolerance, most: Settings(tolerance, most, 0))
+    monkeypatch.setattr(discretise, "Settings", lambda tolerance, most: Settings(tolerance, most, 0))
     whole = compute(drained())
     assert record_of(whole)["solver"]["factorisations"] < own
     done = 0
@@ -281,6 +286,24 @@ def test_a_damaged_file_is_told_and_what_it_held_computed_again(
         xr.testing.assert_identical(*(_plain(tree[group]) for tree in (result, straight("drained"))))
 
 
+@pytest.mark.parametrize("written", [1, 2, 3, 4])
+def test_of_two_generations_the_newer_one_is_gone_on_from(tmp_path: Path, written: int) -> None:
+    """Whichever of both files it stands in; the next one replaces the older."""
+    made = Checkpoints(tmp_path, {"scene": "a"})
+    made.begin(Saved({}, {}))
+    for step in range(written):
+        meta = {"path": "pull", "n_rows": step + 1, "cost": {"wall_s": float(step)}}
+        made.save_state(Saved(meta, {"u": np.array([1e-3 * step])}))
+    again = Checkpoints(tmp_path, {"scene": "a"})
+    loaded = again.load()
+    assert loaded.state is not None and loaded.newest is not None
+    assert (loaded.state.meta["n_rows"], loaded.state.arrays["u"][0]) == (written, 1e-3 * (written - 1))
+    assert loaded.place == f"path 'pull', step {written - 1}"
+    again.save_state(Saved({"path": "pull", "n_rows": 99, "cost": {"wall_s": 99.0}}, {}))
+    kept = sorted(checkpoint.read(file).meta["n_rows"] for file in (tmp_path / "checkpoint").glob("state-*.npz"))
+    assert kept == [written, 99]
+
+
 def test_checkpoints_that_are_all_damaged_are_refused(stopped: Path, tmp_path: Path) -> None:
     folder = shutil.copytree(stopped, tmp_path / "copy")
     for file in (folder / "checkpoint").iterdir():
@@ -296,6 +319,7 @@ def test_checkpoints_that_are_all_damaged_are_refused(stopped: Path, tmp_path: P
         ({"mesh": "medium"}, "its mesh was coarse and is medium"),
         ({"linear": "superlu"}, "its linear solver was pardiso and is superlu"),
         ({"version": "9.9"}, "its version of pysprings was "),
+        ({"engine": "0" * 64}, "its engine was sha256 [0-9a-f]{64} and is sha256 0{64}"),
     ],
     ids=lambda value: "" if isinstance(value, str) else next(iter(value)),
 )
@@ -304,12 +328,53 @@ def test_another_run_is_refused(
 ) -> None:
     if "linear" in changed:
         pytest.importorskip("pypardiso")
-    monkeypatch.setattr(pysprings, "__version__", changed.pop("version", pysprings.__version__))
+    monkeypatch.setattr("pysprings.core.version.__version__", changed.pop("version", pysprings.__version__))
+    digest = changed.pop("engine", engine_digest())
+    monkeypatch.setattr(full_model, "engine_digest", lambda: digest)
     before = files_in(stopped)
     scene = drained().replace(**changed.pop("scene", {}))
     with pytest.raises(UserInputError, match=f"another run was interrupted here: {words}"):
         compute(scene, **changed, checkpoints=Checkpoints(stopped), resume=True)
     assert files_in(stopped) == before
+
+
+def test_other_libraries_are_noted(stopped: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(stopped, tmp_path / "copy")
+    files = sorted((folder / "checkpoint").iterdir())
+    assert len(files) > 1
+    for file in files:
+        saved = checkpoint.read(file)
+        assert saved.meta["environment"]["numpy"] == np.__version__
+        other = saved.meta["environment"] | {"numpy": "1.2.3", "threads of numba": "999"}
+        checkpoint.write(file, checkpoint.Saved(saved.meta | {"environment": other}, saved.arrays))
+    result = compute(drained(), checkpoints=Checkpoints(folder), resume=True)
+    (note,) = record_of(result)["warnings"]
+    threads = record_of(result)["environment"]["threads of numba"]
+    assert f"numpy 1.2.3 (here {np.__version__}), threads of numba 999 (here {threads}): last digits may differ" in note
+    again = compute(drained(), checkpoints=Checkpoints(shutil.copytree(stopped, tmp_path / "same")), resume=True)
+    assert record_of(again)["warnings"] == []
+
+
+def test_environments_that_differ() -> None:
+    now = {"numpy": "2", "MKL": "3"}
+    assert differences([], now) == differences([now, now], now) == []
+    first, second = differences([{"numpy": "1", "MKL": "3"}, now, {"numpy": "2"}, {"numpy": "1", "MKL": "3"}], now)
+    assert "numpy 1 (here 2)" in first and "MKL" not in first
+    assert "MKL unknown (here 3)" in second
+
+
+def test_the_record_names_what_computed_it() -> None:
+    import numba
+    import scipy
+
+    environment = record_of(straight("drained"))["environment"]
+    versions = (np.__version__, scipy.__version__, numba.__version__)
+    assert tuple(environment[name] for name in ("numpy", "scipy", "numba")) == versions
+    assert int(environment["threads of numba"]) == numba.get_num_threads()
+    if record_of(straight("drained"))["solver"]["linear"] == "pardiso":
+        assert re.fullmatch(r"[0-9]{4}\.[0-9.]+", environment["MKL"]) and int(environment["threads of MKL"]) >= 1
+    else:
+        assert "MKL" not in environment
 
 
 def test_a_checkpoint_holds_no_pickles(tmp_path: Path) -> None:
@@ -327,7 +392,7 @@ def test_a_checkpoint_holds_no_pickles(tmp_path: Path) -> None:
 
 
 def command(*args: object) -> Any:
-    return CliRunner().invoke(cli.app, [str(arg) for arg in args], prog_name="pysprings")
+    return CliRunner().invoke(app.app, [str(arg) for arg in args], prog_name="pysprings")
 
 
 @pytest.fixture
@@ -443,7 +508,7 @@ def test_a_second_run_is_refused(tmp_path: Path, scene_file: Path) -> None:
 
 
 def test_out_of_memory_keeps_what_converged(tmp_path: Path, scene_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    solve, calls = full_model.Newton.solve, []
+    solve, calls = Newton.solve, []
 
     def starving(*args: Any) -> Any:
         calls.append(0)
@@ -451,7 +516,7 @@ def test_out_of_memory_keeps_what_converged(tmp_path: Path, scene_file: Path, mo
             raise MemoryError
         return solve(*args)
 
-    monkeypatch.setattr(full_model.Newton, "solve", starving)
+    monkeypatch.setattr(Newton, "solve", starving)
     out = tmp_path / "out"
     done = command("run", scene_file, "--out", out)
     assert done.exit_code == 4
@@ -491,7 +556,7 @@ def test_a_disk_that_is_full_for_the_results_leaves_the_checkpoints(
 ) -> None:
     resource = pytest.importorskip("resource")
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    written = pysprings.folder.write_tree
+    written = pysprings.results.folder.write_tree
 
     def full(*args: Any) -> Any:
         resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
@@ -500,11 +565,11 @@ def test_a_disk_that_is_full_for_the_results_leaves_the_checkpoints(
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
-    monkeypatch.setattr(pysprings.folder, "write_tree", full)
+    monkeypatch.setattr(pysprings.results.folder, "write_tree", full)
     with pytest.raises(ResourceError, match=r"full_model\.nc: cannot be written"):
         run_to_folder(drained(), tmp_path)
     assert all(name.startswith("checkpoint") for name in files_in(tmp_path))
-    monkeypatch.setattr(pysprings.folder, "write_tree", written)
+    monkeypatch.setattr(pysprings.results.folder, "write_tree", written)
     run_to_folder(drained(), tmp_path, resume=True)
     assert set(files_in(tmp_path)) == set(FILES)
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.ring_measure import contact_alternation
-from tests.pysprings import tiny
+from pysprings.full_model.ring_measure import contact_alternation
+from tests.support import tiny
 
 N = 17
 THETA = np.linspace(0.0, np.pi, N)

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings import Scene, full_model
-from pysprings.build import build_model
-from pysprings.cavitation import ATMOSPHERE, VAPOUR, smallest_margin
-from pysprings.full_model import compute, run
-from pysprings.stages import path_stages
-from tests.pysprings import tiny
+from pysprings import Scene
+from pysprings.full_model import discretise
+from pysprings.full_model.cavitation import ATMOSPHERE, VAPOUR, smallest_margin
+from pysprings.full_model.compute import compute, run
+from pysprings.model.build import build_model
+from pysprings.model.stages import path_stages
+from tests.support import tiny
 
 
 def wet(mode: str = "coupled", rate: float = 1e-4, drainage: dict | None = None, **path: object) -> Scene:
@@ -74,7 +75,7 @@ def test_linear_systems_are_solved_exactly_where_nothing_flows(
     monkeypatch: pytest.MonkeyPatch, mode: str, exact: bool
 ) -> None:
     seen = []
-    monkeypatch.setattr(full_model, "Newton", lambda system, solver, settings: seen.append(settings) or 1 / 0)
+    monkeypatch.setattr(discretise, "Newton", lambda system, solver, settings: seen.append(settings) or 1 / 0)
     with pytest.raises(ZeroDivisionError):
         run(wet(mode))
     assert [settings.exact for settings in seen] == [exact]

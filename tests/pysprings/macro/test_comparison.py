@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.comparison import _abscissa, _driver, _errors, compare, curves, eta, states
-from pysprings.comparison_text import to_dict, to_text
-from pysprings.macro import MacroModel, MacroWarning, predict
-from pysprings.springs import get_path
-from tests.pysprings.synthetic import Path, make_springs
+from pysprings.macro.comparison import _abscissa, _driver, _errors, compare, curves, eta, states
+from pysprings.macro.comparison_text import to_dict, to_text
+from pysprings.macro.predict import MacroModel, MacroWarning, predict
+from pysprings.springs.dataset import get_path
+from tests.support.synthetic import Path, make_springs
 
 PATHS = (
     Path("pull"),

@@ -8,12 +8,15 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
 from typer.testing import CliRunner
 
-from pysprings import cli, open_table
-from pysprings.errors import UserInputError
-from pysprings.macro import (
+from pysprings import open_table
+from pysprings.cli import app
+from pysprings.core import variables
+from pysprings.core.errors import UserInputError
+from pysprings.macro.predict import (
     MacroModel,
     MacroWarning,
     PredictionNotConverged,
@@ -23,12 +26,14 @@ from pysprings.macro import (
     sequence,
     stiffness,
 )
-from pysprings.macro_six import stiffness_six
-from pysprings.springs import save_springs
-from pysprings.tables.sequence import read_sequence
-from tests.pysprings.synthetic import make_springs
-from tests.pysprings.test_macro import bilinear_springs, linear_springs, linear_stiffness
-from tests.pysprings.test_macro_fan import fan_springs, potential
+from pysprings.macro.stiffness_six import stiffness_six
+from pysprings.results.exporters import export
+from pysprings.results.tables.sequence import read_sequence
+from pysprings.springs.dataset import open_springs, save_springs
+from tests.pysprings.macro.test_fan import fan_springs, potential
+from tests.pysprings.macro.test_predict import bilinear_springs, linear_springs, linear_stiffness
+from tests.pysprings.macro.test_vertical import springs as vertical_springs
+from tests.support.synthetic import make_springs
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +60,8 @@ def test_motions_and_loads_are_one_curve(bent):
 def test_a_sequence_goes_back_on_the_same_curve(bent):
     """Nonlinear elastic: the answer to a load does not depend on what came before, and says so."""
     loads = np.array([[4e5, -4e5], [8e5, -8e5], [4e5, -4e5], [0.0, 0.0], [-8e5, 8e5], [3e5, 5e5]])
-    answer = sequence(bent, loads)
+    with pytest.warns(MacroWarning):
+        answer = sequence(bent, loads)
     assert "without hysteresis" in answer.attrs["remarks"]
     for step, (H, M) in enumerate(loads):
         alone = predict(bent, H=H, M=M).isel(step=-1) if H else answer.isel(step=3)
@@ -64,8 +70,69 @@ def test_a_sequence_goes_back_on_the_same_curve(bent):
     assert float(answer["u"][3]) == pytest.approx(0.0, abs=1e-12)
     with pytest.raises(UserInputError, match=r"targets: must have the shape \(n, 2\)"):
         sequence(bent, np.zeros(3))
-    with pytest.raises(UserInputError, match="targets: not finite"):
+    with pytest.raises(UserInputError, match="V: give one number, or one a row"):
+        sequence(bent, loads, V=[2e6, 2e6])
+    with pytest.raises(UserInputError, match="targets: not a finite number"):
         sequence(bent, np.array([[np.nan, 0.0]]))
+
+
+@pytest.mark.parametrize(
+    ("control", "targets", "off_path", "turned_back"),
+    [
+        ("load", [[1e5, -1e5], [4e5, -4e5], [4e5, -4e5], [8e5, -8e5]], [0, 0, 0, 0], [0, 0, 0, 0]),
+        ("load", [[8e5, -8e5], [0.0, 0.0], [-8e5, 8e5], [0.0, 0.0]], [0, 0, 0, 0], [0, 1, 1, 1]),
+        ("load", [[-4e5, 4e5], [-8e5, 8e5]], [0, 0], [0, 0]),
+        ("load", [[4e5, 0.0], [4e5, -4e5], [8e5, 0.0]], [0, 1, 1], [0, 0, 0]),
+        ("state", [[2e-3, 0.0], [5e-3, 0.0], [5e-3, -5e-5], [5e-3, -5e-4]], [0, 0, 1, 1], [0, 0, 0, 0]),
+        ("displacement", [[1e-3, 9.0], [3e-3, 9.0], [2e-3, 9.0], [4e-3, 9.0]], [0, 0, 0, 0], [0, 0, 1, 1]),
+        ("rotation", [[-1e-4, 0.0], [-2e-4, 0.0], [1e-4, 0.0]], [0, 0, 0], [0, 0, 1]),
+    ],
+)
+def test_states_after_a_turn_are_marked_and_refused(bent, control, targets, off_path, turned_back):
+    """Marks stay: soil that has yielded does not forget it where the sequence comes back to its line."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        answer = sequence(bent, np.array(targets), control=control, arm=1.0 if control == "displacement" else 0.0)
+    assert answer["off_path"].values.tolist() == off_path
+    assert answer["turned_back"].values.tolist() == turned_back
+    assert list(variables.problems(answer, "prediction")) == []
+    said = " ".join(str(each.message) for each in caught)
+    assert ("left its first direction" in said) is (1 in off_path)
+    assert ("turned back" in said) is (1 in turned_back)
+    if 1 in off_path + turned_back:
+        with pytest.raises(UserInputError, match=r"strict: .* come after the sequence"):
+            sequence(bent, np.array(targets), control=control, strict=True)
+    else:
+        sequence(bent, np.array(targets), control=control, strict=True)
+
+
+def test_a_vertical_load_that_comes_back_is_marked():
+    tree = vertical_springs()
+    with pytest.warns(MacroWarning, match=r"2 of 4 states \(from state 3 on\) come after the sequence turned back"):
+        answer = sequence(tree, np.zeros((4, 2)), V=np.array([2.5e6, 3e6, 2.2e6, 4e6]))
+    assert answer["turned_back"].values.tolist() == [0, 0, 1, 1]
+
+
+def test_the_command_shows_the_marks(fan_file, tmp_path):
+    """The template's swipe: u held, the rotation turned back. In the table, in JSON, in a warning; strict refuses."""
+    file = write(tmp_path / "s.csv", "u_m,rotation_rad", "0.0025,0", "0.005,0", "0.005,-0.001", "0.001,-0.001")
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        table = Result("predict", fan_file, "--sequence", file)
+        data = json.loads(Result("predict", fan_file, "--sequence", file, "--json").out)
+    assert table.code == 0
+    ends = [line.split("  ")[-1] for line in table.out.splitlines()]
+    assert (ends[0], ends[4:]) == ("marks", [" off_path", "off_path, turned_back"])
+    assert "from state 3 on) come after the sequence left its first direction" in table.err
+    assert [state["off_path"] for state in data["states"]] == [0, 0, 1, 1]
+    assert [state["turned_back"] for state in data["states"]] == [0, 0, 0, 1]
+    assert "turned back" in data["attributes"]["warnings"]
+    refused = Result("predict", fan_file, "--sequence", file, "--strict")
+    assert (refused.code, refused.out) == (2, "")
+    straight = write(tmp_path / "t.csv", "H_N,arm_m", "2e5,2", "4e5,2")
+    done = Result("predict", fan_file, "--sequence", straight, "--strict")
+    assert done.code == 0
+    assert "marks" not in done.out
 
 
 def test_vertical_load_by_row():
@@ -146,6 +213,47 @@ def test_six_by_six_does_not_know_the_direction_of_the_load(bent):
     assert "torsion (rz) is not known" in stiffness_six(bent).attrs["torsion"]
 
 
+@pytest.fixture(scope="module")
+def one_path():
+    """Springs of one pull, whose first step is softer than the initial stiffness that the file holds."""
+    return make_springs()
+
+
+def test_one_initial_stiffness_everywhere(one_path, tmp_path):
+    """Spring file, Python (springs, model, any set), command and workbook: one value, the full model's."""
+    full = one_path["stiffness_initial"].values
+    file = save_springs(one_path, tmp_path / "springs.nc")
+    own = stiffness(one_path).values
+    assert abs(own[0, 0] / full[0, 0] - 1.0) > 0.01  # the springs' tangent at rest is another number
+    block = np.ix_([0, 2, 4], [0, 2, 4])
+    expected = 0.5 * (full + full.T)
+    said = json.loads(Result("predict", file, "--H", "100 kN", "--stiffness", "--json").out)
+    export(one_path, "xlsx", tmp_path / "springs.xlsx")
+    cells = openpyxl.load_workbook(tmp_path / "springs.xlsx")["stiffness 6x6"]["B3:G8"]
+    found = [
+        stiffness_six(open_springs(file)).values,
+        stiffness_six(one_path).values,
+        *(stiffness_six(MacroModel.from_springs(one_path, kind)).values for kind in ("full", "py")),
+        np.array(said["stiffness_6x6"]["matrix"]),
+        1e3 * np.array([[cell.value for cell in row] for row in cells]),
+    ]
+    for six in found:
+        np.testing.assert_allclose(six[block], expected, rtol=1e-12, atol=1e-9 * full.max())
+    assert said["stiffness_6x6"]["long_name"].startswith("initial stiffness of the full model")
+    printed = Result("predict", file, "--H", "100 kN", "--stiffness").out
+    assert "initial stiffness of the full model at the lid centre, 6x6" in printed
+    assert f"{full[0, 0] * 1e-6:.5g}" in printed.split("initial stiffness")[1]
+
+
+def test_a_table_has_the_stiffness_of_its_first_steps_and_says_so(tmp_path):
+    file = export(vertical_springs(), "csv", tmp_path / "py.csv")
+    six = stiffness_six(open_table(file))
+    assert six.attrs["long_name"].startswith("stiffness of the first recorded steps of the table")
+    printed = Result("predict", file, "--V", "2.1 MN", "--stiffness").out
+    assert "stiffness of the first recorded steps of the table at the lid centre, 6x6" in printed
+    assert "initial stiffness" not in printed
+
+
 def test_batch_is_predict_case_by_case(bent):
     rng = np.random.default_rng(1)
     H, arm = rng.uniform(-9e5, 9e5, 40), rng.uniform(-1.0, 30.0, 40)
@@ -208,7 +316,7 @@ def test_sequence_files_refused(tmp_path, lines, found):
 
 class Result:
     def __init__(self, *args: object) -> None:
-        done = CliRunner().invoke(cli.app, [str(arg) for arg in args])
+        done = CliRunner().invoke(app.app, [str(arg) for arg in args])
         self.code, self.out, self.err = done.exit_code, done.stdout, done.stderr
 
 
@@ -219,10 +327,12 @@ def fan_file(tmp_path_factory):
 
 def test_command_motions_sequence_and_stiffness(fan_file, tmp_path):
     file = write(tmp_path / "s.csv", "H_N,arm_m", "2e5,2", "4e5,2", "0,2")
-    done = Result("predict", fan_file, "--sequence", file, "--stiffness")
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")  # it turns back
+        done = Result("predict", fan_file, "--sequence", file, "--stiffness")
     assert done.code == 0
-    assert len(done.out.split("tangent stiffness")[0].strip().splitlines()) == 5
-    assert "step" in done.out.split("tangent stiffness")[1]
+    assert len(done.out.split("stiffness of the springs at the state")[0].strip().splitlines()) == 5
+    assert "step" in done.out.split("stiffness of the springs at the state")[1]
     assert "note: torsion (rz) is not known" in done.err
     assert "without hysteresis" in done.err
     data = json.loads(

@@ -10,15 +10,15 @@ import pytest
 import xarray as xr
 from scipy.optimize import brentq
 
-from pysprings import variables
-from pysprings.comparison import compare
-from pysprings.comparison_text import to_text
-from pysprings.errors import UserInputError
-from pysprings.macro import MacroModel, MacroWarning, curve, predict
-from pysprings.macro_fan import build_fan, fan_paths, has_fan, secant_slopes
-from pysprings.macro_sets import spring_sets
-from pysprings.springs import balance, get_path
-from tests.pysprings.synthetic import Caisson, Path, make_springs
+from pysprings.core import variables
+from pysprings.core.errors import UserInputError
+from pysprings.macro.comparison import compare
+from pysprings.macro.comparison_text import to_text
+from pysprings.macro.fan import build_fan, fan_paths, has_fan, secant_slopes
+from pysprings.macro.predict import MacroModel, MacroWarning, curve, predict
+from pysprings.macro.sets import spring_sets
+from pysprings.springs.dataset import balance, get_path
+from tests.support.synthetic import Caisson, Path, make_springs
 
 LENGTH, RINGS = 4.0, 9
 DEPTH = np.linspace(0.0, LENGTH, RINGS)
@@ -251,7 +251,8 @@ def test_a_wide_sector_is_marked_and_refused_but_not_its_rays():
     springs = fan_springs(linear, (0.0, -50.0, 90.0))  # 90 degrees between 0 and 90
     model = MacroModel.from_springs(springs, "fan")
     states = np.array([[1e-3, 0.0], [1e-3, 1e-4], [1e-3, -1e-4], [0.0, 1e-4], [-1e-3, -1e-4], [0.0, 0.0]])
-    assert model.trace("state", states)["off_path"].values.tolist() == [0, 1, 0, 0, 1, 0]
+    alone = [int(model.trace("state", state[None])["off_path"][0]) for state in states]
+    assert alone == [0, 1, 0, 0, 1, 0]
     force, moment = (float(x) for x in model.reactions(1e-3, 1e-4)[0])
     with pytest.warns(MacroWarning, match=r"between calibration paths 90 degrees apart.*limit 60"):
         predict(springs, H=force, M=moment)
@@ -328,3 +329,34 @@ def test_slopes_from_secants():
     np.testing.assert_allclose(secant_slopes(rho, bend + 7.0, np.array([1.0])), found, atol=1e-9)
     two = secant_slopes(np.array([0.0, 1.0]), np.array([[0.0, 2.0]]), np.array([3.0]))
     np.testing.assert_allclose(two, [[3.0, 2.0 - 0.5 / np.log(2.0)]])
+
+
+@pytest.mark.parametrize("turned", [range(8), (1, 4, 6)], ids=["all", "some"])
+def test_rays_calibrated_towards_minus_x_make_the_same_fan(turned):
+    """A path and its mirror image hold the same springs: every row, w, V and t too, at states all over the plane."""
+    mirrored = tuple(a + 180.0 * (k in turned) for k, a in enumerate(ANGLES))
+    one, other = (fan_springs(potential, angles) for angles in (ANGLES, mirrored))
+    assert [get_path(other, f"ray_{k}")["u"].values[-1] < -1e-6 for k in range(7)] == [k in turned for k in range(7)]
+    for name in fan_paths(other):  # shear and tip that change along the way, evenly in the mirror image
+        for tree in (one, other):
+            path = tree[f"paths/{name}"].to_dataset(inherit=False)
+            grown = 1e6 * np.hypot(path["u"].values, LENGTH * path["rotation"].values)
+            path["t"] = path["t"] + xr.DataArray(grown, dims="step")
+            path["V_tip"] = path["V_tip"] - 2.0 * LENGTH * grown  # both sides: V is constant
+            tree[f"paths/{name}"].dataset = path
+    tables = [build_fan(tree) for tree in (one, other)]
+    states = scattered(60)
+    (rows, _), (found, _) = (table.rows(states) for table in tables)
+    assert tables[0].name.tolist() == tables[1].name.tolist()
+    for name in np.unique(tables[0].name):
+        mine = tables[0].name == name
+        size = np.abs(rows[mine]).max()
+        np.testing.assert_allclose(found[mine], rows[mine], rtol=1e-9, atol=1e-9 * size, err_msg=name)
+    u, rotation = states.T
+    traces = [
+        MacroModel.from_springs(tree, "fan").trace("state", np.stack([u, rotation], axis=1)) for tree in (one, other)
+    ]
+    assert (traces[0]["w"] < 0.0).all()
+    for name in ("H", "M", "V", "w", "p"):
+        size = float(np.abs(traces[0][name]).max())
+        np.testing.assert_allclose(traces[1][name], traces[0][name], rtol=1e-9, atol=1e-9 * size, err_msg=name)

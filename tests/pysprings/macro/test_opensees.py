@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pysprings.macro import MacroModel, predict
-from pysprings.macro_solver import row_values
-from pysprings.macro_tables import SpringTable
-from tests.pysprings.opensees_child import NOT_THERE
-from tests.pysprings.synthetic import Caisson, Path, make_springs
+from pysprings.macro.curve_table import SpringTable
+from pysprings.macro.predict import MacroModel, predict
+from pysprings.macro.solver import row_values
+from tests.support.opensees_child import NOT_THERE
+from tests.support.synthetic import Caisson, Path, make_springs
 
 POINTS = 1500  # a side of each curve: our curves are cubic between points, those of OpenSees straight
 
@@ -55,7 +55,7 @@ def solve_in_opensees(table: SpringTable, H: float, M: float) -> tuple[float, fl
     # the libraries in its wheel do not find each other by themselves
     libraries = os.pathsep.join(filter(None, (str(File(own.origin).parent / "lib"), os.environ.get("LD_LIBRARY_PATH"))))
     task = {"springs": springs_of(table), "H": H, "M": M, "steps": 20}
-    child = File(__file__).with_name("opensees_child.py")
+    child = File(__file__).parents[2] / "support" / "opensees_child.py"
     done = subprocess.run(
         [sys.executable, str(child)], input=json.dumps(task), capture_output=True, text=True, timeout=60, check=False,
         env={**os.environ, "LD_LIBRARY_PATH": libraries},
@@ -68,7 +68,7 @@ def solve_in_opensees(table: SpringTable, H: float, M: float) -> tuple[float, fl
 
 
 @pytest.mark.parametrize(("spring_set", "H", "arm"), [("full", 2.0e6, 0.0), ("full", 1.0e6, 1.5), ("py", 1.2e6, -1.0)])
-@pytest.mark.filterwarnings("ignore::pysprings.macro.MacroWarning")
+@pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")
 def test_predict_is_what_opensees_finds(spring_set: str, H: float, arm: float) -> None:
     """u and rotation to 1e-5 at loads where the springs yield."""
     springs = make_springs((Path("ray", "pull", size=8e-3, arm=-1.5, steps=30),), Caisson(rings=9))

@@ -6,12 +6,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pysprings.errors import UserInputError
-from pysprings.macro_model import MacroModel
-from pysprings.macro_sets import spring_sets
-from pysprings.macro_solver import ROWS, reactions
-from pysprings.springs import get_path
-from tests.pysprings import synthetic
+from pysprings.core.errors import UserInputError
+from pysprings.macro.model import MacroModel
+from pysprings.macro.sets import spring_sets
+from pysprings.macro.solver import ROWS, reactions
+from pysprings.springs.dataset import get_path
+from tests.support import synthetic
 
 SLIDE = synthetic.Path("slide", "translation", size=1e-2, steps=16)
 TURN = synthetic.Path("turn", "rotation", size=2e-3, steps=16)

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from pysprings import cli
-from pysprings.errors import UserInputError
-from pysprings.slices import merge_slices, slice_convergence, slice_counts, to_text
-from pysprings.springs import balance, get_path, net_p, save_springs, slice_heights, validate_springs
-from tests.pysprings.synthetic import Caisson, Path, make_springs
+from pysprings.cli import app
+from pysprings.core.errors import UserInputError
+from pysprings.macro.slices import merge_slices, slice_convergence, slice_counts, to_text
+from pysprings.springs.dataset import balance, get_path, net_p, save_springs, slice_heights, validate_springs
+from tests.support.synthetic import Caisson, Path, make_springs
 
 PATHS = (
     Path("pull", steps=6),
@@ -29,7 +29,7 @@ def springs():
 
 def test_merged_springs_are_springs_with_the_same_forces(springs):
     merged = merge_slices(springs, 4)
-    validate_springs(merged)
+    validate_springs(merged, balanced=False)
     fine, coarse = get_path(springs, "pull"), get_path(merged, "pull")
     assert coarse.sizes["depth"] == 4
     for path in (fine, coarse):
@@ -68,7 +68,7 @@ def test_error_falls_with_the_square_of_the_slice_height(springs):
 
 def test_command(springs, tmp_path):
     file = save_springs(springs, tmp_path / "springs.nc")
-    done = CliRunner().invoke(cli.app, ["compare", str(file), "--slices", "--springs", "full", "--json"])
+    done = CliRunner().invoke(app.app, ["compare", str(file), "--slices", "--springs", "full", "--json"])
     rows = json.loads(done.stdout)["rows"]
     assert [row["slices"] for row in rows if row["role"] == "held-back"] == [1, 2, 4, 8, 16, 32, 33]
-    assert "50 points [ms]" in CliRunner().invoke(cli.app, ["compare", str(file), "--slices", "--springs", "py"]).stdout
+    assert "50 points [ms]" in CliRunner().invoke(app.app, ["compare", str(file), "--slices", "--springs", "py"]).stdout

@@ -11,19 +11,30 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from pysprings import Scene, cli, exporters, open_table, variables
-from pysprings.comparison import compare, curves
-from pysprings.comparison_text import to_text
-from pysprings.errors import UserInputError
-from pysprings.extract import extract_springs
-from pysprings.full_model import run
-from pysprings.loads import at_load, load_sets, main_paths
-from pysprings.macro import MacroModel, MacroWarning, PredictionNotConverged, impose, model_of, predict, stiffness
-from pysprings.macro_fan import fan_paths
-from pysprings.macro_six import stiffness_six
-from pysprings.macro_vertical import build_vertical
-from pysprings.springs import get_path, open_springs, save_springs
-from tests.pysprings import synthetic, tiny
+from pysprings import Scene, open_table
+from pysprings.cli import app
+from pysprings.core import variables
+from pysprings.core.errors import UserInputError
+from pysprings.full_model.compute import run
+from pysprings.macro.comparison import compare, curves
+from pysprings.macro.comparison_text import to_text
+from pysprings.macro.fan import fan_paths
+from pysprings.macro.predict import (
+    MacroModel,
+    MacroWarning,
+    PredictionNotConverged,
+    impose,
+    model_of,
+    predict,
+    stiffness,
+)
+from pysprings.macro.stiffness_six import stiffness_six
+from pysprings.macro.vertical import build_vertical
+from pysprings.results import exporters
+from pysprings.springs.dataset import get_path, open_springs, save_springs
+from pysprings.springs.dead_loads import at_load, load_sets, main_paths
+from pysprings.springs.extract import extract_springs
+from tests.support import synthetic, tiny
 
 K, REST = 4e9, 2e6  # N/m, N: of the invented vertical springs
 RAYS = [
@@ -302,7 +313,7 @@ def test_workbook_has_a_sheet_of_the_vertical_springs(tmp_path):
 def test_predict_with_a_vertical_load_alone(tmp_path):
     file = save_springs(springs(), tmp_path / "springs.nc")
     wanted = REST + float(down_curve(np.array(2e-3)))
-    done = CliRunner().invoke(cli.app, ["predict", str(file), "--V", f"{wanted} N", "--strict", "--json"])
+    done = CliRunner().invoke(app.app, ["predict", str(file), "--V", f"{wanted} N", "--strict", "--json"])
     assert done.exit_code == 0, done.output
     assert '"w": 0.0020' in done.stdout.replace("0.00199", "0.0020")
     assert open_springs(file).attrs["schema"] == "pysprings-springs-2"
@@ -392,8 +403,8 @@ def test_the_initial_vertical_stiffness_stays_the_full_models():
 
 
 def test_a_vertical_path_has_a_picture_of_its_own():
-    from pysprings import plots
-    from pysprings.plots.files import figures
+    from pysprings.results import plots
+    from pysprings.results.plots.files import figures
 
     names = [name for name, _ in figures(pushed(), None, {})]
     assert "up_vertical" in names and "pull_py" in names
@@ -411,3 +422,28 @@ def test_fixed_heave_holds_the_caisson_where_its_dead_load_has_put_it():
     w = result["paths/pull/w"].values
     assert w[0] > 0.0
     np.testing.assert_allclose(w, w[0], rtol=1e-9)
+
+
+# --- beyond the last recorded state ---
+
+
+@pytest.mark.parametrize("name", ["down", "up"])
+def test_the_curve_goes_on_from_its_last_point_along_its_last_step(name):
+    """Continuous there for every reaction, then straight; V -> w is the inverse. Line through two recorded points."""
+    tree = springs(ends=(2e-3, -1e-4))  # upwards short of the limit, which carries no more
+    path, table = get_path(tree, name), build_vertical(tree)
+    w, V = path["w"].values, path["V"].values
+    last, beyond = w[-1], w[-1] + 0.5 * (w[-1] - w[-2])
+    inside, outside = table.reactions(np.array([last * (1.0 - 1e-12), last * (1.0 + 1e-12)])).T
+    np.testing.assert_allclose(outside, inside, rtol=1e-9)
+    recorded = {"V": V, "V_tip": path["V_tip"].values, "V_lid": path["V_lid"].values}
+    t = path["t"].values.sum(axis=1) if path["t"].dims[1] == "side" else path["t"].sum("side").values
+    expected = [row[-1] + 0.5 * (row[-1] - row[-2]) for row in [*t, *(recorded[n] for n in ("V_tip", "V_lid", "V"))]]
+    np.testing.assert_allclose(table.reactions(np.array([beyond]))[:, 0], expected, rtol=1e-9)
+    load = V[-1] + 0.5 * (V[-1] - V[-2])
+    found, slope, used = table.displacement(load)
+    assert found == pytest.approx(beyond, rel=1e-9)
+    assert slope == pytest.approx((V[-1] - V[-2]) / (w[-1] - w[-2]))
+    assert used == pytest.approx(beyond / last)
+    just, _, _ = table.displacement(V[-1] + 1e-9 * (V[-1] - V[0]))
+    assert just == pytest.approx(last, rel=1e-8)

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import pytest
 
-from fe_engine.assembly import System
+from fe_engine.assembly.system import System
 from pysprings import Scene
-from pysprings.build import build_model
-from pysprings.estimate import describe
-from tests.pysprings import tiny
+from pysprings.model.build import build_model
+from pysprings.model.forecast.estimate import describe
+from tests.support import tiny
 
 
 def test_counts_are_those_of_the_model_that_would_run() -> None:

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fe_engine import hex8
-from fe_engine.interface import nodal_stations
-from pysprings.caisson_mesh import (
+from fe_engine.elements import hex8
+from fe_engine.elements.interface import nodal_stations
+from pysprings.model.mesh import (
     PRESETS,
     SURFACES,
     CaissonMesh,

@@ -6,9 +6,9 @@ from __future__ import annotations
 import pytest
 
 from fe_engine.contact.coulomb import KN
-from pysprings.build import build_model
-from pysprings.penalty import AUTO, STIFFEST, penalty_of
-from pysprings.scene import Scene
+from pysprings.model.build import build_model
+from pysprings.model.penalty import AUTO, STIFFEST, penalty_of
+from pysprings.scene.load import Scene
 
 
 def scene(normal: float | str = "auto", shear: float | str = "auto", **soil: float) -> Scene:

@@ -4,17 +4,26 @@
 from __future__ import annotations
 
 import math
+import os
+import re
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
-from pysprings import Scene, cli, resources
-from pysprings.errors import ResourceError
-from pysprings.estimate import describe
-from pysprings.folder import run_to_folder
-from tests.pysprings import tiny
+from fe_engine import memory
+from pysprings import Scene
+from pysprings.cli import app
+from pysprings.core.errors import ResourceError
+from pysprings.model.forecast import resources
+from pysprings.model.forecast.estimate import describe
+from pysprings.results.folder import run_to_folder
+from tests.support import tiny
+
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.mark.parametrize("mode", ["drained", "coupled"])
@@ -87,7 +96,7 @@ def test_a_full_disk_is_refused_by_the_run(tmp_path: Path, monkeypatch: pytest.M
 
 def test_check_ends_with_exit_code_4(tmp_path: Path) -> None:
     (tmp_path / "c.toml").write_text("[mesh]\nrefinement = 8\npreset = 'fine'\n")
-    done = CliRunner().invoke(cli.app, ["check", str(tmp_path / "c.toml")])
+    done = CliRunner().invoke(app.app, ["check", str(tmp_path / "c.toml")])
     assert done.exit_code == 4
     assert done.stderr.startswith("fatal: resources: the model needs about ")
     assert done.stderr.count("\n") == 1
@@ -95,10 +104,10 @@ def test_check_ends_with_exit_code_4(tmp_path: Path) -> None:
 
 def test_check_names_warnings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Memory that other programs use now, and motions beyond small strains."""
-    monkeypatch.setattr("pysprings.estimate.memory_available", lambda: 1e6)
+    monkeypatch.setattr("pysprings.model.forecast.estimate.memory_available", lambda: 1e6)
     text = '[[path]]\nname = "a"\nkind = "pull"\nlateral_displacement = "0.5 m"\n'
     (tmp_path / "c.toml").write_text(text)
-    done = CliRunner().invoke(cli.app, ["check", str(tmp_path / "c.toml")])
+    done = CliRunner().invoke(app.app, ["check", str(tmp_path / "c.toml")])
     assert done.exit_code == 0
     assert "warning: the run needs about 0.403 GB of memory; 0.001 GB are free now" in done.stderr
     assert "warning: path 'a': a displacement of 0.5 m" in done.stderr
@@ -124,12 +133,88 @@ def test_limits_of_control_groups_are_found(
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
     (tmp_path / "self").write_text(line + "\n")
-    monkeypatch.setattr(resources, "_CGROUP", tmp_path)
-    monkeypatch.setattr(resources, "_MY_GROUPS", tmp_path / "self")
-    assert min(resources._cgroup_limits()) == limit
+    monkeypatch.setattr(memory, "_CGROUP", tmp_path)
+    monkeypatch.setattr(memory, "_MY_GROUPS", tmp_path / "self")
+    assert min(memory.cgroup_limits()) == limit
 
 
 def test_the_limit_is_no_more_than_the_machine() -> None:
     import psutil
 
-    assert 0.0 < resources.memory_available() <= resources.memory_limit() <= psutil.virtual_memory().total
+    assert 0.0 < memory.left() <= memory.limit() <= psutil.virtual_memory().total
+
+
+# --- a limit of the shell on the address space ---
+
+# a run loads the libraries; the next has 20 MB left when its model is there
+SQUEEZED = """
+import resource
+import psutil
+from pysprings.full_model.compute import compute
+from tests.support import tiny
+
+def squeeze(path, fraction, message):
+    if (path, fraction) == ("model", 1.0):
+        room = psutil.Process().memory_info().vms + 20_000_000
+        resource.setrlimit(resource.RLIMIT_AS, (room, resource.RLIM_INFINITY))
+
+compute(tiny.scene())
+try:
+    compute(tiny.scene(mesh={"preset": "medium", "refinement": 0.5}), progress=squeeze)
+except MemoryError as error:
+    print(error)
+"""
+
+
+def limited_process(*args: object, room: int | None = None, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """Run Python in a process of its own, with ``room`` bytes of address space."""
+    resource = pytest.importorskip("resource")
+    if not sys.platform.startswith("linux"):
+        pytest.skip("other systems do not hold the limit")
+
+    def limit() -> None:
+        if room is not None:
+            resource.setrlimit(resource.RLIMIT_AS, (room, room))
+
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, *map(str, args)]
+    return subprocess.run(command, preexec_fn=limit, capture_output=True, text=True, cwd=cwd, env=env, timeout=300)
+
+
+def test_a_run_without_room_for_libraries_is_refused(tmp_path: Path) -> None:
+    """Issue: OpenBLAS took all of a core for ever, deaf to SIGTERM, or MKL ended the process without a message."""
+    scene = tiny.write(tiny.scene(), tmp_path / "a.toml")
+    done = limited_process("-m", "pysprings", "run", scene, "--out", "out", room=850_000_000, cwd=tmp_path)
+    assert done.returncode == 4, done.stderr
+    (message,) = [line for line in done.stderr.splitlines() if line.startswith("fatal: ")]
+    pattern = r"fatal: resources: the run needs about (\S+) GB of address space \(.* GB for libraries\), 0\.85 GB are"
+    assert float(re.match(pattern, message)[1]) > 0.85
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_a_dense_block_needs_is_judged_before_it_is_made(tmp_path: Path) -> None:
+    """Issue: OpenBLAS asked for its working memory for ever."""
+    pytest.importorskip("pypardiso")
+    done = limited_process("-c", SQUEEZED, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    pattern = r"(the inverse of the interface|the factorisation|what is left).* needs \S+ GB, 0\.0\d* GB are left\n"
+    assert re.fullmatch(pattern, done.stdout), done.stdout
+
+
+def test_more_unknowns_need_more_address_space(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(resources, "address_space", lambda: 1.0)
+
+    def needed(scene: Scene) -> float:
+        with pytest.raises(ResourceError, match="address space") as caught:
+            resources.refuse_what_cannot_fit(scene)
+        return float(re.search(r"about (\S+) GB of address", str(caught.value))[1])
+
+    assert needed(tiny.scene()) < needed(Scene(mesh={"preset": "paper"}))
+    monkeypatch.setattr(resources, "address_space", lambda: math.inf)
+    resources.refuse_what_cannot_fit(tiny.scene())
+
+
+def test_what_is_not_left_is_refused_with_the_figures() -> None:
+    memory.require(1e3, "a little")
+    with pytest.raises(MemoryError, match=r"^a world needs 1e\+09 GB, \S+ GB are left$"):
+        memory.require(1e18, "a world")

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from pysprings import Scene
-from pysprings.resources import memory_bytes
-from pysprings.run_time import least_increments, likely_increments, seconds
-from tests.pysprings import tiny
+from pysprings.model.forecast.resources import memory_bytes
+from pysprings.model.forecast.run_time import least_increments, likely_increments, seconds
+from tests.support import tiny
 
 
 def pull(end: float, **sections: Any) -> Scene:
@@ -26,7 +26,7 @@ def test_least_increments_are_those_of_a_run_without_cut_backs() -> None:
 
 @pytest.mark.parametrize(("largest", "measured"), [(0.3, 11), (0.1, 15), (None, 23), (0.02, 52)])
 def test_least_increments_follow_the_largest_step(largest: float | None, measured: int) -> None:
-    """The runs of docs/accuracy.md: to 2.5 mm, nothing cut."""
+    """The runs of docs/evidence/accuracy.md: to 2.5 mm, nothing cut."""
     assert least_increments(pull(2.5e-3, solver={"max_step_fraction": largest})) == [measured]
 
 

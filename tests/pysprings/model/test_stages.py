@@ -10,7 +10,7 @@ import pytest
 
 from fe_engine.model import Stage
 from pysprings import Scene
-from pysprings.stages import dead_load_stage, imposed_end, path_stages
+from pysprings.model.stages import dead_load_stage, imposed_end, path_stages
 
 D, L = 7.8, 4.0
 

@@ -11,14 +11,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings import Scene, springs
-from pysprings.build import build_model
-from pysprings.errors import UserInputError
-from pysprings.extract import extract_springs
-from pysprings.full_model import compute
-from pysprings.macro import predict
-from pysprings.springs import balance, open_springs, path_dataset, save_springs
-from tests.pysprings import tiny
+from pysprings import Scene
+from pysprings.core.errors import UserInputError
+from pysprings.full_model.compute import compute
+from pysprings.macro.predict import predict
+from pysprings.model.build import build_model
+from pysprings.springs import dataset
+from pysprings.springs.dataset import balance, open_springs, path_dataset, save_springs
+from pysprings.springs.extract import extract_springs
+from tests.support import tiny
 
 MESHES = [{}, {"azimuth": 12}, {"preset": "fine", "refinement": 0.4}]
 
@@ -46,7 +47,7 @@ def test_every_station_stands_between_soil_and_steel_at_one_place(mesh: dict) ->
 
 @pytest.mark.parametrize("mesh", MESHES)
 def test_the_steel_has_the_volume_of_skirt_and_lid(mesh: dict) -> None:
-    from fe_engine import hex8
+    from fe_engine.elements import hex8
 
     scene = Scene(mesh=mesh, caisson={"behaviour": "elastic"})
     built = build_model(scene)
@@ -97,7 +98,7 @@ def test_springs_of_an_elastic_caisson_are_read_back_and_predict_their_own_path(
     assert float(answer["u"].values.ravel()[-1]) == pytest.approx(float(path["u"][-1]), rel=1e-3)
     made.attrs["caisson_behaviour"] = "rigid"
     with pytest.raises(UserInputError, match=r"y.*is not u \+ rotation"):
-        springs.validate_springs(made)
+        dataset.validate_springs(made)
 
 
 def test_water_does_not_pass_through_the_steel() -> None:
@@ -117,7 +118,7 @@ def test_a_thicker_skirt_bends_less() -> None:
 
 
 def test_the_picture_shows_both_diameters_and_the_mean_fibre_by_depth() -> None:
-    from pysprings import plots
+    from pysprings.results import plots
 
     path = plots.path_data(result(), "pull")
     left, right = plots.ovalisation(path).axes
@@ -131,7 +132,7 @@ def test_the_picture_shows_both_diameters_and_the_mean_fibre_by_depth() -> None:
 
 
 def test_a_run_draws_it() -> None:
-    from pysprings.plots.files import figures
+    from pysprings.results.plots.files import figures
 
     drawn = {name for name, _ in figures(result(), None, {})}
     assert "pull_ovalisation_last" in drawn

@@ -10,12 +10,12 @@ import openpyxl
 import pandas as pd
 import pytest
 
-from pysprings import exporters
-from pysprings.comparison import compare
-from pysprings.errors import UserInputError
-from pysprings.exporters.xlsx_names import Names
-from tests.pysprings.synthetic import Path, make_result, make_springs
-from tests.pysprings.test_macro_fan import fan_springs, potential
+from pysprings.core.errors import UserInputError
+from pysprings.macro.comparison import compare
+from pysprings.results import exporters
+from pysprings.results.exporters.xlsx_names import Names
+from tests.pysprings.macro.test_fan import fan_springs, potential
+from tests.support.synthetic import Path, make_result, make_springs
 
 PATHS = (Path("pull"), Path("high", arm=8.0, role="held-back"))
 STEPS, RINGS = 21, 13
@@ -204,7 +204,7 @@ def test_stiffness_sheet(book, springs):
     assert six[1, 3] == pytest.approx(-six[0, 4])
     words = [sheet.cell(row, 1).value for row in range(9, 20)]
     assert any("Torsion (rz) is not known" in str(text) for text in words)
-    assert "initial tangent, full model" in words
+    assert "initial stiffness of the full model at the lid centre, 3 x 3" in words
 
 
 def _cells(book, name):

@@ -20,17 +20,21 @@ import xarray as xr
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
-from pysprings import build, cli, full_model, plots
-from pysprings.errors import RunIncomplete, UserInputError
-from pysprings.folder import run_to_folder
-from pysprings.macro import predict
-from pysprings.result_files import FILES
-from pysprings.scene import load_scene, parse_scene
-from pysprings.scene_template import template_names, template_text
-from pysprings.springs import open_springs
-from tests.pysprings import tiny
+from fe_engine.errors import LinearSolverError
+from pysprings.cli import app
+from pysprings.core.errors import RunIncomplete, UserInputError
+from pysprings.core.files.layout import FILES
+from pysprings.full_model import discretise
+from pysprings.macro.predict import predict
+from pysprings.model import build
+from pysprings.results import plots
+from pysprings.results.folder import run_to_folder
+from pysprings.scene.load import load_scene, parse_scene
+from pysprings.scene.template import template_names, template_text
+from pysprings.springs.dataset import open_springs
+from tests.support import tiny
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SCENES = sorted((ROOT / "data" / "scenes").glob("*.toml"))
 
 # the public contract, word by word
@@ -43,7 +47,7 @@ PY = "path,family,depth_m,depth_top_m,depth_bottom_m,side,component,step,y_m,p_N
 
 def command(*args: object) -> Any:
     """Run the command line in this process."""
-    return CliRunner().invoke(cli.app, [str(arg) for arg in args], prog_name="pysprings")
+    return CliRunner().invoke(app.app, [str(arg) for arg in args], prog_name="pysprings")
 
 
 def read_record(folder: Path) -> dict[str, Any]:
@@ -202,6 +206,7 @@ def test_force_leaves_nothing_of_an_earlier_run(tmp_path: Path, blank_pictures: 
     (out / "figures").mkdir(parents=True)
     for name in [*old, *mine]:
         (out / name).write_text("old")
+    (out / "run.json").write_text(json.dumps({"status": "complete", "files": old[:2]}))
     file = tiny.write(tiny.scene(output={"figures": True}), tmp_path / "caisson.toml")
     assert command("run", file, "--out", out).exit_code == 2
     assert command("run", file, "--out", out, "--force").exit_code == 0
@@ -235,9 +240,9 @@ def test_what_is_refused_leaves_the_folder_untouched(
     if where == "solver":
 
         def missing(*_: object, **_options: object) -> None:
-            raise full_model.LinearSolverError("no library")
+            raise LinearSolverError("no library")
 
-        monkeypatch.setattr(full_model, "LinearSolver", missing)
+        monkeypatch.setattr(discretise, "LinearSolver", missing)
     file = tmp_path / "caisson.toml"
     file.write_text(text, encoding="utf-8")
     before = contents(folder)

@@ -16,11 +16,12 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 
-from pysprings import plots, result_files
-from pysprings.plots import data, files, gap, labels, newton, rose, section
-from pysprings.plots.reactions import PANELS
-from pysprings.plots.style import new_figure
-from tests.pysprings import synthetic
+from pysprings.core.files import layout
+from pysprings.results import plots
+from pysprings.results.plots import data, files, gap, labels, newton, rose, section
+from pysprings.results.plots.reactions import PANELS
+from pysprings.results.plots.style import new_figure
+from tests.support import synthetic
 
 PULL = synthetic.Path("pull", size=2e-2, steps=24)
 ROTATION = synthetic.Path("turn", "rotation", size=4e-3, steps=10)
@@ -387,6 +388,31 @@ def test_section_displacement_is_drawn_at_the_nodes_in_mm(pull: xr.Dataset, plan
         np.testing.assert_allclose(shade.get_array(), pull[name].values[12] * 1e3)
 
 
+@pytest.mark.parametrize(
+    ("factor", "offset", "limits", "bar"),
+    [(1.0, 0.0, (-4.0, 4.0), (-2.0, 4.0)), (-1.0, 0.0, (-4.0, 4.0), (-4.0, 2.0)),
+     (0.5, 3.0, (0.0, 5.0), (2.0, 5.0)), (0.5, 0.95, (-0.05, 2.95), (-0.05, 2.95))],
+    ids=["both signs", "mostly down", "positive", "hardly negative"],
+)  # fmt: skip
+def test_colours_of_a_field_have_zero_in_the_middle_or_at_an_end(pull, plane, factor, offset, limits, bar) -> None:
+    """From -2 to 4 mm, scaled and moved: two signs have symmetric colours; little below zero has no side."""
+    shape = np.linspace(-2.0, 4.0, plane.sizes["section_node"])
+    values = np.broadcast_to(factor * shape + offset, pull["section_ux"].shape)
+    figure = plots.section_displacement(plane, pull.assign(section_ux=(pull["section_ux"].dims, 1e-3 * values)), step=3)
+    drawn = [c for c in figure.axes[0].collections if c.get_array() is not None]
+    (shade,) = [c for c in drawn if c.get_array().size == plane.sizes["section_node"]]
+    assert (shade.norm.vmin, shade.norm.vmax) == pytest.approx(limits)
+    assert min(abs(np.array(each.get_ylim()) - bar).max() for each in figure.axes[2:]) < 1e-9
+
+
+def test_the_frame_is_around_the_caisson_and_within_the_section(plane: xr.Dataset) -> None:
+    near = plots.mesh(plane).axes[1]
+    reach, floor = float(plane["section_x"].max()), float(plane["section_depth"].max())
+    (left, right), (bottom, top) = near.get_xlim(), near.get_ylim()
+    assert -left == right and 3.9 < right <= reach
+    assert 4.0 < bottom <= floor and top == pytest.approx(-0.28 * 3.9)
+
+
 def test_triangles_cover_the_cells(plane: xr.Dataset) -> None:
     x, depth = plane["section_x"].values, plane["section_depth"].values
     t = section.triangles(plane)
@@ -509,10 +535,10 @@ def test_every_figure_that_a_result_allows_is_written(
     of_pull = [file for file in written if not file.name.startswith("turn")]
     assert [file.name for file in of_pull] == [f"{stem}.{form}" for stem in STEMS for form in ("png", "svg")]
     assert {file.name for file in (tmp_path / "figures").iterdir()} == {file.name for file in written}
-    assert result_files.pictures_in(tmp_path) == sorted(written)
-    kinds = [result_files.picture_kind(stem, "pull" if stem != "mesh" else "") for stem in STEMS]
+    assert layout.pictures_in(tmp_path) == sorted(written)
+    kinds = [layout.picture_kind(stem, "pull" if stem != "mesh" else "") for stem in STEMS]
     others = {"pressure", "section_pressure", "vertical", "ovalisation"}  # drained, lateral, a rigid caisson
-    assert {kind[0] for kind in kinds if kind} == set(result_files.PICTURES) - others
+    assert {kind[0] for kind in kinds if kind} == set(layout.PICTURES) - others
 
 
 @pytest.mark.parametrize(
@@ -592,7 +618,7 @@ def test_the_users_settings_do_not_leak_in(pull: xr.Dataset) -> None:
 
 
 def test_no_pyplot(tmp_path: Path) -> None:
-    code = "import sys, pysprings.plots; sys.exit('matplotlib.pyplot' in sys.modules)"
+    code = "import sys, pysprings.results.plots; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
@@ -639,6 +665,6 @@ def test_a_wet_run_has_pictures_of_its_water_and_a_drained_one_none() -> None:
     path, plane = with_water()
     names = [name for name, _ in files._state_figures(path, plane)]
     assert "pull_pressure_last" in names and "pull_section_pressure_last" in names
-    assert result_files.picture_kind("pull_section_pressure_last", "pull") == ("section_pressure", "last")
+    assert layout.picture_kind("pull_section_pressure_last", "pull") == ("section_pressure", "last")
     dry = path.drop_vars(["pressure_min", "section_pore_pressure"])
     assert not [name for name, _ in files._state_figures(dry, plane) if "pressure" in name]

@@ -11,10 +11,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 
-from pysprings import plots
-from pysprings.paper.measures import py_curve
-from pysprings.plots import paper, signed_rose
-from tests.pysprings import synthetic
+from pysprings.results import plots
+from pysprings.results.plots import signed_rose
+from pysprings.studies.paper import curves
+from pysprings.studies.paper.measures import py_curve
+from tests.support import synthetic
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def test_zones_without_contact_are_shaded_where_they_are(path: xr.Dataset) -> No
 
 def test_components_are_changes_from_the_start(path: xr.Dataset) -> None:
     shifted = path.assign(F_in=path["F_in"] + 5e5)
-    figure = paper.load_components(shifted, path)
+    figure = curves.load_components(shifted, path)
     drawn = {str(each.get_label()).split(",")[0]: np.asarray(each.get_ydata()) for each in figure.axes[0].get_lines()}
     assert drawn[r"$\Delta F_{in}$"] == pytest.approx(1e-3 * (path["F_in"] - path["F_in"][0]).values)
     assert drawn[r"$\Delta F_{pw}$"] == pytest.approx(-2e3 * path["u"].values)
@@ -84,7 +85,7 @@ def test_components_are_changes_from_the_start(path: xr.Dataset) -> None:
 
 def test_open_markers_are_drained_and_filled_ones_are_not(path: xr.Dataset) -> None:
     other = path.assign(p=1.2 * path["p"])
-    figure = paper.py_by_drainage(path, other, (0.25, 3.25), py_curve)
+    figure = curves.py_by_drainage(path, other, (0.25, 3.25), py_curve)
     lines = {each.get_gid(): each for each in figure.axes[0].get_lines() if each.get_gid()}
     assert set(lines) == {"open 0.25", "open 3.25", "filled 0.25", "filled 3.25"}
     assert lines["open 3.25"].get_markerfacecolor() == "white"
@@ -97,7 +98,7 @@ def test_open_markers_are_drained_and_filled_ones_are_not(path: xr.Dataset) -> N
 
 def test_one_colour_a_rate_and_dashes_without_friction(path: xr.Dataset) -> None:
     runs = {"a": (path, Case(None, 0.5)), "b": (path, Case(None, 0.0)), "c": (path, Case(5e-5, 0.5))}
-    drawn = {str(each.get_label()): each for each in paper.rates_and_friction(runs).axes[0].get_lines()}
+    drawn = {str(each.get_label()): each for each in curves.rates_and_friction(runs).axes[0].get_lines()}
     assert drawn["a"].get_color() == drawn["b"].get_color() != drawn["c"].get_color()
     assert (drawn["a"].get_linestyle(), drawn["b"].get_linestyle()) == ("-", "--")
     assert np.asarray(drawn["c"].get_ydata()) == pytest.approx(1e-3 * path["H"].values)

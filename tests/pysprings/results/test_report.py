@@ -15,8 +15,10 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from pysprings import report, report_tables, sketch
-from tests.pysprings import synthetic
+from pysprings.results import axes
+from pysprings.results.report import page as report
+from pysprings.results.report import tables as report_tables
+from tests.support import synthetic
 
 PATHS = (synthetic.Path("pull", size=2e-2), synthetic.Path("turn", "rotation", size=4e-3))
 HOSTILE = "<script>alert('x')</script> & \"quoted\" <img src=x onerror=y>"
@@ -151,7 +153,7 @@ def test_pictures_stand_in_reading_order_with_captions(result: xr.DataTree, pict
 
 
 def test_svg_is_taken_where_there_is_one(result: xr.DataTree, pictures: list[Path], tmp_path: Path) -> None:
-    (tmp_path / "mesh.svg").write_text(sketch.axes_svg(), encoding="utf-8")
+    (tmp_path / "mesh.svg").write_text(axes.axes_svg(), encoding="utf-8")
     page = Page(report.render(result, figures=[tmp_path / "mesh.svg", *pictures]))
     (mesh,) = [attrs for tag, attrs in page.tags if tag == "img" and attrs["alt"] == "Mesh in the symmetry plane"]
     assert str(mesh["src"]).startswith("data:image/svg+xml")
@@ -319,8 +321,8 @@ def test_contact_around_the_rings_is_stated_by_path(result: xr.DataTree) -> None
 
 
 def test_write_report_reads_the_folder_of_a_run(result: xr.DataTree, springs: xr.DataTree, tmp_path: Path) -> None:
-    from pysprings.springs import save_springs
-    from pysprings.storage import write_tree
+    from pysprings.core.files.storage import write_tree
+    from pysprings.springs.dataset import save_springs
 
     write_tree(result, tmp_path / "full_model.nc")
     save_springs(springs, tmp_path / "springs.nc")
@@ -346,7 +348,7 @@ def test_write_report_reads_the_folder_of_a_run(result: xr.DataTree, springs: xr
 @pytest.mark.parametrize(
     ("value", "text"),
     [
-        (12345, "12 345"),
+        (12345, "12,345"),
         (0.123456, "0.1235"),
         (float("nan"), "-"),
         (True, "yes"),
@@ -363,7 +365,7 @@ def test_numbers_are_written_for_reading(value: object, text: str) -> None:
 
 
 def test_sketch_is_valid_svg_with_the_signs(tmp_path: Path) -> None:
-    file = sketch.write_axes_svg(tmp_path / "docs" / "axes.svg")
+    file = axes.write_axes_svg(tmp_path / "docs" / "axes.svg")
     root = ET.fromstring(file.read_text(encoding="utf-8"))
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
     words = " ".join("".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text"))
@@ -382,16 +384,16 @@ def test_sketch_is_valid_svg_with_the_signs(tmp_path: Path) -> None:
 
 
 def test_the_picture_in_the_docs_is_the_current_sketch() -> None:
-    file = Path(__file__).parents[2] / "docs" / "axes.svg"
-    assert file.read_text(encoding="utf-8") == sketch.axes_svg(), "run: python -m pysprings.sketch docs/axes.svg"
+    file = Path(__file__).parents[3] / "docs" / "axes.svg"
+    assert file.read_text(encoding="utf-8") == axes.axes_svg(), "run: python -m pysprings.results.axes docs/axes.svg"
 
 
 def test_text_sketch_fits_a_page_and_states_the_signs() -> None:
-    lines = sketch.AXES_ASCII.splitlines()
+    lines = axes.AXES_ASCII.splitlines()
     assert max(map(len, lines)) <= 110
-    assert sketch.AXES_ASCII.isascii()
-    assert re.search(r"M = -H\*h", sketch.AXES_ASCII)
-    assert "M = sum (p z + m) dz + L H_tip + M_tip + M_lid" in sketch.AXES_ASCII
+    assert axes.AXES_ASCII.isascii()
+    assert re.search(r"M = -H\*h", axes.AXES_ASCII)
+    assert "M = sum (p z + m) dz + L H_tip + M_tip + M_lid" in axes.AXES_ASCII
 
 
 def test_the_balance_of_energy_is_reported() -> None:
@@ -413,7 +415,7 @@ def test_a_wet_run_reports_the_balance_of_its_water_and_its_warnings() -> None:
 
 
 def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.DataTree) -> None:
-    from pysprings.report_springs import spring_tables
+    from pysprings.results.report.springs import spring_tables
 
     table = spring_tables(springs)[0]
     path = springs["paths/pull"].to_dataset()

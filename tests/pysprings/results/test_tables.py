@@ -11,11 +11,14 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from pysprings import cli, exporters, open_table, variables
-from pysprings.errors import UserInputError
-from pysprings.macro import MacroModel, MacroWarning, curve, predict
-from tests.pysprings import synthetic
-from tests.pysprings.test_macro_fan import fan_springs, potential
+from pysprings import open_table
+from pysprings.cli import app
+from pysprings.core import variables
+from pysprings.core.errors import UserInputError
+from pysprings.macro.predict import MacroModel, MacroWarning, curve, impose, predict
+from pysprings.results import exporters
+from tests.pysprings.macro.test_fan import fan_springs, potential
+from tests.support import synthetic
 
 HEAD = "depth_m,depth_top_m,depth_bottom_m,y_m,p_N_per_m"
 K = 2e8  # N/m per m
@@ -284,22 +287,77 @@ def test_faults_of_a_record(tmp_path):
 
 
 def test_many_faults_are_counted(tmp_path):
-    found = problems(write(tmp_path / "py.csv", "depth_m,y_m,p_N_per_m", *["1,0.001,x", "2,x,1e5"] * 50))
-    assert len(found) == 21
-    assert found[-1].endswith("and 80 more problems")
+    file = write(tmp_path / "py.csv", "depth_m,y_m,p_N_per_m", *["1,0.001,x", "2,x,1e5"] * 50)
+    with pytest.raises(UserInputError) as caught:
+        open_table(file)
+    assert len(caught.value.problems) == 100
+    lines = str(caught.value).splitlines()
+    assert len(lines) == 21
+    assert lines[-1] == "fatal: user input: and 80 more problems"
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_states_beyond_the_peak_of_a_softening_curve_are_marked(tmp_path, sign):
+    """p of the upper slice falls from 5e5 to 1e5 N/m beyond 5 mm; that of the lower one by 1 % of its peak."""
+    upper = [(1e-3, 2e5), (5e-3, 5e5), (1e-2, 1e5)]
+    lower = [(1e-3, 2e5), (5e-3, 5e5), (1e-2, 4.95e5)]
+    rows = [f"{z},{y},{p}" for z, curve_ in ((1, upper), (3, lower)) for y, p in curve_]
+    table = open_table(write(tmp_path / "py.csv", "depth_m,y_m,p_N_per_m", *rows), skirt_length=4.0)
+    before = impose(table, u=sign * 4.9e-3, rotation=0.0, strict=True)
+    assert before.attrs["warnings"] == ""
+    with pytest.warns(
+        MacroWarning, match=r"^1 of 2 states are .*\(p at 1 m falls from 5e\+05 to 1e\+05\): .*one of several"
+    ):
+        impose(table, u=sign * 8e-3, rotation=0.0, n=2)
+    with pytest.raises(UserInputError, match=r"strict: .*a curve that softens"):
+        impose(table, u=sign * 8e-3, rotation=0.0, strict=True)
+
+
+@pytest.mark.parametrize("ending", ["xls", "ods", "XLSM", "txt"])
+@pytest.mark.parametrize("options", [(), ("--skirt-length", "4 m")])
+def test_tables_of_other_formats_are_named(tmp_path, ending, options):
+    file = write(tmp_path / f"py.{ending}", "depth_m,y_m,p_N_per_m", "1,0.001,1e5")
+    done = CliRunner().invoke(app.app, ["predict", str(file), "--H", "10 kN", *options])
+    assert done.exit_code == 2
+    words = f"tables in the format .{ending.lower()} cannot be read; save it as .csv or .xlsx"
+    assert done.stderr == f"fatal: user input: {file}: {words}\n"
+
+
+def test_a_table_of_a_million_lines_is_refused_before_it_is_read(tmp_path):
+    """By its lines, counted: the first cell that is wrong is not reached."""
+    file = write(tmp_path / "py.csv", "depth_m,y_m,p_N_per_m", *["x,0,1"] * 1_000_000)
+    (line,) = problems(file)
+    assert line.endswith(
+        "is too large for a table (1,000,001 lines, at most 300,000; springs.nc of a run has no such limit)"
+    )
 
 
 def test_the_command_takes_tables(tmp_path):
     file = write(tmp_path / "py.csv", "depth_m,y_m,p_N_per_m", "1,0.001,1e5", "3,0.001,2e5")
-    done = CliRunner().invoke(cli.app, ["predict", str(file), "--H", "10 kN", "--skirt-length", "4 m"])
+    done = CliRunner().invoke(app.app, ["predict", str(file), "--H", "10 kN", "--skirt-length", "4 m"])
     assert done.exit_code == 0
     assert done.stdout.split()[:2] == ["u", "[mm]"]
     assert done.stderr.splitlines()[0].startswith("note: p-y springs alone")
     bad = write(tmp_path / "bad.csv", "depth_m,y_mm,p_N_per_m", "1,0.001,1e5")
-    done = CliRunner().invoke(cli.app, ["predict", str(bad), "--H", "10 kN"])
+    done = CliRunner().invoke(app.app, ["predict", str(bad), "--H", "10 kN"])
     assert (done.exit_code, done.stdout) == (2, "")
     assert done.stderr == (
         f"fatal: user input: {bad}:1: \"y_mm\": wrong name or unit: expected 'y_m' (SI; convert the numbers)\n"
     )
-    nc = CliRunner().invoke(cli.app, ["predict", str(tmp_path), "--H", "10 kN", "--skirt-length", "4 m"])
+    nc = CliRunner().invoke(app.app, ["predict", str(tmp_path), "--H", "10 kN", "--skirt-length", "4 m"])
     assert "--skirt-length: is for tables" in nc.stderr
+
+
+@pytest.mark.parametrize("form", [0, 1], ids=["long", "wide"])
+def test_stiffness_of_a_table_is_that_of_the_first_steps(tmp_path, form):
+    """Load over motion of a pure translation and a pure rotation at their first step; lid and tip carry moments."""
+    ways = (synthetic.Path("slide", "translation", size=1e-2), synthetic.Path("turn", "rotation", size=-2e-3))
+    springs = synthetic.make_springs(ways)
+    for key in ("M_lid", "M_tip", "H_lid", "H_tip"):
+        share = [abs(float(springs[f"paths/{way.name}/{key}"][1])) for way in ways]
+        assert max(share) > 1e3, key
+    slide, turn = (springs[f"paths/{way.name}"] for way in ways)
+    columns = [[float(path[load][1]) / float(path[by][1]) for load in ("H", "M")]
+               for path, by in ((slide, "u"), (turn, "rotation"))]  # fmt: skip
+    table = open_table(exporters.csv_tables(tmp_path, springs)[form])
+    np.testing.assert_allclose(table["stiffness_initial"], np.transpose(columns), rtol=1e-8)

@@ -11,13 +11,13 @@ import pytest
 
 from fe_engine.conventions import OK
 from fe_engine.soil import lode, plasol, van_eekelen
-from pysprings.build import build_model
-from pysprings.errors import UserInputError
-from pysprings.scene import Scene, parse_scene
-from pysprings.scene_checks import _MOST_FRICTION, MOST_CONTRACTION, _section, cone_slope
-from pysprings.small_strain import scene_warnings
-from pysprings.stages import path_stages
-from tests.pysprings import tiny
+from pysprings.core.errors import UserInputError
+from pysprings.model.build import build_model
+from pysprings.model.forecast.small_strain import scene_warnings
+from pysprings.model.stages import path_stages
+from pysprings.scene.checks import _MOST_FRICTION, MOST_CONTRACTION, _section, cone_slope
+from pysprings.scene.load import Scene, parse_scene
+from tests.support import tiny
 
 PULL = {"name": "a", "kind": "pull", "lateral_displacement": "20 mm"}
 WATER = {"drainage": {"mode": "coupled"}}
@@ -251,9 +251,10 @@ def test_small_motions_are_not() -> None:
 
 
 def test_a_run_records_the_motion_that_it_reached(monkeypatch: pytest.MonkeyPatch) -> None:
-    from pysprings import full_model, small_strain
+    from pysprings.full_model import compute
+    from pysprings.model.forecast import small_strain
 
     monkeypatch.setattr(small_strain, "LARGEST_SHARE", 1e-5)
-    result = full_model.compute(tiny.scene())
+    result = compute.compute(tiny.scene())
     (text,) = json.loads(result.attrs["run_json"])["warnings"]
     assert "path 'pull': a displacement of 0.0005 m" in text

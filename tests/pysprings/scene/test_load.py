@@ -15,13 +15,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from pysprings.scene import SECTIONS, Scene, load_scene, parse_scene
-from pysprings.scene_fields import Choice, Count, Field, Flag, Interval, Number, Quantity
-from pysprings.scene_schema import scene_schema
-from pysprings.scene_template import template_names, template_text
-from pysprings.scene_toml import field_of
+from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity
+from pysprings.scene.load import SECTIONS, Scene, load_scene, parse_scene
+from pysprings.scene.schema import scene_schema
+from pysprings.scene.template import template_names, template_text
+from pysprings.scene.toml import field_of
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SCENES = sorted((ROOT / "data" / "scenes").glob("*.toml"))
 
 
@@ -204,6 +204,8 @@ def sections(draw: st.DrawFn) -> dict[str, object]:
     for name in ("interface", "mesh", "output"):
         fields = {key: field_of(info) for key, info in SECTIONS[name].model_fields.items()}
         data[name] = draw(st.fixed_dictionaries({}, optional={key: values_of(field) for key, field in fields.items()}))
+    mesh: dict[str, object] = data["mesh"]  # type: ignore[assignment]
+    mesh.pop("azimuth" if mesh.get("discretisation") == "fourier" else "harmonics", None)
     turn = draw(st.floats(1e-6, 0.5)) * draw(st.sampled_from([1, -1]))
     data["paths"] = [{"name": "p", "kind": "rotation", "rotation": turn, "report_at": [turn / 3, turn]}]
     return data

@@ -12,7 +12,7 @@ from typing import Any
 from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st
 
-from pysprings.toml_positions import KeyPath, Place, locate, nearest
+from pysprings.scene.positions import KeyPath, Place, locate, nearest
 
 BY_HAND = '''# comment = 1
 title = "x # y = 3" # z

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pysprings.errors import UserInputError
-from pysprings.scene import MAX_BYTES, Scene, load_scene, parse_scene
-from pysprings.scene_template import template_text
+from pysprings.core.errors import UserInputError
+from pysprings.scene.load import MAX_BYTES, Scene, load_scene, parse_scene
+from pysprings.scene.template import template_text
 
 PULL = '[[path]]\nname = "a"\nkind = "pull"\nlateral_displacement = "20 mm"\n'
 
@@ -35,6 +35,9 @@ def test_the_form_of_the_contract() -> None:
         "caisson.toml:9:22: soil.poisson_ratio: 0.6 is not in [0, 0.5)",
         "caisson.toml:13:1: interface.friction_coeficient: unknown key (did you mean 'friction_coefficient'?)",
     ]
+
+
+_LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
 
 
 @pytest.mark.parametrize(
@@ -191,7 +194,13 @@ def test_the_form_of_the_contract() -> None:
          "1:1: not valid TOML: Exceeds the limit (4300 digits) for integer string conversion: value has 5000 digits"),
         ("", "the file is empty; `pysprings init` writes a commented scene"),
         ("# nothing\n", "the file is empty; `pysprings init` writes a commented scene"),
-        ("a = " + "[" * 5000, "lists or tables are nested too deeply"),
+        ("a = " + "[" * 5000, "1:69: lists or tables are nested too deeply (more than 64 levels)"),
+        ("a = " + "{b=" * 5000, "1:197: lists or tables are nested too deeply (more than 64 levels)"),
+        ("[soil]\nK0 = 0.9\nx = {" + "a." * 1000 + "a = 1}", _LONG.format("3:6")),
+        ("\n" + "a." * 20_000 + "a = 1", _LONG.format("2:1")),
+        ("[[" + '"a" . ' * 20_000 + "a]]", _LONG.format("1:3")),
+        ("x = {" + "a.a.a.a.a.a.a.a={" * 100 + "b=1" + "}" * 101,
+         "1:141: lists or tables are nested too deeply (more than 64 levels)"),
     ],
     ids=lambda value: value.split(": ")[1][:40] if ": " in value and isinstance(value, str) else "",
 )  # fmt: skip

@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pysprings.errors import UserInputError
-from pysprings.springs import (
+from pysprings.core.errors import UserInputError
+from pysprings.core.files.storage import write_tree
+from pysprings.springs.dataset import (
     balance,
     get_path,
     net_m,
@@ -18,8 +19,7 @@ from pysprings.springs import (
     slice_heights,
     validate_springs,
 )
-from pysprings.storage import write_tree
-from tests.pysprings.synthetic import Path, make_result, make_springs
+from tests.support.synthetic import Path, make_result, make_springs
 
 PATHS = (Path("held", arm=8.0, role="held-back"), Path("pull"), Path("push", kind="translation"))
 
@@ -120,6 +120,37 @@ def test_refusals(tmp_path, spoil, key, words):
         open_springs(file)
     assert any(problem.key == key and words in problem.message for problem in caught.value.problems)
     assert {problem.file for problem in caught.value.problems} == {str(file)}
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "load"),
+    [("p", 2.0, "H"), ("p", -1.0, "H"), ("H", 2.0, "H"), ("M_tip", 2.0, "M"), ("V", 1.0 + 1e-5, "V"), ("t", 0.0, "V")],
+)
+def test_reactions_that_do_not_sum_to_the_load_are_refused(tmp_path, name, factor, load):
+    """With path, step and both figures; the last step is the worst of a growing load."""
+    tree = make_springs(PATHS)
+    values = tree[f"paths/pull/{name}"].values
+    values[..., -1] *= factor
+    file = write_tree(tree, tmp_path / "bad.nc")
+    with pytest.raises(UserInputError) as caught:
+        open_springs(file)
+    problems = {problem.key: problem for problem in caught.value.problems}
+    assert set(problems) <= {f"paths/pull/{each}" for each in "HVM"}
+    problem = problems[f"paths/pull/{load}"]
+    assert problem.file == str(file)
+    assert "step 20: the reactions sum to " in problem.message
+    given = float(tree[f"paths/pull/{load}"][-1])
+    assert f"the load is {given:.6g} N" in problem.message
+
+
+def test_single_precision_and_steps_that_did_not_converge_are_accepted(tmp_path):
+    tree = make_springs(PATHS)
+    for name in ("p", "m", "t", "H", "M", "V", "H_tip", "H_lid", "M_tip", "M_lid", "V_tip", "V_lid"):
+        values = tree[f"paths/pull/{name}"].values
+        values[...] = values.astype(np.float32)
+    tree["paths/pull/converged"][-1:] = 0
+    tree["paths/pull/H"][-1:] = 9e9
+    open_springs(write_tree(tree, tmp_path / "springs.nc"))
 
 
 def test_wrong_depth_order_is_refused():

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.errors import UserInputError
-from pysprings.extract import extract_springs
-from pysprings.macro import predict
-from pysprings.springs import SCHEMA, balance, get_path, path_names
-from tests.pysprings import tiny
+from pysprings.core.errors import UserInputError
+from pysprings.macro.predict import predict
+from pysprings.springs.dataset import SCHEMA, balance, get_path, path_names
+from pysprings.springs.extract import extract_springs
+from tests.support import tiny
 
 
 @pytest.fixture

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings import rates
-from pysprings.comparison import compare
-from pysprings.errors import UserInputError
-from pysprings.macro_model import MacroModel
-from pysprings.macro_sets import spring_sets
-from pysprings.springs import balance, get_path, path_names
-from tests.pysprings import synthetic
+from pysprings.core.errors import UserInputError
+from pysprings.macro.comparison import compare
+from pysprings.macro.model import MacroModel
+from pysprings.macro.sets import spring_sets
+from pysprings.macro.slices import merge_slices
+from pysprings.springs import rates
+from pysprings.springs.dataset import balance, get_path, path_names
+from tests.support import synthetic
 
 LENGTH = 4.0
 RAYS = [
@@ -39,6 +40,13 @@ def at_two_rates(stronger: float = 1.2, speeds: tuple[float, ...] = (1e-5, 1e-3)
                 path[variable].attrs = base[f"paths/{name}/{variable}"].attrs
             groups[f"/paths/{name}{number}"] = path
     return xr.DataTree.from_dict(groups)
+
+
+def test_merged_slices_are_answered_at_a_rate() -> None:
+    """They have lost a part of the moment: their reactions do not sum to M, which a file's must."""
+    coarse = merge_slices(at_two_rates(), 3)
+    assert balance(get_path(coarse, "turn0"))["M"] > 1e-6
+    assert path_names(rates.at_rate(coarse, 1e-4)) == ["slide0", "turn0"]
 
 
 def test_sets_are_found_by_rate_slowest_first() -> None:
@@ -130,3 +138,14 @@ def test_a_path_beyond_the_sets_is_answered_by_the_nearest_one() -> None:
     fast["time"] = fast["time"] / 100.0
     fast.attrs["path"] = "faster"
     assert path_names(rates.for_path(springs, fast)) == ["slide1", "turn1"]
+
+
+def test_a_chain_of_rates_is_one_set_where_each_is_near_the_next() -> None:
+    """1, 2.5 and 6.25: the last is more than half a decade from the first, and near the second."""
+    speeds = (1e-5, 2.5e-5, 6.25e-5)
+    (found,) = rates.rate_sets(at_two_rates(speeds=speeds))
+    assert found.rate == pytest.approx((speeds[0] * speeds[1] * speeds[2]) ** (1.0 / 3.0))
+    assert set(found.paths) == {f"{name}{number}" for name in ("slide", "turn") for number in range(3)}
+    apart = rates.rate_sets(at_two_rates(speeds=(1e-5, 2.5e-5, 8e-5)))  # 3.2 from the second: a set of its own
+    assert [each.rate for each in apart] == pytest.approx([1e-5 * 2.5**0.5, 8e-5])
+    assert [set(each.paths) for each in apart] == [{"slide0", "slide1", "turn0", "turn1"}, {"slide2", "turn2"}]

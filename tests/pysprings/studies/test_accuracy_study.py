@@ -15,21 +15,22 @@ import pytest
 from typer.testing import CliRunner
 
 import pysprings
-from pysprings import Scene, cli
-from pysprings.accuracy import presets
-from pysprings.accuracy.richardson import cell_size
-from pysprings.accuracy.settings import settings
-from pysprings.accuracy_study import child, rows, runs, study, text
-from pysprings.errors import Problem, ResourceError, RunIncomplete, UserInputError
-from pysprings.full_model import run
-from pysprings.kept_runs import RUNS, Whole, read_record
-from pysprings.plots.accuracy import error_against_time
-from pysprings.resources import size_of
-from pysprings.springs import get_path
-from pysprings.storage import read_tree, write_text, write_tree
-from tests.pysprings import tiny
-from tests.pysprings.synthetic import Path as Pull
-from tests.pysprings.synthetic import make_result, make_springs
+from pysprings import Scene
+from pysprings.cli import app
+from pysprings.core.errors import Problem, ResourceError, RunIncomplete, UserInputError
+from pysprings.core.files.storage import read_tree, write_text, write_tree
+from pysprings.full_model.accuracy import presets
+from pysprings.full_model.accuracy.richardson import cell_size
+from pysprings.full_model.accuracy.settings import settings
+from pysprings.full_model.compute import run
+from pysprings.model.forecast.resources import size_of
+from pysprings.springs.dataset import get_path
+from pysprings.studies.accuracy import child, rows, runs, study, text
+from pysprings.studies.accuracy.picture import error_against_time
+from pysprings.studies.kept_runs import RUNS, Whole, read_record
+from tests.support import tiny
+from tests.support.synthetic import Path as Pull
+from tests.support.synthetic import make_result, make_springs
 
 MESHES = ["coarse:0.75", "coarse", "coarse:1.35"]
 ORDER, SLOPE = 2.0, 60.0
@@ -239,7 +240,7 @@ def test_presets_of_a_study_serve_a_run(done: Any, tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(presets, "shipped", lambda: written)
     file, out = tiny.write(elastic(), tmp_path / "scene.toml"), tmp_path / "out"
     given = ["run", str(file), "--out", str(out), "--target-error", "5%"]
-    answer = CliRunner().invoke(cli.app, given)
+    answer = CliRunner().invoke(app.app, given)
     assert answer.exit_code == 0, answer.output
     record = read_record(out)
     assert record["target_error"]["setting"] == written["settings"][1]["name"] == "coarse"
@@ -248,9 +249,9 @@ def test_presets_of_a_study_serve_a_run(done: Any, tmp_path: Path, monkeypatch: 
     assert "target error 5%: setting coarse" in answer.stdout
     assert "estimated discretisation error: load" in answer.stdout
     assert "Discretisation error" in (out / "report.html").read_text(encoding="utf-8")
-    refused = CliRunner().invoke(cli.app, [*given[:-1], "2%", "--force"])
+    refused = CliRunner().invoke(app.app, [*given[:-1], "2%", "--force"])
     assert refused.exit_code == 2 and "no setting of the study" in refused.output
-    both = CliRunner().invoke(cli.app, [*given, "--mesh", "coarse", "--force"])
+    both = CliRunner().invoke(app.app, [*given, "--mesh", "coarse", "--force"])
     assert both.exit_code == 2 and "give it or --mesh" in both.output
 
 
@@ -277,15 +278,15 @@ def test_the_command(done: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     file = tiny.write(elastic(), tmp_path / "scene.toml")
     given = ["accuracy", str(file), "--quick", "--out", str(done.out)]
     given += [part for mesh in MESHES for part in ("--mesh", mesh)]
-    shown = CliRunner().invoke(cli.app, given)
+    shown = CliRunner().invoke(app.app, given)
     assert shown.exit_code == 0, shown.output
     assert "reference: meshes coarse-0.75, coarse, coarse-1.35; h = unknowns^(-1/3)" in shown.stdout
     assert f"{done.out / 'accuracy.md'}: tables" in shown.stdout
-    answer = CliRunner().invoke(cli.app, [*given, "--json", "--write-presets", str(tmp_path / "p.json")])
+    answer = CliRunner().invoke(app.app, [*given, "--json", "--write-presets", str(tmp_path / "p.json")])
     assert answer.exit_code == 0, answer.output
     assert json.loads(answer.stdout)["series"] == ["coarse-0.75", "coarse", "coarse-1.35"]
     assert json.loads((tmp_path / "p.json").read_text("utf-8"))["schema"] == presets.SCHEMA
-    assert CliRunner().invoke(cli.app, ["accuracy", str(file), "--mesh", "huge"]).exit_code == 2
+    assert CliRunner().invoke(app.app, ["accuracy", str(file), "--mesh", "huge"]).exit_code == 2
 
 
 def test_a_process_of_its_own_hands_on_progress_and_errors(tmp_path: Path) -> None:
@@ -355,7 +356,7 @@ def test_a_real_study_of_elastic_soil(tmp_path: Path) -> None:
     file, out = tiny.write(elastic(), tmp_path / "scene.toml"), tmp_path / "out"
     given = ["accuracy", str(file), "--quick", "--out", str(out)]
     given += [part for mesh in MESHES for part in ("--mesh", mesh)]
-    answer = CliRunner().invoke(cli.app, given)
+    answer = CliRunner().invoke(app.app, given)
     assert answer.exit_code == 0, answer.output
     table = pd.read_csv(out / "accuracy.csv").query("model == 'full'").set_index("name")
     assert (table[["wall_s", "cpu_s", "unit_s", "units", "memory_MB"]] > 0.0).all(axis=None)

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from pysprings.paper import claims, claims_drained, text
-from pysprings.paper.findings import AGREES, DIFFERS, PARTLY, UNKNOWN, Finding
-from pysprings.paper.runs import path_of
-from tests.pysprings import synthetic
+from pysprings.studies.paper import claims, claims_drained, text
+from pysprings.studies.paper.findings import AGREES, DIFFERS, PARTLY, UNKNOWN, Finding
+from pysprings.studies.paper.runs import path_of
+from tests.support import synthetic
 
 NAMES = ("drained", "drained-smooth", "slow", "slow-smooth", "fast", "fast-smooth")
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.full_model import run
-from pysprings.paper import reference
-from pysprings.paper.cases import Case
-from pysprings.paper.runs import path_of
-from tests.pysprings import synthetic
+from pysprings.full_model.compute import run
+from pysprings.studies.paper import reference
+from pysprings.studies.paper.cases import Case
+from pysprings.studies.paper.runs import path_of
+from tests.support import synthetic
 
-FOLDER = Path(__file__).parents[2] / "data" / "reference"
+FOLDER = Path(__file__).parents[3] / "data" / "reference"
 CASES = reference.kept_cases()
 NAMES = [case.name for case in CASES]
 

@@ -12,14 +12,16 @@ import pytest
 from typer.testing import CliRunner
 
 import pysprings
-from fe_engine import step_size
-from fe_engine.newton import Newton
-from pysprings import cli, folder, kept_runs
-from pysprings.paper import cases, claims, figures, idealisations, page, runs, sensitivity, study, text
-from pysprings.paper.cases import Case, Variant
-from pysprings.paper.findings import UNKNOWN
-from pysprings.result_files import is_unfinished
-from pysprings.storage import read_tree
+from fe_engine.solve import step_size
+from fe_engine.solve.newton import Newton
+from pysprings.cli import app
+from pysprings.core.files.layout import is_unfinished
+from pysprings.core.files.storage import read_tree
+from pysprings.results import folder
+from pysprings.studies import kept_runs
+from pysprings.studies.paper import cases, claims, figures, idealisations, page, runs, sensitivity, study, text
+from pysprings.studies.paper.cases import Case, Variant
+from pysprings.studies.paper.findings import UNKNOWN
 
 TINY: dict[str, Any] = {
     "mesh": {"refinement": 0.4},
@@ -75,7 +77,7 @@ def test_another_version_or_scene_is_run_anew(
     place = done / kept_runs.RUNS / case.name
     assert kept_runs.has_ended(place, case.scene("coarse"))
     if changed == "version":
-        monkeypatch.setattr(pysprings, "__version__", "99")
+        monkeypatch.setattr("pysprings.core.version.__version__", "99")
         assert not kept_runs.has_ended(place, case.scene("coarse"))
     elif changed == "scene":
         assert not kept_runs.has_ended(place, replace(case, friction=0.4).scene("coarse"))
@@ -164,17 +166,17 @@ def test_the_command(done: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
         return ["slow: path 'pull' stopped"]
 
     monkeypatch.setattr(study, "study", keep)
-    told = CliRunner().invoke(cli.app, ["paper", "--mesh", "coarse", "--out", str(done), "--json"])
+    told = CliRunner().invoke(app.app, ["paper", "--mesh", "coarse", "--out", str(done), "--json"])
     assert told.exit_code == 3
     found = json.loads(told.stdout)
     assert len(found["claims"]) == 13
     assert found["stopped"] == ["slow: path 'pull' stopped"]
     assert kept == {"out": done, "mesh": "coarse", "sensitivity": None, "force": False}
-    told = CliRunner().invoke(cli.app, ["paper", "--out", str(done), "--sensitivity", "--force"])
+    told = CliRunner().invoke(app.app, ["paper", "--out", str(done), "--sensitivity", "--force"])
     assert "claims.csv" in told.stdout
     assert kept == {"out": done, "mesh": "medium", "sensitivity": "coarse", "force": True}
     (tmp_path / "file").touch()
-    assert CliRunner().invoke(cli.app, ["paper", "--out", str(tmp_path / "file")]).exit_code == 2
+    assert CliRunner().invoke(app.app, ["paper", "--out", str(tmp_path / "file")]).exit_code == 2
 
 
 def test_begin_anew(done: Path, two: tuple[Case, ...], tmp_path: Path) -> None:
@@ -183,7 +185,7 @@ def test_begin_anew(done: Path, two: tuple[Case, ...], tmp_path: Path) -> None:
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_bytes((done / kept_runs.RUNS / "drained" / name).read_bytes())
     (tmp_path / sensitivity.FOLDER).mkdir()
-    (tmp_path / sensitivity.FOLDER / "a.json").touch()
+    (tmp_path / sensitivity.FOLDER / "a-0123456789abcdef.json").touch()
     assert kept_runs.has_ended(place.parent, two[0].scene("coarse"))
     runs.forget(tmp_path, two)
     sensitivity.forget(tmp_path)

@@ -21,14 +21,14 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from fe_engine.assembly import System
+from fe_engine.assembly.system import System
 from fe_engine.contact.coulomb import KN, MU
-from fe_engine.linear import LinearSolver
-from fe_engine.newton import Newton, Settings
+from fe_engine.linear.solver import LinearSolver
+from fe_engine.solve.newton import Newton, Settings
 from fe_engine.state import State
 from pysprings import Scene
-from pysprings.build import SURFACE, build_model
-from pysprings.full_model import run
+from pysprings.full_model.compute import run
+from pysprings.model.build import SURFACE, build_model
 from tests.verification import axisymmetric
 from tests.verification.rows import Row
 

@@ -14,17 +14,17 @@ from functools import cache
 import numpy as np
 import xarray as xr
 
-from fe_engine.assembly import System
-from fe_engine.linear import LinearSolver
+from fe_engine.assembly.system import System
+from fe_engine.linear.solver import LinearSolver
 from fe_engine.mesh import Mesh
-from fe_engine.newton import Newton, Settings
+from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.stepping import Driver
 from fe_engine.state import State
-from fe_engine.stepping import Driver
 from pysprings import Scene
-from pysprings.build import build_model
-from pysprings.build_water import undrained_time
-from pysprings.full_model import compute
-from pysprings.stages import path_stages
+from pysprings.full_model.compute import compute
+from pysprings.model.build import build_model
+from pysprings.model.stages import path_stages
+from pysprings.model.water import undrained_time
 from tests.verification.cases.undrained_column import checkerboard
 from tests.verification.rows import Row
 

@@ -20,8 +20,8 @@ from functools import cache
 
 import numpy as np
 
-from fe_engine import hex8
-from fe_engine.interface import nodal_stations
+from fe_engine.elements import hex8
+from fe_engine.elements.interface import nodal_stations
 from fe_engine.mesh import Mesh
 from fe_engine.model import Material, Model
 from fe_engine.soil import plasol

@@ -18,8 +18,8 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from fe_engine.interface import nodal_stations
-from fe_engine.newton import Newton
+from fe_engine.elements.interface import nodal_stations
+from fe_engine.solve.newton import Newton
 from tests.verification.balls import eighth_ball, faces_on
 from tests.verification.blocks import block_model, elastic_soil, followers, loaded, make_newton
 from tests.verification.rows import Row

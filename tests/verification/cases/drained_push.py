@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 import xarray as xr
 
-from fe_engine import hex8
+from fe_engine.elements import hex8
 from fe_engine.model import Model
 from fe_engine.state import Fields
 from tests.verification.pushes import Push, Stop, push, push_scene
@@ -23,6 +23,7 @@ END = 2.5e-3
 STOPS = (0.5e-3, 1.0e-3)
 _PAPER = "Cerfontaine et al. 2018"
 _EXACT = "equilibrium"
+_SUPERLINEAR = "1 is linear, 2 quadratic; friction has kinks"
 _CASE = "drained push, coarse mesh"
 
 
@@ -129,9 +130,9 @@ def _newton(run: Push) -> list[Row]:
             orders.append(np.log(e[2] / e[1]) / np.log(e[1] / e[0]))
     median = float(np.median([step.increment.iterations for step in run.steps]))
     return [
-        Row(_CASE, "median iterations per increment", "", median, 5.0, "at most 5", None),
-        Row(_CASE, "cut-backs", "", run.driver.n_cut_backs, 0.0, "none", None),
-        Row(_CASE, "order of the last iterations, median", "", float(np.median(orders)), 2.0, "quadratic", None),
+        Row.at_most(_CASE, "median iterations per increment", median, 5.0, "aim of the project"),
+        Row.at_most(_CASE, "cut-backs", run.driver.n_cut_backs, 0.0, "aim of the project"),
+        Row.at_least(_CASE, "order of the last iterations, median", float(np.median(orders)), 1.3, _SUPERLINEAR),
     ]
 
 
@@ -140,7 +141,7 @@ def _one_increment() -> list[Row]:
     case = "first increment, 0.25 mm in one step"
     return [
         Row.error(case, "cut-backs", run.driver.n_cut_backs, "converges at default settings", 0.0),
-        Row(case, "iterations", "", run.steps[0].increment.iterations, 25.0, "a plain prototype", None),
+        Row.at_most(case, "iterations", run.steps[0].increment.iterations, 25.0, "a plain prototype"),
     ]
 
 

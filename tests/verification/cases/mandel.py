@@ -16,7 +16,7 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from fe_engine.newton import Newton
+from fe_engine.solve.newton import Newton
 from tests.verification.blocks import block_model, box, followers, loaded, make_newton
 from tests.verification.rows import Row
 from tests.verification.water import consolidation, consolidation_time, elastic, fill, follow

@@ -14,9 +14,9 @@ from functools import cache
 
 import numpy as np
 
-from fe_engine import interface
 from fe_engine.contact import coulomb
-from fe_engine.interface import Stations
+from fe_engine.elements import interface
+from fe_engine.elements.interface import Stations
 from fe_engine.mesh import Mesh
 from fe_engine.model import Model
 from fe_engine.soil.elastic import elastic_matrix

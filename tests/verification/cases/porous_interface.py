@@ -20,7 +20,7 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from fe_engine.newton import Newton
+from fe_engine.solve.newton import Newton
 from tests.verification.blocks import loaded, make_newton
 from tests.verification.cases.patch import distorted, split
 from tests.verification.films import lay_film

@@ -15,13 +15,13 @@ from functools import cache
 
 import numpy as np
 
-from fe_engine import interface, rigid
 from fe_engine.contact import coulomb
 from fe_engine.conventions import CONTACT_SLIP, CONTACT_STICK
-from fe_engine.interface import Stations
+from fe_engine.elements import interface, rigid
+from fe_engine.elements.interface import Stations
 from fe_engine.mesh import Mesh
 from fe_engine.model import Model, Stage
-from fe_engine.newton import Newton
+from fe_engine.solve.newton import Newton
 from tests.verification.blocks import block_model, box, elastic_soil, followers, make_newton, run
 from tests.verification.rows import Row, worst
 

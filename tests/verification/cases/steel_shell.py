@@ -13,10 +13,10 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
-from fe_engine import hex8, solid_shell
+from fe_engine.elements import hex8, solid_shell
 from fe_engine.soil.elastic import elastic_matrix
-from pysprings.caisson_mesh import PRESETS, Geometry, make_mesh
-from pysprings.steel_mesh import make_steel
+from pysprings.model.mesh import PRESETS, Geometry, make_mesh
+from pysprings.model.steel import make_steel
 from tests.verification.rows import Row, fitted_rate
 
 YOUNG, RADIUS, WALL, LID = 200.0e9, 3.85, 0.1, 0.4

@@ -15,7 +15,7 @@ from functools import cache
 
 import numpy as np
 
-from fe_engine.newton import Newton
+from fe_engine.solve.newton import Newton
 from tests.verification.balls import eighth_ball, faces_on
 from tests.verification.blocks import block_model, elastic_soil, imposed, make_newton
 from tests.verification.films import lay_film

@@ -17,7 +17,7 @@ from functools import cache
 
 import numpy as np
 
-from fe_engine.newton import Newton
+from fe_engine.solve.newton import Newton
 from tests.verification.blocks import box, loaded, make_newton
 from tests.verification.rows import Row, fitted_rate
 from tests.verification.water import (

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: MIT
+from .core import errors as errors
+from .core.version import __version__ as __version__
+from .full_model.compute import run as run
+from .macro.comparison import compare as compare
+from .macro.predict import curve as curve
+from .macro.predict import impose as impose
+from .macro.predict import model_of as model_of
+from .macro.predict import predict as predict
+from .macro.predict import predict_batch as predict_batch
+from .macro.predict import sequence as sequence
+from .macro.predict import stiffness as stiffness
+from .macro.stiffness_six import stiffness_six as stiffness_six
+from .results import plots as plots
+from .results.tables import open_table as open_table
+from .scene.load import Scene as Scene
+from .scene.load import load_scene as load_scene
+from .springs.dataset import open_springs as open_springs
+from .springs.extract import extract_springs as extract_springs

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Commands: options in, streams and exit codes out."""

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: MIT
+"""Kinds of load path: what each imposes, what answers, and which keys of a scene it uses. A new kind is one entry here.
+
+Degrees of freedom of the caisson: u, w, rotation; loads H, V, M in the same order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+Dof = Literal["u", "w", "rotation"]
+VERTICAL = "vertical"
+# keys of a scene that hold an imposed quantity, and the unit in which messages show it
+UNITS = {"lateral_displacement": "mm", "rotation": "deg", "vertical_displacement": "mm", "lateral_force": "MN"}
+
+
+@dataclass(frozen=True, slots=True)
+class PathKind:
+    """One kind of load path.
+
+    Attributes
+    ----------
+    imposed : key of the scene with the imposed quantity.
+    drives : degree of freedom that grows along the path.
+    load, companion : load that answers `drives`; second answer of the accuracy study (None: there is none).
+    answers : answers whose errors the comparison reports.
+    holds : degrees of freedom that are imposed; none where a force is given.
+    uses, needs : further keys of the scene that apply; those of them that must be given.
+    paces : keys that can give the path its time.
+    force : the path is driven by a given force.
+    free_head : the load acts at a height (`arm`), and the rotation is free.
+    straight : rotation/u is constant along the path, so that it can be a ray of a fan.
+    bends : H and M do not keep their ratio; such a path cannot calibrate springs.
+    """
+
+    imposed: str
+    drives: Dof
+    load: str
+    companion: str | None
+    answers: tuple[str, ...]
+    holds: tuple[Dof, ...]
+    uses: frozenset[str] = field(default_factory=frozenset)
+    needs: tuple[str, ...] = ()
+    paces: tuple[str, ...] = ("rate", "duration")
+    force: bool = False
+    free_head: bool = False
+    straight: bool = False
+    bends: bool = False
+
+    @property
+    def has_velocity(self) -> bool:
+        """Whether a part of the path may have a velocity (`then`, rate and duration alike)."""
+        return self.paces == ("rate", "duration")
+
+
+PATH_KINDS: Mapping[str, PathKind] = {
+    "pull": PathKind(
+        "lateral_displacement", "u", "H", "rotation", ("H", "rotation"), ("u",), frozenset({"arm", "rate"}),
+        free_head=True,
+    ),
+    "translation": PathKind(
+        "lateral_displacement", "u", "H", "M", ("H", "M"), ("u", "rotation"), frozenset({"rotation", "rate"}),
+        straight=True,
+    ),
+    "rotation": PathKind(
+        "rotation", "rotation", "M", "H", ("H", "M"), ("u", "rotation"), paces=("duration",), straight=True
+    ),
+    "swipe": PathKind(
+        "lateral_displacement", "u", "H", "M", ("H", "M"), ("u", "rotation"), frozenset({"rotation", "rate"}),
+        needs=("rotation",), paces=("rate",), bends=True,
+    ),
+    "load": PathKind(
+        "lateral_force", "u", "H", "rotation", ("H", "rotation"), (), frozenset({"arm", "arm_from"}),
+        paces=("duration",), force=True, free_head=True,
+    ),
+    VERTICAL: PathKind(
+        "vertical_displacement", "w", "V", None, ("V",), ("u", "w", "rotation"), frozenset({"rate"})
+    ),
+}  # fmt: skip
+
+
+def bends(attrs: Mapping[object, object]) -> bool:
+    """Return whether H and M change their ratio on a path with these attributes: a swipe, a load that climbs."""
+    return PATH_KINDS[str(attrs["kind"])].bends or "arm_from_m" in attrs
+
+
+def kind_of(attrs: Mapping[object, object]) -> PathKind:
+    """Return the kind of a path with these attributes; a load that climbs answers as a swipe does."""
+    kind = PATH_KINDS[str(attrs["kind"])]
+    return PATH_KINDS["swipe"] if bends(attrs) else kind
+
+
+def is_straight(attrs: Mapping[object, object]) -> bool:
+    """Return whether a path keeps its direction: by its kind, or marked so (paths read from a table have no kind)."""
+    kind = PATH_KINDS.get(str(attrs["kind"]))
+    return bool(kind and kind.straight) or bool(attrs.get("straight"))

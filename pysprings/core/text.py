@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: MIT
+"""Numbers, tables and JSON as text: one form for terminal, report and documents."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from typing import Any
+
+
+def number(value: Any, digits: int = 4) -> str:
+    """Return a number for reading: ``digits`` figures, thousands apart; "-" where it is missing or not finite."""
+    value = value.item() if hasattr(value, "item") and getattr(value, "ndim", 0) == 0 else value
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}"
+    if isinstance(value, float):
+        return _real(value, digits)
+    if isinstance(value, list | tuple):
+        return ", ".join(number(item, digits) for item in value)
+    return str(value)
+
+
+def _real(value: float, digits: int) -> str:
+    if not math.isfinite(value):
+        return "-"
+    if 1.0e4 <= abs(value) < 1.0e15:
+        return f"{value:,.0f}"
+    return f"{value + 0.0:.{digits}g}"  # + 0.0 turns -0.0 into 0.0
+
+
+def plain_table(heads: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[bool] = (True,)) -> str:
+    """Return a table for a terminal: a rule below the heads, columns set to the right but for those in ``left``."""
+    from tabulate import tabulate
+
+    sides = [*left, *[False] * (len(heads) - len(left))]
+    text = tabulate(
+        rows, heads, tablefmt="simple", disable_numparse=True, colalign=["left" if side else "right" for side in sides],
+        preserve_whitespace=True,
+    )  # fmt: skip
+    return "\n".join(line.rstrip() for line in text.splitlines())
+
+
+def markdown_table(heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = False) -> str:
+    """Return a table in Markdown; with ``numbers``, all columns but the first are set to the right."""
+    rules = ["---", *["--:" if numbers else "---"] * (len(heads) - 1)]
+    lines = [heads, rules, *([_safe(text) for text in row] for row in rows)]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+
+
+def _safe(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")
+
+
+def json_text(data: Any, indent: int | None = None) -> str:
+    """Return data as strict JSON in ASCII: NumPy's values as numbers and lists, numbers that are not finite as null."""
+    from pydantic_core import from_json, to_json
+
+    return json.dumps(from_json(to_json(data, inf_nan_mode="null", fallback=_plain)), indent=indent, allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else str(value)

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: MIT
+"""Scene -> what runs it, in the scene's discretisation: model, system, Newton, and what becomes of its states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import xarray as xr
+
+from fe_engine.assembly.fourier_system import FourierSystem
+from fe_engine.assembly.system import System
+from fe_engine.balance.water import WaterBalance
+from fe_engine.clock import Clock
+from fe_engine.linear.solver import LinearSolver
+from fe_engine.solve.fourier_stage import FourierStage
+from fe_engine.solve.newton import Newton, Settings
+from pysprings.full_model.collect import Collector, section_dataset
+from pysprings.full_model.fourier_collect import FourierCollector, fourier_section_dataset
+from pysprings.full_model.fourier_volume import fourier_volume_dataset
+from pysprings.full_model.volume import volume_dataset
+from pysprings.model.build import Built
+from pysprings.model.fourier import BuiltFourier
+
+if TYPE_CHECKING:
+    from pysprings.scene.load import Scene
+
+
+@dataclass(frozen=True)
+class Engine:
+    """A system and what solves it."""
+
+    system: System | FourierSystem
+    newton: Newton
+
+
+def make_engine(scene: Scene, built: Built | BuiltFourier, clock: Clock) -> Engine:
+    """Make a built model ready to run. Raises LinearSolverError."""
+    settings = Settings(scene.solver.tolerance, scene.solver.max_iterations)
+    if isinstance(built, BuiltFourier):
+        series = FourierSystem(built.model, clock)
+        return Engine(series, Newton(series, FourierStage(series, clock), settings))
+    bricks = System(built.model, clock)
+    wet, symmetric = built.model.water is not None, built.model.symmetric
+    solver = LinearSolver(scene.solver.linear, bricks.pattern.n_free, clock, wet, symmetric)
+    return Engine(bricks, Newton(bricks, solver, replace(settings, exact=scene.drainage.mode == "undrained")))
+
+
+def make_collector(
+    scene: Scene, built: Built | BuiltFourier, system: System | FourierSystem, balance: WaterBalance | None,
+    sea: tuple[float, float] | None,
+) -> Collector:  # fmt: skip
+    """Make what gathers the rows of a path."""
+    output = scene.output
+    if isinstance(built, BuiltFourier):
+        assert isinstance(system, FourierSystem)
+        return FourierCollector(built, system, output.interface_fields, output.section, output.paraview)
+    assert isinstance(system, System)
+    kept = output.interface_fields, output.section
+    return Collector(built, system, *kept, balance, sea, volume=output.paraview)
+
+
+def section_of(built: Built | BuiltFourier) -> xr.Dataset:
+    """Return the symmetry plane of the mesh."""
+    return fourier_section_dataset(built) if isinstance(built, BuiltFourier) else section_dataset(built)
+
+
+def volume_of(built: Built | BuiltFourier) -> xr.Dataset:
+    """Return nodes and cells of the whole half model."""
+    return fourier_volume_dataset(built) if isinstance(built, BuiltFourier) else volume_dataset(built)

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: MIT
+"""Engine state of a Fourier model -> the rows that `collect` makes of bricks.
+
+Slices of the skirt are the elements of its faces: a node between two elements shares its force between them by their
+heights. Fields around the ring are those of the stations, and the one trigonometric polynomial through them elsewhere.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from fe_engine.assembly.fourier_system import FourierSystem
+from fe_engine.elements import fourier as elements
+from fe_engine.state import Fields
+from pysprings.core import variables
+from pysprings.full_model.collect import Collector
+from pysprings.full_model.fourier_volume import FourierVolume
+from pysprings.model.build import SURFACE
+from pysprings.model.fourier import SIDES, BuiltFourier
+
+_SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
+
+
+class FourierCollector(Collector):
+    """A `collect.Collector` of a Fourier model."""
+
+    built: BuiltFourier  # type: ignore[assignment]
+    system: FourierSystem  # type: ignore[assignment]
+
+    def __init__(self, built: BuiltFourier, system: FourierSystem, fields: bool, section: bool, volume: bool) -> None:
+        self.balance = self.sea = self.cavitation = None
+        self.built, self.system = built, system
+        self.keep_fields, self.keep_section = fields, section
+        self.volume = FourierVolume(built, system) if volume else None  # type: ignore[assignment]
+        self.position, self.surface = built.model.stations.position, built.model.stations.surface
+        self.rings = {side: self._ring_stations(side) for side in SIDES}
+        line = built.section.depth
+        self.bounds = np.stack([line[:-2:2], line[2::2]], axis=1)
+        self.depth = self.bounds.mean(axis=1)
+        self.shares = slice_shares(line)
+        self.azimuth = output_azimuths(built.model.harmonics)
+        self._around = around(built.azimuth, self.azimuth)
+        self._plane = _Plane(built)
+        self.rows = []
+
+    def _ring_stations(self, side: str) -> np.ndarray:
+        """Station number of each node of a wall, (na, nz)."""
+        mine = np.flatnonzero(self.surface == SURFACE[SIDES[side]])
+        found: np.ndarray = mine.reshape(-1, len(self.built.azimuth)).T
+        return found
+
+    def _by_slice(self, of_rings: np.ndarray) -> np.ndarray:
+        """Forces of slices (nd,) from those of rings of nodes (nz,)."""
+        found: np.ndarray = self.shares @ of_rings
+        return found
+
+    def _turning(self, lateral: np.ndarray) -> np.ndarray:
+        """Moment (nd,) of the lateral forces of rings (nz,) about the middle of their slice."""
+        arm = self.built.section.depth[None] - self.depth[:, None]
+        found: np.ndarray = (self.shares * arm) @ lateral
+        return found
+
+    def _wall_fields(self, state: Fields, traction: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
+        """Fields on both walls, (side, azimuth, depth): means of the slices."""
+        model, stations = self.built.model, self.built.model.stations
+        sine, cosine = np.sin(stations.azimuth), np.cos(stations.azimuth)
+        even, odd = self._around
+        around_ring = sine * traction[:, 0] - cosine * traction[:, 1]  # along theta, of the caisson on the soil
+        opening = self.system.jumps(state)[:, 0] - model.initial_pressure / self.system.contact.parameters[:, 0]
+        lateral = -np.sin(self.azimuth)[:, None]
+        found = {
+            "normal_effective_stress": self._on_walls(even, -state.traction[:, 0]).clip(min=0.0),
+            "shear_lateral": lateral * self._on_walls(odd, around_ring),
+            "shear_vertical": self._on_walls(even, -traction[:, 2]),
+            "pore_pressure": self._on_walls(even, water),
+            "gap": self._on_walls(even, opening).clip(min=0.0),
+        }
+        return found
+
+    def _on_walls(self, operator: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Means of the slices (side, azimuth, depth) of values (ns,) at the stations."""
+        found = []
+        for ring in self.rings.values():
+            at_nodes = operator @ values[ring]
+            parts = at_nodes[:, :-2:2], at_nodes[:, 1::2], at_nodes[:, 2::2]
+            found.append(sum(share * part for share, part in zip(_SIMPSON, parts, strict=True)))
+        return np.stack(found)
+
+    def _section(self, state: Fields) -> dict[str, np.ndarray]:
+        return self._plane.fields(state)
+
+    def _water(self, state: Fields, water: np.ndarray) -> dict[str, float]:
+        return {"F_pw": 0.0}
+
+
+def slice_shares(line: np.ndarray) -> np.ndarray:
+    """Share (nd, nz) of each node's force that belongs to each slice, for nodes at depths (nz,), three a slice."""
+    height = line[2::2] - line[:-2:2]
+    shares = np.zeros((len(height), len(line)))
+    for e, h in enumerate(height):
+        shares[e, 2 * e : 2 * e + 3] = h
+    found: np.ndarray = shares / shares.sum(axis=0)
+    return found
+
+
+def output_azimuths(harmonics: int) -> np.ndarray:
+    """Azimuths of fields, from front to back: those of the stations and the middles between them."""
+    return np.linspace(0.0, np.pi, 2 * (harmonics + 1) + 1)
+
+
+def around(stations: np.ndarray, azimuth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return interpolation (na, number of stations) of even fields by cosines, and of odd ones by sines."""
+    n = len(stations)
+    here, there = elements.waves(stations, n), elements.waves(azimuth, n)
+    of_cosine, of_sine = np.full(n + 1, 2.0 / n), np.full(n + 1, 2.0 / n)
+    of_cosine[0], of_cosine[n] = 1.0 / n, 0.0
+    of_sine[0], of_sine[n] = 0.0, 1.0 / n
+    even: np.ndarray = (there[..., 0] * of_cosine) @ here[..., 0].T
+    odd: np.ndarray = (there[..., 1] * of_sine) @ here[..., 1].T
+    return even, odd
+
+
+class _Plane:
+    """The symmetry plane: corners of the section at the front and, mirrored, at the back."""
+
+    def __init__(self, built: BuiltFourier) -> None:
+        mesh = built.section.mesh
+        corner = np.unique(mesh.quads[:, :4])
+        behind = corner[mesh.nodes[corner, 0] > 0.0]
+        self.node = np.concatenate([corner, behind])
+        self.back = np.arange(len(self.node)) >= len(corner)
+        front, mirrored = np.full(mesh.n_nodes, -1), np.full(mesh.n_nodes, -1)
+        front[corner] = mirrored[corner] = np.arange(len(corner))  # both on the axis
+        mirrored[behind] = len(corner) + np.arange(len(behind))
+        self.quads = np.concatenate([front[mesh.quads[:, :4]], mirrored[mesh.quads[:, [1, 0, 3, 2]]]])
+        side = np.where(self.back, -1.0, 1.0)
+        self.x, self.depth = side * mesh.nodes[self.node, 0], mesh.nodes[self.node, 1]
+        self._side = side
+        self._wave = side[:, None] ** np.arange(built.model.harmonics + 1)
+
+    def fields(self, state: Fields) -> dict[str, np.ndarray]:
+        """Displacements in the plane."""
+        move = np.einsum("nik,nk->ni", state.displacement[self.node], self._wave)
+        return {"section_ux": self._side * move[:, 0], "section_uz": move[:, 2]}
+
+
+def fourier_section_dataset(built: BuiltFourier) -> xr.Dataset:
+    """The symmetry plane of the section's elements, by their corners."""
+    plane = _Plane(built)
+    data = {
+        "section_x": ("section_node", plane.x),
+        "section_depth": ("section_node", plane.depth),
+        "section_quad": (("section_cell", "corner"), plane.quads.astype(np.int32)),
+    }
+    return variables.attach(xr.Dataset(data), "section")

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: MIT
+"""A Fourier model as hexahedra of the half domain, for ParaView: sectors around each azimuth of the soil law."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from fe_engine.assembly.fourier_system import FourierSystem
+from fe_engine.elements import fourier as elements
+from fe_engine.soil.plasol import KAPPA
+from fe_engine.state import Fields
+from pysprings.core import variables
+from pysprings.model.fourier import BuiltFourier
+
+
+class FourierVolume:
+    """Turns a state into fields on nodes and cells; see `volume.Volume`."""
+
+    def __init__(self, built: BuiltFourier, system: FourierSystem) -> None:
+        self.built, self.system = built, system
+        self.grid = Sectors(built)
+        stations = built.model.stations
+        edges = self.grid.edges
+        nearest = np.abs(edges[:, None] - built.azimuth[None]).argmin(axis=1)
+        self._nearest = built.azimuth[nearest]
+        self._station_azimuth = stations.azimuth
+
+    def fields(self, state: Fields) -> dict[str, np.ndarray]:
+        """Displacement, stress, plastic strain and gap; see `variables`."""
+        u, stress = self.grid.displacement(state), self.grid.stress(state)
+        found = {f"volume_u{axis}": u[:, i] for i, axis in enumerate("xyz")}
+        found |= {f"volume_s{name}": stress[:, i] for i, name in enumerate(variables.STRESSES)}
+        found |= {"volume_plastic_strain": self.grid.plastic(state), "volume_gap": self._gap(state)}
+        return {name: values.astype(np.float32) for name, values in found.items()}
+
+    def _gap(self, state: Fields) -> np.ndarray:
+        """Largest opening (n,) of the stations of a node, those at the nearest azimuth."""
+        node, corner, gap = self.system.contact.node, self.grid.corner, self.system.gaps(state)
+        found = np.zeros((len(self.grid.edges), self.built.section.mesh.n_nodes))
+        for i, azimuth in enumerate(self._nearest):
+            mine = self._station_azimuth == azimuth
+            np.maximum.at(found[i], node[mine], gap[mine])
+        return found[:, corner].ravel()
+
+
+class Sectors:
+    """Nodes and cells: corners of the section at the edges (M + 1,) between the azimuths of the law."""
+
+    def __init__(self, built: BuiltFourier) -> None:
+        mesh, m = built.section.mesh, built.model.azimuths
+        self.built, self.edges = built, np.linspace(0.0, np.pi, m + 1)
+        self.corner = np.unique(mesh.quads[:, :4])
+        number = np.full(mesh.n_nodes, -1)
+        number[self.corner] = np.arange(len(self.corner))
+        quads, n = number[mesh.quads[:, [0, 3, 2, 1]]], len(self.corner)
+        self.hexes = np.concatenate([np.hstack([quads + j * n, quads + (j + 1) * n]) for j in range(m)])
+        r, z = mesh.nodes[self.corner].T
+        c, s = np.cos(self.edges)[:, None], np.sin(self.edges)[:, None]
+        self.nodes = np.stack([c * r, s * r, np.broadcast_to(z, (m + 1, n))], axis=-1).reshape(-1, 3)
+        self._wave = elements.waves(self.edges, built.model.harmonics)
+
+    def displacement(self, state: Fields) -> np.ndarray:
+        """Displacement (nodes, 3) in global axes."""
+        move = state.displacement[self.corner]
+        r, t, z = (np.einsum("jk,nk->jn", self._wave[..., w], move[:, i]) for i, w in enumerate((0, 1, 0)))
+        c, s = np.cos(self.edges)[:, None], np.sin(self.edges)[:, None]
+        return np.stack([c * r - s * t, s * r + c * t, z], axis=-1).reshape(-1, 3)
+
+    def stress(self, state: Fields) -> np.ndarray:
+        """Mean stress (cells, 6) in global axes."""
+        rr, tt, zz, rt, tz, zr = np.moveaxis(self._mean(state.stress), -1, 0)
+        angle = elements.azimuths(self.built.model.azimuths)[:, None]
+        c, s = np.cos(angle), np.sin(angle)
+        xx, yy = c * c * rr + s * s * tt - 2 * c * s * rt, s * s * rr + c * c * tt + 2 * c * s * rt
+        xy = c * s * (rr - tt) + (c * c - s * s) * rt
+        return np.stack([xx, yy, zz, xy, s * zr + c * tz, c * zr - s * tz], axis=-1).reshape(-1, 6)
+
+    def plastic(self, state: Fields) -> np.ndarray:
+        """Mean equivalent plastic strain (cells,)."""
+        if not state.history.size:
+            return np.zeros(len(self.hexes))
+        return self._mean(state.history)[..., KAPPA].ravel()
+
+    def _mean(self, values: np.ndarray) -> np.ndarray:
+        """Means (M, ne, nv) over the points of a section at each azimuth."""
+        ne, _, nv = values.shape
+        found: np.ndarray = values.reshape(ne, elements.N_POINTS, -1, nv).mean(axis=1).transpose(1, 0, 2)
+        return found
+
+
+def fourier_volume_dataset(built: BuiltFourier) -> xr.Dataset:
+    """Nodes and cells of the whole half model."""
+    grid = Sectors(built)
+    data = {f"volume_{axis}": ("volume_node", grid.nodes[:, i]) for i, axis in enumerate("xyz")}
+    flag = np.zeros(len(grid.hexes), dtype=np.int8)
+    cells = (("volume_cell", "vertex"), grid.hexes.astype(np.int32))
+    return variables.attach(xr.Dataset(data | {"volume_hex": cells, "volume_steel": ("volume_cell", flag)}), "volume")

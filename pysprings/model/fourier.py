@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: MIT
+"""Scene -> Fourier model of the engine, as `build` makes one of bricks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fe_engine.contact import coulomb
+from fe_engine.elements import fourier as elements
+from fe_engine.elements import interface, rigid
+from fe_engine.errors import MeshError
+from fe_engine.fourier_model import FourierModel, RingStations, SectionMesh
+from fe_engine.mesh import Quality
+from pysprings.model.build import SURFACE, extra_load, geometry_of, initial_pressure, initial_stress, soil_material
+from pysprings.model.fourier_mesh import PRESETS, CaissonSection, SectionCounts, make_section, refine_section
+from pysprings.model.penalty import penalty_of
+
+if TYPE_CHECKING:
+    from pysprings.scene.load import Scene
+
+SIDES = {"outside": "outer", "inside": "inner"}
+
+
+@dataclass(frozen=True)
+class BuiltFourier:
+    """A Fourier model with the section it came from and the vertical dead load of the half caisson (N).
+
+    ``azimuth`` are the azimuths (na,) of the stations.
+    """
+
+    model: FourierModel
+    section: CaissonSection
+    azimuth: np.ndarray
+    quality: Quality
+    balanced_load: float
+    extra_load: float
+    steel: None = None
+
+    def extra_load_of(self, wanted: float | str) -> float:
+        """What a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
+        return extra_load(wanted, self.balanced_load)
+
+
+def section_counts_of(scene: Scene) -> SectionCounts:
+    """Numbers of elements and harmonics of the scene's preset, as the scene overrides them."""
+    counts = PRESETS[scene.mesh.preset]
+    if scene.mesh.refinement != 1.0:
+        counts = refine_section(counts, scene.mesh.refinement)
+    if scene.mesh.harmonics is not None:
+        counts = replace(counts, harmonics=scene.mesh.harmonics)
+    return counts
+
+
+def build_fourier(scene: Scene) -> BuiltFourier:
+    """Build the half model of a scene (loads and reactions of the model are half the caisson's)."""
+    return build_on_section(scene, section_counts_of(scene))
+
+
+def build_on_section(scene: Scene, counts: SectionCounts) -> BuiltFourier:
+    """Build the model of a scene with these numbers of elements and harmonics."""
+    section = section_of(scene, counts)
+    mesh, harmonics = section.mesh, counts.harmonics
+    quality, law_azimuths = mesh.check(), harmonics + 3
+    azimuth = elements.azimuths(harmonics + 1)
+    stations = make_ring_stations(section, azimuth)
+    pressure = initial_pressure(scene, stations)
+    balanced = float(np.sum(pressure * stations.area * stations.frame[:, 0, 2]))
+    depth = np.repeat(elements.gauss_positions(mesh.nodes, mesh.quads)[:, :, 1], law_azimuths, axis=1)
+    model = FourierModel(
+        mesh=mesh,
+        harmonics=harmonics,
+        azimuths=law_azimuths,
+        materials=[soil_material(scene)],
+        material=np.zeros(mesh.n_elements, dtype=np.int64),
+        initial_stress=initial_stress(scene, depth),
+        fixed=fixed_directions(scene, mesh),
+        n_border=rigid.N_DOFS,
+        border_scale=np.array([1.0, 1.0, geometry_of(scene).outer_radius]),
+        stations=stations,
+        contact=_contact_parameters(scene, stations, section),
+        initial_pressure=pressure,
+    )
+    return BuiltFourier(model, section, azimuth, quality, balanced, extra_load(scene.caisson.vertical_load, balanced))
+
+
+def section_of(scene: Scene, counts: SectionCounts) -> CaissonSection:
+    """Make the section of a scene with these numbers of elements. Raises MeshError."""
+    try:
+        return make_section(geometry_of(scene), counts)
+    except ValueError as error:  # the growth of cell sizes has no solution
+        message = "elements cannot be graded in this geometry; change mesh.refinement, the preset or the domain"
+        raise MeshError(message) from error
+
+
+def make_ring_stations(section: CaissonSection, azimuth: np.ndarray) -> RingStations:
+    """Stations at every azimuth on the nodes of the skirt, the lid and the tip.
+
+    The corners of the tip carry the stations of the walls; their share of the tip's area is that of its other nodes.
+    """
+    nodes = section.mesh.nodes
+    radius, depth = nodes[:, 0], nodes[:, 1]
+    parts = []
+    for side, name in SIDES.items():
+        line = section.walls[side]
+        parts.append((line, nodal_lengths(depth[line]) * radius[line], name))
+    parts.append((section.lid, nodal_rings(radius[section.lid]), "lid"))
+    ring, inside = nodal_rings(radius[section.tip]), slice(1, -1)
+    parts.append((section.tip[inside], ring[inside] * ring.sum() / ring[inside].sum(), "tip"))
+    node = np.concatenate([line for line, _, _ in parts])
+    strip = np.concatenate([area for _, area, _ in parts])
+    surface = np.concatenate([np.full(len(line), SURFACE[name]) for line, _, name in parts])
+    felt = strip > 0.0  # none on the axis
+    node, strip, surface = node[felt], strip[felt], surface[felt]
+    angle = np.tile(azimuth, len(node))
+    node, surface = np.repeat(node, len(azimuth)), np.repeat(surface, len(azimuth))
+    around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    position = np.concatenate([radius[node, None] * around, depth[node, None]], axis=1)
+    normal = np.zeros_like(position)
+    upright = (surface == SURFACE["lid"]) | (surface == SURFACE["tip"])
+    normal[upright, 2] = 1.0
+    outwards = np.where(surface == SURFACE["outer"], 1.0, -1.0)[:, None]
+    normal[~upright, :2] = (outwards * around)[~upright]
+    return RingStations(
+        position=position,
+        frame=interface.local_frames(normal),
+        area=np.repeat(strip, len(azimuth)) * np.pi / len(azimuth),
+        nodes=node[:, None],
+        weight=np.ones((len(node), 1)),
+        body=rigid.displacement_operator(position, np.zeros(3)),
+        surface=surface,
+        azimuth=angle,
+    )
+
+
+def nodal_lengths(x: np.ndarray) -> np.ndarray:
+    """Integrals of the quadratic shape functions of a line (Simpson) over nodes at x, three an element."""
+    found, step = np.zeros(len(x)), x[2::2] - x[:-2:2]
+    for first, share in zip((0, 1, 2), (1.0, 4.0, 1.0), strict=True):
+        found[first : len(x) - 2 + first : 2] += share * step / 6.0
+    return found
+
+
+def nodal_rings(r: np.ndarray) -> np.ndarray:
+    """Integrals of the quadratic shape functions times r, m2 per radian; they add up to that of r."""
+    found, start, step = np.zeros(len(r)), r[:-2:2], r[2::2] - r[:-2:2]
+    for first, (constant, slope) in enumerate([(1 / 6, 0.0), (2 / 3, 1 / 3), (1 / 6, 1 / 6)]):
+        found[first : len(r) - 2 + first : 2] += step * (constant * start + slope * step)
+    return found
+
+
+def _contact_parameters(scene: Scene, stations: RingStations, section: CaissonSection) -> np.ndarray:
+    """Contact parameters (ns, 3); smooth under the lid where it meets the skirt, see build.contact_parameters."""
+    penalty = penalty_of(scene)
+    packed = coulomb.pack(kn=penalty.normal, kt=penalty.shear, mu=scene.interface.friction_coefficient)
+    parameters = np.tile(packed, (len(stations), 1))
+    shared = (stations.surface == SURFACE["lid"]) & np.isin(stations.nodes[:, 0], section.walls["inside"])
+    parameters[shared, coulomb.MU] = 0.0
+    return parameters
+
+
+def fixed_directions(scene: Scene, mesh: SectionMesh) -> np.ndarray:
+    """Fixed directions (n, 3) of the side and the bottom."""
+    fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
+    side = mesh.node_sets["side"]
+    fixed[side, 0] = True
+    if scene.domain.side != "roller":
+        fixed[side] = True
+    fixed[mesh.node_sets["bottom"]] = True
+    return fixed

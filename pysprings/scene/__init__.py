@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""TOML <-> frozen Scene; every problem with its place."""

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""The spring dataset: schema, file, sums, dead loads, rates."""

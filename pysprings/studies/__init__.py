@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Studies of many runs: accuracy, stability, the paper."""

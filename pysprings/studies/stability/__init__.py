@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Catalogue of stiff and extreme cases."""

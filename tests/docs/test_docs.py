@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: MIT
+"""The documentation: its commands and Python blocks run, its links resolve, its generated pages are up to date.
+
+Tiny scenes replace those that would take minutes. The commands of a document run in a scratch folder.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from benchmarks import evidence, evidence_store, reference_pages
+from pysprings import Scene
+from pysprings.cli.app import app
+from pysprings.macro.predict import MacroWarning
+from tests.support import tiny
+
+ROOT = Path(__file__).resolve().parents[2]
+README = ROOT / "README.md"
+RUN_HERE = [README, *sorted((ROOT / "docs" / "start").glob("*.md")), *sorted((ROOT / "docs" / "guide").glob("*.md"))]
+PAGES = [README, ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+# commands that compute a full model or more: in the slow tests
+LONG = ("run",)
+# commands that no test of this file runs, with the test that does, or the reason
+ELSEWHERE = {
+    "make": "a fresh clone is needed; .ci/run calls it",
+    "pip": "a fresh environment is needed",
+    "pysprings run caisson.toml --out out --resume": "an interrupted run is needed: full_model/test_resume.py",
+    "pysprings run caisson.toml --target-error 5% --out within5": "no tiny mesh: full_model/test_accuracy_settings.py",
+    "pysprings accuracy caisson.toml --quick --out study": "a study of many runs: studies/test_accuracy_study.py",
+    'pysprings predict rates --u-max "20 mm" --rate "0.5 mm/s"': "springs at two rates: springs/test_rates.py",
+}
+MM = 1.0e-3
+RAYS = {"ray_0": (4.0, 0.0), "ray_40": (3.0, -0.63), "ray_60": (2.0, -0.87)}  # u [mm], rotation [mrad]
+
+
+# --- what the documents hold ---
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    """Return the code blocks of a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+
+
+def commands(page: Path) -> list[str]:
+    """Return the command lines of the shell blocks, without comments."""
+    lines = [line for block in blocks(page, "bash") for line in block.splitlines()]
+    return [
+        " ".join(shlex.split(line, comments=True)) and line.split("  #")[0].strip() for line in lines if line.strip()
+    ]
+
+
+def name(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+ALL_COMMANDS = [(page, line) for page in RUN_HERE for line in commands(page)]
+
+
+def is_elsewhere(line: str) -> bool:
+    return line in ELSEWHERE or line.split()[0] in ELSEWHERE
+
+
+def is_long(line: str) -> bool:
+    return not is_elsewhere(line) and line.split()[1] in LONG
+
+
+def test_readme_is_short() -> None:
+    assert len(README.read_text(encoding="utf-8").splitlines()) <= 150
+
+
+def test_documents_hold_commands_and_python() -> None:
+    assert len(ALL_COMMANDS) > 30
+    assert {name(page) for page, _ in ALL_COMMANDS} >= {"README.md", "docs/start/first-run.md", "docs/guide/predict.md"}
+    assert blocks(README, "python")
+
+
+def test_reasons_name_lines_that_exist() -> None:
+    lines = {line for _, line in ALL_COMMANDS}
+    words = {line.split()[0] for line in lines}
+    assert not [key for key in ELSEWHERE if key not in lines | words]
+
+
+def test_every_command_of_the_program_is_in_the_readme() -> None:
+    registered = [command.name or command.callback.__name__ for command in app.registered_commands]
+    assert registered
+    text = README.read_text(encoding="utf-8")
+    assert not [each for each in registered if f"| `pysprings {each} " not in text]
+
+
+# --- they run ---
+
+
+def fan_scene() -> Scene:
+    """A small fan: three rays, a rotation, a vertical path, and a held-back pull."""
+    paths: list[dict[str, Any]] = [
+        {"name": key, "kind": "translation", "lateral_displacement": u * MM, "rotation": turn * MM}
+        for key, (u, turn) in RAYS.items()
+    ]
+    paths += [
+        {"name": "turn", "kind": "rotation", "rotation": MM},
+        {"name": "down", "kind": "vertical", "vertical_displacement": 4.0 * MM},
+        {"name": "pull", "kind": "pull", "lateral_displacement": 2.0 * MM, "arm": 2.0, "role": "held-back"},
+    ]
+    return tiny.scene(paths=tuple(paths))
+
+
+def call(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Run a command line of a document in a folder; replace what is there."""
+    monkeypatch.chdir(folder)
+    given = shlex.split(line, comments=True)[1:]
+    if given and given[0] in ("init", "run"):
+        given.append("--force")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MacroWarning)
+        return CliRunner().invoke(app, given)
+
+
+@pytest.fixture(scope="session")
+def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with tiny scenes and the result of one, under the names that the documents use."""
+    folder = tmp_path_factory.mktemp("docs")
+    tiny.write(fan_scene(), folder / "fan.toml")
+    tiny.write(tiny.scene(), folder / "caisson.toml")
+    done = CliRunner().invoke(app, ["run", str(folder / "fan.toml"), "--out", str(folder / "out")])
+    assert done.exit_code == 0, done.output
+    shutil.copytree(folder / "out", folder / "fan")
+    tables = blocks(ROOT / "docs/guide/own-springs.md", "text"), blocks(ROOT / "docs/guide/predict.md", "text")
+    (folder / "curves.csv").write_text(next(each for each in tables[0] if each.startswith("depth_m")))
+    (folder / "loads.csv").write_text(next(each for each in tables[1] if each.startswith("H_N")))
+    return folder
+
+
+@pytest.fixture
+def scratch(prepared: Path, tmp_path: Path) -> Path:
+    """A copy of the prepared folder for one test."""
+    return Path(shutil.copytree(prepared, tmp_path / "scratch"))
+
+
+@pytest.mark.parametrize("page", [page for page in RUN_HERE if commands(page)], ids=name)
+def test_commands_of_a_document_run(page: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = [line for line in commands(page) if not is_elsewhere(line) and not is_long(line)]
+    for line in lines:
+        done = call(line, scratch, monkeypatch)
+        assert done.exit_code == 0, f"{line}\n{done.output}\n{done.exception!r}"
+        assert done.output
+
+
+LONG_LINES = [(page, line) for page, line in ALL_COMMANDS if is_long(line)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("page", "line"), LONG_LINES, ids=[f"{name(page)}-{line}" for page, line in LONG_LINES])
+def test_runs_of_a_document_run(page: Path, line: str, scratch: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done = call(line, scratch, monkeypatch)
+    assert done.exit_code == 0, f"{line}\n{done.output}"
+    assert (scratch / shlex.split(line)[-1] / "report.html").exists()
+
+
+PYTHON = [(page, block) for page in RUN_HERE for block in blocks(page, "python")]
+
+
+@pytest.mark.parametrize(("page", "block"), PYTHON, ids=[f"{name(page)}-{k}" for k, (page, _) in enumerate(PYTHON)])
+def test_python_of_a_document_runs(
+    page: Path, block: str, scratch: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(scratch)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MacroWarning)
+        exec(compile(block, name(page), "exec"), {"__name__": "__main__"})
+    if "print(" in block:
+        assert capsys.readouterr().out
+
+
+def test_scenes_of_the_documents_are_valid(tmp_path: Path) -> None:
+    from pysprings import load_scene
+
+    scenes = [block for page in RUN_HERE for block in blocks(page, "toml")]
+    assert scenes
+    for number, text in enumerate(scenes):
+        file = tmp_path / f"{number}.toml"
+        file.write_text(text, encoding="utf-8")
+        assert load_scene(file).paths
+
+
+# --- their links resolve ---
+
+
+def links(page: Path) -> Iterator[str]:
+    """Yield the relative links and pictures of a page, outside code blocks."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"`[^`\n]*`", "", text)):
+        if "://" not in target:
+            yield target
+
+
+def anchors(page: Path) -> set[str]:
+    """Return the anchors that the headings of a page make."""
+    heads = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).strip().replace(" ", "-") for head in heads}
+
+
+def test_links_resolve() -> None:
+    found = [(page, target) for page in PAGES for target in links(page)]
+    assert len(found) > 80
+    lost = []
+    for page, target in found:
+        file, _, anchor = target.partition("#")
+        place = (page.parent / file).resolve() if file else page
+        if not place.exists() or (anchor and anchor not in anchors(place)):
+            lost.append(f"{name(page)}: {target}")
+    assert not lost
+
+
+def test_every_page_is_linked_from_the_index() -> None:
+    index = ROOT / "docs" / "index.md"
+    linked = {(index.parent / target).resolve() for target in links(index)}
+    pages = set((ROOT / "docs").rglob("*.md")) - {index}
+    assert pages
+    assert not sorted(name(page) for page in pages - linked)
+
+
+def test_every_source_file_that_a_page_names_exists() -> None:
+    pattern = re.compile(r"`((?:fe_engine|pysprings|tests|benchmarks|data)/[\w/.-]+)`")
+    pages = [page for page in PAGES if page.name != "CHANGELOG.md"]
+    named = [(page, path) for page in pages for path in pattern.findall(page.read_text(encoding="utf-8"))]
+    assert len(named) > 30
+    assert not [f"{name(page)}: {path}" for page, path in named if not (ROOT / path).exists()]
+
+
+# --- the generated pages ---
+
+
+@pytest.mark.parametrize("file", sorted(file.name for file in evidence.TEMPLATES.glob("*.md")))
+def test_evidence_is_what_the_committed_data_make(file: str) -> None:
+    assert (evidence.PAGES / file).read_text(encoding="utf-8") == evidence.render(file), "run: make evidence"
+
+
+@pytest.mark.parametrize("file", sorted(reference_pages.pages()))
+def test_reference_is_what_the_program_makes(file: str) -> None:
+    assert (reference_pages.PAGES / file).read_text(encoding="utf-8") == reference_pages.pages()[file], (
+        "run: make evidence"
+    )
+
+
+def test_evidence_has_no_page_of_another_origin() -> None:
+    assert {page.name for page in evidence.PAGES.glob("*.md")} == set(evidence.pages())
+
+
+def test_every_page_of_evidence_names_version_and_date() -> None:
+    made = evidence.pages()
+    assert made
+    for text in made.values():
+        head = text.split("Data on this page:\n\n")[1].split("\n\n")[0]
+        assert re.search(r"^- `[\w-]+`: `.+`, version \d+\.\d+\.\d+, \d{4}-\d\d-\d\d\.", head, re.M)
+
+
+def test_every_stored_table_is_shown() -> None:
+    stored = {file.stem for file in evidence_store.DATA.glob("*.csv")}
+    used = {
+        stem
+        for file in evidence.TEMPLATES.glob("*.md")
+        for stem in re.findall(r'(?:table|figures|count)\("([\w-]+)"', file.read_text(encoding="utf-8"))
+    }
+    assert stored and stored == used
+
+
+def test_a_changed_figure_changes_the_page(tmp_path: Path) -> None:
+    data = Path(shutil.copytree(evidence_store.DATA, tmp_path / "data"))
+    file = data / "slices.csv"
+    text = file.read_text(encoding="utf-8")
+    assert "6.8 %" in text
+    file.write_text(text.replace("6.8 %", "6.9 %"), encoding="utf-8")
+    assert evidence.render("springs.md", data) != evidence.render("springs.md")
+
+
+def test_a_document_is_stored_by_section(tmp_path: Path) -> None:
+    file = tmp_path / "study.md"
+    file.write_text("# T\n\n- a: 1\n\n## Full model\n\n| x | y |\n| --- | --: |\n| a \\| b | 2 |\n", encoding="utf-8")
+    tables = evidence_store.read_tables("study", file)
+    assert tables == {"study": "line\na: 1\n", "study-full-model": "x,y\na | b,2\n"}
+    paths = evidence_store.store("study", tables, "make study", data=tmp_path / "data")
+    assert [path.name for path in paths] == ["study.csv", "study-full-model.csv"]
+    origin = evidence.Page(tmp_path / "data")
+    assert origin.table("study-full-model") == "| x | y |\n| --- | --- |\n| a \\| b | 2 |"
+    assert "`make study`" in origin.origin()

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: MIT
+"""What is installed under licences that are not open, and that `--version` and THIRD-PARTY.md say so."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from pysprings import __version__
+from pysprings.cli import app
+from pysprings.core.licences import PROPRIETARY, TESTS_ONLY, Installed, installed, text
+
+ROOT = Path(__file__).parents[3]
+NOTES = (ROOT / "THIRD-PARTY.md").read_text(encoding="utf-8")
+
+
+def test_packages_are_found_by_their_folders(tmp_path: Path) -> None:
+    for name in ("mkl-2026.2.0.dist-info", "intel_openmp-2026.2.0.dist-info", "numpy-2.4.6.dist-info", "mkl"):
+        (tmp_path / name).mkdir()
+    found = installed([str(tmp_path), str(tmp_path / "gone")])
+    assert found == [
+        Installed("intel-openmp", "2026.2.0", PROPRIETARY["intel-openmp"]),
+        Installed("mkl", "2026.2.0", PROPRIETARY["mkl"]),
+    ]
+    assert "proprietary, installed with pypardiso" in text(found)
+    assert "  mkl 2026.2.0: Intel Simplified Software License" in text(found).splitlines()
+
+
+def test_without_them_nothing_is_proprietary(tmp_path: Path) -> None:
+    assert text(installed([str(tmp_path)])).endswith("no proprietary package is installed")
+
+
+def test_the_table_is_what_the_packages_say() -> None:
+    """Every installed package whose metadata calls it proprietary, and its licence."""
+    told = {}
+    for each in metadata.distributions():
+        kinds = each.metadata.get_all("Classifier") or []
+        if "License :: Other/Proprietary License" in kinds and "Apache" not in (each.metadata["License"] or ""):
+            told[each.metadata["Name"]] = (each.version, each.metadata["License"])
+    if not told:
+        pytest.skip("no proprietary package is installed here")
+    found = {each.name: (each.version, each.licence) for each in installed() if each.name in PROPRIETARY}
+    assert found == told
+
+
+def test_version_prints_itself_first_and_then_the_licences() -> None:
+    done = CliRunner().invoke(app.app, ["--version"])
+    assert done.exit_code == 0
+    first, *rest = done.stdout.splitlines()
+    assert first == f"pysprings {__version__}"
+    assert "\n".join(rest) == text(installed())
+
+
+def test_the_notes_name_every_dependency() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    names = [re.match(r"[A-Za-z0-9_.-]+", line)[0] for line in project["dependencies"]]  # type: ignore[index]
+    assert len(names) > 10
+    rows = {match.lower() for match in re.findall(r"^\| ([A-Za-z0-9_.-]+) \|", NOTES, re.MULTILINE)}
+    assert {name.lower() for name in [*names, *PROPRIETARY, *TESTS_ONLY]} - rows == set()
+    assert "THIRD-PARTY.md" in project["license-files"]

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: MIT
+"""The mutation run: which changes it makes, which tests it asks, and what counts as a kill."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+import pytest
+
+from benchmarks import mutation
+from benchmarks.mutants import Mutant, compiles, find_mutants
+from benchmarks.mutation_map import TestMap
+
+SOURCE = '''"""A docstring with 1 + 1."""
+from typing import TYPE_CHECKING
+if TYPE_CHECKING:
+    from elsewhere import a
+TABLE = {"in": "inner", "out": "outer"}
+
+@cache(7)
+def area(a: Literal[3], b=2.0):
+    """Say 3 < 4."""
+    if a < 0:
+        raise ValueError(f"{a + 1} is below {0}")
+    check(a, b)
+    total = a * b - 1e-6
+    total += 5
+    return -total if a and b else total
+'''
+
+
+def changes(source: str = SOURCE) -> list[tuple[str, str, str]]:
+    return [(mutant.kind, mutant.before, mutant.after) for mutant in find_mutants(source.encode(), "pack/shape.py")]
+
+
+def test_every_kind_of_change_is_made_and_nothing_else() -> None:
+    assert sorted(changes()) == sorted([
+        ("order", '"inner", "out": "outer"', '"outer", "out": "inner"'),
+        ("constant", "2.0", "4.0"),
+        ("condition", "a < 0", "not (a < 0)"),
+        ("operator", "<", ">="),
+        ("constant", "0", "1"),
+        ("statement", "check(a, b)", "pass"),
+        ("order", "a, b", "b, a"),
+        ("operator", "*", "/"),
+        ("operator", "-", "+"),
+        ("constant", "1e-6", "9.999999999999999e-06"),
+        ("statement", "total += 5", "pass"),
+        ("operator", "+=", "-="),
+        ("constant", "5", "6"),
+        ("condition", "a and b", "not (a and b)"),
+        ("operator", "and", "or"),
+        ("sign", "-total", "total"),
+    ])  # fmt: skip
+
+
+def test_a_change_is_one_place_of_the_source() -> None:
+    mutants = find_mutants(SOURCE.encode(), "pack/shape.py")
+    (flip,) = [mutant for mutant in mutants if mutant.before == "<"]
+    assert flip.applied(SOURCE.encode()).decode() == SOURCE.replace("if a < 0:", "if a >= 0:")
+    assert (flip.key, flip.line, flip.function) == ("shape.area: < -> >= #1", 10, "area")
+    assert all(compiles(mutant.applied(SOURCE.encode())) for mutant in mutants)
+    with pytest.raises(AssertionError, match="not that of the mutant"):
+        flip.applied(b"another file that is long enough" * 20)
+    umlaut = "x = 'ä' + 'ö' * 3\n".encode()
+    assert [mutant.applied(umlaut).decode() for mutant in find_mutants(umlaut, "x.py")] == [
+        "x = 'ä' - 'ö' * 3\n", "x = 'ä' + 'ö' / 3\n", "x = 'ä' + 'ö' * 4\n",
+    ]  # fmt: skip
+
+
+def test_equal_changes_of_one_place_have_numbers() -> None:
+    found = find_mutants(b"y = a + b + c\n", "pack/deep/sum.py")
+    assert [mutant.key for mutant in found] == ["sum: + -> - #1", "sum: + -> - #2"]
+
+
+# --- which tests ---
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """Two packages, a module that Numba compiles, and tests at several distances."""
+    files = {
+        "pack/__init__.py": (
+            "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from pack.deep.sum import add\n"
+            "def __getattr__(name):\n    import pack.deep.sum\n    return getattr(pack.deep.sum, name)\n"
+        ),
+        "pack/deep/__init__.py": "",
+        "pack/deep/sum.py": "from pack.deep import unit\ndef add(a, b):\n    return a + b\n",
+        "pack/deep/unit.py": "ONE = 1\n",
+        "pack/loop.py": "from numba import njit\nfrom pack.deep.unit import ONE\n@njit\ndef run():\n    return ONE\n",
+        "pack/late.py": "def far():\n    from pack.deep import sum\n    return sum.add(1, 2)\n",
+        "tests/test_sum.py": "from pack.deep.sum import add\ndef test_add():\n    assert add(2, 2) == 4\n",
+        "tests/test_pack.py": "from pack import add\ndef test_it():\n    assert add(0, 0) == 0\n",
+        "tests/test_late.py": "from pack.late import far\ndef test_far():\n    assert far() == 3\n",
+        "tests/test_other.py": "import pack.loop\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def test_the_nearest_tests_come_first(project: Path) -> None:
+    """By name, then by imports: through what a package hands on, and within functions."""
+    found = TestMap(project, ("pack",))
+    assert found.test_files("pack/deep/sum.py") == ["tests/test_sum.py", "tests/test_pack.py", "tests/test_late.py"]
+    assert found.test_files("pack/late.py", "far") == ["tests/test_late.py"]
+    assert found.test_files("pack/deep/sum.py", most=1) == ["tests/test_sum.py"]
+    assert set(found.test_files("pack/deep/unit.py")) == {
+        "tests/test_sum.py", "tests/test_pack.py", "tests/test_late.py", "tests/test_other.py",
+    }  # fmt: skip
+
+
+def test_what_compiled_code_imports_is_compiled_in(project: Path) -> None:
+    assert TestMap(project, ("pack",)).compiled >= {"pack/loop.py", "pack/deep/unit.py"}
+    assert "pack/deep/sum.py" not in TestMap(project, ("pack",)).compiled
+
+
+def test_the_map_covers_this_project() -> None:
+    """Every module but the entry points has a test file, and kernels count as compiled; wherever the files are."""
+    found = TestMap(mutation.ROOT, tuple(folder for folder, _ in mutation.PARTS.values()))
+    modules = [path for path in found.path.values() if path.startswith(("fe_engine/", "pysprings/"))]
+    bare = [path for path in modules if not found.test_files(path)]
+    assert len(modules) > 100 and {Path(path).name for path in bare} <= {"__main__.py", "__init__.py"}
+    assert {"kernels.py", "plasol.py"} <= {Path(path).name for path in found.compiled}
+
+
+# --- what counts ---
+
+
+def judged(project: Path, before: str, most: int = 6) -> mutation.Verdict:
+    (mutant,) = [each for each in find_mutants((project / "pack/deep/sum.py").read_bytes(), "pack/deep/sum.py")
+                 if each.before == before]  # fmt: skip
+    (copy := project / "copy").mkdir()
+    for file in ("pack", "tests"):
+        (copy / file).symlink_to(project / file)
+    found = mutation.judge("tool", mutant, copy, TestMap(project, ("pack",)), 120.0, (1, most))
+    assert (project / "pack/deep/sum.py").read_text().endswith("return a + b\n")  # taken back
+    return mutation.confirmed([found], copy, 120.0)[0]
+
+
+def test_more_tests_are_asked_where_the_nearest_pass(project: Path) -> None:
+    (project / "tests/test_sum.py").write_text(
+        "from pack.deep.sum import add\ndef test_add():\n    assert add(0, 0) == 0\n"
+    )
+    found = judged(project, "+")
+    assert (found.outcome, found.by) == (mutation.KILLED, "tests/test_late.py::test_far")
+
+
+def test_a_change_that_no_test_notices_survives(project: Path) -> None:
+    (project / "tests/test_sum.py").write_text(
+        "from pack.deep.sum import add\ndef test_add():\n    assert add(0, 0) == 0\n"
+    )
+    (project / "tests/test_late.py").unlink()
+    assert judged(project, "+").outcome == mutation.SURVIVED
+
+
+def test_a_test_that_fails_without_the_change_too_kills_nothing(project: Path) -> None:
+    (project / "tests/test_sum.py").write_text(
+        "from pack.deep.sum import add\ndef test_add():\n    assert add(0, 0) == 1\n"
+    )
+    assert judged(project, "+").outcome == mutation.VOID
+
+
+# --- samples and the page ---
+
+
+def test_verdicts_are_kept_and_only_survivors_run_again(project: Path, tmp_path: Path) -> None:
+    out, file = tmp_path / "out", project / "pack/deep/sum.py"
+    mutants = [("tool", each) for each in find_mutants(file.read_bytes(), "pack/deep/sum.py")]
+    assert mutants
+    name = f"{mutants[0][1].key} {hashlib.sha256(file.read_bytes()).hexdigest()[:16]}"
+    out.mkdir()
+    (out / "results.json").write_text(json.dumps({name: ["killed", "tests/test_sum.py::test_add"]}))
+    (found,) = mutation.run(
+        project, mutants[:1], out, 1, 1.0, (6, 6)
+    )  # not run: there is no copy of what git does not have
+    assert (found.outcome, found.by) == ("killed", "tests/test_sum.py::test_add")
+    (out / "results.json").write_text(json.dumps({name: ["survived", ""]}))
+    assert [each.outcome for each in mutation.run(project, mutants, out, 1, 1.0, (6, 6), page=True)] == ["survived"]
+    file.write_text(file.read_text() + "# changed\n")
+    assert mutation.run(project, mutants, out, 1, 1.0, (6, 6), page=True) == []
+
+
+def test_a_sample_is_fixed_by_its_seed_and_has_every_kind(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (project / "pack" / "shape.py").write_text(SOURCE)
+    (project / "core").mkdir()
+    (project / "core" / "one.py").write_text("x = a + b\ny = 1\n")
+    monkeypatch.setattr(mutation, "PARTS", {"engine": ("core", 1), "tool": ("pack", 2)})
+    drawn = mutation.draw(project, 9, 1)
+    assert drawn == mutation.draw(project, 9, 1)
+    assert sorted(part for part, _ in drawn) == ["engine"] * 2 + ["tool"] * 6  # core has two mutants, of three wanted
+    assert {mutant.kind for part, mutant in drawn if part == "tool"} == {
+        "condition", "constant", "operator", "order", "sign", "statement",
+    }  # fmt: skip
+    assert {mutant.key for _, mutant in mutation.draw(project, 6, 1)} < {mutant.key for _, mutant in drawn}
+
+
+def verdict(part: str, outcome: str, name: str = "a") -> mutation.Verdict:
+    return mutation.Verdict(part, Mutant("x.py", 1, name, "operator", 0, 1, "+", "-"), outcome)
+
+
+def test_the_score_leaves_out_what_changes_nothing_and_what_is_void() -> None:
+    verdicts = [verdict("engine", mutation.KILLED)] * 3 + [verdict("tool", mutation.SURVIVED, "late.far")]
+    verdicts += [verdict("tool", mutation.EQUAL), verdict("tool", mutation.VOID)]
+    assert mutation.score(verdicts) == 75.0
+    text = mutation.report(verdicts, 9, 1, "2026-01-31")
+    assert "| both | 6 | 3 | 1 | 1 | 1 | 75 % |" in text and "| engine | 3 | 3 | 0 | 0 | 0 | 100 % |" in text
+    assert "- `late.far: + -> - #1`" in text and "2026-01-31" in text and "seed 1:\n6 of a sample of 9 mutants" in text
+
+
+def test_the_list_of_what_changes_nothing_has_reasons_and_is_of_this_code() -> None:
+    found, keys = mutation.equivalents(), set()
+    assert all(reason.strip() for reason in found.values())
+    for folder, _ in mutation.PARTS.values():
+        for file in sorted((mutation.ROOT / folder).rglob("*.py")):
+            if any(key.startswith(file.stem) for key in found):
+                keys |= {mutant.key for mutant in find_mutants(file.read_bytes(), file.name)}
+    assert set(found) <= keys

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+"""The figures of the structure, on small packages whose structure is known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from benchmarks.house import circles, floors, import_graph, measure, room_graph, sources
+
+ROOT = Path(__file__).parents[1]
+
+
+def small(root: Path) -> Path:
+    files = {
+        "pysprings/__init__.py": "",
+        "pysprings/low.py": "def f(a, b):\n    return a\n",
+        "pysprings/room/__init__.py": "",
+        "pysprings/room/high.py": "from pysprings import low\n\n\ndef g():\n    from pysprings.room import other\n",
+        "pysprings/room/other.py": "import pysprings.room.high\n",
+        "fe_engine/__init__.py": "",
+        "fe_engine/one.py": "from pysprings.low import f\n",
+    }
+    for name, text in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text, encoding="utf-8")
+    return root
+
+
+def test_graph_circles_and_floors(tmp_path: Path) -> None:
+    graph = import_graph(sources(small(tmp_path)))
+    assert graph["pysprings.room.high"] == {"pysprings.low", "pysprings.room.other"}
+    assert circles(graph) == [["pysprings.room.high", "pysprings.room.other"]]
+    assert floors(graph) == 2
+    assert room_graph(graph)["pysprings.room"] == {"pysprings.low"}
+
+
+def test_figures(tmp_path: Path) -> None:
+    figures = measure(small(tmp_path))
+    assert figures["entries on the top level of pysprings, fe_engine"] == "2, 1"
+    assert figures["most arguments"] == "2 (pysprings.low.f)"
+    assert figures["circles of modules"] == "1"
+
+
+def test_the_house_has_few_rooms_and_no_circle_between_them() -> None:
+    figures = measure(ROOT)
+    inside, engine = map(int, figures["entries on the top level of pysprings, fe_engine"].split(", "))
+    assert inside <= 10 and engine <= 17
+    assert figures["circles of entries"] == "0"
