@@ -34,14 +34,14 @@ GROWTH = {
     "coupled": ("coarse", "medium", "medium:1.4", "paper", "fine:0.92"),
 }
 SOLVERS = ("coarse:0.6", "coarse:0.7", "coarse:0.8", "coarse", "medium", "paper")
-# names in fe_engine.recycled with which the first factors are never renewed
+# names in fe_engine.linear.recycled with which the first factors are never renewed
 AT_REST_ALONE = {"_LONGEST": 150, "_COMFORTABLE": 1.0e9}
 
 
 def scene(mesh: str, end: float, mode: str = "drained") -> Any:
     """The paper's pull to an end (m) on a preset, with a factor if wanted ("medium:1.4"); no pictures."""
     from pysprings import Scene
-    from pysprings.accuracy.settings import read_mesh
+    from pysprings.full_model.accuracy.settings import read_mesh
 
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end}
     if mode == "coupled":
@@ -57,8 +57,8 @@ def record(mesh: str, end: float, mode: str = "drained") -> dict[str, Any]:
 
 def record_of(wanted: Any) -> dict[str, Any]:
     """Record (run.json) of the run of a scene in a process of its own."""
-    from pysprings.accuracy_study.child import run_in_child
-    from pysprings.kept_runs import read_record
+    from pysprings.studies.accuracy.child import run_in_child
+    from pysprings.studies.kept_runs import read_record
 
     with tempfile.TemporaryDirectory() as folder:
         run_in_child(wanted, Path(folder) / "run", lambda *_: None)
@@ -97,7 +97,7 @@ def units() -> None:
 
 def targets() -> None:
     """Cheapest settings of the shipped study for 5 % and 2 %, run again: wall time beside the study's errors."""
-    from pysprings.accuracy import presets
+    from pysprings.full_model.accuracy import presets
 
     for target in ("5%", "2%"):
         setting = presets.cheapest(target)
@@ -165,24 +165,25 @@ def omitted() -> None:
 
 def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
     """Wall time of the second of two runs (s), its factorisations, and the unknowns."""
-    from fe_engine.newton import Settings
-    from pysprings import full_model
+    from fe_engine.solve.newton import Settings
+    from pysprings.full_model import compute
 
-    full_model.Settings = lambda tolerance, most: Settings(tolerance, most, start)  # type: ignore[misc, assignment]
+    compute.Settings = lambda tolerance, most: Settings(tolerance, most, start)  # type: ignore[misc, assignment]
     wanted = scene(mesh, 1.0 * MM)
     if load:
         path = {"name": "load", "kind": "load", "lateral_force": 1.0e6, "arm": 2.0}
         wanted = wanted.replace(paths=(path,))
     for _ in range(1 if load else 2):
         begun = time.perf_counter()
-        run = json.loads(full_model.compute(wanted).attrs["run_json"])
+        run = json.loads(compute.compute(wanted).attrs["run_json"])
         wall = time.perf_counter() - begun
     return wall, run["solver"]["factorisations"], run["mesh"]["unknowns"]
 
 
 def _iterations(mesh: str, end: float, only_at_rest: bool) -> tuple[float, int, float, float]:
-    from fe_engine import newton, recycled
-    from pysprings import full_model
+    from fe_engine.linear import recycled
+    from fe_engine.solve import newton
+    from pysprings.full_model import compute
 
     if only_at_rest:
         for name, value in AT_REST_ALONE.items():
@@ -196,7 +197,7 @@ def _iterations(mesh: str, end: float, only_at_rest: bool) -> tuple[float, int, 
 
     newton.Recycled.__init__ = keep  # type: ignore[method-assign]
     begun = time.perf_counter()
-    work = full_model.compute(scene(mesh, end))
+    work = compute.compute(scene(mesh, end))
     wall = time.perf_counter() - begun
     run = json.loads(work.attrs["run_json"])
     solves = run["phases"]["solve"]["wall_s"]

@@ -21,15 +21,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import pysprings
 from pysprings import Scene
-from pysprings.accuracy import measures, presets, two_mesh
-from pysprings.accuracy.curves import curves_of, samples
-from pysprings.accuracy.richardson import cell_size
-from pysprings.accuracy.settings import read_mesh
-from pysprings.errors import PyspringsError
-from pysprings.full_model import compute
-from pysprings.storage import read_tree, write_text, write_tree
+from pysprings.core import version
+from pysprings.core.errors import PyspringsError
+from pysprings.core.files.storage import read_tree, write_text, write_tree
+from pysprings.full_model.accuracy import measures, presets, two_mesh
+from pysprings.full_model.accuracy.curves import curves_of, samples
+from pysprings.full_model.accuracy.richardson import cell_size
+from pysprings.full_model.accuracy.settings import read_mesh
+from pysprings.full_model.compute import compute
 
 ASKED = 0.9
 DEG = math.pi / 180.0
@@ -96,7 +96,7 @@ def result_of(scene: Scene, folder: Path) -> Any:
     """The result of a scene: kept in the folder by this version, or run and kept now; PyspringsError where it stops."""
     file = folder / f"{scene.sha256[:16]}.nc"
     found = read_tree(file) if file.exists() else None
-    if found is None or found.attrs["pysprings_version"] != pysprings.__version__:
+    if found is None or found.attrs["pysprings_version"] != version.__version__:
         found = compute(scene)
         if found.attrs["status"] == "interrupted":
             raise KeyboardInterrupt

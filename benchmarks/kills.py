@@ -29,9 +29,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from pysprings import Scene, cli
-from pysprings.folder import run_to_folder
-from pysprings.storage import read_tree, write_text
+from pysprings import Scene
+from pysprings.cli import app
+from pysprings.core.files.storage import read_tree, write_text
+from pysprings.results.folder import run_to_folder
 
 
 def scenes(refinement: float) -> dict[str, Scene]:
@@ -57,7 +58,7 @@ def start(file: Path, out: Path, *options: str) -> int:
     sys.argv = ["pysprings", "run", str(file), "--out", str(out), *options]
     code = 1
     try:
-        cli.main()
+        app.main()
     except SystemExit as end:
         code = int(end.code or 0)
     finally:

@@ -19,10 +19,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from pysprings.cli_support import springs_of
-from pysprings.macro import MacroModel, curve, predict_batch
-from pysprings.macro_sets import spring_sets
-from pysprings.springs import save_springs
+from pysprings.cli.support import springs_of
+from pysprings.macro.predict import MacroModel, curve, predict_batch
+from pysprings.macro.sets import spring_sets
+from pysprings.springs.dataset import save_springs
 
 CASES = 10_000
 REPEATS = 20
@@ -30,7 +30,7 @@ REPEATS = 20
 
 def invented() -> xr.DataTree:
     """Return a fan of eight rays to 8 mm, the one of the tests."""
-    from tests.pysprings.test_macro_fan import fan_springs, potential
+    from tests.pysprings.macro.test_fan import fan_springs, potential
 
     return fan_springs(potential)
 

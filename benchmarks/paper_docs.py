@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Write docs/paper.md and its pictures from the folder of a study.
+"""Store the paper's figures and tables as evidence, from the folder of a study.
 
-``python -m benchmarks.paper_docs DIR`` after ``pysprings paper --sensitivity --out DIR``: see `make docs`.
+``python -m benchmarks.paper_docs DIR`` after ``pysprings paper --sensitivity --out DIR`` (`make docs`). The tables
+go to ``data/evidence``, the pictures to ``docs/evidence/paper``; `make evidence` then makes the page.
 """
 
 from __future__ import annotations
@@ -12,57 +13,40 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from pysprings.markdown import markdown
-from pysprings.paper import figures, idealisations, runs, study, text
-from pysprings.plots.style import STYLE
-from pysprings.storage import replacing, write_text
+from benchmarks.evidence_store import DATA, LINE, store, tables_in, to_csv
+from pysprings.core.files.storage import replacing
+from pysprings.results.plots.style import STYLE
+from pysprings.studies.paper import figures, idealisations, runs, study, text
 
 DPI = 75
-HEAD = """# The paper, computed anew
-
-B. Cerfontaine, R. Charlier and F. Collin (2018), *Modelling of the lateral loading of bucket foundations in sand using
-hydro-mechanical interface elements*, NUMGE 2018, 1519-1528. Written by `make docs` from `pysprings paper --mesh {mesh}
---sensitivity`; all drawings are our own. Axes: the paper's y is the loading direction (x here), its z points up.
-
-`pysprings paper` runs six pulls at the lid centre to 20 mm (drained, 0.05 and 0.5 mm/s, each with friction 0.5 and 0),
-two more with elastic steel and with Van Eekelen's surface, draws the paper's figures, and sets each of its claims
-beside our figure. A run that has ended is not run again, an interrupted one goes on.
-Mesh `{mesh}`: {nodes} nodes, {elements} elements.
-
-## Claims
-
-{claims}
-## What our idealisations change
-
-{idealised}
-## What decides them
-
-Mesh `{sensitivity_mesh}`, one value changed at a time.
-
-{sensitivity}
-## Figures
-"""
+PICTURES = Path(__file__).resolve().parents[1] / "docs" / "evidence" / "paper"
 
 
-def write(source: Path, docs: Path, mesh: str) -> Path:
-    """Write paper.md and the folder paper with its pictures below docs; return the page."""
+def write(source: Path, mesh: str, data: Path = DATA, pictures: Path = PICTURES) -> list[Path]:
+    """Store tables and pictures of a study; return the paths of the tables."""
     ended = runs.load_runs(source, mesh)
     if not ended:
         raise SystemExit(f"{source}: no runs of this version on the mesh {mesh}")
-    table = study.read_sensitivity(source)
-    compared = idealisations.compare({name: run.path for name, run in ended.items()})
+    drawn = list(figures.draw_all(ended))
+    for drawing, figure in drawn:
+        _save(figure, pictures / f"{drawing.stem}.png")
+    heads, rows = idealisations.rows_for_people(idealisations.compare({name: run.path for name, run in ended.items()}))
+    ((_, claims),) = tables_in(text.claims_markdown(study.read_claims(source)))
+    tables = {
+        "paper-claims": claims,
+        "paper-idealisations": [heads, *rows],
+        "paper-figures": [["file", "caption"], *([f"paper/{each.stem}.png", each.caption] for each, _ in drawn)],
+    }
     attrs = next(iter(ended.values())).result.attrs
-    page = HEAD.format(
-        mesh=mesh, nodes=f"{attrs['n_nodes']:,}", elements=f"{attrs['n_elements']:,}",
-        claims=text.claims_markdown(study.read_claims(source)),
-        idealised=f"{idealisations.NOTE}\n\n{markdown(*idealisations.rows_for_people(compared))}",
-        sensitivity_mesh=mesh if table is None else table["mesh"].iloc[0],
-        sensitivity="Not run." if table is None else text.sensitivity_markdown(table),
-    )  # fmt: skip
-    for drawing, figure in figures.draw_all(ended):
-        _save(figure, docs / "paper" / f"{drawing.stem}.png")
-        page += f"\n{drawing.caption}:\n\n![{drawing.caption}](paper/{drawing.stem}.png)\n"
-    return write_text(page, docs / "paper.md")
+    note = f"Mesh `{mesh}`: {attrs['n_nodes']:,} nodes, {attrs['n_elements']:,} elements"
+    readings = study.read_sensitivity(source)
+    if readings is not None:
+        names = ("paper-sensitivity-drained", "paper-sensitivity-water")
+        tables |= zip(names, (table for _, table in tables_in(text.sensitivity_markdown(readings))), strict=False)
+        tables["paper-conclusion"] = [[LINE], [text.conclusion(readings)]]
+        note += f"; sensitivities on `{readings['mesh'].iloc[0]}`"
+    texts = {stem: to_csv(table) for stem, table in tables.items()}
+    return store("paper", texts, f"pysprings paper --mesh {mesh} --sensitivity", f"{note}.", data)
 
 
 def _save(figure: Figure, file: Path) -> None:
@@ -77,9 +61,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, help="folder of `pysprings paper`")
     parser.add_argument("--mesh", default="medium", help="mesh preset of its runs")
-    parser.add_argument("--docs", type=Path, default=Path("docs"), help="folder of the documentation")
     given = parser.parse_args()
-    print(write(given.folder, given.docs, given.mesh))
+    for path in write(given.folder, given.mesh):
+        print(path)
 
 
 if __name__ == "__main__":

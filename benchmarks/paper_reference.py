@@ -7,7 +7,7 @@ import argparse
 import subprocess
 from pathlib import Path
 
-from pysprings.paper import reference, runs
+from pysprings.studies.paper import reference, runs
 
 
 def commit_date() -> str:

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings import Scene
-from pysprings.full_model import compute
+from pysprings.full_model.compute import compute
 
 END, STOPS = 20e-3, (2.5e-3, 5e-3, 10e-3)
 DEGREE = np.pi / 180.0

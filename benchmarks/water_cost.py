@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from pysprings import Scene
-from pysprings.full_model import compute
+from pysprings.full_model.compute import compute
 
 PHASES = ("assembly", "factorisation", "solve")
 

@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: MIT
+"""Measure the structure of a checkout: rooms, layers, circles, sizes, and how many files a new part touches.
+
+Run as ``python -m benchmarks.house [CHECKOUT] [--markdown]``; several checkouts are printed side by side. Imports are
+read as text, lazy and type-only ones too, so that any commit can be measured.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+PACKAGES = ("pysprings", "fe_engine")
+# a part that exists stands for a new one of its kind: files that name it, beside its own
+EXAMPLES = {
+    "soil law (van Eekelen)": (r"van.?eekelen", "van_eekelen.py"),
+    "exporter (VTU)": (r"\bvtu\b|paraview", "vtu.py"),
+    "picture (gap)": (r"plots[. ]+(import )?gap\b|\bgap_figure\b|\"gap\b|'gap\b", "gap.py"),
+    "load-path kind (swipe)": (r"\bswipe", ""),
+}
+Graph = dict[str, set[str]]
+
+
+def sources(root: Path) -> dict[str, Path]:
+    """Return the modules of both packages by dotted name."""
+    found = {}
+    for package in PACKAGES:
+        for file in sorted((root / package).rglob("*.py")):
+            parts = file.relative_to(root).with_suffix("").parts
+            found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
+    return found
+
+
+def import_graph(modules: Mapping[str, Path]) -> Graph:
+    """Return, for each module, the modules that it imports anywhere."""
+    graph: Graph = {name: set() for name in modules}
+    for name, file in modules.items():
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            for target in _targets(node, modules):
+                if target != name:
+                    graph[name].add(target)
+    return graph
+
+
+def _targets(node: ast.AST, modules: Mapping[str, Path]) -> Iterator[str]:
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names if alias.name in modules)
+    elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+        for alias in node.names:
+            inner = f"{node.module}.{alias.name}"
+            if inner in modules:
+                yield inner
+            elif node.module in modules:
+                yield node.module
+
+
+def circles(graph: Graph) -> list[list[str]]:
+    """Return the strongly connected components of more than one module (Tarjan 1972)."""
+    order: dict[str, int] = {}
+    low: dict[str, int] = {}
+    stack: list[str] = []
+    found: list[list[str]] = []
+
+    def visit(name: str) -> None:
+        order[name] = low[name] = len(order)
+        stack.append(name)
+        for other in sorted(graph[name]):
+            if other not in order:
+                visit(other)
+                low[name] = min(low[name], low[other])
+            elif other in stack:
+                low[name] = min(low[name], order[other])
+        if low[name] == order[name]:
+            at = stack.index(name)
+            group, stack[at:] = stack[at:], []
+            if len(group) > 1:
+                found.append(sorted(group))
+
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(limit, 10_000))
+    for name in graph:
+        if name not in order:
+            visit(name)
+    sys.setrecursionlimit(limit)
+    return found
+
+
+def room_graph(graph: Graph) -> Graph:
+    """Return the imports between entries of the top levels of the packages."""
+    rooms: Graph = {}
+    for name, targets in graph.items():
+        rooms.setdefault(_room(name), set()).update(_room(target) for target in targets)
+    return {room: targets - {room} for room, targets in rooms.items()}
+
+
+def _room(name: str) -> str:
+    return ".".join(name.split(".")[:2])
+
+
+def floors(graph: Graph) -> int:
+    """Return the height of a graph: the number of nodes on its longest way down, a circle counting as one node."""
+    group = {name: number for number, names in enumerate(circles(graph)) for name in names}
+    height: dict[str, int] = {}
+
+    def of(name: str, above: frozenset[str]) -> int:
+        if name not in height:
+            below = [n for n in graph[name] if n not in above and group.get(n, n) != group.get(name, name)]
+            height[name] = 1 + max((of(n, above | {name}) for n in below), default=0)
+        return height[name]
+
+    return max(of(name, frozenset()) for name in graph)
+
+
+def _only(graph: Graph, package: str) -> Graph:
+    """Return the part of a graph within a package."""
+    own = {name for name in graph if name.startswith(package + ".")}
+    return {name: graph[name] & own for name in own}
+
+
+def functions(modules: Mapping[str, Path]) -> Iterator[tuple[str, ast.FunctionDef, bool]]:
+    """Yield the place, the node, and whether it is a compiled kernel, of every function."""
+    for name, file in modules.items():
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef):
+                kernel = any("njit" in ast.unparse(d) or "jitted" in ast.unparse(d) for d in node.decorator_list)
+                yield f"{name}.{node.name}", node, kernel
+
+
+def _body_lines(node: ast.FunctionDef) -> int:
+    has_text = ast.get_docstring(node) is not None
+    first = node.body[1] if has_text and len(node.body) > 1 else node.body[0]
+    end = node.end_lineno
+    assert end is not None
+    return end - first.lineno + 1
+
+
+def _arguments(node: ast.FunctionDef) -> int:
+    a = node.args
+    return len([x for x in [*a.posonlyargs, *a.args, *a.kwonlyargs] if x.arg not in ("self", "cls")])
+
+
+def files_that_name(modules: Mapping[str, Path], pattern: str, own: str) -> int:
+    """Return how many modules mention a part, without the file of the part itself."""
+    found = re.compile(pattern, re.IGNORECASE)
+    return sum(file.name != own and bool(found.search(file.read_text(encoding="utf-8"))) for file in modules.values())
+
+
+def _largest(parts: Iterator[tuple[int, str]]) -> str:
+    size, place = max(parts)
+    return f"{size} ({place})"
+
+
+def measure(root: Path) -> dict[str, str]:
+    """Return the figures of a checkout as texts by name."""
+    modules = sources(root)
+    graph = import_graph(modules)
+    parts = list(functions(modules))
+    lines = {name: len(file.read_text(encoding="utf-8").splitlines()) for name, file in modules.items()}
+    rooms = room_graph({name: targets for name, targets in graph.items() if name not in PACKAGES})
+    for targets in rooms.values():
+        targets.difference_update(PACKAGES)
+    inner = {n: t - set(PACKAGES) for n, t in graph.items() if n not in PACKAGES}
+    entries = [str(len({_room(n) for n in modules if n.startswith(package + ".")})) for package in PACKAGES]
+    plain = [(place, node) for place, node, kernel in parts if not kernel and not _is_command(node)]
+    return {
+        "files, lines": f"{len(modules)}, {sum(lines.values()):,}",
+        "entries on the top level of pysprings, fe_engine": ", ".join(entries),
+        "floors between entries of pysprings, fe_engine": ", ".join(str(floors(_only(rooms, p))) for p in PACKAGES),
+        "floors between modules": str(floors(inner)),
+        "circles of modules": str(len(circles(graph))),
+        "circles of entries": str(len(circles(rooms))),
+        "longest file": _largest((count, name) for name, count in lines.items()),
+        "longest function body": _largest((_body_lines(node), place) for place, node, _ in parts),
+        "most arguments outside kernels and commands": _largest((_arguments(node), place) for place, node in plain),
+        "most arguments": _largest((_arguments(node), place) for place, node, _ in parts),
+        **{f"files that name a {kind}, beside its own": str(files_that_name(modules, pattern, own))
+           for kind, (pattern, own) in EXAMPLES.items()},
+    }  # fmt: skip
+
+
+def _is_command(node: ast.FunctionDef) -> bool:
+    """Tell a command of typer by its annotations: its arguments are the options of the command line."""
+    text = " ".join(ast.unparse(a.annotation) for a in [*node.args.args, *node.args.kwonlyargs] if a.annotation)
+    return "typer.Option" in text or "typer.Argument" in text
+
+
+def main(arguments: list[str]) -> None:
+    """Print the figures of one checkout, or of several beside each other."""
+    roots = [Path(each) for each in arguments] or [Path(".")]
+    tables = [measure(root) for root in roots]
+    print("| figure | " + " | ".join(str(root) for root in roots) + " |")
+    print("| --- |" + " --- |" * len(roots))
+    for name in tables[0]:
+        print(f"| {name} | " + " | ".join(table[name] for table in tables) + " |")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

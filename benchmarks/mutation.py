@@ -1,0 +1,286 @@
+# SPDX-License-Identifier: MIT
+"""How many small changes of the code the tests notice.
+
+    python -m benchmarks.mutation [--sample 40] [--seed 1] [--workers 1] [--out DIR] [--write docs/mutation.md]
+
+Mutants (`mutants.py`) are drawn with a fixed seed: kinds of change in turn, a third of them from the engine. Each is
+made in a copy of the working tree, and the test files of its module (`mutation_map.py`) are run there until one
+fails: the nearest, then more. Code that Numba compiles gets an empty cache for each mutant. A test that has failed
+must pass without the mutant, else the kill does not count. Verdicts are kept in the output folder: a mutant that was
+killed is not run again while its file is unchanged, so that a second call goes on with the rest, or runs the
+survivors alone after a test was added. ``--page`` runs nothing, and writes the page of what has been judged. Mutants
+that change nothing stand with the reason in `mutation_equivalent.txt`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+from queue import SimpleQueue
+from threading import Lock
+from typing import Any
+
+import pysprings
+from benchmarks.mutants import Mutant, compiles, find_mutants
+from benchmarks.mutation_map import TestMap
+from pysprings.core.files.storage import write_text
+from pysprings.core.text import markdown_table
+
+ROOT = Path(__file__).parents[1]
+PARTS = {"engine": ("fe_engine", 1), "tool": ("pysprings", 2)}  # folder, share of the sample
+EQUIVALENT = Path(__file__).with_name("mutation_equivalent.txt")
+TARGET = 90.0
+KILLED, SURVIVED, VOID, EQUAL = "killed", "survived", "void", "equivalent"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What became of a mutant: killed (``by`` a test, or "timeout"), survived, equivalent, or void (not counted)."""
+
+    part: str
+    mutant: Mutant
+    outcome: str
+    by: str = ""
+    seconds: float = 0.0
+    files: tuple[str, ...] = ()
+
+
+# --- which ones ---
+
+
+def draw(root: Path, sample: int, seed: int) -> list[tuple[str, Mutant]]:
+    """Return (part, mutant) of a sample: by part in its share, kinds of change in turn, places at random."""
+    whole, drawn = sum(share for _, share in PARTS.values()), []
+    for part, (folder, share) in PARTS.items():
+        chance = random.Random(f"{seed} {part}")
+        kinds: dict[str, list[Mutant]] = {}
+        for file in sorted((root / folder).rglob("*.py")):
+            for mutant in find_mutants(file.read_bytes(), file.relative_to(root).as_posix()):
+                kinds.setdefault(mutant.kind, []).append(mutant)
+        for each in kinds.values():
+            chance.shuffle(each)
+        wanted, order = round(sample * share / whole), sorted(kinds)
+        while wanted and any(kinds.values()):
+            for kind in order:
+                if wanted and kinds[kind]:
+                    mutant = kinds[kind].pop()
+                    if compiles(mutant.applied((root / mutant.file).read_bytes())):
+                        drawn.append((part, mutant))
+                        wanted -= 1
+    random.Random(seed).shuffle(drawn)  # a run that is stopped has judged some of all
+    return drawn
+
+
+def equivalents(file: Path = EQUIVALENT) -> dict[str, str]:
+    """Return key -> reason of the mutants that change nothing."""
+    lines = [line for line in file.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
+    return {key: reason for key, _, reason in (line.rpartition(" | ") for line in lines)}
+
+
+# --- one of them ---
+
+
+def copied(root: Path, folder: Path) -> Path:
+    """Copy the files that git knows, and new ones; no bytecode and no caches."""
+    names = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=root,
+        capture_output=True,
+        check=True,
+    )
+    for name in names.stdout.decode().split("\0"):
+        if name and (root / name).is_file():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(root / name, folder / name)
+    return folder
+
+
+def tests_fail(copy: Path, tests: Sequence[str], cache: Path, limit: float) -> str | None:
+    """Run tests in a copy until one fails: its name, "timeout", or None where all pass."""
+    settings = {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "NUMBA_CACHE_DIR": str(cache)}
+    settings["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # none is needed, and each takes its time to load
+    options = ["-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "-rfE"]
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "pytest", *options, *tests],
+            cwd=copy, env={**os.environ, **settings}, capture_output=True, text=True, timeout=limit, check=False,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return "timeout"
+    if done.returncode in (0, 5):  # 5: no test was selected
+        return None
+    failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))]
+    return failed[0].split(" ", 1)[1].split(" - ")[0] if failed else f"exit {done.returncode}"
+
+
+def judge(part: str, mutant: Mutant, copy: Path, tests: TestMap, limit: float, most: tuple[int, int]) -> Verdict:
+    """Make a mutant in a copy, run its nearest tests, where these pass more of them, and take it back."""
+    files, file = tests.test_files(mutant.file, mutant.function, max(most)), copy / mutant.file
+    began, source, by = time.monotonic(), file.read_bytes(), None
+    fresh = mutant.file in tests.compiled
+    cache = Path(tempfile.mkdtemp(prefix="cache-", dir=copy.parent)) if fresh else copy.parent / f"{copy.name}-cache"
+    try:
+        file.write_bytes(mutant.applied(source))
+        for asked in (files[: most[0]], files[most[0] :]):
+            if asked and not by:
+                by = tests_fail(copy, asked, cache, limit)
+                last = tuple(asked)
+    finally:
+        file.write_bytes(source)
+        if fresh:
+            shutil.rmtree(cache, ignore_errors=True)
+    seconds = round(time.monotonic() - began, 1)
+    return Verdict(part, mutant, KILLED if by else SURVIVED, by or "", seconds, last if files else ())
+
+
+def confirmed(verdicts: list[Verdict], copy: Path, limit: float) -> list[Verdict]:
+    """Return the verdicts; a kill by what fails without the mutant too is void."""
+    cache, out, known = copy.parent / f"{copy.name}-cache", list[Verdict](), dict[tuple[str, ...], bool]()
+    for verdict in verdicts:
+        if verdict.outcome == KILLED:
+            at_all = verdict.by == "timeout" or verdict.by.startswith("exit ")
+            asked = verdict.files if at_all else (verdict.by,)
+            if asked not in known:
+                known[asked] = tests_fail(copy, asked, cache, limit) is None
+            if not known[asked]:
+                verdict = Verdict(verdict.part, verdict.mutant, VOID, verdict.by, verdict.seconds, verdict.files)
+        out.append(verdict)
+    return out
+
+
+# --- all of them ---
+
+
+def run(
+    root: Path,
+    drawn: list[tuple[str, Mutant]],
+    out: Path,
+    workers: int,
+    limit: float,
+    most: tuple[int, int],
+    page: bool = False,
+) -> list[Verdict]:
+    """Judge those that no earlier call has killed (with ``page`` none), print each; return all that are judged."""
+    tests = TestMap(root, tuple(folder for folder, _ in PARTS.values()))
+    same, kept = equivalents(), _kept(out / "results.json")
+    verdicts, left = list[Verdict](), list[tuple[str, Mutant]]()
+    for part, mutant in drawn:
+        outcome, by = kept.get(_name(root, mutant), ("", ""))
+        if mutant.key in same:
+            verdicts.append(Verdict(part, mutant, EQUAL, same[mutant.key]))
+        elif outcome == KILLED or (outcome and page):
+            verdicts.append(Verdict(part, mutant, outcome, by))
+        elif not page:
+            left.append((part, mutant))
+    with tempfile.TemporaryDirectory(prefix="mutation-") as folder:
+        copies: SimpleQueue[Path] = SimpleQueue()
+        for k in range(workers if left else 0):
+            (place := Path(folder) / f"copy{k}").mkdir()
+            copies.put(copied(root, place))
+
+        def one(each: tuple[str, Mutant]) -> Verdict:
+            copy = copies.get()
+            try:
+                found = confirmed([judge(*each, copy, tests, limit, most)], copy, limit)[0]
+            finally:
+                copies.put(copy)
+            words = f"{found.outcome:9} {found.seconds:6.0f} s  {each[1].file}:{each[1].line}  {each[1].key}"
+            print(f"{words}  {found.by}".rstrip(), flush=True)
+            _keep(out / "results.json", root, found)
+            return found
+
+        with ThreadPoolExecutor(workers) as pool:
+            verdicts += pool.map(one, left)
+    return verdicts
+
+
+def _name(root: Path, mutant: Mutant) -> str:
+    """What names a mutant of the present state of its file."""
+    return f"{mutant.key} {hashlib.sha256((root / mutant.file).read_bytes()).hexdigest()[:16]}"
+
+
+def _kept(file: Path) -> dict[str, list[str]]:
+    """Name -> (outcome, what killed it) of earlier calls."""
+    found: dict[str, list[str]] = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    return found
+
+
+_WRITING = Lock()
+
+
+def _keep(file: Path, root: Path, verdict: Verdict) -> None:
+    with _WRITING:
+        known = _kept(file) | {_name(root, verdict.mutant): [verdict.outcome, verdict.by]}
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write_text(json.dumps(known, indent=1) + "\n", file)
+
+
+# --- what came out ---
+
+
+def score(verdicts: list[Verdict]) -> float:
+    """Killed of those that could be killed [%]; NaN of none."""
+    killed, survived = (sum(each.outcome == kind for each in verdicts) for kind in (KILLED, SURVIVED))
+    return 100.0 * killed / (killed + survived) if killed + survived else float("nan")
+
+
+def report(verdicts: list[Verdict], sample: int, seed: int, today: str) -> str:
+    """Return the page: the score by part, the survivors, and the mutants that change nothing."""
+    rows = []
+    for part in [*PARTS, "both"]:
+        own = [each for each in verdicts if part in (each.part, "both")]
+        counts = [str(sum(each.outcome == kind for each in own)) for kind in (KILLED, SURVIVED, EQUAL, VOID)]
+        rows.append([part, str(len(own)), *counts, f"{score(own):.0f} %"])
+    head = ["part", "mutants", "killed", "survived", "change nothing", "void", "score"]
+    lines = [
+        "# Mutants", "",
+        f"pysprings {pysprings.__version__}, {today}, Python {sys.version.split()[0]}, seed {seed}:",
+        f"{len(verdicts)} of a sample of {sample} mutants judged.",
+        "Written by `make mutation` (`benchmarks/mutation.py`): small changes of the code, one at a time, and how many",
+        f"of them the quick tests notice. Target: {TARGET:.0f} %. A mutant meets the test files nearest to its module.",
+        "", markdown_table(head, rows, numbers=True).rstrip(), "", "## Survivors", "",
+    ]  # fmt: skip
+    for outcome, empty in ((SURVIVED, "None."), (EQUAL, "None.")):
+        own = [each for each in verdicts if each.outcome == outcome]
+        lines += [f"- `{each.mutant.key}`" + (f": {each.by}" if each.by else "") for each in own] or [empty]
+        lines += ["", "## Change nothing", ""] if outcome == SURVIVED else []
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Draw, judge, print the score; exit code 1 below the target."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sample", type=int, default=40, help="number of mutants")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--files", type=int, default=4, help="test files for each mutant, at most")
+    parser.add_argument("--again", type=int, default=24, help="test files for a mutant that survives these, at most")
+    parser.add_argument("--limit", type=float, default=900.0, help="seconds for the tests of a mutant")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "mutation")
+    parser.add_argument("--page", action="store_true", help="run nothing: the page of what has been judged")
+    parser.add_argument("--write", type=Path, help="page to write, docs/mutation.md")
+    given: Any = parser.parse_args(arguments)
+    drawn = draw(ROOT, given.sample, given.seed)
+    verdicts = run(ROOT, drawn, given.out, given.workers, given.limit, (given.files, given.again), given.page)
+    text = report(verdicts, given.sample, given.seed, date.today().isoformat())
+    print(text)
+    if given.write:
+        write_text(text, given.write)
+    return 0 if score(verdicts) >= TARGET else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

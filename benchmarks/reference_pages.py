@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: MIT
+"""Make the generated pages of docs/reference: ``python -m benchmarks.reference_pages`` (`make evidence`).
+
+Commands come from the command-line program, scene keys from the JSON schema, variables from
+`pysprings.core.variables`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import inspect
+from collections.abc import Iterator, Mapping
+from enum import Enum
+from pathlib import Path
+from typing import Any, get_args, get_type_hints
+
+from typer.models import ArgumentInfo, OptionInfo
+
+from pysprings.core.files.storage import write_text
+from pysprings.core.text import markdown_table
+from pysprings.core.variables import GROUPS
+from pysprings.core.version import __version__
+from pysprings.scene.schema import scene_schema
+
+PAGES = Path(__file__).resolve().parents[1] / "docs" / "reference"
+MARK = f"<!-- Made by `make evidence` from version {__version__} of the program. Do not edit. -->\n\n"
+GROUP_TITLES = {
+    "result_root": "full_model.nc, root",
+    "result_path": "full_model.nc, paths/NAME",
+    "section": "full_model.nc, section",
+    "volume": "full_model.nc, volume",
+    "convergence": "full_model.nc, paths/NAME/convergence",
+    "springs_root": "springs.nc, root",
+    "springs_path": "springs.nc, paths/NAME",
+    "prediction": "answers of predict, curve, impose, sequence",
+}
+
+
+def commands_page() -> str:
+    """Return the page of the commands with all options, from the signatures of their functions."""
+    from pysprings.cli.app import app
+
+    parts = [
+        MARK,
+        "# Commands\n\nData go to stdout, messages to stderr. `--json` prints one JSON document. "
+        "[Exit codes](exit-codes.md) are the same for all commands.\n",
+    ]
+    for command in app.registered_commands:
+        assert command.callback is not None
+        name = command.name or command.callback.__name__.replace("_", "-")
+        hints = get_type_hints(command.callback, include_extras=True)
+        given = [(key, *_annotation(hints[key])) for key in inspect.signature(command.callback).parameters]
+        words = [_spelling(key, kind, info) for key, kind, info in given]
+        arguments = [word for word, (*_, info) in zip(words, given, strict=True) if isinstance(info, ArgumentInfo)]
+        defaults = [each.default for each in inspect.signature(command.callback).parameters.values()]
+        rows = [
+            [f"`{word}`", _words(info.help or "") + _preset(default)]
+            for word, (*_, info), default in zip(words, given, defaults, strict=True)
+        ]
+        parts.append(f"\n## {name}\n\n```text\n{' '.join(['pysprings', name, *arguments, '[OPTIONS]'])}\n```\n")
+        parts.append(
+            f"\n{_words(inspect.getdoc(command.callback) or '')}\n\n{markdown_table(['option', 'meaning'], rows)}"
+        )
+    return "".join(parts)
+
+
+def scene_page() -> str:
+    """Return the page of the keys of a scene file."""
+    parts = [
+        MARK,
+        "# Scene keys\n\nDimensional values are strings with a unit; ranges are in brackets. "
+        "[Scene file](../guide/scene.md) explains the format.\n",
+    ]
+    schema = scene_schema()["properties"]
+    for name, table in schema.items():
+        if "properties" not in table.get("items", table):
+            rows = [[f"`{name}`", _words(table["description"]), _type(table), _default(table)]]
+            parts.append(f"\n## Top level\n\n{markdown_table(_HEADS, rows)}")
+            continue
+        heading = f"[[{name}]]" if table.get("type") == "array" else f"[{name}]"
+        parts.append(f"\n## {heading}\n\n{_section(table.get('items', table))}")
+    return "".join(parts)
+
+
+def variables_page() -> str:
+    """Return the page of the variables of all datasets."""
+    parts = [
+        MARK,
+        "# Variables\n\nUnits are UDUNITS texts as in the files. A variable marked * is optional. "
+        "[Axes and signs](../theory/axes.md) defines the axes.\n",
+    ]
+    for name, group in GROUPS.items():
+        rows = [
+            [f"`{each.name}`{'' if each.required else ' *'}", each.long_name, f"`{each.units}`",
+             ", ".join(each.dims), each.comment]
+            for each in group.values()
+        ]  # fmt: skip
+        title = GROUP_TITLES.get(name, name)
+        parts.append(
+            f"\n## {title}\n\n{markdown_table(['variable', 'meaning', 'unit', 'dimensions', 'sign, remark'], rows)}"
+        )
+    return "".join(parts)
+
+
+_HEADS = ["key", "meaning", "value", "default"]
+
+
+def _section(table: Mapping[str, Any]) -> str:
+    """Return the words and keys of one table of the scene."""
+    required = table.get("required", [])
+    rows = [
+        [f"`{key}`", _words(value.get("description", "")), _type(value),
+         "required" if key in required else _default(value)]
+        for key, value in table["properties"].items()
+    ]  # fmt: skip
+    return f"{_words(table['description'])}\n\n{markdown_table(_HEADS, rows)}"
+
+
+def _type(value: Mapping[str, Any]) -> str:
+    """Return what a key may hold: choices, an example of a quantity, or the type."""
+    return " or ".join(dict.fromkeys(_types(value)))
+
+
+def _types(value: Mapping[str, Any]) -> Iterator[str]:
+    if "const" in value:
+        yield f'`"{value["const"]}"`'
+    elif "enum" in value:
+        yield ", ".join(f'`"{each}"`' if isinstance(each, str) else f"`{each}`" for each in value["enum"])
+    elif "anyOf" in value:
+        for each in value["anyOf"]:
+            yield from _types({**each, **({"examples": value["examples"]} if "examples" in value else {})})
+    elif value.get("type") == "string" and value.get("examples"):
+        yield f'such as `"{value["examples"][0]}"`'
+    else:
+        kind = value.get("type", "value")
+        yield {"array": "list", "boolean": "`true`, `false`"}.get(kind, kind)
+
+
+def _default(value: Mapping[str, Any]) -> str:
+    if "default" not in value:
+        return ""
+    default = value["default"]
+    if isinstance(default, bool):
+        return f"`{str(default).lower()}`"
+    return f'`"{default}"`' if isinstance(default, str) else f"`{default}`"
+
+
+def _annotation(hint: Any) -> tuple[Any, Any]:
+    """Return the type of a parameter and what Typer was given for it."""
+    kind, *extras = get_args(hint)
+    return kind, next(each for each in extras if isinstance(each, ArgumentInfo | OptionInfo))
+
+
+def _spelling(name: str, kind: Any, info: Any) -> str:
+    """Return how an argument or option is written, with what it takes."""
+    if isinstance(info, ArgumentInfo):
+        return str(info.metavar or name.upper())
+    given = [each for each in (info.default, *(info.param_decls or ())) if isinstance(each, str)]
+    option = next((each for each in given if each.startswith("--")), f"--{name.replace('_', '-')}")
+    kinds = [each for each in (kind, *get_args(kind)) if isinstance(each, type)]
+    if bool in kinds:
+        return str(option)
+    choices = next((each for each in kinds if issubclass(each, Enum)), None)
+    taken = "|".join(str(each.value) for each in choices) if choices else info.metavar or kinds[0].__name__.upper()
+    return f"{option} {taken}"
+
+
+def _preset(default: Any) -> str:
+    """Return the default of an option as a remark; nothing for a flag, or where there is none."""
+    if default is inspect.Parameter.empty or default is None or isinstance(default, bool | list):
+        return ""
+    return f" (default `{getattr(default, 'value', default)}`)"
+
+
+def _words(text: str) -> str:
+    """Return a help text in one line; angle brackets and brackets stay text in Markdown."""
+    return " ".join(text.replace("\\[", "[").split()).replace("<", "&lt;")
+
+
+def pages() -> dict[str, str]:
+    """Return file name -> text of the generated pages."""
+    return {"commands.md": commands_page(), "scene-keys.md": scene_page(), "variables.md": variables_page()}
+
+
+def main() -> None:
+    """Write the pages."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=PAGES, help="folder of the pages")
+    given = parser.parse_args()
+    for name, text in pages().items():
+        print(write_text(text, given.out / name))
+
+
+if __name__ == "__main__":
+    main()
