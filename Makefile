@@ -1,63 +1,120 @@
-# make run       first use: installs, runs the default scene, prints where tables and pictures are
+# make run       first use: installs the package alone, runs the default scene, prints where tables and pictures are
 # make test      the quick tests;  make test-all  the slow ones too;  make lint  style, types, import contracts
+#                (these install what development needs, too; THIRD-PARTY.md has the licences)
+# make test-lowest  a few tests with the oldest dependencies that pyproject.toml allows
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+DEV := $(VENV)/.installed-dev
+LOWEST := .venv-lowest
 SCENE := out/caisson.toml
 RESULT := out/caisson
 
-.PHONY: run test test-slow test-all verification lint docs accuracy bench reference clean
+# quick ones that touch every dependency; a run of the engine among them
+LOWEST_TOOLS := "pytest>=8.3" "hypothesis>=6.120" "cf-xarray>=0.10"
+LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.py core/test_storage.py \
+	$(addprefix results/test_,tables.py exporters.py plots.py report.py))
+
+.PHONY: run test test-lowest test-slow test-all mutation verification verification-data lint evidence figure docs accuracy stability bench reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
 	$(BIN)/pysprings run $(SCENE) --out $(RESULT) --force
 
-test: $(STAMP)
-	$(BIN)/python -m pytest
+test: $(DEV)
+	$(BIN)/python -m pytest -n 2
 
-test-slow: $(STAMP)
+# what users of old packages get: every lower bound at once. Compiled code of another Numba goes to another place
+test-lowest: $(DEV)
+	$(BIN)/uv venv --quiet --clear --python $(BIN)/python $(LOWEST)
+	$(BIN)/uv pip install --quiet --python $(LOWEST)/bin/python --resolution lowest-direct --only-binary :all: \
+		-r pyproject.toml $(LOWEST_TOOLS)
+	$(BIN)/uv pip install --quiet --python $(LOWEST)/bin/python --no-deps -e .
+	NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/numba $(LOWEST)/bin/python -m pytest -q -p no:cacheprovider $(LOWEST_TESTS)
+
+test-slow: $(DEV)
 	$(BIN)/python -m pytest -m slow -n 2 || test $$? -eq 5  # 5: there are none
 
-test-all: $(STAMP)
+test-all: $(DEV)
 	$(BIN)/python -m pytest -m "slow or not slow"
 
-verification: $(STAMP)
+# how many small changes of the code the tests notice: about a minute a mutant on an idle core; survivors alone when called again
+SAMPLE ?= 40
+mutation: $(DEV)
+	$(BIN)/python -m benchmarks.mutation --sample $(SAMPLE) --write docs/mutation.md
+
+verification: $(DEV)
 	$(BIN)/python -m tests.verification.table
 
-# the paper's figures and tables in docs/: runs what has not run yet (8 minutes on `medium`, then the sensitivities)
+# the table behind docs/evidence/verification.md (four minutes)
+verification-data: $(DEV)
+	mkdir -p out
+	$(BIN)/python -m tests.verification.table --out out/verification.csv
+	$(BIN)/python -m benchmarks.evidence_store verification out/verification.csv --command "make verification-data"
+
+# the generated pages: docs/evidence from data/evidence, docs/reference from the program; runs nothing
+evidence: $(DEV)
+	$(BIN)/python -m benchmarks.evidence
+	$(BIN)/python -m benchmarks.reference_pages
+
+# the picture of the README, and the errors of the fan on `coarse` (18 paths: a few minutes)
+figure: $(DEV)
+	$(BIN)/pysprings init out/fan.toml --template fan --force
+	$(BIN)/pysprings run out/fan.toml --mesh coarse --out out/fan --force
+	$(BIN)/python -m benchmarks.readme_picture out/fan
+
+# the paper's figures and tables: runs what has not run yet (8 minutes on `medium`, then the sensitivities)
 MESH ?= medium
-docs: $(STAMP)
+docs: $(DEV)
 	$(BIN)/pysprings paper --mesh $(MESH) --sensitivity --out out/paper-$(MESH)
 	$(BIN)/python -m benchmarks.paper_docs out/paper-$(MESH) --mesh $(MESH)
+	$(MAKE) evidence
 
-# the study behind --target-error and docs/accuracy.md: runs what has not run yet
-accuracy: $(STAMP)
-	$(BIN)/pysprings accuracy data/scenes/service-load.toml --out out/accuracy --write-presets pysprings/accuracy/presets.json
-	cp out/accuracy/accuracy.md out/accuracy/accuracy.png docs/
+# the study behind --target-error and docs/evidence/accuracy.md: runs what has not run yet
+STUDY := pysprings accuracy data/scenes/service-load.toml
+accuracy: $(DEV)
+	$(BIN)/$(STUDY) --out out/accuracy --write-presets pysprings/full_model/accuracy/presets.json
+	$(BIN)/python -m benchmarks.evidence_store accuracy out/accuracy/accuracy.md --command "$(STUDY)"
+	cp out/accuracy/accuracy.png docs/evidence/
+	$(MAKE) evidence
+
+# the catalogue of docs/evidence/stability.md (two minutes)
+CATALOGUE := pysprings stability --refinement 0.6
+stability: $(DEV)
+	$(BIN)/$(CATALOGUE) --out out/stability
+	$(BIN)/python -m benchmarks.evidence_store stability-small out/stability/stability.md --command "$(CATALOGUE)"
+	cp out/stability/stability.png docs/evidence/
+	$(MAKE) evidence
 
 # what the solver costs, as ratios of one run (about half an hour; SECTION=units for one of them)
-bench: $(STAMP)
+bench: $(DEV)
 	$(BIN)/python -m benchmarks.bench $(SECTION)
 
 # the small results that the regression test compares with
-reference: $(STAMP)
+reference: $(DEV)
 	$(BIN)/pysprings paper --mesh coarse --out out/paper-coarse --force
 	$(BIN)/python -m benchmarks.paper_reference out/paper-coarse
 
-lint: $(STAMP)
+lint: $(DEV)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-$(STAMP): pyproject.toml
-	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' || \
-		{ echo "Python 3.11 to 3.13 is needed; give one: make PYTHON=python3.12"; exit 1; }
+$(VENV)/pyvenv.cfg:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "Python 3.11 or newer is needed; give one: make PYTHON=python3.12"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+
+$(STAMP): pyproject.toml | $(VENV)/pyvenv.cfg
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
 	@touch $(STAMP)
 
+$(DEV): pyproject.toml | $(VENV)/pyvenv.cfg
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	@touch $(STAMP) $(DEV)
+
 clean:
-	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) $(LOWEST) out build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
