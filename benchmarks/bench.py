@@ -22,6 +22,7 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -34,8 +35,7 @@ GROWTH = {
     "coupled": ("coarse", "medium", "medium:1.4", "paper", "fine:0.92"),
 }
 SOLVERS = ("coarse:0.6", "coarse:0.7", "coarse:0.8", "coarse", "medium", "paper")
-# names in fe_engine.linear.recycled with which the first factors are never renewed
-AT_REST_ALONE = {"_LONGEST": 150, "_COMFORTABLE": 1.0e9}
+AT_REST_ALONE = {"longest": 150, "comfortable": 1.0e9}  # settings.Recycling: the first factors are never renewed
 
 
 def scene(mesh: str, end: float, mode: str = "drained") -> Any:
@@ -165,10 +165,9 @@ def omitted() -> None:
 
 def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
     """Wall time of the second of two runs (s), its factorisations, and the unknowns."""
-    from fe_engine.solve.newton import Settings
     from pysprings.full_model import compute
 
-    compute.Settings = lambda tolerance, most: Settings(tolerance, most, start)  # type: ignore[misc, assignment]
+    _recycle(start=start)
     wanted = scene(mesh, 1.0 * MM)
     if load:
         path = {"name": "load", "kind": "load", "lateral_force": 1.0e6, "arm": 2.0}
@@ -181,27 +180,33 @@ def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
 
 
 def _iterations(mesh: str, end: float, only_at_rest: bool) -> tuple[float, int, float, float]:
-    from fe_engine.linear import recycled
-    from fe_engine.solve import newton
+    from fe_engine.linear.recycled import Recycled
     from pysprings.full_model import compute
 
     if only_at_rest:
-        for name, value in AT_REST_ALONE.items():
-            setattr(recycled, name, value)
+        _recycle(**AT_REST_ALONE)
     made: list[Any] = []
-    begin = newton.Recycled.__init__
+    begin = Recycled.__init__
 
     def keep(self: Any, *arguments: Any) -> None:
         made.append(self)
         begin(self, *arguments)
 
-    newton.Recycled.__init__ = keep  # type: ignore[method-assign]
+    Recycled.__init__ = keep  # type: ignore[method-assign]
     begun = time.perf_counter()
     work = compute.compute(scene(mesh, end))
     wall = time.perf_counter() - begun
     run = json.loads(work.attrs["run_json"])
     solves = run["phases"]["solve"]["wall_s"]
     return made[0].n_iterations / made[0].n_systems, run["solver"]["factorisations"], wall, solves
+
+
+def _recycle(**changes: Any) -> None:
+    """Have all runs of this process use earlier factors with these settings (see settings.Recycling)."""
+    from fe_engine.settings import Recycling, Settings
+    from pysprings.full_model import discretise
+
+    discretise.Settings = partial(Settings, recycling=Recycling(**changes))  # type: ignore[misc, assignment]
 
 
 def _in_child(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:

@@ -34,10 +34,9 @@ from fe_engine.linear.backends import Backend, Pardiso
 from fe_engine.linear.solver import condition_estimate, equilibrated
 from fe_engine.memory import require_for_blas
 
-# Entries of the scaled contact (the diagonal of the tangent is 1 there) whose change is felt; from which share of the
-# interface on it is cheaper to invert anew than to correct.
-_FELT, _MANY = 1.0e-2, 0.3
-_LARGE = 1000
+# Changes of the scaled contact (the diagonal of the tangent is 1 there) below this are neglected.
+_FELT = 1.0e-2
+_LARGE = 1000  # rows from which a dense matrix is factorised on all threads
 
 
 def _nothing() -> np.ndarray:
@@ -171,8 +170,10 @@ class SoilFactors(TangentFactors):
 
     _backend: Pardiso
 
-    def __init__(self, backend: Pardiso, block: ContactBlock) -> None:
+    def __init__(self, backend: Pardiso, block: ContactBlock, many: float) -> None:
+        """Prepare; see settings.Recycling for ``many``."""
         super().__init__(backend)
+        self._many = many
         backend.keep(block.equations)
         self._block = block
         self._inverse = np.zeros((0, 0), dtype=np.float32)  # W
@@ -258,7 +259,7 @@ class SoilFactors(TangentFactors):
         change = self._scaled_contact(contact - self.origin.contact)
         felt, hit = np.abs(change) > _FELT, np.zeros(len(block.equations), dtype=bool)
         hit[block.row[felt]] = hit[block.column[felt]] = True
-        if np.count_nonzero(hit) > _MANY * len(hit):
+        if np.count_nonzero(hit) > self._many * len(hit):
             self._invert(contact)
             self.origin = replace(self.origin, contact=contact)
             hit[:] = False

@@ -4,8 +4,8 @@
 Plasticity changes the tangent's spectrum little from one increment to the next, and slip and gaps are followed (see
 `preconditioner`): flexible GMRES (Saad 1993) with the factors of an earlier tangent needs a handful of solves for a
 Newton step, each of which costs a few per cent of a factorisation. Factors in single precision do, at half the cost.
-How exact the answer is, the residual of the equations decides, whatever the factors are; a step is as exact as Newton
-needs it (Dembo, Eisenstat & Steihaug 1982).
+Accuracy is judged by the true residual, so that the quality of the factors affects only cost; a step is as exact as
+Newton needs it (Dembo, Eisenstat & Steihaug 1982).
 
 The border dofs are part of the system. What is controlled is met exactly: with b the increments of the border dofs,
 
@@ -28,14 +28,13 @@ from fe_engine.linear.backends import Pardiso, make_backend
 from fe_engine.linear.preconditioner import Control, Factors, Origin, SoilFactors, TangentFactors
 from fe_engine.linear.solver import LinearSolver
 from fe_engine.linear.sparse import times
+from fe_engine.settings import Recycling
 
-# From so many unknowns on it pays; below, a factorisation costs no more than a few iterations.
-WORTH_FROM = 2_000
-# GMRES gives up after so many iterations, a third of what new factors cost; they are also renewed after an increment
-# that needed so many in the mean of its systems more than new factors do. Both are for 50,000 unknowns: a factorisation
-# grows as n^2, a solve as n^(4/3) (nested dissection in space), and larger models have more patience.
-_LONGEST, _COMFORTABLE, _NEW = 30, 6.0, 3.0
-_OF_UNKNOWNS, _MOST_PATIENT = 50_000, 4.0
+_NEW = 3.0  # iterations of a system with new factors
+# The limits of settings.Recycling hold for this number of unknowns. A factorisation grows as n^2 and a solve as n^(4/3)
+# (nested dissection in space), so that the limits grow with n^(2/3), by at most this factor.
+_OF_UNKNOWNS = 50_000
+_MOST_PATIENT = 4.0
 _FRESH = 1.0e-6  # relative residual of a Newton step with new factors: one iteration more does it
 _EXACT = 1.0e-10  # last change of a border stiffness that is refined
 _SLACK = 2.0  # the true residual over that of GMRES, whose preconditioner is linear to seven digits only
@@ -60,13 +59,15 @@ class Recycled:
     worn : whether the next system renews the factors.
     """
 
-    def __init__(self, counts: LinearSolver, system: System) -> None:
+    def __init__(self, counts: LinearSolver, system: System, settings: Recycling) -> None:
         self.counts, self.clock = counts, counts.clock
         self.n_iterations = self.n_systems = 0
         self.worn = False
-        self._factors = _factors(counts.backend.name, system)
+        self._factors = _factors(counts.backend.name, system, settings.many)
         patience = min((system.pattern.n_free / _OF_UNKNOWNS) ** (2.0 / 3.0), _MOST_PATIENT)
-        self._longest, self._comfortable = int(_LONGEST * max(patience, 1.0)), _NEW + _COMFORTABLE * patience
+        self._refinements = settings.longest
+        self._longest = int(settings.longest * max(patience, 1.0))
+        self._comfortable = _NEW + settings.comfortable * patience
         self._valid = False
         self._spent: list[int] = []  # iterations of each system since the increment began or the factors were renewed
 
@@ -108,7 +109,7 @@ class Recycled:
         """Stiffness (nb, nb) of the border, with the factors of this very tangent. Raises LinearSolverError."""
         self.factorise(tangent)
         shape = self._factors.solve(tangent.columns)
-        for _ in range(_LONGEST):
+        for _ in range(self._refinements):
             more = self._factors.solve(tangent.columns - tangent.matrix @ shape)
             shape = shape + more
             self.counts.n_solves += 1
@@ -200,10 +201,10 @@ class Recycled:
         self._factors.close()
 
 
-def _factors(name: str, system: System) -> Factors:
+def _factors(name: str, system: System, many: float) -> Factors:
     backend = make_backend(name, system.pattern.n_free, system.model.symmetric, single=True)
     block = system.tell_contact_apart() if isinstance(backend, Pardiso) else None
     if block is None:
         return TangentFactors(backend)
     assert isinstance(backend, Pardiso)
-    return SoilFactors(backend, block)
+    return SoilFactors(backend, block, many)

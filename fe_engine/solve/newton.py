@@ -18,8 +18,9 @@ from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.assembly.system import Residual, System
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
 from fe_engine.linear.preconditioner import Origin
-from fe_engine.linear.recycled import WORTH_FROM, Recycled
+from fe_engine.linear.recycled import Recycled
 from fe_engine.linear.solver import LinearSolver
+from fe_engine.settings import Settings
 from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.globalisation import HALF, HALVINGS, Course
 from fe_engine.solve.stage import Balance, FactorStage, LinearStage
@@ -36,21 +37,6 @@ _AIM = 0.3
 _STRICT = 10.0
 # Forces count beside this share of the initial contact forces at the least, below which a change is rounding.
 _ROUNDING = 1.0e-6
-
-
-@dataclass(frozen=True)
-class Settings:
-    """Newton settings; the tolerance is relative to the norm of the change of contact forces.
-
-    Models of ``recycle_from`` unknowns or more solve with factors of earlier tangents: see `recycled`; ``exact`` tells
-    them to solve linear systems as far as these can. Where nothing flows, pressures hang on volumes that hardly change:
-    a residual that is small beside all forces and volumes then says little of them.
-    """
-
-    tolerance: float = 1.0e-5
-    max_iterations: int = 20
-    recycle_from: int = WORTH_FROM
-    exact: bool = False
 
 
 @dataclass(frozen=True)
@@ -102,7 +88,7 @@ class Newton:
             self.stage = solver
         else:
             assert isinstance(system, System)
-            self.stage = FactorStage(system, solver, settings.recycle_from, settings.exact)
+            self.stage = FactorStage(system, solver, settings)
 
     @property
     def recycled(self) -> Recycled | None:

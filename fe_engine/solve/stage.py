@@ -24,10 +24,11 @@ from fe_engine.errors import LinearSolverError
 from fe_engine.linear.preconditioner import Origin
 from fe_engine.linear.recycled import Recycled, control_of
 from fe_engine.linear.solver import LinearSolver
-from fe_engine.solve.globalisation import EXACT, bounds
+from fe_engine.settings import Settings
+from fe_engine.solve.globalisation import bounds
 
-# Where motions are imposed anew the right-hand side is what penalties do to soil that stays behind, thousands of times
-# the forces that balance in the end: such a system is solved to this share.
+# Where motions are imposed anew, the right-hand side is dominated by penalty forces, because the soil has not moved
+# yet: thousands of times the forces that balance in the end. Such a system is solved to this share.
 _IMPOSED = 1.0e-6
 
 
@@ -89,12 +90,13 @@ class LinearStage(Protocol):
 
 
 class FactorStage:
-    """Solves with factors of the tangent, or of an earlier one from ``recycle_from`` unknowns on."""
+    """Solves with factors of the tangent, or of an earlier one in large models (see settings.Recycling)."""
 
-    def __init__(self, system: System, solver: LinearSolver, recycle_from: int, exact: bool) -> None:
+    def __init__(self, system: System, solver: LinearSolver, settings: Settings) -> None:
         self.system, self.solver = system, solver
-        self.bounds = (EXACT, EXACT) if exact else bounds(system.pattern.n_free)
-        self.recycled = Recycled(solver, system) if system.pattern.n_free >= recycle_from else None
+        self.bounds = settings.shares or bounds(system.pattern.n_free)
+        large = system.pattern.n_free >= settings.recycling.start
+        self.recycled = Recycled(solver, system, settings.recycling) if large else None
 
     def begin_increment(self) -> None:
         """See `LinearStage`."""

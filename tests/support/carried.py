@@ -16,8 +16,9 @@ from fe_engine.conventions import DRUCKER_PRAGER
 from fe_engine.linear.solver import LinearSolver
 from fe_engine.mesh import Mesh
 from fe_engine.model import Material
+from fe_engine.settings import Recycling, Settings
 from fe_engine.soil import plasol
-from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.newton import Newton
 from pysprings import Scene
 from pysprings.full_model.path_run import PathRun, Work
 from pysprings.model.build import Built, build_model, build_on
@@ -52,7 +53,7 @@ class Pushed:
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
-OWN = 10**9  # every model factorises its own tangents, however large: only what is carried differs
+OWN = Recycling(start=10**9)  # every model factorises its own tangents, however large: only what is carried differs
 
 
 def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None) -> Pushed:
@@ -65,7 +66,7 @@ def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None
     system, model = System(built.model, clock), built.model
     half = model.symmetric if symmetric is None else symmetric
     solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, model.water is not None, half)
-    newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations, OWN))
+    newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations, recycling=OWN))
     run = PathRun(Work(scene, built, system, newton, clock, lambda *_: None), scene.paths[0])
     run.run()
     newton.close()

@@ -12,8 +12,9 @@ from fe_engine.elements import fourier as elements
 from fe_engine.elements import rigid
 from fe_engine.elements.interface import local_frames
 from fe_engine.fourier_model import FourierModel, RingStations, SectionMesh
+from fe_engine.settings import Settings
 from fe_engine.solve.fourier_stage import FourierStage
-from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver
 from fe_engine.state import State
 from tests.support.models import CONTACT, Run, rotation_matrix, soil

@@ -16,8 +16,9 @@ from fe_engine.elements.interface import Film, Stations, film_geometry, gauss_st
 from fe_engine.linear.solver import LinearSolver
 from fe_engine.mesh import Mesh
 from fe_engine.model import Material, Model, Stage, Water
+from fe_engine.settings import Recycling, Settings
 from fe_engine.soil import plasol
-from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
 
@@ -25,6 +26,8 @@ DEGREE = np.pi / 180.0
 # E (Pa), nu, phi_i, phi_f, B_phi, psi, cohesion (Pa): a sand that hardens and dilates, with a little cohesion
 SAND = (2.0e8, 0.3, 5.0 * DEGREE, 30.0 * DEGREE, 0.005, 3.0 * DEGREE, 1.0e3)
 CONTACT = (1.0e10, 1.0e10, 0.5)
+EARLIER = Recycling(start=0)  # models of any size solve with factors of earlier tangents
+OWN = Recycling(start=10**9)  # every tangent is factorised
 
 
 def taylor_slope(f: Callable, slope: np.ndarray, x: np.ndarray, step: np.ndarray, sizes: np.ndarray) -> float:

@@ -12,8 +12,9 @@ from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC, VAN_EEKELEN
 from fe_engine.linear.solver import LinearSolver
 from fe_engine.mesh import Mesh
 from fe_engine.model import Material, Model, Stage
+from fe_engine.settings import Settings
 from fe_engine.soil import plasol
-from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
 

@@ -13,7 +13,8 @@ from fe_engine.assembly.system import System
 from fe_engine.elements import interface, rigid
 from fe_engine.elements.interface import Stations
 from fe_engine.linear.solver import LinearSolver
-from fe_engine.solve.newton import Newton, Settings
+from fe_engine.settings import Settings
+from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import Fields, State
 from pysprings import Scene

@@ -12,24 +12,22 @@ from fe_engine.errors import LinearSolverError
 from fe_engine.linear import recycled
 from fe_engine.linear.backends import available_backends
 from fe_engine.linear.recycled import control_of
+from fe_engine.settings import Recycling
 from fe_engine.solve import globalisation
-from fe_engine.solve import stage as linear_stage
+from fe_engine.solve.globalisation import EXACT
 from fe_engine.solve.newton import Loading
 from fe_engine.state import State
-from tests.support.models import footing, run, stage, start, wet
+from tests.support.models import EARLIER, OWN, footing, run, stage, start, wet
 
 PULL = stage({0: 6.0e-5}, arm=0.3, first_fraction=0.1, max_fraction=0.2)
 SCALE = np.array([1.0, 1.0, 4.0])
+LOOSE = (0.01, 0.1)  # shares of the residual that systems of large models leave
+LASTING = Recycling(start=0, comfortable=1.0e9)  # factors are renewed where they fail, not before
 
 
 @pytest.fixture(params=available_backends())
 def linear(request):
     return request.param
-
-
-def large(_):
-    """How far systems of large models are solved."""
-    return 0.01, 0.1
 
 
 def forces(out):
@@ -38,7 +36,7 @@ def forces(out):
 
 def test_the_same_path_as_with_factors_of_its_own(linear):
     """Both meet the tolerance, and differ by what it leaves."""
-    new, own = (run(footing(), PULL, linear=linear, tolerance=1.0e-9, recycle_from=n) for n in (0, 10**9))
+    new, own = (run(footing(), PULL, linear=linear, tolerance=1.0e-9, recycling=each) for each in (EARLIER, OWN))
     assert new.driver.newton.recycled.n_systems > 0
     assert new.driver.newton.solver.n_factorisations < own.driver.newton.solver.n_factorisations / 2
     np.testing.assert_allclose(forces(new), forces(own), rtol=1.0e-7)
@@ -47,7 +45,7 @@ def test_the_same_path_as_with_factors_of_its_own(linear):
 
 
 def test_the_stiffness_at_rest_is_exact_in_single_precision_too(linear):
-    new, own = (start(footing(), linear, recycle_from=n).driver.newton for n in (0, 10**9))
+    new, own = (start(footing(), linear, recycling=each).driver.newton for each in (EARLIER, OWN))
     np.testing.assert_allclose(
         new.border_stiffness(State(footing())), own.border_stiffness(State(footing())), rtol=1.0e-8, atol=1.0
     )
@@ -56,14 +54,14 @@ def test_the_stiffness_at_rest_is_exact_in_single_precision_too(linear):
 def test_the_stiffness_of_a_stiff_contact_is_refined_until_it_is_symmetric(linear):
     """Beside a penalty of 1e15 N/m3 a residual of 1e-10 leaves 3.5e-9 of the stiffness, which is 1e7 times less."""
     model = footing(contact=(1.0e15, 1.0e15, 0.5))
-    k = start(model, linear, recycle_from=0).driver.newton.border_stiffness(State(model))
+    k = start(model, linear, recycling=EARLIER).driver.newton.border_stiffness(State(model))
     size = np.sqrt(np.outer(np.diagonal(k), np.diagonal(k)))
     np.testing.assert_allclose((k - k.T) / size, 0.0, atol=1.0e-9)
 
 
 def test_factors_of_the_same_tangent_are_made_once(linear):
     """The stiffness at rest and the first increment share them; those of another tangent are made."""
-    newton = start(footing(), linear, recycle_from=0).driver.newton
+    newton = start(footing(), linear, recycling=EARLIER).driver.newton
     once = newton.border_stiffness(State(footing()))
     newton.forget()
     np.testing.assert_array_equal(newton.border_stiffness(State(footing())), once)
@@ -75,18 +73,17 @@ def test_factors_of_the_same_tangent_are_made_once(linear):
 
 def test_given_forces_are_balanced_with_earlier_factors_too(linear):
     force = stage({}, force=(4.5e3, 5.0e3, -5.0e2), first_fraction=0.1, max_fraction=0.2)
-    new, own = (run(footing(), force, linear=linear, tolerance=1.0e-9, recycle_from=n) for n in (0, 10**9))
+    new, own = (run(footing(), force, linear=linear, tolerance=1.0e-9, recycling=each) for each in (EARLIER, OWN))
     assert new.driver.newton.solver.n_factorisations < own.driver.newton.solver.n_factorisations / 2
     for mine, other in zip(new.steps, own.steps, strict=True):
         np.testing.assert_allclose(mine.increment.border, other.increment.border, rtol=1.0e-6, atol=1.0e-12)
 
 
-def test_factors_made_again_from_their_origin_go_on_bit_by_bit(linear, monkeypatch):
-    monkeypatch.setattr(recycled, "_COMFORTABLE", 1.0e9)  # those of the first half last
-    out, again = (start(footing(), linear, recycle_from=0) for _ in range(2))
+def test_factors_made_again_from_their_origin_go_on_bit_by_bit(linear):
+    out, again = (start(footing(), linear, recycling=LASTING) for _ in range(2))
     out.driver.run(PULL, out.steps.append)
     half = len(out.steps) // 2
-    first = start(footing(), linear, recycle_from=0)
+    first = start(footing(), linear, recycling=LASTING)
 
     class Enough(Exception):
         pass
@@ -106,26 +103,23 @@ def test_factors_made_again_from_their_origin_go_on_bit_by_bit(linear, monkeypat
     np.testing.assert_array_equal(forces(again), forces(out)[half:])
 
 
-def test_factors_that_serve_no_more_are_renewed(linear, monkeypatch):
+def test_factors_that_serve_no_more_are_renewed(linear):
     """GMRES that may take three iterations alone does not get there with old factors."""
-    monkeypatch.setattr(recycled, "_COMFORTABLE", 1e9)  # renewed where they fail, not before
-    long = run(footing(), PULL, linear=linear, recycle_from=0)
-    monkeypatch.setattr(recycled, "_LONGEST", 4)
-    short = run(footing(), PULL, linear=linear, recycle_from=0)
+    long = run(footing(), PULL, linear=linear, recycling=LASTING)
+    short = run(footing(), PULL, linear=linear, recycling=replace(LASTING, longest=4))
     assert short.driver.newton.solver.n_factorisations > long.driver.newton.solver.n_factorisations
     np.testing.assert_allclose(forces(short), forces(long), rtol=1.0e-4)
 
 
-def test_where_single_precision_does_not_do_double_precision_does(linear, monkeypatch):
-    monkeypatch.setattr(recycled, "_LONGEST", 1)
-    out = run(footing(), PULL, linear=linear, recycle_from=0)
-    np.testing.assert_allclose(forces(out), forces(run(footing(), PULL, linear=linear, recycle_from=10**9)), rtol=1e-12)
+def test_where_single_precision_does_not_do_double_precision_does(linear):
+    out = run(footing(), PULL, linear=linear, recycling=replace(EARLIER, longest=1))
+    np.testing.assert_allclose(forces(out), forces(run(footing(), PULL, linear=linear, recycling=OWN)), rtol=1e-12)
 
 
 def test_factors_that_overflow_are_not_used(linear, monkeypatch):
     """Of a tangent that is singular in single precision they may be infinite."""
     exact = run(footing(), PULL, linear=linear, tolerance=1.0e-9)
-    out = start(footing(), linear, tolerance=1.0e-9, recycle_from=0)
+    out = start(footing(), linear, tolerance=1.0e-9, recycling=EARLIER)
     monkeypatch.setattr(type(out.driver.newton.recycled._factors), "apply", lambda self, v: np.full(len(v), np.nan))
     steps = []
     out.driver.run(PULL, steps.append)
@@ -153,8 +147,8 @@ def test_water_is_solved_for_with_earlier_factors_too(linear):
     nb = wet().n_border
     loading = Loading(np.eye(nb), 1.0e-6 * np.arange(1.0, nb + 1.0), np.eye(nb), np.zeros(nb), 10.0)
     ends = []
-    for n in (0, 10**9):
-        out = start(wet(), linear, tolerance=1.0e-10, recycle_from=n)
+    for each in (EARLIER, OWN):
+        out = start(wet(), linear, tolerance=1.0e-10, recycling=each)
         newton = out.driver.newton
         newton.solver.equilibrate = True
         increment = newton.solve(out.state, loading, np.zeros(newton.system.pattern.n_free), np.zeros(nb))
@@ -164,8 +158,7 @@ def test_water_is_solved_for_with_earlier_factors_too(linear):
 
 def test_systems_are_solved_no_further_than_contact_lets_the_residual_fall(linear, monkeypatch):
     """Fewer solves than with systems that are all solved as far as they may be, for the same path."""
-    tight = {"linear": linear, "tolerance": 1.0e-9, "recycle_from": 0}
-    monkeypatch.setattr(linear_stage, "bounds", large)
+    tight = {"linear": linear, "tolerance": 1.0e-9, "recycling": EARLIER, "shares": LOOSE}
     loose = run(footing(), PULL, **tight)
     monkeypatch.setattr(globalisation.Course, "share", lambda *_: 0.0)
     exact = run(footing(), PULL, **tight)
@@ -176,28 +169,28 @@ def test_systems_are_solved_no_further_than_contact_lets_the_residual_fall(linea
 def test_exact_systems_are_all_solved_as_far_as_new_factors_can(linear, monkeypatch):
     step, wanted = recycled.Recycled.step, []
     monkeypatch.setattr(recycled.Recycled, "step", lambda self, *args: wanted.append(args[-1]) or step(self, *args))
-    run(footing(), PULL, linear=linear, recycle_from=0, exact=True)
+    run(footing(), PULL, linear=linear, recycling=EARLIER, shares=(EXACT, EXACT))
     assert set(wanted) == {1.0e-8}
     wanted.clear()
-    monkeypatch.setattr(linear_stage, "bounds", large)
-    run(footing(), PULL, linear=linear, recycle_from=0)
+    run(footing(), PULL, linear=linear, recycling=EARLIER, shares=LOOSE)
     assert max(wanted) > 1.0e-4
 
 
 @pytest.mark.parametrize(("end", "stiffness"), [(2.0e-4, 1.0e12), (5.0e-4, 1.0e10)])
-def test_a_large_step_without_a_guess_is_no_harder_than_with_exact_systems(linear, end, stiffness, monkeypatch):
+def test_a_large_step_without_a_guess_is_no_harder_than_with_exact_systems(linear, end, stiffness):
     """To 0.2 mm in one step; to 0.5 mm with a step that is cut, after which factors of a failed attempt are there."""
-    monkeypatch.setattr(linear_stage, "bounds", large)
     once = stage({0: end}, arm=0.3, first_fraction=1.0, max_fraction=1.0)
     model = footing(contact=(stiffness, stiffness, 0.5))
-    new, own = (run(model, once, linear=linear, tolerance=1.0e-9, recycle_from=n) for n in (0, 10**9))
+    new, own = (
+        run(model, once, linear=linear, tolerance=1.0e-9, recycling=each, shares=LOOSE) for each in (EARLIER, OWN)
+    )
     assert len(new.driver.given_up) == len(own.driver.given_up)
     assert len(new.steps) == len(own.steps)
 
 
 def test_factors_that_fail_leave_none_behind(linear):
     """What is half made is neither used nor saved."""
-    newton = start(footing(), linear, recycle_from=0).driver.newton
+    newton = start(footing(), linear, recycling=EARLIER).driver.newton
     newton.border_stiffness(State(footing()))
     origin = replace(newton.origin, entries=2.0 * newton.origin.entries)  # the same would need no new factors
 
@@ -210,15 +203,14 @@ def test_factors_that_fail_leave_none_behind(linear):
     assert newton.origin is None
 
 
-def test_volumes_of_water_are_held_ten_times_closer_to_balance(monkeypatch):
+def test_volumes_of_water_are_held_ten_times_closer_to_balance():
     """A system solved loosely leaves a third of the tolerance in the volumes, which add up over the steps of a path."""
-    monkeypatch.setattr(linear_stage, "bounds", large)
     nb = wet().n_border
     loading = Loading(np.eye(nb), 1.0e-5 * np.arange(1.0, nb + 1.0), np.eye(nb), np.zeros(nb), 10.0)
 
     def pushed(tolerance):
         """Iterations, and the part of the volumes exchanged that is left over."""
-        out = start(wet("pairs"), tolerance=tolerance, recycle_from=0)
+        out = start(wet("pairs"), tolerance=tolerance, recycling=EARLIER, shares=LOOSE)
         one, system = out.driver.newton, out.driver.newton.system
         one.solver.equilibrate = True
         found = one.solve(out.state, loading, np.zeros(system.pattern.n_free), np.zeros(nb))
@@ -233,7 +225,6 @@ def test_volumes_of_water_are_held_ten_times_closer_to_balance(monkeypatch):
 
 def test_a_motion_imposed_anew_is_solved_for_tightly(linear, monkeypatch):
     """Penalties, not the forces that balance, make its right-hand side: a percent of them is more than those forces."""
-    monkeypatch.setattr(linear_stage, "bounds", large)
     step, wanted = recycled.Recycled.step, {True: [], False: []}
 
     def noted(self, *args):
@@ -243,6 +234,6 @@ def test_a_motion_imposed_anew_is_solved_for_tightly(linear, monkeypatch):
     monkeypatch.setattr(recycled.Recycled, "step", noted)
     there = stage({0: 2.0e-4}, arm=0.3, first_fraction=0.25, max_fraction=0.5)
     back = stage({0: -2.0e-4}, arm=0.3, first_fraction=0.5, max_fraction=0.5)
-    run(footing(), there, back, linear=linear, tolerance=1.0e-9, recycle_from=0)
+    run(footing(), there, back, linear=linear, tolerance=1.0e-9, recycling=EARLIER, shares=LOOSE)
     assert len(wanted[True]) >= 2 and max(wanted[True]) <= 1.0e-6
     assert max(wanted[False]) > 1.0e-4

@@ -9,10 +9,9 @@ import pytest
 from fe_engine.contact import coulomb
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
 from fe_engine.linear.backends import available_backends
-from fe_engine.solve import stage as linear_stage
-from fe_engine.solve.newton import Loading, Newton
+from fe_engine.solve.newton import Loading
 from fe_engine.state import State
-from tests.support.models import CONTACT, footing, replace, run, stage, start, taylor_slope
+from tests.support.models import CONTACT, EARLIER, OWN, footing, replace, run, stage, start, taylor_slope
 
 VERTICAL = 2.0e4 * 0.5  # N: initial pressure times the area of the footing
 STEPS = {"first_fraction": 0.05, "max_fraction": 0.2}
@@ -203,36 +202,32 @@ def test_iterations_without_progress_stop_early(monkeypatch):
 def test_half_steps_lead_out_of_a_cycle_close_to_the_solution(monkeypatch):
     """A direction twice as long as Newton's jumps across the solution for ever; half of it is the solution."""
     out = start(footing(), tolerance=1.0e-9)
-    newton, direction = out.driver.newton, Newton._direction
+    newton = out.driver.newton
+    step = newton.stage.step
 
-    def twice(self, *given):
-        factor = 1.0 if given[-1][-1]["residual"] > 5.0e-4 else 2.0  # the last argument is the record
-        return tuple(factor * part for part in direction(self, *given))
-
-    monkeypatch.setattr(Newton, "_direction", twice)
+    monkeypatch.setattr(newton.stage, "step", lambda *given: tuple(2.0 * part for part in step(*given)))
     increment = newton.solve(out.state, imposed([1.0e-5, 0.0, 0.0]), *at_rest(out))
     damped = [row["damping"] for row in increment.record]
     assert damped.count(0.5) >= 1
     assert increment.record[-1]["residual"] <= 1.0e-9
 
 
-def jumps(monkeypatch, at, longer=1.0):
-    """Residuals a hundred times as large at the iterate of that number; the correction that follows ``longer``."""
-    merit, direction, seen = Newton._merit, Newton._direction, []
+def jumps(newton, monkeypatch, at, longer=1.0):
+    """Residuals a hundred times as large at the evaluation of that number; the correction from there ``longer``."""
+    linearise, step, models = newton.system.linearise, newton.stage.step, []
 
-    def factor(residual, there):
-        if not any(residual is one for one in seen):
-            seen.append(residual)
-        return there if len(seen) > at and residual is seen[at] else 1.0
+    def evaluate(state, fresh):
+        judged, linear, tangent = linearise(state, fresh)
+        models.append(linear)
+        far = len(models) == at + 1
+        return (replace(judged, free=100.0 * judged.free) if far else judged), linear, tangent
 
-    def judge(self, residual, loading):
-        return tuple(factor(residual, 100.0) * value for value in merit(self, residual, loading))
+    def lengthened(linear, *given):
+        far = len(models) > at and linear is models[at]
+        return tuple((longer if far else 1.0) * part for part in step(linear, *given))
 
-    def step(self, evaluated, *rest):
-        return tuple(factor(evaluated[0], longer) * part for part in direction(self, evaluated, *rest))
-
-    monkeypatch.setattr(Newton, "_merit", judge)
-    monkeypatch.setattr(Newton, "_direction", step)
+    monkeypatch.setattr(newton.system, "linearise", evaluate)
+    monkeypatch.setattr(newton.stage, "step", lengthened)
 
 
 def test_a_step_whose_residual_jumps_is_taken_where_the_next_correction_is_smaller(monkeypatch):
@@ -240,7 +235,7 @@ def test_a_step_whose_residual_jumps_is_taken_where_the_next_correction_is_small
     plain, jumped = start(footing()), start(footing())
     loading = imposed([5.0e-5, 0.0, 0.0])
     straight = plain.driver.newton.solve(plain.state, loading, *at_rest(plain))
-    jumps(monkeypatch, at=3)
+    jumps(jumped.driver.newton, monkeypatch, at=3)
     increment = jumped.driver.newton.solve(jumped.state, loading, *at_rest(jumped))
     assert [row["damping"] for row in increment.record] == [1.0] * len(increment.record)
     assert increment.record[3]["residual"] > increment.record[2]["residual"]
@@ -250,18 +245,17 @@ def test_a_step_whose_residual_jumps_is_taken_where_the_next_correction_is_small
 
 def test_a_step_whose_residual_jumps_is_shortened_where_the_next_correction_is_larger(monkeypatch):
     out = start(footing())
-    jumps(monkeypatch, at=3, longer=1.0e3)
+    jumps(out.driver.newton, monkeypatch, at=3, longer=1.0e3)
     increment = out.driver.newton.solve(out.state, imposed([5.0e-5, 0.0, 0.0]), *at_rest(out))
     assert increment.record[2]["damping"] == 0.5
     assert increment.record[-1]["residual"] <= out.driver.newton.settings.tolerance
 
 
-@pytest.mark.parametrize(("tolerance", "recycle_from"), [(1.0e-2, 10**9), (3.0e-3, 0)])
-def test_the_border_is_held_ten_times_closer_to_balance(tolerance, recycle_from, monkeypatch):
+@pytest.mark.parametrize(("tolerance", "recycling"), [(1.0e-2, OWN), (3.0e-3, EARLIER)])
+def test_the_border_is_held_ten_times_closer_to_balance(tolerance, recycling):
     """What the tolerance of all equations would leave there (0.29 and 0.11 of it) turns the body."""
-    monkeypatch.setattr(linear_stage, "bounds", lambda _: (0.01, 0.1))  # as of a large model
     wanted, left = STAGES["heave fixed"], []
-    out = run(footing(), wanted, tolerance=tolerance, recycle_from=recycle_from)
+    out = run(footing(), wanted, tolerance=tolerance, recycling=recycling, shares=(0.01, 0.1))
     for step in out.steps:
         residual = step.increment.residual
         unbalanced = np.linalg.norm(residual.border - wanted.load @ step.multipliers)
@@ -273,10 +267,14 @@ def test_the_border_is_held_ten_times_closer_to_balance(tolerance, recycle_from,
 def test_a_change_beneath_rounding_counts_beside_the_initial_forces(monkeypatch):
     """Rounding of 1e-13 of the initial forces, which no iteration can reduce, does not stop a move of 1e-18 m."""
     out = start(footing())
-    noise, merit = 1.0e-13 * out.driver.newton.system.initial_contact_norm, Newton._merit
-    monkeypatch.setattr(
-        Newton, "_merit", lambda self, at, loading: merit(self, replace(at, free=at.free + noise), loading)
-    )
+    system = out.driver.newton.system
+    noise, linearise = 1.0e-13 * system.initial_contact_norm, system.linearise
+
+    def noisy(state, fresh):
+        judged, linear, tangent = linearise(state, fresh)
+        return replace(judged, free=judged.free + noise), linear, tangent
+
+    monkeypatch.setattr(system, "linearise", noisy)
     increment = out.driver.newton.solve(out.state, imposed([1.0e-18, 0.0, 0.0]), *at_rest(out))
     assert increment.iterations <= 1
     assert increment.record[-1]["residual"] <= 1.0e-6

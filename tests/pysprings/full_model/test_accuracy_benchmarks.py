@@ -12,7 +12,6 @@ import xarray as xr
 
 import pysprings
 from benchmarks import bench, error_estimates
-from fe_engine.linear import recycled
 from pysprings import Scene
 from pysprings.core.errors import PyspringsError
 from pysprings.full_model.accuracy import two_mesh
@@ -54,11 +53,6 @@ def test_meshes_of_the_benchmark_are_scenes() -> None:
             found = bench.scene(mesh, 1e-3, mode)
             assert found.drainage.mode == mode
             assert found.paths[0].lateral_displacement == 1e-3
-
-
-def test_what_the_benchmark_changes_in_the_solver_is_there() -> None:
-    assert bench.AT_REST_ALONE
-    assert all(hasattr(recycled, name) for name in bench.AT_REST_ALONE)
 
 
 def test_results_are_kept_by_scene_and_version(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,7 +17,8 @@ import xarray as xr
 from fe_engine.assembly.system import System
 from fe_engine.linear.solver import LinearSolver
 from fe_engine.model import Model
-from fe_engine.solve.newton import Newton, Settings
+from fe_engine.settings import Settings
+from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
 from pysprings import Scene

@@ -12,7 +12,7 @@ import signal
 import subprocess
 import sys
 import time
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +23,9 @@ from typer.testing import CliRunner
 
 import pysprings
 from fe_engine.compiled import engine_digest
+from fe_engine.settings import Recycling, Settings
 from fe_engine.solve import step_size
-from fe_engine.solve.newton import Newton, Settings
+from fe_engine.solve.newton import Newton
 from pysprings.cli import app
 from pysprings.cli.support import interruptible
 from pysprings.core.errors import ResourceError, UserInputError
@@ -141,7 +142,7 @@ def test_factors_of_earlier_tangents_go_on_too(
 ) -> None:
     """As large models solve: what the factors were made from is in the checkpoint."""
     own = record_of(straight("drained"))["solver"]["factorisations"]
-    monkeypatch.setattr(discretise, "Settings", lambda tolerance, most: Settings(tolerance, most, 0))
+    monkeypatch.setattr(discretise, "Settings", partial(Settings, recycling=Recycling(start=0)))
     whole = compute(drained())
     assert record_of(whole)["solver"]["factorisations"] < own
     done = 0

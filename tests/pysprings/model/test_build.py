@@ -12,8 +12,8 @@ import pytest
 from fe_engine.assembly.system import System
 from fe_engine.contact import coulomb
 from fe_engine.errors import MeshError
+from fe_engine.settings import Settings
 from fe_engine.soil import plasol
-from fe_engine.solve.newton import Settings
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.model import build, discretise

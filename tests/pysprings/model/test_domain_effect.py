@@ -12,7 +12,8 @@ import pytest
 
 from fe_engine.assembly.system import System
 from fe_engine.linear.solver import LinearSolver
-from fe_engine.solve.newton import Newton, Settings
+from fe_engine.settings import Settings
+from fe_engine.solve.newton import Newton
 from fe_engine.state import State
 from pysprings.full_model.compute import compute
 from pysprings.model.build import build_model

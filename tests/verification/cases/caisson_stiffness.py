@@ -24,7 +24,8 @@ from scipy.optimize import brentq
 from fe_engine.assembly.system import System
 from fe_engine.contact.coulomb import KN, MU
 from fe_engine.linear.solver import LinearSolver
-from fe_engine.solve.newton import Newton, Settings
+from fe_engine.settings import Settings
+from fe_engine.solve.newton import Newton
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.full_model.compute import run
