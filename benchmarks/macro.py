@@ -22,7 +22,7 @@ import xarray as xr
 from pysprings.cli.support import springs_of
 from pysprings.macro.predict import MacroModel, curve, predict_batch
 from pysprings.macro.sets import spring_sets
-from pysprings.springs.dataset import save_springs
+from pysprings.springs.file import save_springs
 
 CASES = 10_000
 REPEATS = 20

@@ -260,7 +260,7 @@ def springs(
 
         print(text(tree, wanted), end="")
     elif wanted == "nc":
-        from pysprings.springs.dataset import save_springs
+        from pysprings.springs.file import save_springs
 
         print(save_springs(tree, out))
     else:

@@ -172,7 +172,7 @@ def refuse_unfinished(result: Path, strict: bool = False) -> None:
 def read_springs(result: Path) -> xr.DataTree:
     """Open the springs of a result folder or spring file; extract them from a full-model file."""
     from pysprings.core.files.storage import read_tree
-    from pysprings.springs.dataset import validate_springs
+    from pysprings.springs.checks import validate_springs
 
     path = result / "springs.nc" if result.is_dir() else result
     if result.is_dir() and not path.exists():

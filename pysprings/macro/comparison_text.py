@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 
 from pysprings.macro.comparison import SKIP_BELOW, SMALL_OVER_DIAMETER
-from pysprings.springs.dataset import ROLES, same_load
+from pysprings.springs.alike import same_load
+from pysprings.springs.dataset import ROLES
 
 _TEXT_COLUMNS = {
     "path": "path",

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pysprings.macro.fan import SAME, FanTable
 from pysprings.macro.limit import RANGE_SLACK
-from pysprings.springs.dataset import same_load
+from pysprings.springs.alike import same_load
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
 if TYPE_CHECKING:

@@ -25,8 +25,9 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.macro.solver import fan_rows
-from pysprings.springs.dataset import get_path, net_m, net_p, slice_heights
+from pysprings.springs.dataset import get_path
 from pysprings.springs.dead_loads import main_paths
+from pysprings.springs.sums import net_m, net_p, slice_heights
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pysprings.macro.control import Control
 from pysprings.macro.fan import SAME
-from pysprings.springs.dataset import same_load
+from pysprings.springs.alike import same_load
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]

@@ -14,7 +14,8 @@ import xarray as xr
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.macro.model import MacroModel
-from pysprings.springs.dataset import get_path, is_vertical, path_dataset, path_names, slice_heights
+from pysprings.springs.dataset import get_path, is_vertical, path_dataset, path_names
+from pysprings.springs.sums import slice_heights
 
 REPEATS = 5
 POINTS = 50

@@ -24,8 +24,10 @@ from numpy.typing import NDArray
 
 from pysprings.macro.fan import initial_slopes, secant_slopes
 from pysprings.macro.solver import spring_row
-from pysprings.springs.dataset import get_path, is_vertical, path_names, same_load, slice_heights
+from pysprings.springs.alike import same_load
+from pysprings.springs.dataset import get_path, is_vertical, path_names
 from pysprings.springs.dead_loads import rest_load
+from pysprings.springs.sums import slice_heights
 
 Array = NDArray[np.float64]
 

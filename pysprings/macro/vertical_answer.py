@@ -15,7 +15,8 @@ from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
 from pysprings.macro.ends import past_elastic
 from pysprings.macro.vertical import VerticalTable
-from pysprings.springs.dataset import path_load, same_load
+from pysprings.springs.alike import same_load
+from pysprings.springs.dataset import path_load
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel

@@ -33,8 +33,10 @@ from pysprings.macro.comparison import compare, curves
 from pysprings.model.forecast.resources import refuse_full_disk
 from pysprings.results.exporters import csv_tables, excel, load_displacement_table, paraview
 from pysprings.results.report.page import write_report
-from pysprings.springs.dataset import balance, get_path, path_names, save_springs
+from pysprings.springs.dataset import get_path, path_names
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.file import save_springs
+from pysprings.springs.sums import balance
 
 if TYPE_CHECKING:
     import xarray as xr

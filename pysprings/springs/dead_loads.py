@@ -18,7 +18,8 @@ from dataclasses import dataclass
 import xarray as xr
 
 from pysprings.springs import rates
-from pysprings.springs.dataset import get_path, is_vertical, path_dataset, path_load, path_names, same_load
+from pysprings.springs.alike import same_load
+from pysprings.springs.dataset import get_path, is_vertical, path_dataset, path_load, path_names
 
 # Sets are interpolated where they have this many directions in common
 FEWEST_PAIRS = 2

@@ -7,7 +7,8 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.springs.dataset import FEWEST_STATES, SCHEMA, path_dataset, path_names, validate_springs
+from pysprings.springs.checks import validate_springs
+from pysprings.springs.dataset import FEWEST_STATES, SCHEMA, path_dataset, path_names
 
 _ROOT_ATTRS = (
     "Conventions", "title", "source", "history", "references", "pysprings_version", "scene_sha256", "scene_toml",

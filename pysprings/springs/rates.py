@@ -21,7 +21,9 @@ import xarray as xr
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.path_kinds import is_straight
-from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names, same_load, validate_springs
+from pysprings.springs.alike import same_load
+from pysprings.springs.checks import validate_springs
+from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
 from pysprings.springs.path_ends import KEYS, earlier_end
 
 # Paths whose rates differ by less than this factor belong together

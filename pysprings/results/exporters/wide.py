@@ -15,7 +15,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.springs.dataset import is_vertical, net_m, net_p, path_dataset, path_names
+from pysprings.springs.dataset import is_vertical, path_dataset, path_names
+from pysprings.springs.sums import net_m, net_p
 
 # Quantities by depth: pairs that belong beside each other.
 PAIRS = (("y_m", "p_N_per_m"), ("m_Nm_per_m", "t_N_per_m"))

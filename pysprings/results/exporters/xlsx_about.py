@@ -11,7 +11,8 @@ import xarray as xr
 
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.results.exporters.xlsx_names import MEANING
-from pysprings.springs.dataset import balance, get_path, is_vertical, path_load, path_names
+from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
+from pysprings.springs.sums import balance
 
 _ORIGIN = {
     "title": "scene",

@@ -9,7 +9,8 @@ import numpy as np
 
 from pysprings.core.text import number
 from pysprings.results.report.tables import Table
-from pysprings.springs.dataset import get_path, is_vertical, net_m, net_p, path_names
+from pysprings.springs.dataset import get_path, is_vertical, path_names
+from pysprings.springs.sums import net_m, net_p
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -171,9 +171,10 @@ def ring_table(paths: Mapping[str, Any]) -> Table:
 def equilibrium_table(tree: xr.DataTree) -> Table:
     """Make the table of the equilibrium check over the converged steps of a result or of springs.
 
-    Missing: the sum of the soil reactions less the applied load (`pysprings.springs.dataset.balance`).
+    Missing: the sum of the soil reactions less the applied load (`pysprings.springs.sums.balance`).
     """
-    from pysprings.springs.dataset import balance, get_path, path_names
+    from pysprings.springs.dataset import get_path, path_names
+    from pysprings.springs.sums import balance
 
     rows = []
     for name in path_names(tree):

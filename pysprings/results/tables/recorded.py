@@ -12,7 +12,8 @@ from pysprings.macro.fan import STRAIGHT, fan_paths
 from pysprings.macro.vertical import build_vertical
 from pysprings.results.tables.file import Faults
 from pysprings.results.tables.places import ROUNDING, net_rows, place_of, slices
-from pysprings.springs.dataset import get_path, net_m, net_p, slice_heights
+from pysprings.springs.dataset import get_path
+from pysprings.springs.sums import net_m, net_p, slice_heights
 
 Array = NDArray[np.float64]
 Grid = dict[str, Array]  # column -> (depth, step)

@@ -26,7 +26,7 @@ from pysprings.core.text import number
 from pysprings.scene.load import SECTIONS, Scene, load_scene
 from pysprings.scene.template_names import template_names
 from pysprings.scene.toml import field_of
-from pysprings.springs.dataset import open_springs, save_springs
+from pysprings.springs.file import open_springs, save_springs
 from tests.support import synthetic
 
 ROOT = Path(__file__).parents[3]

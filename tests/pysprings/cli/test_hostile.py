@@ -23,7 +23,7 @@ from pysprings.results import exporters
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report.page import render
 from pysprings.results.tables import file as tables
-from pysprings.springs.dataset import open_springs
+from pysprings.springs.file import open_springs
 from pysprings.springs.numbers import name_fault
 from tests.fuzz.judge import watched
 from tests.fuzz.tables import MINIMAL

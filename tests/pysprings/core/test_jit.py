@@ -16,7 +16,7 @@ import pytest
 from pysprings.core import jit
 from pysprings.macro import solver
 from pysprings.macro.predict import MacroModel
-from pysprings.springs.dataset import save_springs
+from pysprings.springs.file import save_springs
 from tests.pysprings.macro.test_fan import fan_springs, potential
 from tests.support.synthetic import make_springs
 

@@ -21,8 +21,9 @@ from pysprings.full_model.compute import compute, raise_if_incomplete, run
 from pysprings.macro.comparison import compare
 from pysprings.results.plots import data as plot_data
 from pysprings.scene.load import parse_scene
-from pysprings.springs.dataset import balance, get_path
+from pysprings.springs.dataset import get_path
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.sums import balance
 from tests.support import tiny
 
 

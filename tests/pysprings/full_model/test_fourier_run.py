@@ -25,8 +25,8 @@ from pysprings.full_model.fourier_collect import around, output_azimuths, slice_
 from pysprings.model.build import SURFACE
 from pysprings.model.fourier import build_fourier, section_counts_of
 from pysprings.scene.load import Scene, parse_scene
-from pysprings.springs.dataset import balance
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.sums import balance
 from tests.support import tiny
 
 SERIES: dict[str, Any] = {"discretisation": "fourier", "preset": "coarse", "refinement": 0.7, "harmonics": 2}

@@ -29,7 +29,7 @@ from pysprings.macro.predict import (
 from pysprings.macro.stiffness_six import stiffness_six
 from pysprings.results.exporters import export
 from pysprings.results.tables.sequence import read_sequence
-from pysprings.springs.dataset import open_springs, save_springs
+from pysprings.springs.file import open_springs, save_springs
 from tests.pysprings.macro.test_fan import fan_springs, potential
 from tests.pysprings.macro.test_predict import bilinear_springs, linear_springs, linear_stiffness
 from tests.pysprings.macro.test_vertical import springs as vertical_springs

@@ -17,7 +17,8 @@ from pysprings.macro.comparison_text import to_text
 from pysprings.macro.fan import build_fan, fan_paths, has_fan, secant_slopes
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, predict
 from pysprings.macro.sets import spring_sets
-from pysprings.springs.dataset import balance, get_path
+from pysprings.springs.dataset import get_path
+from pysprings.springs.sums import balance
 from tests.support.synthetic import Caisson, Path, make_springs
 
 LENGTH, RINGS = 4.0, 9

@@ -12,7 +12,10 @@ from typer.testing import CliRunner
 from pysprings.cli import app
 from pysprings.core.errors import UserInputError
 from pysprings.macro.slices import merge_slices, slice_convergence, slice_counts, to_text
-from pysprings.springs.dataset import balance, get_path, net_p, save_springs, slice_heights, validate_springs
+from pysprings.springs.checks import validate_springs
+from pysprings.springs.dataset import get_path
+from pysprings.springs.file import save_springs
+from pysprings.springs.sums import balance, net_p, slice_heights
 from tests.support.synthetic import Caisson, Path, make_springs
 
 PATHS = (

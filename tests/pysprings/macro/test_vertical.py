@@ -31,9 +31,10 @@ from pysprings.macro.predict import (
 from pysprings.macro.stiffness_six import stiffness_six
 from pysprings.macro.vertical import build_vertical
 from pysprings.results import exporters
-from pysprings.springs.dataset import get_path, open_springs, save_springs
+from pysprings.springs.dataset import get_path
 from pysprings.springs.dead_loads import at_load, load_sets, main_paths
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.file import open_springs, save_springs
 from tests.support import synthetic, tiny
 
 K, REST = 4e9, 2e6  # N/m, N: of the invented vertical springs

@@ -16,9 +16,11 @@ from pysprings.core.errors import UserInputError
 from pysprings.full_model.compute import compute
 from pysprings.macro.predict import predict
 from pysprings.model.build import build_model
-from pysprings.springs import dataset
-from pysprings.springs.dataset import balance, open_springs, path_dataset, save_springs
+from pysprings.springs import checks
+from pysprings.springs.dataset import path_dataset
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.sums import balance
 from tests.support import tiny
 
 MESHES = [{}, {"azimuth": 12}, {"preset": "fine", "refinement": 0.4}]
@@ -98,7 +100,7 @@ def test_springs_of_an_elastic_caisson_are_read_back_and_predict_their_own_path(
     assert float(answer["u"].values.ravel()[-1]) == pytest.approx(float(path["u"][-1]), rel=1e-3)
     made.attrs["caisson_behaviour"] = "rigid"
     with pytest.raises(UserInputError, match=r"y.*is not u \+ rotation"):
-        dataset.validate_springs(made)
+        checks.validate_springs(made)
 
 
 def test_water_does_not_pass_through_the_steel() -> None:

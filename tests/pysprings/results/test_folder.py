@@ -31,7 +31,7 @@ from pysprings.results import plots
 from pysprings.results.folder import run_to_folder
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.template import template_names, template_text
-from pysprings.springs.dataset import open_springs
+from pysprings.springs.file import open_springs
 from tests.support import tiny
 
 ROOT = Path(__file__).parents[3]

@@ -8,17 +8,10 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
-from pysprings.springs.dataset import (
-    balance,
-    get_path,
-    net_m,
-    net_p,
-    open_springs,
-    path_names,
-    save_springs,
-    slice_heights,
-    validate_springs,
-)
+from pysprings.springs.checks import validate_springs
+from pysprings.springs.dataset import get_path, path_names
+from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.sums import balance, net_m, net_p, slice_heights
 from tests.support.synthetic import Path, make_result, make_springs
 
 PATHS = (Path("held", arm=8.0, role="held-back"), Path("pull"), Path("push", kind="translation"))

@@ -9,8 +9,9 @@ import xarray as xr
 
 from pysprings.core.errors import UserInputError
 from pysprings.macro.predict import predict
-from pysprings.springs.dataset import SCHEMA, balance, get_path, path_names
+from pysprings.springs.dataset import SCHEMA, get_path, path_names
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.sums import balance
 from tests.support import tiny
 
 

@@ -27,8 +27,10 @@ from pysprings.macro.predict import (
     stiffness,
     tangent_stiffness,
 )
-from pysprings.springs.dataset import get_path, open_springs, save_springs, validate_springs
+from pysprings.springs.checks import validate_springs
+from pysprings.springs.dataset import get_path
 from pysprings.springs.dead_loads import at_load
+from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.path_ends import end_of
 from tests.pysprings.macro.test_fan import fan_springs, potential
 from tests.pysprings.macro.test_vertical import REST

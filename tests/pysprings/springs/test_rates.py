@@ -13,7 +13,8 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.slices import merge_slices
 from pysprings.springs import rates
-from pysprings.springs.dataset import balance, get_path, path_names
+from pysprings.springs.dataset import get_path, path_names
+from pysprings.springs.sums import balance
 from tests.support import synthetic
 
 LENGTH = 4.0

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: MIT
+"""What a spring file must hold: every fault of a tree that is no complete spring set, with its place."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pysprings.core import variables
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.files.storage import refusal
+from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.units import quoted
+from pysprings.springs.dataset import FEWEST_STATES, ROLES, SCHEMA, STATES, path_dataset, path_names
+from pysprings.springs.numbers import is_number, name_fault, number_faults, text_of
+from pysprings.springs.path_ends import end_faults
+from pysprings.springs.sums import balance_faults
+
+_ROOT_NUMBERS = ("outer_diameter_m", "skirt_length_m", "skirt_thickness_m", "vertical_load_N")
+_ROOT_TEXTS = ("drainage", "pysprings_version", "scene_sha256")
+
+
+def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = None, balanced: bool = True) -> None:
+    """Raise UserInputError, with one problem per fault, unless the tree is a complete spring set.
+
+    balanced: also where the reactions of a path do not sum to its loads (merged slices lose a part of the moment).
+    """
+    schema = tree.attrs.get("schema")
+    if text_of(schema) != SCHEMA:
+        raise refusal(file, "schema", _foreign(tree, schema))
+    found = [*_root_faults(tree), *variables.tree_problems(tree, "springs")] or list(_type_faults(tree))
+    found = found or [fault for name in path_names(tree) for fault in _path_faults(tree, name)]
+    found = found or [
+        (f"paths/{name}/{key}", text)
+        for name in path_names(tree)
+        if balanced
+        for key, text in balance_faults(path_dataset(tree, name))
+    ]
+    if found:
+        name = None if file is None else str(file)
+        raise UserInputError([Problem(file=name, key=key, message=message) for key, message in found])
+
+
+def _foreign(tree: xr.DataTree, schema: object) -> str:
+    if schema is not None:
+        return f"springs of another version: '{str(schema)[:40]}' instead of '{SCHEMA}'"
+    if "section" in tree.children or "scene_toml" in tree.attrs:
+        return "a full-model result, not a spring file (extract its springs first)"
+    return f"not a spring file (no attribute 'schema' = '{SCHEMA}')"
+
+
+def _root_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
+    for name in _ROOT_NUMBERS:
+        value: Any = tree.attrs.get(name)
+        if not is_number(value):
+            yield name, "missing attribute, or not a number"
+        elif value <= 0.0 and name != "vertical_load_N":
+            yield name, f"{value:g} is not positive"
+    for name in _ROOT_TEXTS:
+        if not isinstance(tree.attrs.get(name), str):
+            yield name, "missing attribute"
+    if not path_names(tree):
+        yield "paths", "no path in the file"
+
+
+def _type_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
+    """Yield what no file of ours has: variables without numbers, numbers without sense, names of paths."""
+    root = list(number_faults(tree.to_dataset(inherit=False), "springs_root"))
+    if tree.dataset["stiffness_initial"].shape != (len(variables.DOFS), len(variables.DOFS)):
+        root.append(("stiffness_initial", f"must be {len(variables.DOFS)} by {len(variables.DOFS)}"))
+    yield from root
+    if not root and not np.isfinite(tree.dataset["stiffness_initial"].values).all():
+        yield "stiffness_initial", "not finite"
+    elif not root and not _resists(tree.dataset["stiffness_initial"].values):
+        yield "stiffness_initial", "does not resist every motion of the caisson (not positive definite)"
+    for key in ("dof", "dof_conjugate"):
+        if tuple(tree.dataset[key].values) != variables.DOFS:
+            yield key, f"labels must be {', '.join(variables.DOFS)}"
+    for name in path_names(tree):
+        if wrong := name_fault(name):
+            yield f"paths/{quoted(name)}", wrong
+        found = number_faults(path_dataset(tree, name), "springs_path")
+        yield from ((f"paths/{name}/{key}", text) for key, text in found)
+
+
+def _resists(stiffness: np.ndarray) -> bool:
+    """Tell whether a stiffness (3, 3) resists u, w, rotation and all that they make up."""
+    diagonal = np.diag(stiffness)
+    if not (diagonal > 0.0).all():
+        return False
+    scale = 1.0 / np.sqrt(diagonal)
+    return bool(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T) * scale * scale[:, None]).min() > 0.0)
+
+
+def _path_faults(tree: xr.DataTree, name: str) -> Iterator[tuple[str, str]]:
+    dataset = path_dataset(tree, name)
+    place = f"paths/{name}"
+    for key, allowed in (("kind", tuple(PATH_KINDS)), ("role", ROLES), ("status", STATES)):
+        if text_of(dataset.attrs.get(key)) not in allowed:
+            yield f"{place}/{key}", f"attribute must be one of {', '.join(allowed)}"
+    if not is_number(dataset.attrs.get("arm_m")):
+        yield f"{place}/arm_m", "missing attribute, or not a number"
+    yield from ((f"{place}/{key}", text) for key, text in end_faults(dataset.attrs))
+    for key in ("rate_m_per_s", "arm_from_m"):
+        if not is_number(dataset.attrs.get(key, 1.0)):
+            yield f"{place}/{key}", "not a number"
+    for key, labels in (("side", variables.SIDES), ("component", variables.COMPONENTS)):
+        if tuple(dataset[key].values) != labels:
+            yield f"{place}/{key}", f"labels must be {', '.join(labels)}"
+    yield from ((f"{place}/{key}", text) for key, text in _depth_faults(dataset, tree.attrs["skirt_length_m"]))
+    rigid = tree.attrs.get("caisson_behaviour") != "elastic"
+    yield from ((f"{place}/{key}", text) for key, text in _step_faults(dataset, rigid))
+
+
+def _depth_faults(dataset: xr.Dataset, length: float) -> Iterator[tuple[str, str]]:
+    depth, bounds = dataset["depth"].values, dataset["depth_bounds"].values
+    if (
+        not depth.size
+        or bounds.shape != (depth.size, 2)
+        or not (np.isfinite(depth).all() and np.isfinite(bounds).all())
+    ):
+        yield "depth_bounds", "must hold a finite top and bottom for each depth"
+        return
+    if (np.diff(depth) <= 0).any():
+        yield "depth", "must increase"
+    if (depth < bounds[:, 0]).any() or (depth > bounds[:, 1]).any() or (bounds[:, 1] <= bounds[:, 0]).any():
+        yield "depth_bounds", "each depth must lie between its top and its bottom"
+    edges = np.concatenate([[0.0], bounds[:, 1]]), np.concatenate([bounds[:, 0], [length]])
+    if np.abs(edges[0] - edges[1]).max() > 1e-6 * length:
+        yield "depth_bounds", f"the slices must cover 0 to {length:g} m without gaps or overlaps"
+
+
+def _step_faults(dataset: xr.Dataset, rigid: bool) -> Iterator[tuple[str, str]]:
+    good = dataset["converged"].values == 1
+    if good.sum() < FEWEST_STATES or not good[0]:
+        yield "converged", "needs the initial state and at least one converged step"
+        return
+    steps = np.flatnonzero(good)
+    for name in dataset.data_vars:
+        data = dataset.variables[name]  # not data arrays: dozens of paths are checked in a moment
+        if "step" in data.dims and not np.isfinite(data.isel(step=steps).values).all():
+            yield str(name), "not finite at a converged step"
+    u, rotation, depth = (dataset.variables[name].values for name in ("u", "rotation", "depth"))
+    y = dataset.variables["y"].transpose("depth", "step").values[:, steps]
+    if not y.size or not all(np.isfinite(values).all() for values in (u[steps], rotation[steps], depth, y)):
+        return  # said already
+    if not rigid:
+        return
+    expected = u[steps] + rotation[steps] * depth[:, None]
+    if np.abs(y - expected).max() > 1e-6 * np.abs(y).max():
+        yield "y", "is not u + rotation*depth (depth down, right-hand rotation about +y)"

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""Sums of the reactions of a path: over sides and components, over depth, and beside its loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import xarray as xr
+
+# Reactions sum to the load within this share of the largest of them. Files of a run: 1e-15; single precision: 1e-7.
+BALANCED = 1e-6
+
+
+def slice_heights(dataset: xr.Dataset) -> np.ndarray:
+    """Return the height of the slice of each depth [m], the weights of an integral over depth."""
+    bounds = dataset["depth_bounds"].values
+    return bounds[:, 1] - bounds[:, 0]
+
+
+def net_p(dataset: xr.Dataset) -> xr.DataArray:
+    """Return p of both sides and all components together [N/m], (depth, step)."""
+    return dataset["p"].sum(("side", "component"), keep_attrs=True).transpose("depth", "step")
+
+
+def net_m(dataset: xr.Dataset) -> xr.DataArray:
+    """Return the distributed moment of both sides [N m/m], (depth, step)."""
+    return dataset["m"].sum("side", keep_attrs=True).transpose("depth", "step")
+
+
+def balance(dataset: xr.Dataset) -> dict[str, float]:
+    """Return what is missing between summed reactions and loads H, V, M, relative to their largest part.
+
+    A load that symmetry makes zero (H and M on a vertical path) counts beside a thousandth of the largest force.
+    H = sum p dz + H_tip + H_lid;  V = sum t dz + V_tip + V_lid;
+    M = sum (p z + m) dz + L H_tip + M_tip + M_lid.  Zero where the springs hold all reactions of the caisson.
+    """
+    sums = _sums(dataset)
+    return {
+        name: float(np.abs(total - dataset.variables[name].values).max()) / size if size else 0.0
+        for name, (total, size) in sums.items()
+    }
+
+
+def _sums(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, float]]:
+    """Sums of the reactions by step for H, V [N] and M [N m], each with what its error counts beside: see `balance`."""
+    dz, z = slice_heights(dataset), dataset["depth"].values
+    p, m, t = (
+        net_p(dataset).values,
+        net_m(dataset).values,
+        dataset["t"].sum("side").transpose("depth", "step").values,
+    )
+    value = {name: dataset[name].values for name in ("H_tip", "H_lid", "V_tip", "V_lid", "M_tip", "M_lid")}
+    length = float(dataset["depth_bounds"].values[-1, 1])
+    parts = {
+        "H": (dz @ p, value["H_tip"], value["H_lid"]),
+        "V": (dz @ t, value["V_tip"], value["V_lid"]),
+        "M": ((dz * z) @ p, dz @ m, length * value["H_tip"], value["M_tip"], value["M_lid"]),
+    }
+    least = 1.0e-3 * max(_largest(parts["H"]), _largest(parts["V"]))
+    least_of = {"H": least, "V": least, "M": least * length}
+    return {name: (np.sum(terms, axis=0), max(_largest(terms), least_of[name])) for name, terms in parts.items()}
+
+
+def balance_faults(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
+    """Yield (load, message) for loads that the reactions do not sum to, with the worst step."""
+    good = np.flatnonzero(dataset.variables["converged"].values == 1)
+    path = dataset.isel(step=good)
+    for name, (total, size) in _sums(path).items():
+        load = path.variables[name].values
+        worst = int(np.argmax(np.abs(total - load)))
+        if abs(total[worst] - load[worst]) > BALANCED * size:
+            units = "N m" if name == "M" else "N"
+            yield (
+                name,
+                f"step {good[worst]}: the reactions sum to {total[worst]:.6g} {units}, the load is {load[worst]:.6g} "
+                f"{units} (they may differ by {BALANCED:g} of the largest reaction of the path)",
+            )
+
+
+def _largest(terms: tuple[np.ndarray, ...]) -> float:
+    return max(float(np.abs(term).max()) for term in terms)
