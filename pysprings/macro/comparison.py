@@ -44,9 +44,9 @@ from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import PATH_KINDS, VERTICAL, bends, kind_of
 from pysprings.macro.control import Control
-from pysprings.macro.fan import fan_paths
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
+from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.vertical import build_vertical
 from pysprings.macro.vertical_answer import along_vertical, refused
 from pysprings.springs.dataset import SCHEMA, get_path, path_load, path_names
@@ -107,7 +107,7 @@ def curves(springs: xr.DataTree, path: str, springs_kind: str | None = None) -> 
 
 def _source(full: xr.Dataset, spring_set: str) -> str | None:
     """Path whose springs answer a path of the full model: its own when it calibrates; None for the usual ones."""
-    own = spring_set not in ("fan", "pisa") and full.attrs["role"] == "calibration"
+    own = not SPRING_SETS[spring_set].several and full.attrs["role"] == "calibration"
     return full.attrs["path"] if own else None
 
 
@@ -251,9 +251,7 @@ def _between(springs: xr.DataTree, full: xr.Dataset, spring_set: str, answers: t
     springs = for_path(springs, full)
     if spring_set == VERTICAL:
         return out | _between_vertical(springs, full)
-    own = name in fan_paths(springs) if spring_set == "fan" else full.attrs["role"] == "calibration"
-    own = own and spring_set != "pisa"  # its families come from different paths
-    if own and full.sizes["step"] > 4:
+    if SPRING_SETS[spring_set].reproduces(springs, full) and full.sizes["step"] > 4:
         model = MacroModel.from_springs(_thinned(springs, name), spring_set, _source(full, spring_set))
         trace = _along(full, model)
         x = _abscissa(full, driver, float(springs.attrs["skirt_length_m"]))

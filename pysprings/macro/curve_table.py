@@ -16,14 +16,10 @@ stays flat.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-
-SpringSet = Literal["py", "pisa", "full", "fan"]
-SPRING_SETS: tuple[SpringSet, ...] = ("py", "pisa", "full", "fan")
 
 # A displacement must cover this share of the largest one on the path to carry a curve: less is noise near the
 # point of rotation, where p/y runs to infinity.
@@ -85,15 +81,15 @@ class SpringTable:
         return np.maximum((np.abs(self.b) * peak[:, None]).sum(axis=0), 1e-300)
 
 
-def build_table(path: xr.Dataset, spring_set: SpringSet) -> SpringTable:
+def build_table(path: xr.Dataset, companions: bool) -> SpringTable:
     """Return the table of one path's springs.
 
     Parameters
     ----------
     path
         Converged steps of a path (`springs.get_path`).
-    spring_set
-        "py": net p(y) alone. "full": p(y), m(rotation), tip and lid terms.
+    companions
+        With them p(y), m(rotation), tip and lid terms (the set "full"); without, net p(y) alone ("py").
 
     Notes
     -----
@@ -109,8 +105,8 @@ def build_table(path: xr.Dataset, spring_set: SpringSet) -> SpringTable:
     - p-y set: the first part that serves is kept and held flat beyond, or the curve is left out.
     """
     recorded = _Recorded.of(path)
-    rows = [_lateral_row(recorded, k, spring_set) for k in range(recorded.z.size)]
-    if spring_set == "full":
+    rows = [_lateral_row(recorded, k, companions) for k in range(recorded.z.size)]
+    if companions:
         rows += [_moment_row(recorded, k) for k in range(recorded.z.size)] + _end_rows(recorded)
     return stack([row for row in rows if row is not None])
 
@@ -122,7 +118,7 @@ def build_pisa(translation: xr.Dataset, rotation: xr.Dataset) -> SpringTable:
     M_tip(rotation), M_lid(rotation) from a rotation about the lid centre; neither knows of the other's motion.
     """
     slid, turned = _Recorded.of(translation), _Recorded.of(rotation)
-    rows = [_lateral_row(slid, k, "full") for k in range(slid.z.size)] + _end_rows(slid)[::2]
+    rows = [_lateral_row(slid, k, companions=True) for k in range(slid.z.size)] + _end_rows(slid)[::2]
     rows += [_moment_row(turned, k) for k in range(turned.z.size)] + _end_rows(turned)[1::2]
     return stack([row for row in rows if row is not None])
 
@@ -219,10 +215,10 @@ def _cut(rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Arr
     return Row(name, depth, carrier, a, b, q[:n], r[:n], cut=n < q.size) if n else None
 
 
-def _lateral_row(rec: _Recorded, k: int, spring_set: SpringSet) -> Row | None:
+def _lateral_row(rec: _Recorded, k: int, companions: bool) -> Row | None:
     z, dz, r = float(rec.z[k]), float(rec.dz[k]), rec.p[k]
     b = (dz, z * dz)
-    if spring_set == "full":
+    if companions:
         return _carried(rec, "p", z, b, r, ("y", "u", "rotation"))
     return _cut(rec, "p", z, b, r, "y")
 

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.macro.answer import answer_dataset
 from pysprings.macro.control import Control, ending, equations
-from pysprings.macro.curve_table import SpringSet, SpringTable, build_pisa, build_table
-from pysprings.macro.fan import FanTable, build_fan, pure_paths
+from pysprings.macro.curve_table import SpringTable
+from pysprings.macro.fan import FanTable
 from pysprings.macro.history import turns
 from pysprings.macro.limit import Limit, range_limit
-from pysprings.macro.sets import ALONE, Springs, choose_set
+from pysprings.macro.sets import Springs, choose_set
 from pysprings.macro.solver import FAN, ROWS, follow, reactions, solve_cases, tangents
 from pysprings.macro.user_curves import CurveSprings
 from pysprings.macro.vertical import VerticalTable, build_vertical
@@ -30,7 +30,6 @@ Array = NDArray[np.float64]
 
 NO_VERTICAL = "a table without a vertical path has no vertical springs: w and V are left out"
 NO_ENDS = "springs of an earlier version: how their paths ended is not known, loads beyond a limit load are not refused"
-FIRST_STEPS = "a table has no initial stiffness: the fan starts with that of the first recorded steps"
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +41,7 @@ class MacroModel:
     table
         The springs as interpolation tables.
     spring_set
-        "fan", "full", "pisa" or "py".
+        Name of the spring set: see `spring_sets`.
     origin
         Converged steps of the path the springs come from; of the first ray of a fan.
     stiffness_initial
@@ -64,7 +63,7 @@ class MacroModel:
     """
 
     table: SpringTable | FanTable
-    spring_set: SpringSet
+    spring_set: str
     origin: xr.Dataset
     stiffness_initial: Array | None
     attrs: dict[str, Any]
@@ -81,50 +80,37 @@ class MacroModel:
     ) -> MacroModel:
         """Build the model from springs: their fan where they have one, else all springs of the first calibration path.
 
-        springs_kind chooses "fan", "full", "pisa" or "py"; path the path whose springs serve (for "full" and "py").
-        p-y curves without companions give "py" and say so. Of springs at several vertical loads those at V [N] serve
+        springs_kind is a name of `SPRING_SETS`; path selects the path of a set of one path ("full", "py"). p-y curves
+        without companions give "py" with a remark. V [N] selects among springs at several vertical loads
         (`pysprings.springs.dead_loads`; None: the load of the scene).
         """
         ends, elastic = _known(springs)
         if path is None and isinstance(springs, xr.DataTree):
             springs = at_load(springs, V)
             ends |= _known(springs)[0]  # a path between two loads ends with the shorter one
-        kind = choose_set(springs, springs_kind, path)
-        remarks: tuple[str, ...] = (ALONE,) if kind == "py" else ()
+        chosen = choose_set(springs, springs_kind, path)
+        remarks: tuple[str, ...] = (chosen.remark,) if chosen.remark else ()
         if isinstance(springs, CurveSprings):
             name, curves = springs.pick(path)
             attrs = {"title": f"table {springs.source}", "skirt_length_m": curves.length}
             remarks += tuple(filter(None, (curves.note, NO_VERTICAL)))
-            return cls(curves.table(kind), kind, springs.origin(name), None, attrs, remarks)
-        table: SpringTable | FanTable
-        sources: tuple[str, ...] = ()
-        if kind == "fan":
-            table = build_fan(springs)
-            sources = table.path
-            origin = get_path(springs, table.path[0])
-        elif kind == "pisa":
-            pure = pure_paths(springs)
-            assert pure is not None  # `choose_set` has seen to it
-            sources = pure
-            origin = get_path(springs, pure[0])
-            table = build_pisa(origin, get_path(springs, pure[1]))
-        else:
-            origin = get_path(springs, path)
-            table = build_table(origin, kind)
+            return cls(curves.table(chosen.companions), chosen.name, springs.origin(name), None, attrs, remarks)
+        built = chosen.build(springs, path)
         stiffness = springs.dataset["stiffness_initial"].values
         known = stiffness if stiffness.shape == (3, 3) else None
         if known is None:
             remarks += (NO_VERTICAL,)
-        if kind == "fan" and (known is None or "first_steps" in springs.attrs):
-            remarks += (FIRST_STEPS,)
+        remarks += built.remarks
         attrs = {str(name): value for name, value in springs.attrs.items()}
         vertical, settled = build_vertical(springs), 0.0
         if vertical is not None and "blended_loads_N" in attrs:
-            settled = vertical.displacement(path_load(origin))[0] - float(origin["w"][0])
-        sources = sources or (str(origin.attrs["path"]),)
-        if "schema" in attrs and any(ends[name].how == UNKNOWN for name in sources):
+            settled = vertical.displacement(path_load(built.origin))[0] - float(built.origin["w"][0])
+        if "schema" in attrs and any(ends[name].how == UNKNOWN for name in built.sources):
             remarks += (NO_ENDS,)
-        return cls(table, kind, origin, known, attrs, remarks, vertical, settled, ends, sources, elastic)
+        return cls(
+            built.table, chosen.name, built.origin, known, attrs, remarks, vertical, settled, ends, built.sources,
+            elastic,
+        )  # fmt: skip
 
     @property
     def length(self) -> float:

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.macro.curve_table import Row, SpringSet, SpringTable, stack
+from pysprings.macro.curve_table import Row, SpringTable, stack
 
 Array = NDArray[np.float64]
 
@@ -47,10 +47,10 @@ class CurveSet:
         there = {curve.name for curve in self.curves}
         return [family for family, names in FAMILIES.items() if not set(names) <= there]
 
-    def table(self, spring_set: SpringSet) -> SpringTable:
-        """Return the rows of a spring set ("py" or "full")."""
+    def table(self, companions: bool) -> SpringTable:
+        """Return the rows of all curves, or those of p alone."""
         heights = dict(zip(self.depth, self.bounds[:, 1] - self.bounds[:, 0], strict=True))
-        used = [curve for curve in self.curves if spring_set == "full" or curve.name == "p"]
+        used = [curve for curve in self.curves if companions or curve.name == "p"]
         return stack([self._row(curve, heights.get(curve.depth, 0.0)) for curve in used])
 
     def _row(self, curve: Curve, dz: float) -> Row:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
+from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.stiffness_six import FULL_MODEL, TORSION, stiffness_six
 from pysprings.results.exporters.xlsx_names import Names
 from pysprings.springs.dataset import is_vertical, path_names
@@ -48,17 +49,16 @@ def write_stiffness(sheet: Any, springs: xr.DataTree, names: Names, title: Any, 
 
 
 def _sets(springs: xr.DataTree) -> list[tuple[str, NDArray[np.float64]]]:
-    sets = spring_sets(springs)
-    several = [("fan", "fan springs of all rays"), ("pisa", "uncoupled families of the pure translation and rotation")]
+    sets = [SPRING_SETS[name] for name in spring_sets(springs)]
     blocks = [
-        (words, MacroModel.from_springs(springs, each).tangent_stiffness().values)
-        for each, words in several
-        if each in sets
+        (each.label, MacroModel.from_springs(springs, each.name).tangent_stiffness().values)
+        for each in reversed(sets)
+        if each.several
     ]
     for name in (name for name in path_names(springs) if not is_vertical(springs, name)):
-        for spring_set in (each for each in sets if each not in ("fan", "pisa")):
-            matrix = MacroModel.from_springs(springs, spring_set, name).tangent_stiffness().values
-            blocks.append((f"{spring_set} springs of path {name}", matrix))
+        for each in (each for each in sets if not each.several):
+            matrix = MacroModel.from_springs(springs, each.name, name).tangent_stiffness().values
+            blocks.append((f"{each.name} springs of path {name}", matrix))
     return blocks
 
 

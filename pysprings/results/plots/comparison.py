@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.results.plots.data import converged, unit_text
 from pysprings.results.plots.style import (
     BLUE,
@@ -38,12 +39,6 @@ LOOKS = {
     "py": (VERMILLION, "--", "s"),
 }
 SMALLEST = 0.01  # states below this share of the largest displacement have no error and no point of rotation
-NAMES = {
-    "fan": "macro-model, fan of all calibration paths",
-    "full": "macro-model, full spring set of one path",
-    "pisa": "macro-model, uncoupled families (PISA)",
-    "py": "macro-model, p-y springs only",
-}
 
 
 @styled
@@ -157,6 +152,6 @@ def _draw(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset], driver
             marker=marker,
             markersize=4.5,
             markevery=max(1, good.size // 12),
-            label=NAMES.get(kind, kind),
+            label=f"macro-model, {SPRING_SETS[kind].label}" if kind in SPRING_SETS else kind,
         )
     note_unconverged(axes, np.concatenate(flags))

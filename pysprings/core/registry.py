@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""Registries: named cases of one kind, such as exporters or pictures, to which other packages add theirs (light).
+
+A package adds a case by calling `register`, or by an entry point in the group of the registry:
+
+    [project.entry-points."pysprings.exporters"]
+    mine = "my_package.mine:EXPORTER"
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Generic, Protocol, TypeVar
+
+from pysprings.core.errors import Problem, UserInputError
+
+_NAME = re.compile(r"[a-z][a-z0-9_-]*")
+
+
+class Named(Protocol):
+    """A case of a registry."""
+
+    @property
+    def name(self) -> str:
+        """Word that selects the case: lower-case letters, digits, `-` and `_`."""
+
+
+Item = TypeVar("Item", bound=Named)
+
+
+class Registry(Generic[Item]):
+    """Cases of one kind by name, in order of registration; entry points load with the first access.
+
+    Parameters
+    ----------
+    kind
+        What a case is, for messages: "exporter".
+    items
+        Cases of this package.
+    group
+        Group of entry points; blank for none.
+    """
+
+    def __init__(self, kind: str, items: Iterable[Item] = (), group: str = "") -> None:
+        self.kind = kind
+        self._group = group
+        self._items: dict[str, Item] = {}
+        for item in items:
+            self.register(item)
+
+    def register(self, item: Item) -> Item:
+        """Add a case and return it.
+
+        Raises
+        ------
+        ValueError
+            The name is taken, or is not a word of lower-case letters, digits, `-` and `_`.
+        """
+        if not _NAME.fullmatch(item.name):
+            raise ValueError(f"{self.kind} {item.name!r}: a name has lower-case letters, digits, '-' and '_' only")
+        if item.name in self._items:
+            raise ValueError(f"{self.kind} {item.name!r} is registered already")
+        self._items[item.name] = item
+        return item
+
+    @contextmanager
+    def added(self, item: Item) -> Iterator[Item]:
+        """Register a case for the duration of a block."""
+        self.register(item)
+        try:
+            yield item
+        finally:
+            del self._items[item.name]
+
+    def __iter__(self) -> Iterator[Item]:
+        self._load_entry_points()
+        return iter(tuple(self._items.values()))
+
+    def __len__(self) -> int:
+        self._load_entry_points()
+        return len(self._items)
+
+    def __contains__(self, name: object) -> bool:
+        return any(item.name == name for item in self)
+
+    def __getitem__(self, name: str) -> Item:
+        """Return the case of a name; KeyError for an unknown one."""
+        if name not in self._items:
+            self._load_entry_points()
+        return self._items[name]
+
+    def names(self) -> list[str]:
+        """Return the names of all cases."""
+        return [item.name for item in self]
+
+    def find(self, name: str, key: str) -> Item:
+        """Return the case of a name that a user has given under a key (UserInputError for an unknown one)."""
+        try:
+            return self[name]
+        except KeyError:
+            message = f"'{name}' is not one of {', '.join(self.names())}"
+            raise UserInputError([Problem(key=key, message=message)]) from None
+
+    def _load_entry_points(self) -> None:
+        """Register the cases of installed packages, once; warn of one that cannot be loaded."""
+        group, self._group = self._group, ""
+        if not group:
+            return
+        from importlib.metadata import entry_points
+
+        for point in entry_points(group=group):
+            try:
+                self.register(point.load())
+            except Exception as error:  # whatever another package raises must not stop this one
+                why = f"{type(error).__name__}: {error}"
+                warnings.warn(f"{self.kind} '{point.name}' ({point.value}) is left out: {why}", stacklevel=2)
