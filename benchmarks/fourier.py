@@ -20,7 +20,8 @@ from fe_engine.solve.stepping import Driver
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.core.threads import blas_on_one_thread
-from pysprings.full_model.discretise import build, make_engine
+from pysprings.full_model.discretise import make_engine
+from pysprings.model.discretise import build
 from pysprings.model.stages import path_stages
 
 SERIES = (
