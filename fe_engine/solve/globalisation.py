@@ -21,7 +21,7 @@ _ASTRAY = 0.3
 # between their states, and half steps find it. They go on while the residual falls to this share in so many of them,
 # and end where one does all that a half step can: the equations are linear there.
 _WINDOW = 4
-_CLOSE, HALF, _GAIN, _PATIENCE, _LINEAR = 1.0e-3, 0.5, 0.7, 4, (0.45, 0.55)
+CLOSE, HALF, _GAIN, _PATIENCE, _LINEAR = 1.0e-3, 0.5, 0.7, 4, (0.45, 0.55)
 # Share of its residual to which a linear system is solved: of the first, then by how the residual has fallen (choice 2
 # of Eisenstat & Walker 1996). Where contact decides how far it falls, an exact step gains nothing.
 _FIRST, _GAMMA, _POWER = 0.03, 0.9, 2.0
@@ -53,10 +53,12 @@ class Course:
     half : whether half steps are being taken.
     far : whether the increment began without a guess.
     bounds : shares of its residual within which a linear system is solved.
+    close : relative residual below which an increment that stalls goes on by half steps.
     """
 
     far: bool = False
     bounds: tuple[float, float] = (_ENOUGH, _LOOSEST)
+    close: float = CLOSE
     merits: list[float] = field(default_factory=list)
     errors: list[float] = field(default_factory=list)
     sizes: list[float] = field(default_factory=list)
@@ -73,7 +75,7 @@ class Course:
         sizes = self.sizes[self._since :]
         if len(sizes) <= _WINDOW or min(sizes[-_WINDOW:]) < min(sizes[:-_WINDOW]):
             return True
-        self.half, self._since, self._best = error <= _CLOSE, len(self.merits), max(self.merits[-2:])
+        self.half, self._since, self._best = error <= self.close, len(self.merits), max(self.merits[-2:])
         return self.half
 
     def _go_on_by_halves(self) -> bool:

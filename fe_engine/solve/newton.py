@@ -102,7 +102,7 @@ class Newton:
         """
         self.system.time_step = loading.time_step
         record: list[dict[str, Any]] = []
-        course = Course(not (np.any(free) or np.any(border)), self.stage.bounds)
+        course = Course(not (np.any(free) or np.any(border)), self.stage.bounds, self.stage.close_below)
         self.stage.begin_increment()
         evaluated, ahead = self._linearise(state, True, (free, border), record), None
         for iteration in range(self.settings.max_iterations + 1):

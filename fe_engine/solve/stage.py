@@ -25,7 +25,7 @@ from fe_engine.linear.preconditioner import Origin
 from fe_engine.linear.recycled import Recycled, control_of
 from fe_engine.linear.solver import LinearSolver
 from fe_engine.settings import Settings
-from fe_engine.solve.globalisation import bounds
+from fe_engine.solve.globalisation import CLOSE, bounds
 
 # Where motions are imposed anew, the right-hand side is dominated by penalty forces, because the soil has not moved
 # yet: thousands of times the forces that balance in the end. Such a system is solved to this share.
@@ -53,9 +53,11 @@ class LinearStage(Protocol):
     Attributes
     ----------
     bounds : shares of its residual within which a linear system is to be solved.
+    close_below : relative residual below which an increment that stalls goes on by half steps.
     """
 
     bounds: tuple[float, float]
+    close_below: float
 
     def begin_increment(self) -> None:
         """Begin to count for an increment."""
@@ -91,6 +93,8 @@ class LinearStage(Protocol):
 
 class FactorStage:
     """Solves with factors of the tangent, or of an earlier one in large models (see settings.Recycling)."""
+
+    close_below = CLOSE
 
     def __init__(self, system: System, solver: LinearSolver, settings: Settings) -> None:
         self.system, self.solver = system, solver

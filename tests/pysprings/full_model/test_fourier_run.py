@@ -123,6 +123,17 @@ def test_slices_share_the_force_of_a_node_by_their_heights():
 # --- a run ---
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("harmonics", "end"), [(10, 2.5e-3), (3, 20e-3)])
+def test_soft_sand_and_lift_off_do_not_stop_a_pull(harmonics, end):
+    """Exact Newton steps follow soft modes of sand that is about to localise, and stop both runs before their end."""
+    mesh = {"discretisation": "fourier", "preset": "medium", "harmonics": harmonics}
+    pull = {"name": "pull", "kind": "pull", "lateral_displacement": end}
+    found = compute(Scene(paths=(pull,), mesh=mesh, solver={"tolerance": 1e-3}))
+    assert found.attrs["status"] == "complete"
+    assert float(found["paths/pull"]["u"][-1]) == pytest.approx(end)
+
+
 def test_a_run_is_complete_and_has_the_datasets_of_bricks():
     tree, bricks = result(), compute(tiny.scene(output={"paraview": True}))
     assert tree.attrs["status"] == "complete"
