@@ -19,13 +19,13 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import carried
+from benchmarks.carried import Pushed, push
 from fe_engine.assembly.system import System
 from fe_engine.linear.solver import LinearSolver
 from fe_engine.state import FIELDS, State
 from pysprings import Scene
 from pysprings.model.build import Built, build_model
-from tests.support import carried
-from tests.support.carried import Pushed, push
 
 _FACTOR_KILOBYTES = 16  # Pardiso's iparm 17, from 0: memory of factorisation and solution
 

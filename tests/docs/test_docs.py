@@ -15,15 +15,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from typer.testing import CliRunner
 
 from benchmarks import evidence, evidence_store, reference_pages
 from pysprings import Scene
 from pysprings.cli.app import app
 from pysprings.macro.predict import MacroWarning
 from tests.support import tiny
+from tests.support.commands import command
+from tests.support.place import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
 RUN_HERE = [README, *sorted((ROOT / "docs" / "start").glob("*.md")), *sorted((ROOT / "docs" / "guide").glob("*.md"))]
 PAGES = [README, ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -122,7 +122,7 @@ def call(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
         given.append("--force")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MacroWarning)
-        return CliRunner().invoke(app, given)
+        return command(*given)
 
 
 @pytest.fixture(scope="session")
@@ -131,8 +131,8 @@ def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("docs")
     tiny.write(fan_scene(), folder / "fan.toml")
     tiny.write(tiny.scene(), folder / "caisson.toml")
-    done = CliRunner().invoke(app, ["run", str(folder / "fan.toml"), "--out", str(folder / "out")])
-    assert done.exit_code == 0, done.output
+    done = command("run", str(folder / "fan.toml"), "--out", str(folder / "out"))
+    assert done.code == 0, done.err
     shutil.copytree(folder / "out", folder / "fan")
     tables = blocks(ROOT / "docs/guide/own-springs.md", "text"), blocks(ROOT / "docs/guide/predict.md", "text")
     (folder / "curves.csv").write_text(next(each for each in tables[0] if each.startswith("depth_m")))
@@ -151,8 +151,8 @@ def test_commands_of_a_document_run(page: Path, scratch: Path, monkeypatch: pyte
     lines = [line for line in commands(page) if not is_elsewhere(line) and not is_long(line)]
     for line in lines:
         done = call(line, scratch, monkeypatch)
-        assert done.exit_code == 0, f"{line}\n{done.output}\n{done.exception!r}"
-        assert done.output
+        assert done.code == 0, f"{line}\n{done.out}\n{done.err}"
+        assert done.out
 
 
 LONG_LINES = [(page, line) for page, line in ALL_COMMANDS if is_long(line)]
@@ -162,7 +162,7 @@ LONG_LINES = [(page, line) for page, line in ALL_COMMANDS if is_long(line)]
 @pytest.mark.parametrize(("page", "line"), LONG_LINES, ids=[f"{name(page)}-{line}" for page, line in LONG_LINES])
 def test_runs_of_a_document_run(page: Path, line: str, scratch: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     done = call(line, scratch, monkeypatch)
-    assert done.exit_code == 0, f"{line}\n{done.output}"
+    assert done.code == 0, f"{line}\n{done.out}\n{done.err}"
     assert (scratch / shlex.split(line)[-1] / "report.html").exists()
 
 

@@ -15,8 +15,7 @@ import pytest
 
 import pysprings
 from pysprings.core.errors import Problem, RunIncomplete, UserInputError
-
-ROOT = Path(__file__).parents[2]
+from tests.support.place import ROOT
 
 
 def test_every_name_of_the_front_door_opens() -> None:

@@ -27,6 +27,12 @@ def scene(**sections: Any) -> Scene:
     return Scene(**SECTIONS).replace(**sections)
 
 
+def wet(mode: str = "coupled", rate: float = 1e-4, drainage: dict | None = None, **path: object) -> Scene:
+    """The tiny scene with water, pulled at a rate (m/s)."""
+    pull = {**PULL, "rate": rate, **path}
+    return scene(drainage={"mode": mode, **(drainage or {})}, paths=(pull,))
+
+
 def overloaded_scene(**sections: Any) -> Scene:
     """A load that the soil does not carry: its first steps converge."""
     path = {"name": "storm", "kind": "load", "lateral_force": 2e7}

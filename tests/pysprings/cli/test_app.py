@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import types
@@ -15,7 +14,6 @@ from typing import Any
 import numpy as np
 import pytest
 from typer.main import get_command
-from typer.testing import CliRunner
 
 from fe_engine.errors import MeshError, NotConverged
 from pysprings import __version__
@@ -28,17 +26,7 @@ from pysprings.scene.template_names import template_names
 from pysprings.scene.toml import field_of
 from pysprings.springs.file import open_springs, save_springs
 from tests.support import synthetic
-
-ROOT = Path(__file__).parents[3]
-
-
-class Result:
-    """Exit code and streams of a command."""
-
-    def __init__(self, *args: object) -> None:
-        result = CliRunner().invoke(app.app, [str(arg) for arg in args], prog_name="pysprings")
-        self.code, self.out, self.err = result.exit_code, result.stdout, result.stderr
-        assert "Traceback" not in self.err
+from tests.support.commands import command, environment, run_python
 
 
 @pytest.fixture(autouse=True)
@@ -61,12 +49,6 @@ def fake(monkeypatch: pytest.MonkeyPatch, module: str, **functions: Any) -> None
 
 
 # --- the whole command ---
-
-
-def run_python(*args: str, **options: Any) -> subprocess.CompletedProcess[str]:
-    """Run a fresh interpreter on the source tree."""
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    return subprocess.run([sys.executable, *args], capture_output=True, text=True, env=env, timeout=60, **options)
 
 
 @pytest.mark.parametrize("args", [["--help"], ["--version"], ["run", "--help"], ["predict", "--help"]])
@@ -92,17 +74,17 @@ def test_python_dash_m_and_version() -> None:
 
 
 def test_help_tells_the_exit_codes() -> None:
-    text = " ".join(Result("--help").out.split())
+    text = " ".join(command("--help").out.split())
     assert "2 user input" in text
     assert "130" in text
 
 
-@pytest.mark.parametrize("command", sorted(get_command(app.app).commands))
-def test_help_shows_every_bracket_of_its_texts(command: str) -> None:
+@pytest.mark.parametrize("name", sorted(get_command(app.app).commands))
+def test_help_shows_every_bracket_of_its_texts(name: str) -> None:
     """rich reads `[word]` as markup and leaves it out: every text must arrive whole."""
     env = {"COLUMNS": "2000", "TERMINAL_WIDTH": "2000"}
-    shown = CliRunner().invoke(app.app, [command, "--help"], env=env).stdout
-    known = get_command(app.app).commands[command]
+    shown = command(name, "--help", env=env).out
+    known = get_command(app.app).commands[name]
     texts = [known.help, *(text for param in known.params if (text := getattr(param, "help", None)))]
     assert len(texts) > 1
     for text in texts:
@@ -111,19 +93,19 @@ def test_help_shows_every_bracket_of_its_texts(command: str) -> None:
 
 
 def test_help_lists_templates_and_says_what_the_spring_sets_are() -> None:
-    listed = " ".join(Result("init", "--help").out.replace("│", " ").split())
+    listed = " ".join(command("init", "--help").out.replace("│", " ").split())
     names = template_names()
     assert len(names) > 1
     assert all(name in listed for name in names)
-    said = " ".join(Result("predict", "--help").out.replace("│", " ").split())
+    said = " ".join(command("predict", "--help").out.replace("│", " ").split())
     for name in app.SpringSet:
         assert f"{name.value} (" in said
 
 
 def test_wrong_usage_is_exit_2() -> None:
-    assert Result("check").code == 2
-    assert Result("nonsense").code == 2
-    assert Result("run", "x.toml", "--mesh", "huge").code == 2
+    assert command("check").code == 2
+    assert command("nonsense").code == 2
+    assert command("run", "x.toml", "--mesh", "huge").code == 2
 
 
 def test_presets_are_those_of_the_scene() -> None:
@@ -134,7 +116,7 @@ def test_presets_are_those_of_the_scene() -> None:
 
 
 def test_init_writes_scene_and_schema() -> None:
-    done = Result("init")
+    done = command("init")
     assert (done.code, done.out) == (0, "caisson.toml\npysprings.schema.json\n")
     assert load_scene("caisson.toml") == Scene()
     assert Path("caisson.toml").read_text().startswith("#:schema ./pysprings.schema.json\n")
@@ -142,7 +124,7 @@ def test_init_writes_scene_and_schema() -> None:
 
 
 def test_init_makes_folders() -> None:
-    assert Result("init", "a/b/c.toml").code == 0
+    assert command("init", "a/b/c.toml").code == 0
     assert Path("a/b/c.toml").exists()
     assert Path("a/b/pysprings.schema.json").exists()
 
@@ -150,14 +132,14 @@ def test_init_makes_folders() -> None:
 def test_init_never_overwrites_without_force() -> None:
     Path("caisson.toml").write_text("mine")
     Path("pysprings.schema.json").write_text("mine too")
-    done = Result("init")
+    done = command("init")
     assert (done.code, done.out) == (2, "")
     message = "caisson.toml: exists already; choose another name, or --force to replace it"
     assert done.err == f"fatal: user input: {message}\n"
     assert Path("caisson.toml").read_text() == "mine"
-    assert Result("init", "other.toml").out == "other.toml\n"
+    assert command("init", "other.toml").out == "other.toml\n"
     assert Path("pysprings.schema.json").read_text() == "mine too"
-    assert Result("init", "--force").code == 0
+    assert command("init", "--force").code == 0
     assert load_scene("caisson.toml") == Scene()
     assert Path("pysprings.schema.json").read_text() != "mine too"
 
@@ -179,7 +161,7 @@ def test_init_never_overwrites_without_force() -> None:
 )
 def test_init_refuses(args: list[str], message: str) -> None:
     Path("file").write_text("")
-    done = Result("init", *args)
+    done = command("init", *args)
     assert (done.code, done.out, done.err) == (2, "", f"fatal: user input: {message}\n")
 
 
@@ -199,7 +181,7 @@ ABOUT = {
 
 def test_check_prints_a_table(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake(monkeypatch, "pysprings.model.forecast.estimate", describe=lambda scene: ABOUT)
-    done = Result("check", scene_file)
+    done = command("check", scene_file)
     assert (done.code, done.err) == (0, "")
     for text in (
         "caisson.toml: test",
@@ -215,7 +197,7 @@ def test_check_prints_a_table(monkeypatch: pytest.MonkeyPatch, scene_file: Path)
 
 def test_check_json_is_one_document(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake(monkeypatch, "pysprings.model.forecast.estimate", describe=lambda scene: ABOUT)
-    done = Result("check", scene_file, "--json")
+    done = command("check", scene_file, "--json")
     data = json.loads(done.out)
     assert data["mesh"]["nodes"] == 1848
     assert data["time_s"] is None
@@ -225,12 +207,12 @@ def test_check_json_is_one_document(monkeypatch: pytest.MonkeyPatch, scene_file:
 
 def test_check_with_another_mesh(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake(monkeypatch, "pysprings.model.forecast.estimate", describe=lambda scene: {"preset": scene.mesh.preset})
-    assert "fine" in Result("check", scene_file, "--mesh", "fine").out
+    assert "fine" in command("check", scene_file, "--mesh", "fine").out
 
 
 def test_check_refuses_a_scene_with_every_problem() -> None:
     Path("bad.toml").write_text("[soil]\npoisson_ratio = 0.6\n[interface]\nfriction_coeficient = 0.5\n")
-    done = Result("check", "bad.toml")
+    done = command("check", "bad.toml")
     assert (done.code, done.out) == (2, "")
     assert done.err == (
         "fatal: user input: bad.toml:2:17: soil.poisson_ratio: 0.6 is not in [0, 0.5)\n"
@@ -309,7 +291,7 @@ def fake_run(monkeypatch: pytest.MonkeyPatch, end: BaseException | None = None, 
 
 def test_run_prints_where_results_are_and_the_comparison(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     calls = fake_run(monkeypatch)
-    done = Result("run", scene_file, "--mesh", "medium")
+    done = command("run", scene_file, "--mesh", "medium")
     assert done.code == 0
     assert calls == [(load_scene(scene_file), Path("out/caisson"), "medium")]
     for text in ("results in out/caisson (complete)", "out/caisson/springs.nc", "eta", "4,631 unknowns"):
@@ -324,7 +306,7 @@ def test_run_prints_where_results_are_and_the_comparison(monkeypatch: pytest.Mon
 
 def test_run_prints_cost_cut_backs_and_the_contact_measure(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake_run(monkeypatch)
-    out = Result("run", scene_file).out
+    out = command("run", scene_file).out
     lines = out.splitlines()
     assert lines.count("pull: at 12.5 % of the path after 9 iterations: the residual stalls (node 7)") == 12
     assert "... and 8 more in run.json" in lines
@@ -340,7 +322,7 @@ def test_run_prints_cost_cut_backs_and_the_contact_measure(monkeypatch: pytest.M
 
 def test_run_json(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake_run(monkeypatch)
-    data = json.loads(Result("run", scene_file, "--out", "here", "--json").out)
+    data = json.loads(command("run", scene_file, "--out", "here", "--json").out)
     assert data["run"]["status"] == "complete"
     assert data["files"] == ["figures/pull_py.png", "figures/pull_py.svg", "run.json", "springs.nc"]
     assert {row["springs"] for row in data["compare"]["rows"]} == {"py", "full"}
@@ -351,7 +333,7 @@ def test_run_refuses_results_that_are_there(monkeypatch: pytest.MonkeyPatch, sce
     folder = Path("results")
     folder.mkdir()
     (folder / "run.json").write_text("precious")
-    done = Result("run", scene_file, "--out", folder)
+    done = command("run", scene_file, "--out", folder)
     assert (done.code, done.out, calls) == (2, "", [])
     assert done.err == (
         "fatal: user input: results: --out: holds results already (run.json); "
@@ -359,7 +341,7 @@ def test_run_refuses_results_that_are_there(monkeypatch: pytest.MonkeyPatch, sce
     )
     assert [path.name for path in folder.iterdir()] == ["run.json"]
     assert (folder / "run.json").read_text() == "precious"
-    assert Result("run", scene_file, "--out", folder, "--force").code == 0
+    assert command("run", scene_file, "--out", folder, "--force").code == 0
     assert len(calls) == 1
 
 
@@ -367,7 +349,7 @@ def test_run_takes_a_folder_with_other_files(monkeypatch: pytest.MonkeyPatch, sc
     fake_run(monkeypatch)
     Path("case").mkdir()
     Path("case/scene.toml").write_text(scene_file.read_text())
-    assert Result("run", "case/scene.toml", "--out", "case").code == 0
+    assert command("run", "case/scene.toml", "--out", "case").code == 0
 
 
 def test_a_refused_scene_leaves_results_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -375,10 +357,10 @@ def test_a_refused_scene_leaves_results_alone(monkeypatch: pytest.MonkeyPatch) -
     Path("bad.toml").write_text("[soil]\nK0 = -1\n")
     Path("results").mkdir()
     Path("results/run.json").write_text("precious")
-    done = Result("run", "bad.toml", "--out", "results", "--force")
+    done = command("run", "bad.toml", "--out", "results", "--force")
     assert (done.code, calls) == (2, [])
     assert Path("results/run.json").read_text() == "precious"
-    assert Result("run", "bad.toml").code == 2
+    assert command("run", "bad.toml").code == 2
     assert not Path("out").exists()
 
 
@@ -386,16 +368,16 @@ def test_a_mesh_that_is_refused_leaves_no_new_folder(monkeypatch: pytest.MonkeyP
     fake_run(monkeypatch, MeshError("inverted element 7"), status="unsaved")
     Path("mine").mkdir()
     for folder in ("new/folder", "mine"):
-        assert Result("run", scene_file, "--out", folder).code == 2
+        assert command("run", scene_file, "--out", folder).code == 2
     assert not Path("new").exists()
     assert Path("mine").exists()
 
 
 def test_run_refuses_a_file_and_a_place_it_cannot_write(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake_run(monkeypatch)
-    done = Result("run", scene_file, "--out", scene_file)
+    done = command("run", scene_file, "--out", scene_file)
     assert (done.code, done.err) == (2, "fatal: user input: caisson.toml: --out: is a file, not a folder\n")
-    done = Result("run", scene_file, "--out", scene_file / "x")
+    done = command("run", scene_file, "--out", scene_file / "x")
     assert (done.code, done.err) == (
         2,
         "fatal: user input: caisson.toml/x: --out: cannot be created (Not a directory)\n",
@@ -435,14 +417,14 @@ def test_errors_of_a_run(
     monkeypatch: pytest.MonkeyPatch, scene_file: Path, error: Exception, code: int, message: str
 ) -> None:
     fake_run(monkeypatch, error, status="unsaved")
-    done = Result("run", scene_file)
+    done = command("run", scene_file)
     assert (done.code, done.out) == (code, "")
     assert done.err.removeprefix("pull   0 % start\npull 100 % end\n") == message
 
 
 def test_interrupted_run_says_what_is_kept(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake_run(monkeypatch, KeyboardInterrupt(), status="interrupted")
-    done = Result("run", scene_file)
+    done = command("run", scene_file)
     assert done.code == 130
     assert done.out.startswith("results in out/caisson (interrupted)\n")
     assert done.err.endswith("\ninterrupted\n")
@@ -451,34 +433,34 @@ def test_interrupted_run_says_what_is_kept(monkeypatch: pytest.MonkeyPatch, scen
 def test_partial_run_prints_its_record_and_no_comparison(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     """Not even when an earlier run left springs in the same folder."""
     assert fake_run(monkeypatch) == []
-    assert Result("run", scene_file).code == 0
+    assert command("run", scene_file).code == 0
     fake_run(monkeypatch, RunIncomplete("pull: stopped at 3 mm", "out/caisson"), status="partial")
-    done = Result("run", scene_file, "--force")
+    done = command("run", scene_file, "--force")
     assert done.code == 3
     assert done.out.startswith("results in out/caisson (partial)\n")
     assert "eta" not in done.out
     assert "fatal: not converged: pull: stopped at 3 mm\n" in done.err
-    data = json.loads(Result("run", scene_file, "--force", "--json").out)
+    data = json.loads(command("run", scene_file, "--force", "--json").out)
     assert (data["run"]["status"], data["compare"]) == ("partial", None)
 
 
 def test_an_old_record_does_not_pass_for_a_new_one(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake_run(monkeypatch)
-    assert Result("run", scene_file).code == 0
+    assert command("run", scene_file).code == 0
     fake_run(monkeypatch, KeyboardInterrupt(), status="unsaved")
-    done = Result("run", scene_file, "--force")
+    done = command("run", scene_file, "--force")
     assert (done.code, done.out) == (130, "")
     fake_run(monkeypatch, KeyboardInterrupt(), status="removed")  # cleared away, and nothing written yet
-    done = Result("run", scene_file, "--force")
+    done = command("run", scene_file, "--force")
     assert (done.code, done.out) == (130, "")
 
 
 def test_debug_shows_the_traceback(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     fake_run(monkeypatch, ZeroDivisionError("oops"))
-    result = CliRunner().invoke(app.app, ["--debug", "run", str(scene_file)])
-    assert result.exit_code == 1
-    assert "Traceback" in result.stderr
-    assert result.stderr.endswith("fatal: bug: ZeroDivisionError: oops\nplease report it\n")
+    result = command("--debug", "run", str(scene_file))
+    assert result.code == 1
+    assert "Traceback" in result.err
+    assert result.err.endswith("fatal: bug: ZeroDivisionError: oops\nplease report it\n")
 
 
 def test_warnings_are_one_line_each(monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
@@ -489,7 +471,7 @@ def test_warnings_are_one_line_each(monkeypatch: pytest.MonkeyPatch, scene_file:
     fake(monkeypatch, "pysprings.model.forecast.estimate", describe=describe)
     with warnings.catch_warnings():
         warnings.simplefilter("always")
-        assert Result("check", scene_file).err == "warning: 30,000 unknowns with SuperLU\n"
+        assert command("check", scene_file).err == "warning: 30,000 unknowns with SuperLU\n"
 
 
 # --- springs, predict, compare, on synthetic springs ---
@@ -502,12 +484,12 @@ def springs_file() -> Path:
 
 def test_springs_to_stdout(springs_file: Path) -> None:
     for result in (springs_file, springs_file.parent):
-        done = Result("springs", result)
+        done = command("springs", result)
         assert (done.code, done.err) == (0, "")
         assert done.out.startswith("path,family,depth_m,depth_top_m,depth_bottom_m,side,component,step,y_m,p_N_per_m")
-    assert "pull" in json.loads(Result("springs", springs_file, "--format", "json").out)["paths"]
-    assert Result("springs", springs_file, "--wide").out.startswith("path,step,converged,rotation_rad,w_m,y_m z=0 [")
-    assert Result("springs", springs_file, "--json").out == Result("springs", springs_file, "--format", "json").out
+    assert "pull" in json.loads(command("springs", springs_file, "--format", "json").out)["paths"]
+    assert command("springs", springs_file, "--wide").out.startswith("path,step,converged,rotation_rad,w_m,y_m z=0 [")
+    assert command("springs", springs_file, "--json").out == command("springs", springs_file, "--format", "json").out
 
 
 def test_springs_to_files(springs_file: Path) -> None:
@@ -518,7 +500,7 @@ def test_springs_to_files(springs_file: Path) -> None:
         ["--wide", "--out", "w.csv"],
         ["--format", "json", "--out", "d.txt"],
     ):
-        done = Result("springs", springs_file, *args)
+        done = command("springs", springs_file, *args)
         assert (done.code, done.out) == (0, args[-1] + "\n")
         assert Path(args[-1]).stat().st_size > 100
     assert open_springs("c.nc").equals(open_springs(springs_file))
@@ -530,7 +512,7 @@ def test_springs_of_a_full_model_file(monkeypatch: pytest.MonkeyPatch, springs_f
 
     fake(monkeypatch, "pysprings.springs.extract", extract_springs=lambda result: synthetic.make_springs())
     write_tree(synthetic.make_result(), Path("full_model.nc"))
-    assert Result("springs", "full_model.nc").out == Result("springs", springs_file).out
+    assert command("springs", "full_model.nc").out == command("springs", springs_file).out
 
 
 @pytest.mark.parametrize(
@@ -551,7 +533,7 @@ def test_springs_of_a_full_model_file(monkeypatch: pytest.MonkeyPatch, springs_f
 )
 def test_springs_refuses(springs_file: Path, scene_file: Path, args: list[str], message: str) -> None:
     Path("empty").mkdir()
-    done = Result("springs", *args)
+    done = command("springs", *args)
     assert (done.code, done.out, done.err) == (2, "", f"fatal: user input: {message}\n")
 
 
@@ -581,7 +563,7 @@ def fake_macro(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
 def test_predict_passes_si_values_on(monkeypatch: pytest.MonkeyPatch, springs_file: Path) -> None:
     seen = fake_macro(monkeypatch)
-    assert Result("predict", springs_file, "--H", "2 MN", "--arm", "8 m", "--V", "500 kN").code == 0
+    assert command("predict", springs_file, "--H", "2 MN", "--arm", "8 m", "--V", "500 kN").code == 0
     assert (seen["H"], seen["arm"], seen["M"], seen["V"], seen["springs_kind"]) == (
         2e6,
         8.0,
@@ -589,15 +571,15 @@ def test_predict_passes_si_values_on(monkeypatch: pytest.MonkeyPatch, springs_fi
         5e5,
         None,
     )
-    assert Result("predict", springs_file, "--H", "-200 kN", "--M", "-3 MN m", "--springs", "py").code == 0
+    assert command("predict", springs_file, "--H", "-200 kN", "--M", "-3 MN m", "--springs", "py").code == 0
     assert (seen["H"], seen["arm"], seen["M"], seen["springs_kind"]) == (-2e5, None, -3e6, "py")
-    assert Result("predict", springs_file, "--u-max", "5 mm", "--arm", "-2 m", "--points", "7").code == 0
+    assert command("predict", springs_file, "--u-max", "5 mm", "--arm", "-2 m", "--points", "7").code == 0
     assert (seen["u_max"], seen["arm"], seen["n"]) == (5e-3, -2.0, 7)
 
 
 def test_predict_prints_a_table_with_units(monkeypatch: pytest.MonkeyPatch, springs_file: Path) -> None:
     fake_macro(monkeypatch)
-    lines = Result("predict", springs_file, "--H", "2 MN", "--arm", "8 m").out.splitlines()
+    lines = command("predict", springs_file, "--H", "2 MN", "--arm", "8 m").out.splitlines()
     assert lines[0].split() == [
         "u",
         "[mm]",
@@ -615,17 +597,17 @@ def test_predict_prints_a_table_with_units(monkeypatch: pytest.MonkeyPatch, spri
     ]
     assert lines[2].split() == ["1", "-0.01", "-0.0057296", "2000", "1000", "-16000"]
     assert len(lines) == 3
-    assert len(Result("predict", springs_file, "--u-max", "5 mm").out.splitlines()) == 4
+    assert len(command("predict", springs_file, "--u-max", "5 mm").out.splitlines()) == 4
 
 
 def test_predict_on_real_springs(springs_file: Path) -> None:
-    data = json.loads(Result("predict", springs_file, "--H", "1 MN", "--json").out)
+    data = json.loads(command("predict", springs_file, "--H", "1 MN", "--json").out)
     (state,) = data["states"]
     assert state["H"] == pytest.approx(1e6)
     assert state["u"] > 0
     assert state["rotation"] < 0
     assert data["units"]["rotation"] == "radian"
-    curve = json.loads(Result("predict", springs_file.parent, "--u-max", "4 mm", "--points", "5", "--json").out)
+    curve = json.loads(command("predict", springs_file.parent, "--u-max", "4 mm", "--points", "5", "--json").out)
     assert [row["u"] for row in curve["states"]] == pytest.approx([0, 1e-3, 2e-3, 3e-3, 4e-3])
 
 
@@ -658,18 +640,18 @@ def test_predict_on_real_springs(springs_file: Path) -> None:
     ],
 )
 def test_predict_refuses(springs_file: Path, args: list[str], messages: list[str]) -> None:
-    done = Result("predict", springs_file, *args)
+    done = command("predict", springs_file, *args)
     assert (done.code, done.out) == (2, "")
     assert done.err == "".join(f"fatal: user input: {message}\n" for message in messages)
 
 
 def test_predict_strict_refuses_what_the_springs_do_not_cover(springs_file: Path) -> None:
-    done = Result("predict", springs_file, "--H", "9e9 N", "--strict")
+    done = command("predict", springs_file, "--H", "9e9 N", "--strict")
     assert (done.code, done.out) == (2, "")
     assert done.err.startswith("fatal: user input: strict: ")
     assert "beyond the range of path 'pull'" in done.err
     assert len(done.err.splitlines()) == 1
-    assert Result("predict", springs_file, "--u-max", "2 mm", "--strict").code == 0
+    assert command("predict", springs_file, "--u-max", "2 mm", "--strict").code == 0
 
 
 def test_fan_is_the_default_where_there_is_one(springs_file: Path) -> None:
@@ -677,20 +659,20 @@ def test_fan_is_the_default_where_there_is_one(springs_file: Path) -> None:
     fan = save_springs(synthetic.make_springs(rays), Path("fan/springs.nc"))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # two rays are 90 degrees apart
-        data = json.loads(Result("predict", fan, "--H", "1 MN", "--json").out)
+        data = json.loads(command("predict", fan, "--H", "1 MN", "--json").out)
         assert data["attributes"]["springs"] == "fan"
-        one = json.loads(Result("predict", fan, "--H", "1 MN", "--springs", "full", "--json").out)
+        one = json.loads(command("predict", fan, "--H", "1 MN", "--springs", "full", "--json").out)
         assert one["attributes"]["path"] == "push"
-    strict = Result("predict", fan, "--H", "1 MN", "--strict")
+    strict = command("predict", fan, "--H", "1 MN", "--strict")
     assert (strict.code, strict.out) == (2, "")
     assert "between calibration paths 90 degrees apart" in strict.err
     assert len(strict.err.splitlines()) == 1
-    rows = json.loads(Result("compare", fan, "--springs", "fan", "--json").out)["rows"]
+    rows = json.loads(command("compare", fan, "--springs", "fan", "--json").out)["rows"]
     assert [(row["path"], row["springs"]) for row in rows] == [("push", "fan"), ("turn", "fan")]
-    none = Result("predict", springs_file, "--H", "1 MN", "--springs", "fan")
+    none = command("predict", springs_file, "--H", "1 MN", "--springs", "fan")
     assert (none.code, len(none.err.splitlines())) == (2, 1)
     assert "a fan needs at least 2 calibration paths" in none.err
-    there = Result("compare", springs_file, "--springs", "fan")
+    there = command("compare", springs_file, "--springs", "fan")
     assert (there.code, there.err) == (
         2,
         "fatal: user input: springs_kind: no springs 'fan' here; there are: py, full\n",
@@ -700,23 +682,23 @@ def test_fan_is_the_default_where_there_is_one(springs_file: Path) -> None:
 def test_predict_beyond_the_springs_warns(springs_file: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        done = Result("predict", springs_file, "--H", "9e9 N")
+        done = command("predict", springs_file, "--H", "9e9 N")
     assert done.code == 0
     assert done.err.startswith("warning: ")
     assert "beyond the range of path 'pull'" in done.err
 
 
 def test_compare(springs_file: Path) -> None:
-    done = Result("compare", springs_file.parent)
+    done = command("compare", springs_file.parent)
     assert (done.code, done.err) == (0, "")
     assert "eta" in done.out
-    data = json.loads(Result("compare", springs_file, "--json").out)
+    data = json.loads(command("compare", springs_file, "--json").out)
     assert {(row["path"], row["springs"]) for row in data["rows"]} == {("pull", "py"), ("pull", "full")}
 
 
 def test_reader_that_stops_early_is_no_error(springs_file: Path) -> None:
     command = f"'{sys.executable}' -m pysprings springs '{springs_file}' | head -n 1; echo ${{PIPESTATUS[0]}}"
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    env = environment()
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, env=env, timeout=60, check=True)
     assert done.stdout.splitlines()[1] == "0"
     assert done.stderr == ""

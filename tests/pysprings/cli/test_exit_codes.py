@@ -20,8 +20,8 @@ from fe_engine.errors import SettingError
 from fe_engine.settings import MOST_THREADS, refuse_bad_settings
 from pysprings.springs.file import save_springs
 from tests.support import synthetic, tiny
+from tests.support.commands import environment
 
-ROOT = Path(__file__).parents[3]
 # the command with a run that ends otherwise (and without what takes so long to load)
 REPLACED = """
 import os, signal, sys, types
@@ -40,8 +40,7 @@ def pysprings(
     """Run the command; ``end`` is a statement that stands for the computation."""
     how = ["-c", REPLACED.format(end=end)] if end else ["-m", "pysprings"]
     command = [sys.executable, *how, *(str(arg) for arg in args)]
-    env = {**os.environ, "PYTHONPATH": str(ROOT), **(env or {})}
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=env, timeout=120)
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=environment(**(env or {})), timeout=120)
 
 
 @pytest.fixture
@@ -121,7 +120,7 @@ def without(closed: str, *args: object, cwd: Path) -> subprocess.CompletedProces
     if os.name == "nt":
         pytest.skip("needs a POSIX shell")
     python = [sys.executable, "-m", "pysprings", *(str(arg) for arg in args)]
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    env = environment()
     command = ["sh", "-c", f'exec "$@" {closed}', "sh", *python]
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=env, timeout=120)
 
@@ -159,6 +158,6 @@ def test_a_file_does_not_get_the_number_of_a_closed_stream(tmp_path: Path) -> No
         "file = open('file', 'w'); os.write(1, b'x'); os.write(2, b'x'); print('y'); print('y', file=sys.stderr)"
     )
     command = ["sh", "-c", 'exec "$@" >&- 2>&-', "sh", sys.executable, "-c", code]
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    env = environment()
     assert subprocess.run(command, cwd=tmp_path, env=env, timeout=60).returncode == 0
     assert (tmp_path / "file").read_text() == ""

@@ -12,10 +12,9 @@ import netCDF4
 import numpy as np
 import openpyxl
 import pytest
-from typer.testing import CliRunner
 
 from pysprings import open_table
-from pysprings.cli import app, support
+from pysprings.cli import support
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
 from pysprings.core.magnitudes import LARGEST, fault, unit_of_column
@@ -25,19 +24,12 @@ from pysprings.results.report.page import render
 from pysprings.results.tables import file as tables
 from pysprings.springs.file import open_springs
 from pysprings.springs.numbers import name_fault
-from tests.fuzz.judge import watched
 from tests.fuzz.tables import MINIMAL
 from tests.support import synthetic, tiny
+from tests.support.commands import command
+from tests.support.watch import watched
 
 HOSTILE = "=cmd|' /C calc'!A0 ../../x <script>alert(1)</script> & \"q\" \u202e\U0001f4a9 $x_{"
-
-
-class Result:
-    """Exit code and streams of a command."""
-
-    def __init__(self, *args: object) -> None:
-        done = CliRunner().invoke(app.app, [str(arg) for arg in args], prog_name="pysprings")
-        self.code, self.out, self.err = done.exit_code, done.stdout, done.stderr
 
 
 # --- texts ---
@@ -79,7 +71,7 @@ def test_a_workbook_leaves_no_file_elsewhere(tmp_path: Path) -> None:
 
 def test_a_title_does_not_steer_the_terminal(tmp_path: Path) -> None:
     (tmp_path / "c.toml").write_text('title = "a\u202eb"\n', encoding="utf-8")
-    done = Result("check", tmp_path / "c.toml")
+    done = command("check", tmp_path / "c.toml")
     assert done.code == 0
     assert "a\\u202eb" in done.out
     assert all(line.isprintable() for line in done.out.splitlines())
@@ -164,7 +156,7 @@ def test_every_column_has_a_unit_with_a_limit() -> None:
 def test_options_beyond_sense_are_refused(tmp_path: Path, option: str) -> None:
     (tmp_path / "t.csv").write_text(MINIMAL)
     unit = {"--u-max": "m", "--rotation": "rad"}.get(option, "N")
-    done = Result("predict", tmp_path / "t.csv", option, f"1e200 {unit}")
+    done = command("predict", tmp_path / "t.csv", option, f"1e200 {unit}")
     assert done.code == 2
     assert done.err.startswith(f'fatal: user input: {option}: "1e200 {unit}" is not in [')
 
@@ -332,7 +324,7 @@ def test_a_spring_file_that_unpacks_without_end_is_refused(
         if not sealed:
             root.delncattr("content_sha256")
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    done = Result("compare", springs_nc)
+    done = command("compare", springs_nc)
     assert done.code == 2
     assert done.err.startswith(f"fatal: user input: {springs_nc}: {size} when unpacked from 0.")
     assert "never written" in done.err
@@ -345,7 +337,7 @@ def test_a_spring_set_is_not_larger_than_hundreds_of_paths(springs_nc: Path) -> 
         root.createDimension("huge", 20_000_000)
         variable = root.createVariable("huge", "f8", ("huge",), zlib=True)
         variable[:] = 0.0
-    done = Result("compare", springs_nc)
+    done = command("compare", springs_nc)
     assert done.code == 2
     assert "160 MB when unpacked; a set of springs has at most 100 MB" in done.err
 
@@ -354,7 +346,7 @@ def test_a_file_with_too_much_in_its_header_is_refused(springs_nc: Path) -> None
     with netCDF4.Dataset(springs_nc, "a") as root:
         for number in range(201):
             root["paths"].createVariable(f"v{number}", "f8", ())
-    done = Result("compare", springs_nc)
+    done = command("compare", springs_nc)
     assert done.code == 2
     assert done.err == f"fatal: user input: {springs_nc}: holds 201 variables in '/paths', at most 200\n"
 
@@ -366,7 +358,7 @@ def test_the_first_problems_of_many_are_shown(springs_nc: Path) -> None:
         root.delncattr("content_sha256")
         for number in range(100):
             root.createGroup(f"paths/x{number}")
-    done = Result("compare", springs_nc)
+    done = command("compare", springs_nc)
     lines = [line for line in done.err.splitlines() if line.startswith("fatal: ")]
     assert done.code == 2
     assert len(lines) == 21
@@ -380,7 +372,7 @@ def test_the_first_problems_of_many_are_shown(springs_nc: Path) -> None:
 def test_names_that_are_devices_are_refused(tmp_path: Path, name: str) -> None:
     text = f'[[path]]\nname = "{name}"\nkind = "pull"\nlateral_displacement = "1 mm"\n'
     (tmp_path / "c.toml").write_text(text, encoding="utf-8")
-    done = Result("check", tmp_path / "c.toml")
+    done = command("check", tmp_path / "c.toml")
     assert done.code == 2
     place = f"{tmp_path / 'c.toml'}:2:8: path[0].name"
     assert (
@@ -407,10 +399,10 @@ TOO_LONG = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("command", TOO_LONG, ids=lambda command: command[0])
-def test_paths_that_are_too_long_are_the_users(tmp_path: Path, command: tuple[str, ...]) -> None:
+@pytest.mark.parametrize("asked", TOO_LONG, ids=lambda asked: asked[0])
+def test_paths_that_are_too_long_are_the_users(tmp_path: Path, asked: tuple[str, ...]) -> None:
     words = {"FILE": tiny.write(tiny.scene(), tmp_path / "c.toml"), "LONG": tmp_path / ("x" * 300)}
-    done = Result(*(words.get(word, word) for word in command))
+    done = command(*(words.get(word, word) for word in asked))
     assert done.code == 2, done.err
     assert done.err.startswith("fatal: user input: ")
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,10 +15,9 @@ from pysprings.core import jit
 from pysprings.macro import solver
 from pysprings.macro.predict import MacroModel
 from pysprings.springs.file import save_springs
-from tests.pysprings.macro.test_fan import fan_springs, potential
+from tests.support.commands import environment
+from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import make_springs
-
-ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture
@@ -71,7 +68,7 @@ def test_the_command_loads_no_numba_and_finds_the_same(tmp_path):
         "except SystemExit: pass\n"
         "print('numba' in sys.modules, 'pint' in sys.modules and 'pint.registry' in sys.modules, file=sys.stderr)"
     )
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    env = environment()
     command = [sys.executable, "-c", code, "predict", str(file), "--H", "1 MN", "--json"]
     done = subprocess.run(command, capture_output=True, text=True, env=env, timeout=60, check=True)
     assert done.stderr.split()[0] == "False"

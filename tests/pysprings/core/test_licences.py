@@ -9,13 +9,12 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 from pysprings import __version__
-from pysprings.cli import app
 from pysprings.core.licences import PROPRIETARY, TESTS_ONLY, Installed, installed, text
+from tests.support.commands import command
+from tests.support.place import ROOT
 
-ROOT = Path(__file__).parents[3]
 NOTES = (ROOT / "THIRD-PARTY.md").read_text(encoding="utf-8")
 
 
@@ -49,9 +48,9 @@ def test_the_table_is_what_the_packages_say() -> None:
 
 
 def test_version_prints_itself_first_and_then_the_licences() -> None:
-    done = CliRunner().invoke(app.app, ["--version"])
-    assert done.exit_code == 0
-    first, *rest = done.stdout.splitlines()
+    done = command("--version")
+    assert done.code == 0
+    first, *rest = done.out.splitlines()
     assert first == f"pysprings {__version__}"
     assert "\n".join(rest) == text(installed())
 

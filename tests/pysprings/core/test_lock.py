@@ -14,8 +14,8 @@ import pytest
 
 from pysprings.core.errors import ResourceError
 from pysprings.core.files.lock import exclusive
+from tests.support.commands import environment
 
-ROOT = Path(__file__).parents[3]
 HOLD = """
 import sys, time
 from pathlib import Path
@@ -28,7 +28,7 @@ with exclusive(Path(sys.argv[1])):
 
 def hold(folder: Path) -> subprocess.Popen[str]:
     """Start a process that holds the lock of a folder."""
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    env = environment()
     other = subprocess.Popen([sys.executable, "-c", HOLD, str(folder)], stdout=subprocess.PIPE, text=True, env=env)
     assert other.stdout is not None and other.stdout.readline() == "held\n"
     return other

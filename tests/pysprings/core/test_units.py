@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from pysprings.core import units
 from pysprings.core.units import MEANING, QuantityError, quoted, read, show, si_of
-from tests.fuzz.judge import time_limit
+from tests.support.watch import time_limit
 
 
 @pytest.mark.parametrize(

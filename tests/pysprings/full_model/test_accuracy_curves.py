@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -26,19 +25,8 @@ from pysprings.full_model.accuracy.curves import (
 )
 from pysprings.full_model.accuracy.measures import errors
 from pysprings.springs.dataset import get_path
-from tests.support.synthetic import Caisson, Path, make_result, stiffness
-
-PATHS = (Path("pull", arm=8.0), Path("shift", kind="translation"), Path("turn", kind="rotation", size=-1e-3))
-LENGTH = Caisson().length
-
-
-@cache
-def result(caisson: Caisson | None = None, paths: tuple[Path, ...] = PATHS) -> xr.DataTree:
-    c = caisson or Caisson()
-    tree = make_result(paths, c)
-    tree["stiffness_initial"] = xr.DataArray(stiffness(c), dims=("dof", "dof_conjugate"))
-    tree.attrs["skirt_length_m"] = c.length
-    return tree
+from tests.support.measured import LENGTH, PATHS, measured_result
+from tests.support.synthetic import Caisson
 
 
 def test_only_the_way_out_counts() -> None:
@@ -48,8 +36,8 @@ def test_only_the_way_out_counts() -> None:
 
 def test_the_same_soil_at_other_steps_gives_the_same_curves() -> None:
     """Between recorded steps curves are smooth: other steps of one model matter little, another model much."""
-    some, more = result(), result(paths=tuple(replace(path, steps=31) for path in PATHS))
-    other = result(Caisson(modulus=6e7))
+    some, more = measured_result(), measured_result(paths=tuple(replace(path, steps=31) for path in PATHS))
+    other = measured_result(Caisson(modulus=6e7))
     for path, found in samples({"a": curves_of(some), "b": curves_of(more), "c": curves_of(other)}).items():
         same, different = errors(found["b"], found["a"]), errors(found["c"], found["a"])
         for name in ("load_max", "py_max", "rotation_max", "pressure_max"):
@@ -59,8 +47,8 @@ def test_the_same_soil_at_other_steps_gives_the_same_curves() -> None:
 
 
 def test_other_depths_of_the_same_soil_hand_the_same_force_to_the_slices() -> None:
-    curves = {n: curves_of(result(Caisson(rings=n)))["shift"] for n in (13, 41)}
-    by_ring = get_path(result(), "shift")
+    curves = {n: curves_of(measured_result(Caisson(rings=n)))["shift"] for n in (13, 41)}
+    by_ring = get_path(measured_result(), "shift")
     heights = np.diff(by_ring["depth_bounds"].values, axis=1)[:, 0]
     np.testing.assert_allclose(curves[13].p.mean(axis=0) * LENGTH, heights @ by_ring["p"].values, rtol=1e-12, atol=1e-6)
     grid = common_grid(list(curves.values()))
@@ -70,7 +58,7 @@ def test_other_depths_of_the_same_soil_hand_the_same_force_to_the_slices() -> No
 
 def test_motion_counts_from_the_first_state() -> None:
     """The dead load may have moved the caisson before the path begins."""
-    path = get_path(result(), "shift")
+    path = get_path(measured_result(), "shift")
     moved = path.assign(y=path["y"] + 1e-3)
     np.testing.assert_allclose(
         quantities.slice_curves(moved, LENGTH, 4)[0], quantities.slice_curves(path, LENGTH, 4)[0], atol=1e-15
@@ -78,19 +66,22 @@ def test_motion_counts_from_the_first_state() -> None:
 
 
 def test_grid_ends_where_the_shorter_run_does() -> None:
-    long, short = curves_of(result())["pull"], curves_of(result(paths=(replace(PATHS[0], size=3e-3),)))["pull"]
+    long, short = (
+        curves_of(measured_result())["pull"],
+        curves_of(measured_result(paths=(replace(PATHS[0], size=3e-3),)))["pull"],
+    )
     grid = common_grid([long, short])
     assert grid.x.size == POINTS
     assert grid.x[-1] == pytest.approx(3e-3)
     assert grid.x[0] == pytest.approx(3e-3 / POINTS)
     found = sampled(long, grid)
-    path = get_path(result(), "pull")
+    path = get_path(measured_result(), "pull")
     assert found[LOAD][-1] == pytest.approx(np.interp(3e-3, path["u"], path["H"]), rel=1e-3)
 
 
 def test_slices_near_the_point_of_rotation_are_left_out() -> None:
     """A pull at 8 m turns about a point on the skirt: there y is next to nothing."""
-    curve = curves_of(result())["pull"]
+    curve = curves_of(measured_result())["pull"]
     grid = common_grid([curve, curve])
     left_out = np.isnan(grid.y).all(axis=1)
     end = np.abs(curve.y[:, -1])
@@ -100,30 +91,30 @@ def test_slices_near_the_point_of_rotation_are_left_out() -> None:
 
 
 def test_quantities_by_kind_of_path() -> None:
-    curves = curves_of(result())
-    pull, turn = get_path(result(), "pull"), get_path(result(), "turn")
+    curves = curves_of(measured_result())
+    pull, turn = get_path(measured_result(), "pull"), get_path(measured_result(), "turn")
     np.testing.assert_array_equal(curves["pull"].by_x[OTHER], pull["rotation"])
     np.testing.assert_array_equal(curves["turn"].x, np.abs(turn["rotation"]))
     np.testing.assert_array_equal(curves["turn"].by_x[LOAD], turn["M"])
     np.testing.assert_array_equal(curves["turn"].by_x[OTHER], turn["H"])
-    bare = get_path(result(), "pull").drop_vars("normal_effective_stress")
+    bare = get_path(measured_result(), "pull").drop_vars("normal_effective_stress")
     assert quantities.pressure(bare, LENGTH) is None
 
 
 def test_pressure_is_the_largest_down_to_nine_tenths() -> None:
-    path = get_path(result(), "shift")
+    path = get_path(measured_result(), "shift")
     stress = path["normal_effective_stress"]
     at = stress.interp(depth=np.linspace(0.0, 0.9 * LENGTH, 19))
     np.testing.assert_allclose(
         quantities.pressure(path, LENGTH), at.max(("side", "azimuth", "depth")).values, rtol=1e-12
     )
-    assert curves_of(result())["shift"].by_x[PRESSURE].max() < stress.max()
+    assert curves_of(measured_result())["shift"].by_x[PRESSURE].max() < stress.max()
 
 
 def test_initial_stiffness_is_the_slope_at_rest() -> None:
     """Beside a first step that is small: the load over what is driven."""
     tiny = tuple(replace(path, size=path.size * 1e-6, steps=3) for path in PATHS)
-    tree = result(paths=tiny)
+    tree = measured_result(paths=tiny)
     for name, curve in curves_of(tree).items():
         path = get_path(tree, name)
         driven = path["rotation"] if name == "turn" else path["u"]
@@ -168,7 +159,7 @@ def test_paths_that_bend_are_followed_by_both_motions_and_vertical_ones_by_w() -
 
 
 def test_a_slice_that_goes_the_other_way_in_a_run_is_left_out() -> None:
-    curve = curves_of(result())["pull"]
+    curve = curves_of(measured_result())["pull"]
     turned = replace(curve, y=np.where(np.arange(len(curve.y))[:, None] == 0, -curve.y, curve.y))
     assert np.isfinite(common_grid([curve, curve]).y[0]).all()
     assert np.isnan(common_grid([curve, turned]).y[0]).all()

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,9 +22,10 @@ from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import BETWEEN, PRESETS, VARIED, read_mesh, settings
 from pysprings.model.build import counts_of
 from pysprings.model.mesh import PRESETS as MESHES
-from tests.pysprings.full_model.test_accuracy_curves import result
+from tests.support.measured import measured_result
+from tests.support.place import ROOT
 
-STUDIED = Path(__file__).parents[3] / "data" / "scenes" / "service-load.toml"
+STUDIED = ROOT / "data" / "scenes" / "service-load.toml"
 
 
 def test_the_command_offers_the_targets_there_are() -> None:
@@ -143,7 +143,7 @@ def test_the_coarser_mesh_is_coarser_in_every_direction(preset: str) -> None:
 
 def with_error(unknowns: int, order: float = 2.0, slope: float = 100.0) -> xr.DataTree:
     """A result whose loads and reactions are wrong by slope * h^order, relative to the limit."""
-    tree = result().copy(deep=True)
+    tree = measured_result().copy(deep=True)
     factor = 1.0 + slope * cell_size(unknowns) ** order
     for path in tree["paths"].children.values():
         for name in ("H", "M", "p"):

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from typing import Any
 
@@ -25,11 +24,7 @@ from pysprings.springs.dataset import get_path
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
-
-
-def record_of(result: xr.DataTree) -> dict[str, Any]:
-    record: dict[str, Any] = json.loads(result.attrs["run_json"])
-    return record
+from tests.support.files import record_of
 
 
 def end(result: xr.DataTree, name: str, path: str = "pull") -> float:

@@ -10,12 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 from fe_engine.clock import Clock
 from fe_engine.mesh import measure_quality
 from fe_engine.state import State
-from pysprings.cli import app
 from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.full_model.checkpoint import Checkpoints
@@ -28,6 +26,7 @@ from pysprings.scene.load import Scene, parse_scene
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
+from tests.support.commands import command
 
 SERIES: dict[str, Any] = {"discretisation": "fourier", "preset": "coarse", "refinement": 0.7, "harmonics": 2}
 SECOND = {**tiny.PULL, "name": "second", "kind": "translation"}
@@ -284,9 +283,9 @@ def test_error_estimates_are_refused():
 
 def test_the_command_line_chooses_the_discretisation(tmp_path):
     file = tiny.write(tiny.scene(), tmp_path / "scene.toml")
-    done = CliRunner().invoke(app.app, ["check", str(file), "--discretisation", "fourier", "--json"])
-    assert done.exit_code == 0, done.output
-    about = json.loads(done.stdout)
+    done = command("check", str(file), "--discretisation", "fourier", "--json")
+    assert done.code == 0, done.err
+    about = json.loads(done.out)
     counts = section_counts_of(tiny.scene(mesh={"discretisation": "fourier"}))
     elements = (counts.plug + counts.tip + counts.outer) * (counts.skirt + counts.below) - counts.tip * counts.skirt
     assert f'"elements": {elements}' in json.dumps(about)

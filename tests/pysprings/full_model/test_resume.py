@@ -19,14 +19,12 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 import pysprings
 from fe_engine.compiled import engine_digest
 from fe_engine.settings import Recycling, Settings
 from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
-from pysprings.cli import app
 from pysprings.cli.support import interruptible
 from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.files.layout import FILES
@@ -36,10 +34,10 @@ from pysprings.full_model.checkpoint import Checkpoints, Saved
 from pysprings.full_model.compute import compute
 from pysprings.full_model.environment import differences
 from pysprings.results.folder import run_to_folder
-from tests.pysprings.full_model.test_water_run import wet
 from tests.support import tiny
+from tests.support.commands import command, environment
+from tests.support.files import contents, record_of
 
-ROOT = Path(__file__).parents[3]
 SECOND = {**tiny.PULL, "name": "second", "kind": "translation"}
 
 
@@ -54,7 +52,7 @@ def coupled() -> pysprings.Scene:
     first = {**tiny.PULL, "rate": 1e-4, "role": "held-back", "then": ("rest 2 hour",)}
     paths = (first, {**SECOND, "rate": 1e-3})
     shallow, few = {"water_depth": 0.0}, {"first_step_fraction": 0.2}
-    return wet(drainage=shallow).replace(caisson={"vertical_load": 1.5e6}, paths=paths, solver=few)
+    return tiny.wet(drainage=shallow).replace(caisson={"vertical_load": 1.5e6}, paths=paths, solver=few)
 
 
 SCENES = {"drained": drained, "coupled": coupled}
@@ -77,11 +75,6 @@ class Stop:
             raise self.error
 
 
-def record_of(result: xr.DataTree) -> dict[str, Any]:
-    record: dict[str, Any] = json.loads(result.attrs["run_json"])
-    return record
-
-
 def assert_same(result: xr.DataTree, other: xr.DataTree) -> None:
     """Every number of the result and of its record, but for cost and dates."""
     assert result.groups == other.groups
@@ -95,10 +88,6 @@ def assert_same(result: xr.DataTree, other: xr.DataTree) -> None:
 def _plain(node: xr.DataTree) -> xr.Dataset:
     dataset = node.to_dataset(inherit=False)
     return dataset.assign_attrs({key: "" for key in ("run_json", "history") if key in dataset.attrs})
-
-
-def files_in(folder: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
 @pytest.fixture
@@ -244,7 +233,7 @@ def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(checkpoint, "SHARE", 1e9)
         compute(drained(), progress=Stop(14), checkpoints=Checkpoints(folder))
-    assert set(files_in(folder / "checkpoint")) == {"start.npz", "path-000.npz", "state-a.npz", "state-b.npz"}
+    assert set(contents(folder / "checkpoint")) == {"start.npz", "path-000.npz", "state-a.npz", "state-b.npz"}
     return folder
 
 
@@ -332,11 +321,11 @@ def test_another_run_is_refused(
     monkeypatch.setattr("pysprings.core.version.__version__", changed.pop("version", pysprings.__version__))
     digest = changed.pop("engine", engine_digest())
     monkeypatch.setattr(full_model, "engine_digest", lambda: digest)
-    before = files_in(stopped)
+    before = contents(stopped)
     scene = drained().replace(**changed.pop("scene", {}))
     with pytest.raises(UserInputError, match=f"another run was interrupted here: {words}"):
         compute(scene, **changed, checkpoints=Checkpoints(stopped), resume=True)
-    assert files_in(stopped) == before
+    assert contents(stopped) == before
 
 
 def test_other_libraries_are_noted(stopped: Path, tmp_path: Path) -> None:
@@ -392,10 +381,6 @@ def test_a_checkpoint_holds_no_pickles(tmp_path: Path) -> None:
 # --- the command ---
 
 
-def command(*args: object) -> Any:
-    return CliRunner().invoke(app.app, [str(arg) for arg in args], prog_name="pysprings")
-
-
 @pytest.fixture
 def scene_file(tmp_path: Path) -> Path:
     return tiny.write(drained(), tmp_path / "caisson.toml")
@@ -411,79 +396,79 @@ def interrupted(folder: Path, after: int = 8) -> Path:
 def test_resume_finishes_an_interrupted_run(tmp_path: Path, scene_file: Path) -> None:
     out = interrupted(tmp_path / "out")
     assert json.loads((out / "run.json").read_text())["status"] == "interrupted"
-    before = files_in(out)
+    before = contents(out)
     refused = command("run", scene_file, "--out", out)
-    assert (refused.exit_code, refused.stdout) == (2, "")
+    assert (refused.code, refused.out) == (2, "")
     words = "holds an interrupted run; --resume goes on with it, --force begins anew"
-    assert refused.stderr == f"fatal: user input: {out}: --out: {words}\n"
+    assert refused.err == f"fatal: user input: {out}: --out: {words}\n"
     both = command("run", scene_file, "--out", out, "--resume", "--force")
-    assert both.exit_code == 2 and "give one of them" in both.stderr
-    assert files_in(out) == before
+    assert both.code == 2 and "give one of them" in both.err
+    assert contents(out) == before
     done = command("run", scene_file, "--out", out, "--resume")
-    assert done.exit_code == 0, done.stderr
-    assert done.stdout.startswith(f"results in {out} (complete)\n")
-    assert "checkpoints: " in done.stdout and "resumed 20" in done.stdout
-    assert set(files_in(out)) == set(FILES)
+    assert done.code == 0, done.err
+    assert done.out.startswith(f"results in {out} (complete)\n")
+    assert "checkpoints: " in done.out and "resumed 20" in done.out
+    assert set(contents(out)) == set(FILES)
     with xr.open_datatree(out / "full_model.nc", engine="netcdf4", decode_timedelta=False) as tree:
         for path in ("pull", "second"):
             np.testing.assert_array_equal(tree[f"paths/{path}/H"], straight("drained")[f"paths/{path}/H"])
-    before = files_in(out)
+    before = contents(out)
     again = command("run", scene_file, "--out", out, "--resume")
-    assert again.exit_code == 0
-    assert f"the run in {out} has ended (complete): nothing is left to do\n" in again.stderr
-    assert again.stdout == done.stdout
+    assert again.code == 0
+    assert f"the run in {out} has ended (complete): nothing is left to do\n" in again.err
+    assert again.out == done.out
     other = command("run", tiny.write(tiny.scene(), tmp_path / "other.toml"), "--out", out, "--resume")
-    assert other.exit_code == 2 and "those of another scene or mesh" in other.stderr
-    assert command("run", scene_file, "--out", out, "--mesh", "medium", "--resume").exit_code == 2
-    assert files_in(out) == before
+    assert other.code == 2 and "those of another scene or mesh" in other.err
+    assert command("run", scene_file, "--out", out, "--mesh", "medium", "--resume").code == 2
+    assert contents(out) == before
 
 
 def test_a_new_run_throws_old_checkpoints_away_once_it_has_its_own(stopped: Path, tmp_path: Path) -> None:
     folder = shutil.copytree(stopped, tmp_path / "copy")
-    before = files_in(folder)
+    before = contents(folder)
     with pytest.raises(KeyboardInterrupt):  # before it has any
         compute(tiny.scene(), progress=Stop(1, of="model"), checkpoints=Checkpoints(folder))
-    assert files_in(folder) == before
+    assert contents(folder) == before
     compute(tiny.scene(), progress=Stop(1), checkpoints=Checkpoints(folder))
-    assert set(files_in(folder / "checkpoint")) == {"start.npz", "state-b.npz"}
+    assert set(contents(folder / "checkpoint")) == {"start.npz", "state-b.npz"}
 
 
 def test_nothing_to_resume(tmp_path: Path, scene_file: Path) -> None:
     done = command("run", scene_file, "--out", tmp_path / "out", "--resume")
-    assert done.exit_code == 2
+    assert done.code == 2
     words = "--resume: nothing to resume: no interrupted run in this folder"
-    assert done.stderr == f"fatal: user input: {tmp_path / 'out'}: {words}\n"
+    assert done.err == f"fatal: user input: {tmp_path / 'out'}: {words}\n"
     assert not (tmp_path / "out").exists()
     out = interrupted(tmp_path / "out")
     shutil.rmtree(out / "checkpoint")
     done = command("run", scene_file, "--out", out, "--resume")
-    assert done.exit_code == 2 and "its checkpoints are gone" in done.stderr
+    assert done.code == 2 and "its checkpoints are gone" in done.err
 
 
 def test_a_run_that_did_not_converge_cannot_end_otherwise(tmp_path: Path) -> None:
     file, out = tiny.write(tiny.stuck_scene(), tmp_path / "stuck.toml"), tmp_path / "out"
-    assert command("run", file, "--out", out).exit_code == 3
-    before = files_in(out)
+    assert command("run", file, "--out", out).code == 3
+    before = contents(out)
     assert not (out / "checkpoint").exists()
     done = command("run", file, "--out", out, "--resume")
-    assert done.exit_code == 3 and "has ended (partial)" in done.stderr
-    assert files_in(out) == before
+    assert done.code == 3 and "has ended (partial)" in done.err
+    assert contents(out) == before
 
 
 @pytest.mark.slow
 def test_results_of_an_earlier_run_stay_until_there_are_new_ones(tmp_path: Path) -> None:
     run_to_folder(tiny.scene(), tmp_path)
-    before = files_in(tmp_path)
+    before = contents(tmp_path)
 
     class Killed(BaseException):
         pass
 
     with pytest.raises(Killed):
         run_to_folder(drained(), tmp_path, progress=Stop(8, Killed))
-    left = {name: data for name, data in files_in(tmp_path).items() if not name.startswith("checkpoint")}
+    left = {name: data for name, data in contents(tmp_path).items() if not name.startswith("checkpoint")}
     assert left == before
     run_to_folder(drained(), tmp_path, resume=True)
-    assert set(files_in(tmp_path)) == set(FILES)
+    assert set(contents(tmp_path)) == set(FILES)
     assert json.loads((tmp_path / "run.json").read_text())["scene_sha256"] == drained().sha256
 
 
@@ -493,7 +478,7 @@ def test_a_second_run_is_refused(tmp_path: Path, scene_file: Path) -> None:
 
     def progress(*_: object) -> None:
         if not seen:
-            env = {**os.environ, "PYTHONPATH": str(ROOT)}
+            env = environment()
             args = [sys.executable, "-m", "pysprings", "run", str(scene_file), "--out", str(tmp_path / "out")]
             seen.append(subprocess.run([*args, "--force"], capture_output=True, text=True, env=env, timeout=60))
 
@@ -502,7 +487,7 @@ def test_a_second_run_is_refused(tmp_path: Path, scene_file: Path) -> None:
     assert (second.returncode, second.stdout) == (4, "")
     (line,) = second.stderr.splitlines()
     assert line.startswith(f"fatal: resources: {tmp_path / 'out'}: another run (process {os.getpid()} on ")
-    assert set(files_in(tmp_path / "out")) == set(FILES)
+    assert set(contents(tmp_path / "out")) == set(FILES)
 
 
 # --- memory and disk ---
@@ -520,9 +505,9 @@ def test_out_of_memory_keeps_what_converged(tmp_path: Path, scene_file: Path, mo
     monkeypatch.setattr(Newton, "solve", starving)
     out = tmp_path / "out"
     done = command("run", scene_file, "--out", out)
-    assert done.exit_code == 4
-    assert done.stdout.startswith(f"results in {out} (interrupted)\n")
-    assert done.stderr.splitlines()[-1] == (
+    assert done.code == 4
+    assert done.out.startswith(f"results in {out} (interrupted)\n")
+    assert done.err.splitlines()[-1] == (
         "fatal: resources: out of memory; try a smaller mesh (`pysprings check` estimates); "
         f"what converged is kept in {out}, --resume goes on from there"
     )
@@ -543,11 +528,11 @@ def test_a_full_disk_stops_the_run_and_spoils_nothing(
 
     monkeypatch.setattr(os, "fsync", full)
     done = command("run", scene_file, "--out", out)
-    assert (done.exit_code, done.stdout) == (4, "")
-    line = done.stderr.splitlines()[-1]
+    assert (done.code, done.out) == (4, "")
+    line = done.err.splitlines()[-1]
     assert line.startswith(f"fatal: resources: {out / 'checkpoint'}{os.sep}state-")
     assert "the checkpoint cannot be written (No space left on device)" in line and "--resume" in line
-    assert set(files_in(out)) == {"checkpoint/start.npz", "checkpoint/state-a.npz", "checkpoint/state-b.npz"}
+    assert set(contents(out)) == {"checkpoint/start.npz", "checkpoint/state-a.npz", "checkpoint/state-b.npz"}
     monkeypatch.setattr(os, "fsync", sync)
     assert_same(compute(drained(), checkpoints=Checkpoints(out), resume=True), straight("drained"))
 
@@ -569,10 +554,10 @@ def test_a_disk_that_is_full_for_the_results_leaves_the_checkpoints(
     monkeypatch.setattr(pysprings.results.folder, "write_tree", full)
     with pytest.raises(ResourceError, match=r"full_model\.nc: cannot be written"):
         run_to_folder(drained(), tmp_path)
-    assert all(name.startswith("checkpoint") for name in files_in(tmp_path))
+    assert all(name.startswith("checkpoint") for name in contents(tmp_path))
     monkeypatch.setattr(pysprings.results.folder, "write_tree", written)
     run_to_folder(drained(), tmp_path, resume=True)
-    assert set(files_in(tmp_path)) == set(FILES)
+    assert set(contents(tmp_path)) == set(FILES)
 
 
 # --- signals ---
@@ -600,7 +585,7 @@ def test_a_killed_process_goes_on(tmp_path: Path, kind: str, code: int) -> None:
     scene = tiny.scene(solver={"first_step_fraction": 0.02, "max_step_fraction": 0.02})
     file, out = tiny.write(scene, tmp_path / "caisson.toml"), tmp_path / "out"
     args = [sys.executable, "-m", "pysprings", "run", str(file), "--out", str(out)]
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    env = environment()
     with subprocess.Popen(args, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env) as run:
         assert run.stderr is not None
         for line in run.stderr:
@@ -613,7 +598,7 @@ def test_a_killed_process_goes_on(tmp_path: Path, kind: str, code: int) -> None:
         assert err.endswith(f"go on with: pysprings run {file} --out {out} --resume\ninterrupted\n")
         assert not (out / ".pysprings.lock").exists()
     run_to_folder(scene, out, resume=True)
-    assert set(files_in(out)) == set(FILES)
+    assert set(contents(out)) == set(FILES)
     record = json.loads((out / "run.json").read_text())
     assert record["status"] == "complete" and record["resumed"][0]["from"].startswith("path 'pull', step ")
     with xr.open_datatree(out / "full_model.nc", engine="netcdf4", decode_timedelta=False) as tree:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings import Scene
 from pysprings.full_model import discretise
 from pysprings.full_model.cavitation import ATMOSPHERE, VAPOUR, smallest_margin
 from pysprings.full_model.compute import compute, run
@@ -19,14 +18,9 @@ from pysprings.model.stages import path_stages
 from tests.support import tiny
 
 
-def wet(mode: str = "coupled", rate: float = 1e-4, drainage: dict | None = None, **path: object) -> Scene:
-    pull = {**tiny.PULL, "rate": rate, **path}
-    return tiny.scene(drainage={"mode": mode, **(drainage or {})}, paths=(pull,))
-
-
 @cache
 def coupled() -> xr.DataTree:
-    return run(wet())
+    return run(tiny.wet())
 
 
 def loads(result: xr.DataTree) -> np.ndarray:
@@ -63,10 +57,10 @@ def test_time_and_volumes() -> None:
 
 
 def test_a_slow_push_is_drained_and_a_fast_one_undrained() -> None:
-    drained, undrained = loads(run(tiny.scene(paths=({**tiny.PULL, "rate": 1e-4},)))), loads(run(wet("undrained")))
+    drained, undrained = loads(run(tiny.scene(paths=({**tiny.PULL, "rate": 1e-4},)))), loads(run(tiny.wet("undrained")))
     assert undrained[-1] > 1.02 * drained[-1]
-    np.testing.assert_allclose(loads(run(wet(rate=1e-10))), drained, rtol=1e-4, atol=1.0)
-    np.testing.assert_allclose(loads(run(wet(rate=10.0))), undrained, rtol=0.03, atol=1.0)
+    np.testing.assert_allclose(loads(run(tiny.wet(rate=1e-10))), drained, rtol=1e-4, atol=1.0)
+    np.testing.assert_allclose(loads(run(tiny.wet(rate=10.0))), undrained, rtol=0.03, atol=1.0)
     assert drained[-1] < loads(coupled())[-1] < undrained[-1]
 
 
@@ -77,17 +71,17 @@ def test_linear_systems_are_solved_exactly_where_nothing_flows(
     seen = []
     monkeypatch.setattr(discretise, "Newton", lambda system, solver, settings: seen.append(settings) or 1 / 0)
     with pytest.raises(ZeroDivisionError):
-        run(wet(mode))
+        run(tiny.wet(mode))
     assert [settings.exact for settings in seen] == [exact]
 
 
 def test_an_undrained_scene_needs_no_time() -> None:
-    no_rate = wet("undrained", rate=None)  # type: ignore[arg-type]
-    np.testing.assert_array_equal(loads(run(no_rate)), loads(run(wet("undrained"))))
+    no_rate = tiny.wet("undrained", rate=None)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(loads(run(no_rate)), loads(run(tiny.wet("undrained"))))
 
 
 def test_pressures_die_away_in_a_rest() -> None:
-    result = run(wet(rate=1e-2, role="held-back", then=("rest 30 day",)))
+    result = run(tiny.wet(rate=1e-2, role="held-back", then=("rest 30 day",)))
     path = result["paths/pull"].to_dataset()
     end = int(np.argmax(path["u"].values >= 0.5e-3 * (1 - 1e-9)))
     assert float(path["u"][-1]) == pytest.approx(0.5e-3, rel=1e-12)
@@ -97,7 +91,7 @@ def test_pressures_die_away_in_a_rest() -> None:
 
 
 def test_stages_follow_each_other() -> None:
-    scene = wet(role="held-back", then=("rest 2 hour", "1 mm at 0.1 mm/s", "0 mm in 10 min"))
+    scene = tiny.wet(role="held-back", then=("rest 2 hour", "1 mm at 0.1 mm/s", "0 mm in 10 min"))
     stages = path_stages(scene, scene.paths[0], 0.0)
     assert [float(stage.target[0]) for stage in stages] == [0.5e-3, 0.5e-3, 1e-3, 0.0]
     assert [stage.duration for stage in stages] == pytest.approx([5.0, 7200.0, 5.0, 600.0])
@@ -106,7 +100,7 @@ def test_stages_follow_each_other() -> None:
 
 
 def test_a_dead_load_is_drained() -> None:
-    scene = wet().replace(caisson={"vertical_load": 1.5e6})
+    scene = tiny.wet().replace(caisson={"vertical_load": 1.5e6})
     path = run(scene)["paths/pull"].to_dataset()
     assert abs(float(path["pressure_max"][0])) < 1e-3
     assert float(path["V"][0]) == pytest.approx(1.5e6, rel=1e-5)
@@ -114,7 +108,7 @@ def test_a_dead_load_is_drained() -> None:
 
 def test_suction_beyond_cavitation_is_warned_of_with_place_and_value() -> None:
     strong = {"water_depth": 0.0, "water_bulk_modulus": "incompressible"}
-    scene = wet("undrained", drainage=strong).replace(soil={"cohesion": 1e6})
+    scene = tiny.wet("undrained", drainage=strong).replace(soil={"cohesion": 1e6})
     path = {**tiny.PULL, "lateral_displacement": 20e-3}
     result = compute(scene.replace(paths=(path,)))
     (text,) = json.loads(result.attrs["run_json"])["warnings"]
@@ -134,7 +128,7 @@ def test_margin_of_cavitation() -> None:
 
 
 def test_film_joins_lid_and_skirt_and_drains_at_mudline() -> None:
-    built = build_model(wet())
+    built = build_model(tiny.wet())
     water, nodes = built.model.water, built.model.mesh.nodes
     assert water is not None and water.film is not None
     film_at = nodes[built.film_mesh_node]

@@ -10,10 +10,8 @@ from pathlib import Path
 import numpy as np
 import openpyxl
 import pytest
-from typer.testing import CliRunner
 
 from pysprings import open_table
-from pysprings.cli import app
 from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.macro.predict import (
@@ -30,10 +28,11 @@ from pysprings.macro.stiffness_six import stiffness_six
 from pysprings.results.exporters import export
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.springs.file import open_springs, save_springs
-from tests.pysprings.macro.test_fan import fan_springs, potential
-from tests.pysprings.macro.test_predict import bilinear_springs, linear_springs, linear_stiffness
-from tests.pysprings.macro.test_vertical import springs as vertical_springs
+from tests.support.closed_forms import bilinear_springs, linear_springs, linear_stiffness
+from tests.support.commands import command
+from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import make_springs
+from tests.support.vertical import vertical_springs
 
 
 @pytest.fixture(scope="module")
@@ -118,8 +117,8 @@ def test_the_command_shows_the_marks(fan_file, tmp_path):
     file = write(tmp_path / "s.csv", "u_m,rotation_rad", "0.0025,0", "0.005,0", "0.005,-0.001", "0.001,-0.001")
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        table = Result("predict", fan_file, "--sequence", file)
-        data = json.loads(Result("predict", fan_file, "--sequence", file, "--json").out)
+        table = command("predict", fan_file, "--sequence", file)
+        data = json.loads(command("predict", fan_file, "--sequence", file, "--json").out)
     assert table.code == 0
     ends = [line.split("  ")[-1] for line in table.out.splitlines()]
     assert (ends[0], ends[4:]) == ("marks", [" off_path", "off_path, turned_back"])
@@ -127,10 +126,10 @@ def test_the_command_shows_the_marks(fan_file, tmp_path):
     assert [state["off_path"] for state in data["states"]] == [0, 0, 1, 1]
     assert [state["turned_back"] for state in data["states"]] == [0, 0, 0, 1]
     assert "turned back" in data["attributes"]["warnings"]
-    refused = Result("predict", fan_file, "--sequence", file, "--strict")
+    refused = command("predict", fan_file, "--sequence", file, "--strict")
     assert (refused.code, refused.out) == (2, "")
     straight = write(tmp_path / "t.csv", "H_N,arm_m", "2e5,2", "4e5,2")
-    done = Result("predict", fan_file, "--sequence", straight, "--strict")
+    done = command("predict", fan_file, "--sequence", straight, "--strict")
     assert done.code == 0
     assert "marks" not in done.out
 
@@ -227,7 +226,7 @@ def test_one_initial_stiffness_everywhere(one_path, tmp_path):
     assert abs(own[0, 0] / full[0, 0] - 1.0) > 0.01  # the springs' tangent at rest is another number
     block = np.ix_([0, 2, 4], [0, 2, 4])
     expected = 0.5 * (full + full.T)
-    said = json.loads(Result("predict", file, "--H", "100 kN", "--stiffness", "--json").out)
+    said = json.loads(command("predict", file, "--H", "100 kN", "--stiffness", "--json").out)
     export(one_path, "xlsx", tmp_path / "springs.xlsx")
     cells = openpyxl.load_workbook(tmp_path / "springs.xlsx")["stiffness 6x6"]["B3:G8"]
     found = [
@@ -240,7 +239,7 @@ def test_one_initial_stiffness_everywhere(one_path, tmp_path):
     for six in found:
         np.testing.assert_allclose(six[block], expected, rtol=1e-12, atol=1e-9 * full.max())
     assert said["stiffness_6x6"]["long_name"].startswith("initial stiffness of the full model")
-    printed = Result("predict", file, "--H", "100 kN", "--stiffness").out
+    printed = command("predict", file, "--H", "100 kN", "--stiffness").out
     assert "initial stiffness of the full model at the lid centre, 6x6" in printed
     assert f"{full[0, 0] * 1e-6:.5g}" in printed.split("initial stiffness")[1]
 
@@ -249,7 +248,7 @@ def test_a_table_has_the_stiffness_of_its_first_steps_and_says_so(tmp_path):
     file = export(vertical_springs(), "csv", tmp_path / "py.csv")
     six = stiffness_six(open_table(file))
     assert six.attrs["long_name"].startswith("stiffness of the first recorded steps of the table")
-    printed = Result("predict", file, "--V", "2.1 MN", "--stiffness").out
+    printed = command("predict", file, "--V", "2.1 MN", "--stiffness").out
     assert "stiffness of the first recorded steps of the table at the lid centre, 6x6" in printed
     assert "initial stiffness" not in printed
 
@@ -314,12 +313,6 @@ def test_sequence_files_refused(tmp_path, lines, found):
     assert f"{first.line}: {first.key}: {first.message}".startswith(found)
 
 
-class Result:
-    def __init__(self, *args: object) -> None:
-        done = CliRunner().invoke(app.app, [str(arg) for arg in args])
-        self.code, self.out, self.err = done.exit_code, done.stdout, done.stderr
-
-
 @pytest.fixture(scope="module")
 def fan_file(tmp_path_factory):
     return save_springs(fan_springs(potential), tmp_path_factory.mktemp("fan") / "springs.nc")
@@ -329,21 +322,21 @@ def test_command_motions_sequence_and_stiffness(fan_file, tmp_path):
     file = write(tmp_path / "s.csv", "H_N,arm_m", "2e5,2", "4e5,2", "0,2")
     with warnings.catch_warnings():
         warnings.simplefilter("default")  # it turns back
-        done = Result("predict", fan_file, "--sequence", file, "--stiffness")
+        done = command("predict", fan_file, "--sequence", file, "--stiffness")
     assert done.code == 0
     assert len(done.out.split("stiffness of the springs at the state")[0].strip().splitlines()) == 5
     assert "step" in done.out.split("stiffness of the springs at the state")[1]
     assert "note: torsion (rz) is not known" in done.err
     assert "without hysteresis" in done.err
     data = json.loads(
-        Result("predict", fan_file, "--u", "1 mm", "--rotation", "-0.1 mrad", "--stiffness", "--json").out
+        command("predict", fan_file, "--u", "1 mm", "--rotation", "-0.1 mrad", "--stiffness", "--json").out
     )
     (state,) = data["states"]
     assert (state["u"], state["rotation"]) == pytest.approx((1e-3, -1e-4))
     assert np.array(data["stiffness"]["matrices"]).shape == (1, 3, 3)
     assert data["stiffness_6x6"]["dofs"] == ["x", "y", "z", "rx", "ry", "rz"]
     assert "torsion" in data["stiffness_6x6"]
-    assert "stiffness" not in json.loads(Result("predict", fan_file, "--M", "-1 MN m", "--json").out)
+    assert "stiffness" not in json.loads(command("predict", fan_file, "--M", "-1 MN m", "--json").out)
 
 
 @pytest.mark.parametrize(
@@ -361,7 +354,7 @@ def test_command_motions_sequence_and_stiffness(fan_file, tmp_path):
     ],
 )
 def test_command_refuses(fan_file, args, message):
-    done = Result("predict", fan_file, *args)
+    done = command("predict", fan_file, *args)
     assert (done.code, done.out) == (2, "")
     assert done.err.startswith(f"fatal: user input: {message}")
 
@@ -369,7 +362,7 @@ def test_command_refuses(fan_file, args, message):
 def test_command_names_the_capacity_and_strict_refuses(fan_file):
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        done = Result("predict", fan_file, "--H", "9 MN")
+        done = command("predict", fan_file, "--H", "9 MN")
     assert done.code == 0
     assert "within their range they carry H = " in done.err
-    assert Result("predict", fan_file, "--H", "9 MN", "--strict").code == 2
+    assert command("predict", fan_file, "--H", "9 MN", "--strict").code == 2

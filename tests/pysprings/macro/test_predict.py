@@ -26,54 +26,16 @@ from pysprings.macro.predict import (
     stiffness,
     tangent_stiffness,
 )
-from tests.support.synthetic import Caisson, Path, make_springs
-
-LENGTH, RINGS = 4.0, 9
-DEPTH = np.linspace(0.0, LENGTH, RINGS)
-EDGES = np.concatenate([[0.0], 0.5 * (DEPTH[1:] + DEPTH[:-1]), [LENGTH]])
-HEIGHT = np.diff(EDGES)
-
-
-def springs_of(p, m, ends, u, rotation, stiffness=None) -> xr.DataTree:
-    """Springs of one pull from p, m (depth, step), ends and states; all of p is outside and normal."""
-    tree = make_springs((Path(steps=len(u) - 1),), Caisson(rings=RINGS, sectors=4))
-    data = tree["paths/pull"].to_dataset(inherit=False).copy(deep=True)
-    zero = np.zeros(len(u))
-    new = {
-        name: ("step", np.asarray(ends.get(name, zero), dtype=float)) for name in ("H_tip", "M_tip", "H_lid", "M_lid")
-    }
-    net = np.zeros(data["p"].shape)
-    net[:, 0, 0, :] = p
-    moment = np.zeros(data["m"].shape)
-    moment[:, 0, :] = m
-    new |= {"p": (data["p"].dims, net), "m": (data["m"].dims, moment)}
-    new |= {"u": ("step", u), "rotation": ("step", rotation)}
-    new |= {"y": (("depth", "step"), u + rotation * DEPTH[:, None])}
-    new |= {"depth_bounds": (("depth", "bound"), np.stack([EDGES[:-1], EDGES[1:]], 1))}
-    data = data.drop_vars("depth_bounds").assign_coords(depth=DEPTH).assign(new)
-    tree["paths/pull"].dataset = variables.attach(data, "springs_path")
-    return tree
-
-
-# Linear springs: p = K_P*y at every depth, m = K_M*rotation, tip and lid terms linear.
-K_P, K_M, K_TIP, R_TIP, K_LID, R_LID = 3e8, 2e9, 4e8, 5e9, 2e8, 1e9
-
-
-def linear_springs() -> xr.DataTree:
-    u = np.linspace(0.0, 5e-3, 6)
-    rotation = -0.15 * u
-    tip = u + LENGTH * rotation
-    ends = {"H_tip": K_TIP * tip, "M_tip": R_TIP * rotation, "H_lid": K_LID * u, "M_lid": R_LID * rotation}
-    return springs_of(K_P * (u + rotation * DEPTH[:, None]), K_M * rotation * np.ones((RINGS, 1)), ends, u, rotation)
-
-
-def linear_stiffness(spring_set: str) -> np.ndarray:
-    """K of H = K_uu u + K_ur rotation, M = K_ru u + K_rr rotation, by the balance sums."""
-    k = np.array([[np.sum(HEIGHT), np.sum(HEIGHT * DEPTH)], [np.sum(HEIGHT * DEPTH), np.sum(HEIGHT * DEPTH**2)]]) * K_P
-    if spring_set == "full":
-        k += K_TIP * np.array([[1.0, LENGTH], [LENGTH, LENGTH**2]])
-        k += [[K_LID, 0.0], [0.0, K_M * LENGTH + R_TIP + R_LID]]
-    return k
+from tests.support.closed_forms import (
+    DEPTH,
+    LENGTH,
+    RINGS,
+    bilinear_springs,
+    linear_springs,
+    linear_stiffness,
+    springs_of,
+)
+from tests.support.synthetic import Path, make_springs
 
 
 @pytest.mark.parametrize("spring_set", ["py", "full"])
@@ -115,13 +77,6 @@ def test_moment_is_the_same_as_its_arm():
     with pytest.warns(MacroWarning):
         by_arm, by_moment = predict(springs, H=5e5, arm=3.0), predict(springs, H=5e5, M=-1.5e6)
     xr.testing.assert_allclose(by_arm.drop_attrs(), by_moment.drop_attrs(), rtol=1e-12)
-
-
-def bilinear_springs() -> xr.DataTree:
-    """Springs that yield at 1 mm: translation alone, so that all curves turn at the same state."""
-    u = np.array([0.0, 1e-3, 2e-3, 3e-3])
-    p = np.tile([0.0, 3e5, 4e5, 5e5], (RINGS, 1))
-    return springs_of(p, np.zeros((RINGS, 1)), {}, u, 0.0 * u)
 
 
 def test_curves_hit_recorded_points_and_go_on_with_the_last_slope():

@@ -7,15 +7,14 @@ import json
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from pysprings.cli import app
 from pysprings.core.errors import UserInputError
 from pysprings.macro.slices import merge_slices, slice_convergence, slice_counts, to_text
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.dataset import get_path
 from pysprings.springs.file import save_springs
 from pysprings.springs.sums import balance, net_p, slice_heights
+from tests.support.commands import command
 from tests.support.synthetic import Caisson, Path, make_springs
 
 PATHS = (
@@ -71,7 +70,7 @@ def test_error_falls_with_the_square_of_the_slice_height(springs):
 
 def test_command(springs, tmp_path):
     file = save_springs(springs, tmp_path / "springs.nc")
-    done = CliRunner().invoke(app.app, ["compare", str(file), "--slices", "--springs", "full", "--json"])
-    rows = json.loads(done.stdout)["rows"]
+    done = command("compare", str(file), "--slices", "--springs", "full", "--json")
+    rows = json.loads(done.out)["rows"]
     assert [row["slices"] for row in rows if row["role"] == "held-back"] == [1, 2, 4, 8, 16, 32, 33]
-    assert "50 points [ms]" in CliRunner().invoke(app.app, ["compare", str(file), "--slices", "--springs", "py"]).stdout
+    assert "50 points [ms]" in command("compare", str(file), "--slices", "--springs", "py").out

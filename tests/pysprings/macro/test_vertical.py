@@ -9,10 +9,8 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 from pysprings import Scene, open_table
-from pysprings.cli import app
 from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.full_model.compute import run
@@ -35,68 +33,15 @@ from pysprings.springs.dataset import get_path
 from pysprings.springs.dead_loads import at_load, load_sets, main_paths
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.file import open_springs, save_springs
-from tests.support import synthetic, tiny
-
-K, REST = 4e9, 2e6  # N/m, N: of the invented vertical springs
-RAYS = [
-    synthetic.Path("slide", "translation", size=1e-2, steps=12),
-    synthetic.Path("turn", "rotation", size=-2e-3, steps=12),
-]
-
-
-def down_curve(w: np.ndarray) -> np.ndarray:
-    """V(w) - V0 of the invented soil: a hyperbola, weaker upwards, with a limit of 3 MN there."""
-    return K * w / (1.0 + np.where(w > 0.0, w / 5e-3, -K * w / 3e6))
-
-
-def vertical_path(base: xr.Dataset, end: float, steps: int = 25) -> xr.Dataset:
-    """A vertical path to w = end [m]: half of the change of V on the skirt, evenly, a quarter on tip and lid each."""
-    w = end * np.linspace(0.0, 1.0, steps) ** 2
-    change, dz = down_curve(w), np.diff(base["depth_bounds"].values, axis=1)[:, 0]
-    out = base.isel(step=[0] * steps).assign_coords(step=np.arange(steps)).copy(deep=True)
-    even = np.broadcast_to(change / dz.sum() / 4.0, (dz.size, 2, steps))
-    out["t"] = out["t"] + xr.DataArray(even, dims=("depth", "side", "step"))
-    out["V_tip"], out["V_lid"], out["V"] = out["V_tip"] + change / 4, out["V_lid"] + change / 4, out["V"] + change
-    out["w"] = ("step", w)
-    out.attrs = {"kind": "vertical", "role": "calibration", "arm_m": 0.0, "status": "complete", "heave": "free"}
-    return variables.attach(out, "springs_path")
-
-
-def springs(ends: tuple[float, ...] = (1e-2, -1e-2), heavier: tuple[float, ...] = ()) -> xr.DataTree:
-    """Two rays, vertical paths to w = ends, and the rays again under more V, with reactions stronger by it."""
-    base = synthetic.make_springs(RAYS)
-    groups = {"/": base.to_dataset(inherit=False)}
-    K_zz = groups["/"]["stiffness_initial"].copy(deep=True)
-    K_zz.values[1, 1] = K
-    groups["/"] = groups["/"].assign(stiffness_initial=K_zz)
-    for name in ("slide", "turn"):
-        path = base[f"paths/{name}"].to_dataset(inherit=False)
-        groups[f"/paths/{name}"] = path
-        for V in heavier:
-            groups[f"/paths/{name}_{V / 1e6:g}".replace(".", "_")] = pressed(path, V)
-    for end in ends:
-        name = "down" if end > 0.0 else "up"
-        groups[f"/paths/{name}"] = vertical_path(groups["/paths/slide"], end)
-    return xr.DataTree.from_dict(groups, name="springs")
-
-
-def pressed(path: xr.Dataset, V: float) -> xr.Dataset:
-    """The path again under a vertical load V: lid carries the rest of V, lateral reactions grow in proportion to V."""
-    out = path.copy(deep=True)
-    for name in ("p", "m", "H", "M", "H_tip", "M_tip", "H_lid", "M_lid"):
-        start = path[name].isel(step=0)
-        out[name] = (start + (path[name] - start) * V / REST).transpose(*path[name].dims)
-    out["V"], out["V_lid"] = out["V"] + V - REST, out["V_lid"] + V - REST
-    table = build_vertical(springs())
-    assert table is not None
-    out["w"] = out["w"] + table.displacement(V)[0]
-    return variables.attach(out, "springs_path")
+from tests.support import tiny
+from tests.support.commands import command
+from tests.support.vertical import REST, K, down_curve, pressed, vertical_springs
 
 
 @pytest.mark.parametrize("name", ["down", "up"])
 def test_pure_vertical_load_is_met_on_the_path(name):
     """Under the V of every recorded state w is the recorded one, exactly, and no warning is given (an error here)."""
-    tree = springs()
+    tree = vertical_springs()
     path = get_path(tree, name)
     for step in (1, 7, 24):
         answer = predict(tree, V=float(path["V"][step]))
@@ -110,20 +55,20 @@ def test_between_the_recorded_states_it_is_the_curve():
     """The closed form between 25 states: within 0.1 % of w, both ways; V ramps from the state at rest."""
     for w in (3.3e-3, -2.1e-3):
         wanted = REST + float(down_curve(np.array(w)))
-        answer = predict(springs(), V=wanted, n=5)
+        answer = predict(vertical_springs(), V=wanted, n=5)
         assert float(answer["w"][-1]) == pytest.approx(w, rel=1e-3)
         np.testing.assert_allclose(answer["V"], np.linspace(REST, wanted, 5))
 
 
 def test_reactions_sum_to_the_load_everywhere():
-    table = build_vertical(springs())
+    table = build_vertical(vertical_springs())
     rows = table.reactions(np.linspace(-1e-2, 1e-2, 41))
     np.testing.assert_allclose(table.b @ rows, rows[-1], rtol=1e-12)
     assert table.name[-1] == "V"
 
 
 def test_initial_stiffness_is_the_full_models_and_the_slope_follows_v():
-    tree = springs()
+    tree = vertical_springs()
     assert float(stiffness_six(model_of(tree))[2, 2]) == K
     table = build_vertical(tree)
     step = 1e-9
@@ -138,7 +83,7 @@ def test_initial_stiffness_is_the_full_models_and_the_slope_follows_v():
 
 def test_a_lateral_load_under_another_v_adds_its_w_and_is_marked():
     """w = w_lateral(V') + w_vertical(V) - w_vertical(V'), u, rotation and H as at V'."""
-    tree = springs()
+    tree = vertical_springs()
     more = REST + float(down_curve(np.array(1e-3)))
     usual = impose(tree, u=2e-3, rotation=0.0)
     with pytest.warns(MacroWarning, match=r"is not that of path 'slide' \(2000000 N\): lateral springs unchanged"):
@@ -152,7 +97,7 @@ def test_a_lateral_load_under_another_v_adds_its_w_and_is_marked():
 
 
 def test_one_direction_only_is_elastic_in_the_other_and_says_so():
-    tree = springs(ends=(1e-2,))
+    tree = vertical_springs(ends=(1e-2,))
     with pytest.warns(MacroWarning, match="no vertical path leads upwards: w from the elastic vertical stiffness"):
         answer = predict(tree, V=REST - 1e6)
     assert float(answer["w"][-1]) == pytest.approx(-1e6 / K)
@@ -160,12 +105,12 @@ def test_one_direction_only_is_elastic_in_the_other_and_says_so():
 
 
 def test_beyond_the_vertical_springs_is_marked_or_has_no_equilibrium():
-    tree = springs(ends=(5e-3, -1e-2))
+    tree = vertical_springs(ends=(5e-3, -1e-2))
     end = REST + float(down_curve(np.array(5e-3)))
     with pytest.warns(MacroWarning, match="beyond the vertical springs .* V from .* to 1.2e.07 N"):
         answer = predict(tree, V=end + 1e6)
     assert int(answer["extrapolated"][-1]) == 1
-    flat = springs()
+    flat = vertical_springs()
     for name in ("t", "V", "V_tip", "V_lid"):  # pull-out: no more resistance over the last steps
         values = flat["paths/up"][name].values
         values[..., -6:] = values[..., -6:-5]
@@ -176,8 +121,8 @@ def test_beyond_the_vertical_springs_is_marked_or_has_no_equilibrium():
 
 
 def test_vertical_paths_take_no_part_in_the_lateral_springs():
-    with_vertical = springs()
-    without = springs(ends=())
+    with_vertical = vertical_springs()
+    without = vertical_springs(ends=())
     for kind in ("fan", "full", "py", "pisa"):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", MacroWarning)
@@ -194,7 +139,7 @@ def test_vertical_paths_take_no_part_in_the_lateral_springs():
 
 def test_between_two_loads_reactions_are_interpolated_and_w_is_that_of_the_vertical_springs():
     """The invented reactions grow in proportion to V, so that interpolation is exact; no warning is given."""
-    tree = springs(heavier=(6e6,))
+    tree = vertical_springs(heavier=(6e6,))
     assert [each.V for each in load_sets(tree)] == [2e6, 6e6]
     assert main_paths(tree) == tuple(fan_paths(tree)) == ("slide", "turn")
     heavy = tree.copy()
@@ -209,7 +154,7 @@ def test_between_two_loads_reactions_are_interpolated_and_w_is_that_of_the_verti
 
 
 def test_at_and_beyond_the_loads_of_the_sets():
-    tree = springs(heavier=(6e6,))
+    tree = vertical_springs(heavier=(6e6,))
     usual, own = (impose(tree, u=2e-3, rotation=0.0, V=V) for V in (None, 6e6))
     np.testing.assert_allclose(own["H"][10:], 3.0 * usual["H"][10:], rtol=1e-9)
     with pytest.warns(MacroWarning, match=r"V = 8000000 N is not that of path 'slide_6' \(6000000 N\)"):
@@ -221,7 +166,7 @@ def test_at_and_beyond_the_loads_of_the_sets():
 
 
 def test_a_lonely_path_at_another_load_is_no_set():
-    tree = springs(heavier=(6e6,))
+    tree = vertical_springs(heavier=(6e6,))
     kept = {f"/paths/{name}": get_path(tree, name).copy() for name in tree["paths"].children if name != "turn_6"}
     lonely = xr.DataTree.from_dict({"/": tree.to_dataset(inherit=False)} | kept)
     assert "slide_6" not in at_load(lonely, 6e6)["paths"].children
@@ -230,7 +175,7 @@ def test_a_lonely_path_at_another_load_is_no_set():
 
 
 def test_compare_answers_every_path_under_its_own_load():
-    tree = springs(heavier=(6e6,))
+    tree = vertical_springs(heavier=(6e6,))
     heavy = tree["paths/slide_6"].to_dataset(inherit=False)
     tree["paths/held"] = xr.DataTree(pressed(tree["paths/slide"].to_dataset(inherit=False), 3e6).assign_attrs(
         heavy.attrs | {"role": "held-back"}))  # fmt: skip
@@ -245,11 +190,11 @@ def test_compare_answers_every_path_under_its_own_load():
     assert down["eta_large"] == pytest.approx(1.0)
     text = to_text(compare(tree))
     assert "V [MN]" in text and "vertical = vertical springs" in text and "nan" not in text
-    assert "V [MN]" not in to_text(compare(springs(ends=())))
+    assert "V [MN]" not in to_text(compare(vertical_springs(ends=())))
 
 
 def test_vertical_springs_answer_their_own_path_only_when_asked_for_all_sets():
-    tree = springs()
+    tree = vertical_springs()
     assert list(curves(tree, "up")) == ["vertical"]
     assert curves(tree, "up", "fan") == {}
     assert list(variables.problems(curves(tree, "up")["vertical"].drop_vars(["t", "u_at_load"]), "prediction")) != []
@@ -260,7 +205,7 @@ def test_vertical_springs_answer_their_own_path_only_when_asked_for_all_sets():
 
 @pytest.mark.parametrize("form", [0, 1], ids=["long", "wide"])
 def test_tables_give_the_vertical_springs_back(tmp_path, form):
-    tree = springs(heavier=(6e6,))
+    tree = vertical_springs(heavier=(6e6,))
     file = exporters.csv_tables(tmp_path, tree)[form]
     table = open_table(file)
     for question in ({"V": 1.2e7}, {"V": 1e6}, {"V": 3e6, "H": 2e5}):
@@ -274,13 +219,13 @@ def test_tables_give_the_vertical_springs_back(tmp_path, form):
 
 
 def test_a_table_without_the_vertical_direction_refuses_v(tmp_path):
-    file = exporters.csv_tables(tmp_path, springs(ends=()))[0]
+    file = exporters.csv_tables(tmp_path, vertical_springs(ends=()))[0]
     with pytest.raises(UserInputError, match="V: these springs come from a table without vertical paths"):
         predict(open_table(file), H=1e5, V=1e6)
 
 
 def test_vertical_rows_of_a_table_are_checked(tmp_path):
-    file = exporters.csv_tables(tmp_path, springs())[0]
+    file = exporters.csv_tables(tmp_path, vertical_springs())[0]
     lines = file.read_text().splitlines()
     no_lid = [line for line in lines if not line.startswith("down,lid")]
     (tmp_path / "a.csv").write_text("\n".join(no_lid) + "\n")
@@ -297,7 +242,7 @@ def test_vertical_rows_of_a_table_are_checked(tmp_path):
 def test_workbook_has_a_sheet_of_the_vertical_springs(tmp_path):
     import openpyxl
 
-    tree = springs()
+    tree = vertical_springs()
     book = openpyxl.load_workbook(exporters.excel(tmp_path / "springs.xlsx", tree))
     sheet = book["t-z"]
     head = [cell.value for cell in sheet[3]]
@@ -308,15 +253,17 @@ def test_workbook_has_a_sheet_of_the_vertical_springs(tmp_path):
     np.testing.assert_allclose([row[2] for row in rows[25:]], path["w"] * 1e3, atol=1e-12)
     np.testing.assert_allclose([row[6] for row in rows[25:]], path["t"].sum("side")[0] * 1e-3, rtol=1e-9)
     assert {"w_tz.up", "V_tz.up", "tz_1.up"} <= set(book.defined_names)
-    assert "t-z" not in openpyxl.load_workbook(exporters.excel(tmp_path / "no.xlsx", springs(ends=()))).sheetnames
+    assert (
+        "t-z" not in openpyxl.load_workbook(exporters.excel(tmp_path / "no.xlsx", vertical_springs(ends=()))).sheetnames
+    )
 
 
 def test_predict_with_a_vertical_load_alone(tmp_path):
-    file = save_springs(springs(), tmp_path / "springs.nc")
+    file = save_springs(vertical_springs(), tmp_path / "springs.nc")
     wanted = REST + float(down_curve(np.array(2e-3)))
-    done = CliRunner().invoke(app.app, ["predict", str(file), "--V", f"{wanted} N", "--strict", "--json"])
-    assert done.exit_code == 0, done.output
-    assert '"w": 0.0020' in done.stdout.replace("0.00199", "0.0020")
+    done = command("predict", str(file), "--V", f"{wanted} N", "--strict", "--json")
+    assert done.code == 0, done.err
+    assert '"w": 0.0020' in done.out.replace("0.00199", "0.0020")
     assert open_springs(file).attrs["schema"] == "pysprings-springs-2"
 
 
@@ -431,7 +378,7 @@ def test_fixed_heave_holds_the_caisson_where_its_dead_load_has_put_it():
 @pytest.mark.parametrize("name", ["down", "up"])
 def test_the_curve_goes_on_from_its_last_point_along_its_last_step(name):
     """Continuous there for every reaction, then straight; V -> w is the inverse. Line through two recorded points."""
-    tree = springs(ends=(2e-3, -1e-4))  # upwards short of the limit, which carries no more
+    tree = vertical_springs(ends=(2e-3, -1e-4))  # upwards short of the limit, which carries no more
     path, table = get_path(tree, name), build_vertical(tree)
     w, V = path["w"].values, path["V"].values
     last, beyond = w[-1], w[-1] + 0.5 * (w[-1] - w[-2])

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks import carried
+from benchmarks.carried import SMOOTH, difference, push
 from fe_engine.assembly.system import System
 from fe_engine.linear.backends import available_backends
 from fe_engine.state import State, initial_fields
@@ -16,8 +18,8 @@ from pysprings.full_model.compute import run
 from pysprings.model.build import build_model
 from pysprings.model.forecast.omissions import left_out, symmetric_factors
 from pysprings.model.forecast.resources import memory_bytes, size_of
-from tests.support import carried, tiny
-from tests.support.carried import SMOOTH, difference, push
+from tests.support import tiny
+from tests.support.files import record_of
 
 # of the largest value of each quantity; tolerances of the solver are 1e-9 of the contact forces here
 SAME = 1.0e-6
@@ -104,8 +106,6 @@ def test_saved_bytes_of_history_are_those_of_its_copies() -> None:
 
 
 def test_the_record_of_a_run_says_the_same() -> None:
-    from tests.pysprings.full_model.test_compute import record_of
-
     assert record_of(tiny.result())["left_out"] == [omission.record() for omission in left_out(tiny.scene())]
 
 

@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
+from benchmarks import carried
 from benchmarks.omissions import Case, cases, measure, models, table
 from fe_engine.assembly.system import System
 from fe_engine.linear.backends import available_backends
 from pysprings.model.build import Built
-from tests.support import carried
 
 
 def test_a_case_is_measured_without_and_with_what_it_leaves_out() -> None:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 import subprocess
 import sys
@@ -12,18 +11,15 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from typer.testing import CliRunner
 
 from fe_engine import memory
 from pysprings import Scene
-from pysprings.cli import app
 from pysprings.core.errors import ResourceError
 from pysprings.model.forecast import resources
 from pysprings.model.forecast.estimate import describe
 from pysprings.results.folder import run_to_folder
 from tests.support import tiny
-
-ROOT = Path(__file__).parents[3]
+from tests.support.commands import command, environment
 
 
 @pytest.mark.parametrize("mode", ["drained", "coupled"])
@@ -96,10 +92,10 @@ def test_a_full_disk_is_refused_by_the_run(tmp_path: Path, monkeypatch: pytest.M
 
 def test_check_ends_with_exit_code_4(tmp_path: Path) -> None:
     (tmp_path / "c.toml").write_text("[mesh]\nrefinement = 8\npreset = 'fine'\n")
-    done = CliRunner().invoke(app.app, ["check", str(tmp_path / "c.toml")])
-    assert done.exit_code == 4
-    assert done.stderr.startswith("fatal: resources: the model needs about ")
-    assert done.stderr.count("\n") == 1
+    done = command("check", str(tmp_path / "c.toml"))
+    assert done.code == 4
+    assert done.err.startswith("fatal: resources: the model needs about ")
+    assert done.err.count("\n") == 1
 
 
 def test_check_names_warnings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -107,10 +103,10 @@ def test_check_names_warnings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr("pysprings.model.forecast.estimate.memory_available", lambda: 1e6)
     text = '[[path]]\nname = "a"\nkind = "pull"\nlateral_displacement = "0.5 m"\n'
     (tmp_path / "c.toml").write_text(text)
-    done = CliRunner().invoke(app.app, ["check", str(tmp_path / "c.toml")])
-    assert done.exit_code == 0
-    assert "warning: the run needs about 0.403 GB of memory; 0.001 GB are free now" in done.stderr
-    assert "warning: path 'a': a displacement of 0.5 m" in done.stderr
+    done = command("check", str(tmp_path / "c.toml"))
+    assert done.code == 0
+    assert "warning: the run needs about 0.403 GB of memory; 0.001 GB are free now" in done.err
+    assert "warning: path 'a': a displacement of 0.5 m" in done.err
 
 
 # --- control groups ---
@@ -176,7 +172,7 @@ def limited_process(*args: object, room: int | None = None, cwd: Path) -> subpro
         if room is not None:
             resource.setrlimit(resource.RLIMIT_AS, (room, room))
 
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    env = environment()
     command = [sys.executable, *map(str, args)]
     return subprocess.run(command, preexec_fn=limit, capture_output=True, text=True, cwd=cwd, env=env, timeout=300)
 

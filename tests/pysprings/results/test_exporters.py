@@ -14,7 +14,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.results import exporters
 from pysprings.results.exporters.xlsx_names import Names
-from tests.pysprings.macro.test_fan import fan_springs, potential
+from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import Path, make_result, make_springs
 
 PATHS = (Path("pull"), Path("high", arm=8.0, role="held-back"))

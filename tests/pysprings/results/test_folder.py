@@ -8,7 +8,6 @@ import os
 import signal
 import subprocess
 import sys
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +17,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
-from typer.testing import CliRunner
 
 from fe_engine.errors import LinearSolverError
-from pysprings.cli import app
 from pysprings.core.errors import RunIncomplete, UserInputError
 from pysprings.core.files.layout import FILES
 from pysprings.full_model import discretise
@@ -33,9 +30,9 @@ from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.template import template_names, template_text
 from pysprings.springs.file import open_springs
 from tests.support import tiny
-
-ROOT = Path(__file__).parents[3]
-SCENES = sorted((ROOT / "data" / "scenes").glob("*.toml"))
+from tests.support.commands import command, environment
+from tests.support.files import contents, read_record, read_report
+from tests.support.place import SCENES
 
 # the public contract, word by word
 LOAD_DISPLACEMENT = (
@@ -43,39 +40,6 @@ LOAD_DISPLACEMENT = (
     "converged"
 )
 PY = "path,family,depth_m,depth_top_m,depth_bottom_m,side,component,step,y_m,p_N_per_m"
-
-
-def command(*args: object) -> Any:
-    """Run the command line in this process."""
-    return CliRunner().invoke(app.app, [str(arg) for arg in args], prog_name="pysprings")
-
-
-def read_record(folder: Path) -> dict[str, Any]:
-    record: dict[str, Any] = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-    return record
-
-
-class _Text(HTMLParser):
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.words = ""
-        self.images: list[str] = []
-        self.feed(page)
-
-    def handle_data(self, data: str) -> None:
-        self.words += data
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag == "img":
-            self.images.append(str(dict(attrs)["alt"]))
-
-
-def read_report(folder: Path) -> _Text:
-    return _Text((folder / "report.html").read_text(encoding="utf-8"))
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
 # --- a run that goes well ---
@@ -96,7 +60,7 @@ def folder(run: tuple[Path, Any]) -> Path:
 
 def test_every_file_of_the_contract_is_there(run: tuple[Path, Any]) -> None:
     folder, done = run
-    assert done.exit_code == 0, done.stderr
+    assert done.code == 0, done.err
     assert set(contents(folder)) == set(FILES)
 
 
@@ -170,21 +134,21 @@ def test_run_json_has_status_provenance_cost_and_balance(folder: Path) -> None:
 
 def test_the_end_of_the_run_prints_its_cost(run: tuple[Path, Any]) -> None:
     folder, done = run
-    record, lines = read_record(folder), done.stdout.splitlines()
+    record, lines = read_record(folder), done.out.splitlines()
     for words in ("mesh", "assembly", "factorisation", "solve", "output: files", "other", "total"):
         assert any(line.startswith(words) for line in lines)
     assert any(f"{record['solver']['factorisations']} factorisations" in line for line in lines)
     assert any("peak memory" in line for line in lines)
     assert any(line.startswith("pull: alternation") for line in lines)
-    assert "eta small" in done.stdout
+    assert "eta small" in done.out
 
 
 def test_the_report_shows_checks_and_what_was_left_out(folder: Path) -> None:
     page = read_report(folder)
     for words in ("Statuscomplete", "Equilibrium check", "Contact from station to station", "output: pictures"):
-        assert words in page.words
-    assert "all pictures" in page.words and "output.figures = false" in page.words
-    assert page.images == ["Axes and signs of the caisson"]
+        assert words in page.text
+    assert "all pictures" in page.text and "output.figures = false" in page.text
+    assert page.pictures == ["Axes and signs of the caisson"]
 
 
 # --- folders with something in them ---
@@ -208,12 +172,12 @@ def test_force_leaves_nothing_of_an_earlier_run(tmp_path: Path, blank_pictures: 
         (out / name).write_text("old")
     (out / "run.json").write_text(json.dumps({"status": "complete", "files": old[:2]}))
     file = tiny.write(tiny.scene(output={"figures": True}), tmp_path / "caisson.toml")
-    assert command("run", file, "--out", out).exit_code == 2
-    assert command("run", file, "--out", out, "--force").exit_code == 0
+    assert command("run", file, "--out", out).code == 2
+    assert command("run", file, "--out", out, "--force").code == 0
     left = contents(out)
     assert set(left) == {*FILES, *mine, "figures/pull_py.png", "figures/pull_py.svg"}
     assert all((left[name] == b"old") == (name in mine) for name in left)
-    assert read_report(out).images == ["Axes and signs of the caisson", "p-y curves by depth"]
+    assert read_report(out).pictures == ["Axes and signs of the caisson", "p-y curves by depth"]
 
 
 def test_a_run_without_springs_leaves_no_springs_of_the_run_before(tmp_path: Path) -> None:
@@ -221,7 +185,7 @@ def test_a_run_without_springs_leaves_no_springs_of_the_run_before(tmp_path: Pat
     with pytest.raises(RunIncomplete):
         run_to_folder(tiny.stuck_scene(), tmp_path)
     assert set(contents(tmp_path)) == {"full_model.nc", "load_displacement.csv", "report.html", "run.json"}
-    assert "Macro-model against full model" not in read_report(tmp_path).words
+    assert "Macro-model against full model" not in read_report(tmp_path).text
 
 
 @pytest.mark.parametrize("where", ["scene", "mesh", "solver"])
@@ -247,16 +211,16 @@ def test_what_is_refused_leaves_the_folder_untouched(
     file.write_text(text, encoding="utf-8")
     before = contents(folder)
     done = command("run", file, "--out", folder, "--force")
-    assert done.exit_code == (4 if where == "solver" else 2)
-    assert done.stderr.splitlines()[-1].startswith("fatal: ")
-    assert done.stdout == ""
+    assert done.code == (4 if where == "solver" else 2)
+    assert done.err.splitlines()[-1].startswith("fatal: ")
+    assert done.out == ""
     assert contents(folder) == before
 
 
 def test_less_output_makes_a_whole_folder_that_says_so(tmp_path: Path) -> None:
     run_to_folder(tiny.scene(output={"interface_fields": False, "section": False}), tmp_path)
     assert set(contents(tmp_path)) == set(FILES)
-    words = read_report(tmp_path).words
+    words = read_report(tmp_path).text
     assert "output.interface_fields = false" in words and "output.section = false" in words
     assert "not measured: interface fields were not kept" in words
 
@@ -267,34 +231,34 @@ def test_less_output_makes_a_whole_folder_that_says_so(tmp_path: Path) -> None:
 def test_a_run_that_cannot_converge_ends_with_3(tmp_path: Path) -> None:
     file = tiny.write(tiny.overloaded_scene(), tmp_path / "storm.toml")
     done = command("run", file, "--out", tmp_path / "out")
-    assert done.exit_code == 3
-    assert done.stdout.startswith(f"results in {tmp_path / 'out'} (partial)\n")
-    assert done.stderr.count("path 'storm' stopped on its way to") == 1
-    assert done.stderr.endswith(f"\nwhat converged is kept in {tmp_path / 'out'}\n")
+    assert done.code == 3
+    assert done.out.startswith(f"results in {tmp_path / 'out'} (partial)\n")
+    assert done.err.count("path 'storm' stopped on its way to") == 1
+    assert done.err.endswith(f"\nwhat converged is kept in {tmp_path / 'out'}\n")
     assert set(contents(tmp_path / "out")) == set(FILES)
     record = read_record(tmp_path / "out")
     assert record["status"] == record["paths"]["storm"]["status"] == "partial"
     table = pd.read_csv(tmp_path / "out" / "load_displacement.csv")
     assert len(table) > 3 and (table["converged"] == 1).all()
-    words = read_report(tmp_path / "out").words
+    words = read_report(tmp_path / "out").text
     assert "This run is not complete (status: partial)" in words
     assert record["failures"][0] in words
-    assert command("compare", tmp_path / "out").exit_code == 0
+    assert command("compare", tmp_path / "out").code == 0
 
 
 def test_a_run_that_does_not_start_keeps_its_record(tmp_path: Path) -> None:
     file = tiny.write(tiny.stuck_scene(), tmp_path / "stuck.toml")
     done = command("run", file, "--out", tmp_path / "out")
-    assert done.exit_code == 3
-    message = done.stderr.splitlines()[-2]
+    assert done.code == 3
+    message = done.err.splitlines()[-2]
     for words in ("fatal: not converged: path 'pull' stopped on its way to", "no convergence in 2 iterations", "node "):
         assert words in message
-    assert "attempts given up (cut-backs):" in done.stdout
+    assert "attempts given up (cut-backs):" in done.out
     record = read_record(tmp_path / "out")
     assert record["paths"]["pull"]["cut_backs_at"][0]["place"].startswith("node ")
     with xr.open_dataset(tmp_path / "out" / "full_model.nc", group="paths/pull/convergence") as data:
         assert data.sizes["iteration"] == 3 * record["paths"]["pull"]["cut_backs"]
-    assert "Attempts given up (cut-backs)" in read_report(tmp_path / "out").words
+    assert "Attempts given up (cut-backs)" in read_report(tmp_path / "out").text
 
 
 def test_an_interrupt_while_pictures_are_drawn_keeps_the_numbers(
@@ -307,12 +271,12 @@ def test_an_interrupt_while_pictures_are_drawn_keeps_the_numbers(
     monkeypatch.setattr(plots, "save_all", interrupt)
     file = tiny.write(tiny.scene(output={"figures": True}), tmp_path / "caisson.toml")
     done = command("run", file, "--out", tmp_path / "out")
-    assert done.exit_code == 130
+    assert done.code == 130
     left = {name for name in contents(tmp_path / "out") if not name.startswith("checkpoint")}
     assert left == set(FILES) - {"report.html"}
     monkeypatch.setattr(plots, "save_all", drawn)
     monkeypatch.setattr(plots.files, "figures", lambda *_: [("pull_py", Figure(figsize=(1, 1)))])
-    assert command("run", file, "--out", tmp_path / "out", "--resume").exit_code == 0
+    assert command("run", file, "--out", tmp_path / "out", "--resume").code == 0
     assert set(contents(tmp_path / "out")) == {*FILES, "figures/pull_py.png", "figures/pull_py.svg"}
 
 
@@ -327,7 +291,7 @@ def test_ctrl_c_keeps_the_converged_steps(tmp_path: Path) -> None:
         "runpy.run_module('pysprings', run_name='__main__', alter_sys=True)"
     )
     args = [sys.executable, "-c", start, "run", str(file), "--out", str(tmp_path / "out")]
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    env = environment()
     with subprocess.Popen(args, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env) as run:
         assert run.stderr is not None
         for line in run.stderr:

@@ -7,7 +7,6 @@ import base64
 import json
 import re
 import xml.etree.ElementTree as ET
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,8 @@ from pysprings.results import axes
 from pysprings.results.report import page as report
 from pysprings.results.report import tables as report_tables
 from tests.support import synthetic
+from tests.support.files import Page
+from tests.support.place import ROOT
 
 PATHS = (synthetic.Path("pull", size=2e-2), synthetic.Path("turn", "rotation", size=4e-3))
 HOSTILE = "<script>alert('x')</script> & \"quoted\" <img src=x onerror=y>"
@@ -38,36 +39,6 @@ RUN = {
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="
 )
-
-
-class Page(HTMLParser):
-    """Tags with their attributes, and the text, of a page; refuses tags that do not close."""
-
-    VOID = ("meta", "img", "br", "link", "input", "hr")
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[tuple[str, dict[str, str | None]]] = []
-        self.text = ""
-        self.open: list[str] = []
-        self.feed(text)
-        assert self.open == []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append((tag, dict(attrs)))
-        if tag not in self.VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
-
-    def row(self, first: str) -> str:
-        """The text of the row that starts with these words."""
-        lines = [" ".join(line.split()) for line in self.text.split("\n")]
-        return next(line for line in lines if line.startswith(first))
 
 
 @pytest.fixture(scope="module")
@@ -384,7 +355,7 @@ def test_sketch_is_valid_svg_with_the_signs(tmp_path: Path) -> None:
 
 
 def test_the_picture_in_the_docs_is_the_current_sketch() -> None:
-    file = Path(__file__).parents[3] / "docs" / "axes.svg"
+    file = ROOT / "docs" / "axes.svg"
     assert file.read_text(encoding="utf-8") == axes.axes_svg(), "run: python -m pysprings.results.axes docs/axes.svg"
 
 

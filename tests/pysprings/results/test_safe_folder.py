@@ -10,10 +10,8 @@ from typing import Any
 
 import pytest
 from matplotlib.figure import Figure
-from typer.testing import CliRunner
 
 import pysprings
-from pysprings.cli import app
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.layout import CHECKPOINT, FIGURES, FILES, PARAVIEW, is_unfinished
 from pysprings.full_model.checkpoint import Checkpoints
@@ -25,16 +23,10 @@ from pysprings.studies import kept_runs
 from pysprings.studies.accuracy import runs as accuracy_runs
 from pysprings.studies.paper import sensitivity, study
 from tests.support import tiny
+from tests.support.commands import command
+from tests.support.files import contents
 
 needs_links = pytest.mark.skipif(os.name == "nt", reason="links need a right there")
-
-
-def command(*args: object) -> Any:
-    return CliRunner().invoke(app.app, [str(arg) for arg in args], prog_name="pysprings")
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
 class Killed(BaseException):
@@ -95,8 +87,8 @@ def test_a_link_in_place_of_a_folder_of_the_run_is_refused(
     (out / name).symlink_to(elsewhere)
     before = contents(tmp_path)
     done = command("run", scene_file, "--out", out, *options)
-    assert done.exit_code == 2
-    assert done.stderr.startswith(
+    assert done.code == 2
+    assert done.err.startswith(
         f"fatal: user input: {out / name}: is a link to {elsewhere}: nothing is written or removed"
     )
     assert contents(tmp_path) == before
@@ -163,13 +155,13 @@ def test_a_link_of_the_name_of_the_lock_is_not_written_through(tmp_path: Path, e
 def test_a_result_folder_that_is_a_link_serves_and_one_to_nothing_is_named(tmp_path: Path, scene_file: Path) -> None:
     (tmp_path / "real").mkdir()
     (tmp_path / "out").symlink_to(tmp_path / "real")
-    assert command("run", scene_file, "--out", tmp_path / "out").exit_code == 0
+    assert command("run", scene_file, "--out", tmp_path / "out").code == 0
     assert set(contents(tmp_path / "real")) == set(FILES)
     (tmp_path / "gone").symlink_to(tmp_path / "nowhere")
     done = command("run", scene_file, "--out", tmp_path / "gone")
-    assert done.exit_code == 2
+    assert done.code == 2
     words = f"--out: is a link to {tmp_path / 'nowhere'}, which is not there"
-    assert done.stderr == f"fatal: user input: {tmp_path / 'gone'}: {words}\n"
+    assert done.err == f"fatal: user input: {tmp_path / 'gone'}: {words}\n"
 
 
 # --- what a run removes ---
@@ -260,21 +252,21 @@ def test_status_is_written_last_and_a_killed_writer_is_not_believed(
     before = contents(out)
     for words in ASKED:
         done = asked(words, out)
-        assert done.exit_code == 2, words
-        assert done.stdout == ""
-        assert f"{out}: holds a run that has not ended (killed, or still running)" in done.stderr
-        assert "--resume" in done.stderr
+        assert done.code == 2, words
+        assert done.out == ""
+        assert f"{out}: holds a run that has not ended (killed, or still running)" in done.err
+        assert "--resume" in done.err
     named = command("predict", out / "springs.nc", "--H", "100 kN")
-    assert named.exit_code == 0
-    assert f"warning: {out}: holds a run that has not ended" in named.stderr
+    assert named.code == 0
+    assert f"warning: {out}: holds a run that has not ended" in named.err
     assert contents(out) == before
     monkeypatch.setattr(plots.files, "figures", lambda *_: [("pull_newton", Figure(figsize=(1, 1)))])
     done = command("run", file, "--out", out, "--resume")
-    assert done.exit_code == 0, done.stderr
+    assert done.code == 0, done.err
     assert set(contents(out)) == {*FILES, "figures/pull_newton.png", "figures/pull_newton.svg"}  # not pull_py
     assert json.loads((out / "run.json").read_text())["status"] == "complete"
     answer = asked(ASKED[0], out)
-    assert (answer.exit_code, "has not ended" in answer.stderr) == (0, False)
+    assert (answer.code, "has not ended" in answer.err) == (0, False)
 
 
 def test_results_of_a_run_before_a_killed_one_are_not_answered_from(tmp_path: Path) -> None:
@@ -283,7 +275,7 @@ def test_results_of_a_run_before_a_killed_one_are_not_answered_from(tmp_path: Pa
         run_to_folder(tiny.scene(soil={"K0": 0.9}), tmp_path, progress=stop_after(3, Killed))
     assert json.loads((tmp_path / "run.json").read_text())["status"] == "complete"
     for words in ASKED:
-        assert "holds a run that has not ended" in asked(words, tmp_path).stderr
+        assert "holds a run that has not ended" in asked(words, tmp_path).err
 
 
 def test_an_interrupted_run_is_answered_with_its_mark(tmp_path: Path) -> None:
@@ -291,14 +283,14 @@ def test_an_interrupted_run_is_answered_with_its_mark(tmp_path: Path) -> None:
         run_to_folder(tiny.scene(), tmp_path, progress=stop_after(4, KeyboardInterrupt))
     for words in ASKED[:3]:
         done = asked(words, tmp_path)
-        assert done.exit_code == 0, done.stderr
-        assert f"warning: {tmp_path}: the run was interrupted: what is here is what had converged" in done.stderr
+        assert done.code == 0, done.err
+        assert f"warning: {tmp_path}: the run was interrupted: what is here is what had converged" in done.err
     strict = command("predict", tmp_path, "--H", "10 kN", "--strict")
-    assert strict.exit_code == 2
-    assert "--strict: the run was interrupted" in strict.stderr
+    assert strict.code == 2
+    assert "--strict: the run was interrupted" in strict.err
     with pytest.raises(Killed):  # checkpoints of another scene beside what was interrupted
         run_to_folder(tiny.scene(soil={"K0": 0.9}), tmp_path, progress=stop_after(3, Killed))
-    assert asked(ASKED[0], tmp_path).exit_code == 2
+    assert asked(ASKED[0], tmp_path).code == 2
     assert is_unfinished(tmp_path)
 
 
@@ -306,7 +298,7 @@ def test_a_writer_whose_checkpoints_are_gone_has_nothing_to_resume(tmp_path: Pat
     out = run_to_folder(tiny.scene(), tmp_path / "out")
     record = json.loads((out / "run.json").read_text())
     (out / "run.json").write_text(json.dumps(record | {"status": "writing"}))
-    assert asked(ASKED[0], out).exit_code == 2
+    assert asked(ASKED[0], out).code == 2
     done = command("run", scene_file, "--out", out, "--resume")
-    assert done.exit_code == 2
-    assert "its checkpoints are gone; --force begins anew" in done.stderr
+    assert done.code == 2
+    assert "its checkpoints are gone; --force begins anew" in done.err

@@ -9,16 +9,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
 
 from pysprings import open_table
-from pysprings.cli import app
 from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, impose, predict
 from pysprings.results import exporters
-from tests.pysprings.macro.test_fan import fan_springs, potential
 from tests.support import synthetic
+from tests.support.commands import command
+from tests.support.fans import fan_springs, potential
 
 HEAD = "depth_m,depth_top_m,depth_bottom_m,y_m,p_N_per_m"
 K = 2e8  # N/m per m
@@ -317,10 +316,10 @@ def test_states_beyond_the_peak_of_a_softening_curve_are_marked(tmp_path, sign):
 @pytest.mark.parametrize("options", [(), ("--skirt-length", "4 m")])
 def test_tables_of_other_formats_are_named(tmp_path, ending, options):
     file = write(tmp_path / f"py.{ending}", "depth_m,y_m,p_N_per_m", "1,0.001,1e5")
-    done = CliRunner().invoke(app.app, ["predict", str(file), "--H", "10 kN", *options])
-    assert done.exit_code == 2
+    done = command("predict", str(file), "--H", "10 kN", *options)
+    assert done.code == 2
     words = f"tables in the format .{ending.lower()} cannot be read; save it as .csv or .xlsx"
-    assert done.stderr == f"fatal: user input: {file}: {words}\n"
+    assert done.err == f"fatal: user input: {file}: {words}\n"
 
 
 def test_a_table_of_a_million_lines_is_refused_before_it_is_read(tmp_path):
@@ -334,18 +333,18 @@ def test_a_table_of_a_million_lines_is_refused_before_it_is_read(tmp_path):
 
 def test_the_command_takes_tables(tmp_path):
     file = write(tmp_path / "py.csv", "depth_m,y_m,p_N_per_m", "1,0.001,1e5", "3,0.001,2e5")
-    done = CliRunner().invoke(app.app, ["predict", str(file), "--H", "10 kN", "--skirt-length", "4 m"])
-    assert done.exit_code == 0
-    assert done.stdout.split()[:2] == ["u", "[mm]"]
-    assert done.stderr.splitlines()[0].startswith("note: p-y springs alone")
+    done = command("predict", str(file), "--H", "10 kN", "--skirt-length", "4 m")
+    assert done.code == 0
+    assert done.out.split()[:2] == ["u", "[mm]"]
+    assert done.err.splitlines()[0].startswith("note: p-y springs alone")
     bad = write(tmp_path / "bad.csv", "depth_m,y_mm,p_N_per_m", "1,0.001,1e5")
-    done = CliRunner().invoke(app.app, ["predict", str(bad), "--H", "10 kN"])
-    assert (done.exit_code, done.stdout) == (2, "")
-    assert done.stderr == (
+    done = command("predict", str(bad), "--H", "10 kN")
+    assert (done.code, done.out) == (2, "")
+    assert done.err == (
         f"fatal: user input: {bad}:1: \"y_mm\": wrong name or unit: expected 'y_m' (SI; convert the numbers)\n"
     )
-    nc = CliRunner().invoke(app.app, ["predict", str(tmp_path), "--H", "10 kN", "--skirt-length", "4 m"])
-    assert "--skirt-length: is for tables" in nc.stderr
+    nc = command("predict", str(tmp_path), "--H", "10 kN", "--skirt-length", "4 m")
+    assert "--skirt-length: is for tables" in nc.err
 
 
 @pytest.mark.parametrize("form", [0, 1], ids=["long", "wide"])

@@ -12,15 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
-from pysprings.cli import app
 from pysprings.core.errors import UserInputError
 from pysprings.full_model.compute import compute
 from pysprings.model.build import build_model
 from pysprings.results.exporters import paraview
 from pysprings.results.folder import run_to_folder
 from tests.support import tiny
+from tests.support.commands import command
 
 SCENE = {
     "caisson": {"behaviour": "elastic"},
@@ -116,8 +115,8 @@ def test_run_and_export_write_them_and_a_new_run_clears_them(tmp_path: Path) -> 
     folder = run_to_folder(scene, tmp_path / "out")
     files = {file.name for file in (folder / "paraview").iterdir()}
     assert {"pull.pvd", "pull_0000.vtu"} <= files
-    done = CliRunner().invoke(app.app, ["export", str(folder), "--out", str(tmp_path / "again")])
-    assert done.exit_code == 0, done.output
+    done = command("export", str(folder), "--out", str(tmp_path / "again"))
+    assert done.code == 0, done.err
     for name in files:
         assert (tmp_path / "again" / name).read_bytes() == (folder / "paraview" / name).read_bytes()
     assert json.loads((folder / "run.json").read_text())["status"] == "complete"

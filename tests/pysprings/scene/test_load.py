@@ -20,9 +20,7 @@ from pysprings.scene.load import SECTIONS, Scene, load_scene, parse_scene
 from pysprings.scene.schema import scene_schema
 from pysprings.scene.template import template_names, template_text
 from pysprings.scene.toml import field_of
-
-ROOT = Path(__file__).parents[3]
-SCENES = sorted((ROOT / "data" / "scenes").glob("*.toml"))
+from tests.support.place import SCENES
 
 
 def test_defaults_are_the_paper_s_drained_caisson() -> None:

@@ -9,10 +9,8 @@ import warnings
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 from pysprings import extract_springs
-from pysprings.cli import app
 from pysprings.core import variables
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.full_model import compute
@@ -32,11 +30,11 @@ from pysprings.springs.dataset import get_path
 from pysprings.springs.dead_loads import at_load
 from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.path_ends import end_of
-from tests.pysprings.macro.test_fan import fan_springs, potential
-from tests.pysprings.macro.test_vertical import REST
-from tests.pysprings.macro.test_vertical import springs as vertical_springs
 from tests.support import tiny
+from tests.support.commands import command
+from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import make_springs
+from tests.support.vertical import REST, vertical_springs
 
 REASON = "limit load: 1.2 % of the initial stiffness is left"
 
@@ -222,14 +220,14 @@ def test_a_limit_load_of_the_full_model_is_kept_and_bounds_the_command(storm, tm
     assert attrs["end_H_N"] == float(path["H"][-1])
     assert attrs["end_M_Nm"] == float(path["M"][-1])
     inside, beyond = (f"{factor * attrs['end_H_N']:.9g} N" for factor in (0.98, 1.02))
-    done = CliRunner().invoke(app.app, ["predict", str(file), "--H", beyond])
-    assert (done.exit_code, done.stdout) == (2, "")
-    assert len(done.stderr.splitlines()) == 1
-    assert done.stderr.startswith("fatal: user input: springs: ")
-    assert "path 'storm' met a limit load of the full model at H = " in done.stderr
-    done = CliRunner().invoke(app.app, ["predict", str(file), "--H", inside, "--json"])
-    assert done.exit_code == 0
-    assert json.loads(done.stdout)["attributes"]["path_end"] == "limit load"
+    done = command("predict", str(file), "--H", beyond)
+    assert (done.code, done.out) == (2, "")
+    assert len(done.err.splitlines()) == 1
+    assert done.err.startswith("fatal: user input: springs: ")
+    assert "path 'storm' met a limit load of the full model at H = " in done.err
+    done = command("predict", str(file), "--H", inside, "--json")
+    assert done.code == 0
+    assert json.loads(done.out)["attributes"]["path_end"] == "limit load"
 
 
 def test_a_path_that_came_to_its_aim_is_kept_as_reached():

@@ -12,11 +12,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
 
 import pysprings
 from pysprings import Scene
-from pysprings.cli import app
 from pysprings.core.errors import Problem, ResourceError, RunIncomplete, UserInputError
 from pysprings.core.files.storage import read_tree, write_text, write_tree
 from pysprings.full_model.accuracy import presets
@@ -29,6 +27,7 @@ from pysprings.studies.accuracy import child, rows, runs, study, text
 from pysprings.studies.accuracy.picture import error_against_time
 from pysprings.studies.kept_runs import RUNS, Whole, read_record
 from tests.support import tiny
+from tests.support.commands import command
 from tests.support.synthetic import Path as Pull
 from tests.support.synthetic import make_result, make_springs
 
@@ -240,19 +239,19 @@ def test_presets_of_a_study_serve_a_run(done: Any, tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(presets, "shipped", lambda: written)
     file, out = tiny.write(elastic(), tmp_path / "scene.toml"), tmp_path / "out"
     given = ["run", str(file), "--out", str(out), "--target-error", "5%"]
-    answer = CliRunner().invoke(app.app, given)
-    assert answer.exit_code == 0, answer.output
+    answer = command(*given)
+    assert answer.code == 0, answer.err
     record = read_record(out)
     assert record["target_error"]["setting"] == written["settings"][1]["name"] == "coarse"
     assert record["error_estimate"]["estimate_pct"]["load_max"] > 0.0
     assert record["phases"]["error estimate"]["wall_s"] > 0.0
-    assert "target error 5%: setting coarse" in answer.stdout
-    assert "estimated discretisation error: load" in answer.stdout
+    assert "target error 5%: setting coarse" in answer.out
+    assert "estimated discretisation error: load" in answer.out
     assert "Discretisation error" in (out / "report.html").read_text(encoding="utf-8")
-    refused = CliRunner().invoke(app.app, [*given[:-1], "2%", "--force"])
-    assert refused.exit_code == 2 and "no setting of the study" in refused.output
-    both = CliRunner().invoke(app.app, [*given, "--mesh", "coarse", "--force"])
-    assert both.exit_code == 2 and "give it or --mesh" in both.output
+    refused = command(*given[:-1], "2%", "--force")
+    assert refused.code == 2 and "no setting of the study" in refused.err
+    both = command(*given, "--mesh", "coarse", "--force")
+    assert both.code == 2 and "give it or --mesh" in both.err
 
 
 def test_presets_take_the_smallest_order_of_all_paths(done: Any) -> None:
@@ -278,15 +277,15 @@ def test_the_command(done: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     file = tiny.write(elastic(), tmp_path / "scene.toml")
     given = ["accuracy", str(file), "--quick", "--out", str(done.out)]
     given += [part for mesh in MESHES for part in ("--mesh", mesh)]
-    shown = CliRunner().invoke(app.app, given)
-    assert shown.exit_code == 0, shown.output
-    assert "reference: meshes coarse-0.75, coarse, coarse-1.35; h = unknowns^(-1/3)" in shown.stdout
-    assert f"{done.out / 'accuracy.md'}: tables" in shown.stdout
-    answer = CliRunner().invoke(app.app, [*given, "--json", "--write-presets", str(tmp_path / "p.json")])
-    assert answer.exit_code == 0, answer.output
-    assert json.loads(answer.stdout)["series"] == ["coarse-0.75", "coarse", "coarse-1.35"]
+    shown = command(*given)
+    assert shown.code == 0, shown.err
+    assert "reference: meshes coarse-0.75, coarse, coarse-1.35; h = unknowns^(-1/3)" in shown.out
+    assert f"{done.out / 'accuracy.md'}: tables" in shown.out
+    answer = command(*given, "--json", "--write-presets", str(tmp_path / "p.json"))
+    assert answer.code == 0, answer.err
+    assert json.loads(answer.out)["series"] == ["coarse-0.75", "coarse", "coarse-1.35"]
     assert json.loads((tmp_path / "p.json").read_text("utf-8"))["schema"] == presets.SCHEMA
-    assert CliRunner().invoke(app.app, ["accuracy", str(file), "--mesh", "huge"]).exit_code == 2
+    assert command("accuracy", str(file), "--mesh", "huge").code == 2
 
 
 def test_a_process_of_its_own_hands_on_progress_and_errors(tmp_path: Path) -> None:
@@ -356,8 +355,8 @@ def test_a_real_study_of_elastic_soil(tmp_path: Path) -> None:
     file, out = tiny.write(elastic(), tmp_path / "scene.toml"), tmp_path / "out"
     given = ["accuracy", str(file), "--quick", "--out", str(out)]
     given += [part for mesh in MESHES for part in ("--mesh", mesh)]
-    answer = CliRunner().invoke(app.app, given)
-    assert answer.exit_code == 0, answer.output
+    answer = command(*given)
+    assert answer.code == 0, answer.err
     table = pd.read_csv(out / "accuracy.csv").query("model == 'full'").set_index("name")
     assert (table[["wall_s", "cpu_s", "unit_s", "units", "memory_MB"]] > 0.0).all(axis=None)
     assert table.loc["coarse-1.35", "load_max_pct"] < table.loc["coarse-0.75", "load_max_pct"]

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -14,8 +12,9 @@ from pysprings.studies.paper import reference
 from pysprings.studies.paper.cases import Case
 from pysprings.studies.paper.runs import path_of
 from tests.support import synthetic
+from tests.support.place import ROOT
 
-FOLDER = Path(__file__).parents[3] / "data" / "reference"
+FOLDER = ROOT / "data" / "reference"
 CASES = reference.kept_cases()
 NAMES = [case.name for case in CASES]
 

@@ -9,12 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from typer.testing import CliRunner
 
 import pysprings
 from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
-from pysprings.cli import app
 from pysprings.core.files.layout import is_unfinished
 from pysprings.core.files.storage import read_tree
 from pysprings.results import folder
@@ -22,6 +20,7 @@ from pysprings.studies import kept_runs
 from pysprings.studies.paper import cases, claims, figures, idealisations, page, runs, sensitivity, study, text
 from pysprings.studies.paper.cases import Case, Variant
 from pysprings.studies.paper.findings import UNKNOWN
+from tests.support.commands import command
 
 TINY: dict[str, Any] = {
     "mesh": {"refinement": 0.4},
@@ -166,17 +165,17 @@ def test_the_command(done: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
         return ["slow: path 'pull' stopped"]
 
     monkeypatch.setattr(study, "study", keep)
-    told = CliRunner().invoke(app.app, ["paper", "--mesh", "coarse", "--out", str(done), "--json"])
-    assert told.exit_code == 3
-    found = json.loads(told.stdout)
+    told = command("paper", "--mesh", "coarse", "--out", str(done), "--json")
+    assert told.code == 3
+    found = json.loads(told.out)
     assert len(found["claims"]) == 13
     assert found["stopped"] == ["slow: path 'pull' stopped"]
     assert kept == {"out": done, "mesh": "coarse", "sensitivity": None, "force": False}
-    told = CliRunner().invoke(app.app, ["paper", "--out", str(done), "--sensitivity", "--force"])
-    assert "claims.csv" in told.stdout
+    told = command("paper", "--out", str(done), "--sensitivity", "--force")
+    assert "claims.csv" in told.out
     assert kept == {"out": done, "mesh": "medium", "sensitivity": "coarse", "force": True}
     (tmp_path / "file").touch()
-    assert CliRunner().invoke(app.app, ["paper", "--out", str(tmp_path / "file")]).exit_code == 2
+    assert command("paper", "--out", str(tmp_path / "file")).code == 2
 
 
 def test_begin_anew(done: Path, two: tuple[Case, ...], tmp_path: Path) -> None:

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
 
-from pysprings.cli import app
 from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.studies.stability import catalogue as stability
 from pysprings.studies.stability import text as stability_text
 from pysprings.studies.stability.cases import CASES, Case
+from tests.support.commands import command
 
 NAMES = [case.name for case in CASES]
 
@@ -100,9 +99,9 @@ def test_the_command_runs_cases_and_writes_table_and_picture(tmp_path: Path) -> 
         str(tmp_path),
         "--json",
     ]
-    done = CliRunner().invoke(app.app, given)
-    assert done.exit_code == 0, done.output
-    answer = json.loads(done.stdout)
+    done = command(*given)
+    assert done.code == 0, done.err
+    answer = json.loads(done.out)
     assert answer["summary"]["converged"] == 1 and answer["summary"]["refused"] == 1
     table = pd.read_csv(tmp_path / "stability.csv")
     assert list(table["case"]) == ["soft", "K0-3"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Models that carry what a scene leaves out, and a push of a model; for the proofs and for benchmarks/omissions.py."""
+"""Models that carry what a scene leaves out, and a push of a model; for `benchmarks/omissions.py` and its tests."""
 
 from __future__ import annotations
 
@@ -23,7 +23,6 @@ from pysprings import Scene
 from pysprings.full_model.path_run import PathRun, Work
 from pysprings.model.build import Built, build_model, build_on
 from pysprings.model.mesh import CaissonMesh
-from tests.support import tiny
 
 # Steps that do not depend on how Newton does: two models then go the same way.
 STEPS = {"first_step_fraction": 0.25, "max_step_fraction": 0.25, "tolerance": 1e-9, "max_iterations": 40}
@@ -31,9 +30,10 @@ SMOOTH: dict[str, Any] = {"soil": {"yield_surface": "elastic"}, "interface": {"f
 
 
 def scene(end: float = 0.5e-3, rate: float | None = None, **sections: Any) -> Scene:
-    """The tiny scene in equal steps, pulled to ``end`` (m) at a rate (m/s)."""
-    path = {**tiny.PULL, "lateral_displacement": end, "rate": rate}
-    return tiny.scene(**{"solver": STEPS, "paths": (path,)} | sections)
+    """Return a scene of 216 nodes in equal steps, pulled to ``end`` (m) at a rate (m/s)."""
+    path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": rate}
+    small: dict[str, Any] = {"mesh": {"refinement": 0.4}, "output": {"figures": False}, "solver": STEPS}
+    return Scene(**small, paths=(path,)).replace(**sections)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: MIT
+"""Where the project and its scenes are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENES = sorted((ROOT / "data" / "scenes").glob("*.toml"))
+assert SCENES

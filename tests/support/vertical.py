@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""Springs with vertical paths of a known curve, and the same rays under several vertical loads."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from pysprings.core import variables
+from pysprings.macro.vertical import build_vertical
+from tests.support import synthetic
+
+K, REST = 4e9, 2e6  # N/m, N: of the invented vertical springs
+RAYS = [
+    synthetic.Path("slide", "translation", size=1e-2, steps=12),
+    synthetic.Path("turn", "rotation", size=-2e-3, steps=12),
+]
+
+
+def down_curve(w: np.ndarray) -> np.ndarray:
+    """V(w) - V0 of the invented soil: a hyperbola, weaker upwards, with a limit of 3 MN there."""
+    return K * w / (1.0 + np.where(w > 0.0, w / 5e-3, -K * w / 3e6))
+
+
+def vertical_path(base: xr.Dataset, end: float, steps: int = 25) -> xr.Dataset:
+    """A vertical path to w = end [m]: half of the change of V on the skirt, evenly, a quarter on tip and lid each."""
+    w = end * np.linspace(0.0, 1.0, steps) ** 2
+    change, dz = down_curve(w), np.diff(base["depth_bounds"].values, axis=1)[:, 0]
+    out = base.isel(step=[0] * steps).assign_coords(step=np.arange(steps)).copy(deep=True)
+    even = np.broadcast_to(change / dz.sum() / 4.0, (dz.size, 2, steps))
+    out["t"] = out["t"] + xr.DataArray(even, dims=("depth", "side", "step"))
+    out["V_tip"], out["V_lid"], out["V"] = out["V_tip"] + change / 4, out["V_lid"] + change / 4, out["V"] + change
+    out["w"] = ("step", w)
+    out.attrs = {"kind": "vertical", "role": "calibration", "arm_m": 0.0, "status": "complete", "heave": "free"}
+    return variables.attach(out, "springs_path")
+
+
+def vertical_springs(ends: tuple[float, ...] = (1e-2, -1e-2), heavier: tuple[float, ...] = ()) -> xr.DataTree:
+    """Two rays, vertical paths to w = ends, and the rays again under more V, with reactions stronger by it."""
+    base = synthetic.make_springs(RAYS)
+    groups = {"/": base.to_dataset(inherit=False)}
+    K_zz = groups["/"]["stiffness_initial"].copy(deep=True)
+    K_zz.values[1, 1] = K
+    groups["/"] = groups["/"].assign(stiffness_initial=K_zz)
+    for name in ("slide", "turn"):
+        path = base[f"paths/{name}"].to_dataset(inherit=False)
+        groups[f"/paths/{name}"] = path
+        for V in heavier:
+            groups[f"/paths/{name}_{V / 1e6:g}".replace(".", "_")] = pressed(path, V)
+    for end in ends:
+        name = "down" if end > 0.0 else "up"
+        groups[f"/paths/{name}"] = vertical_path(groups["/paths/slide"], end)
+    return xr.DataTree.from_dict(groups, name="springs")
+
+
+def pressed(path: xr.Dataset, V: float) -> xr.Dataset:
+    """The path again under a vertical load V: lid carries the rest of V, lateral reactions grow in proportion to V."""
+    out = path.copy(deep=True)
+    for name in ("p", "m", "H", "M", "H_tip", "M_tip", "H_lid", "M_lid"):
+        start = path[name].isel(step=0)
+        out[name] = (start + (path[name] - start) * V / REST).transpose(*path[name].dims)
+    out["V"], out["V_lid"] = out["V"] + V - REST, out["V_lid"] + V - REST
+    table = build_vertical(vertical_springs())
+    assert table is not None
+    out["w"] = out["w"] + table.displacement(V)[0]
+    return variables.attach(out, "springs_path")

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: MIT
+"""How the tests are arranged: what they share is in tests/support, and benchmarks do not depend on them."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+from tests.support.place import ROOT
+
+# tests of a benchmark, or of the pages that benchmarks write
+OF_BENCHMARKS = {
+    "tests/docs/test_docs.py",
+    "tests/pysprings/full_model/test_accuracy_benchmarks.py",
+    "tests/pysprings/model/test_omissions.py",
+    "tests/pysprings/model/test_omissions_benchmark.py",
+    "tests/pysprings/test_mutation.py",
+    "tests/test_house.py",
+}
+
+
+def imported(file: Path) -> set[str]:
+    """Return the modules that a file imports, functions and texts of programs aside."""
+    found = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found |= {f"{node.module}.{alias.name}" for alias in node.names} | {node.module}
+    return found
+
+
+def imports_of(folder: str) -> dict[str, set[str]]:
+    files = sorted((ROOT / folder).rglob("*.py"))
+    assert len(files) > 5
+    return {file.relative_to(ROOT).as_posix(): imported(file) for file in files}
+
+
+def test_no_test_module_imports_another() -> None:
+    found = [
+        (file, name)
+        for file, names in imports_of("tests").items()
+        for name in names
+        if name.startswith("tests.") and any(part.startswith("test_") for part in name.split("."))
+    ]
+    assert found == []
+
+
+def test_benchmarks_do_not_import_tests() -> None:
+    found = {
+        file: {name for name in names if name.split(".")[0] == "tests"}
+        for file, names in imports_of("benchmarks").items()
+    }
+    assert {file: names for file, names in found.items() if names} == {}
+
+
+def test_only_tests_of_benchmarks_import_them() -> None:
+    found = {file for file, names in imports_of("tests").items() if any(n.split(".")[0] == "benchmarks" for n in names)}
+    assert found == OF_BENCHMARKS
