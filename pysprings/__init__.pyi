@@ -17,3 +17,4 @@ from .scene.load import Scene as Scene
 from .scene.load import load_scene as load_scene
 from .springs.extract import extract_springs as extract_springs
 from .springs.file import open_springs as open_springs
+from .springs.springs import Springs as Springs

@@ -12,7 +12,7 @@ from pysprings.cli.support import print_table, refuse, say
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pysprings.macro.sets import Springs
+    from pysprings.macro.sets import AnySprings
 
 Given = Mapping[str, float | None]
 
@@ -20,7 +20,13 @@ MISSING = 'missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curv
 
 
 def answer(
-    springs: Springs, given: Given, sequence: Path | None, kind: str | None, path: str | None, points: int, strict: bool
+    springs: AnySprings,
+    given: Given,
+    sequence: Path | None,
+    kind: str | None,
+    path: str | None,
+    points: int,
+    strict: bool,
 ) -> xr.Dataset:
     """Return the states asked for: the last one of a load or motion, all of a curve or sequence."""
     from pysprings.macro import predict
@@ -43,22 +49,21 @@ def answer(
     return states
 
 
-def at_rate(springs: Springs, rate: float | None) -> Springs:
+def at_rate(springs: AnySprings, rate: float | None) -> AnySprings:
     """Return the springs at the rate [m/s] asked for; as they are without one."""
     if rate is None:
         return springs
-    import xarray as xr
+    from pysprings.macro.user_curves import CurveSprings
+    from pysprings.springs.springs import Springs
 
-    from pysprings.springs import rates
-
-    if not isinstance(springs, xr.DataTree):
+    if isinstance(springs, CurveSprings):
         refuse("--rate", "a table has no rates")
     if rate <= 0.0:
         refuse("--rate", f"{1e3 * rate:g} mm/s is not positive")
-    return rates.at_rate(springs, rate)
+    return Springs.of(springs).at_rate(rate)
 
 
-def initial_six(springs: Springs) -> xr.DataArray | None:
+def initial_six(springs: AnySprings) -> xr.DataArray | None:
     """Return the initial stiffness 6x6; None where springs from a table do not know it."""
     from pysprings.macro.stiffness_six import has_six, stiffness_six
 

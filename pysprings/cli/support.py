@@ -39,7 +39,7 @@ from pysprings.core.text import json_text, plain_table
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pysprings.macro.sets import Springs
+    from pysprings.macro.sets import AnySprings
     from pysprings.scene.load import Scene
 
 P = ParamSpec("P")
@@ -186,7 +186,7 @@ def read_springs(result: Path) -> xr.DataTree:
     return tree
 
 
-def springs_or_table(source: Path, skirt_length: float | None, strict: bool = False) -> Springs:
+def springs_or_table(source: Path, skirt_length: float | None, strict: bool = False) -> AnySprings:
     """Open what a prediction is made with: springs as `springs_of` does, or somebody's CSV or Excel table."""
     from pysprings.results.tables import ENDINGS, FOREIGN, is_table, open_table
 

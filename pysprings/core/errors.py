@@ -75,6 +75,11 @@ class UserInputError(PyspringsError):
         return "\n".join(f"fatal: user input: {line}" for line in lines)
 
 
+def refused(key: str | None, message: str, file: str | os.PathLike[str] | None = None) -> UserInputError:
+    """Return the error for one problem with an argument, an option or a key of a file."""
+    return UserInputError([Problem(None if file is None else str(file), key=key, message=message)])
+
+
 class BeyondSprings(UserInputError):
     """A prediction was asked for where the springs hold no answer; the message says what they carry, and from where."""
 

@@ -12,13 +12,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core import variables
+from pysprings.macro.control import Control
 from pysprings.macro.ends import past_ends
 from pysprings.macro.fan import WIDEST, FanTable
 from pysprings.macro.history import Turns
 from pysprings.macro.limit import RANGE_SLACK, Limit, range_used
 from pysprings.macro.softening import softening_notes
 from pysprings.macro.solver import row_values
-from pysprings.macro.vertical_answer import vertical_answer
+from pysprings.macro.vertical_answer import Down, vertical_answer
 
 if TYPE_CHECKING:
     from pysprings.macro.curve_table import SpringTable
@@ -41,68 +42,89 @@ _KEPT = (
 )
 
 
-def answer_dataset(
-    model: MacroModel,
-    states: Array,
-    loads: Array,
-    V: float | Array | None,
-    drive: dict[str, Any],
-    message: str,
-    limit: Callable[[int], Limit] | None = None,
-    turned: Turns | None = None,
-    aim: Array | None = None,
-) -> xr.Dataset:
-    """Return states (n, 2) = (u, rotation) and loads (n, 2) = (H, M) as a dataset, with w, V, p and marks.
+@dataclass(frozen=True, slots=True)
+class Way:
+    """States that were solved, and what was asked for.
 
-    V [N] is the vertical load asked for (None: that of the path); drive names the control and the load
-    height; message tells where a path ended before its aim; limit finds the largest load within the range of the
-    springs, given the first state beyond it; turned marks states after a turn of the way (None: independent states);
-    aim (H, M) is the load that was not carried where the way ends before its aim.
+    Attributes
+    ----------
+    states, loads : (n, 2) = (u [m], rotation [rad]) and (H [N], M [N m]).
+    control : what was imposed.
+    V : vertical load asked for [N], one number or one a state (None: that of the springs).
+    arm : height of the load [m]; None for independent cases.
+    message : where the way ended before its aim; empty where it did not.
+    aim : load (H, M) that was not carried where the way ended before it.
+    turned : marks of states after a turn of the way; None for independent states.
+    limit : returns the largest load within the range of the springs, given the number of the first state beyond it.
     """
-    u, rotation = states.T
-    table = model.table
-    found = _on_fan(model, table, states) if isinstance(table, FanTable) else _on_path(model, table, states)
-    down = vertical_answer(model, found.w, found.V, V, states)
-    message = " ".join(filter(None, (message, down.message)))
-    depth = model.origin["depth"].values
+
+    states: Array
+    loads: Array
+    control: Control
+    V: float | Array | None = None
+    arm: float | None = None
+    message: str = ""
+    aim: Array | None = None
+    turned: Turns | None = None
+    limit: Callable[[int], Limit] | None = None
+
+
+def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
+    """Return the states and loads of a way as a dataset by step, with w, V, p, the stiffness, and marks."""
+    states, u, rotation = way.states, *way.states.T
+    found = _supported(model, states)
+    down = vertical_answer(model, found.w, found.V, way.V, states)
+    depth = model.origin.depth
+    nowhere = np.zeros(u.size, dtype=bool)
+    turned = way.turned or Turns(nowhere, nowhere)
+    past, refusals = past_ends(model, states, found.used, way.loads, down.values.get("V"), way.aim)
     values = {
         "u": u,
         "rotation": rotation,
-        "H": loads[:, 0],
-        "M": loads[:, 1],
+        "H": way.loads[:, 0],
+        "M": way.loads[:, 1],
         "converged": np.ones(u.size, dtype=np.int8),
-        "depth_bounds": model.origin["depth_bounds"].values,
+        "depth_bounds": model.origin["depth_bounds"],
         "usable": found.usable,
         "y": u + rotation * depth[:, None],
         "p": found.p,
         "range_used": found.used,
         "extrapolated": (np.fmax(found.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
     } | down.values
-    nowhere = np.zeros(u.size, dtype=bool)
-    turned = turned or Turns(nowhere, nowhere)
     values["turned_back"] = turned.back.astype(np.int8)
     if found.distance is not None:
         values["path_distance"] = found.distance
     if found.distance is not None or turned.aside.any():
         values["off_path"] = (found.off | turned.aside).astype(np.int8)
-    past, refusals = past_ends(model, states, found.used, loads, down.values.get("V"), aim)
     values["beyond_end"] = (past | down.past).astype(np.int8)
-    beyond = np.flatnonzero(found.used > 1.0 + RANGE_SLACK)
-    notes = _beyond(model, found.used, limit(int(beyond[0])) if limit else None, drive) if beyond.size else []
-    notes += found.notes + turned.notes() + down.notes
-    attrs = (
-        _provenance(model)
-        | drive
-        | {"status": "partial" if message else "complete", "message": message, "warnings": " | ".join(notes)}
-        | {"remarks": " | ".join(model.remarks), "path_end": _ends(model)}
-        | {"refusals": " | ".join(_with_limit(refusals, drive) + down.refusals)}
-    )
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
     coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
     tangent = model.tangents(states, down.tangent)
     coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
+    attrs = _attributes(model, way, found, turned, down, refusals)
     return xr.Dataset(data | {"stiffness": tangent.variable}, coords, attrs)
+
+
+def _attributes(
+    model: MacroModel, way: Way, found: _Support, turned: Turns, down: Down, refusals: list[str]
+) -> dict[str, Any]:
+    """Attributes of an answer: provenance, what was asked for, status, notes, remarks and refusals."""
+    message = " ".join(filter(None, (way.message, down.message)))
+    beyond = np.flatnonzero(found.used > 1.0 + RANGE_SLACK)
+    limit = way.limit(int(beyond[0])) if way.limit is not None and beyond.size else None
+    notes = [_beyond(model, found.used, limit)] if beyond.size else []
+    notes += found.notes + turned.notes() + down.notes
+    carried = f"; {limit}" if limit else ""
+    return (
+        _provenance(model)
+        | {"control": way.control}
+        | ({} if way.arm is None else {"arm_m": way.arm})
+        | (limit.attributes() if limit else {})
+        | {"status": "partial" if message else "complete", "message": message, "warnings": " | ".join(notes)}
+        | {"remarks": " | ".join(model.remarks), "path_end": _ends(model)}
+        | {"refusals": " | ".join([f"{text}{carried}" for text in refusals] + down.refusals)}
+    )
 
 
 def _ends(model: MacroModel) -> str:
@@ -111,17 +133,9 @@ def _ends(model: MacroModel) -> str:
     return found[model.sources[0]] if len(found) == 1 else ", ".join(f"{name}: {how}" for name, how in found.items())
 
 
-def _with_limit(refusals: list[str], drive: dict[str, Any]) -> list[str]:
-    """Refusals with what the springs carry on the way asked for, where that has been found (`_beyond`)."""
-    if "limit_H_N" not in drive:
-        return refusals
-    limit = Limit(*(drive[f"limit_{name}"] for name in ("u_m", "rotation_rad", "H_N", "M_Nm")))
-    return [f"{text}; {limit}" for text in refusals]
-
-
 @dataclass(frozen=True, slots=True)
-class _Found:
-    """What the springs say at states besides the loads: w [m], V [N] by step, p (depth, step), and their support.
+class _Support:
+    """What the springs give at states besides the loads: w [m], V [N] by step, p (depth, step), and their support.
 
     w and V are None for springs from a table; distance is None where no path is known.
     """
@@ -136,35 +150,40 @@ class _Found:
     notes: list[str]
 
 
-def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Found:
+def _supported(model: MacroModel, states: Array) -> _Support:
+    table = model.table
+    return _on_fan(model, table, states) if isinstance(table, FanTable) else _on_path(model, table, states)
+
+
+def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
     """Springs of one path."""
-    depth, used = model.origin["depth"].values, range_used(table, states)
+    depth, used = model.origin.depth, range_used(table, states)
     p, usable = _lateral(table, depth, states), _usable(table, depth)
     if "u" not in model.origin:
         nowhere = np.zeros(used.size, dtype=bool)
-        return _Found(None, None, p, usable, used, None, nowhere, softening_notes(table, states))
+        return _Support(None, None, p, usable, used, None, nowhere, softening_notes(table, states))
     distance = _distance(_track(model), states * [1.0, model.length])
     off = distance > OFF_PATH
     w, V = (None, None) if model.stiffness_initial is None else _path_vertical(model, *states.T)
     notes = _path_notes(model, distance, off)
-    return _Found(w, V, p, usable, used, distance, off, notes)
+    return _Support(w, V, p, usable, used, distance, off, notes)
 
 
-def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Found:
+def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Support:
     """Springs of a fan of rays."""
     rows, places = table.rows(states)
     used, sector, nearest = table.support(states, places)
     off = (sector > WIDEST + RANGE_SLACK) & (states != 0.0).any(axis=1)
-    usable = np.ones(model.origin.sizes["depth"], dtype=np.int8)
+    usable = np.ones(model.origin.depth.size, dtype=np.int8)
     (w,), (V,), p = (rows[table.name == name] for name in ("w", "V", "p"))
     notes = _fan_notes(sector, off)
     known = model.stiffness_initial is not None
-    return _Found(w if known else None, V if known else None, p, usable, used, np.sin(nearest), off, notes)
+    return _Support(w if known else None, V if known else None, p, usable, used, np.sin(nearest), off, notes)
 
 
 def _track(model: MacroModel) -> Array:
     """States (u, rotation*L) [m] of the path the springs come from."""
-    return np.stack([model.origin["u"].values, model.origin["rotation"].values * model.length], axis=1)
+    return np.stack([model.origin.u, model.origin.turn], axis=1)
 
 
 def _lateral(t: SpringTable, depth: Array, states: Array) -> Array:
@@ -189,7 +208,7 @@ def _path_vertical(model: MacroModel, u: Array, rotation: Array) -> tuple[Array,
     lead = int(np.argmax(track[-1] * [1.0, 0.999]))
     motion = np.abs(u) if lead == 0 else np.abs(rotation) * model.length
     grows = np.maximum.accumulate(track[:, lead])
-    return np.interp(motion, grows, model.origin["w"].values), np.interp(motion, grows, model.origin["V"].values)
+    return np.interp(motion, grows, model.origin.w), np.interp(motion, grows, model.origin["V"])
 
 
 def _distance(track: Array, states: Array) -> Array:
@@ -207,27 +226,24 @@ def _distance(track: Array, states: Array) -> Array:
     return np.sqrt(shortest / np.where(size > 0.0, size, np.inf))
 
 
-def _beyond(model: MacroModel, used: Array, limit: Limit | None, drive: dict[str, Any]) -> list[str]:
-    """A sentence on states beyond the range of the springs; what they carry within it goes to the attributes, too."""
+def _beyond(model: MacroModel, used: Array, limit: Limit | None) -> str:
+    """A sentence on states beyond the range of the springs, with what they carry within it where that was found."""
     n, table = int((used > 1.0 + RANGE_SLACK).sum()), model.table
     if isinstance(table, FanTable):
         where, what = f"the fan of {len(table.path)} paths: they reach", "the"
     else:
-        where, what = f"path '{model.origin.attrs['path']}': springs reach", "their"
+        where, what = f"path '{model.origin.name}': springs reach", "their"
     text = f"{n} of {used.size} states are beyond the range of {where} {used.max():.3g} times {what} calibrated "
     text += "displacement (limit 1)"
-    if limit is None:
-        return [text]
-    drive |= {"limit_H_N": limit.H, "limit_M_Nm": limit.M, "limit_u_m": limit.u, "limit_rotation_rad": limit.rotation}
-    return [f"{text}; {limit}"]
+    return text if limit is None else f"{text}; {limit}"
 
 
 def _path_notes(model: MacroModel, distance: Array, off: NDArray[np.bool_]) -> list[str]:
     """A sentence on states that are far from the one path the springs come from."""
-    arm = float(model.origin.attrs["arm_m"])
+    arm = model.origin.arm
     height = f" (load height {arm:g} m)" if np.isfinite(arm) else ""
     text = (
-        f"{off.sum()} of {off.size} states are off the path '{model.origin.attrs['path']}'{height} "
+        f"{off.sum()} of {off.size} states are off the path '{model.origin.name}'{height} "
         f"they come from, by up to {distance.max(initial=0.0):.0%} (limit {OFF_PATH:.0%}): "
         "springs do not transfer between load paths, check against the full model"
     )
@@ -250,12 +266,11 @@ def _provenance(model: MacroModel) -> dict[str, Any]:
         rays = zip(model.table.path, np.degrees(model.table.angle), strict=True)
         rays_text = ", ".join(f"{name} ({angle:.1f} deg)" for name, angle in rays)
         return kept | {"path": f"{len(model.table.path)} paths", "rays": rays_text}
-    origin = model.origin.attrs
-    arm = float(origin.get("arm_m", np.nan))
+    arm = float(model.origin.attrs.get("arm_m", np.nan))
     kept |= {"calibration_arm_m": arm} if np.isfinite(arm) else {}
     return kept | {
-        "path": origin["path"],
-        "kind": origin["kind"],
+        "path": model.origin.name,
+        "kind": model.origin.kind,
         "n_other_carrier": int((~model.table.natural).sum()),
         "n_cut": int(model.table.cut.sum()),
     }

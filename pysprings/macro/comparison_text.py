@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pysprings.macro.comparison import SKIP_BELOW, SMALL_OVER_DIAMETER
+from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
 from pysprings.springs.alike import same_load
 from pysprings.springs.dataset import ROLES
 

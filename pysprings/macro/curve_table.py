@@ -18,8 +18,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
+
+from pysprings.springs.path import SpringPath
 
 # A displacement must cover this share of the largest one on the path to carry a curve: less is noise near the
 # point of rotation, where p/y runs to infinity.
@@ -81,13 +82,13 @@ class SpringTable:
         return np.maximum((np.abs(self.b) * peak[:, None]).sum(axis=0), 1e-300)
 
 
-def build_table(path: xr.Dataset, companions: bool) -> SpringTable:
+def build_table(path: SpringPath, companions: bool) -> SpringTable:
     """Return the table of one path's springs.
 
     Parameters
     ----------
     path
-        Converged steps of a path (`springs.get_path`).
+        The path; its converged steps are used.
     companions
         With them p(y), m(rotation), tip and lid terms (the set "full"); without, net p(y) alone ("py").
 
@@ -111,7 +112,7 @@ def build_table(path: xr.Dataset, companions: bool) -> SpringTable:
     return stack([row for row in rows if row is not None])
 
 
-def build_pisa(translation: xr.Dataset, rotation: xr.Dataset) -> SpringTable:
+def build_pisa(translation: SpringPath, rotation: SpringPath) -> SpringTable:
     """Return uncoupled families after PISA (Byrne et al. 2020), adapted to a bucket, from two paths.
 
     Lateral reactions p(y), H_tip(y_tip), H_lid(u) come from a translation without rotation, moments m(rotation),
@@ -137,21 +138,15 @@ class _Recorded:
     ends: dict[str, Array]
 
     @classmethod
-    def of(cls, path: xr.Dataset) -> _Recorded:
-        data = path.variables  # not data arrays: the table is built in a millisecond
-
-        def change(variable: xr.Variable) -> Array:
-            values = variable.values
+    def of(cls, path: SpringPath) -> _Recorded:
+        def change(values: Array) -> Array:
             return values - values[..., :1]
 
-        p = data["p"].sum(("side", "component")).transpose("depth", "step")
-        # p-y curves from a table may stand alone
-        m = data["m"].sum("side").transpose("depth", "step") if "m" in data else 0.0 * p
-        ends = {name: change(data[name]) for name in ("H_tip", "M_tip", "H_lid", "M_lid") if name in data}
-        bounds = data["depth_bounds"].values
-        heights, length = bounds[:, 1] - bounds[:, 0], float(bounds[-1, 1])
-        moves = change(data["u"]), change(data["rotation"])
-        return cls(data["depth"].values, heights, length, *moves, change(p), change(m), ends)
+        m = path.m if "m" in path else 0.0 * path.p  # p-y curves from a table may stand alone
+        ends = {name: change(path[name]) for name in ("H_tip", "M_tip", "H_lid", "M_lid") if name in path}
+        length = float(path["depth_bounds"][-1, 1])
+        moves = change(path.u), change(path.rotation)
+        return cls(path.depth, path.heights, length, *moves, change(path.p), change(m), ends)
 
     @property
     def reach(self) -> float:

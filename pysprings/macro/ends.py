@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.fan import SAME, FanTable
+from pysprings.macro.fan import FanTable
 from pysprings.macro.limit import RANGE_SLACK
-from pysprings.springs.alike import same_load
+from pysprings.springs.alike import SAME_DIRECTION, same_load
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def _capacities(model: MacroModel, loads: Array, V: Array | None) -> Iterator[tu
         size = float(np.hypot(*limit))
         if size > 0.0:
             along, across = np.abs(plane @ limit) / size, np.abs(plane @ [-limit[1], limit[0]]) / size
-            beyond = (along > size * (1.0 + RANGE_SLACK)) & (across <= np.sin(SAME) * along)
+            beyond = (along > size * (1.0 + RANGE_SLACK)) & (across <= np.sin(SAME_DIRECTION) * along)
             if V is not None:
                 beyond &= _same(V, end.V)
             yield end, beyond

@@ -20,21 +20,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 from pysprings.macro.solver import fan_rows
-from pysprings.springs.dataset import get_path
-from pysprings.springs.dead_loads import main_paths
-from pysprings.springs.sums import net_m, net_p, slice_heights
+from pysprings.springs.alike import STRAIGHT
+from pysprings.springs.path import SpringPath
+from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
 
-# A path is a ray when its states keep its direction within this angle [rad].
-STRAIGHT = 1e-3
-# Rays closer than this are one ray [rad]; the longest is used.
-SAME = np.radians(1.0)
 # Between rays farther apart than this an answer is marked off_path [rad].
 WIDEST = np.radians(60.0)
 FEWEST = 2
@@ -134,86 +129,41 @@ class FanTable:
         return self.polar(states)[0] / reach, np.where(on_ray, 0.0, sector), nearest
 
 
-def fan_paths(springs: xr.DataTree) -> dict[str, float]:
-    """Return the rays among the calibration paths at the springs' vertical load, by increasing angle [rad].
-
-    Close ones count once.
-    """
-    length = float(springs.attrs["skirt_length_m"])
-    found: list[tuple[float, float, str]] = []
-    for name in main_paths(springs):
-        angle, size = _direction(get_path(springs, name), length)
-        if np.isfinite(angle):
-            found.append((size, angle, name))
-    kept: list[tuple[float, str]] = []
-    for _, angle, name in sorted(found, key=lambda ray: -ray[0]):
-        if all(min(abs(angle - other), np.pi - abs(angle - other)) > SAME for other, _ in kept):
-            kept.append((angle, name))
-    return {name: angle for angle, name in sorted(kept)}
+def has_fan(springs: Springs) -> bool:
+    """Return whether a set of springs has the rays that a fan needs."""
+    return len(springs.rays) >= FEWEST
 
 
-def pure_paths(springs: xr.DataTree) -> tuple[str, str] | None:
-    """Return the rays that are a pure translation and a pure rotation, None where one of them is missing."""
-    angles = fan_paths(springs)
-    translation = [name for name, angle in angles.items() if abs(angle) < SAME]
-    rotation = [name for name, angle in angles.items() if abs(angle) > 0.5 * np.pi - SAME]
-    return (translation[0], rotation[0]) if translation and rotation else None
-
-
-def has_fan(springs: xr.DataTree) -> bool:
-    """Tell whether a spring set has the rays that a fan needs."""
-    return len(fan_paths(springs)) >= FEWEST
-
-
-def build_fan(springs: xr.DataTree) -> FanTable:
+def build_fan(springs: Springs) -> FanTable:
     """Return the fan of all calibration paths of a spring set that are rays; refuse fewer than two."""
-    paths = fan_paths(springs)
-    if len(paths) < FEWEST:
+    angle = np.array(list(springs.rays.values()))
+    if angle.size < FEWEST:
         message = (
             f"a fan needs at least {FEWEST} calibration paths of different, constant ratios rotation to lateral "
-            f"displacement (kinds translation and rotation); there are {len(paths)}"
+            f"displacement (kinds translation and rotation); there are {angle.size}"
         )
-        raise UserInputError([Problem(key="springs", message=message)])
-    data = [get_path(springs, name) for name in paths]
-    length = float(springs.attrs["skirt_length_m"])
-    depth, dz = data[0]["depth"].values, slice_heights(data[0])
-    if any(not np.array_equal(path["depth"].values, depth) for path in data):
-        raise UserInputError([Problem(key="springs", message="the calibration paths of a fan differ in their depths")])
-    stiffness = springs.dataset["stiffness_initial"].values
-    stiffness = stiffness[np.ix_([0, -1], [0, -1])]  # u and rotation, with or without w between them
-    angle = np.array(list(paths.values()))
-    count = np.array([path.sizes["step"] for path in data], dtype=np.int64)
+        raise refused("springs", message)
+    data, length = [springs.paths[name] for name in springs.rays], springs.length
+    depth = data[0].depth
+    if any(not np.array_equal(path.depth, depth) for path in data):
+        raise refused("springs", "the calibration paths of a fan differ in their depths")
+    count = np.array([path.n for path in data], dtype=np.int64)
     rho = np.full((len(data), int(count.max())), np.inf)
-    name, place, even, b = _layout(depth, dz, length)
+    name, place, even, b = _layout(depth, data[0].heights, length)
     r = np.zeros((len(name), *rho.shape))
     slope = np.zeros_like(r)
     for k, path in enumerate(data):
-        u, v = path["u"].values, path["rotation"].values * length
-        along = u * np.cos(angle[k]) + v * np.sin(angle[k])  # < 0 where the path is the mirror image of the ray
+        direction = np.array([np.cos(angle[k]), np.sin(angle[k])])
+        along = path.u * direction[0] + path.turn * direction[1]  # < 0 where the path is the mirror image of the ray
         along[0] = 0.0
         rows = _rows(path) * np.where(even, 1.0, np.sign(along[-1]))[:, None]
         rho[k, : count[k]] = np.abs(along)
         r[:, k, : count[k]] = rows
         initial = (rows[:, 1] - rows[:, 0]) / rho[k, 1]
-        if "w" not in path or float(path["w"].values[0]) == 0.0:  # no dead load has changed the state at rest
-            initial = initial_slopes(initial, b, stiffness @ [np.cos(angle[k]), np.sin(angle[k]) / length])
+        if "w" not in path or float(path.w[0]) == 0.0:  # no dead load has changed the state at rest
+            initial = initial_slopes(initial, b, springs.lateral_stiffness @ (direction / [1.0, length]))
         slope[:, k, : count[k]] = secant_slopes(np.abs(along), rows, initial)
-    return FanTable(tuple(paths), length, angle, rho, count, name, place, even, b, r, slope)
-
-
-def _direction(path: xr.Dataset, length: float) -> tuple[float, float]:
-    """Angle [rad] in (-pi/2, pi/2] and size [m] of a straight path from the origin; NaN for any other."""
-    u, v = path["u"].values, path["rotation"].values * length
-    rho = np.hypot(u, v)
-    if rho[0] > 1e-9 * rho[-1] or not (np.diff(rho) > 0.0).all():
-        return np.nan, 0.0
-    if (np.abs(u * v[-1] - v * u[-1]) > STRAIGHT * rho * rho[-1])[1:].any():  # the origin is met to rounding only
-        return np.nan, 0.0
-    angle = float(np.arctan2(v[-1], u[-1]))
-    # an imposed displacement of 0 is met to rounding only: pure rotation is +pi/2, whatever the sign of u
-    if abs(abs(angle) - 0.5 * np.pi) < 1e-9:
-        return 0.5 * np.pi, float(rho[-1])
-    return (angle + 0.5 * np.pi) % np.pi - 0.5 * np.pi, float(rho[-1])
+    return FanTable(tuple(springs.rays), length, angle, rho, count, name, place, even, b, r, slope)
 
 
 def _layout(depth: Array, dz: Array, length: float) -> tuple[NDArray[np.str_], Array, NDArray[np.bool_], Array]:
@@ -234,13 +184,12 @@ def _layout(depth: Array, dz: Array, length: float) -> tuple[NDArray[np.str_], A
     return name, place, np.isin(name, ("t", *_VERTICAL)), b
 
 
-def _rows(path: xr.Dataset) -> Array:
+def _rows(path: SpringPath) -> Array:
     """Reactions (rows, step); odd ones as changes from the initial state."""
-    t = path["t"].sum("side").transpose("depth", "step").values
-    ends = np.stack([path[name].values for name in _ENDS])
-    odd = np.concatenate([net_p(path).values, net_m(path).values])
-    vertical = np.stack([path[name].values for name in _VERTICAL])
-    return np.concatenate([odd - odd[:, :1], t, ends - ends[:, :1], vertical])
+    ends = np.stack([path[name] for name in _ENDS])
+    odd = np.concatenate([path.p, path.m])
+    vertical = np.stack([path[name] for name in _VERTICAL])
+    return np.concatenate([odd - odd[:, :1], path.by_depth("t"), ends - ends[:, :1], vertical])
 
 
 def initial_slopes(secant: Array, b: Array, wanted: Array) -> Array:

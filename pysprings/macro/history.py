@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.control import Control
-from pysprings.macro.fan import SAME
-from pysprings.springs.alike import same_load
+from pysprings.springs.alike import SAME_DIRECTION, same_load
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]
@@ -32,8 +31,9 @@ class Turns:
 
     def notes(self) -> list[str]:
         """Sentences on the marked states; none where nothing is marked."""
+        degrees = f"{np.degrees(SAME_DIRECTION):g} degree"
         words = (
-            (self.aside, f"after the sequence left its first direction (by more than {np.degrees(SAME):g} degree): "
+            (self.aside, f"after the sequence left its first direction (by more than {degrees}): "
              "springs hold for loads, or motions, that grow in proportion"),
             (self.back, "after the sequence turned back: the springs go back on the same curve, the soil does not"),
         )  # fmt: skip
@@ -69,6 +69,6 @@ def _leaves(plane: Array) -> tuple[Marks, Marks]:
         return np.zeros(size.size, dtype=bool), np.zeros(size.size, dtype=bool)
     direction = plane[moved[0]] / size[moved[0]]
     along, across = plane @ direction, np.abs(plane @ [-direction[1], direction[0]])
-    aside = across > np.sin(SAME) * size + ROUNDING * largest
+    aside = across > np.sin(SAME_DIRECTION) * size + ROUNDING * largest
     back = along < np.maximum.accumulate(along) - ROUNDING * largest
     return np.logical_or.accumulate(aside), np.logical_or.accumulate(back)

@@ -34,6 +34,10 @@ class Limit:
     H: float
     M: float
 
+    def attributes(self) -> dict[str, float]:
+        """Return the limit as attributes of an answer."""
+        return {"limit_H_N": self.H, "limit_M_Nm": self.M, "limit_u_m": self.u, "limit_rotation_rad": self.rotation}
+
     def __str__(self) -> str:
         largest = max(abs(self.H), abs(self.M))
         force, moment = (0.0 if abs(x) < ROUNDING * largest else x for x in (self.H, self.M))

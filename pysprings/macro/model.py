@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,19 +12,17 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core import variables
-from pysprings.macro.answer import answer_dataset
 from pysprings.macro.control import Control, ending, equations
 from pysprings.macro.curve_table import SpringTable
 from pysprings.macro.fan import FanTable
-from pysprings.macro.history import turns
-from pysprings.macro.limit import Limit, range_limit
-from pysprings.macro.sets import Springs, choose_set
+from pysprings.macro.sets import AnySprings, choose_set, typed
 from pysprings.macro.solver import FAN, ROWS, follow, reactions, solve_cases, tangents
+from pysprings.macro.spring_sets import Built, SpringSet
 from pysprings.macro.user_curves import CurveSprings
 from pysprings.macro.vertical import VerticalTable, build_vertical
-from pysprings.springs.dataset import get_path, path_dataset, path_load, path_names
-from pysprings.springs.dead_loads import at_load, load_sets
-from pysprings.springs.path_ends import UNKNOWN, PathEnd, end_of
+from pysprings.springs.path import SpringPath
+from pysprings.springs.path_ends import UNKNOWN, PathEnd
+from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
 
@@ -41,12 +39,12 @@ class MacroModel:
     table
         The springs as interpolation tables.
     spring_set
-        Name of the spring set: see `spring_sets`.
+        Name of the spring set: see `pysprings.macro.spring_sets`.
     origin
-        Converged steps of the path the springs come from; of the first ray of a fan.
+        The path that the springs come from; the first ray of a fan; a path without states for free curves.
     stiffness_initial
-        (3, 3) initial tangent of the full model for (u, w, rotation); None where the springs come from a table:
-        then nothing is known of w and V.
+        (3, 3) initial tangent of the full model for (u, w, rotation); None for springs of a table without a vertical
+        path: their answers have no w and V.
     attrs
         Attributes of the spring set (geometry, provenance).
     remarks
@@ -64,7 +62,7 @@ class MacroModel:
 
     table: SpringTable | FanTable
     spring_set: str
-    origin: xr.Dataset
+    origin: SpringPath
     stiffness_initial: Array | None
     attrs: dict[str, Any]
     remarks: tuple[str, ...] = ()
@@ -76,7 +74,7 @@ class MacroModel:
 
     @classmethod
     def from_springs(
-        cls, springs: Springs, springs_kind: str | None = None, path: str | None = None, V: float | None = None
+        cls, springs: AnySprings, springs_kind: str | None = None, path: str | None = None, V: float | None = None
     ) -> MacroModel:
         """Build the model from springs: their fan where they have one, else all springs of the first calibration path.
 
@@ -84,43 +82,42 @@ class MacroModel:
         without companions give "py" with a remark. V [N] selects among springs at several vertical loads
         (`pysprings.springs.dead_loads`; None: the load of the scene).
         """
-        ends, elastic = _known(springs)
-        if path is None and isinstance(springs, xr.DataTree):
-            springs = at_load(springs, V)
-            ends |= _known(springs)[0]  # a path between two loads ends with the shorter one
-        chosen = choose_set(springs, springs_kind, path)
-        remarks: tuple[str, ...] = (chosen.remark,) if chosen.remark else ()
-        if isinstance(springs, CurveSprings):
-            name, curves = springs.pick(path)
-            attrs = {"title": f"table {springs.source}", "skirt_length_m": curves.length}
-            remarks += tuple(filter(None, (curves.note, NO_VERTICAL)))
-            return cls(curves.table(chosen.companions), chosen.name, springs.origin(name), None, attrs, remarks)
-        built = chosen.build(springs, path)
-        stiffness = springs.dataset["stiffness_initial"].values
-        known = stiffness if stiffness.shape == (3, 3) else None
-        if known is None:
-            remarks += (NO_VERTICAL,)
-        remarks += built.remarks
-        attrs = {str(name): value for name, value in springs.attrs.items()}
-        vertical, settled = build_vertical(springs), 0.0
-        if vertical is not None and "blended_loads_N" in attrs:
-            settled = vertical.displacement(path_load(built.origin))[0] - float(built.origin["w"][0])
-        if "schema" in attrs and any(ends[name].how == UNKNOWN for name in built.sources):
-            remarks += (NO_ENDS,)
+        given = typed(springs)
+        if isinstance(given, CurveSprings):
+            return cls._from_curves(given, springs_kind, path)
+        chosen = given if path is not None else given.at(V=V)
+        spring_set = choose_set(chosen, springs_kind, path)
+        built = spring_set.build(chosen, path)
+        vertical, settled = build_vertical(chosen), 0.0
+        if vertical is not None and chosen.blended_loads is not None:
+            settled = vertical.displacement(built.origin.load)[0] - float(built.origin.w[0])
+        ends = dict(given.ends) | dict(chosen.ends)  # a path between two loads ends with the shorter one
+        attrs = {str(name): value for name, value in chosen.attrs.items()}
+        remarks = tuple(_remarks(chosen, spring_set, built, ends))
         return cls(
-            built.table, chosen.name, built.origin, known, attrs, remarks, vertical, settled, ends, built.sources,
-            elastic,
+            built.table, spring_set.name, built.origin, chosen.stiffness, attrs, remarks, vertical, settled, ends,
+            built.sources, _elastic_loads(given),
         )  # fmt: skip
+
+    @classmethod
+    def _from_curves(cls, springs: CurveSprings, springs_kind: str | None, path: str | None) -> MacroModel:
+        chosen = choose_set(springs, springs_kind, path)
+        name, curves = springs.pick(path)
+        attrs = {"title": f"table {springs.source}", "skirt_length_m": curves.length}
+        remarks = tuple(filter(None, (chosen.remark, curves.note, NO_VERTICAL)))
+        ends = {each: PathEnd(each, UNKNOWN) for each in springs.sets}
+        table = curves.table(chosen.companions)
+        return cls(table, chosen.name, springs.origin(name), None, attrs, remarks, ends=ends)
 
     @property
     def length(self) -> float:
         """Skirt length [m]."""
-        return float(self.attrs["skirt_length_m"])
+        return self.origin.length
 
     @property
     def rest_load(self) -> float:
         """Vertical load [N] of the state at rest: of the vertical springs, else of the lateral ones."""
-        return path_load(self.origin) if self.vertical is None else self.vertical.rest[1]
+        return self.origin.load if self.vertical is None else self.vertical.rest[1]
 
     @property
     def _springs(self) -> tuple[int, Array, Array, Array, Array, Array, NDArray[np.int64]]:
@@ -194,29 +191,19 @@ class MacroModel:
         solve_cases(*self._springs, G, C, scale, np.ascontiguousarray(aims), states, loads, reached)
         return states, loads, reached
 
-    def trace(self, control: Control, targets: Array, arm: float = 0.0, V: float | Array | None = None) -> xr.Dataset:
-        """Return the answer to `solve` as a dataset by step, with marks for what the springs do not support.
 
-        A path that ends early holds the steps reached; `status` is then "partial" and `message` says where.
-        V [N] is one number, or one a target.
-        """
-        targets = np.asarray(targets, dtype=float)
-        states, loads, message = self.solve(control, targets, arm)
-        down = V[: len(states)] if isinstance(V, np.ndarray) else V
-
-        def limit(first: int) -> Limit:
-            return range_limit(self, control, targets[: first + 1], arm, states[:first])
-
-        drive = {"control": control, "arm_m": float(arm)}
-        aim = targets[len(states)] if control == "load" and len(states) < len(targets) else None
-        turned = turns(control, targets[: len(states)], self.length, down, self.rest_load)
-        return answer_dataset(self, states, loads, down, drive, message, limit, turned, aim)
+def _remarks(springs: Springs, chosen: SpringSet, built: Built, ends: Mapping[str, PathEnd]) -> Iterator[str]:
+    """Yield the sentences that go with every answer."""
+    if chosen.remark:
+        yield chosen.remark
+    if springs.stiffness is None:
+        yield NO_VERTICAL
+    yield from built.remarks
+    if springs.of_full_model and any(ends[name].how == UNKNOWN for name in built.sources):
+        yield NO_ENDS
 
 
-def _known(springs: Springs) -> tuple[dict[str, PathEnd], tuple[float, float]]:
-    """How the paths of springs ended, and the vertical loads [N] for an elastic stiffness (`macro_ends`)."""
-    if isinstance(springs, CurveSprings):
-        return {name: PathEnd(name, UNKNOWN) for name in springs.sets}, (-np.inf, np.inf)
-    ends = {name: end_of(name, path_dataset(springs, name)) for name in path_names(springs)}
-    loads = [each.V for each in load_sets(springs)] or [path_load(get_path(springs))]
-    return ends, (min(loads) - abs(min(loads)), max(loads) + abs(max(loads)))
+def _elastic_loads(springs: Springs) -> tuple[float, float]:
+    """Vertical loads [N] that an elastic vertical stiffness may answer (`pysprings.macro.ends`)."""
+    loads = [each.V for each in springs.load_sets] or [springs.path().load]
+    return min(loads) - abs(min(loads)), max(loads) + abs(max(loads))

@@ -38,10 +38,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete
-from pysprings.macro.answer import answer_dataset
+from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.control import Control
 from pysprings.macro.model import MacroModel
-from pysprings.macro.sets import Springs
+from pysprings.macro.sets import AnySprings
+from pysprings.macro.trace import trace
 from pysprings.macro.vertical_answer import check_arrays, check_numbers, refused
 
 __all__ = [
@@ -63,7 +64,7 @@ class PredictionNotConverged(RunIncomplete):
 
 
 def predict(
-    springs: Springs | MacroModel,
+    springs: AnySprings | MacroModel,
     *,
     H: float | None = None,
     arm: float | None = None,
@@ -91,14 +92,14 @@ def predict(
     model, share = model_of(springs, springs_kind, path, V), np.linspace(0.0, 1.0, _points(n))
     if V is not None and H is None and M is None and arm is None:
         rest = model.rest_load
-        return spoken(model.trace("load", np.zeros((n, 2)), 0.0, rest + share * (V - rest)), strict)
+        return spoken(trace(model, "load", np.zeros((n, 2)), 0.0, rest + share * (V - rest)), strict)
     force, moment = (float(value) for value in _loads(H, arm, M))
     height = arm if arm is not None else (-moment / force if force else 0.0)
-    return spoken(model.trace("load", share[:, None] * np.array([force, moment]), height, V), strict)
+    return spoken(trace(model, "load", share[:, None] * np.array([force, moment]), height, V), strict)
 
 
 def curve(
-    springs: Springs | MacroModel,
+    springs: AnySprings | MacroModel,
     *,
     u_max: float,
     arm: float = 0.0,
@@ -114,7 +115,7 @@ def curve(
 
 
 def impose(
-    springs: Springs | MacroModel,
+    springs: AnySprings | MacroModel,
     *,
     u: float | None = None,
     rotation: float | None = None,
@@ -139,11 +140,11 @@ def impose(
         targets[:, column] = np.linspace(0.0, value, n)
     controls: dict[tuple[str, ...], Control] = {("u",): "displacement", ("rotation",): "rotation"}
     control = controls.get(tuple(given), "state")
-    return spoken(model_of(springs, springs_kind, path, V).trace(control, targets, arm, V), strict)
+    return spoken(trace(model_of(springs, springs_kind, path, V), control, targets, arm, V), strict)
 
 
 def sequence(
-    springs: Springs | MacroModel,
+    springs: AnySprings | MacroModel,
     targets: Array,
     *,
     control: Control = "load",
@@ -170,15 +171,14 @@ def sequence(
     if down is not None and down.shape not in ((), (len(wanted),)):
         raise refused("V", f"give one number, or one a row of targets ({len(wanted)}), not the shape {down.shape}")
     first = None if down is None else float(down.ravel()[0])
-    answer = model_of(springs, springs_kind, path, first).trace(
-        control, wanted, arm, down if down is not None and down.ndim else first
-    )
+    V = down if down is not None and down.ndim else first
+    answer = trace(model_of(springs, springs_kind, path, first), control, wanted, arm, V)
     remarks = filter(None, (answer.attrs["remarks"], ELASTIC))
     return spoken(answer.assign_attrs(remarks=" | ".join(remarks)), strict)
 
 
 def predict_batch(
-    springs: Springs | MacroModel,
+    springs: AnySprings | MacroModel,
     *,
     H: float | Array,
     arm: float | Array | None = None,
@@ -199,7 +199,7 @@ def predict_batch(
     targets = np.stack([force.ravel(), moment.ravel()], axis=1)
     model = model_of(springs, springs_kind, path, V)
     states, loads, reached = model.solve_cases("load", targets)
-    answer = answer_dataset(model, states, loads, V, {"control": "load"}, "")
+    answer = answer_dataset(model, Way(states, loads, "load", V))
     answer = _without_refused(answer.assign(converged=answer["converged"].copy(data=reached)))
     return answer.drop_vars(["p", "y", "usable", "stiffness", "depth", "depth_bounds", "dof", "dof_conjugate"]).rename(
         step="case"
@@ -217,7 +217,7 @@ def _without_refused(answer: xr.Dataset) -> xr.Dataset:
 
 
 def stiffness(
-    springs: Springs | MacroModel,
+    springs: AnySprings | MacroModel,
     *,
     H: float | None = None,
     arm: float | None = None,
@@ -247,7 +247,7 @@ def stiffness(
 
 
 def tangent_stiffness(
-    springs: Springs | MacroModel,
+    springs: AnySprings | MacroModel,
     u: float = 0.0,
     rotation: float = 0.0,
     springs_kind: str | None = None,
@@ -255,12 +255,12 @@ def tangent_stiffness(
 ) -> xr.DataArray:
     """Return the stiffness (3, 3) of the springs at a state (m, rad), at mudline for (u, w, rotation): the tangent."""
     check_numbers(u=u, rotation=rotation)
-    answer = model_of(springs, springs_kind, path).trace("state", np.array([[u, rotation]]))
+    answer = trace(model_of(springs, springs_kind, path), "state", np.array([[u, rotation]]))
     return spoken(answer, strict=False)["stiffness"].isel(step=-1, drop=True)
 
 
 def model_of(
-    springs: Springs | MacroModel, springs_kind: str | None = None, path: str | None = None, V: float | None = None
+    springs: AnySprings | MacroModel, springs_kind: str | None = None, path: str | None = None, V: float | None = None
 ) -> MacroModel:
     """Return the model of springs (`MacroModel.from_springs`); a model itself as it is."""
     if not isinstance(springs, MacroModel):

@@ -5,16 +5,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 from pysprings.macro.comparison import compare
 from pysprings.macro.model import MacroModel
-from pysprings.springs.dataset import get_path, is_vertical, path_dataset, path_names
+from pysprings.springs.springs import Springs
 from pysprings.springs.sums import slice_heights
 
 REPEATS = 5
@@ -22,19 +23,21 @@ POINTS = 50
 _ERRORS = ("H_error_max_pct", "rotation_error_max_pct", "M_error_max_pct", "u_error_max_pct")
 
 
-def merge_slices(springs: xr.DataTree, n: int) -> xr.DataTree:
+def merge_slices(springs: Springs | xr.DataTree, n: int) -> Springs:
     """Return springs with n depth slices, made of neighbours: p, m and t are means, y is that of the mean depth.
 
     Forces and distributed moments stay what they are; the moment of p within a merged slice is lost, as in a table
     with so few depths.
     """
-    depths = path_dataset(springs, path_names(springs)[0]).sizes["depth"]
+    given = Springs.of(springs)
+    depths = _depths(given)
     if not 1 <= n <= depths:
-        raise UserInputError([Problem(key="slices", message=f"{n} slices: the springs have 1 to {depths}")])
-    merged = springs.copy()
-    for name in path_names(springs):
-        merged[f"paths/{name}"] = xr.DataTree(_merged(path_dataset(springs, name), n))
-    return merged
+        raise refused("slices", f"{n} slices: the springs have 1 to {depths}")
+    return given.with_paths(replace(path, recorded=_merged(path.recorded, n)) for path in given.paths.values())
+
+
+def _depths(springs: Springs) -> int:
+    return int(next(iter(springs.paths.values())).depth.size)
 
 
 def _merged(path: xr.Dataset, n: int) -> xr.Dataset:
@@ -58,23 +61,23 @@ def _merged(path: xr.Dataset, n: int) -> xr.Dataset:
     return xr.Dataset(data, coords | {"depth": ("depth", depth, path["depth"].attrs)}, path.attrs)
 
 
-def slice_counts(springs: xr.DataTree) -> list[int]:
+def slice_counts(springs: Springs) -> list[int]:
     """Return 1, 2, 4 ... and the number of slices that the springs have."""
-    depths = path_dataset(springs, path_names(springs)[0]).sizes["depth"]
+    depths = _depths(springs)
     return sorted({2**k for k in range(depths.bit_length()) if 2**k < depths} | {depths})
 
 
 def slice_convergence(
-    springs: xr.DataTree, counts: Sequence[int] | None = None, springs_kind: str | None = None
+    springs: Springs | xr.DataTree, counts: Sequence[int] | None = None, springs_kind: str | None = None
 ) -> pd.DataFrame:
     """Return one row per number of slices, spring set and role of path: largest errors [%], eta, and cost.
 
     Errors are those of `comparison.compare` (their sizes), largest over the paths of a role. curve_ms is the time of a
     curve of 50 points on the last path, in this process, after a first one.
     """
-    rows = []
-    for n in counts or slice_counts(springs):
-        coarse = merge_slices(springs, n)
+    given, rows = Springs.of(springs), []
+    for n in counts or slice_counts(given):
+        coarse = merge_slices(given, n)
         frame = compare(coarse, springs_kind)
         frame = frame[frame["springs"] != "vertical"]
         for (spring_set, role), part in frame.groupby(["springs", "role"], sort=False):
@@ -85,12 +88,13 @@ def slice_convergence(
     return pd.DataFrame(rows)
 
 
-def curve_seconds(springs: xr.DataTree, spring_set: str) -> float:
+def curve_seconds(springs: Springs | xr.DataTree, spring_set: str) -> float:
     """Return the median time [s] of a curve of 50 points on the last lateral path, after a first one."""
-    path = get_path(springs, [name for name in path_names(springs) if not is_vertical(springs, name)][-1])
-    model = MacroModel.from_springs(springs, spring_set)
+    given = Springs.of(springs)
+    path = [path for path in given.paths.values() if not path.is_vertical][-1]
+    model = MacroModel.from_springs(given, spring_set)
     targets = np.zeros((POINTS, 2))
-    targets[:, 0] = np.linspace(0.0, 0.5 * float(np.abs(path["u"].values).max()), POINTS)
+    targets[:, 0] = np.linspace(0.0, 0.5 * float(np.abs(path.u).max()), POINTS)
     times = []
     for _ in range(REPEATS + 1):
         start = time.perf_counter()

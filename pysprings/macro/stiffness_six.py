@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.macro.model import MacroModel
-from pysprings.macro.sets import Springs
+from pysprings.macro.sets import AnySprings
 from pysprings.macro.user_curves import CurveSprings
+from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ FULL_MODEL = "initial stiffness of the full model"
 FIRST_STEPS = "stiffness of the first recorded steps of the table"  # no full model stands behind a table
 
 
-def stiffness_six(springs: Springs | MacroModel) -> xr.DataArray:
+def stiffness_six(springs: AnySprings | MacroModel) -> xr.DataArray:
     """Return the initial stiffness (6, 6) at the lid centre for (x, y, z, rx, ry, rz), symmetric.
 
     It is the full model's, `stiffness_initial` of the spring file, whatever spring set predicts; a table with a
@@ -52,20 +53,19 @@ def stiffness_six(springs: Springs | MacroModel) -> xr.DataArray:
     return xr.DataArray(axisymmetric(initial), coords, ("dof", "dof_conjugate"), attrs=attrs, name="stiffness_6x6")
 
 
-def has_six(springs: Springs | MacroModel) -> bool:
+def has_six(springs: AnySprings | MacroModel) -> bool:
     """Tell whether `stiffness_six` has an answer for springs."""
     return _initial(springs)[0] is not None
 
 
-def _initial(springs: Springs | MacroModel) -> tuple[Array | None, str]:
+def _initial(springs: AnySprings | MacroModel) -> tuple[Array | None, str]:
     """Initial stiffness (3, 3) that springs hold, None where they have no vertical one; and whose it is."""
+    if isinstance(springs, MacroModel):
+        return springs.stiffness_initial, FIRST_STEPS if "first_steps" in springs.attrs else FULL_MODEL
     if isinstance(springs, CurveSprings):
         return None, ""
-    source = FIRST_STEPS if "first_steps" in springs.attrs else FULL_MODEL
-    if isinstance(springs, MacroModel):
-        return springs.stiffness_initial, source
-    matrix: Array = springs.dataset["stiffness_initial"].values
-    return (matrix if matrix.shape == (3, 3) else None), source
+    given = Springs.of(springs)
+    return given.stiffness, FIRST_STEPS if given.first_steps else FULL_MODEL
 
 
 def axisymmetric(tangent: Array) -> Array:

@@ -9,8 +9,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 from pysprings.macro.curve_table import Row, SpringTable, stack
+from pysprings.springs.path import SpringPath
 
 Array = NDArray[np.float64]
 
@@ -78,12 +79,11 @@ class CurveSprings:
         """Return the set of a name, or the first one."""
         chosen = next(iter(self.sets)) if name is None else name
         if chosen not in self.sets:
-            message = f"no path '{chosen}'; the table has: {', '.join(self.sets)}"
-            raise UserInputError([Problem(file=self.source, key="path", message=message)])
+            raise refused("path", f"no path '{chosen}'; the table has: {', '.join(self.sets)}", self.source)
         return chosen, self.sets[chosen]
 
-    def origin(self, name: str) -> xr.Dataset:
-        """Return depths and slices of a set; there is no path to hold more."""
+    def origin(self, name: str) -> SpringPath:
+        """Return depths and slices of a set as a path without states: nothing was recorded."""
         chosen = self.sets[name]
-        bounds = ("depth", "bound"), chosen.bounds
-        return xr.Dataset({"depth_bounds": bounds}, {"depth": chosen.depth}, {"path": name, "kind": "table"})
+        data = {"depth_bounds": (("depth", "bound"), chosen.bounds)}
+        return SpringPath(name, xr.Dataset(data, {"depth": chosen.depth}, {"kind": "table"}), chosen.length)

@@ -19,15 +19,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.macro.fan import initial_slopes, secant_slopes
 from pysprings.macro.solver import spring_row
 from pysprings.springs.alike import same_load
-from pysprings.springs.dataset import get_path, is_vertical, path_names
-from pysprings.springs.dead_loads import rest_load
-from pysprings.springs.sums import slice_heights
+from pysprings.springs.path import SpringPath
+from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
 
@@ -156,30 +154,26 @@ class VerticalTable:
         return f"V from {ends[0]:.4g} to {ends[-1]:.4g} N"
 
 
-def build_vertical(springs: xr.DataTree) -> VerticalTable | None:
+def build_vertical(springs: Springs) -> VerticalTable | None:
     """Return the vertical springs of a spring set, None where it has no vertical calibration path.
 
     Of several paths in one direction the longest is used, of those that start at the vertical load of the scene where
     there are any.
     """
-    names = [name for name in path_names(springs, "calibration") if is_vertical(springs, name)]
-    if not names:
+    paths = springs.vertical
+    if not paths:
         return None
-    paths = {name: get_path(springs, name) for name in names}
-    wanted, start = rest_load(springs), {name: float(path["V"][0]) for name, path in paths.items()}
-    first = min(names, key=lambda name: abs(start[name] - wanted))
-    kept = [name for name in names if same_load(start[name], start[first])]
-    stiffness = springs.dataset["stiffness_initial"].values
-    known = float(stiffness[1, 1]) if stiffness.shape == (3, 3) else None
-    longest: dict[float, str] = {}
-    for name in sorted(kept, key=lambda name: _reach(paths[name])):
-        longest[float(np.sign(_travel(paths[name])[-1]))] = name
-    branches = [_branch(paths[longest[sign]], sign, known) for sign in (1.0, -1.0) if sign in longest]
-    depth, dz = paths[first]["depth"].values, slice_heights(paths[first])
-    n = depth.size
+    first = min(paths, key=lambda path: abs(path.load - springs.rest_load))
+    stiffness = springs.stiffness
+    known = None if stiffness is None else float(stiffness[1, 1])
+    longest: dict[float, SpringPath] = {}
+    for path in sorted((path for path in paths if same_load(path.load, first.load)), key=_reach):
+        longest[float(np.sign(_travel(path)[-1]))] = path
+    branches = [_branch(longest[sign], sign, known) for sign in (1.0, -1.0) if sign in longest]
+    depth, dz = first.depth, first.heights
     return VerticalTable(
-        rest=(float(paths[first]["w"][0]), start[first]),
-        name=np.array(["t"] * n + ["V_tip", "V_lid", "V"]),
+        rest=(float(first.w[0]), first.load),
+        name=np.array(["t"] * depth.size + ["V_tip", "V_lid", "V"]),
         depth=np.concatenate([depth, [dz.sum(), 0.0, 0.0]]),
         b=np.concatenate([dz, [1.0, 1.0, 0.0]]),
         stiffness=known if known is not None else float(branches[0].sign * branches[0].slope[-1, 0]),
@@ -187,25 +181,23 @@ def build_vertical(springs: xr.DataTree) -> VerticalTable | None:
     )
 
 
-def _travel(path: xr.Dataset) -> Array:
+def _travel(path: SpringPath) -> Array:
     """Change of w [m] by step, up to where it turns back."""
-    w = path["w"].values - float(path["w"][0])
+    w = path.w - float(path.w[0])
     grows = np.diff(np.abs(w)) > 0.0
     n = w.size if grows.all() else int(np.argmin(grows)) + 1
     return w[:n]
 
 
-def _reach(path: xr.Dataset) -> float:
+def _reach(path: SpringPath) -> float:
     return float(np.abs(_travel(path)[-1]))
 
 
-def _branch(path: xr.Dataset, sign: float, stiffness: float | None) -> Branch:
+def _branch(path: SpringPath, sign: float, stiffness: float | None) -> Branch:
     x = np.abs(_travel(path))
-    dz = slice_heights(path)
-    t = path["t"].sum("side").transpose("depth", "step").values
-    rows = np.concatenate([t, [path["V_tip"].values, path["V_lid"].values]])[:, : x.size]
-    b = np.concatenate([dz, [1.0, 1.0]])[:, None]
+    rows = np.concatenate([path.by_depth("t"), [path["V_tip"], path["V_lid"]]])[:, : x.size]
+    b = np.concatenate([path.heights, [1.0, 1.0]])[:, None]
     secant = (rows[:, 1] - rows[:, 0]) / x[1]
     first = secant if stiffness is None else initial_slopes(secant, b, np.array([sign * stiffness]))
     slope = secant_slopes(x, rows, first)
-    return Branch(str(path.attrs["path"]), sign, x, np.vstack([rows, b.T @ rows]), np.vstack([slope, b.T @ slope]))
+    return Branch(path.name, sign, x, np.vstack([rows, b.T @ rows]), np.vstack([slope, b.T @ slope]))

@@ -16,7 +16,7 @@ from pysprings.core.units import quoted
 from pysprings.macro.ends import past_elastic
 from pysprings.macro.vertical import VerticalTable
 from pysprings.springs.alike import same_load
-from pysprings.springs.dataset import path_load
+from pysprings.springs.path import SpringPath
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
@@ -94,9 +94,9 @@ def vertical_answer(
     )
 
 
-def along_vertical(table: VerticalTable, path: xr.Dataset) -> xr.Dataset:
+def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
     """Return what the vertical springs answer at the w [m] of a path, with the variables and attrs of a prediction."""
-    w = path["w"].values
+    w = path.w
     rows, nothing = table.reactions(w), np.zeros(w.size)
     known = variables.GROUPS["prediction"]
     values = {"u": nothing, "w": w, "rotation": nothing, "H": nothing, "V": rows[-1], "M": nothing}
@@ -108,9 +108,9 @@ def along_vertical(table: VerticalTable, path: xr.Dataset) -> xr.Dataset:
     data |= {
         "t": (("depth", "step"), rows[table.name == "t"], {"units": "N m-1"}),
         "u_at_load": ("step", nothing, {"units": "m"}),
-        "usable": ("depth", np.ones(path.sizes["depth"], dtype=np.int8), known["usable"].attributes()),
+        "usable": ("depth", np.ones(path.depth.size, dtype=np.int8), known["usable"].attributes()),
     }
-    coords = {"depth": ("depth", path["depth"].values, known["depth"].attributes()), "step": np.arange(w.size)}
+    coords = {"depth": ("depth", path.depth, known["depth"].attributes()), "step": np.arange(w.size)}
     attrs = {"springs": "vertical", "path": table.path, "status": "complete", "message": "", "warnings": ""}
     return xr.Dataset(data, coords, attrs)
 
@@ -161,7 +161,7 @@ def _no_equilibrium(model: MacroModel, V: Array) -> str:
 
 
 def _not_the_paths(model: MacroModel, V: Array) -> str:
-    path, own = model.origin.attrs["path"], path_load(model.origin)
+    path, own = model.origin.name, model.origin.load
     return f"V = {_list(V)} N is not that of path '{path}' ({own:.7g} N): "
 
 

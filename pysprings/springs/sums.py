@@ -28,12 +28,20 @@ def net_m(dataset: xr.Dataset) -> xr.DataArray:
     return dataset["m"].sum("side", keep_attrs=True).transpose("depth", "step")
 
 
+def resultants(dataset: xr.Dataset) -> dict[str, np.ndarray]:
+    """Return H, V [N] and M [N m] by step that the reactions sum to.
+
+    H = sum p dz + H_tip + H_lid;  V = sum t dz + V_tip + V_lid;
+    M = sum (p z + m) dz + L H_tip + M_tip + M_lid.
+    """
+    return {name: np.sum(terms, axis=0) for name, terms in _terms(dataset).items()}
+
+
 def balance(dataset: xr.Dataset) -> dict[str, float]:
     """Return what is missing between summed reactions and loads H, V, M, relative to their largest part.
 
     A load that symmetry makes zero (H and M on a vertical path) counts beside a thousandth of the largest force.
-    H = sum p dz + H_tip + H_lid;  V = sum t dz + V_tip + V_lid;
-    M = sum (p z + m) dz + L H_tip + M_tip + M_lid.  Zero where the springs hold all reactions of the caisson.
+    Zero where the springs hold all reactions of the caisson (`resultants`).
     """
     sums = _sums(dataset)
     return {
@@ -42,24 +50,26 @@ def balance(dataset: xr.Dataset) -> dict[str, float]:
     }
 
 
-def _sums(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, float]]:
-    """Sums of the reactions by step for H, V [N] and M [N m], each with what its error counts beside: see `balance`."""
+def _terms(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, ...]]:
+    """Terms by step of H, V [N] and M [N m]."""
     dz, z = slice_heights(dataset), dataset["depth"].values
-    p, m, t = (
-        net_p(dataset).values,
-        net_m(dataset).values,
-        dataset["t"].sum("side").transpose("depth", "step").values,
-    )
+    p, m = net_p(dataset).values, net_m(dataset).values
+    t = dataset["t"].sum("side").transpose("depth", "step").values
     value = {name: dataset[name].values for name in ("H_tip", "H_lid", "V_tip", "V_lid", "M_tip", "M_lid")}
     length = float(dataset["depth_bounds"].values[-1, 1])
-    parts = {
+    return {
         "H": (dz @ p, value["H_tip"], value["H_lid"]),
         "V": (dz @ t, value["V_tip"], value["V_lid"]),
         "M": ((dz * z) @ p, dz @ m, length * value["H_tip"], value["M_tip"], value["M_lid"]),
     }
-    least = 1.0e-3 * max(_largest(parts["H"]), _largest(parts["V"]))
+
+
+def _sums(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, float]]:
+    """Sums of the reactions by step for H, V [N] and M [N m], each with the size beside which its error counts."""
+    terms, length = _terms(dataset), float(dataset["depth_bounds"].values[-1, 1])
+    least = 1.0e-3 * max(_largest(terms["H"]), _largest(terms["V"]))
     least_of = {"H": least, "V": least, "M": least * length}
-    return {name: (np.sum(terms, axis=0), max(_largest(terms), least_of[name])) for name, terms in parts.items()}
+    return {name: (np.sum(each, axis=0), max(_largest(each), least_of[name])) for name, each in terms.items()}
 
 
 def balance_faults(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:

@@ -8,6 +8,7 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.macro.vertical import build_vertical
+from pysprings.springs.springs import Springs
 from tests.support import synthetic
 
 K, REST = 4e9, 2e6  # N/m, N: of the invented vertical springs
@@ -60,7 +61,7 @@ def pressed(path: xr.Dataset, V: float) -> xr.Dataset:
         start = path[name].isel(step=0)
         out[name] = (start + (path[name] - start) * V / REST).transpose(*path[name].dims)
     out["V"], out["V_lid"] = out["V"] + V - REST, out["V_lid"] + V - REST
-    table = build_vertical(vertical_springs())
+    table = build_vertical(Springs.of(vertical_springs()))
     assert table is not None
     out["w"] = out["w"] + table.displacement(V)[0]
     return variables.attach(out, "springs_path")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PRESSURE, PY, STIFFNESS, Sample
 from pysprings.full_model.accuracy.richardson import Reference, extrapolate
-from pysprings.macro.comparison import eta
+from pysprings.macro.measures import eta
 
 Array = NDArray[np.float64]
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from pysprings.macro.curve_table import SpringTable
     from pysprings.macro.fan import FanTable
+    from pysprings.springs.path import SpringPath
+    from pysprings.springs.springs import Springs
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,17 +19,17 @@ class Built:
     """Springs of a set as a table, the path that gives depths and the state at rest, and the paths they come from."""
 
     table: SpringTable | FanTable
-    origin: xr.Dataset
+    origin: SpringPath
     sources: tuple[str, ...]
     remarks: tuple[str, ...] = ()
 
 
-def _always(_springs: xr.DataTree) -> bool:
+def _always(_springs: Springs) -> bool:
     return True
 
 
-def _calibrates(_springs: xr.DataTree, path: xr.Dataset) -> bool:
-    return bool(path.attrs["role"] == "calibration")
+def _calibrates(_springs: Springs, path: SpringPath) -> bool:
+    return path.calibrates
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,9 +62,9 @@ class SpringSet:
     name: str
     label: str
     description: str
-    build: Callable[[xr.DataTree, str | None], Built]
-    ready: Callable[[xr.DataTree], bool] = _always
-    reproduces: Callable[[xr.DataTree, xr.Dataset], bool] = _calibrates
+    build: Callable[[Springs, str | None], Built]
+    ready: Callable[[Springs], bool] = _always
+    reproduces: Callable[[Springs, SpringPath], bool] = _calibrates
     companions: bool = True
     curves: bool = False
     several: str = ""

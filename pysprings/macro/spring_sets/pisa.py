@@ -5,30 +5,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 from pysprings.macro.spring_sets.base import Built, SpringSet
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from pysprings.springs.springs import Springs
 
 
-def _build(springs: xr.DataTree, _path: str | None) -> Built:
+def _build(springs: Springs, _path: str | None) -> Built:
     from pysprings.macro.curve_table import build_pisa
-    from pysprings.macro.fan import pure_paths
-    from pysprings.springs.dataset import get_path
 
-    pure = pure_paths(springs)
-    if pure is None:
-        message = "the set 'pisa' needs a pure translation and a pure rotation to calibrate it"
-        raise UserInputError([Problem(key="springs", message=message)])
-    translation, rotation = (get_path(springs, name) for name in pure)
-    return Built(build_pisa(translation, rotation), translation, pure)
+    if springs.pure_paths is None:
+        raise refused("springs", "the set 'pisa' needs a pure translation and a pure rotation to calibrate it")
+    translation, rotation = (springs.paths[name] for name in springs.pure_paths)
+    return Built(build_pisa(translation, rotation), translation, springs.pure_paths)
 
 
-def _ready(springs: xr.DataTree) -> bool:
-    from pysprings.macro.fan import pure_paths
-
-    return pure_paths(springs) is not None
+def _ready(springs: Springs) -> bool:
+    return springs.pure_paths is not None
 
 
 SPRING_SET = SpringSet(

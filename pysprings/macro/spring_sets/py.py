@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from pysprings.macro.spring_sets.base import Built, SpringSet
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from pysprings.springs.springs import Springs
 
 ALONE = (
     "p-y springs alone: no distributed moment, tip and lid springs; on a caisson they carry a fraction of the load "
@@ -16,12 +16,11 @@ ALONE = (
 )
 
 
-def _build(springs: xr.DataTree, path: str | None) -> Built:
+def _build(springs: Springs, path: str | None) -> Built:
     from pysprings.macro.curve_table import build_table
-    from pysprings.springs.dataset import get_path
 
-    origin = get_path(springs, path)
-    return Built(build_table(origin, companions=False), origin, (str(origin.attrs["path"]),))
+    origin = springs.path(path)
+    return Built(build_table(origin, companions=False), origin, (origin.name,))
 
 
 SPRING_SET = SpringSet(

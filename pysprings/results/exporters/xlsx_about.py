@@ -12,6 +12,7 @@ import xarray as xr
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.results.exporters.xlsx_names import MEANING
 from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
+from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 
 _ORIGIN = {
@@ -87,9 +88,10 @@ def about_lines(springs: xr.DataTree, comparison: pd.DataFrame) -> Iterator[tupl
 
 def _fan(springs: xr.DataTree) -> Iterator[str]:
     """How far the fan goes, where there is one, and what a spreadsheet cannot do with it."""
-    if not has_fan(springs):
+    given = Springs.of(springs)
+    if not has_fan(given):
         return
-    table = build_fan(springs)
+    table = build_fan(given)
     rays = zip(table.path, np.degrees(table.angle), 1e3 * table.range, strict=True)
     shown = ", ".join(f"{name} ({angle:.1f} deg, to {reach:.4g} mm)" for name, angle, reach in rays)
     yield (

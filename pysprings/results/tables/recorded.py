@@ -8,12 +8,12 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.macro.fan import STRAIGHT, fan_paths
 from pysprings.macro.vertical import build_vertical
 from pysprings.results.tables.file import Faults
 from pysprings.results.tables.places import ROUNDING, net_rows, place_of, slices
-from pysprings.springs.dataset import get_path
-from pysprings.springs.sums import net_m, net_p, slice_heights
+from pysprings.springs.directions import keeps_direction
+from pysprings.springs.springs import Springs
+from pysprings.springs.sums import resultants
 
 Array = NDArray[np.float64]
 Grid = dict[str, Array]  # column -> (depth, step)
@@ -54,9 +54,10 @@ def build_tree(rows: pd.DataFrame, faults: Faults) -> xr.DataTree:
     attrs = {"title": f"table {rows['file'].iloc[0]}", "skirt_length_m": length}
     groups = {f"/paths/{name}": path for name, path in paths.items()}
     tree = xr.DataTree.from_dict({"/": xr.Dataset(attrs=attrs)} | groups)
-    stiffness = _first_stiffness(tree)
+    stiffness = _first_stiffness(Springs.of(tree))
     tree.dataset = tree.to_dataset().assign(stiffness_initial=_stiffness(stiffness, ["u", "rotation"]))
-    vertical = build_vertical(tree) if all("V" in path and path.attrs["down"] for path in paths.values()) else None
+    down = all("V" in path and path.attrs["down"] for path in paths.values())
+    vertical = build_vertical(Springs.of(tree)) if down else None
     if vertical is not None:
         full = np.insert(np.insert(stiffness, 1, 0.0, axis=0), 1, [0.0, vertical.stiffness, 0.0], axis=1)
         known = xr.Dataset({"stiffness_initial": _stiffness(full, ["u", "w", "rotation"])})
@@ -195,27 +196,22 @@ def _assembled(
                 f"M_{part}": (("step",), grids[family]["M_Nm"][0]),
             }
     attrs = {"role": "calibration", "kind": "table", "arm_m": np.nan, "down": down}
-    rho = np.hypot(u, rotation * bounds[-1, 1])
-    across = np.abs(u * rotation[-1] - rotation * u[-1]) * bounds[-1, 1]
-    attrs["straight"] = bool((across <= STRAIGHT * rho * rho[-1] + 1e-300).all())
+    attrs["straight"] = keeps_direction(u, rotation * bounds[-1, 1])
     coords = {"depth": depth, "side": ["net"], "component": ["total"], "step": np.arange(n)}
     return xr.Dataset(data, coords, attrs)
 
 
-def _first_stiffness(tree: xr.DataTree) -> Array:
+def _first_stiffness(springs: Springs) -> Array:
     """Stiffness (2, 2) that fits the first steps of all rays best; of one path p is known of: zero."""
     first, loads = [], []
-    for name in fan_paths(tree):
-        path = get_path(tree, name)
+    for name in springs.rays:
+        path = springs.paths[name]
         if "m" not in path:
             return np.zeros((2, 2))
-        p, m, dz, z = net_p(path).values, net_m(path).values, slice_heights(path), path["depth"].values
-        H = dz @ p + path["H_tip"].values + path["H_lid"].values
-        M = (dz * z) @ p + dz @ m + path["depth_bounds"].values[-1, 1] * path["H_tip"].values
-        M = M + path["M_tip"].values + path["M_lid"].values
-        size = np.hypot(path["u"].values[1], path["rotation"].values[1])
-        first.append(np.array([path["u"].values[1], path["rotation"].values[1]]) / size)
-        loads.append(np.array([H[1] - H[0], M[1] - M[0]]) / size)
+        sums = resultants(path.dataset)
+        size = np.hypot(path.u[1], path.rotation[1])
+        first.append(np.array([path.u[1], path.rotation[1]]) / size)
+        loads.append(np.array([sums[load][1] - sums[load][0] for load in ("H", "M")]) / size)
     if len(first) < 2:
         return np.zeros((2, 2))
     return np.linalg.lstsq(np.array(first), np.array(loads), rcond=None)[0].T

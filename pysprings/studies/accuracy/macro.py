@@ -14,7 +14,8 @@ from pysprings.full_model.accuracy.curves import LOAD, OTHER, Curve, leading
 from pysprings.macro import slices
 from pysprings.macro.comparison import curves
 from pysprings.macro.sets import spring_sets
-from pysprings.springs.dataset import get_path, is_vertical, path_names
+from pysprings.springs.path import SpringPath
+from pysprings.springs.springs import Springs
 
 
 @dataclass(frozen=True)
@@ -36,31 +37,32 @@ def answers(springs: xr.DataTree) -> Iterator[Answer]:
 
     Vertical paths have springs of their own, without slices; the set is asked for the others.
     """
-    kind = "fan" if "fan" in spring_sets(springs) else "full"
-    names = [name for name in path_names(springs) if not is_vertical(springs, name)]
+    given = Springs.of(springs)
+    kind = "fan" if "fan" in spring_sets(given) else "full"
+    names = [name for name, path in given.paths.items() if not path.is_vertical]
     if not names:
         return
-    for n in slices.slice_counts(springs):
-        merged = slices.merge_slices(springs, n)
-        found = {name: _curve(get_path(merged, name), trace, springs) for name, trace in _traces(merged, names, kind)}
+    for n in slices.slice_counts(given):
+        merged = slices.merge_slices(given, n)
+        found = {name: _curve(merged.paths[name], trace) for name, trace in _traces(merged, names, kind)}
         whole = {name: curve for name, curve in found.items() if curve is not None}
         yield Answer(kind, n, names, whole, slices.curve_seconds(merged, kind))
 
 
-def _traces(springs: xr.DataTree, names: list[str], kind: str) -> Iterator[tuple[str, xr.Dataset]]:
+def _traces(springs: Springs, names: list[str], kind: str) -> Iterator[tuple[str, xr.Dataset]]:
     for name in names:
         found = curves(springs, name, kind)
         if kind in found:
             yield name, found[kind]
 
 
-def _curve(full: xr.Dataset, trace: xr.Dataset, springs: xr.DataTree) -> Curve | None:
+def _curve(path: SpringPath, trace: xr.Dataset) -> Curve | None:
     """Curve of a macro-model as the full model's are; no p(y), which is the springs' own."""
-    n = trace.sizes["step"]
+    n, full = trace.sizes["step"], path.dataset
     states = full.isel(step=slice(0, n)).assign({name: ("step", trace[name].values) for name in ("H", "M", "rotation")})
-    if full.attrs["kind"] == "rotation":  # what is imposed is the full model's
+    if path.kind == "rotation":  # what is imposed is the full model's
         states = states.assign(rotation=("step", full["rotation"].values[:n]))
-    x = quantities.driver(states, float(springs.attrs["skirt_length_m"]))
+    x = quantities.driver(states, path.length)
     kept = leading(x) if n else np.zeros(0, dtype=int)
     if kept.size < 2:
         return None

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.macro.comparison import _abscissa, _driver, _errors, compare, curves, eta, states
+from pysprings.macro.comparison import compare, curves, states
 from pysprings.macro.comparison_text import to_dict, to_text
+from pysprings.macro.measures import abscissa, errors, eta
 from pysprings.macro.predict import MacroModel, MacroWarning, predict
 from pysprings.springs.dataset import get_path
+from pysprings.springs.path import SpringPath
 from tests.support.synthetic import Path, make_springs
 
 PATHS = (
@@ -205,24 +207,28 @@ def test_text_and_json_have_displacement_and_rotation_point(frame):
     assert turn["u_error_max_pct"] is None
 
 
+def of_kind(data: xr.Dataset, kind: str) -> SpringPath:
+    return SpringPath("path", data.assign_attrs(kind=kind), 4.0)
+
+
 def test_a_swipe_counts_by_the_way_it_has_come() -> None:
     u, rotation = np.array([0.0, 1e-3, 2e-3, 2e-3, 2e-3]), np.array([0.0, 0.0, 0.0, -1e-3, -2e-3])
-    full = xr.Dataset({"u": ("step", u), "rotation": ("step", rotation)}, attrs={"kind": "swipe"})
-    np.testing.assert_allclose(_abscissa(full, "u", 4.0), [0.0, 1e-3, 2e-3, 6e-3, 10e-3])
-    np.testing.assert_array_equal(_abscissa(full.assign_attrs(kind="pull"), "u", 4.0), u)
+    data = xr.Dataset({"u": ("step", u), "rotation": ("step", rotation)})
+    np.testing.assert_allclose(abscissa(of_kind(data, "swipe")), [0.0, 1e-3, 2e-3, 6e-3, 10e-3])
+    np.testing.assert_array_equal(abscissa(of_kind(data, "pull")), u)
 
 
 def test_a_load_that_climbs_is_followed_by_its_states() -> None:
-    full = xr.Dataset(attrs={"kind": "load", "arm_from_m": 0.0})
-    assert _driver(full)[0] == "state"
-    assert _driver(xr.Dataset(attrs={"kind": "load"}))[0] == "displacement"
+    climbing = of_kind(xr.Dataset(attrs={"arm_from_m": 0.0}), "load")
+    assert not climbing.rules.free_head and climbing.rules.answers == ("H", "M")
+    assert of_kind(xr.Dataset(), "load").rules.free_head
 
 
 def test_errors_of_a_swipe_are_relative_to_its_largest_load() -> None:
     path = {"u": [1e-3, 1e-3, 1e-3], "rotation": [0.0, -1e-3, -2e-3]}
     loads = {"H": [2.0, 0.0, -1.0], "M": [4.0, 4.0, 4.0]}
-    full = xr.Dataset({k: ("step", np.array(v)) for k, v in (path | loads).items()}, attrs={"kind": "swipe"})
-    trace = full.assign(H=full["H"] + 0.1, M=1.01 * full["M"])
-    found = _errors(full, trace, np.array([1e-3, 2e-3, 3e-3]), ("H", "M"))
+    full = xr.Dataset({k: ("step", np.array(v)) for k, v in (path | loads).items()})
+    answer = full.assign(H=full["H"] + 0.1, M=1.01 * full["M"])
+    found = errors(of_kind(full, "swipe"), answer, np.array([1e-3, 2e-3, 3e-3]), ("H", "M"))
     assert found["H_error_max_pct"] == pytest.approx(5.0)
     assert found["M_error_end_pct"] == pytest.approx(1.0)

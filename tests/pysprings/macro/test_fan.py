@@ -13,10 +13,12 @@ from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.macro.comparison_text import to_text
-from pysprings.macro.fan import build_fan, fan_paths, has_fan, secant_slopes
+from pysprings.macro.fan import build_fan, has_fan, secant_slopes
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, predict
 from pysprings.macro.sets import spring_sets
+from pysprings.macro.trace import trace
 from pysprings.springs.dataset import get_path
+from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 from tests.support.fans import ANGLES, DEPTH, HEIGHT, LENGTH, RHO, fan_springs, linear, loads, potential, scattered
 from tests.support.synthetic import make_springs
@@ -51,7 +53,7 @@ def test_elastic_limit_is_the_full_model_at_all_load_heights(arm):
 
 def test_recorded_states_come_back_and_the_reactions_sum_to_the_load(bent):
     springs = fan_springs(potential)
-    for name in fan_paths(springs):
+    for name in Springs.of(springs).rays:
         path = get_path(springs, name)
         states = np.stack([path["u"].values, path["rotation"].values], axis=1)
         found = np.array([bent.reactions(*state)[0] for state in states])
@@ -75,7 +77,7 @@ def test_odd_symmetry(bent):
         (there, tangent), (back, tangent_back) = bent.reactions(*state), bent.reactions(*-state)
         np.testing.assert_allclose(back, -there, rtol=1e-12)
         np.testing.assert_allclose(tangent_back, tangent, rtol=1e-10, atol=1e-3)
-    one, other = bent.trace("state", states), bent.trace("state", -states)
+    one, other = trace(bent, "state", states), trace(bent, "state", -states)
     np.testing.assert_allclose(other["w"], one["w"], rtol=1e-9)
     np.testing.assert_allclose(other["V"], one["V"], rtol=1e-9)
     assert (one["w"] < 0.0).all()
@@ -162,15 +164,15 @@ def test_the_shorter_ray_of_a_sector_limits_the_range():
     model = MacroModel.from_springs(springs, "fan")
     between = 0.9 * RHO[-1] * np.array([[np.cos(-0.4), np.sin(-0.4) / LENGTH]])
     on_the_long_one = 0.9 * RHO[-1] * np.array([[1.0, -1.0 / LENGTH]]) / np.sqrt(2.0)
-    assert model.trace("state", between)["extrapolated"].values.tolist() == [1]
-    assert model.trace("state", on_the_long_one)["extrapolated"].values.tolist() == [0]
+    assert trace(model, "state", between)["extrapolated"].values.tolist() == [1]
+    assert trace(model, "state", on_the_long_one)["extrapolated"].values.tolist() == [0]
 
 
 def test_a_wide_sector_is_marked_and_refused_but_not_its_rays():
     springs = fan_springs(linear, (0.0, -50.0, 90.0))  # 90 degrees between 0 and 90
     model = MacroModel.from_springs(springs, "fan")
     states = np.array([[1e-3, 0.0], [1e-3, 1e-4], [1e-3, -1e-4], [0.0, 1e-4], [-1e-3, -1e-4], [0.0, 0.0]])
-    alone = [int(model.trace("state", state[None])["off_path"][0]) for state in states]
+    alone = [int(trace(model, "state", state[None])["off_path"][0]) for state in states]
     assert alone == [0, 1, 0, 0, 1, 0]
     force, moment = (float(x) for x in model.reactions(1e-3, 1e-4)[0])
     with pytest.warns(MacroWarning, match=r"between calibration paths 90 degrees apart.*limit 60"):
@@ -182,23 +184,23 @@ def test_a_wide_sector_is_marked_and_refused_but_not_its_rays():
 def test_which_paths_are_rays():
     """Calibration paths of constant ratio; of two at the same angle the longer one; a pull is curved."""
     springs = fan_springs(potential, (0.0, -30.0, 179.5, 90.0), held_back=(8.0,))
-    assert list(fan_paths(springs)) == ["ray_1", "ray_0", "ray_3"]
+    assert list(Springs.of(springs).rays) == ["ray_1", "ray_0", "ray_3"]
     springs["paths/pull_8"].attrs["role"] = "calibration"
-    assert "pull_8" not in fan_paths(springs)
+    assert "pull_8" not in Springs.of(springs).rays
     springs["paths/ray_1"].attrs["role"] = "held-back"
-    assert "ray_1" not in fan_paths(springs)
+    assert "ray_1" not in Springs.of(springs).rays
 
 
 def test_an_origin_met_to_rounding_only_is_an_origin():
     """A dead load before the path leaves displacements of 1e-19 m in any direction."""
     springs = fan_springs(linear)
-    for name in fan_paths(springs):
+    for name in Springs.of(springs).rays:
         path = springs[f"paths/{name}"]
         u, rotation = path["u"].values.copy(), path["rotation"].values.copy()
         u[0], rotation[0] = -1e-19, 1e-20
         path["u"].values, path["rotation"].values = u, rotation
-    assert len(fan_paths(springs)) == len(ANGLES)
-    assert (build_fan(springs).rho[:, 0] == 0.0).all()
+    assert len(Springs.of(springs).rays) == len(ANGLES)
+    assert (build_fan(Springs.of(springs)).rho[:, 0] == 0.0).all()
 
 
 def test_default_is_the_fan_where_there_is_one():
@@ -211,7 +213,7 @@ def test_default_is_the_fan_where_there_is_one():
     assert "ray_1 (-20.0 deg)" in answer.attrs["rays"]
     assert list(variables.problems(answer, "prediction")) == []
     alone = make_springs()
-    assert not has_fan(alone)
+    assert not has_fan(Springs.of(alone))
     assert spring_sets(alone) == ["py", "full"]
     assert MacroModel.from_springs(alone).spring_set == "full"
 
@@ -227,7 +229,7 @@ def test_refusals():
     data = springs["paths/ray_1"].to_dataset(inherit=False)
     springs["paths/ray_1"].dataset = data.assign_coords(depth=data["depth"].values * 0.999)
     with pytest.raises(UserInputError, match="differ in their depths"):
-        build_fan(springs)
+        build_fan(Springs.of(springs))
 
 
 def test_strict_refuses_springs_of_one_path_on_another():
@@ -256,14 +258,14 @@ def test_rays_calibrated_towards_minus_x_make_the_same_fan(turned):
     mirrored = tuple(a + 180.0 * (k in turned) for k, a in enumerate(ANGLES))
     one, other = (fan_springs(potential, angles) for angles in (ANGLES, mirrored))
     assert [get_path(other, f"ray_{k}")["u"].values[-1] < -1e-6 for k in range(7)] == [k in turned for k in range(7)]
-    for name in fan_paths(other):  # shear and tip that change along the way, evenly in the mirror image
+    for name in Springs.of(other).rays:  # shear and tip that change along the way, evenly in the mirror image
         for tree in (one, other):
             path = tree[f"paths/{name}"].to_dataset(inherit=False)
             grown = 1e6 * np.hypot(path["u"].values, LENGTH * path["rotation"].values)
             path["t"] = path["t"] + xr.DataArray(grown, dims="step")
             path["V_tip"] = path["V_tip"] - 2.0 * LENGTH * grown  # both sides: V is constant
             tree[f"paths/{name}"].dataset = path
-    tables = [build_fan(tree) for tree in (one, other)]
+    tables = [build_fan(Springs.of(tree)) for tree in (one, other)]
     states = scattered(60)
     (rows, _), (found, _) = (table.rows(states) for table in tables)
     assert tables[0].name.tolist() == tables[1].name.tolist()
@@ -273,7 +275,7 @@ def test_rays_calibrated_towards_minus_x_make_the_same_fan(turned):
         np.testing.assert_allclose(found[mine], rows[mine], rtol=1e-9, atol=1e-9 * size, err_msg=name)
     u, rotation = states.T
     traces = [
-        MacroModel.from_springs(tree, "fan").trace("state", np.stack([u, rotation], axis=1)) for tree in (one, other)
+        trace(MacroModel.from_springs(tree, "fan"), "state", np.stack([u, rotation], axis=1)) for tree in (one, other)
     ]
     assert (traces[0]["w"] < 0.0).all()
     for name in ("H", "M", "V", "w", "p"):

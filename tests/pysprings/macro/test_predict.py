@@ -26,6 +26,7 @@ from pysprings.macro.predict import (
     stiffness,
     tangent_stiffness,
 )
+from pysprings.macro.trace import trace
 from tests.support.closed_forms import (
     DEPTH,
     LENGTH,
@@ -83,7 +84,7 @@ def test_curves_hit_recorded_points_and_go_on_with_the_last_slope():
     model = MacroModel.from_springs(bilinear_springs())
     for u, p in ((1e-3, 3e5), (2e-3, 4e5), (3e-3, 5e5), (5e-3, 7e5), (-2e-3, -4e5)):
         assert model.reactions(u, 0.0)[0][0] == pytest.approx(p * LENGTH)
-    answer = model.trace("state", np.array([[3e-3, 0.0], [5e-3, 0.0]]))
+    answer = trace(model, "state", np.array([[3e-3, 0.0], [5e-3, 0.0]]))
     assert answer["extrapolated"].values.tolist() == [0, 1]
     assert answer["range_used"].values == pytest.approx([1.0, 5.0 / 3.0])
 
@@ -106,7 +107,7 @@ def test_interpolation_is_scipys_pchip():
     at = np.linspace(0.0, y[-1], 57)
     depth = float(path["depth"][row])
     states = np.stack([at, np.zeros_like(at)], 1) if depth == 0 else np.stack([0 * at, at / depth], 1)
-    answer = model.trace("state", states)
+    answer = trace(model, "state", states)
     np.testing.assert_allclose(answer["p"].values[row], scipy_curve(at), rtol=1e-10, atol=1e-6)
 
 
@@ -142,7 +143,7 @@ def test_equilibrium_by_scipy_root(arm, spring_set):
         return np.array([force, turn])
 
     target = 5e4
-    answer = MacroModel.from_springs(make_springs(), spring_set).trace("load", np.array([[target, -arm * target]]))
+    answer = trace(MacroModel.from_springs(make_springs(), spring_set), "load", np.array([[target, -arm * target]]))
     start = np.array([answer["u"].values[0], answer["rotation"].values[0]]) * 0.9
     scale = np.array([1e-3, 1e-3])
     exact = root(lambda x: (loads(x * scale) - [target, -arm * target]) / 1e6, start / scale, tol=1e-13)
@@ -173,7 +174,7 @@ def test_own_path_with_the_full_set(path):
     springs = make_springs((path,))
     full = springs["paths/pull"]
     targets = np.stack([full["u"].values, full["rotation"].values], 1)
-    answer = MacroModel.from_springs(springs).trace("displacement", targets, path.arm)
+    answer = trace(MacroModel.from_springs(springs), "displacement", targets, path.arm)
     np.testing.assert_allclose(answer["H"], full["H"], rtol=1e-8, atol=1e-3)
     np.testing.assert_allclose(answer["rotation"], full["rotation"], rtol=1e-8, atol=1e-15)
     np.testing.assert_allclose(answer["w"], full["w"], atol=1e-12)
@@ -189,7 +190,7 @@ def test_a_lid_that_pulls_along_is_kept_where_nothing_else_can_carry_it():
     path["H"].values = path["H"].values - 1.1 * lid
     path["H_lid"].values = -0.1 * lid
     end = springs["paths/push"].to_dataset(inherit=False).isel(step=-1)
-    answer = MacroModel.from_springs(springs).trace("state", np.array([[float(end["u"]), 0.0]]), 0.0)
+    answer = trace(MacroModel.from_springs(springs), "state", np.array([[float(end["u"]), 0.0]]), 0.0)
     assert float(answer["H"][-1]) == pytest.approx(float(end["H"]), rel=1e-9)
 
 
@@ -208,7 +209,7 @@ def test_unusable_depths_are_named():
     odd_ones = [j for j, own in enumerate(model.table.natural) if not own]
     assert odd_ones
     assert {model.table.carrier[j] for j in odd_ones} <= {"u", "rotation"}
-    answer = model.trace("displacement", np.array([[1e-3, 0.0]]), 8.0)
+    answer = trace(model, "displacement", np.array([[1e-3, 0.0]]), 8.0)
     depth = answer["depth"].values[answer["usable"].values == 0]
     assert set(depth) == {model.table.depth[j] for j in odd_ones if model.table.name[j] == "p"}
     assert (depth > 2.5).all()
@@ -269,7 +270,7 @@ def test_load_that_cannot_be_carried_names_what_was_reached():
         predict(springs, H=3e6, M=6e6)  # the resultant of a uniform p: pure translation, up to 5e5 N/m * 4 m
     assert isinstance(caught.value, RunIncomplete)
     model = MacroModel.from_springs(springs)
-    part = model.trace("load", np.linspace(0, 1, 11)[:, None] * [3e6, 6e6])
+    part = trace(model, "load", np.linspace(0, 1, 11)[:, None] * [3e6, 6e6])
     assert part.attrs["status"] == "partial"
     assert part.sizes["step"] == 7
     assert np.isfinite(part["u"]).all()

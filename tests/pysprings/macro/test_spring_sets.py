@@ -6,7 +6,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-import xarray as xr
 
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
@@ -14,12 +13,13 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS, Built, SpringSet
+from pysprings.springs.springs import Springs
 from tests.support import synthetic
 
 ARM = 0.0  # of the path of the springs
 
 
-def halved(springs: xr.DataTree, path: str | None) -> Built:
+def halved(springs: Springs, path: str | None) -> Built:
     """All reactions of one path at half their size."""
     built = SPRING_SETS["full"].build(springs, path)
     table = replace(built.table, r=0.5 * built.table.r, slope=0.5 * built.table.slope)

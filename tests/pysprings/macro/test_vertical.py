@@ -16,7 +16,6 @@ from pysprings.core.errors import UserInputError
 from pysprings.full_model.compute import run
 from pysprings.macro.comparison import compare, curves
 from pysprings.macro.comparison_text import to_text
-from pysprings.macro.fan import fan_paths
 from pysprings.macro.predict import (
     MacroModel,
     MacroWarning,
@@ -30,9 +29,9 @@ from pysprings.macro.stiffness_six import stiffness_six
 from pysprings.macro.vertical import build_vertical
 from pysprings.results import exporters
 from pysprings.springs.dataset import get_path
-from pysprings.springs.dead_loads import at_load, load_sets, main_paths
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.springs import Springs
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.vertical import REST, K, down_curve, pressed, vertical_springs
@@ -61,7 +60,7 @@ def test_between_the_recorded_states_it_is_the_curve():
 
 
 def test_reactions_sum_to_the_load_everywhere():
-    table = build_vertical(vertical_springs())
+    table = build_vertical(Springs.of(vertical_springs()))
     rows = table.reactions(np.linspace(-1e-2, 1e-2, 41))
     np.testing.assert_allclose(table.b @ rows, rows[-1], rtol=1e-12)
     assert table.name[-1] == "V"
@@ -70,7 +69,7 @@ def test_reactions_sum_to_the_load_everywhere():
 def test_initial_stiffness_is_the_full_models_and_the_slope_follows_v():
     tree = vertical_springs()
     assert float(stiffness_six(model_of(tree))[2, 2]) == K
-    table = build_vertical(tree)
+    table = build_vertical(Springs.of(tree))
     step = 1e-9
     for sign in (1.0, -1.0):
         slope = (table.reactions(np.array([sign * step]))[-1, 0] - REST) / (sign * step)
@@ -88,7 +87,7 @@ def test_a_lateral_load_under_another_v_adds_its_w_and_is_marked():
     usual = impose(tree, u=2e-3, rotation=0.0)
     with pytest.warns(MacroWarning, match=r"is not that of path 'slide' \(2000000 N\): lateral springs unchanged"):
         loaded = impose(tree, u=2e-3, rotation=0.0, V=more)
-    w = build_vertical(tree).displacement(more)[0]
+    w = build_vertical(Springs.of(tree)).displacement(more)[0]
     np.testing.assert_allclose(loaded["w"], usual["w"] + w, rtol=1e-9)
     np.testing.assert_allclose(loaded["H"], usual["H"])
     assert loaded["off_load"].values.tolist() == [0] + [1] * 25  # at rest V alone counts, and is known
@@ -140,15 +139,15 @@ def test_vertical_paths_take_no_part_in_the_lateral_springs():
 def test_between_two_loads_reactions_are_interpolated_and_w_is_that_of_the_vertical_springs():
     """The invented reactions grow in proportion to V, so that interpolation is exact; no warning is given."""
     tree = vertical_springs(heavier=(6e6,))
-    assert [each.V for each in load_sets(tree)] == [2e6, 6e6]
-    assert main_paths(tree) == tuple(fan_paths(tree)) == ("slide", "turn")
+    assert [each.V for each in Springs.of(tree).load_sets] == [2e6, 6e6]
+    assert Springs.of(tree).main_paths == tuple(Springs.of(tree).rays) == ("slide", "turn")
     heavy = tree.copy()
     heavy.attrs["vertical_load_N"] = 6e6
-    assert sorted(fan_paths(heavy)) == ["slide_6", "turn_6"]
+    assert sorted(Springs.of(heavy).rays) == ["slide_6", "turn_6"]
     usual, loaded = (impose(tree, u=2e-3, rotation=0.0, V=V) for V in (None, 3e6))
     np.testing.assert_allclose(loaded["H"][10:], 1.5 * usual["H"][10:], rtol=1e-9)  # beyond the first steps
     np.testing.assert_allclose(loaded["M"][10:], 1.5 * usual["M"][10:], rtol=1e-9)
-    w = build_vertical(tree).displacement(3e6)[0]
+    w = build_vertical(Springs.of(tree)).displacement(3e6)[0]
     np.testing.assert_allclose(loaded["w"] - w, usual["w"], atol=1e-12)
     assert not loaded["off_load"].any()
 
@@ -161,7 +160,7 @@ def test_at_and_beyond_the_loads_of_the_sets():
         beyond = impose(tree, u=2e-3, rotation=0.0, V=8e6)
     np.testing.assert_allclose(beyond["H"], own["H"], rtol=1e-9)
     assert beyond["off_load"].values[-1] == 1
-    settles = [build_vertical(tree).displacement(V)[0] for V in (8e6, 6e6)]
+    settles = [build_vertical(Springs.of(tree)).displacement(V)[0] for V in (8e6, 6e6)]
     np.testing.assert_allclose(beyond["w"] - own["w"], settles[0] - settles[1], rtol=1e-9)
 
 
@@ -169,7 +168,7 @@ def test_a_lonely_path_at_another_load_is_no_set():
     tree = vertical_springs(heavier=(6e6,))
     kept = {f"/paths/{name}": get_path(tree, name).copy() for name in tree["paths"].children if name != "turn_6"}
     lonely = xr.DataTree.from_dict({"/": tree.to_dataset(inherit=False)} | kept)
-    assert "slide_6" not in at_load(lonely, 6e6)["paths"].children
+    assert "slide_6" not in Springs.of(lonely).at(V=6e6).paths
     frame = compare(lonely)
     assert set(frame[frame["path"] == "slide_6"]["springs"]) == {"py", "pisa", "full", "fan"}
 
@@ -344,7 +343,7 @@ def test_the_initial_vertical_stiffness_stays_the_full_models():
     tree = extract_springs(pushed())
     full = float(pushed()["stiffness_initial"][1, 1])
     assert float(stiffness_six(MacroModel.from_springs(tree))[2, 2]) == full
-    assert build_vertical(tree).stiffness == full
+    assert build_vertical(Springs.of(tree)).stiffness == full
     frame = compare(tree).set_index(["path", "springs"])
     assert frame.loc["heavy", "full"]["off_load_states"] > 0
     assert abs(frame.loc["down", "vertical"]["V_error_max_pct"]) < 1e-6
@@ -379,7 +378,7 @@ def test_fixed_heave_holds_the_caisson_where_its_dead_load_has_put_it():
 def test_the_curve_goes_on_from_its_last_point_along_its_last_step(name):
     """Continuous there for every reaction, then straight; V -> w is the inverse. Line through two recorded points."""
     tree = vertical_springs(ends=(2e-3, -1e-4))  # upwards short of the limit, which carries no more
-    path, table = get_path(tree, name), build_vertical(tree)
+    path, table = get_path(tree, name), build_vertical(Springs.of(tree))
     w, V = path["w"].values, path["V"].values
     last, beyond = w[-1], w[-1] + 0.5 * (w[-1] - w[-2])
     inside, outside = table.reactions(np.array([last * (1.0 - 1e-12), last * (1.0 + 1e-12)])).T

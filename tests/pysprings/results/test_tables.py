@@ -14,6 +14,7 @@ from pysprings import open_table
 from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, impose, predict
+from pysprings.macro.trace import trace
 from pysprings.results import exporters
 from tests.support import synthetic
 from tests.support.commands import command
@@ -121,7 +122,7 @@ def test_negative_y_is_the_odd_reflection(tmp_path):
     table = open_table(write(tmp_path / "py.csv", "depth_m,y_m,p_N_per_m", *curves))
     model = MacroModel.from_springs(table)
     for y, p in ((5e-3, 5e5), (-5e-3, -5e5), (-1e-2, -6e5)):
-        answer = model.trace("state", np.array([[y, 0.0], [-y, 0.0], [2.0 * y, -y]]))
+        answer = trace(model, "state", np.array([[y, 0.0], [-y, 0.0], [2.0 * y, -y]]))
         np.testing.assert_allclose(answer["p"].values[:, :2], [[p, -p], [p, -p]])
         np.testing.assert_allclose(answer["y"].values[:, 2], [y, -y])
         np.testing.assert_allclose(answer["p"].values[:, 2], [p, -p])

@@ -25,11 +25,12 @@ from pysprings.macro.predict import (
     stiffness,
     tangent_stiffness,
 )
+from pysprings.macro.trace import trace
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.dataset import get_path
-from pysprings.springs.dead_loads import at_load
 from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.path_ends import end_of
+from pysprings.springs.springs import Springs
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
@@ -114,7 +115,7 @@ def test_a_ray_that_stopped_ends_its_sectors_only():
 
     def refused(rho: float, angle: float) -> int:
         state = rho * np.array([[np.cos(np.radians(angle)), np.sin(np.radians(angle)) / 4.0]])
-        return int(model.trace("state", state)["beyond_end"][0])
+        return int(trace(model, "state", state)["beyond_end"][0])
 
     end = float(np.hypot(data["u"][15], 4.0 * data["rotation"][15]))
     assert [refused(0.99 * end, angle) for angle in (-40.0, -35.0, -45.0, 0.0)] == [0, 0, 0, 0]
@@ -197,11 +198,11 @@ def test_between_two_vertical_loads_a_path_ends_with_the_shorter_one():
     short = tree["paths/slide_4"].to_dataset(inherit=False)
     tree["paths/slide_4"] = xr.DataTree(short.isel(step=slice(0, 8)))
     ended(tree, "slide_4", "stopped", "localisation")
-    between = get_path(at_load(tree, 3e6), "slide")
+    between = Springs.of(tree).at(V=3e6).path("slide").dataset
     end = end_of("slide", between)
     assert (end.how, end.why) == ("stopped", "localisation")
     assert pytest.approx(float(between["H"][-1])) == end.H
-    assert end_of("turn", get_path(at_load(tree, 3e6), "turn")).how == "reached"
+    assert end_of("turn", Springs.of(tree).at(V=3e6).path("turn").dataset).how == "reached"
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,9 @@ from pysprings.macro.comparison import compare
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.slices import merge_slices
-from pysprings.springs import rates
 from pysprings.springs.dataset import get_path, path_names
+from pysprings.springs.rates import blend
+from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 from tests.support import synthetic
 
@@ -46,23 +47,23 @@ def at_two_rates(stronger: float = 1.2, speeds: tuple[float, ...] = (1e-5, 1e-3)
 def test_merged_slices_are_answered_at_a_rate() -> None:
     """They have lost a part of the moment: their reactions do not sum to M, which a file's must."""
     coarse = merge_slices(at_two_rates(), 3)
-    assert balance(get_path(coarse, "turn0"))["M"] > 1e-6
-    assert path_names(rates.at_rate(coarse, 1e-4)) == ["slide0", "turn0"]
+    assert balance(coarse.path("turn0").dataset)["M"] > 1e-6
+    assert list(Springs.of(coarse).at_rate(1e-4).paths) == ["slide0", "turn0"]
 
 
 def test_sets_are_found_by_rate_slowest_first() -> None:
-    sets = rates.rate_sets(at_two_rates(speeds=(1e-3, 1e-5)))
+    sets = Springs.of(at_two_rates(speeds=(1e-3, 1e-5))).rate_sets
     assert [each.rate for each in sets] == pytest.approx([1e-5, 1e-3])
     assert [set(each.paths) for each in sets] == [{"slide1", "turn1"}, {"slide0", "turn0"}]
 
 
 def test_half_way_in_the_logarithm_is_the_mean() -> None:
     springs = at_two_rates()
-    found = rates.at_rate(springs, 1e-4)
-    assert path_names(found) == ["slide0", "turn0"]
+    found = Springs.of(springs).at_rate(1e-4)
+    assert list(found.paths) == ["slide0", "turn0"]
     assert found.attrs["rate_m_per_s"] == 1e-4
     for name in ("slide", "turn"):
-        new, slow = get_path(found, f"{name}0"), get_path(springs, f"{name}0")
+        new, slow = found.path(f"{name}0").dataset, get_path(springs, f"{name}0")
         for variable in ("p", "m", "H", "M_lid"):
             np.testing.assert_allclose(new[variable], 1.1 * slow[variable], rtol=1e-12, atol=1e-9)
         np.testing.assert_array_equal(new["y"], slow["y"])
@@ -72,27 +73,27 @@ def test_half_way_in_the_logarithm_is_the_mean() -> None:
 
 def test_at_the_rate_of_a_set_its_own_springs_are_given() -> None:
     springs = at_two_rates()
-    found = rates.at_rate(springs, 1.02e-3)
-    np.testing.assert_array_equal(get_path(found, "slide1")["p"], get_path(springs, "slide1")["p"])
+    found = Springs.of(springs).at_rate(1.02e-3)
+    np.testing.assert_array_equal(found.path("slide1").dataset["p"], get_path(springs, "slide1")["p"])
 
 
 @pytest.mark.parametrize("rate", [0.9e-5, 1.1e-3])
 def test_beyond_the_slowest_and_the_fastest_nothing_is_extrapolated(rate: float) -> None:
     with pytest.raises(UserInputError, match=r"outside the rates of the springs \(0\.01, 1 mm/s"):
-        rates.at_rate(at_two_rates(), rate)
+        Springs.of(at_two_rates()).at_rate(rate)
 
 
 def test_drained_springs_have_no_rate() -> None:
     with pytest.raises(UserInputError, match="drained: they do not depend on a rate"):
-        rates.at_rate(synthetic.make_springs(RAYS), 1e-4)
+        Springs.of(synthetic.make_springs(RAYS)).at_rate(1e-4)
 
 
 def test_paths_without_a_partner_are_left_out_and_none_at_all_is_refused() -> None:
     springs = at_two_rates()
     lone, none = without(springs, "turn1"), without(springs, "turn1", "slide0")
-    assert path_names(rates.at_rate(lone, 1e-4)) == ["slide0"]
+    assert list(Springs.of(lone).at_rate(1e-4).paths) == ["slide0"]
     with pytest.raises(UserInputError, match="different directions"):
-        rates.at_rate(none, 1e-4)
+        Springs.of(none).at_rate(1e-4)
 
 
 def without(springs: xr.DataTree, *names: str) -> xr.DataTree:
@@ -103,10 +104,11 @@ def without(springs: xr.DataTree, *names: str) -> xr.DataTree:
 
 def test_a_shorter_fast_path_shortens_the_answer() -> None:
     springs = at_two_rates()
-    fast = get_path(springs, "slide1").isel(step=slice(0, 7))
-    slow = get_path(springs, "slide0")
-    found = rates.blend(slow, fast, 0.5, LENGTH)
-    assert float(found["u"][-1]) == pytest.approx(float(fast["u"][-1]))
+    given = Springs.of(springs)
+    fast = given.path("slide1").at_steps(range(7))
+    found = blend(given.path("slide0"), fast, 0.5)
+    assert found.u[-1] == pytest.approx(fast.u[-1])
+    assert found.n == 7
 
 
 # --- what the macro-model makes of them ---
@@ -118,9 +120,9 @@ def test_a_fan_of_several_rates_is_refused_until_a_rate_is_given() -> None:
         with pytest.raises(UserInputError, match=r"several rates \(0\.01, 1 mm/s, of rho\): give one"):
             MacroModel.from_springs(springs, kind)
     assert "fan" not in spring_sets(springs) and "full" in spring_sets(springs)
-    found = rates.at_rate(springs, 1e-4)
+    found = Springs.of(springs).at_rate(1e-4)
     assert {"fan", "pisa"} <= set(spring_sets(found))
-    slow = rates.at_rate(springs, 1e-5)
+    slow = Springs.of(springs).at_rate(1e-5)
     loads = [MacroModel.from_springs(each, "fan").reactions(4e-3, -5e-4)[0] for each in (slow, found)]
     # the initial stiffness, the same at all rates, shapes the curve between recorded states
     np.testing.assert_allclose(loads[1], 1.1 * loads[0], rtol=1e-3)
@@ -135,18 +137,19 @@ def test_compare_answers_every_path_at_its_own_rate() -> None:
 
 def test_a_path_beyond_the_sets_is_answered_by_the_nearest_one() -> None:
     springs = at_two_rates()
-    fast = get_path(springs, "slide1")
+    fast = get_path(springs, "slide1").assign_attrs(role="held-back")
     fast["time"] = fast["time"] / 100.0
-    fast.attrs["path"] = "faster"
-    assert path_names(rates.for_path(springs, fast)) == ["slide1", "turn1"]
+    springs["paths/faster"] = xr.DataTree(fast)
+    given = Springs.of(springs)
+    assert list(given.answering(given.path("faster")).paths) == ["slide1", "turn1", "faster"]
 
 
 def test_a_chain_of_rates_is_one_set_where_each_is_near_the_next() -> None:
     """1, 2.5 and 6.25: the last is more than half a decade from the first, and near the second."""
     speeds = (1e-5, 2.5e-5, 6.25e-5)
-    (found,) = rates.rate_sets(at_two_rates(speeds=speeds))
+    (found,) = Springs.of(at_two_rates(speeds=speeds)).rate_sets
     assert found.rate == pytest.approx((speeds[0] * speeds[1] * speeds[2]) ** (1.0 / 3.0))
     assert set(found.paths) == {f"{name}{number}" for name in ("slide", "turn") for number in range(3)}
-    apart = rates.rate_sets(at_two_rates(speeds=(1e-5, 2.5e-5, 8e-5)))  # 3.2 from the second: a set of its own
+    apart = Springs.of(at_two_rates(speeds=(1e-5, 2.5e-5, 8e-5))).rate_sets  # 3.2 from the second: a set of its own
     assert [each.rate for each in apart] == pytest.approx([1e-5 * 2.5**0.5, 8e-5])
     assert [set(each.paths) for each in apart] == [{"slide0", "slide1", "turn0", "turn1"}, {"slide2", "turn2"}]

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: MIT
+"""Measures of an answer of the macro-model beside a path of the full model.
+
+Accuracy, after the PISA project (Byrne et al. 2020, Geotechnique 70:1030):
+    eta = (A_ref - A_diff) / A_ref,  A_ref = area under the full model's load-displacement curve,
+    A_diff = area between both curves; 1 is perfect.
+"large" runs to the end of the path; "small" to a lateral displacement of outer diameter / 10 000 (PISA's
+value). On a rotation path the curve is M against rotation, and "small" is that displacement over the skirt
+length.
+
+Relative errors leave out states below 1 % of the largest displacement (or rotation) of the path. On a swipe and under a
+load that climbs H or M may pass through zero: errors are relative to the largest one of the path there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.springs.path import SpringPath
+
+Array = NDArray[np.float64]
+
+# Relative errors leave out states below this share of the largest displacement (or rotation) of the path.
+SKIP_BELOW = 0.01
+SMALL_OVER_DIAMETER = 1e-4
+# The point of rotation is followed on paths with a free head, where it is nearer than this many diameters.
+FAR = 100.0
+NO_TURN = 1e-15  # rad: what rounding leaves of a rotation that is held
+
+_ERRORS = ("H", "rotation", "M", "V")
+_UNITS = {"u": "m", "w": "m", "rotation": "rad", "H": "N", "V": "N", "M": "Nm"}
+
+
+def eta(x: Array, reference: Array, answer: Array, end: float | None = None) -> float:
+    """Return the accuracy eta of an answer to a reference curve over displacement x, up to |x| = end.
+
+    Both curves are straight between their points; areas by the trapezoid rule. NaN when the reference has no
+    area.
+    """
+    size = np.abs(x)
+    if end is not None and size.size and size[-1] > end:
+        grid = np.append(size[size < end], end)
+        reference, answer = np.interp(grid, size, reference), np.interp(grid, size, answer)
+        size = grid
+    area = float(np.trapezoid(np.abs(reference), size))
+    return 1.0 - float(np.trapezoid(np.abs(answer - reference), size)) / area if area else float("nan")
+
+
+def abscissa(path: SpringPath) -> Array:
+    """Return the displacement (or rotation) (n,) that drives a path; of a path that bends the way it has come, in m."""
+    x = path[path.rules.drives]
+    return np.abs(x) + path.length * np.abs(path.rotation) if path.bends else x
+
+
+def errors(path: SpringPath, answer: xr.Dataset, x: Array, answers: tuple[str, ...]) -> dict[str, float]:
+    """Return the largest (by size, signed) and last relative error [%] of each answer; NaN for what is imposed."""
+    out: dict[str, float] = {}
+    for label in _ERRORS:
+        worst = last = np.nan
+        if label in answers:
+            reference = path[label][: x.size]
+            change = reference - reference[0] if label == "V" and reference.size else reference
+            # H or M may pass through zero on a path that bends: errors count beside the largest of the path
+            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if path.bends else change
+            worst, last = _relative_errors(x, scale, scale + answer[label].values - reference)
+        out |= {f"{label}_error_max_pct": worst, f"{label}_error_end_pct": last}
+    return out
+
+
+def between(found: Mapping[str, float]) -> dict[str, float]:
+    """Return the largest errors of springs with fewer states under names of their own; NaN where there are none."""
+    return {f"{label}_error_between_pct": found.get(f"{label}_error_max_pct", np.nan) for label in _ERRORS}
+
+
+def _relative_errors(x: Array, reference: Array, answer: Array) -> tuple[float, float]:
+    """Largest (signed) and last error [%] over the states that count: large enough, reference not zero."""
+    counted = (np.abs(x) >= SKIP_BELOW * np.abs(x).max(initial=0.0)) & (x != 0.0) & (reference != 0.0)
+    if not counted.any():
+        return np.nan, np.nan
+    error = 100.0 * (answer[counted] / reference[counted] - 1.0)
+    return float(error[np.argmax(np.abs(error))]), float(error[-1])
+
+
+def ends(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:
+    """Return motion and loads of both models in the last state that the answer reaches."""
+    n, row = answer.sizes["step"], dict[str, float]()
+    for label, units in _UNITS.items():
+        row[f"{label}_end_full_{units}"] = float(path[label][n - 1]) if n else np.nan
+        row[f"{label}_end_macro_{units}"] = float(answer[label].values[-1]) if n else np.nan
+    return row
+
+
+def at_equal_load(path: SpringPath, answer: xr.Dataset) -> dict[str, Any]:
+    """Return the largest and last error [%] of the displacement at equal load, and the states whose load is carried."""
+    values = answer["u_at_load"].values
+    reached = np.isfinite(values)
+    x, worst, last = path.u[: values.size][reached], np.nan, np.nan
+    if PATH_KINDS[path.kind].drives == "u":  # elsewhere u is 0, or what rounding has left of it
+        worst, last = _relative_errors(x, x, values[reached])
+    return {"u_error_max_pct": worst, "u_error_end_pct": last, "states_at_load": int(reached.sum()) - 1}
+
+
+def distances(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:
+    """Return the largest distances [m] of the points of rotation and of w, at equal displacement."""
+    n = answer.sizes["step"]
+    w = answer["w"].values - path.w[:n]
+    largest = float(w[np.argmax(np.abs(w))]) if n else np.nan
+    return {"rotation_point_error_max_m": _point_error(path, answer, n), "w_error_max_m": largest}
+
+
+def _point_error(path: SpringPath, answer: xr.Dataset, n: int) -> float:
+    """Largest distance [m] between both points of rotation; NaN: none to follow."""
+    u, rotation = path.u[:n], path.rotation[:n]
+    near = (np.abs(rotation) * path.length * FAR > np.abs(u)) & (np.abs(u) >= SKIP_BELOW * np.abs(u).max(initial=0.0))
+    near &= (u != 0.0) & (answer["rotation"].values != 0.0)
+    if not PATH_KINDS[path.kind].free_head or not near.any():
+        return float("nan")
+    own = answer["u"].values[near] / answer["rotation"].values[near]
+    return float(np.abs(own - u[near] / rotation[near]).max())
+
+
+def rotation_points(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:
+    """Return the depth [m] of the point at rest in the last state of both models."""
+    n = answer.sizes["step"]
+    both = {"full": (path.u, path.rotation), "macro": (answer["u"].values, answer["rotation"].values)}
+    return {f"rotation_point_{who}_m": _rotation_point(*motion, n, path.length) for who, motion in both.items()}
+
+
+def _rotation_point(u: Array, rotation: Array, n: int, length: float) -> float:
+    """Depth [m] of the point of the axis at rest in state n, -u/rotation; NaN for a translation."""
+    x, turn = (float(u[n - 1]), float(rotation[n - 1])) if n else (0.0, 0.0)
+    # an imposed rotation of 0 is met to rounding only
+    turns = abs(turn) * length > max(1e-9 * abs(x), NO_TURN * length)
+    return -x / turn if turns else float("nan")

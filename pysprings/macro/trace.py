@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: MIT
+"""The way of the macro-model through loads or motions, as a dataset by step with its marks."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.macro.answer import Way, answer_dataset
+from pysprings.macro.control import Control
+from pysprings.macro.history import turns
+from pysprings.macro.limit import Limit, range_limit
+from pysprings.macro.model import MacroModel
+
+Array = NDArray[np.float64]
+
+
+def trace(
+    model: MacroModel, control: Control, targets: Array, arm: float = 0.0, V: float | Array | None = None
+) -> xr.Dataset:
+    """Return the answer of `MacroModel.solve` as a dataset by step, marked where the springs do not support it.
+
+    A way that ends early holds the steps reached; `status` is then "partial" and `message` tells where.
+    V [N] is one number, or one a target.
+    """
+    targets = np.asarray(targets, dtype=float)
+    states, loads, message = model.solve(control, targets, arm)
+    down = V[: len(states)] if isinstance(V, np.ndarray) else V
+
+    def limit(first: int) -> Limit:
+        return range_limit(model, control, targets[: first + 1], arm, states[:first])
+
+    aim = targets[len(states)] if control == "load" and len(states) < len(targets) else None
+    turned = turns(control, targets[: len(states)], model.length, down, model.rest_load)
+    return answer_dataset(model, Way(states, loads, control, down, float(arm), message, aim, turned, limit))

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""One load path of a set of springs, with typed attributes and its arrays at the converged steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.core.path_kinds import VERTICAL, PathKind, bends, is_straight, kind_of
+from pysprings.springs.path_ends import PathEnd, end_of
+from pysprings.springs.sums import net_m, net_p, slice_heights
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SpringPath:
+    """A load path: what the full model recorded along it. Nothing of it may be changed.
+
+    Attributes
+    ----------
+    name : of the path.
+    recorded : all steps, as the file holds them (`pysprings.core.variables`, group ``springs_path``).
+    length : skirt length [m].
+    """
+
+    name: str
+    recorded: xr.Dataset
+    length: float
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        """The converged steps, with the name as attribute ``path``."""
+        if "converged" not in self.recorded.variables:
+            return self.recorded
+        good = np.flatnonzero(self.recorded.variables["converged"].values == 1)
+        whole = good.size == self.recorded.sizes["step"]
+        return (self.recorded if whole else self.recorded.isel(step=good)).assign_attrs(path=self.name)
+
+    # --- attributes ---
+
+    @property
+    def attrs(self) -> dict[Any, Any]:
+        """Attributes as the file holds them."""
+        return self.recorded.attrs
+
+    @property
+    def kind(self) -> str:
+        """Kind of the path (`pysprings.core.path_kinds`), or "table"."""
+        return str(self.attrs["kind"])
+
+    @property
+    def rules(self) -> PathKind:
+        """What a path of this kind imposes and answers; not defined for paths of a table."""
+        return kind_of(self.attrs)
+
+    @property
+    def role(self) -> str:
+        """ "calibration" or "held-back"."""
+        return str(self.attrs["role"])
+
+    @property
+    def calibrates(self) -> bool:
+        """True where springs are made from the path."""
+        return self.role == "calibration"
+
+    @property
+    def is_vertical(self) -> bool:
+        """True where the path moves the caisson vertically only."""
+        return self.attrs.get("kind") == VERTICAL
+
+    @property
+    def is_straight(self) -> bool:
+        """True where rotation/u is constant by kind, or as a table was found to have it."""
+        return is_straight(self.attrs)
+
+    @property
+    def bends(self) -> bool:
+        """True where H and M change their ratio along the path."""
+        return bends(self.attrs)
+
+    @property
+    def arm(self) -> float:
+        """Height of the load above mudline [m]; NaN where it has none."""
+        return float(self.attrs["arm_m"])
+
+    @property
+    def free_to_heave(self) -> bool:
+        """True where the vertical load is given, false where w is held."""
+        return self.attrs.get("heave", "free") == "free"
+
+    @cached_property
+    def end(self) -> PathEnd:
+        """How the path ended."""
+        return end_of(self.name, self.recorded)
+
+    # --- arrays ---
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.recorded.variables
+
+    def __getitem__(self, name: str) -> Array:
+        """Return a variable at the converged steps, in SI."""
+        values: Array = self.dataset.variables[name].values
+        return values
+
+    def by_depth(self, name: str) -> Array:
+        """Return a variable summed over sides, (depth, step): "t" [N/m]."""
+        values: Array = self.dataset.variables[name].sum("side").transpose("depth", "step").values
+        return values
+
+    @property
+    def n(self) -> int:
+        """Number of converged steps, the initial state included."""
+        return int(self.dataset.sizes["step"])
+
+    @property
+    def depth(self) -> Array:
+        """Depths (k,) of the reactions [m]."""
+        return self["depth"]
+
+    @cached_property
+    def heights(self) -> Array:
+        """Heights (k,) of their slices [m]."""
+        return slice_heights(self.recorded)
+
+    @property
+    def u(self) -> Array:
+        """Lateral displacement (n,) of the lid centre [m]."""
+        return self["u"]
+
+    @property
+    def w(self) -> Array:
+        """Vertical displacement (n,) [m], positive down."""
+        return self["w"]
+
+    @property
+    def rotation(self) -> Array:
+        """Rotation (n,) [rad], right-hand about +y."""
+        return self["rotation"]
+
+    @cached_property
+    def turn(self) -> Array:
+        """rotation*length (n,) [m]: the second coordinate of the plane of directions."""
+        return self.rotation * self.length
+
+    @cached_property
+    def p(self) -> Array:
+        """Lateral reaction of both sides, (depth, step) [N/m]."""
+        return net_p(self.dataset).values
+
+    @cached_property
+    def m(self) -> Array:
+        """Distributed moment of both sides, (depth, step) [N m/m]."""
+        return net_m(self.dataset).values
+
+    @property
+    def load(self) -> float:
+        """Vertical load [N] at the start; 0 where a table does not have it."""
+        return float(self["V"][0]) if "V" in self else 0.0
+
+    @cached_property
+    def rate(self) -> float | None:
+        """Rate rho/t at the end [m/s], rho = |(u, rotation*length)|; None where the path has no time."""
+        if "time" not in self or not float(self["time"][-1]) > 0.0:
+            return None
+        rho = float(np.hypot(self.u[-1], float(self.rotation[-1]) * self.length))
+        return rho / float(self["time"][-1]) if rho > 0.0 else None
+
+    def at_steps(self, steps: Sequence[int]) -> SpringPath:
+        """Return the path with some of its converged steps alone, by number."""
+        return SpringPath(self.name, self.dataset.isel(step=list(steps)), self.length)

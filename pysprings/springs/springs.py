@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: MIT
+"""`Springs`: a set of springs with typed attributes, built once from the tree that a file opens as.
+
+Its load paths, rays, sets at several vertical loads and sets at several rates are found once. `at` returns the springs
+at a rate or a vertical load, `path` one load path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.core.errors import refused
+from pysprings.springs import dead_loads, directions, rates
+from pysprings.springs.checks import validate_springs
+from pysprings.springs.dead_loads import LoadSet
+from pysprings.springs.path import SpringPath
+from pysprings.springs.path_ends import PathEnd
+from pysprings.springs.rates import RateSet
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Springs:
+    """The springs of a caisson. Nothing of them may be changed: what is derived is computed once and kept.
+
+    Attributes
+    ----------
+    root : initial stiffness, and attributes: geometry of the caisson, and where the springs come from.
+    paths : load paths by name, in the order of the file.
+    """
+
+    root: xr.Dataset
+    paths: Mapping[str, SpringPath]
+    _derived: dict[Hashable, Springs] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def of(cls, source: Springs | xr.DataTree) -> Springs:
+        """Return the springs of a tree (`open_springs`, `extract_springs`, `open_table`); `Springs` as they are.
+
+        The arrays are those of the tree, not copies: build the springs anew after a change of the tree.
+        """
+        if isinstance(source, Springs):
+            return source
+        root = source.to_dataset(inherit=False)
+        nodes = source.children["paths"].children if "paths" in source.children else {}
+        length = float(root.attrs["skirt_length_m"])
+        paths = {name: SpringPath(name, node.to_dataset(inherit=False), length) for name, node in nodes.items()}
+        return cls(root, paths)
+
+    @cached_property
+    def tree(self) -> xr.DataTree:
+        """The springs as a tree, as `save_springs` writes it."""
+        groups = {"/": self.root} | {f"/paths/{name}": path.recorded for name, path in self.paths.items()}
+        return xr.DataTree.from_dict(groups, name="springs")
+
+    # --- attributes ---
+
+    @property
+    def attrs(self) -> dict[Any, Any]:
+        """Attributes of the root as the file holds them."""
+        return self.root.attrs
+
+    @property
+    def length(self) -> float:
+        """Skirt length [m]."""
+        return float(self.attrs["skirt_length_m"])
+
+    @property
+    def diameter(self) -> float:
+        """Outer diameter [m]; a table does not have it."""
+        return float(self.attrs["outer_diameter_m"])
+
+    @property
+    def drainage(self) -> str:
+        """ "drained", "coupled" or "undrained"; "from a table" where nothing is recorded of it."""
+        return str(self.attrs.get("drainage", "from a table"))
+
+    @property
+    def of_full_model(self) -> bool:
+        """True for springs of a full model, false for those of a table."""
+        return "schema" in self.attrs
+
+    @property
+    def first_steps(self) -> bool:
+        """True where the initial stiffness is that of the first recorded steps of a table."""
+        return "first_steps" in self.attrs
+
+    @property
+    def blended_loads(self) -> tuple[float, float] | None:
+        """The two vertical loads [N] between which the springs are interpolated; None where they are not."""
+        loads = self.attrs.get("blended_loads_N")
+        return None if loads is None else (float(loads[0]), float(loads[1]))
+
+    @property
+    def stiffness(self) -> Array | None:
+        """Initial stiffness (3, 3) for (u, w, rotation) [N/m, N, N m]; None where that of w is not known."""
+        matrix: Array = self.root.variables["stiffness_initial"].values
+        return matrix if matrix.shape == (3, 3) else None
+
+    @property
+    def lateral_stiffness(self) -> Array:
+        """Initial stiffness (2, 2) for (u, rotation)."""
+        matrix: Array = self.root.variables["stiffness_initial"].values
+        return matrix[np.ix_([0, -1], [0, -1])]
+
+    # --- paths ---
+
+    def path(self, name: str | None = None) -> SpringPath:
+        """Return a path; without a name the first lateral calibration path, else the first lateral one, or the first.
+
+        Raises UserInputError for an unknown name.
+        """
+        if name is None:
+            lateral = [path for path in self.paths.values() if not path.is_vertical]
+            ranked = [*(path for path in lateral if path.calibrates), *lateral, *self.paths.values()]
+            name = ranked[0].name if ranked else None
+        if name is None or name not in self.paths:
+            raise refused("path", f"no path '{name}'; the springs have: {', '.join(self.paths) or 'none'}")
+        return self.paths[name]
+
+    @cached_property
+    def lateral(self) -> tuple[SpringPath, ...]:
+        """Lateral calibration paths."""
+        return tuple(path for path in self.paths.values() if path.calibrates and not path.is_vertical)
+
+    @cached_property
+    def vertical(self) -> tuple[SpringPath, ...]:
+        """Vertical calibration paths."""
+        return tuple(path for path in self.paths.values() if path.calibrates and path.is_vertical)
+
+    @cached_property
+    def ends(self) -> Mapping[str, PathEnd]:
+        """How each path ended."""
+        return {name: path.end for name, path in self.paths.items()}
+
+    @cached_property
+    def rest_load(self) -> float:
+        """Vertical load [N] at rest: the scene's, or that of the first calibration path."""
+        known = self.attrs.get("vertical_load_N")
+        return float(known) if known is not None else self.path().load
+
+    @cached_property
+    def load_sets(self) -> tuple[LoadSet, ...]:
+        """Lateral calibration paths by vertical load, lightest first."""
+        return dead_loads.load_sets(self.lateral)
+
+    @cached_property
+    def main_paths(self) -> tuple[str, ...]:
+        """Lateral calibration paths at the vertical load at rest."""
+        return dead_loads.nearest(self.load_sets, self.rest_load).paths if self.load_sets else ()
+
+    @cached_property
+    def rate_sets(self) -> tuple[RateSet, ...]:
+        """Lateral calibration paths by rate, slowest first; none where the springs do not depend on a rate."""
+        return rates.rate_sets(self.lateral) if self.drainage == "coupled" else ()
+
+    @cached_property
+    def rays(self) -> Mapping[str, float]:
+        """Rays among the main paths by increasing angle [rad]; close ones count once."""
+        return directions.rays(self.paths[name] for name in self.main_paths)
+
+    @cached_property
+    def pure_paths(self) -> tuple[str, str] | None:
+        """The rays that are a pure translation and a pure rotation; None where one of them is missing."""
+        return directions.pure(self.rays)
+
+    # --- derived springs ---
+
+    def at(self, *, rate: float | None = None, V: float | None = None) -> Springs:
+        """Return the springs at a rate [m/s, of rho] and a vertical load [N], as one set of lateral paths.
+
+        A rate must be in the range of the sets; V None is the load at rest, and beyond the range of the loads the
+        nearest set answers.
+
+        Raises
+        ------
+        UserInputError
+            The springs do not depend on a rate, or not in this range, or two sets have no path in common.
+        """
+        return (self if rate is None else self.at_rate(rate)).at_load(self.rest_load if V is None else V)
+
+    def at_rate(self, rate: float) -> Springs:
+        """Return the springs at a rate [m/s, of rho], at all their vertical loads. Raises as `at` does."""
+        if not self.rate_sets:
+            raise refused("rate", f"the springs are {self.drainage}: they do not depend on a rate")
+        return self._kept(("rate", rate), lambda: self._made_at_rate(rate))
+
+    def at_load(self, V: float) -> Springs:
+        """Return the springs at a vertical load [N], as one set of lateral paths."""
+        if len(self.load_sets) < 2:
+            return self
+        return self._kept(("load", V), lambda: self._made_at_load(V))
+
+    def answering(self, path: SpringPath) -> Springs:
+        """Return the springs that answer one of their paths: at its rate and vertical load, as far as these are known.
+
+        Of several rates a calibration path is answered at that of its own set, any other at its own, or at the nearest
+        one of the sets. A calibration path alone at its load is held back there: it is answered by itself.
+        """
+        found = self._at_rate_of(path).at_load(path.load)
+        if path.name in found.paths:
+            return found
+        own = SpringPath(path.name, path.dataset.assign_attrs(role="held-back"), path.length)
+        return found._kept(("beside", path.name), lambda: found.with_paths([*found.paths.values(), own]))
+
+    def with_paths(self, paths: Iterable[SpringPath], **attrs: Any) -> Springs:
+        """Return springs with other paths, and some attributes of the root changed."""
+        root = self.root.assign_attrs(attrs)
+        return replace(self, root=root, paths={path.name: path for path in paths}, _derived={})
+
+    def _at_rate_of(self, path: SpringPath) -> Springs:
+        sets = self.rate_sets
+        if len(sets) < 2:
+            return self
+        own = [each for each in sets if path.name in each.paths]
+        rate = path.rate or sets[0].rate
+        return self.at_rate(own[0].rate if own else min(max(rate, sets[0].rate), sets[-1].rate))
+
+    def _made_at_rate(self, rate: float) -> Springs:
+        lateral = rates.at_rate(self.paths, self.rate_sets, rate)
+        vertical = [path for path in self.vertical if path.name not in lateral]  # at the rate of their own
+        found = self.with_paths([*lateral.values(), *vertical], rate_m_per_s=rate)
+        validate_springs(found.tree, balanced=False)  # as balanced as what they are made of
+        return found
+
+    def _made_at_load(self, V: float) -> Springs:
+        main = dead_loads.nearest(self.load_sets, self.rest_load)
+        lateral, between = dead_loads.at_load(self.paths, self.load_sets, main, V)
+        dropped = {path.name for path in self.lateral} - set(lateral)
+        paths = [lateral.get(name, path) for name, path in self.paths.items() if name not in dropped]
+        attrs = {} if between is None else {"blended_loads_N": list(between), "vertical_load_N": V}
+        return self.with_paths(paths, **attrs)
+
+    def _kept(self, key: Hashable, make: Callable[[], Springs]) -> Springs:
+        """Return derived springs, made at the first call."""
+        if key not in self._derived:
+            self._derived[key] = make()
+        return self._derived[key]
