@@ -46,9 +46,9 @@ def load_displacement_table(folder: PathLike, result: xr.DataTree) -> Path:
 
 def excel(path: PathLike, springs: xr.DataTree) -> Path:
     """Write the springs as an Excel workbook with charts (kN, m, mm, mrad); return its path."""
-    from pysprings.results.exporters import xlsx
+    from pysprings.results.exporters.xlsx import workbook
 
-    return xlsx.write_workbook(springs, path)
+    return workbook.write_workbook(springs, path)
 
 
 def paraview(folder: PathLike, result: xr.DataTree, note: Callable[[Path], object] | None = None) -> list[Path]:

@@ -13,7 +13,7 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.results import exporters
-from pysprings.results.exporters.xlsx_names import Names
+from pysprings.results.exporters.xlsx.names import Names
 from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import Path, make_result, make_springs
 

@@ -24,9 +24,9 @@ from pysprings.core.files.storage import replacing
 from pysprings.macro.comparison import compare, curves
 from pysprings.macro.sets import spring_sets
 from pysprings.results.exporters.tables import with_net
-from pysprings.results.exporters.xlsx_about import about_lines
-from pysprings.results.exporters.xlsx_names import LENGTHS, Names
-from pysprings.results.exporters.xlsx_stiffness import write_stiffness
+from pysprings.results.exporters.xlsx.about import about_lines
+from pysprings.results.exporters.xlsx.names import LENGTHS, Names
+from pysprings.results.exporters.xlsx.stiffness import write_stiffness
 from pysprings.springs.dataset import is_vertical, path_dataset, path_names
 
 # A text stays a text (a name may begin with =), and no temporary file is left elsewhere.

@@ -13,7 +13,7 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.stiffness_six import FULL_MODEL, TORSION, stiffness_six
-from pysprings.results.exporters.xlsx_names import Names
+from pysprings.results.exporters.xlsx.names import Names
 from pysprings.springs.dataset import is_vertical, path_names
 
 KN = 1e-3

@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.macro.fan import build_fan, has_fan
-from pysprings.results.exporters.xlsx_names import MEANING
+from pysprings.results.exporters.xlsx.names import MEANING
 from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Excel workbook of a spring set."""
