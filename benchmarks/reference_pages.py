@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Make the generated pages of docs/reference: ``python -m benchmarks.reference_pages`` (`make evidence`).
 
-Commands come from the command-line program, scene keys from the JSON schema, variables from
-`pysprings.core.variables`.
+Commands come from the command-line program, outputs from the registries, scene keys from the JSON schema, variables
+from `pysprings.core.variables`.
 """
 
 from __future__ import annotations
@@ -102,6 +102,28 @@ def variables_page() -> str:
     return "".join(parts)
 
 
+def outputs_page() -> str:
+    """Return the page of the exporters, with their options."""
+    from pysprings.results.exporters import EXPORTERS
+
+    rows = [
+        [f"`{each.name}`", _words(each.description), f"`{each.file}`" if each.file else "several",
+         ", ".join(f"`{suffix}`" for suffix in each.suffixes), each.needs]
+        for each in EXPORTERS.built_in
+    ]  # fmt: skip
+    parts = [
+        MARK,
+        "# Outputs\n\nOther packages can add to each of these tables; [Extend](../develop/extend.md) shows how.\n",
+        "\n## Exports\n\n`pysprings export RESULT --to NAME`, and `pysprings springs RESULT --format NAME` for the "
+        f"files of springs.\n\n{markdown_table(['name', 'content', 'file', 'endings', 'needs'], rows)}",
+    ]
+    for each in EXPORTERS.built_in:
+        if each.options:
+            own = [[f"`{option.name}`", _words(option.help), _preset(option.default)] for option in each.options]
+            parts.append(f"\n### Options of {each.name}\n\n{markdown_table(['option', 'meaning', 'default'], own)}")
+    return "".join(parts)
+
+
 _HEADS = ["key", "meaning", "value", "default"]
 
 
@@ -161,7 +183,8 @@ def _spelling(name: str, kind: Any, info: Any) -> str:
     if bool in kinds:
         return str(option)
     choices = next((each for each in kinds if issubclass(each, Enum)), None)
-    taken = "|".join(str(each.value) for each in choices) if choices else info.metavar or kinds[0].__name__.upper()
+    named = (info.metavar or kinds[0].__name__.upper()).strip("[]")
+    taken = "|".join(str(each.value) for each in choices) if choices else named
     return f"{option} {taken}"
 
 
@@ -179,7 +202,12 @@ def _words(text: str) -> str:
 
 def pages() -> dict[str, str]:
     """Return file name -> text of the generated pages."""
-    return {"commands.md": commands_page(), "scene-keys.md": scene_page(), "variables.md": variables_page()}
+    return {
+        "commands.md": commands_page(),
+        "outputs.md": outputs_page(),
+        "scene-keys.md": scene_page(),
+        "variables.md": variables_page(),
+    }
 
 
 def main() -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from pysprings.cli.options import named
 from pysprings.cli.support import (
     DEBUG,
     guarded,
@@ -20,6 +21,7 @@ from pysprings.cli.support import (
     quantities,
     record_stamp,
     refuse,
+    refuse_no_folder,
     refuse_other_run,
     refuse_unfinished,
     result_folder,
@@ -30,9 +32,12 @@ from pysprings.cli.support import (
 )
 from pysprings.core.errors import ResourceError, RunIncomplete
 from pysprings.core.files.layout import is_unfinished
+from pysprings.core.files.written import note, own_folder
 from pysprings.core.jit import choose_for_command
 from pysprings.core.streams import open_missing_streams
 from pysprings.core.version import __version__
+from pysprings.results import exporters
+from pysprings.results.exporters import EXPORTERS
 from pysprings.scene.template_names import template_names
 
 if TYPE_CHECKING:
@@ -73,15 +78,6 @@ class Target(StrEnum):
     five = "5%"
     two = "2%"
     one = "1%"
-
-
-class Format(StrEnum):
-    """Formats of spring tables."""
-
-    csv = "csv"
-    xlsx = "xlsx"
-    json = "json"
-    nc = "nc"
 
 
 class SpringSet(StrEnum):
@@ -240,71 +236,100 @@ def _as_it_ended(folder: Path, scene: Scene) -> Stopped:
     return None if record["status"] == "complete" else RunIncomplete("; ".join(record["failures"]), folder)
 
 
+SPRING_FILES = [each for each in EXPORTERS.built_in if each.is_spring_file]
+
+
 @app.command()
 @guarded
 def springs(
     result: Result,
-    form: Annotated[Format | None, typer.Option("--format", help="format \\[default: from --out, else csv]")] = None,
+    form: Annotated[
+        str | None, named("--format", EXPORTERS, "format \\[default: from --out, else csv]", SPRING_FILES)
+    ] = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="file to write \\[default: stdout]")] = None,
     wide: Annotated[bool, typer.Option("--wide", help="csv: rows are steps, a pair of columns y, p a depth")] = False,
     as_json: Json = False,
 ) -> None:
     """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
     wanted = "json" if as_json else _format(form, out)
-    if wide and wanted != Format.csv:
+    if wide and wanted not in ("csv", "wide"):
         refuse("--wide", f"is a form of csv, not of {wanted}")
     wanted = "wide" if wide else wanted
     tree = springs_of(result)
     if out is None:
-        from pysprings.results.exporters import text
-
-        print(text(tree, wanted), end="")
-    elif wanted == "nc":
-        from pysprings.springs.file import save_springs
-
-        print(save_springs(tree, out))
+        print(exporters.text(tree, wanted), end="")
     else:
-        from pysprings.results.exporters import export
+        for path in exporters.export(tree, wanted, out).files:
+            print(path)
 
-        print(export(tree, wanted, out))
 
-
-def _format(form: Format | None, out: Path | None) -> str:
-    """Return the format asked for: by option, by the ending of the file, or csv."""
-    known = [item.value for item in Format]
-    ending = out.suffix.lstrip(".").lower() if out else "csv"
-    wanted = form.value if form else ending
-    if wanted not in known:
-        refuse("--out", f"no format is known for '{ending}'; give --format {'|'.join(known)}", out)
-    if out is None and wanted in (Format.xlsx, Format.nc):
-        refuse("--out", f"the format {wanted} needs a file")
+def _format(form: str | None, out: Path | None) -> str:
+    """Return the format that the option names, that the ending of the file selects, or csv."""
+    known = [each for each in EXPORTERS if each.is_spring_file]
+    names = "|".join(each.name for each in known)
+    ending = out.suffix.lower() if out else ".csv"
+    exporter = EXPORTERS.find(form, "--format") if form else next((e for e in known if ending in e.suffixes), None)
+    if exporter is None:
+        refuse("--out", f"no format is known for '{ending.lstrip('.')}'; give --format {names}", out)
+    if exporter not in known:
+        refuse("--format", f"'{exporter.name}' is no spring file but an export: pysprings export --to {exporter.name}")
+    if out is None and exporter.text is None:
+        refuse("--out", f"the format {exporter.name} needs a file")
     if out is not None and out.is_dir():
         refuse("--out", "is a folder, not a file", out)
-    return wanted
+    return exporter.name
 
 
 @app.command()
 @guarded
 def export(
-    result: Annotated[Path, typer.Argument(metavar="RESULT", help="full_model.nc, or the folder of a run")],
+    result: Annotated[Path, typer.Argument(metavar="RESULT", help="folder of a run, springs.nc, or full_model.nc")],
+    to: Annotated[str, named("--to", EXPORTERS, "format or program")] = "paraview",
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="folder for the files \\[default: paraview/ beside it]")
+        Path | None, typer.Option("--out", metavar="DIR", help="folder for the files \\[default: NAME/ beside RESULT]")
+    ] = None,
+    option: Annotated[
+        list[str] | None, typer.Option("--option", metavar="NAME=VALUE", help="option of the export; may be repeated")
     ] = None,
 ) -> None:
-    """Write ParaView files (.pvd, .vtu) of a run that kept the whole model (\\[output] paraview = true)."""
-    from pysprings.core.files.layout import PARAVIEW
-    from pysprings.core.files.storage import read_tree
-    from pysprings.core.files.written import note, own_folder
-    from pysprings.results.exporters import paraview
-
-    refuse_unfinished(result)
-    file = result / "full_model.nc" if result.is_dir() else result
-    if out is None:
-        written = paraview(own_folder(file.parent, PARAVIEW), read_tree(file), partial(note, file.parent))
-    else:
-        written = paraview(out, read_tree(file))
-    for path in written:
+    """Write files for other programs. ParaView files need a run with \\[output] paraview = true."""
+    exporter = EXPORTERS.find(to, "--to")
+    options = _export_options(option or [])
+    exporters.read_options(exporter, options)
+    if out is not None:
+        refuse_no_folder(out)
+    folder = result if result.is_dir() else result.parent
+    source = _export_source(result, exporter)
+    place = own_folder(folder, exporter.name) if out is None else out
+    target = exporters.Target(place / exporter.file, partial(note, folder) if out is None else _keep_no_list)
+    done = exporters.export(source, exporter.name, target, **options)
+    for path in done.files:
         print(path)
+    for remark in done.remarks:
+        say(f"note: {remark}")
+
+
+def _keep_no_list(_file: Path) -> None:
+    """Accept a file outside the result folder, which the next run into the folder does not remove."""
+
+
+def _export_options(given: list[str]) -> dict[str, str]:
+    """Return {name: value} of options NAME=VALUE."""
+    pairs = [text.partition("=") for text in given]
+    for name, sign, _ in pairs:
+        if not sign or not name:
+            refuse("--option", f"'{name}' is not NAME=VALUE")
+    return {name.strip(): value.strip() for name, _, value in pairs}
+
+
+def _export_source(result: Path, exporter: exporters.Exporter) -> exporters.Source:
+    """Return the springs, or the full model of a folder or file; refuse a run that has not ended."""
+    from pysprings.core.files.storage import read_tree
+
+    if exporter.needs == "springs":
+        return exporters.Source(springs=springs_of(result))
+    refuse_unfinished(result)
+    return exporters.Source(result=read_tree(result / "full_model.nc" if result.is_dir() else result))
 
 
 @app.command()

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from pysprings.cli.support import print_table, read_springs, say
 from pysprings.core.errors import printable
-from pysprings.core.files.layout import FILES, WRITING, pictures_in
+from pysprings.core.files.layout import WRITING
 from pysprings.core.text import number
 from pysprings.model.forecast.omission_text import saved_text
+from pysprings.results.layout import pictures_in, run_files
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -110,7 +111,7 @@ def print_results(folder: Path) -> None:
 
     record = read_record(folder)
     print(f"results in {folder} ({STATUS_WORDS.get(record['status'], record['status'])})")
-    rows = [(str(folder / name), text) for name, text in FILES.items() if (folder / name).exists()]
+    rows = [(str(folder / name), text) for name, text in run_files().items() if (folder / name).exists()]
     rows += _pictures(folder)
     width = max((len(name) for name, _ in rows), default=0)
     for name, text in rows:

@@ -32,9 +32,10 @@ from pysprings.core.errors import (
     out_of_memory,
     printable,
 )
-from pysprings.core.files.layout import WRITING, is_unfinished, refuse_links, results_in
+from pysprings.core.files.layout import WRITING, is_unfinished
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.text import json_text, plain_table
+from pysprings.results.layout import refuse_linked_folders, results_in
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -217,7 +218,7 @@ def result_folder(out: Path, force: bool, resume: bool = False) -> Iterator[None
         if not os.access(out, os.W_OK | os.X_OK):
             refuse("--out", "is not writable", out)
         stack.enter_context(exclusive(out))
-        refuse_links(out)
+        refuse_linked_folders(out)
         if not force:
             _refuse_what_is_there(out, resume)
         yield

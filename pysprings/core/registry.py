@@ -42,6 +42,11 @@ class Registry(Generic[Item]):
         Cases of this package.
     group
         Group of entry points; blank for none.
+
+    Attributes
+    ----------
+    built_in
+        Cases of this package; help texts list them, because they load no entry points.
     """
 
     def __init__(self, kind: str, items: Iterable[Item] = (), group: str = "") -> None:
@@ -50,6 +55,7 @@ class Registry(Generic[Item]):
         self._items: dict[str, Item] = {}
         for item in items:
             self.register(item)
+        self.built_in = tuple(self._items.values())
 
     def register(self, item: Item) -> Item:
         """Add a case and return it.
@@ -66,6 +72,10 @@ class Registry(Generic[Item]):
         self._items[item.name] = item
         return item
 
+    def remove(self, name: str) -> None:
+        """Remove a case."""
+        del self._items[name]
+
     @contextmanager
     def added(self, item: Item) -> Iterator[Item]:
         """Register a case for the duration of a block."""
@@ -73,7 +83,7 @@ class Registry(Generic[Item]):
         try:
             yield item
         finally:
-            del self._items[item.name]
+            self.remove(item.name)
 
     def __iter__(self) -> Iterator[Item]:
         self._load_entry_points()

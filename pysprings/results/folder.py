@@ -11,15 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core.errors import UserInputError
-from pysprings.core.files.layout import (
-    FIGURES,
-    OWN_FOLDERS,
-    PARAVIEW,
-    WRITING,
-    is_unfinished,
-    refuse_links,
-    remove_results,
-)
+from pysprings.core.files.layout import WRITING, is_unfinished
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text, write_tree
 from pysprings.core.files.written import KEY, LIST, note, noted, own_folder
@@ -29,13 +21,13 @@ from pysprings.full_model.accuracy.own_estimate import add_estimate, was_interru
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute, raise_if_incomplete, scene_to_run
 from pysprings.full_model.record import Meter
-from pysprings.macro.comparison import compare, curves
 from pysprings.model.forecast.resources import refuse_full_disk
-from pysprings.results.exporters import csv_tables, excel, load_displacement_table, paraview
+from pysprings.results.exporters import EXPORTERS, Source, Target, export
+from pysprings.results.exporters.csv import write_frame, write_load_displacement
+from pysprings.results.layout import FIGURES, PARAVIEW, own_folders, refuse_linked_folders, remove_results
 from pysprings.results.report.page import write_report
 from pysprings.springs.dataset import get_path, path_names
 from pysprings.springs.extract import extract_springs
-from pysprings.springs.file import save_springs
 from pysprings.springs.sums import balance
 
 if TYPE_CHECKING:
@@ -60,7 +52,7 @@ def run_to_folder(
     folder, ran = Path(out), scene_to_run(scene, mesh)
     refuse_full_disk(ran, folder)
     with new_folder(folder), exclusive(folder):
-        refuse_links(folder)
+        refuse_linked_folders(folder)
         checkpoints = Checkpoints(folder)
         result = compute(
             scene, mesh=mesh, progress=progress, checkpoints=checkpoints, resume=resume, time_unit=time_unit
@@ -97,17 +89,18 @@ def _write_all(folder: Path, scene: Scene, result: xr.DataTree) -> None:
     """Write every file of a result, in the place of those of an earlier run; run.json has its status at the end."""
     meter, record = Meter(), json.loads(result.attrs["run_json"])
     remove_results(folder)
-    remove_leftovers(folder, *(folder / name for name in OWN_FOLDERS))
+    remove_leftovers(folder, *(folder / name for name in own_folders()))
     written = partial(note, folder)
     with meter.clock.phase("output: files"):
         write_tree(result, folder / "full_model.nc")
         _write_record(folder, record | {"status": WRITING})
         springs = _springs(result)
-        _write_tables(folder, result, springs, record)
+        source = Source(springs, result)
+        _write_tables(folder, source, springs is not None, record)
         if "volume" in result.children:
-            paraview(folder / PARAVIEW, result, written)
+            export(source, "paraview", Target(folder / PARAVIEW, written))
     with meter.clock.phase("output: pictures"):
-        figures = _draw(folder, result, springs, written) if scene.output.figures else []
+        figures = _draw(folder, source, springs, written) if scene.output.figures else []
     meter.charge(record)  # the report shows the cost of everything but itself
     with meter.clock.phase("output: report"):
         write_report(folder, result, springs, run=record, figures=figures)
@@ -126,24 +119,24 @@ def _springs(result: xr.DataTree) -> xr.DataTree | None:
         return None
 
 
-def _write_tables(folder: Path, result: xr.DataTree, springs: xr.DataTree | None, record: dict[str, Any]) -> None:
-    """Write what there is: the loads of every path, and the springs where there are any."""
-    if path_names(result):
-        load_displacement_table(folder, result)
-    if springs is not None:
+def _write_tables(folder: Path, source: Source, has_springs: bool, record: dict[str, Any]) -> None:
+    """Write the loads of every path, and the files of the springs."""
+    if path_names(source.result):
+        write_load_displacement(source.result, folder / "load_displacement.csv")
+    if has_springs:
+        springs = source.springs
         record["balance"] = {name: balance(get_path(springs, name)) for name in path_names(springs)}
-        save_springs(springs, folder / "springs.nc")
-        csv_tables(folder, springs, comparison=compare(springs))
-        excel(folder / "springs.xlsx", springs)
+        for exporter in EXPORTERS:
+            if exporter.of_every_run:
+                export(source, exporter.name, folder / exporter.file)
+        write_frame(source.comparison, folder / "compare.csv")
 
 
-def _draw(
-    folder: Path, result: xr.DataTree, springs: xr.DataTree | None, written: Callable[[Path], object]
-) -> list[Path]:
+def _draw(folder: Path, source: Source, springs: xr.DataTree | None, written: Callable[[Path], object]) -> list[Path]:
     from pysprings.results import plots
 
-    predicted = {name: curves(springs, name) for name in path_names(springs)} if springs is not None else {}
-    return plots.save_all(result, springs, folder / FIGURES, predicted, written)
+    predicted = source.predictions if springs is not None else {}
+    return plots.save_all(source.result, springs, folder / FIGURES, predicted, written)
 
 
 def _write_record(folder: Path, record: dict[str, Any]) -> None:

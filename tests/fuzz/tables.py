@@ -11,7 +11,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from pysprings.results.exporters.csv import py_text
+from pysprings.results.exporters import text
 from tests.fuzz.mutate import NUMBERS, RAW, TEXTS, Data, Op, damage, ops
 from tests.support import synthetic
 
@@ -48,7 +48,7 @@ def record() -> str:
         synthetic.Path("turn", "rotation", size=1e-3, steps=3),
         synthetic.Path("pull", steps=3),
     )
-    return py_text(synthetic.make_springs(paths, caisson))
+    return text(synthetic.make_springs(paths, caisson), "csv")
 
 
 def spoil(rows: Rows, todo: Sequence[Op]) -> Rows:

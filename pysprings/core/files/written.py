@@ -16,9 +16,8 @@ from pysprings.core.errors import Problem, UserInputError
 
 LIST = ".pysprings.files"
 KEY = "files"  # of run.json
-_ENTRY = re.compile(
-    r"[a-z]+/[^/\\\x00]+"
-)  # a folder of ours and a name in it: a list from elsewhere leads nowhere else
+# a folder inside the result folder and a file in it: a forged list cannot lead elsewhere
+_ENTRY = re.compile(r"[a-z][a-z0-9_-]*/[^/\\\x00]+")
 
 
 def own_folder(folder: Path, name: str) -> Path:

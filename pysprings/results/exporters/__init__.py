@@ -1,85 +1,68 @@
 # SPDX-License-Identifier: MIT
-"""Files for other programs and people, one consumer a module: CSV tables, an Excel workbook, JSON.
+"""Files for other programs and people. A new exporter is one module here and one entry in `EXPORTERS`.
 
-Every writer replaces its file only when the new one is whole. Heavy libraries load when a writer is called.
+Other packages call `EXPORTERS.register`, or declare an entry point in the group `pysprings.exporters`. Every exporter
+replaces a file only when the new one is whole. Heavy libraries load when an exporter is called.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from pysprings.core.registry import Registry
+from pysprings.results.exporters import csv, json, netcdf, paraview, xlsx
+from pysprings.results.exporters.base import Exported, Exporter, Option, Source, Target, read_options
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
-FORMATS = ("csv", "wide", "xlsx", "json")
+EXPORTERS: Registry[Exporter] = Registry(
+    "exporter",
+    (csv.CSV, csv.WIDE, xlsx.XLSX, netcdf.NETCDF, json.JSON, paraview.PARAVIEW),
+    group="pysprings.exporters",
+)
 
 PathLike = str | os.PathLike[str]
 
-
-def csv_tables(
-    folder: PathLike,
-    springs: xr.DataTree,
-    result: xr.DataTree | None = None,
-    comparison: pd.DataFrame | None = None,
-) -> list[Path]:
-    """Write `py.csv` and `py_wide.csv`, given the data also `load_displacement.csv` and `compare.csv`."""
-    from pysprings.results.exporters import csv
-
-    written = [csv.write_py(springs, Path(folder) / "py.csv"), csv.write_wide(springs, Path(folder) / "py_wide.csv")]
-    if result is not None:
-        written.append(load_displacement_table(folder, result))
-    if comparison is not None:
-        written.append(csv.write_frame(comparison, Path(folder) / "compare.csv"))
-    return written
+__all__ = ["EXPORTERS", "Exported", "Exporter", "Option", "Source", "Target", "export", "read_options", "text"]
 
 
-def load_displacement_table(folder: PathLike, result: xr.DataTree) -> Path:
-    """Write `load_displacement.csv` of a result that has no springs, or beside them; return its path."""
-    from pysprings.results.exporters import csv
+def export(data: xr.DataTree | Source, name: str, target: PathLike | Target, **options: Any) -> Exported:
+    """Write springs or a full model with an exporter.
 
-    return csv.write_load_displacement(result, Path(folder) / "load_displacement.csv")
+    Parameters
+    ----------
+    data
+        Springs or a full model, as the exporter needs; or a source of both.
+    name
+        Name of the exporter.
+    target
+        File for exporters of one file, else folder, which need not exist.
+    options
+        Options of the exporter.
 
-
-def excel(path: PathLike, springs: xr.DataTree) -> Path:
-    """Write the springs as an Excel workbook with charts (kN, m, mm, mrad); return its path."""
-    from pysprings.results.exporters.xlsx import workbook
-
-    return workbook.write_workbook(springs, path)
-
-
-def paraview(folder: PathLike, result: xr.DataTree, note: Callable[[Path], object] | None = None) -> list[Path]:
-    """Write ParaView files of a result that holds the whole model: a `.pvd` for each path, a `.vtu` for each step.
-
-    `note` is called with each file when it is written.
+    Raises
+    ------
+    UserInputError
+        Unknown exporter or options, or data that it cannot use.
     """
-    from pysprings.results.exporters import vtu
-
-    return vtu.write_paraview(result, Path(folder), note)
-
-
-def export(springs: xr.DataTree, form: str, path: PathLike) -> Path:
-    """Write the springs to one file in a form of `FORMATS` (csv: long p-y table, wide: wide one); return its path."""
-    if form == "xlsx":
-        return excel(path, springs)
-    from pysprings.core.files.storage import write_text
-
-    return write_text(text(springs, form), path)
+    exporter = EXPORTERS.find(name, "--to")
+    place = target if isinstance(target, Target) else Target(Path(target))
+    values = read_options(exporter, options)
+    return exporter.write(_source(data, exporter), place, values)
 
 
-def text(springs: xr.DataTree, form: str) -> str:
-    """Return the springs as text, for a terminal or a pipe: "csv" (long p-y table), "wide" (wide one) or "json"."""
-    if form in ("csv", "wide"):
-        from pysprings.results.exporters import csv
+def text(data: xr.DataTree | Source, name: str, **options: Any) -> str:
+    """Return what an exporter of one text file writes, for a terminal or a pipe."""
+    exporter = EXPORTERS.find(name, "--format")
+    if exporter.text is None:
+        raise ValueError(f"exporter '{name}' writes no text")
+    return exporter.text(_source(data, exporter), read_options(exporter, options))
 
-        return csv.py_text(springs) if form == "csv" else csv.wide_text(springs)
-    if form == "json":
-        from pysprings.results.exporters import json
 
-        return json.springs_text(springs)
-    from pysprings.core.errors import Problem, UserInputError
-
-    raise UserInputError([Problem(key="format", message=f"'{form}' is not one of {', '.join(FORMATS)}")])
+def _source(data: xr.DataTree | Source, exporter: Exporter) -> Source:
+    if isinstance(data, Source):
+        return data
+    return Source(result=data) if exporter.needs == "full model" else Source(springs=data)

@@ -5,49 +5,68 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import pandas as pd
-import xarray as xr
+from pysprings.results.exporters.base import Exporter, Options, Source, write_text_file
 
-from pysprings.core.files.storage import write_text
-from pysprings.results.exporters.tables import load_displacement, py_long
-from pysprings.results.exporters.wide import py_wide
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
-# Ten digits: far below what the model knows, and short enough to read.
+# Ten digits: below the accuracy of the model, and short enough to read.
 _NUMBER = "%.10g"
 
 
-def py_text(springs: xr.DataTree) -> str:
+def py_text(source: Source, _options: Options) -> str:
     """Return the long p-y table as CSV text."""
-    return _csv(py_long(springs))
+    from pysprings.results.exporters.tables import py_long
+
+    return csv_text(py_long(source.springs))
 
 
-def write_py(springs: xr.DataTree, path: str | os.PathLike[str]) -> Path:
-    """Write the long p-y table; return the path."""
-    return write_text(py_text(springs), path)
+def wide_text(source: Source, _options: Options) -> str:
+    """Return the wide p-y table (rows are steps, a pair of columns y, p for each depth) as CSV text."""
+    from pysprings.results.exporters.wide_table import py_wide
+
+    return csv_text(py_wide(source.springs))
 
 
-def wide_text(springs: xr.DataTree) -> str:
-    """Return the wide p-y table (rows are steps, a pair of columns y, p a depth) as CSV text."""
-    return _csv(py_wide(springs))
-
-
-def write_wide(springs: xr.DataTree, path: str | os.PathLike[str]) -> Path:
-    """Write the wide p-y table; return the path."""
-    return write_text(wide_text(springs), path)
+CSV = Exporter(
+    name="csv",
+    description="p-y tables",
+    write=write_text_file(py_text),
+    suffixes=(".csv",),
+    file="py.csv",
+    text=py_text,
+    of_every_run=True,
+)
+WIDE = Exporter(
+    name="wide",
+    description="the same, a pair of columns y, p by depth, for spreadsheets",
+    write=write_text_file(wide_text),
+    suffixes=(".csv",),
+    file="py_wide.csv",
+    text=wide_text,
+    of_every_run=True,
+)
 
 
 def write_load_displacement(result: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     """Write loads and displacements of the whole caisson by step; return the path."""
-    return write_text(_csv(load_displacement(result)), path)
+    from pysprings.results.exporters.tables import load_displacement
+
+    return write_frame(load_displacement(result), path)
 
 
 def write_frame(frame: pd.DataFrame, path: str | os.PathLike[str]) -> Path:
     """Write any table, such as the comparison with the full model; return the path."""
-    return write_text(_csv(frame), path)
+    from pysprings.core.files.storage import write_text
+
+    return write_text(csv_text(frame), path)
 
 
-def _csv(frame: pd.DataFrame) -> str:
+def csv_text(frame: pd.DataFrame) -> str:
+    """Return a table as CSV text, -0 as 0."""
     numbers = frame.select_dtypes("float").columns
-    frame = frame.assign(**{str(name): frame[name] + 0.0 for name in numbers})  # -0 is written as 0
+    frame = frame.assign(**{str(name): frame[name] + 0.0 for name in numbers})
     return frame.to_csv(index=False, float_format=_NUMBER, lineterminator="\n")

@@ -3,22 +3,36 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import xarray as xr
+from pysprings.results.exporters.base import Exporter, Options, Source, write_text_file
 
-from pysprings.core.text import json_text
-from pysprings.springs.dataset import path_dataset, path_names
+if TYPE_CHECKING:
+    import xarray as xr
 
 
-def springs_text(springs: xr.DataTree) -> str:
+def springs_text(source: Source, _options: Options) -> str:
     """Return the spring set as strict JSON text (SI)."""
+    from pysprings.core.text import json_text
+    from pysprings.springs.dataset import path_dataset, path_names
+
+    springs = source.springs
     document = {
         "attributes": {str(name): value for name, value in springs.attrs.items()},
         "stiffness_initial": _variable(springs.dataset["stiffness_initial"]),
         "paths": {name: _path(path_dataset(springs, name)) for name in path_names(springs)},
     }
     return json_text(document) + "\n"
+
+
+JSON = Exporter(
+    name="json",
+    description="all springs as one JSON document",
+    write=write_text_file(springs_text),
+    suffixes=(".json",),
+    file="springs.json",
+    text=springs_text,
+)
 
 
 def _path(path: xr.Dataset) -> dict[str, Any]:

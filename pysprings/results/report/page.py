@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.core.files.layout import PICTURES, picture_kind, pictures_in
 from pysprings.model.forecast.omission_text import saved_text
 from pysprings.results.axes import axes_svg
+from pysprings.results.layout import PICTURES, picture_kind, pictures_in
 from pysprings.results.report.springs import spring_tables
 from pysprings.results.report.tables import (
     Table,

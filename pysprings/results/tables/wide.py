@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""A wide table (`pysprings.results.exporters.wide`) -> the long format, cell by cell; every row keeps its line."""
+"""A wide table (`pysprings.results.exporters.wide_table`) -> the long format by cell; every row keeps its line."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from pysprings.results.exporters.wide import ENDS, PAIRS, parse
+from pysprings.results.exporters.wide_table import ENDS, PAIRS, parse
 
 Lines = list[tuple[int, list[Any]]]
 

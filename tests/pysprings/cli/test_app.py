@@ -525,7 +525,7 @@ def test_springs_of_a_full_model_file(monkeypatch: pytest.MonkeyPatch, springs_f
         (["results", "--format", "nc"], "--out: the format nc needs a file"),
         (
             ["results", "--out", "x.foo"],
-            "x.foo: --out: no format is known for 'foo'; give --format csv|xlsx|json|nc",
+            "x.foo: --out: no format is known for 'foo'; give --format csv|wide|xlsx|nc|json",
         ),
         (["results", "--wide", "--format", "json"], "--wide: is a form of csv, not of json"),
         (["results", "--format", "csv", "--out", "empty"], "empty: --out: is a folder, not a file"),

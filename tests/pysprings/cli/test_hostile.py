@@ -18,14 +18,14 @@ from pysprings.cli import support
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
 from pysprings.core.magnitudes import LARGEST, fault, unit_of_column
-from pysprings.results import exporters
+from pysprings.results.exporters.tables import PY_COLUMNS
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report.page import render
 from pysprings.results.tables import file as tables
 from pysprings.springs.file import open_springs
 from pysprings.springs.numbers import name_fault
 from tests.fuzz.tables import MINIMAL
-from tests.support import synthetic, tiny
+from tests.support import synthetic, tiny, written
 from tests.support.commands import command
 from tests.support.watch import watched
 
@@ -56,7 +56,7 @@ def test_a_hostile_title_does_nothing(tmp_path: Path, figures: bool) -> None:
 def test_a_workbook_keeps_texts_that_look_like_formulas(tmp_path: Path) -> None:
     """Springs made in Python may have any names; those of a file are refused."""
     springs = synthetic.make_springs((synthetic.Path("=1+1", steps=3),), synthetic.Caisson(rings=3))
-    exporters.excel(tmp_path / "s.xlsx", springs)
+    written.workbook(tmp_path / "s.xlsx", springs)
     book = openpyxl.load_workbook(tmp_path / "s.xlsx")
     cells = [cell for cell in book["p-y"]["A"] if cell.value == "=1+1"]
     assert cells
@@ -65,7 +65,7 @@ def test_a_workbook_keeps_texts_that_look_like_formulas(tmp_path: Path) -> None:
 
 def test_a_workbook_leaves_no_file_elsewhere(tmp_path: Path) -> None:
     with watched(tmp_path):
-        exporters.excel(tmp_path / "s.xlsx", synthetic.make_springs(caisson=synthetic.Caisson(rings=3)))
+        written.workbook(tmp_path / "s.xlsx", synthetic.make_springs(caisson=synthetic.Caisson(rings=3)))
     assert [file.name for file in tmp_path.iterdir()] == ["s.xlsx"]
 
 
@@ -146,7 +146,7 @@ def test_numbers_that_nothing_has_are_refused_with_the_range(
 
 
 def test_every_column_has_a_unit_with_a_limit() -> None:
-    for name in exporters.tables.PY_COLUMNS:
+    for name in PY_COLUMNS:
         assert unit_of_column(name) in LARGEST
     assert (unit_of_column("m_Nm_per_m"), unit_of_column("M_Nm"), unit_of_column("step")) == ("N m/m", "N m", "1")
     assert fault(0.0, "m") == fault(-1e5, "m") == fault(1e-60, "rad") == ""
@@ -285,7 +285,7 @@ def test_a_record_without_p_is_refused(tmp_path: Path) -> None:
     springs = synthetic.make_springs(
         (synthetic.Path("a", steps=3), synthetic.Path("b", steps=3)), synthetic.Caisson(rings=3)
     )
-    file, *_ = exporters.csv_tables(tmp_path, springs)
+    file, *_ = written.tables(tmp_path, springs)
     lines = [line for line in file.read_text().splitlines() if not line.startswith("b,py,")]
     file.write_text("\n".join(lines))
     with pytest.raises(UserInputError, match="family: path 'b' has no p-y curves"):

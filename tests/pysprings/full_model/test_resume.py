@@ -27,13 +27,13 @@ from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
 from pysprings.cli.support import interruptible
 from pysprings.core.errors import ResourceError, UserInputError
-from pysprings.core.files.layout import FILES
 from pysprings.full_model import cavitation, checkpoint, discretise
 from pysprings.full_model import compute as full_model
 from pysprings.full_model.checkpoint import Checkpoints, Saved
 from pysprings.full_model.compute import compute
 from pysprings.full_model.environment import differences
 from pysprings.results.folder import run_to_folder
+from pysprings.results.layout import run_files
 from tests.support import tiny
 from tests.support.commands import command, environment
 from tests.support.files import contents, record_of
@@ -408,7 +408,7 @@ def test_resume_finishes_an_interrupted_run(tmp_path: Path, scene_file: Path) ->
     assert done.code == 0, done.err
     assert done.out.startswith(f"results in {out} (complete)\n")
     assert "checkpoints: " in done.out and "resumed 20" in done.out
-    assert set(contents(out)) == set(FILES)
+    assert set(contents(out)) == set(run_files())
     with xr.open_datatree(out / "full_model.nc", engine="netcdf4", decode_timedelta=False) as tree:
         for path in ("pull", "second"):
             np.testing.assert_array_equal(tree[f"paths/{path}/H"], straight("drained")[f"paths/{path}/H"])
@@ -468,7 +468,7 @@ def test_results_of_an_earlier_run_stay_until_there_are_new_ones(tmp_path: Path)
     left = {name: data for name, data in contents(tmp_path).items() if not name.startswith("checkpoint")}
     assert left == before
     run_to_folder(drained(), tmp_path, resume=True)
-    assert set(contents(tmp_path)) == set(FILES)
+    assert set(contents(tmp_path)) == set(run_files())
     assert json.loads((tmp_path / "run.json").read_text())["scene_sha256"] == drained().sha256
 
 
@@ -487,7 +487,7 @@ def test_a_second_run_is_refused(tmp_path: Path, scene_file: Path) -> None:
     assert (second.returncode, second.stdout) == (4, "")
     (line,) = second.stderr.splitlines()
     assert line.startswith(f"fatal: resources: {tmp_path / 'out'}: another run (process {os.getpid()} on ")
-    assert set(contents(tmp_path / "out")) == set(FILES)
+    assert set(contents(tmp_path / "out")) == set(run_files())
 
 
 # --- memory and disk ---
@@ -557,7 +557,7 @@ def test_a_disk_that_is_full_for_the_results_leaves_the_checkpoints(
     assert all(name.startswith("checkpoint") for name in contents(tmp_path))
     monkeypatch.setattr(pysprings.results.folder, "write_tree", written)
     run_to_folder(drained(), tmp_path, resume=True)
-    assert set(contents(tmp_path)) == set(FILES)
+    assert set(contents(tmp_path)) == set(run_files())
 
 
 # --- signals ---
@@ -598,7 +598,7 @@ def test_a_killed_process_goes_on(tmp_path: Path, kind: str, code: int) -> None:
         assert err.endswith(f"go on with: pysprings run {file} --out {out} --resume\ninterrupted\n")
         assert not (out / ".pysprings.lock").exists()
     run_to_folder(scene, out, resume=True)
-    assert set(contents(out)) == set(FILES)
+    assert set(contents(out)) == set(run_files())
     record = json.loads((out / "run.json").read_text())
     assert record["status"] == "complete" and record["resumed"][0]["from"].startswith("path 'pull', step ")
     with xr.open_datatree(out / "full_model.nc", engine="netcdf4", decode_timedelta=False) as tree:

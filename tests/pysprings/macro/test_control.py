@@ -25,9 +25,9 @@ from pysprings.macro.predict import (
     stiffness,
 )
 from pysprings.macro.stiffness_six import stiffness_six
-from pysprings.results.exporters import export
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.springs.file import open_springs, save_springs
+from tests.support import written
 from tests.support.closed_forms import bilinear_springs, linear_springs, linear_stiffness
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
@@ -227,7 +227,7 @@ def test_one_initial_stiffness_everywhere(one_path, tmp_path):
     block = np.ix_([0, 2, 4], [0, 2, 4])
     expected = 0.5 * (full + full.T)
     said = json.loads(command("predict", file, "--H", "100 kN", "--stiffness", "--json").out)
-    export(one_path, "xlsx", tmp_path / "springs.xlsx")
+    written.workbook(tmp_path / "springs.xlsx", one_path)
     cells = openpyxl.load_workbook(tmp_path / "springs.xlsx")["stiffness 6x6"]["B3:G8"]
     found = [
         stiffness_six(open_springs(file)).values,
@@ -245,7 +245,7 @@ def test_one_initial_stiffness_everywhere(one_path, tmp_path):
 
 
 def test_a_table_has_the_stiffness_of_its_first_steps_and_says_so(tmp_path):
-    file = export(vertical_springs(), "csv", tmp_path / "py.csv")
+    file, _ = written.tables(tmp_path, vertical_springs())
     six = stiffness_six(open_table(file))
     assert six.attrs["long_name"].startswith("stiffness of the first recorded steps of the table")
     printed = command("predict", file, "--V", "2.1 MN", "--stiffness").out

@@ -27,12 +27,11 @@ from pysprings.macro.predict import (
 )
 from pysprings.macro.stiffness_six import stiffness_six
 from pysprings.macro.vertical import build_vertical
-from pysprings.results import exporters
 from pysprings.springs.dataset import get_path
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.springs import Springs
-from tests.support import tiny
+from tests.support import tiny, written
 from tests.support.commands import command
 from tests.support.vertical import REST, K, down_curve, pressed, vertical_springs
 
@@ -205,7 +204,7 @@ def test_vertical_springs_answer_their_own_path_only_when_asked_for_all_sets():
 @pytest.mark.parametrize("form", [0, 1], ids=["long", "wide"])
 def test_tables_give_the_vertical_springs_back(tmp_path, form):
     tree = vertical_springs(heavier=(6e6,))
-    file = exporters.csv_tables(tmp_path, tree)[form]
+    file = written.tables(tmp_path, tree)[form]
     table = open_table(file)
     for question in ({"V": 1.2e7}, {"V": 1e6}, {"V": 3e6, "H": 2e5}):
         with warnings.catch_warnings():
@@ -218,13 +217,13 @@ def test_tables_give_the_vertical_springs_back(tmp_path, form):
 
 
 def test_a_table_without_the_vertical_direction_refuses_v(tmp_path):
-    file = exporters.csv_tables(tmp_path, vertical_springs(ends=()))[0]
+    file = written.tables(tmp_path, vertical_springs(ends=()))[0]
     with pytest.raises(UserInputError, match="V: these springs come from a table without vertical paths"):
         predict(open_table(file), H=1e5, V=1e6)
 
 
 def test_vertical_rows_of_a_table_are_checked(tmp_path):
-    file = exporters.csv_tables(tmp_path, vertical_springs())[0]
+    file = written.tables(tmp_path, vertical_springs())[0]
     lines = file.read_text().splitlines()
     no_lid = [line for line in lines if not line.startswith("down,lid")]
     (tmp_path / "a.csv").write_text("\n".join(no_lid) + "\n")
@@ -242,7 +241,7 @@ def test_workbook_has_a_sheet_of_the_vertical_springs(tmp_path):
     import openpyxl
 
     tree = vertical_springs()
-    book = openpyxl.load_workbook(exporters.excel(tmp_path / "springs.xlsx", tree))
+    book = openpyxl.load_workbook(written.workbook(tmp_path / "springs.xlsx", tree))
     sheet = book["t-z"]
     head = [cell.value for cell in sheet[3]]
     assert head[:7] == ["path", "step", "w [mm]", "V [kN]", "V tip [kN]", "V lid [kN]", "t net [kN/m]"]
@@ -253,7 +252,8 @@ def test_workbook_has_a_sheet_of_the_vertical_springs(tmp_path):
     np.testing.assert_allclose([row[6] for row in rows[25:]], path["t"].sum("side")[0] * 1e-3, rtol=1e-9)
     assert {"w_tz.up", "V_tz.up", "tz_1.up"} <= set(book.defined_names)
     assert (
-        "t-z" not in openpyxl.load_workbook(exporters.excel(tmp_path / "no.xlsx", vertical_springs(ends=()))).sheetnames
+        "t-z"
+        not in openpyxl.load_workbook(written.workbook(tmp_path / "no.xlsx", vertical_springs(ends=()))).sheetnames
     )
 
 

@@ -14,6 +14,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.results import exporters
 from pysprings.results.exporters.xlsx.names import Names
+from tests.support import written
 from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import Path, make_result, make_springs
 
@@ -39,8 +40,8 @@ def folder(springs, tmp_path_factory):
     folder = tmp_path_factory.mktemp("tables")
     result = make_result(PATHS)
     result["paths/pull/converged"][-1:] = 0
-    exporters.csv_tables(folder, springs, result, compare(springs))
-    exporters.excel(folder / "springs.xlsx", springs)
+    written.all_tables(folder, springs, result, compare(springs))
+    written.workbook(folder / "springs.xlsx", springs)
     return folder
 
 
@@ -252,7 +253,7 @@ def test_names_are_unique_and_legal():
 def test_workbook_of_a_fan(tmp_path):
     """Rays, their range and the fan's columns; one name a path and curve."""
     springs = fan_springs(potential, angles=(0.0, -40.0, 90.0), held_back=(8.0,))
-    book = openpyxl.load_workbook(exporters.excel(tmp_path / "fan.xlsx", springs))
+    book = openpyxl.load_workbook(written.workbook(tmp_path / "fan.xlsx", springs))
     words = "\n".join(str(cell.value) for row in book["About"].iter_rows() for cell in row if cell.value)
     assert "ray_1 (-40.0 deg, to 8 mm)" in words
     assert "a curve in these sheets holds on its own ray only" in words
@@ -278,7 +279,7 @@ def test_charts_point_at_the_data(folder):
 def test_unconverged_steps_are_empty_in_the_macro_columns(tmp_path):
     springs = make_springs()
     springs["paths/pull/converged"][-1:] = 0
-    book = openpyxl.load_workbook(exporters.excel(tmp_path / "s.xlsx", springs))
+    book = openpyxl.load_workbook(written.workbook(tmp_path / "s.xlsx", springs))
     rows = book["load-displacement"].iter_rows(min_row=3 + STEPS, values_only=True)
     cells = next(rows)
     assert cells[8:14] == (None,) * 6
@@ -295,10 +296,12 @@ def test_json(springs):
 
 
 def test_export_by_form(springs, tmp_path):
-    for form in exporters.FORMATS:
-        file = exporters.export(springs, form, tmp_path / f"springs.{form}")
+    forms = [each.name for each in exporters.EXPORTERS if each.is_spring_file]
+    assert forms == ["csv", "wide", "xlsx", "nc", "json"]
+    for form in forms:
+        (file,) = exporters.export(springs, form, tmp_path / f"springs.{form}").files
         assert file.stat().st_size > 1000
     assert (tmp_path / "springs.csv").read_text() == exporters.text(springs, "csv")
-    with pytest.raises(UserInputError, match="'ods' is not one of csv, wide, xlsx, json"):
+    with pytest.raises(UserInputError, match="'ods' is not one of csv, wide, xlsx, nc, json, paraview"):
         exporters.export(springs, "ods", tmp_path / "x")
     assert not (tmp_path / "x").exists()

@@ -20,12 +20,12 @@ from matplotlib.figure import Figure
 
 from fe_engine.errors import LinearSolverError
 from pysprings.core.errors import RunIncomplete, UserInputError
-from pysprings.core.files.layout import FILES
 from pysprings.full_model import discretise
 from pysprings.macro.predict import predict
 from pysprings.model import build
 from pysprings.results import plots
 from pysprings.results.folder import run_to_folder
+from pysprings.results.layout import run_files
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.template import template_names, template_text
 from pysprings.springs.file import open_springs
@@ -61,7 +61,7 @@ def folder(run: tuple[Path, Any]) -> Path:
 def test_every_file_of_the_contract_is_there(run: tuple[Path, Any]) -> None:
     folder, done = run
     assert done.code == 0, done.err
-    assert set(contents(folder)) == set(FILES)
+    assert set(contents(folder)) == set(run_files())
 
 
 def test_tables_have_the_columns_of_the_contract(folder: Path) -> None:
@@ -175,7 +175,7 @@ def test_force_leaves_nothing_of_an_earlier_run(tmp_path: Path, blank_pictures: 
     assert command("run", file, "--out", out).code == 2
     assert command("run", file, "--out", out, "--force").code == 0
     left = contents(out)
-    assert set(left) == {*FILES, *mine, "figures/pull_py.png", "figures/pull_py.svg"}
+    assert set(left) == {*run_files(), *mine, "figures/pull_py.png", "figures/pull_py.svg"}
     assert all((left[name] == b"old") == (name in mine) for name in left)
     assert read_report(out).pictures == ["Axes and signs of the caisson", "p-y curves by depth"]
 
@@ -219,7 +219,7 @@ def test_what_is_refused_leaves_the_folder_untouched(
 
 def test_less_output_makes_a_whole_folder_that_says_so(tmp_path: Path) -> None:
     run_to_folder(tiny.scene(output={"interface_fields": False, "section": False}), tmp_path)
-    assert set(contents(tmp_path)) == set(FILES)
+    assert set(contents(tmp_path)) == set(run_files())
     words = read_report(tmp_path).text
     assert "output.interface_fields = false" in words and "output.section = false" in words
     assert "not measured: interface fields were not kept" in words
@@ -235,7 +235,7 @@ def test_a_run_that_cannot_converge_ends_with_3(tmp_path: Path) -> None:
     assert done.out.startswith(f"results in {tmp_path / 'out'} (partial)\n")
     assert done.err.count("path 'storm' stopped on its way to") == 1
     assert done.err.endswith(f"\nwhat converged is kept in {tmp_path / 'out'}\n")
-    assert set(contents(tmp_path / "out")) == set(FILES)
+    assert set(contents(tmp_path / "out")) == set(run_files())
     record = read_record(tmp_path / "out")
     assert record["status"] == record["paths"]["storm"]["status"] == "partial"
     table = pd.read_csv(tmp_path / "out" / "load_displacement.csv")
@@ -273,11 +273,11 @@ def test_an_interrupt_while_pictures_are_drawn_keeps_the_numbers(
     done = command("run", file, "--out", tmp_path / "out")
     assert done.code == 130
     left = {name for name in contents(tmp_path / "out") if not name.startswith("checkpoint")}
-    assert left == set(FILES) - {"report.html"}
+    assert left == set(run_files()) - {"report.html"}
     monkeypatch.setattr(plots, "save_all", drawn)
     monkeypatch.setattr(plots.files, "figures", lambda *_: [("pull_py", Figure(figsize=(1, 1)))])
     assert command("run", file, "--out", tmp_path / "out", "--resume").code == 0
-    assert set(contents(tmp_path / "out")) == {*FILES, "figures/pull_py.png", "figures/pull_py.svg"}
+    assert set(contents(tmp_path / "out")) == {*run_files(), "figures/pull_py.png", "figures/pull_py.svg"}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are different there")
@@ -336,7 +336,7 @@ def test_scenes_run_on_a_small_mesh_for_a_short_way(name: str, tmp_path: Path) -
     small = {"mesh": {"refinement": 0.4}, "output": {"figures": False}, "paths": [_short(path) for path in scene.paths]}
     run_to_folder(scene.replace(**small), tmp_path)
     assert read_record(tmp_path)["status"] == "complete"
-    assert set(contents(tmp_path)) == set(FILES)
+    assert set(contents(tmp_path)) == set(run_files())
 
 
 def _short(path: Any) -> dict[str, Any]:

@@ -16,8 +16,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 
-from pysprings.core.files import layout
-from pysprings.results import plots
+from pysprings.results import layout, plots
 from pysprings.results.plots import data, files, gap, labels, newton, rose, section
 from pysprings.results.plots.reactions import PANELS
 from pysprings.results.plots.style import new_figure

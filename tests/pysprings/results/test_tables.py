@@ -15,8 +15,7 @@ from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, impose, predict
 from pysprings.macro.trace import trace
-from pysprings.results import exporters
-from tests.support import synthetic
+from tests.support import synthetic, written
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
 
@@ -47,7 +46,7 @@ def problems(path: Path, **options: float) -> list[str]:
 def test_our_own_table_predicts_what_the_springs_do(tmp_path, spring_set, path, form):
     """y of the deep rings turns back at an arm of 8 m: the record of the path is needed, and is in the table."""
     springs = synthetic.make_springs((synthetic.Path("pull"), synthetic.Path("high", arm=8.0)))
-    file = exporters.csv_tables(tmp_path, springs)[form]
+    file = written.tables(tmp_path, springs)[form]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MacroWarning)
         ours, theirs = (
@@ -64,7 +63,7 @@ def test_our_own_table_predicts_what_the_springs_do(tmp_path, spring_set, path, 
 
 def test_our_own_table_makes_the_same_fan(tmp_path):
     springs = fan_springs(potential)
-    file = exporters.csv_tables(tmp_path, springs)[0]
+    file = written.tables(tmp_path, springs)[0]
     table = open_table(file)
     ours, theirs = (curve(source, u_max=3e-3, arm=2.0, n=7) for source in (springs, table))
     assert theirs.attrs["springs"] == "fan"
@@ -76,7 +75,7 @@ def test_our_own_table_makes_the_same_fan(tmp_path):
 
 def test_wide_table_faults_name_their_line(tmp_path):
     """A word for a number, a quantity in another unit, a row that is too long."""
-    file = exporters.csv_tables(tmp_path, synthetic.make_springs())[1]
+    file = written.tables(tmp_path, synthetic.make_springs())[1]
     head, *rows = file.read_text().splitlines()
     cells = rows[3].split(",")
     cells[5] = "much"
@@ -256,14 +255,14 @@ def test_other_refusals(tmp_path):
     assert problems(file, skirt_length=5.0) == ["8: depth_bottom_m: slices end at 4 m, not at the skirt length 5 m"]
     (tmp_path / "e.xlsx").write_text("not a workbook")
     assert problems(tmp_path / "e.xlsx")[0].startswith("None: None: not an Excel workbook")
-    book = exporters.excel(tmp_path / "springs.xlsx", synthetic.make_springs())
+    book = written.workbook(tmp_path / "springs.xlsx", synthetic.make_springs())
     assert "is the workbook for people" in problems(book)[0]
     assert problems(tmp_path / "none.csv") == ["None: None: no such file"]
 
 
 def test_faults_of_a_record(tmp_path):
     springs = synthetic.make_springs((synthetic.Path(steps=3),), synthetic.Caisson(rings=3))
-    file = exporters.csv_tables(tmp_path, springs)[0]
+    file = written.tables(tmp_path, springs)[0]
     table = pd.read_csv(file)
     py = table[(table["family"] == "py") & (table["side"] == "net") & (table["component"] == "total")]
     moved = py.index[7]
@@ -359,5 +358,5 @@ def test_stiffness_of_a_table_is_that_of_the_first_steps(tmp_path, form):
     slide, turn = (springs[f"paths/{way.name}"] for way in ways)
     columns = [[float(path[load][1]) / float(path[by][1]) for load in ("H", "M")]
                for path, by in ((slide, "u"), (turn, "rotation"))]  # fmt: skip
-    table = open_table(exporters.csv_tables(tmp_path, springs)[form])
+    table = open_table(written.tables(tmp_path, springs)[form])
     np.testing.assert_allclose(table["stiffness_initial"], np.transpose(columns), rtol=1e-8)

@@ -14,11 +14,11 @@ import pytest
 import xarray as xr
 
 from pysprings.macro.comparison import compare
-from pysprings.results import exporters
 from pysprings.results.exporters.tables import LOAD_DISPLACEMENT, PY_COLUMNS
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.file import open_springs, save_springs
 from tests.support import raw_caisson as rc
+from tests.support import written
 from tests.support.raw_caisson import GROWTH, LENGTH, PATHS, STEPS, raw
 
 WORDS = {"outside": ("outside",), "inside": ("inside",), "net": ("outside", "inside")}
@@ -38,8 +38,8 @@ def springs() -> xr.DataTree:
 @pytest.fixture(scope="module")
 def folder(springs: xr.DataTree, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder: Path = tmp_path_factory.mktemp("numbers")
-    exporters.csv_tables(folder, springs, rc.result(), compare(springs))
-    exporters.excel(folder / "springs.xlsx", springs)
+    written.all_tables(folder, springs, rc.result(), compare(springs))
+    written.workbook(folder / "springs.xlsx", springs)
     return folder
 
 

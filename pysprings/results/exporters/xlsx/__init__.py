@@ -1,2 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""Excel workbook of a spring set."""
+"""Excel workbook of a spring set for design spreadsheets: kN, m, mm, mrad, with charts."""
+
+from __future__ import annotations
+
+from pysprings.results.exporters.base import Exported, Exporter, Options, Source, Target
+
+
+def _write(source: Source, target: Target, _options: Options) -> Exported:
+    from pysprings.results.exporters.xlsx.workbook import write_workbook
+
+    return Exported([write_workbook(source, target.path)])
+
+
+XLSX = Exporter(
+    name="xlsx",
+    description="springs as a spreadsheet",
+    write=_write,
+    suffixes=(".xlsx",),
+    file="springs.xlsx",
+    of_every_run=True,
+)

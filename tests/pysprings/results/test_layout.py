@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from pysprings.core.files.layout import (
-    FILES,
+from pysprings.results.layout import (
     PICTURES,
     WHOLE_RUN,
     picture_kind,
     pictures_in,
     remove_results,
     results_in,
+    run_files,
 )
 
 OURS = ["mesh.png", "pull_py.svg", "a_b_gap_2.5mm.png", "a-1_stress_outside_last.png"]
@@ -27,7 +27,7 @@ THEIRS = ["photo.png", "py.png", "mesh_2.png", "pull_py.pdf", "pull_gap_first.pn
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "figures").mkdir()
-    for name in (*FILES, "scene.toml", *(f"figures/{name}" for name in [*OURS, *UNLISTED, *THEIRS])):
+    for name in (*run_files(), "scene.toml", *(f"figures/{name}" for name in [*OURS, *UNLISTED, *THEIRS])):
         (tmp_path / name).write_text("old")
     record = {"files": [f"figures/{name}" for name in OURS] + FOREIGN}
     (tmp_path / "run.json").write_text(json.dumps(record))
@@ -39,7 +39,7 @@ def test_pictures_are_told_by_their_names(folder: Path) -> None:
 
 
 def test_results_go_and_everything_else_stays(folder: Path) -> None:
-    assert results_in(folder) == list(FILES)
+    assert results_in(folder) == list(run_files())
     remove_results(folder)
     left = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
     assert left == {"scene.toml", *(f"figures/{name}" for name in [*UNLISTED, *THEIRS])}
@@ -47,7 +47,7 @@ def test_results_go_and_everything_else_stays(folder: Path) -> None:
 
 def test_a_folder_without_results_is_left_alone(folder: Path) -> None:
     """Pictures of that name are not ours where no run has been."""
-    for name in FILES:
+    for name in run_files():
         (folder / name).unlink()
     remove_results(folder)
     assert len(pictures_in(folder)) == len([*OURS, *UNLISTED])

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: MIT
+"""The sheet of charts: a row of them for each path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pysprings.macro.sets import spring_sets
+from pysprings.results.exporters.xlsx.sheet import HEAD_ROWS, Book
+from pysprings.springs.dataset import is_vertical, path_dataset
+
+CHART_DEPTHS = 6
+
+
+def add_charts(book: Book, sheet: Any, springs: xr.DataTree) -> None:
+    """Insert one row of charts for each lateral path: load-displacement, p-y by depth, m by depth, tip and lid."""
+    depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
+    shown = np.unique(np.linspace(0, depths.size - 1, CHART_DEPTHS).astype(int))
+    load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(spring_sets(springs))]
+    py = [(f"{depths[k]:.2f} m", 2 + 4 * k, 3 + 4 * k) for k in shown]
+    mtheta = [(f"{depths[k]:.2f} m", 2, 4 + 4 * k) for k in shown]
+    lateral = [(name, rows) for name, rows in book.rows.items() if not is_vertical(springs, name)]
+    for place, (name, rows) in enumerate(lateral):
+        charts = (
+            ("load-displacement", f"{name}: load at the lid", load, "u [mm]", "H [kN]"),
+            ("p-y", f"{name}: p-y, both sides, by depth", py, "y [mm]", "p [kN/m]"),
+            ("m-theta", f"{name}: distributed moment by depth", mtheta, "rotation [mrad]", "m [kN m/m]"),
+            ("base", f"{name}: force on the tip", [("H", 2, 5)], "y of the tip [mm]", "H [kN]"),
+            ("lid", f"{name}: force under the lid", [("H", 2, 5)], "u [mm]", "H [kN]"),
+        )
+        for col, (data, title, series, x, y) in enumerate(charts):
+            _insert(sheet, (place * 20, col * 9), _scatter(book, data, rows, series), title, x, y)
+
+
+def add_vertical_charts(book: Book, sheet: Any, springs: xr.DataTree, below: int) -> None:
+    """Insert one row of charts for each vertical path from the row `below` on: V, and t by depth, over w."""
+    depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
+    shown = np.unique(np.linspace(0, depths.size - 1, CHART_DEPTHS).astype(int))
+    V = [("V", 2, 3), ("tip", 2, 4), ("lid", 2, 5)]
+    t = [(f"{depths[k]:.2f} m", 2, 6 + 3 * k) for k in shown]
+    for place, (name, rows) in enumerate(book.rows.items(), start=below):
+        for col, (title, series, y) in enumerate((("vertical load", V, "V [kN]"), ("t-z by depth", t, "t [kN/m]"))):
+            _insert(sheet, (place * 20, col * 9), _scatter(book, "t-z", rows, series), f"{name}: {title}", "w [mm]", y)
+
+
+def _insert(sheet: Any, cell: tuple[int, int], chart: Any, title: str, x: str, y: str) -> None:
+    chart.set_title({"name": title, "name_font": {"size": 11}})
+    chart.set_x_axis({"name": x, "major_gridlines": {"visible": True}, "label_position": "low"})
+    chart.set_y_axis({"name": y, "label_position": "low"})
+    chart.set_size({"width": 560, "height": 380})
+    sheet.insert_chart(*cell, chart)
+
+
+def _scatter(book: Book, sheet: str, rows: tuple[int, int], series: Iterable[tuple[str, int, int]]) -> Any:
+    chart = book.file.add_chart({"type": "scatter", "subtype": "straight_with_markers"})
+    first, last = rows[0] + HEAD_ROWS, rows[1] + HEAD_ROWS
+    for name, x, y in series:
+        chart.add_series({
+            "name": name,
+            "categories": [sheet, first, x, last, x],
+            "values": [sheet, first, y, last, y],
+            "marker": {"type": "automatic", "size": 4},
+            "line": {"width": 1.5},
+        })  # fmt: skip
+    return chart

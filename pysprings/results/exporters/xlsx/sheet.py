@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""Sheets of data: heading rows with depth, slice and unit, then the rows of all paths below each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+import xlsxwriter
+from numpy.typing import NDArray
+
+from pysprings.results.exporters.xlsx.names import Names
+from pysprings.springs.dataset import path_dataset, path_names
+
+KN, MM, MRAD = 1e-3, 1e3, 1e3
+HEAD_ROWS = 3  # depth, slice, heading with unit
+
+
+@dataclass
+class Book:
+    """Workbook with its formats, and first and last row of each path on every data sheet."""
+
+    file: xlsxwriter.Workbook
+    head: Any
+    title: Any
+    number: Any
+    text: Any
+    mono: Any
+    left: Any
+    rows: dict[str, tuple[int, int]]
+    names: Names
+
+
+@dataclass
+class Column:
+    """One column: heading with unit, values by path, depth and slice of the heading, defined name (blank: none)."""
+
+    heading: str
+    parts: list[NDArray[np.float64]]
+    depth: float | str = ""
+    slice: str = ""
+    name: str = ""
+
+
+def rows_of(springs: xr.DataTree, names: Iterable[str]) -> dict[str, tuple[int, int]]:
+    """Return the first and last row of each path, counted from the first row of data."""
+    rows, first = {}, 0
+    for name in names:
+        n = path_dataset(springs, name).sizes["step"]
+        rows[name] = (first, first + n - 1)
+        first += n
+    return rows
+
+
+def fill(book: Book, sheet: Any, springs: xr.DataTree, columns: Sequence[Column]) -> None:
+    """Write path, step, the columns and the converged mark below three heading rows; freeze them."""
+    marks = [Column("converged (1 = yes)", [path_dataset(springs, name)["converged"].values for name in book.rows])]
+    for col, label in enumerate(("path", "step")):
+        sheet.write_string(HEAD_ROWS - 1, col, label, book.head)
+    sheet.write_string(0, 0, "depth [m]", book.head)
+    sheet.write_string(1, 0, "slice [m]", book.head)
+    for name, (first, last) in book.rows.items():
+        for row in range(first, last + 1):
+            sheet.write_string(HEAD_ROWS + row, 0, name)
+            sheet.write_number(HEAD_ROWS + row, 1, row - first)
+    for col, column in enumerate([*columns, *marks], start=2):
+        for row, words in enumerate((column.depth, column.slice, column.heading)):
+            sheet.write(row, col, words, book.head)
+        values = np.concatenate([np.asarray(part, dtype=float) for part in column.parts])
+        cells = [None if np.isnan(value) else value for value in values.tolist()]
+        sheet.write_column(HEAD_ROWS, col, cells, None if col == len(columns) + 2 else book.number)
+        for path, (first, last) in book.rows.items() if column.name else ():
+            book.names.define(column.name, sheet.name, (HEAD_ROWS + first, col), (HEAD_ROWS + last, col), path)
+    sheet.set_row(HEAD_ROWS - 1, 45)
+    sheet.set_column(0, 0, 14)
+    sheet.set_column(1, 1, 6)
+    sheet.set_column(2, 2 + len(columns), 11)
+    sheet.freeze_panes(HEAD_ROWS, 2)
+
+
+def datasets(springs: xr.DataTree) -> list[xr.Dataset]:
+    """Return all paths, unconverged steps included."""
+    return [path_dataset(springs, name) for name in path_names(springs)]
+
+
+def by_depth(springs: xr.DataTree, headings: Mapping[str, str], values: Sequence[list[Any]]) -> list[Column]:
+    """Return columns of arrays (depth, step): for each depth one per heading; a name gets the number of the depth."""
+    first = datasets(springs)[0]
+    columns = []
+    for k, depth in enumerate(first["depth"].values):
+        top, bottom = first["depth_bounds"].values[k]
+        label = f"{top:.3f} - {bottom:.3f}"
+        for (heading, name), parts in zip(headings.items(), values, strict=True):
+            named = f"{name}_{k + 1}" if name else ""
+            columns.append(Column(heading, [part[k] for part in parts], round(float(depth), 4), label, named))
+    return columns
+
+
+def series(paths: list[xr.Dataset], heading: str, name: str, scale: float, named: str = "") -> Column:
+    """Return the column of a variable by step, with its defined name."""
+    return Column(heading, [path[name].values * scale for path in paths], name=named)

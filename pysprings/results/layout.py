@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""The result folder of a run: names of its files and pictures, and what a new run removes (light)."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from pysprings.core.files.layout import CHECKPOINT, refuse_links
+from pysprings.core.files.written import LIST, listed
+from pysprings.results.exporters import EXPORTERS
+
+FIGURES = "figures"  # folder of the pictures
+PARAVIEW = "paraview"  # folder of the files for ParaView: the name of that exporter
+
+# in the order in which people read them: the report first
+_BEFORE = {
+    "report.html": "report: open it in a browser",
+    "load_displacement.csv": "load-displacement tables",
+}
+_AFTER = {
+    "compare.csv": "prediction with the springs beside the full model",
+    "full_model.nc": "full model (NetCDF)",
+    "run.json": "status, solver, cost",
+}
+
+# Kinds of pictures with their captions, in reading order. A picture is called `kind` when it shows the whole run,
+# `path_kind` when it shows a path, and `path_kind_state` when it shows one state: the last, or one at 2.5 mm.
+PICTURES = {
+    "mesh": "Mesh in the symmetry plane",
+    "load_displacement": "Load by component, vertical forces, rotation and heave",
+    "macro_against_full": "Rigid body on springs against the full model",
+    "py": "p-y curves by depth",
+    "vertical": "Vertical springs",
+    "stress_outside": "Normal effective stress around the caisson, outside",
+    "stress_inside": "Normal effective stress around the caisson, inside",
+    "gap": "Gap opening",
+    "ovalisation": "Ovalisation of the skirt, and its mean fibre by depth",
+    "section": "Displacement in the symmetry plane",
+    "pressure": "Excess pore pressure around the skirt",
+    "section_pressure": "Excess pore pressure in the symmetry plane",
+    "newton": "Newton iterations",
+}
+WHOLE_RUN = ("mesh",)
+_STATE = re.compile(r"last|[0-9.]+mm")
+
+
+def run_files() -> dict[str, str]:
+    """Return name -> meaning of the files that a run writes into its folder, in reading order."""
+    tables = {each.file: each.description for each in EXPORTERS if each.of_every_run}
+    return {**_BEFORE, **tables, **_AFTER}
+
+
+def own_folders() -> tuple[str, ...]:
+    """Return the names of folders inside a result folder that runs and exports use."""
+    return CHECKPOINT, FIGURES, *EXPORTERS.names()
+
+
+def refuse_linked_folders(folder: Path) -> None:
+    """Raise UserInputError where a result folder has a link in the place of a folder of its own."""
+    refuse_links(folder, own_folders())
+
+
+def results_in(folder: Path) -> list[str]:
+    """Return the files of a run that a folder holds."""
+    return [name for name in run_files() if (folder / name).exists()]
+
+
+def picture_kind(stem: str, path: str) -> tuple[str, str] | None:
+    """Split a picture's name in (kind, state); None when it is not of the path (of the whole run: ``""``)."""
+    if not path:
+        return (stem, "") if stem in WHOLE_RUN else None
+    rest = stem.removeprefix(f"{path}_")
+    if rest == stem:
+        return None
+    if rest in PICTURES:
+        return rest, ""
+    kind, _, state = rest.rpartition("_")
+    return (kind, state) if kind in PICTURES and _STATE.fullmatch(state) else None
+
+
+def pictures_in(folder: Path) -> list[Path]:
+    """Return the pictures of runs in a result folder; files with other names are left out."""
+    files = [path for path in sorted((folder / FIGURES).glob("*")) if path.suffix in (".png", ".svg")]
+    return [path for path in files if path.stem in WHOLE_RUN or _shows_a_path(path.stem)]
+
+
+def _shows_a_path(stem: str) -> bool:
+    """Return whether a name is `path_kind` or `path_kind_state` for any path."""
+    parts = stem.split("_")
+    return any(picture_kind(stem, "_".join(parts[:n])) for n in range(1, len(parts)))
+
+
+def remove_results(folder: Path) -> None:
+    """Remove all files of an earlier run from its folder; everything else in the folder stays.
+
+    In the folders of pictures and exports these are the files that runs and exports have listed; none behind a link.
+    """
+    refuse_linked_folders(folder)
+    inside = tuple(name for name in own_folders() if name != CHECKPOINT)
+    for path in [*listed(folder, inside), *(folder / name for name in run_files()), folder / LIST]:
+        path.unlink(missing_ok=True)
