@@ -1,5 +1,6 @@
 # make run       first use: installs the package alone, runs the default scene, prints where tables and pictures are
-# make test      the quick tests;  make test-all  the slow ones too;  make lint  style, types, import contracts
+# make test      the quick tests, seconds each;  make test-slow  about a minute each;  make test-long  many minutes each;
+# make test-all  all of them;  make lint  style, types, import contracts
 #                (these install what development needs, too; THIRD-PARTY.md has the licences)
 # make test-lowest  a few tests with the oldest dependencies that pyproject.toml allows
 
@@ -13,11 +14,11 @@ SCENE := out/caisson.toml
 RESULT := out/caisson
 
 # quick ones that touch every dependency; a run of the engine among them
-LOWEST_TOOLS := "pytest>=8.3" "hypothesis>=6.120" "cf-xarray>=0.10"
+LOWEST_TOOLS := "pytest>=8.3" "pytest-timeout>=2.3" "hypothesis>=6.120" "cf-xarray>=0.10"
 LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.py core/test_storage.py \
 	$(addprefix results/test_,tables.py exporters.py plots.py report.py))
 
-.PHONY: run test test-lowest test-slow test-all mutation verification verification-data lint evidence figure docs accuracy stability bench reference clean
+.PHONY: run test test-lowest test-slow test-long test-all mutation verification verification-data lint evidence figure docs accuracy stability bench reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -35,10 +36,12 @@ test-lowest: $(DEV)
 	NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/numba $(LOWEST)/bin/python -m pytest -q -p no:cacheprovider $(LOWEST_TESTS)
 
 test-slow: $(DEV)
-	$(BIN)/python -m pytest -m slow -n 2 || test $$? -eq 5  # 5: there are none
+	$(BIN)/python -m pytest -m "slow and not long" -n 2
 
-test-all: $(DEV)
-	$(BIN)/python -m pytest -m "slow or not slow"
+test-long: $(DEV)
+	$(BIN)/python -m pytest -m long
+
+test-all: test test-slow test-long
 
 # how many small changes of the code the tests notice: about a minute a mutant on an idle core; survivors alone when called again
 SAMPLE ?= 40

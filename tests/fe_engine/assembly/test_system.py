@@ -245,7 +245,7 @@ def test_twice_the_same_and_the_committed_fields_only_read():
 
 @pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="needs two threads")
 def test_result_does_not_depend_on_the_number_of_threads():
-    answers = []
+    answers, before = [], numba.get_num_threads()
     try:
         for threads in (1, 2):
             numba.set_num_threads(threads)
@@ -253,7 +253,7 @@ def test_result_does_not_depend_on_the_number_of_threads():
             _, linear, tangent = system.linearise(state, True)
             answers.append([*dense(linear, tangent), state.trial.stress])
     finally:
-        numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
+        numba.set_num_threads(before)
     for one, two in zip(*answers, strict=True):
         np.testing.assert_array_equal(one, two)
 

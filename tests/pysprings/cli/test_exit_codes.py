@@ -19,7 +19,7 @@ import pytest
 from fe_engine.errors import SettingError
 from fe_engine.settings import MOST_THREADS, refuse_bad_settings
 from pysprings.springs.file import save_springs
-from tests.support import synthetic, tiny
+from tests.support import synthetic
 from tests.support.commands import environment
 
 # the command with a run that ends otherwise (and without what takes so long to load)
@@ -41,11 +41,6 @@ def pysprings(
     how = ["-c", REPLACED.format(end=end)] if end else ["-m", "pysprings"]
     command = [sys.executable, *how, *(str(arg) for arg in args)]
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=environment(**(env or {})), timeout=120)
-
-
-@pytest.fixture
-def scene_file(tmp_path: Path) -> Path:
-    return tiny.write(tiny.scene(), tmp_path / "caisson.toml")
 
 
 def test_0_ok(tmp_path: Path) -> None:

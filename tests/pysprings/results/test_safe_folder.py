@@ -65,11 +65,6 @@ def elsewhere(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def scene_file(tmp_path: Path) -> Path:
-    return tiny.write(tiny.scene(), tmp_path / "caisson.toml")
-
-
-@pytest.fixture
 def one_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plots.files, "figures", lambda *_: [("pull_py", Figure(figsize=(1, 1)))])
 
