@@ -111,8 +111,8 @@ def copied(root: Path, folder: Path) -> Path:
 def tests_fail(copy: Path, tests: Sequence[str], cache: Path, limit: float) -> str | None:
     """Run tests in a copy until one fails: its name, "timeout", or None where all pass."""
     settings = {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "NUMBA_CACHE_DIR": str(cache)}
-    settings["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # each takes its time to load
-    options = ["-p", "pytest_timeout", "-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "-rfE"]
+    settings["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # none is needed, and each takes its time to load
+    options = ["-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "-rfE"]
     try:
         done = subprocess.run(
             [sys.executable, "-m", "pytest", *options, *tests],
