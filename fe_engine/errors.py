@@ -43,11 +43,14 @@ class NotConverged(FEError):
         Where the largest residual or correction stands.
     history : list of dict
         One entry per Newton iteration of the last attempt.
+    refused : bool
+        The increment converged, and the caller of the driver did not accept it (`Driver.refusal`).
     """
 
     reason: str
     place: str = ""
     history: list[dict[str, Any]] = field(default_factory=list)
+    refused: bool = False
 
     def __str__(self) -> str:
         where = f" ({self.place})" if self.place else ""

@@ -124,7 +124,7 @@ class Driver:
         try:
             increment = self.newton.solve(self.state, loading, *guess)
             if self.refusal is not None and (reason := self.refusal(self.state.trial.border)):
-                raise NotConverged(reason, history=increment.record)
+                raise NotConverged(reason, history=increment.record, refused=True)
         except NotConverged as error:
             self.record += [label | row | {"converged": False} for row in error.history]
             self.given_up.append((stage.name, target, error))

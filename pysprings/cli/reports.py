@@ -306,9 +306,8 @@ def _marks(states: xr.Dataset, step: int) -> str:
 
 
 def remarks_of(states: xr.Dataset) -> str:
-    """Return what an answer says of the springs it comes from, a line each."""
-    remarks = str(states.attrs.get("remarks", "")).split(" | ")
-    return "\n".join(f"note: {remark}" for remark in remarks if remark)
+    """Return the remarks on the springs that an answer comes from, a line each."""
+    return "\n".join(f"note: {remark}" for remark in states.attrs.get("remarks", ()))
 
 
 def _figures(value: float, factor: float, noise: float) -> str:

@@ -11,6 +11,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pysprings.core.stop_reasons import StopReason
+
 EXIT_BUG = 1
 EXIT_USER_INPUT = 2
 EXIT_NOT_CONVERGED = 3
@@ -68,11 +70,16 @@ class UserInputError(PyspringsError):
         self.problems: Sequence[Problem] = tuple(problems)
         super().__init__(self.problems)
 
-    def __str__(self) -> str:
+    @property
+    def lines(self) -> list[str]:
+        """One line per problem, the first ones of many."""
         lines = [str(problem) for problem in self.problems[:MOST_PROBLEMS]]
         if (left := len(self.problems) - MOST_PROBLEMS) > 0:
             lines.append(f"and {left:,} more problems")
-        return "\n".join(f"fatal: user input: {line}" for line in lines)
+        return lines
+
+    def __str__(self) -> str:
+        return "\n".join(f"fatal: user input: {line}" for line in self.lines)
 
 
 def refused(key: str | None, message: str, file: str | os.PathLike[str] | None = None) -> UserInputError:
@@ -81,24 +88,30 @@ def refused(key: str | None, message: str, file: str | os.PathLike[str] | None =
 
 
 class BeyondSprings(UserInputError):
-    """A prediction was asked for where the springs hold no answer; the message says what they carry, and from where."""
+    """A prediction was asked for where the springs hold no answer; the message has what they carry, and from where."""
 
 
 class ResourceError(PyspringsError):
-    """Memory, disk or a library is not there; the message says which and what would help."""
+    """Memory, disk or a library is not there; the message names it and what would help."""
 
     exit_code = EXIT_RESOURCES
 
 
 class RunIncomplete(PyspringsError):
-    """A run that stopped before its end; what converged is saved and marked in `folder` (None: not saved)."""
+    """A run that stopped before its end; what converged is saved and marked in `folder` (None: not saved).
+
+    `reasons` are those of the paths that stopped, where they are known.
+    """
 
     exit_code = EXIT_NOT_CONVERGED
 
-    def __init__(self, message: str, folder: str | os.PathLike[str] | None = None) -> None:
+    def __init__(
+        self, message: str, folder: str | os.PathLike[str] | None = None, reasons: Iterable[StopReason] = ()
+    ) -> None:
         super().__init__(message)
         self.message = message
         self.folder = None if folder is None else Path(folder)
+        self.reasons = tuple(reasons)
 
     def __str__(self) -> str:
         return self.message

@@ -24,6 +24,7 @@ from pysprings.core.errors import Problem, ResourceError, RunIncomplete, UserInp
 from pysprings.core.files.layout import is_unfinished, refuse_links
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.progress import Progress
+from pysprings.core.stop_reasons import StopReason
 from pysprings.core.threads import blas_on_one_thread
 from pysprings.full_model.accuracy.own_estimate import add_estimate, was_interrupted
 from pysprings.full_model.cavitation import warning as cavitation_warning
@@ -53,7 +54,7 @@ if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
 # why a run has ended before its paths did (`stopped_by` in run.json)
-INTERRUPTED, OUT_OF_MEMORY = "interrupted", "out of memory"
+INTERRUPTED, OUT_OF_MEMORY = StopReason.INTERRUPTED, StopReason.OUT_OF_MEMORY
 
 
 def run(
@@ -248,7 +249,7 @@ def _keep(work: Work, run: PathRun) -> None:
         dataset = run.collector.dataset()
         dataset.attrs = {
             "kind": path.kind, "arm_m": path.arm, "role": path.role, "status": run.status, "heave": path.heave,
-        } | end_attrs(run.status, run.why, dataset)  # fmt: skip
+        } | end_attrs(run.reason, run.why, dataset)  # fmt: skip
         if path.rate is not None:
             dataset.attrs["rate_m_per_s"] = path.rate
         if path.arm_from is not None:
@@ -256,7 +257,7 @@ def _keep(work: Work, run: PathRun) -> None:
         work.paths[f"/paths/{name}"] = dataset
         work.paths[f"/paths/{name}/convergence"] = convergence_dataset(driver.record)
         work.summaries[name] = (
-            {"status": run.status}
+            {"status": run.status, **({} if run.reason is None else {"reason": run.reason})}
             | summarise(driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, run.limits)
             | {"energy": energy_summary(run.energy.now())}
         )
@@ -369,4 +370,5 @@ def raise_if_incomplete(result: xr.DataTree, folder: str | os.PathLike[str] | No
     if result.attrs["status"] == "interrupted":
         raise KeyboardInterrupt
     if result.attrs["status"] != "complete":
-        raise RunIncomplete("; ".join(record["failures"]), folder)
+        reasons = [StopReason(path["reason"]) for path in record["paths"].values() if "reason" in path]
+        raise RunIncomplete("; ".join(record["failures"]), folder, reasons)

@@ -20,8 +20,7 @@ import numpy as np
 from fe_engine.conventions import CONTACT_OPEN, REGIME_APEX, REGIME_CONE
 from fe_engine.errors import FEError
 from fe_engine.soil.dispatch import N_HISTORY, update_soil
-from pysprings.full_model.displacement_limit import DISPLACEMENT_LIMIT
-from pysprings.springs.path_ends import LIMIT_LOAD
+from pysprings.core.stop_reasons import Diagnosis, StopReason
 
 if TYPE_CHECKING:
     from fe_engine.assembly.fourier_system import FourierSystem
@@ -29,45 +28,50 @@ if TYPE_CHECKING:
     from fe_engine.solve.stepping import Driver
     from fe_engine.state import State
 
-REASONS = (LIMIT_LOAD, DISPLACEMENT_LIMIT, "apex", "localisation", "friction", "unexplained")
 # A caisson under a given load is at its limit where this share of its initial stiffness is left
 _LIMIT = 0.02
 # ... or where the iterations of a step that could not be smaller leave this share of the forces
 _NO_BALANCE = 0.1
-# Share of the Gauss points around a place that tells what the soil there does
+# Share of the Gauss points around a place above which their regime is that of the soil there
 _MOST = 0.25
 _NODES = 10  # with the largest residuals: what cycles is beside them as often as at the largest
 _VOIGT = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 
 
-def too_far(driver: Driver, initial: np.ndarray, moved: str) -> str:
-    """Name the reason why a given load has moved the caisson too far; ``moved`` says how far, ``initial`` as below."""
+def too_far(driver: Driver, initial: np.ndarray, moved: str) -> Diagnosis:
+    """Return why a given load has moved the caisson too far; ``moved`` are words for how far, ``initial`` as below."""
     left = _stiffness_left(driver, initial)
-    reason = LIMIT_LOAD if left < _LIMIT else DISPLACEMENT_LIMIT
-    return f"{reason}: {moved}; {100.0 * max(left, 0.0):.2g} % of the initial stiffness is left"
+    reason = StopReason.LIMIT_LOAD if left < _LIMIT else StopReason.DISPLACEMENT_LIMIT
+    return Diagnosis(reason, f"{moved}; {_left(left)}")
 
 
-def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> str:
-    """Name the reason why no next state was found from the committed one.
+def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> Diagnosis:
+    """Return why no next state was found from the committed one.
 
-    ``given_load`` tells that forces are imposed, ``initial`` (3, 3) is the border stiffness of the initial state (half
-    the caisson's). The trial fields are those of the last attempt.
+    ``given_load``: forces are imposed. ``initial`` (3, 3) is the border stiffness of the initial state (half the
+    caisson's). The trial fields are those of the last attempt.
     """
     system, state = driver.newton.system, driver.state
     elements = _around(system, state)
     if given_load and (left := _stiffness_left(driver, initial)) < _LIMIT:
-        return f"{LIMIT_LOAD}: {100.0 * max(left, 0.0):.2g} % of the initial stiffness is left"
+        return Diagnosis(StopReason.LIMIT_LOAD, _left(left))
     if given_load and driver.given_up and (least := _least_residual(driver)) > _NO_BALANCE:
-        return f"{LIMIT_LOAD}: no motion balances any more, {100.0 * least:.0f} % of the forces are left over"
+        detail = f"no motion balances any more, {100.0 * least:.0f} % of the forces are left over"
+        return Diagnosis(StopReason.LIMIT_LOAD, detail)
     apex = float(np.mean(system.regime[elements] == REGIME_APEX))
     if apex >= _MOST:
-        return f"apex: {100.0 * apex:.0f} % of the soil there has no confining stress left"
+        return Diagnosis(StopReason.APEX, f"{100.0 * apex:.0f} % of the soil there has no confining stress left")
     worst = _ellipticity(system, state, elements)
     if worst <= 0.0:
-        return f"localisation: the soil there has lost its ellipticity (det n.C.n is {worst:.2g} of the elastic one)"
+        detail = f"the soil there has lost its ellipticity (det n.C.n is {worst:.2g} of the elastic one)"
+        return Diagnosis(StopReason.LOCALISATION, detail)
     if _contact_there(system, elements):
-        return "friction: stations there stick, slip and open in turn, and no set of states holds"
-    return "unexplained"
+        return Diagnosis(StopReason.FRICTION, "stations there stick, slip and open in turn, and no set of states holds")
+    return Diagnosis(StopReason.UNEXPLAINED)
+
+
+def _left(share: float) -> str:
+    return f"{100.0 * max(share, 0.0):.2g} % of the initial stiffness is left"
 
 
 def _around(system: System | FourierSystem, state: State) -> np.ndarray:
@@ -137,5 +141,5 @@ def _elastic(parameters: np.ndarray) -> float:
 
 
 def _contact_there(system: System | FourierSystem, elements: np.ndarray) -> bool:
-    """Tell whether closed stations stand on these elements."""
+    """Return whether closed stations stand on these elements."""
     return bool(np.any(system.stations_on(elements) & (system.contact_state != CONTACT_OPEN)))

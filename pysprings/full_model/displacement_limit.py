@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-DISPLACEMENT_LIMIT = "displacement limit"  # the name of the reason
+from pysprings.core.stop_reasons import StopReason
+
 LARGEST_SHARE = 0.1  # of the diameter: lid centre or tip sideways, or the caisson up or down
 LARGEST_ROTATION = math.radians(5.0)
 # An increment that ends beyond this many times the limit is tried again with half its size
@@ -33,7 +34,7 @@ class DisplacementLimit:
         return max(self._shift(border) / (LARGEST_SHARE * self.diameter), abs(border[2]) / LARGEST_ROTATION)
 
     def text(self, border: np.ndarray) -> str:
-        """Say how far the caisson has moved, and the limit."""
+        """Return words for how far the caisson has moved, and the limit."""
         turned = math.degrees(abs(border[2]))
         limit = f"{LARGEST_SHARE:.0%} of the diameter, {math.degrees(LARGEST_ROTATION):g} deg"
         return f"the caisson has moved by {self._shift(border):.3g} m and turned by {turned:.2g} deg (limit {limit})"
@@ -41,7 +42,7 @@ class DisplacementLimit:
     def refusal(self, border: np.ndarray) -> str:
         """Return why an increment that ends there is not taken, "" where it is."""
         return (
-            f"{DISPLACEMENT_LIMIT}: an increment leads too far, {self.text(border)}"
+            f"{StopReason.DISPLACEMENT_LIMIT}: an increment leads too far, {self.text(border)}"
             if self.share(border) > OVERSHOOT
             else ""
         )

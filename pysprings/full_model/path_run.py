@@ -23,9 +23,10 @@ from fe_engine.solve.step_size import StepSize
 from fe_engine.solve.stepping import Driver, Position, Step
 from fe_engine.state import FIELDS, State, initial_fields
 from pysprings.core.progress import Progress
+from pysprings.core.stop_reasons import Diagnosis, StopReason
 from pysprings.full_model.cavitation import Margin
 from pysprings.full_model.checkpoint import Checkpoints, Saved
-from pysprings.full_model.diagnosis import REASONS, diagnose, too_far
+from pysprings.full_model.diagnosis import diagnose, too_far
 from pysprings.full_model.discretise import make_collector
 from pysprings.full_model.displacement_limit import DisplacementLimit
 from pysprings.full_model.record import DEAD_LOAD
@@ -122,7 +123,9 @@ class PathRun:
         self.n_stages = self.n_dead + len(self._path_stages(0.0))
         self.limits: list[str] = []
         self.reach: DisplacementLimit | None = None  # of a path under a given load
-        self.status, self.failure, self.why = "interrupted", "", "interrupted"  # until it has ended
+        # until it has ended
+        self.status, self.failure, self.why = "interrupted", "", "interrupted"
+        self.reason: StopReason | None = StopReason.INTERRUPTED
         self._position: Position | None = None  # where to go on in the stage
         self._standing: _Standing | None = None  # after the last step, unless it is in a checkpoint
 
@@ -133,10 +136,10 @@ class PathRun:
         """
         try:
             self._run_stages()
-            self.status, self.why = "complete", ""
+            self.status, self.why, self.reason = "complete", "", None
         except NotConverged as error:
-            self.status, self.why = "partial", self._why(error)
-            self.failure = self._told(self.why)
+            self.status, (self.why, self.reason) = "partial", self._why(error)
+            self.failure = self._failure(self.why)
             if not self.collector.rows:  # the dead load itself: the state that it reached is kept, marked
                 self._collect(converged=False)
         except (KeyboardInterrupt, MemoryError):
@@ -195,17 +198,19 @@ class PathRun:
         """Stop a path under a given load where the caisson leaves."""
         border = self.state.committed.border
         if self.reach is not None and self.reach.share(border) > 1.0:
-            raise NotConverged(too_far(self.driver, self.work.stiffness, self.reach.text(border)))
+            raise _MovedTooFar(too_far(self.driver, self.work.stiffness, self.reach.text(border)))
 
-    def _why(self, error: NotConverged) -> str:
-        """Why the path stopped, and where in the model: begins with the name of the reason (`diagnosis.REASONS`)."""
-        why = str(error)
-        if not why.startswith(REASONS):
-            forced = self.driver.aim[0] == DEAD_LOAD or self.path.kind == "load"
-            why = f"{diagnose(self.driver, forced, self.work.stiffness)} ({why})"
-        return why
+    def _why(self, error: NotConverged) -> tuple[str, StopReason]:
+        """Why the path stopped, and where in the model, in one line that begins with the reason; the reason."""
+        if isinstance(error, _MovedTooFar):
+            return str(error.diagnosis), error.diagnosis.reason
+        if error.refused:
+            return str(error), StopReason.DISPLACEMENT_LIMIT
+        forced = self.driver.aim[0] == DEAD_LOAD or self.path.kind == "load"
+        found = diagnose(self.driver, forced, self.work.stiffness)
+        return f"{found} ({error})", found.reason
 
-    def _told(self, why: str) -> str:
+    def _failure(self, why: str) -> str:
         """One line: which path stopped, on its way to which part of the load, and why."""
         stage, target = self.driver.aim
         of = " of its dead load" if stage == DEAD_LOAD else ""
@@ -272,9 +277,10 @@ class PathRun:
     def _gathered(self, rows: int | None, record: int | None, given_up: int | None, limits: int | None) -> Saved:
         """The first so many rows, iterations, failed attempts and limits; None for all."""
         kept, driver = self.collector.rows[:rows], self.driver
-        failed = [(stage, fraction, _told(error)) for stage, fraction, error in driver.given_up[:given_up]]
+        failed = [(stage, fraction, _recorded(error)) for stage, fraction, error in driver.given_up[:given_up]]
         meta = {
-            "path": self.path.name, "status": self.status, "failure": self.failure, "why": self.why,
+            "path": self.path.name, "status": self.status, "failure": self.failure,
+            "why": self.why, "reason": self.reason,
             "cost": self.work.cost(), "n_rows": len(kept), "record": driver.record[:record], "given_up": failed,
             "limits": self.limits[:limits],
         }  # fmt: skip
@@ -294,7 +300,8 @@ class PathRun:
         driver.record, self.limits = meta["record"], meta["limits"]
         driver.given_up = [(stage, fraction, NotConverged(**error)) for stage, fraction, error in meta["given_up"]]
         driver.n_steps = meta["n_steps"]
-        self.status, self.failure, self.why = meta["status"], meta["failure"], meta.get("why", "")
+        self.status, self.failure, self.why = meta["status"], meta["failure"], meta["why"]
+        self.reason = None if meta["reason"] is None else StopReason(meta["reason"])
         if "stage" in meta:
             self._restore_standing(saved)
         self.energy.go_on_from(self.state.committed, *meta["energy"])
@@ -318,8 +325,16 @@ class PathRun:
             self.work.newton.restore(Origin(**factors))
 
 
-def _told(error: NotConverged) -> dict[str, Any]:
-    """What the record needs of a failed attempt."""
+class _MovedTooFar(NotConverged):
+    """The caisson has moved beyond the limit under a given load."""
+
+    def __init__(self, diagnosis: Diagnosis) -> None:
+        super().__init__(str(diagnosis))
+        self.diagnosis = diagnosis
+
+
+def _recorded(error: NotConverged) -> dict[str, Any]:
+    """A failed attempt as the record and checkpoints keep it."""
     return {"reason": error.reason, "place": error.place, "history": error.history}
 
 

@@ -121,9 +121,9 @@ def _attributes(
         | {"control": way.control}
         | ({} if way.arm is None else {"arm_m": way.arm})
         | (limit.attributes() if limit else {})
-        | {"status": "partial" if message else "complete", "message": message, "warnings": " | ".join(notes)}
-        | {"remarks": " | ".join(model.remarks), "path_end": _ends(model)}
-        | {"refusals": " | ".join([f"{text}{carried}" for text in refusals] + down.refusals)}
+        | {"status": "partial" if message else "complete", "message": message, "warnings": notes}
+        | {"remarks": list(model.remarks), "path_end": _ends(model)}
+        | {"refusals": [f"{text}{carried}" for text in refusals] + down.refusals}
     )
 
 

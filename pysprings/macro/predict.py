@@ -46,8 +46,18 @@ from pysprings.macro.trace import trace
 from pysprings.macro.vertical_answer import check_arrays, check_numbers, refused
 
 __all__ = [
-    "MacroModel", "MacroWarning", "PredictionNotConverged", "curve", "impose", "model_of", "predict", "predict_batch",
-    "sequence", "spoken", "stiffness", "tangent_stiffness",
+    "MacroModel",
+    "MacroWarning",
+    "PredictionNotConverged",
+    "curve",
+    "impose",
+    "model_of",
+    "predict",
+    "predict_batch",
+    "raise_or_warn",
+    "sequence",
+    "stiffness",
+    "tangent_stiffness",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -92,10 +102,10 @@ def predict(
     model, share = model_of(springs, springs_kind, path, V), np.linspace(0.0, 1.0, _points(n))
     if V is not None and H is None and M is None and arm is None:
         rest = model.rest_load
-        return spoken(trace(model, "load", np.zeros((n, 2)), 0.0, rest + share * (V - rest)), strict)
+        return raise_or_warn(trace(model, "load", np.zeros((n, 2)), 0.0, rest + share * (V - rest)), strict)
     force, moment = (float(value) for value in _loads(H, arm, M))
     height = arm if arm is not None else (-moment / force if force else 0.0)
-    return spoken(trace(model, "load", share[:, None] * np.array([force, moment]), height, V), strict)
+    return raise_or_warn(trace(model, "load", share[:, None] * np.array([force, moment]), height, V), strict)
 
 
 def curve(
@@ -140,7 +150,7 @@ def impose(
         targets[:, column] = np.linspace(0.0, value, n)
     controls: dict[tuple[str, ...], Control] = {("u",): "displacement", ("rotation",): "rotation"}
     control = controls.get(tuple(given), "state")
-    return spoken(trace(model_of(springs, springs_kind, path, V), control, targets, arm, V), strict)
+    return raise_or_warn(trace(model_of(springs, springs_kind, path, V), control, targets, arm, V), strict)
 
 
 def sequence(
@@ -173,8 +183,7 @@ def sequence(
     first = None if down is None else float(down.ravel()[0])
     V = down if down is not None and down.ndim else first
     answer = trace(model_of(springs, springs_kind, path, first), control, wanted, arm, V)
-    remarks = filter(None, (answer.attrs["remarks"], ELASTIC))
-    return spoken(answer.assign_attrs(remarks=" | ".join(remarks)), strict)
+    return raise_or_warn(answer.assign_attrs(remarks=[*answer.attrs["remarks"], ELASTIC]), strict)
 
 
 def predict_batch(
@@ -256,7 +265,7 @@ def tangent_stiffness(
     """Return the stiffness (3, 3) of the springs at a state (m, rad), at mudline for (u, w, rotation): the tangent."""
     check_numbers(u=u, rotation=rotation)
     answer = trace(model_of(springs, springs_kind, path), "state", np.array([[u, rotation]]))
-    return spoken(answer, strict=False)["stiffness"].isel(step=-1, drop=True)
+    return raise_or_warn(answer, strict=False)["stiffness"].isel(step=-1, drop=True)
 
 
 def model_of(
@@ -281,16 +290,16 @@ def _loads(H: float | Array | None, arm: float | Array | None, M: float | Array 
     return force, moment
 
 
-def spoken(answer: xr.Dataset, strict: bool) -> xr.Dataset:
-    """Raise when an answer is beyond the springs or partial; warn (refuse, when strict) where it says so; hand it on.
+def raise_or_warn(answer: xr.Dataset, strict: bool) -> xr.Dataset:
+    """Return an answer; raise where it is beyond the springs or partial, warn (raise, when strict) where it is marked.
 
     Every answer passes here but those of `predict_batch`, which are marked by case.
     """
-    if refusals := [text for text in answer.attrs["refusals"].split(" | ") if text]:
-        raise BeyondSprings([Problem(key="springs", message=text) for text in refusals])
+    if answer.attrs["refusals"]:
+        raise BeyondSprings([Problem(key="springs", message=text) for text in answer.attrs["refusals"]])
     if answer.attrs["status"] != "complete":
         raise PredictionNotConverged(answer.attrs["message"])
-    notes = [note for note in answer.attrs["warnings"].split(" | ") if note]
+    notes = answer.attrs["warnings"]
     if strict and notes:
         raise refused("strict", "; ".join(notes))
     for note in notes:

@@ -111,7 +111,7 @@ def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
         "usable": ("depth", np.ones(path.depth.size, dtype=np.int8), known["usable"].attributes()),
     }
     coords = {"depth": ("depth", path.depth, known["depth"].attributes()), "step": np.arange(w.size)}
-    attrs = {"springs": "vertical", "path": table.path, "status": "complete", "message": "", "warnings": ""}
+    attrs = {"springs": "vertical", "path": table.path, "status": "complete", "message": "", "warnings": []}
     return xr.Dataset(data, coords, attrs)
 
 

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pysprings.core.stop_reasons import StopReason
 from pysprings.springs.numbers import is_number, text_of
 
-REACHED, LIMIT_LOAD, STOPPED, UNKNOWN = "reached", "limit load", "stopped", "not known"
+REACHED, LIMIT_LOAD, STOPPED, UNKNOWN = "reached", str(StopReason.LIMIT_LOAD), "stopped", "not known"
 ENDS = (REACHED, LIMIT_LOAD, STOPPED)
 KEYS = ("end", "end_reason", "end_H_N", "end_M_Nm")
 _MOST_LETTERS = 120  # of a reason in a message
@@ -47,9 +48,9 @@ class PathEnd:
         return f"path '{self.path}' {words.get(self.how, 'ended in a way that is not known')}{loads}{why}"
 
 
-def end_attrs(status: str, why: str, path: xr.Dataset) -> dict[str, Any]:
-    """Return the attributes of a path that ended with a status ("complete" ...) and, unless complete, a reason."""
-    how = REACHED if status == "complete" else LIMIT_LOAD if why.startswith(LIMIT_LOAD) else STOPPED
+def end_attrs(reason: StopReason | None, why: str, path: xr.Dataset) -> dict[str, Any]:
+    """Return the attributes of a path that stopped for a reason (None: it came to its aim), and why in one line."""
+    how = REACHED if reason is None else LIMIT_LOAD if reason is StopReason.LIMIT_LOAD else STOPPED
     return {"end": how, "end_reason": why} | _last_loads(path)
 
 

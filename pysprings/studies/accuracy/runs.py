@@ -84,7 +84,7 @@ def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:
     except ResourceError as error:
         return f"resources: {error}"
     except UserInputError as error:  # say a mesh so coarse that its cells cannot be graded
-        return str(error).removeprefix("fatal: user input: ")
+        return "\n".join(error.lines)
     return ""
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pysprings.core import version
-from pysprings.core.errors import PyspringsError
+from pysprings.core.errors import PyspringsError, UserInputError
 from pysprings.core.files.storage import write_text
 from pysprings.core.files.written import own_folder
 from pysprings.core.progress import duration
@@ -197,4 +197,4 @@ def _first_line(error: Exception) -> str:
 
     if isinstance(error, ValidationError):
         return "; ".join(each["msg"] for each in error.errors(include_url=False, include_context=False))
-    return str(error).splitlines()[0].removeprefix("fatal: user input: ")
+    return error.lines[0] if isinstance(error, UserInputError) else str(error).splitlines()[0]

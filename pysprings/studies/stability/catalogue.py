@@ -14,8 +14,8 @@ import pandas as pd
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, PyspringsError, UserInputError
+from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.compute import compute
-from pysprings.full_model.diagnosis import REASONS
 from pysprings.studies.stability.cases import CASES, REACH, Case
 
 CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED = "converged", "warned", "stopped", "refused", "unexplained"
@@ -105,11 +105,11 @@ def summary(table: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def _refusal(error: Exception) -> str:
+def _refusal(error: UserInputError | ValidationError) -> str:
     if isinstance(error, ValidationError):
         found = error.errors(include_url=False, include_context=False, include_input=False)
         return "; ".join(f"{'.'.join(str(part) for part in each['loc'])}: {each['msg']}".lstrip(": ") for each in found)
-    return str(error).removeprefix("fatal: user input: ")
+    return "\n".join(error.lines)
 
 
 def _ending(record: Mapping[str, Any]) -> dict[str, Any]:
@@ -118,7 +118,8 @@ def _ending(record: Mapping[str, Any]) -> dict[str, Any]:
         detail = "; ".join(record["warnings"])
         return {"outcome": WARNED if detail else CONVERGED, "detail": detail}
     detail = "; ".join(record["failures"])
-    named = any(f": {reason}" in detail for reason in REASONS if reason != "unexplained")
+    reasons = [path.get("reason") for path in record["paths"].values()]
+    named = any(StopReason(reason).explains for reason in reasons if reason is not None)
     return {"outcome": STOPPED if named else UNEXPLAINED, "detail": detail}
 
 

@@ -254,8 +254,9 @@ def test_an_increment_that_is_refused_is_tried_again_in_a_smaller_one():
     half = 0.5 * abs(run(footing(), pull).state.committed.border[0])
     out = start(footing())
     out.driver.refusal = lambda border: "too far" if abs(border[0]) > half * (1.0 + 1e-9) else ""
-    with pytest.raises(NotConverged, match=r"^too far; last residuals"):
+    with pytest.raises(NotConverged, match=r"^too far; last residuals") as stopped:
         out.driver.run(pull, out.steps.append)
+    assert stopped.value.refused
     assert out.steps[-1].fraction == pytest.approx(0.5, abs=1e-5)
     assert {error.reason for _, _, error in out.driver.given_up} == {"too far"}
     assert sum(not row["converged"] for row in out.driver.record) >= len(out.driver.given_up) > 0

@@ -20,8 +20,10 @@ from tests.support.commands import command
 NAMES = [case.name for case in CASES]
 
 
-def record(status: str = "complete", failures: tuple[str, ...] = (), warnings: tuple[str, ...] = ()) -> dict[str, Any]:
-    return {"status": status, "failures": list(failures), "warnings": list(warnings)}
+def record(reason: str | None = None, failures: tuple[str, ...] = (), warnings: tuple[str, ...] = ()) -> dict[str, Any]:
+    path = {"status": "complete"} if reason is None else {"status": "partial", "reason": reason}
+    texts = {"failures": list(failures), "warnings": list(warnings)}
+    return {"status": path["status"], "paths": {"pull": path}} | texts
 
 
 def test_names_are_unique_and_the_groups_are_not_names() -> None:
@@ -49,10 +51,10 @@ def test_endings() -> None:
         "outcome": "warned",
         "detail": "water would cavitate",
     }
-    named = "path 'pull' stopped on its way to 3 %: localisation: the soil there has lost its ellipticity (...)"
-    assert stability._ending(record("partial", (named,)))["outcome"] == "stopped"
-    nameless = "path 'pull' stopped on its way to 3 %: unexplained (the residual stalls)"
-    assert stability._ending(record("partial", (nameless,)))["outcome"] == "unexplained"
+    why = ("path 'pull' stopped: words that name no reason",)
+    assert stability._ending(record("localisation", why)) == {"outcome": "stopped", "detail": why[0]}
+    for reason in ("unexplained", "out of memory"):
+        assert stability._ending(record(reason, why))["outcome"] == "unexplained"
 
 
 def test_an_error_of_the_tool_is_unexplained_and_a_bug_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
