@@ -6,6 +6,8 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
+import pytest
+
 from tests.support.place import ROOT
 
 # tests of a benchmark, or of the pages that benchmarks write
@@ -57,3 +59,10 @@ def test_benchmarks_do_not_import_tests() -> None:
 def test_only_tests_of_benchmarks_import_them() -> None:
     found = {file for file, names in imports_of("tests").items() if any(n.split(".")[0] == "benchmarks" for n in names)}
     assert found == OF_BENCHMARKS
+
+
+def test_every_test_has_a_time_limit(request: pytest.FixtureRequest) -> None:
+    if not request.config.pluginmanager.hasplugin("timeout"):
+        pytest.skip("pytest-timeout is not loaded")
+    limits = [item.get_closest_marker("timeout") for item in request.session.items]
+    assert limits and all(limit is not None and 0 < limit.args[0] <= 3600 for limit in limits)
