@@ -74,6 +74,11 @@ def is_long(line: str) -> bool:
     return not is_elsewhere(line) and line.split()[1] in LONG
 
 
+def here(page: Path) -> list[str]:
+    """Return the commands of a page that the quick tests run."""
+    return [line for line in commands(page) if not is_elsewhere(line) and not is_long(line)]
+
+
 def test_readme_is_short() -> None:
     assert len(README.read_text(encoding="utf-8").splitlines()) <= 150
 
@@ -146,10 +151,9 @@ def scratch(prepared: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(prepared, tmp_path / "scratch"))
 
 
-@pytest.mark.parametrize("page", [page for page in RUN_HERE if commands(page)], ids=name)
+@pytest.mark.parametrize("page", [page for page in RUN_HERE if here(page)], ids=name)
 def test_commands_of_a_document_run(page: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    lines = [line for line in commands(page) if not is_elsewhere(line) and not is_long(line)]
-    for line in lines:
+    for line in here(page):
         done = call(line, scratch, monkeypatch)
         assert done.code == 0, f"{line}\n{done.out}\n{done.err}"
         assert done.out

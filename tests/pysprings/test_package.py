@@ -62,8 +62,10 @@ def project() -> dict:
 
 
 def test_every_source_file_names_its_licence() -> None:
-    for folder in ("fe_engine", "pysprings", "tests"):
-        for path in (ROOT / folder).rglob("*.py"):
+    for folder in ("fe_engine", "pysprings", "tests", "benchmarks"):
+        files = sorted((ROOT / folder).rglob("*.py"))
+        assert len(files) > 10
+        for path in files:
             assert path.read_text(encoding="utf-8").startswith("# SPDX-License-Identifier: MIT\n"), path
 
 

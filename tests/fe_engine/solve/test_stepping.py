@@ -44,6 +44,7 @@ def test_stages_run_to_their_end_and_land_on_every_stop(kind):
 def test_committed_controls_are_the_fraction_at_every_step():
     out, seen = start(footing()), []
     out.driver.run(KINDS["translation"], lambda step: seen.append((step.fraction, out.state.committed.border.copy())))
+    assert seen and seen[-1][0] == 1.0
     for fraction, border in seen:
         assert border[0] == pytest.approx(fraction * 5.0e-4, rel=1e-12)
         assert abs(border[2]) < 1e-15

@@ -170,6 +170,7 @@ def test_show_is_short(value: float, unit: str, text: str) -> None:
 
 
 def test_every_meaning_is_a_unit() -> None:
+    assert MEANING
     for unit in MEANING:
         assert read(f"1 {unit}", unit) == 1.0
         assert si_of(unit) == unit

@@ -13,6 +13,7 @@ from tests.support.synthetic import make_result, make_springs
 
 @pytest.mark.parametrize("group", list(variables.GROUPS))
 def test_every_entry_has_words_and_udunits(group):
+    assert variables.GROUPS[group]
     for name, variable in variables.GROUPS[group].items():
         assert variable.name == name
         assert variable.long_name

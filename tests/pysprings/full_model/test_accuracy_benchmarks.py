@@ -111,6 +111,7 @@ def test_safety_that_is_needed() -> None:
 
 
 def test_held_out_scenes_are_scenes_and_are_pushed_as_far_as_asked() -> None:
+    assert error_estimates.SCENES
     for name in error_estimates.SCENES:
         whole, half = error_estimates.scene_of(name, 1.0), error_estimates.scene_of(name, 0.5)
         for key in ("lateral_displacement", "rotation"):

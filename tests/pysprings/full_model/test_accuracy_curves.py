@@ -38,7 +38,9 @@ def test_the_same_soil_at_other_steps_gives_the_same_curves() -> None:
     """Between recorded steps curves are smooth: other steps of one model matter little, another model much."""
     some, more = measured_result(), measured_result(paths=tuple(replace(path, steps=31) for path in PATHS))
     other = measured_result(Caisson(modulus=6e7))
-    for path, found in samples({"a": curves_of(some), "b": curves_of(more), "c": curves_of(other)}).items():
+    sampled_paths = samples({"a": curves_of(some), "b": curves_of(more), "c": curves_of(other)})
+    assert set(sampled_paths) == {path.name for path in PATHS}
+    for path, found in sampled_paths.items():
         same, different = errors(found["b"], found["a"]), errors(found["c"], found["a"])
         for name in ("load_max", "py_max", "rotation_max", "pressure_max"):
             assert same[name] < 0.1, (path, name)
@@ -115,7 +117,9 @@ def test_initial_stiffness_is_the_slope_at_rest() -> None:
     """Beside a first step that is small: the load over what is driven."""
     tiny = tuple(replace(path, size=path.size * 1e-6, steps=3) for path in PATHS)
     tree = measured_result(paths=tiny)
-    for name, curve in curves_of(tree).items():
+    curves = curves_of(tree)
+    assert set(curves) == {path.name for path in PATHS}
+    for name, curve in curves.items():
         path = get_path(tree, name)
         driven = path["rotation"] if name == "turn" else path["u"]
         load = path["M"] if name == "turn" else path["H"]

@@ -79,6 +79,7 @@ def test_the_tables_alone_balance_force_and_moment(folder: Path) -> None:
     """Sum of p dz + tip + lid = H, and the moments of p, m, tip and lid = M, to 1e-6."""
     py, load = pd.read_csv(folder / "py.csv"), pd.read_csv(folder / "load_displacement.csv")
     length = 4.0
+    assert len(load) > 2
     for _, total in load.iterrows():
         now = py[py["step"] == total["step"]]
         p = now[(now["family"] == "py") & (now["side"] == "net") & (now["component"] == "total")]

@@ -216,6 +216,7 @@ def test_py_panels_hold_net_and_sides(pull: xr.Dataset) -> None:
 
 def test_py_from_springs_equals_py_from_the_result(pull: xr.Dataset, trees: tuple[xr.DataTree, xr.DataTree]) -> None:
     springs = plots.path_data(trees[1], "pull")
+    assert set(data.lateral_reaction(pull)) >= {"net", "outside", "inside"}
     for side, p in data.lateral_reaction(pull).items():
         np.testing.assert_allclose(data.lateral_reaction(springs)[side], p, rtol=1e-12, atol=1e-6)
 
@@ -647,6 +648,7 @@ def with_water() -> tuple[xr.Dataset, xr.Dataset]:
 
 def test_pressure_rose_draws_suction_inside_the_trace() -> None:
     figure = plots.pressure_rose(with_water()[0])
+    assert figure.axes
     for axes in figure.axes:
         radius = {line.get_gid(): np.hypot(*line.get_data()) for line in axes.lines}
         assert np.all(radius["pressure_inside"] < 1.0) and np.all(radius["pressure_outside"] > 1.0)

@@ -95,7 +95,9 @@ def test_public_functions_take_trees_and_springs(tree: xr.DataTree) -> None:
 
 
 def test_reactions_sum_to_the_loads(tree: xr.DataTree) -> None:
-    for path in Springs.of(tree).paths.values():
+    paths = Springs.of(tree).paths
+    assert paths
+    for path in paths.values():
         sums = resultants(path.dataset)
         for load in ("H", "V", "M"):
             np.testing.assert_allclose(sums[load], path[load], atol=1e-9 * np.abs(sums[load]).max())
