@@ -103,8 +103,9 @@ def variables_page() -> str:
 
 
 def outputs_page() -> str:
-    """Return the page of the exporters, with their options."""
+    """Return the page of the exporters, with their options, and of the pictures."""
     from pysprings.results.exporters import EXPORTERS
+    from pysprings.results.plots import PICTURES
 
     rows = [
         [f"`{each.name}`", _words(each.description), f"`{each.file}`" if each.file else "several",
@@ -121,9 +122,15 @@ def outputs_page() -> str:
         if each.options:
             own = [[f"`{option.name}`", _words(option.help), _preset(option.default)] for option in each.options]
             parts.append(f"\n### Options of {each.name}\n\n{markdown_table(['option', 'meaning', 'default'], own)}")
+    pictures = [[f"`{each.name}`", each.caption, _SCOPES[each.scope]] for each in PICTURES.built_in]
+    parts.append(
+        "\n## Pictures\n\nFiles in `figures/`, drawn where the data are there. STATE is `last`, or `2.5mm` for the "
+        f"step at u = 2.5 mm.\n\n{markdown_table(['name', 'caption', 'file'], pictures)}"
+    )
     return "".join(parts)
 
 
+_SCOPES = {"run": "`NAME.png`", "path": "`PATH_NAME.png`", "state": "`PATH_NAME_STATE.png`"}
 _HEADS = ["key", "meaning", "value", "default"]
 
 

@@ -14,7 +14,7 @@ from pysprings.core.errors import printable
 from pysprings.core.files.layout import WRITING
 from pysprings.core.text import number
 from pysprings.model.forecast.omission_text import saved_text
-from pysprings.results.layout import pictures_in, run_files
+from pysprings.results.layout import listed_pictures, run_files
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -131,7 +131,7 @@ def print_results(folder: Path) -> None:
 def _pictures(folder: Path) -> list[tuple[str, str]]:
     """Return the pictures of a folder, one line for the formats of each."""
     found: dict[Path, list[str]] = {}
-    for path in pictures_in(folder):
+    for path in listed_pictures(folder):
         found.setdefault(path.with_suffix(""), []).append(path.suffix.lstrip("."))
     return [(str(stem), f"picture ({', '.join(formats)})") for stem, formats in found.items()]
 

@@ -24,24 +24,6 @@ _AFTER = {
     "run.json": "status, solver, cost",
 }
 
-# Kinds of pictures with their captions, in reading order. A picture is called `kind` when it shows the whole run,
-# `path_kind` when it shows a path, and `path_kind_state` when it shows one state: the last, or one at 2.5 mm.
-PICTURES = {
-    "mesh": "Mesh in the symmetry plane",
-    "load_displacement": "Load by component, vertical forces, rotation and heave",
-    "macro_against_full": "Rigid body on springs against the full model",
-    "py": "p-y curves by depth",
-    "vertical": "Vertical springs",
-    "stress_outside": "Normal effective stress around the caisson, outside",
-    "stress_inside": "Normal effective stress around the caisson, inside",
-    "gap": "Gap opening",
-    "ovalisation": "Ovalisation of the skirt, and its mean fibre by depth",
-    "section": "Displacement in the symmetry plane",
-    "pressure": "Excess pore pressure around the skirt",
-    "section_pressure": "Excess pore pressure in the symmetry plane",
-    "newton": "Newton iterations",
-}
-WHOLE_RUN = ("mesh",)
 _STATE = re.compile(r"last|[0-9.]+mm")
 
 
@@ -67,9 +49,11 @@ def results_in(folder: Path) -> list[str]:
 
 
 def picture_kind(stem: str, path: str) -> tuple[str, str] | None:
-    """Split a picture's name in (kind, state); None when it is not of the path (of the whole run: ``""``)."""
+    """Split the name of a picture in (kind, state); None when it is not of the path (of the whole run: ``""``)."""
+    from pysprings.results.plots.pictures import PICTURES
+
     if not path:
-        return (stem, "") if stem in WHOLE_RUN else None
+        return (stem, "") if stem in PICTURES and PICTURES[stem].scope == "run" else None
     rest = stem.removeprefix(f"{path}_")
     if rest == stem:
         return None
@@ -82,13 +66,18 @@ def picture_kind(stem: str, path: str) -> tuple[str, str] | None:
 def pictures_in(folder: Path) -> list[Path]:
     """Return the pictures of runs in a result folder; files with other names are left out."""
     files = [path for path in sorted((folder / FIGURES).glob("*")) if path.suffix in (".png", ".svg")]
-    return [path for path in files if path.stem in WHOLE_RUN or _shows_a_path(path.stem)]
+    return [path for path in files if picture_kind(path.stem, "") or _shows_a_path(path.stem)]
 
 
 def _shows_a_path(stem: str) -> bool:
     """Return whether a name is `path_kind` or `path_kind_state` for any path."""
     parts = stem.split("_")
     return any(picture_kind(stem, "_".join(parts[:n])) for n in range(1, len(parts)))
+
+
+def listed_pictures(folder: Path) -> list[Path]:
+    """Return the pictures that the run of a folder has listed, by name."""
+    return [path for path in listed(folder, (FIGURES,)) if path.suffix in (".png", ".svg") and path.exists()]
 
 
 def remove_results(folder: Path) -> None:

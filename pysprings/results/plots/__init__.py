@@ -5,12 +5,14 @@
 >>> plots.py_curves(plots.path_data(springs, "pull")).savefig("py.png")    # doctest: +SKIP
 """
 
+from pysprings.results.analysis.parts import convergence_data, path_data, section_data
 from pysprings.results.plots.comparison import macro_against_full
-from pysprings.results.plots.data import convergence_data, path_data, section_data
 from pysprings.results.plots.files import save, save_all
 from pysprings.results.plots.gap import gap_map
 from pysprings.results.plots.load import load_displacement
 from pysprings.results.plots.newton import newton_record
+from pysprings.results.plots.picture import Picture, View
+from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.pressure_rose import pressure_rose, shear_rose
 from pysprings.results.plots.reactions import py_curves
 from pysprings.results.plots.rose import stress_rose
@@ -20,6 +22,9 @@ from pysprings.results.plots.vertical import vertical_springs
 from pysprings.springs.dataset import path_names
 
 __all__ = [
+    "PICTURES",
+    "Picture",
+    "View",
     "convergence_data",
     "gap_map",
     "load_displacement",

@@ -10,7 +10,9 @@ import numpy as np
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.macro.spring_sets import SPRING_SETS
-from pysprings.results.plots.data import converged, unit_text
+from pysprings.results.analysis.parts import converged
+from pysprings.results.plots.data import unit_text
+from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import (
     BLUE,
     GREEN,
@@ -155,3 +157,11 @@ def _draw(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset], driver
             label=f"macro-model, {SPRING_SETS[kind].label}" if kind in SPRING_SETS else kind,
         )
     note_unconverged(axes, np.concatenate(flags))
+
+
+PICTURE = Picture(
+    name="macro_against_full",
+    caption="Rigid body on springs against the full model",
+    draw=lambda view: macro_against_full(view.path, view.predictions),
+    applies=lambda view: not view.is_vertical and bool(view.predictions),
+)

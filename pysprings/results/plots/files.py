@@ -1,35 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""Write figures to files: all that a run can show, each file whole or not at all."""
+"""Write the pictures of a run to files, each whole or not at all."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 
 from pysprings.core.files.storage import replacing
-from pysprings.results.plots import (
-    comparison,
-    gap,
-    load,
-    newton,
-    pressure_rose,
-    reactions,
-    rose,
-    section,
-    steel,
-    vertical,
-)
-from pysprings.results.plots.data import (
-    convergence_data,
-    path_data,
-    pick_step,
-    section_data,
-    settings,
-)
+from pysprings.core.registry import Registry
+from pysprings.results.analysis.parts import path_data, pick_step, section_data
+from pysprings.results.plots.picture import Picture, View
+from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.style import STYLE
 from pysprings.springs.dataset import path_names
 
@@ -48,8 +35,9 @@ def save_all(
     folder: str | os.PathLike[str],
     curves: Mapping[str, Mapping[str, xr.Dataset]] | None = None,
     note: Callable[[Path], object] | None = None,
+    pictures: Registry[Picture] = PICTURES,
 ) -> list[Path]:
-    """Write every figure that the result allows, as PNG and, where small, SVG; return the files in order.
+    """Write every picture that the result allows, as PNG and, where small, SVG; return the files in order.
 
     Parameters
     ----------
@@ -58,16 +46,18 @@ def save_all(
     springs
         Spring set; when None the p-y curves are drawn from the result.
     folder
-        Where to write; made when missing. Files of the same name are replaced one by one, each atomically.
+        Folder of the files, created when missing. Files of the same name are replaced one by one, each atomically.
     curves
         Predictions of the rigid body on springs: path name -> spring set (``"full"``, ``"py"``) -> Dataset.
     note
         Called with each file when it is written.
+    pictures
+        Pictures to draw.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
-    for name, figure in figures(result, springs, curves or {}):
+    for name, figure in figures(result, springs, curves or {}, pictures):
         for file in save(figure, target / name):
             written.append(file)
             if note is not None:
@@ -79,62 +69,31 @@ def figures(
     result: xr.DataTree,
     springs: xr.DataTree | None,
     curves: Mapping[str, Mapping[str, xr.Dataset]],
+    pictures: Registry[Picture] = PICTURES,
 ) -> Iterator[tuple[str, Figure]]:
-    """Yield (file name without suffix, figure) for every figure that the result allows, in reading order."""
+    """Yield (file name without suffix, figure) for every picture that the result allows, in reading order."""
+    view = View(result, springs)
     plane = section_data(result)
-    if plane is not None:
-        plane = plane.assign_attrs({**(settings(springs) if springs is not None else {}), **plane.attrs})
-        yield "mesh", section.mesh(plane)
+    view = replace(view, section=None if plane is None else view.with_settings(plane))
+    for picture in pictures:
+        if picture.scope == "run" and picture.applies(view):
+            yield picture.name, picture.draw(view)
     for name in path_names(result):
-        yield from path_figures(result, springs, name, plane, curves.get(name, {}))
+        path = view.with_settings(path_data(result, name))
+        yield from path_figures(replace(view, path=path, predictions=curves.get(name, {})), pictures)
 
 
-def path_figures(
-    result: xr.DataTree,
-    springs: xr.DataTree | None,
-    name: str,
-    plane: xr.Dataset | None,
-    curves: Mapping[str, xr.Dataset],
-) -> Iterator[tuple[str, Figure]]:
-    """Yield (file name without suffix, figure) for one path."""
-    path = path_data(result, name)
-    if springs is not None:
-        path = path.assign_attrs({**settings(springs), **path.attrs})
-    if path.attrs.get("kind") == "vertical":
-        yield f"{name}_vertical", vertical.vertical_springs(path)
-    else:
-        yield f"{name}_load_displacement", load.load_displacement(path)
-        if curves:
-            yield f"{name}_macro_against_full", comparison.macro_against_full(path, curves)
-        source = path_data(springs, name) if springs is not None and name in path_names(springs) else path
-        yield f"{name}_py", reactions.py_curves(source)
-    yield from _state_figures(path, plane)
-    record = convergence_data(result, name)
-    if record is not None and record.sizes.get("iteration", 0):
-        failed = newton.failed_steps(path, record)
-        yield (
-            f"{name}_newton",
-            newton.newton_record(record.assign_attrs({**path.attrs, **record.attrs}), failed),
-        )
-
-
-def _state_figures(path: xr.Dataset, plane: xr.Dataset | None) -> Iterator[tuple[str, Figure]]:
-    """Yield the figures of single steps: the paper's displacement where it is reached, and the last step."""
-    name = path.attrs["path"]
-    for tag, step in shown_steps(path).items():
-        if "normal_effective_stress" in path:
-            for side in ("outside", "inside"):
-                yield f"{name}_stress_{side}_{tag}", rose.stress_rose(path, step, side=side)
-        if "gap" in path:
-            yield f"{name}_gap_{tag}", gap.gap_map(path, step)
-        if "diameter_change_x" in path:
-            yield f"{name}_ovalisation_{tag}", steel.ovalisation(path, step)
-        if plane is not None and "section_ux" in path:
-            yield f"{name}_section_{tag}", section.section_displacement(plane, path, step)
-        if "pressure_min" in path and "pore_pressure" in path:
-            yield f"{name}_pressure_{tag}", pressure_rose.pressure_rose(path, step)
-        if plane is not None and "section_pore_pressure" in path:
-            yield f"{name}_section_pressure_{tag}", section.section_pressure(plane, path, step)
+def path_figures(view: View, pictures: Registry[Picture] = PICTURES) -> Iterator[tuple[str, Figure]]:
+    """Yield (file name without suffix, figure) of one path; those of its states one state after the other."""
+    name, steps = view.path.attrs["path"], shown_steps(view.path)
+    for scope, group in groupby(pictures, key=lambda picture: picture.scope):
+        members = list(group)
+        states = steps.items() if scope == "state" else [("", None)] if scope == "path" else []
+        for state, step in states:
+            shown = replace(view, step=step)
+            for picture in members:
+                if picture.applies(shown):
+                    yield f"{name}_{picture.name}" + (f"_{state}" if state else ""), picture.draw(shown)
 
 
 def shown_steps(path: xr.Dataset) -> dict[str, int]:

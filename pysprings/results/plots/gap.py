@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.patches import Circle
 
-from pysprings.results.plots.data import pick_step, step_text
+from pysprings.results.analysis.gap import Opening, openings, plan_gap, skirt_gap
+from pysprings.results.analysis.parts import pick_step
+from pysprings.results.plots.data import step_text
+from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import DEG, GREY, MM, PALE, PURPLE, STEEL, new_figure, set_title, styled
 
 if TYPE_CHECKING:
@@ -21,30 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 COLOURS = "viridis_r"
-
-
-@dataclass(frozen=True)
-class Opening:
-    """The widest opening of one surface: width [m] and, in words, where."""
-
-    surface: str
-    width: float
-    place: str
-
-    def text(self) -> str:
-        """Return e.g. ``outside: max 0.043 mm, newline, at azimuth 180 deg, depth 0.25 m``."""
-        if not self.width > 0:
-            return f"{self.surface}: closed everywhere"
-        return f"{self.surface}: max {self.width * MM:.3g} mm\nat {self.place}"
-
-
-def openings(path: xr.Dataset, step: int) -> list[Opening]:
-    """Return the widest opening [m] of each surface of the caisson at a step, with its place."""
-    found = [_skirt_opening(path, step, str(side)) for side in path["side"].values]
-    for surface, name in (("lid", "under the lid"), ("tip", "under the tip")):
-        if f"{surface}_gap" in path:
-            found.append(_plan_opening(path, step, surface, name))
-    return found
 
 
 @styled
@@ -82,43 +60,14 @@ def cell_edges(centres: NDArray[np.float64], low: float, high: float) -> NDArray
     return np.concatenate([[low], (centres[1:] + centres[:-1]) / 2, [high]])
 
 
-def _skirt_gap(path: xr.Dataset, step: int, side: str) -> NDArray[np.float64]:
-    """Return the opening [m] of one side, shape (depth, azimuth); penetration counts as closed."""
-    values = path["gap"].sel(side=side).transpose("step", "depth", "azimuth").values[step]
-    return np.maximum(values, 0.0)
-
-
-def _skirt_opening(path: xr.Dataset, step: int, side: str) -> Opening:
-    gap = _skirt_gap(path, step, side)
-    if not np.isfinite(gap).any():
-        return Opening(side, 0.0, "")
-    k, i = np.unravel_index(np.nanargmax(gap), gap.shape)
-    place = f"azimuth {path['azimuth'].values[i] * DEG:.0f}°, depth {path['depth'].values[k]:.2f} m"
-    return Opening(side, float(gap[k, i]), place)
-
-
-def _plan_opening(path: xr.Dataset, step: int, surface: str, name: str) -> Opening:
-    x, y, gap = _plan(path, step, surface)
-    if not np.isfinite(gap).any():
-        return Opening(name, 0.0, "")
-    k = int(np.nanargmax(gap))
-    place = f"azimuth {np.arctan2(abs(y[k]), x[k]) * DEG:.0f}°, radius {np.hypot(x[k], y[k]):.2f} m"
-    return Opening(name, float(gap[k]), place)
-
-
-def _plan(path: xr.Dataset, step: int, surface: str) -> tuple[NDArray[np.float64], ...]:
-    gap = path[f"{surface}_gap"].transpose("step", f"{surface}_point").values[step]
-    return path[f"{surface}_x"].values, path[f"{surface}_y"].values, np.maximum(gap, 0.0)
-
-
 def _skirt_norm(path: xr.Dataset, step: int) -> Normalize:
     """Return one colour scale [mm] for both sides of the skirt, so that they can be compared."""
-    widest = max(float(np.nanmax(_skirt_gap(path, step, str(side)), initial=0.0)) for side in path["side"].values)
+    widest = max(float(np.nanmax(skirt_gap(path, step, str(side)), initial=0.0)) for side in path["side"].values)
     return Normalize(0.0, widest * MM if widest > 0 else 1.0)
 
 
 def _draw_skirt(axes: Axes, path: xr.Dataset, step: int, side: str, norm: Normalize) -> None:
-    gap = _skirt_gap(path, step, side) * MM
+    gap = skirt_gap(path, step, side) * MM
     azimuth, depth = path["azimuth"].values, path["depth"].values
     edges = (
         cell_edges(azimuth, 0.0, np.pi) * DEG,
@@ -156,7 +105,7 @@ def _draw_lid(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
     if opening is None:
         axes.set_axis_off()
         return
-    x, y, gap = _plan(path, step, "lid")
+    x, y, gap = plan_gap(path, step, "lid")
     radius = float(np.hypot(x, y).max())
     axes.add_patch(Circle((0, 0), radius, facecolor=PALE, edgecolor=STEEL, linewidth=1.5, zorder=1))
     image = nearest_station_image(x, y, gap * MM)
@@ -183,7 +132,7 @@ def _draw_tip(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
     if opening is None:
         axes.set_axis_off()
         return
-    x, y, gap = _plan(path, step, "tip")
+    x, y, gap = plan_gap(path, step, "tip")
     azimuth, radius = np.arctan2(np.abs(y), x) * DEG, np.hypot(x, y)
     order = np.argsort(azimuth)
     several = np.ptp(radius) > 1e-6 * radius.max()
@@ -215,3 +164,12 @@ def _bar(axes: Axes, drawn: ScalarMappable, values: NDArray[np.float64]) -> None
     else:
         text = axes.text(0.5, 0.5, "closed", transform=axes.transAxes, ha="center", va="center", fontsize=12)
         text.set_bbox({"facecolor": "white", "edgecolor": GREY, "pad": 4})
+
+
+PICTURE = Picture(
+    name="gap",
+    caption="Gap opening",
+    draw=lambda view: gap_map(view.path, view.step),
+    scope="state",
+    applies=lambda view: "gap" in view.path,
+)

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pysprings.results.plots.data import abscissa, converged, unit_text
+from pysprings.results.analysis.parts import converged
+from pysprings.results.plots.data import abscissa, unit_text
 from pysprings.results.plots.labels import label_beside
+from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import (
     BLUE,
     DEG,
@@ -128,3 +130,11 @@ def _status(path: xr.Dataset) -> str:
     if good.all():
         return ""
     return f"{int((~good).sum())} of {good.size} steps did not converge: crosses, not part of the curves"
+
+
+PICTURE = Picture(
+    name="load_displacement",
+    caption="Load by component, vertical forces, rotation and heave",
+    draw=lambda view: load_displacement(view.path),
+    applies=lambda view: not view.is_vertical,
+)

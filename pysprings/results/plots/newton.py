@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,54 +10,14 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from pysprings.results.plots.data import converged
+from pysprings.results.analysis.newton import Attempt, attempts, failed_steps
+from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import BLUE, GREEN, GREY, SKY, VERMILLION, new_figure, set_title, styled
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """One try at an increment: step, number, rows in the record, iterations taken, whether the step kept it.
-
-    The first row (iteration 0) is the residual before the first iteration.
-    """
-
-    step: int
-    number: int
-    rows: NDArray[np.int64]
-    iterations: int
-    accepted: bool
-
-
-def failed_steps(path: xr.Dataset, record: xr.Dataset) -> tuple[int, ...]:
-    """Return the steps of a record that were never accepted: marked so, or the last one of a partial path."""
-    failed = {int(k) for k in np.flatnonzero(~converged(path))}
-    if path.attrs.get("status") == "partial" and record.sizes["iteration"]:
-        failed.add(int(record["increment"].values[-1]))
-    return tuple(sorted(failed))
-
-
-def attempts(record: xr.Dataset, failed_steps: tuple[int, ...] = ()) -> list[Attempt]:
-    """Split a Newton record in attempts, in their order.
-
-    The last attempt at a step is the accepted one, the earlier ones were cut back; a step in `failed_steps`
-    has no accepted attempt.
-    """
-    step, number = record["increment"].values, record["attempt"].values
-    changes = np.flatnonzero((np.diff(step) != 0) | (np.diff(number) != 0)) + 1
-    blocks = [rows for rows in np.split(np.arange(step.size), changes) if rows.size]
-    found = []
-    for k, rows in enumerate(blocks):
-        this = int(step[rows[0]])
-        last = k + 1 == len(blocks) or int(step[blocks[k + 1][0]]) != this
-        taken = int(record["iteration"].values[rows].max())
-        found.append(Attempt(this, int(number[rows[0]]), rows, taken, last and this not in failed_steps))
-    return found
 
 
 @styled
@@ -153,3 +112,18 @@ def _residuals(axes: Axes, record: xr.Dataset, tries: list[Attempt]) -> None:
     low, high = np.nanmin(shown, initial=1e-8), np.nanmax(shown, initial=1.0)
     axes.set_ylim(low / 3, high * 100)
     axes.axhline(1.0, color=GREY, linewidth=0.6)
+
+
+def _draw(view: View) -> Figure:
+    record = view.convergence
+    assert record is not None  # `applies` has tested it
+    failed = failed_steps(view.path, record)
+    return newton_record(record.assign_attrs({**view.path.attrs, **record.attrs}), failed)
+
+
+PICTURE = Picture(
+    name="newton",
+    caption="Newton iterations",
+    draw=_draw,
+    applies=lambda view: view.convergence is not None,
+)

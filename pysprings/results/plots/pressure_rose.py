@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.signed_rose import Quantity, draw_signed_rose
 from pysprings.results.plots.style import styled
 
@@ -66,3 +67,12 @@ def shear_rose(
     the caisson on the soil, positive along +x.
     """
     return draw_signed_rose(path, SHEAR, step, displacement, depths)
+
+
+PICTURE = Picture(
+    name="pressure",
+    caption="Excess pore pressure around the skirt",
+    draw=lambda view: pressure_rose(view.path, view.step),
+    scope="state",
+    applies=lambda view: "pressure_min" in view.path and "pore_pressure" in view.path,
+)

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 import matplotlib as mpl
 import numpy as np
 
-from pysprings.results.plots.data import converged, lateral_reaction, pick_depths, spread_depths
+from pysprings.results.analysis.parts import converged
+from pysprings.results.plots.data import lateral_reaction, pick_depths, spread_depths
 from pysprings.results.plots.labels import label_ends
+from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import (
     KN,
     MM,
@@ -88,3 +90,11 @@ def _label_depths(axes: Axes) -> None:
     """Label each curve at its last converged point."""
     curves = [(line, str(line.get_label()).lstrip("_")) for line in axes.get_lines()]
     label_ends(axes, [(line, text) for line, text in curves if text.endswith(" m")])
+
+
+PICTURE = Picture(
+    name="py",
+    caption="p-y curves by depth",
+    draw=lambda view: py_curves(view.reactions),
+    applies=lambda view: not view.is_vertical,
+)

@@ -11,7 +11,9 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Circle, Patch, Wedge
 
-from pysprings.results.plots.data import pick_depths, pick_step, step_text
+from pysprings.results.analysis.parts import pick_step
+from pysprings.results.plots.data import pick_depths, step_text
+from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import (
     DEG,
     GREY,
@@ -272,3 +274,17 @@ def _legend(colour: str, gaps: bool) -> list[Line2D | Patch]:
         Line2D([], [], color=STEEL, linewidth=2.0, label="trace of the caisson = zero"),
         Patch(label=words, **GAP_LOOK),
     ]
+
+
+def _picture(side: str) -> Picture:
+    return Picture(
+        name=f"stress_{side}",
+        caption=f"Normal effective stress around the caisson, {side}",
+        draw=lambda view: stress_rose(view.path, view.step, side=side),
+        scope="state",
+        applies=lambda view: "normal_effective_stress" in view.path,
+        tall=True,
+    )
+
+
+OUTSIDE, INSIDE = _picture("outside"), _picture("inside")

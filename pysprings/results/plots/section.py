@@ -11,7 +11,9 @@ from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from pysprings.results.plots.data import caisson_size, pick_step, step_text
+from pysprings.results.analysis.parts import pick_step
+from pysprings.results.plots.data import caisson_size, step_text
+from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import INK, KPA, MM, SOIL, STEEL, VERMILLION, new_figure, set_title, styled
 
 if TYPE_CHECKING:
@@ -247,3 +249,26 @@ def _mesh_counts(section: xr.Dataset) -> str:
         if key in attrs:
             words.append(f"{int(attrs[key]):,} {name}")
     return ", ".join(words)
+
+
+MESH = Picture(
+    name="mesh",
+    caption="Mesh in the symmetry plane",
+    draw=lambda view: mesh(view.plane),
+    scope="run",
+    applies=lambda view: view.section is not None,
+)
+DISPLACEMENT = Picture(
+    name="section",
+    caption="Displacement in the symmetry plane",
+    draw=lambda view: section_displacement(view.plane, view.path, view.step),
+    scope="state",
+    applies=lambda view: view.section is not None and "section_ux" in view.path,
+)
+PRESSURE = Picture(
+    name="section_pressure",
+    caption="Excess pore pressure in the symmetry plane",
+    draw=lambda view: section_pressure(view.plane, view.path, view.step),
+    scope="state",
+    applies=lambda view: view.section is not None and "section_pore_pressure" in view.path,
+)

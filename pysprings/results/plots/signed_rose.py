@@ -15,7 +15,8 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 
-from pysprings.results.plots.data import pick_depths, pick_step, step_text
+from pysprings.results.analysis.parts import pick_step
+from pysprings.results.plots.data import pick_depths, step_text
 from pysprings.results.plots.rose import GAP_LOOK, TRACE, draw_gaps, refine, ring
 from pysprings.results.plots.style import GREY, INK, KPA, PALE, SIDE_COLOURS, STEEL, new_figure, set_title
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pysprings.results.plots.data import pick_step, step_text
+from pysprings.results.analysis.parts import pick_step
+from pysprings.results.plots.data import step_text
+from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import BLUE, INK, MM, VERMILLION, new_figure, set_title, styled, zero_lines
 
 if TYPE_CHECKING:
@@ -48,3 +50,12 @@ def ovalisation(path: xr.Dataset, step: int | None = None, displacement: float |
         axes.legend(loc="upper center", frameon=False)
     set_title(figure, f"Elastic caisson at {step_text(path, step)}", path.attrs)
     return figure
+
+
+PICTURE = Picture(
+    name="ovalisation",
+    caption="Ovalisation of the skirt, and its mean fibre by depth",
+    draw=lambda view: ovalisation(view.path, view.step),
+    scope="state",
+    applies=lambda view: "diameter_change_x" in view.path,
+)

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pysprings.results.plots.data import abscissa, converged, spread_depths, unit_text
+from pysprings.results.analysis.parts import converged
+from pysprings.results.plots.data import abscissa, spread_depths, unit_text
 from pysprings.results.plots.labels import label_beside, label_ends
 from pysprings.results.plots.load import SURFACES
+from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.reactions import MOST_CURVES, depth_colours
 from pysprings.results.plots.style import (
     INK,
@@ -73,3 +75,11 @@ def _reactions(axes: Axes, path: xr.Dataset, x: np.ndarray) -> None:
     note_unconverged(axes, good)
     axes.set_ylabel("reaction t [kN/m], both sides")
     axes.set_title("Vertical reaction by depth")
+
+
+PICTURE = Picture(
+    name="vertical",
+    caption="Vertical springs",
+    draw=lambda view: vertical_springs(view.path),
+    applies=lambda view: view.is_vertical,
+)

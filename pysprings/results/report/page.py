@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from pysprings.model.forecast.omission_text import saved_text
 from pysprings.results.axes import axes_svg
-from pysprings.results.layout import PICTURES, picture_kind, pictures_in
+from pysprings.results.layout import picture_kind, pictures_in
 from pysprings.results.report.springs import spring_tables
 from pysprings.results.report.tables import (
     Table,
@@ -170,23 +170,26 @@ def _pictures(files: Iterable[Path], path: str) -> list[Picture]:
     for file in files:
         if file.stem not in best or file.suffix == ".svg":
             best[file.stem] = file
+    from pysprings.results.plots.pictures import PICTURES
+
     kinds = {stem: kind for stem in best if (kind := picture_kind(stem, path))}
-    order = sorted(kinds, key=lambda stem: (list(PICTURES).index(kinds[stem][0]), kinds[stem][1] == "last"))
+    names = PICTURES.names()
+    order = sorted(kinds, key=lambda stem: (names.index(kinds[stem][0]), kinds[stem][1] == "last"))
     return [
         Picture(
-            _caption(*kinds[stem]),
+            _caption(PICTURES[kinds[stem][0]].caption, kinds[stem][1]),
             picture_uri(best[stem].read_bytes(), best[stem].suffix),
-            "stress" in kinds[stem][0],
+            PICTURES[kinds[stem][0]].tall,
         )
         for stem in order
     ]
 
 
-def _caption(kind: str, state: str) -> str:
+def _caption(caption: str, state: str) -> str:
     if not state:
-        return PICTURES[kind]
+        return caption
     at = "at the last converged step" if state == "last" else f"at u = {state.replace('mm', ' mm')}"
-    return f"{PICTURES[kind]}, {at}"
+    return f"{caption}, {at}"
 
 
 def picture_uri(content: bytes, suffix: str) -> str:

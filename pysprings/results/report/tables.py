@@ -101,7 +101,7 @@ def convergence_table(paths: Mapping[str, Any], run: Mapping[str, Any] | None = 
 def _convergence_row(path: Any, summary: Mapping[str, Any]) -> list[str]:
     if "convergence" not in path.children or not path["convergence"].sizes.get("iteration", 0):
         return ["not recorded"] * 8
-    from pysprings.results.plots.newton import attempts, failed_steps
+    from pysprings.results.analysis.newton import attempts, failed_steps
 
     record = path["convergence"].to_dataset(inherit=False)
     tries = attempts(record, failed_steps(path.to_dataset(), record))
@@ -271,7 +271,7 @@ def end_table(path: Any) -> Table:
         ),
     ]
     if "gap" in path:
-        from pysprings.results.plots.gap import openings
+        from pysprings.results.analysis.gap import openings
 
         rows += [("widest gap, " + each.surface, _opening(each)) for each in openings(path.to_dataset(), last)]
     return Table("At the last converged step", ("", ""), rows)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from pysprings.core.files.written import own_folder
 from pysprings.results import plots
-from pysprings.results.plots.data import path_data, section_data
+from pysprings.results.analysis.parts import path_data, section_data
 from pysprings.studies.paper import curves as drawn
 from pysprings.studies.paper import measures
 from pysprings.studies.paper.cases import DEPTHS, END, PATH, SHOWN

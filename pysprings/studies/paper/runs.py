@@ -93,7 +93,7 @@ def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, 
 
 def path_of(result: xr.DataTree) -> xr.Dataset:
     """Return the path of a run (converged steps) with the nodes of the symmetry plane and the size of the caisson."""
-    from pysprings.results.plots.data import section_data, settings
+    from pysprings.results.analysis.parts import section_data, settings
     from pysprings.springs.dataset import get_path
 
     path = get_path(result, PATH)

@@ -280,7 +280,8 @@ def fake_run(monkeypatch: pytest.MonkeyPatch, end: BaseException | None = None, 
         if end is not None:
             raise end
         save_springs(synthetic.make_springs(), out / "springs.nc")
-        storage.write_text(json.dumps(RECORD | {"status": status, "balance": {}}), out / "run.json")
+        files = ["figures/pull_py.png", "figures/pull_py.svg"]
+        storage.write_text(json.dumps(RECORD | {"status": status, "balance": {}, "files": files}), out / "run.json")
         for name in ("pull_py.svg", "pull_py.png"):
             storage.write_text("", out / "figures" / name)
         return out

@@ -17,7 +17,7 @@ from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
 from pysprings.full_model import discretise
 from pysprings.full_model.compute import compute, raise_if_incomplete, run
 from pysprings.macro.comparison import compare
-from pysprings.results.plots import data as plot_data
+from pysprings.results.analysis.parts import settings
 from pysprings.scene.load import parse_scene
 from pysprings.springs.dataset import get_path
 from pysprings.springs.extract import extract_springs
@@ -87,7 +87,7 @@ def test_attributes_and_record() -> None:
     assert "scene_toml_given" not in result.attrs
     assert result.attrs["n_nodes"] == record["mesh"]["nodes"] == 216
     assert result.attrs["n_unknowns"] == record["mesh"]["unknowns"]
-    assert result.attrs["lid_thickness_m"] == plot_data.settings(result)["lid_thickness_m"] == 0.4
+    assert result.attrs["lid_thickness_m"] == settings(result)["lid_thickness_m"] == 0.4
     path = record["paths"]["pull"]
     assert path["increments"] == result["paths/pull"].sizes["step"] - 1
     assert path["cut_backs"] == len(path["cut_backs_at"])

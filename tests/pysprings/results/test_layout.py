@@ -9,14 +9,13 @@ from pathlib import Path
 import pytest
 
 from pysprings.results.layout import (
-    PICTURES,
-    WHOLE_RUN,
     picture_kind,
     pictures_in,
     remove_results,
     results_in,
     run_files,
 )
+from pysprings.results.plots.pictures import PICTURES
 
 OURS = ["mesh.png", "pull_py.svg", "a_b_gap_2.5mm.png", "a-1_stress_outside_last.png"]
 UNLISTED = ["pull_py.png"]  # a name as ours have, and no run has written it
@@ -54,7 +53,7 @@ def test_a_folder_without_results_is_left_alone(folder: Path) -> None:
     remove_results(folder / "nowhere")
 
 
-@pytest.mark.parametrize("kind", [kind for kind in PICTURES if kind not in WHOLE_RUN])
+@pytest.mark.parametrize("kind", [each.name for each in PICTURES if each.scope != "run"])
 @pytest.mark.parametrize("path", ["pull", "a_b", "gap", "pull_py"])
 def test_names_are_split_in_kind_and_state(path: str, kind: str) -> None:
     assert picture_kind(f"{path}_{kind}", path) == (kind, "")

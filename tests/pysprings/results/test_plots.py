@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,12 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 
+from pysprings.core.registry import Registry
 from pysprings.results import layout, plots
-from pysprings.results.plots import data, files, gap, labels, newton, rose, section
+from pysprings.results.analysis import newton, parts
+from pysprings.results.plots import data, files, gap, labels, rose, section
+from pysprings.results.plots.picture import View
+from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.reactions import PANELS
 from pysprings.results.plots.style import new_figure
 from tests.support import synthetic
@@ -50,7 +55,7 @@ def trees() -> tuple[xr.DataTree, xr.DataTree]:
 def pull(trees: tuple[xr.DataTree, xr.DataTree]) -> xr.Dataset:
     result, springs = trees
     path = plots.path_data(result, "pull")
-    return path.assign_attrs({**data.settings(springs), **path.attrs}).copy(deep=True)
+    return path.assign_attrs({**parts.settings(springs), **path.attrs}).copy(deep=True)
 
 
 @pytest.fixture
@@ -175,21 +180,21 @@ def test_py_labels_sit_at_the_last_converged_point(pull: xr.Dataset) -> None:
 
 
 def test_default_state_is_the_last_converged_one(pull: xr.Dataset) -> None:
-    assert data.pick_step(pull) == 24
+    assert parts.pick_step(pull) == 24
     pull["converged"][20:] = 0
-    assert data.pick_step(pull) == 19
-    assert data.pick_step(pull, displacement=1.0) == 19
+    assert parts.pick_step(pull) == 19
+    assert parts.pick_step(pull, displacement=1.0) == 19
     nearest = int(np.abs(pull["u"].values - 2.5e-3).argmin())
-    assert data.pick_step(pull, displacement=2.5e-3) == nearest
+    assert parts.pick_step(pull, displacement=2.5e-3) == nearest
     assert "NOT CONVERGED" in title(plots.stress_rose(pull, step=-1))
     with pytest.raises(IndexError, match="step 99 is not among the 25 steps"):
-        data.pick_step(pull, step=99)
+        parts.pick_step(pull, step=99)
 
 
 def test_a_path_that_never_converged_still_draws(trees: tuple[xr.DataTree, xr.DataTree]) -> None:
     result = trees[0].copy(deep=True)
     result["paths/pull"]["converged"][1:] = 0
-    drawn = dict(files.path_figures(result, None, "pull", None, {}))
+    drawn = dict(files.path_figures(View(result, path=parts.path_data(result, "pull"))))
     assert "pull_load_displacement" in drawn
     assert "pull_macro_against_full" not in drawn
     for figure in drawn.values():
@@ -246,7 +251,7 @@ def test_spread_keeps_order_and_distance() -> None:
 def test_rose_follows_the_papers_rule(pull: xr.Dataset) -> None:
     """Radius = trace + scale * stress / initial at every station and at its mirror image."""
     figure = plots.stress_rose(pull, displacement=2.5e-3, side="outside")
-    step, rings = data.pick_step(pull, displacement=2.5e-3), data.pick_depths(pull)
+    step, rings = parts.pick_step(pull, displacement=2.5e-3), data.pick_depths(pull)
     assert len(rings) == 4
     field = pull["normal_effective_stress"].sel(side="outside").transpose("step", "azimuth", "depth").values
     scale = initial_circle(figure, 0) - rose.TRACE
@@ -507,38 +512,21 @@ STEMS = [
     "pull_section_last",
     "pull_newton",
 ]
-DRAWING = (
-    (files.section, "mesh"),
-    (files.section, "section_displacement"),
-    (files.load, "load_displacement"),
-    (files.comparison, "macro_against_full"),
-    (files.reactions, "py_curves"),
-    (files.rose, "stress_rose"),
-    (files.gap, "gap_map"),
-    (files.newton, "newton_record"),
-)
+# Every figure is empty: the tests are about the names of the files.
+BLANK = Registry("picture", [replace(each, draw=lambda _view: Figure(figsize=(1, 1))) for each in PICTURES.built_in])
 
 
-@pytest.fixture
-def blank(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every figure empty: which are made, and under which names, is what counts."""
-    for module, name in DRAWING:
-        monkeypatch.setattr(module, name, lambda *args, **kwargs: Figure(figsize=(1, 1)))
-
-
-def test_every_figure_that_a_result_allows_is_written(
-    trees: tuple[xr.DataTree, xr.DataTree], tmp_path: Path, blank: None
-) -> None:
+def test_every_figure_that_a_result_allows_is_written(trees: tuple[xr.DataTree, xr.DataTree], tmp_path: Path) -> None:
     result, springs = trees
     curves = {"pull": {"full": plots.path_data(result, "pull")}}
-    written = plots.save_all(result, springs, tmp_path / "figures", curves=curves)
+    written = plots.save_all(result, springs, tmp_path / "figures", curves=curves, pictures=BLANK)
     of_pull = [file for file in written if not file.name.startswith("turn")]
     assert [file.name for file in of_pull] == [f"{stem}.{form}" for stem in STEMS for form in ("png", "svg")]
     assert {file.name for file in (tmp_path / "figures").iterdir()} == {file.name for file in written}
     assert layout.pictures_in(tmp_path) == sorted(written)
     kinds = [layout.picture_kind(stem, "pull" if stem != "mesh" else "") for stem in STEMS]
     others = {"pressure", "section_pressure", "vertical", "ovalisation"}  # drained, lateral, a rigid caisson
-    assert {kind[0] for kind in kinds if kind} == set(layout.PICTURES) - others
+    assert {kind[0] for kind in kinds if kind} == set(PICTURES.names()) - others
 
 
 @pytest.mark.parametrize(
@@ -549,11 +537,11 @@ def test_every_figure_that_a_result_allows_is_written(
     ],
 )
 def test_figures_of_what_was_not_kept_are_left_out(
-    trees: tuple[xr.DataTree, xr.DataTree], blank: None, left_out: list[str], gone: tuple[str, ...]
+    trees: tuple[xr.DataTree, xr.DataTree], left_out: list[str], gone: tuple[str, ...]
 ) -> None:
     result = trees[0].copy()
     result["paths/pull"].dataset = result["paths/pull"].to_dataset(inherit=False).drop_vars(left_out)
-    names = [name for name, _ in files.figures(result, None, {}) if not name.startswith("turn")]
+    names = [name for name, _ in files.figures(result, None, {}, BLANK) if not name.startswith("turn")]
     wanted = [stem for stem in STEMS if not any(kind in stem for kind in (*gone, "macro"))]
     assert names == wanted
 
@@ -662,10 +650,16 @@ def test_section_pressure_shows_kilopascals() -> None:
     assert any(axes.get_ylabel() == "kPa" for axes in figure.axes)
 
 
+def state_pictures(path: xr.Dataset, plane: xr.Dataset) -> set[str]:
+    """Names of the pictures of states that apply to a path."""
+    view = View(xr.DataTree(), section=plane, path=path, step=0)
+    return {picture.name for picture in PICTURES if picture.scope == "state" and picture.applies(view)}
+
+
 def test_a_wet_run_has_pictures_of_its_water_and_a_drained_one_none() -> None:
     path, plane = with_water()
-    names = [name for name, _ in files._state_figures(path, plane)]
-    assert "pull_pressure_last" in names and "pull_section_pressure_last" in names
+    assert {"pressure", "section_pressure"} <= state_pictures(path, plane)
     assert layout.picture_kind("pull_section_pressure_last", "pull") == ("section_pressure", "last")
     dry = path.drop_vars(["pressure_min", "section_pore_pressure"])
-    assert not [name for name, _ in files._state_figures(dry, plane) if "pressure" in name]
+    assert "section" in state_pictures(dry, plane)
+    assert not {"pressure", "section_pressure"} & state_pictures(dry, plane)

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Quantities of a result that pictures and the report show."""

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: MIT
+"""Parts of a result with the settings of the run: a path, the symmetry-plane section, the Newton record, a step."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from pysprings.springs.dataset import path_dataset
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def node(tree: xr.DataTree, path: str) -> xr.DataTree:
+    """Return a group of a tree; the path of a variable is an error."""
+    found = tree[path]
+    if not isinstance(found, xr.DataTree):
+        raise KeyError(f"{path} is not a group")
+    return found
+
+
+def path_data(tree: xr.DataTree, name: str) -> xr.Dataset:
+    """Return one path as a Dataset whose attrs also hold the settings of the whole run.
+
+    Parameters
+    ----------
+    tree
+        Result (``full_model.nc``) or spring set (``springs.nc``).
+    name
+        Name of the path.
+
+    Returns
+    -------
+    xarray.Dataset
+        The path's variables (SI); attrs ``path``, ``drainage``, ``outer_diameter_m``, ``skirt_length_m`` are
+        added when the tree knows them, so that a figure needs nothing else.
+    """
+    path = path_dataset(tree, name)
+    return path.assign_attrs({**settings(tree), **path.attrs, "path": name})
+
+
+def section_data(tree: xr.DataTree) -> xr.Dataset | None:
+    """Return the symmetry-plane section with the run's settings as attrs, None when there is none."""
+    if "section" not in tree.children:
+        return None
+    section = node(tree, "section").to_dataset(inherit=False)
+    return section.assign_attrs({**settings(tree), **section.attrs}) if "section_quad" in section else None
+
+
+def convergence_data(tree: xr.DataTree, name: str) -> xr.Dataset | None:
+    """Return the Newton record of a path with the run's settings as attrs, None when there is none."""
+    if "convergence" not in node(tree, f"paths/{name}").children:
+        return None
+    record = node(tree, f"paths/{name}/convergence").to_dataset(inherit=False)
+    return record.assign_attrs({**settings(tree), **record.attrs, "path": name})
+
+
+SETTINGS = (
+    "drainage",
+    "outer_diameter_m",
+    "skirt_length_m",
+    "skirt_thickness_m",
+    "lid_thickness_m",
+    "caisson_behaviour",
+    "status",
+    "mesh_preset",
+    "n_nodes",
+    "n_elements",
+    "n_unknowns",
+)
+
+
+def settings(tree: xr.DataTree) -> dict[str, Any]:
+    """Collect drainage, caisson size [m], mesh counts and solver tolerance of a run from its attrs."""
+    attrs = tree.root.attrs
+    found: dict[str, Any] = {key: attrs[key] for key in SETTINGS if key in attrs}
+    tolerance = json.loads(attrs.get("run_json", "{}")).get("solver", {}).get("tolerance")
+    return found if tolerance is None else {**found, "tolerance": float(tolerance)}
+
+
+def converged(path: xr.Dataset) -> NDArray[np.bool_]:
+    """Tell which steps of a path (or of a prediction) converged, shape (step,)."""
+    if "converged" not in path:
+        return np.ones(path.sizes["step"], dtype=bool)
+    return path["converged"].values.astype(bool)
+
+
+def pick_step(path: xr.Dataset, step: int | None = None, displacement: float | None = None) -> int:
+    """Choose a step: the given one, else the converged one nearest to a displacement [m], else the last.
+
+    Parameters
+    ----------
+    path
+        One path of a result.
+    step
+        Index of a step; taken as it is.
+    displacement
+        Lateral displacement u of the lid centre [m].
+    """
+    if step is not None:
+        if not -path.sizes["step"] <= step < path.sizes["step"]:
+            raise IndexError(f"step {step} is not among the {path.sizes['step']} steps of the path")
+        return int(step) % path.sizes["step"]
+    good = np.flatnonzero(converged(path))
+    if good.size == 0:
+        return 0
+    if displacement is None:
+        return int(good[-1])
+    return int(good[np.argmin(np.abs(path["u"].values[good] - displacement))])

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of a run in reading order. A new picture is one module in this folder and one entry here.
+
+Other packages call `PICTURES.register`, or declare an entry point in the group `pysprings.pictures`.
+"""
+
+from __future__ import annotations
+
+from pysprings.core.registry import Registry
+from pysprings.results.plots import comparison, gap, load, newton, pressure_rose, reactions, rose, section, steel
+from pysprings.results.plots import vertical as vertical_springs
+from pysprings.results.plots.picture import Picture
+
+PICTURES: Registry[Picture] = Registry(
+    "picture",
+    (
+        section.MESH,
+        load.PICTURE,
+        comparison.PICTURE,
+        reactions.PICTURE,
+        vertical_springs.PICTURE,
+        rose.OUTSIDE,
+        rose.INSIDE,
+        gap.PICTURE,
+        steel.PICTURE,
+        section.DISPLACEMENT,
+        pressure_rose.PICTURE,
+        section.PRESSURE,
+        newton.PICTURE,
+    ),
+    group="pysprings.pictures",
+)
