@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from pysprings.model.forecast.omission_text import saved_text
 from pysprings.results.layout import listed_pictures, run_files
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from pysprings.scene.load import Scene
@@ -84,12 +86,11 @@ def _rows(key: str, value: Any) -> list[tuple[str, str]]:
 
 def results_json(folder: Path) -> dict[str, Any]:
     """Return what `pysprings run --json` prints: run.json, the files and the comparison."""
-    from pysprings.macro.comparison import compare
     from pysprings.macro.comparison_text import to_dict
 
     record = read_record(folder)
     files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
-    comparison = to_dict(compare(read_springs(folder))) if _has_springs(folder, record) else None
+    comparison = to_dict(_comparison(folder, record)) if _has_springs(folder, record) else None
     return {"folder": str(folder), "files": files, "run": record, "compare": comparison}
 
 
@@ -106,7 +107,6 @@ def _has_springs(folder: Path, record: Mapping[str, Any]) -> bool:
 
 def print_results(folder: Path) -> None:
     """Print where the results of a run are, how the paths went, the cost, and the comparison."""
-    from pysprings.macro.comparison import compare
     from pysprings.macro.comparison_text import to_text
 
     record = read_record(folder)
@@ -125,7 +125,22 @@ def print_results(folder: Path) -> None:
     print_estimate(record)
     if _has_springs(folder, record):
         print("\nprediction with the springs against the full model:")
-        print(to_text(compare(read_springs(folder))), end="")
+        print(to_text(_comparison(folder, record)), end="")
+
+
+def _comparison(folder: Path, record: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the comparison that a run has written; compute it where the file was removed."""
+    if not (folder / "compare.csv").exists():
+        from pysprings.macro.comparison import compare
+
+        return compare(read_springs(folder))
+    from pysprings.results.exporters.csv import read_comparison
+
+    frame = read_comparison(folder / "compare.csv")
+    title = tomllib.loads(record.get("scene_toml", "")).get("title", "")
+    names = {"pysprings_version": "version", "scene_sha256": "scene_sha256"}
+    frame.attrs = {"title": title} | {name: record.get(key, "") for name, key in names.items()}
+    return frame
 
 
 def _pictures(folder: Path) -> list[tuple[str, str]]:

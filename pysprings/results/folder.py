@@ -103,7 +103,8 @@ def _write_all(folder: Path, scene: Scene, result: xr.DataTree) -> None:
         figures = _draw(folder, source, springs, written) if scene.output.figures else []
     meter.charge(record)  # the report shows the cost of everything but itself
     with meter.clock.phase("output: report"):
-        write_report(folder, result, springs, run=record, figures=figures)
+        compared = None if springs is None else source.comparison
+        write_report(folder, result, springs, compared, run=record, figures=figures)
     meter.charge(record)
     _write_record(folder, record | {KEY: noted(folder)})
     (folder / LIST).unlink(missing_ok=True)

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from pysprings.macro.comparison import Comparison
+
 Needs = Literal["springs", "full model"]
 
 
@@ -45,19 +47,21 @@ class Source:
         return _opened(self._result, "full model")
 
     @cached_property
+    def compared(self) -> Comparison:
+        """The macro-model beside the full model that the springs come from."""
+        from pysprings.macro.comparison import Comparison
+
+        return Comparison.of(self.springs)
+
+    @property
     def comparison(self) -> pd.DataFrame:
         """Errors of the macro-model by path and spring set (`pysprings.macro.comparison.compare`)."""
-        from pysprings.macro.comparison import compare
+        return self.compared.frame
 
-        return compare(self.springs)
-
-    @cached_property
-    def predictions(self) -> dict[str, dict[str, xr.Dataset]]:
+    @property
+    def predictions(self) -> Mapping[str, Mapping[str, xr.Dataset]]:
         """Answers of the macro-model along each path, by path and spring set."""
-        from pysprings.macro.comparison import curves
-        from pysprings.springs.dataset import path_names
-
-        return {name: curves(self.springs, name) for name in path_names(self.springs)}
+        return self.compared.curves
 
 
 def _opened(given: xr.DataTree | Callable[[], xr.DataTree] | None, what: str) -> xr.DataTree:

@@ -65,6 +65,14 @@ def write_frame(frame: pd.DataFrame, path: str | os.PathLike[str]) -> Path:
     return write_text(csv_text(frame), path)
 
 
+def read_comparison(path: str | os.PathLike[str]) -> pd.DataFrame:
+    """Return a comparison as `compare.csv` holds it, with ten digits; names of paths stay texts."""
+    import pandas as pd
+
+    texts = dict.fromkeys(("path", "role", "kind", "springs", "springs_from", "status"), str)
+    return pd.read_csv(path, dtype=texts, keep_default_na=False, na_values=[""])
+
+
 def csv_text(frame: pd.DataFrame) -> str:
     """Return a table as CSV text, -0 as 0."""
     numbers = frame.select_dtypes("float").columns

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from pysprings.model.forecast.omission_text import saved_text
 from pysprings.results.axes import axes_svg
+from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import picture_kind, pictures_in
 from pysprings.results.report.springs import spring_tables
 from pysprings.results.report.tables import (
@@ -83,7 +84,7 @@ def write_report(
     if springs is None and (place / "springs.nc").exists():
         springs = read_tree(place / "springs.nc")
     if compare is None and (place / "compare.csv").exists():
-        compare = _read_table(place / "compare.csv")
+        compare = read_comparison(place / "compare.csv")
     if run is None and (place / "run.json").exists():
         run = json.loads((place / "run.json").read_text(encoding="utf-8"))
     files = [Path(file) for file in figures] if figures is not None else pictures_in(place)
@@ -195,9 +196,3 @@ def _caption(caption: str, state: str) -> str:
 def picture_uri(content: bytes, suffix: str) -> str:
     """Return a picture's bytes as a data URI."""
     return f"data:{MEDIA[suffix]};base64,{base64.b64encode(content).decode('ascii')}"
-
-
-def _read_table(file: Path) -> pd.DataFrame:
-    import pandas as pd
-
-    return pd.read_csv(file, comment="#")

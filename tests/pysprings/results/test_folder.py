@@ -21,14 +21,17 @@ from matplotlib.figure import Figure
 from fe_engine.errors import LinearSolverError
 from pysprings.core.errors import RunIncomplete, UserInputError
 from pysprings.full_model import discretise
+from pysprings.macro.comparison import Comparison, compare
 from pysprings.macro.predict import predict
 from pysprings.model import build
 from pysprings.results import plots
+from pysprings.results.exporters.csv import read_comparison, write_frame
 from pysprings.results.folder import run_to_folder
 from pysprings.results.layout import run_files
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.template import template_names, template_text
 from pysprings.springs.file import open_springs
+from pysprings.springs.path import SpringPath
 from tests.support import tiny
 from tests.support.commands import command, environment
 from tests.support.files import contents, read_record, read_report
@@ -122,6 +125,15 @@ def test_the_macro_model_is_within_2_percent_on_its_own_path(folder: Path) -> No
     assert np.isfinite(frame.loc["py", "H_error_max_pct"])
 
 
+def test_the_comparison_is_read_back_as_it_was_written(folder: Path) -> None:
+    frame, springs = read_comparison(folder / "compare.csv"), open_springs(folder / "springs.nc")
+    pd.testing.assert_frame_equal(frame, compare(springs), rtol=1e-9, check_dtype=False)
+    names = frame.assign(path="1", springs_from="NA")  # texts that look like numbers, or like nothing
+    write_frame(names, folder.parent / "names.csv")
+    again = read_comparison(folder.parent / "names.csv")
+    assert set(again["path"]) == {"1"} and set(again["springs_from"]) == {"NA"}
+
+
 def test_run_json_has_status_provenance_cost_and_balance(folder: Path) -> None:
     record = read_record(folder)
     scene = tiny.scene()
@@ -163,6 +175,24 @@ def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
         return [("pull_py", Figure(figsize=(1, 1)))]
 
     monkeypatch.setattr(plots.files, "figures", figures)
+
+
+def test_a_run_follows_each_path_with_the_macro_model_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, blank_pictures: None
+) -> None:
+    """Table, workbook, pictures, report and terminal share one comparison."""
+    followed: list[str] = []
+    along = Comparison.along
+
+    def counted(self: Comparison, path: SpringPath) -> dict[str, xr.Dataset]:
+        followed.append(path.name)
+        return along(self, path)
+
+    monkeypatch.setattr(Comparison, "along", counted)
+    file = tiny.write(tiny.scene(output={"figures": True}), tmp_path / "caisson.toml")
+    done = command("run", file, "--out", tmp_path / "out")
+    assert done.code == 0 and "eta small" in done.out
+    assert followed == ["pull"]
 
 
 def test_force_leaves_nothing_of_an_earlier_run(tmp_path: Path, blank_pictures: None) -> None:
