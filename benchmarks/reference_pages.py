@@ -103,9 +103,10 @@ def variables_page() -> str:
 
 
 def outputs_page() -> str:
-    """Return the page of the exporters, with their options, and of the pictures."""
+    """Return the page of the exporters, with their options, of pictures and of tables of the report."""
     from pysprings.results.exporters import EXPORTERS
     from pysprings.results.plots import PICTURES
+    from pysprings.results.report.tables import REPORT_TABLES
 
     rows = [
         [f"`{each.name}`", _words(each.description), f"`{each.file}`" if each.file else "several",
@@ -127,6 +128,8 @@ def outputs_page() -> str:
         "\n## Pictures\n\nFiles in `figures/`, drawn where the data are there. STATE is `last`, or `2.5mm` for the "
         f"step at u = 2.5 mm.\n\n{markdown_table(['name', 'caption', 'file'], pictures)}"
     )
+    tables = [[f"`{each.name}`", each.section] for each in REPORT_TABLES.built_in]
+    parts.append(f"\n## Tables of the report\n\n{markdown_table(['name', 'section'], tables)}")
     return "".join(parts)
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -17,13 +18,30 @@ from pysprings.scene.model import Scene
 def to_toml(scene: Scene) -> str:
     """Write every value of a scene, in its usual unit; values that are not set (None) are left out."""
     lines = [f"title = {_literal(scene.title)}"]
+    for heading, section in _tables(scene):
+        lines += ["", heading, *(f"{name} = {_literal(value)}" for name, value in _pairs(section))]
+    return "\n".join(lines) + "\n"
+
+
+def sections(scene: Scene) -> list[tuple[str, list[tuple[str, Any]]]]:
+    """Return (title, keys and values) of every section of a scene, values as in TOML; paths are numbered from 1."""
+    found: list[tuple[str, list[tuple[str, Any]]]] = [("scene", [("title", scene.title)])]
+    count = Counter[str]()
+    for heading, section in _tables(scene):
+        name = heading.strip("[]")
+        count[name] += 1
+        found.append((f"{name} {count[name]}" if heading.startswith("[[") else name, list(_pairs(section))))
+    return found
+
+
+def _tables(scene: Scene) -> Iterator[tuple[str, BaseModel]]:
+    """Yield (heading, section) of the tables of a scene."""
     for name in type(scene).model_fields:
         value = getattr(scene, name)
         if isinstance(value, BaseModel):
-            lines += ["", f"[{name}]", *_pairs(value)]
+            yield f"[{name}]", value
     for path in scene.paths:
-        lines += ["", "[[path]]", *_pairs(path)]
-    return "\n".join(lines) + "\n"
+        yield "[[path]]", path
 
 
 def field_of(info: FieldInfo) -> Field:
@@ -31,11 +49,12 @@ def field_of(info: FieldInfo) -> Field:
     return next(item for item in info.metadata if isinstance(item, Field))
 
 
-def _pairs(section: BaseModel) -> Iterator[str]:
+def _pairs(section: BaseModel) -> Iterator[tuple[str, Any]]:
+    """Yield key and value, as in TOML, of what is set in a section."""
     for name, info in type(section).model_fields.items():
         value = getattr(section, name)
         if value is not None and value != ():
-            yield f"{name} = {_literal(_in_toml(field_of(info), value, section))}"
+            yield name, _in_toml(field_of(info), value, section)
 
 
 def _in_toml(field: Field, value: Any, section: BaseModel) -> Any:

@@ -15,27 +15,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.model.forecast.omission_text import saved_text
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import picture_kind, pictures_in
-from pysprings.results.report.springs import spring_tables
-from pysprings.results.report.tables import (
-    Table,
-    compare_table,
-    convergence_table,
-    cost_tables,
-    cut_back_table,
-    end_table,
-    energy_table,
-    equilibrium_table,
-    estimate_table,
-    input_tables,
-    mesh_table,
-    ring_table,
-    validity,
-    water_table,
-)
+from pysprings.results.report.table import ReportData, Section, Table
+from pysprings.results.report.tables import tables_of
+from pysprings.results.report.validity import validity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -56,11 +41,11 @@ class Picture:
 
 @dataclass(frozen=True)
 class PathPart:
-    """What the report says of one path."""
+    """The part of the report about one path."""
 
     name: str
     status: str
-    values: Table
+    tables: Sequence[Table]
     pictures: Sequence[Picture] = field(default_factory=tuple)
 
 
@@ -114,8 +99,8 @@ def render(
         Picture files, named as `pysprings.results.plots.save_all` names them.
     """
     run = run or {}
-    names = list(result["paths"].children) if "paths" in result.children else []
-    paths = {name: result[f"paths/{name}"] for name in names}
+    data = ReportData(result, springs, compare, run)
+    sections: tuple[Section, ...] = ("inputs", "limits", "mesh", "checks", "springs", "comparison", "cost")
     return (
         environment()
         .get_template("report.html.j2")
@@ -126,43 +111,27 @@ def render(
             failures=[str(failure) for failure in run.get("failures", ())],
             warnings=[str(text) for text in run.get("warnings", ())],
             sketch=picture_uri(axes_svg().encode(), ".svg"),
-            inputs=input_tables(str(result.attrs.get("scene_toml", ""))),
             validity=validity(result, springs),
-            left_out=_left_out(run.get("left_out", ())),
-            mesh=mesh_table(result.attrs, run),
+            tables={section: tables_of(section, data) for section in sections},
             mesh_pictures=_pictures(figures, ""),
-            convergence=convergence_table(paths, run),
-            cut_backs=cut_back_table(run),
-            rings=ring_table(paths),
-            water=water_table(run),
-            energy=energy_table(run),
-            estimate=estimate_table(run),
-            equilibrium=equilibrium_table(springs if springs is not None else result),
             paths=[
-                PathPart(n, str(p.attrs.get("status", "")), end_table(p), _pictures(figures, n))
-                for n, p in paths.items()
+                PathPart(
+                    name, str(path.attrs.get("status", "")), tables_of("path", data, name), _pictures(figures, name)
+                )
+                for name, path in data.paths.items()
             ],
-            springs=spring_tables(springs),
-            compare=compare_table(compare),
-            cost=cost_tables(run),
         )
     )
 
 
 def environment() -> Environment:
-    """Return the template engine of all reports: everything from outside is escaped, nothing undefined is let pass."""
+    """Return the template engine of all reports: it escapes all text from outside, and undefined names are errors."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     return Environment(
         loader=PackageLoader("pysprings.results.report", "templates"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-
-
-def _left_out(left_out: Any) -> list[tuple[str, str, str]]:
-    """Return (what, why, what it saves) of everything that the scene leaves out."""
-    items = [item for item in left_out if isinstance(item, Mapping)] if isinstance(left_out, Sequence) else []
-    return [(str(item.get("what", "")), str(item.get("why", "")), saved_text(item.get("saved"))) for item in items]
 
 
 def _pictures(files: Iterable[Path], path: str) -> list[Picture]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pysprings.core.text import number
-from pysprings.results.report.tables import Table
+from pysprings.results.report.table import ReportTable, Table
 from pysprings.springs.dataset import get_path, is_vertical, path_names
 from pysprings.springs.sums import net_m, net_p
 
@@ -51,7 +51,7 @@ def _table(name: str, path: xr.Dataset) -> Table:
     for part in ("tip", "lid"):
         force, moment = (float(path[f"{letter}_{part}"].values[-1]) * 1e-3 for letter in ("H", "M"))
         rows.append((part, "", "", "", "", f"H {number(force)} kN", "", f"M {number(moment)} kN m"))
-    return Table(f"Path {name}", _COLUMNS, rows, _NOTE)
+    return Table(f"Path {name}", _COLUMNS, rows, _NOTE, wide=True)
 
 
 def _at_half(y: np.ndarray, p: np.ndarray) -> str:
@@ -60,3 +60,6 @@ def _at_half(y: np.ndarray, p: np.ndarray) -> str:
     if (np.diff(size) <= 0.0).any():
         return "-"
     return number(float(np.interp(0.5 * size[-1], size, p)))
+
+
+SPRINGS = ReportTable("springs", "springs", lambda data: spring_tables(data.springs))

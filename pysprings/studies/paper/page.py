@@ -11,8 +11,10 @@ from pysprings.core import version
 from pysprings.core.files.storage import write_text
 from pysprings.core.text import number
 from pysprings.results.axes import axes_svg
+from pysprings.results.report.balances import energy_table, water_table
+from pysprings.results.report.inputs import input_tables, mesh_table
 from pysprings.results.report.page import Picture, environment, picture_uri
-from pysprings.results.report.tables import Table, energy_table, input_tables, mesh_table, water_table
+from pysprings.results.report.table import Table
 from pysprings.studies.paper import idealisations
 from pysprings.studies.paper.cases import END, SHOWN
 from pysprings.studies.paper.measures import load
@@ -45,7 +47,7 @@ def write(
         sketch=picture_uri(axes_svg().encode(), ".svg"),
         claims=claims.to_dict(orient="records"),
         counts={str(name): int(n) for name, n in claims["verdict"].value_counts().items()},
-        idealised=Table("", *idealisations.rows_for_people(idealised), idealisations.NOTE),
+        idealised=Table("", *idealisations.rows_for_people(idealised), idealisations.NOTE, wide=True),
         drawings=[_picture(drawing, file) for drawing, file in drawn],
         sensitivity=_sensitivity(sensitivity),
     )
@@ -70,7 +72,7 @@ def run_table(runs: Mapping[str, Run]) -> Table:
     ]
     columns = ("run", "", "status", f"H at {1e3 * SHOWN:g} mm [kN]", f"H at {1e3 * END:g} mm [kN]", "iterations",
                "wall time [s]", "version", "scene, sha256")  # fmt: skip
-    return Table("", columns, rows, "Each run has its own report in runs/NAME/report.html.")
+    return Table("", columns, rows, "Each run has its own report in runs/NAME/report.html.", wide=True)
 
 
 def _balances(runs: Mapping[str, Run]) -> list[Table | None]:
@@ -89,7 +91,7 @@ def _sensitivity(table: pd.DataFrame | None) -> dict[str, Any] | None:
         return None
     drained, water = split(table)
     tables = [
-        Table(title, [head for head, _ in columns.values()], [cells(row, columns) for row in rows])
+        Table(title, [head for head, _ in columns.values()], [cells(row, columns) for row in rows], wide=True)
         for title, columns, rows in (("Drained", DRAINED_COLUMNS, drained), ("0.05 mm/s", WATER_COLUMNS, water))
         if rows
     ]

@@ -6,6 +6,7 @@ from __future__ import annotations
 import base64
 import json
 import re
+import tomllib
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -14,9 +15,15 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from pysprings.core.text import number
 from pysprings.results import axes
+from pysprings.results.report import balances, inputs, solution, validity
 from pysprings.results.report import page as report
-from pysprings.results.report import tables as report_tables
+from pysprings.results.report.table import ReportData, ReportTable, Table
+from pysprings.results.report.tables import REPORT_TABLES
+from pysprings.scene.load import parse_scene
+from pysprings.scene.template import template_text
+from pysprings.scene.template_names import template_names
 from tests.support import synthetic
 from tests.support.files import Page
 from tests.support.place import ROOT
@@ -133,7 +140,7 @@ def test_svg_is_taken_where_there_is_one(result: xr.DataTree, pictures: list[Pat
 def test_inputs_show_every_key_with_its_unit_defaults_included(result: xr.DataTree) -> None:
     tables = {
         table.title: dict(table.rows)
-        for table in report_tables.input_tables(
+        for table in inputs.input_tables(
             'title = "t"\n[soil]\nyoung_modulus = "150 MPa"\n'
             '[[path]]\nname = "push"\nkind = "pull"\nlateral_displacement = "3 mm"\n'
         )
@@ -142,7 +149,7 @@ def test_inputs_show_every_key_with_its_unit_defaults_included(result: xr.DataTr
     assert tables["soil"]["young_modulus"] == "150 MPa"
     assert tables["caisson"]["outer_diameter"] == "7.8 m"
     assert tables["path 1"]["lateral_displacement"] == "3 mm"
-    assert report_tables.input_tables("not = [toml") == []
+    assert inputs.input_tables("not = [toml") == []
 
 
 @pytest.mark.parametrize(
@@ -150,7 +157,7 @@ def test_inputs_show_every_key_with_its_unit_defaults_included(result: xr.DataTr
 )
 def test_equilibrium_check_sees_a_wrong_force(springs: xr.DataTree, variable: str, load: str) -> None:
     def missing(tree: xr.DataTree) -> dict[tuple[str, str], float]:
-        return {(row[0], row[1]): float(row[3]) for row in report_tables.equilibrium_table(tree).rows}
+        return {(row[0], row[1]): float(row[3]) for row in balances.equilibrium_table(tree).rows}
 
     assert len(missing(springs)) == 6
     assert max(missing(springs).values()) < 1e-12
@@ -163,17 +170,51 @@ def test_equilibrium_check_sees_a_wrong_force(springs: xr.DataTree, variable: st
 
 
 def test_equilibrium_table_states_the_largest_load(result: xr.DataTree, springs: xr.DataTree) -> None:
-    from_result, from_springs = (report_tables.equilibrium_table(tree).rows for tree in (result, springs))
+    from_result, from_springs = (balances.equilibrium_table(tree).rows for tree in (result, springs))
     assert [row[:3] for row in from_result] == [row[:3] for row in from_springs]
     largest = float(np.abs(result["paths/turn"]["M"]).max()) / 1e3
     assert ("turn", "M", f"{largest:.4g} kN m") in [tuple(row[:3]) for row in from_result]
+
+
+def test_numbers_stand_at_the_right_and_words_at_the_left(result: xr.DataTree, springs: xr.DataTree) -> None:
+    rows = [("a", "1,234", "-", "H 1.2e-05 kN", "13 of 200"), ("b", "-0.5", "", "-", "2")]
+    heads = ("name", "p [kN/m]", "none", "H", "stations")
+    assert Table("t", heads, rows).numeric == [False, True, False, True, False]
+    assert not any(Table("t", heads, rows, head=False).numeric)
+    page = Page(report.render(result, springs, None, RUN))
+    cells = [attrs for tag, attrs in page.tags if tag == "td"]
+    assert 50 < sum(attrs.get("class") == "number" for attrs in cells) < len(cells)
+
+
+@pytest.mark.parametrize("name", template_names())
+def test_inputs_are_the_keys_of_the_scene_file(name: str) -> None:
+    scene = parse_scene(template_text(name))
+    shown = {table.title: dict(table.rows) for table in inputs.input_tables(template_text(name))}
+    plain = tomllib.loads(scene.to_toml())
+    assert shown.pop("scene") == {"title": scene.title}
+    paths = plain.pop("path")
+    assert [shown.pop(f"path {k}")["name"] for k in range(1, len(paths) + 1)] == [path["name"] for path in paths]
+    del plain["title"]
+    assert {key: set(rows) for key, rows in shown.items()} == {key: set(section) for key, section in plain.items()}
+    assert shown["soil"]["young_modulus"] == plain["soil"]["young_modulus"]
+
+
+def test_a_table_from_outside(result: xr.DataTree, springs: xr.DataTree) -> None:
+    def build(data: ReportData) -> list[Table | None]:
+        return [Table("Toy", ("path", "steps"), [(data.path, str(data.paths[data.path].sizes["step"]))]), None]
+
+    with REPORT_TABLES.added(ReportTable("toy", "path", build)):
+        page = Page(report.render(result, springs, None, RUN))
+    assert {"pull21", "turn21"} <= set(page.text.split("\n"))
+    assert page.text.count("Toy") == 2
+    assert "Toy" not in Page(report.render(result, springs, None, RUN)).text
 
 
 def test_convergence_counts(result: xr.DataTree) -> None:
     tree = result.copy(deep=True)
     tree["paths/pull"].attrs["status"] = "partial"
     run = {"paths": {"turn": {"order_of_last_iterations": 1.98}}}
-    table = report_tables.convergence_table(dict(tree["paths"].children), run)
+    table = solution.convergence_table(dict(tree["paths"].children), run)
     rows = {row[0]: list(row[1:]) for row in table.rows}
     assert rows["turn"] == ["20", "3", "3", "63", "1", "10", "5e-08", "1.98"]
     assert rows["pull"] == ["19", "3", "3", "63", "2", "10, 100", "5e-08", "-"]
@@ -182,7 +223,7 @@ def test_convergence_counts(result: xr.DataTree) -> None:
 def test_end_state_is_the_last_converged_step_in_units_for_people(result: xr.DataTree) -> None:
     tree = result.copy(deep=True)
     tree["paths/pull"]["converged"][-1] = 0
-    rows = dict(report_tables.end_table(tree["paths/pull"]).rows)
+    rows = dict(solution.end_table(tree["paths/pull"]).rows)
     path = tree["paths/pull"].to_dataset(inherit=False).isel(step=-2)
     assert rows["lateral displacement of the lid centre, u"] == f"{float(path['u']) * 1e3:.4g} mm"
     assert rows["horizontal load, H"] == f"{float(path['H']) * 1e-3:.4g} kN"
@@ -191,12 +232,12 @@ def test_end_state_is_the_last_converged_step_in_units_for_people(result: xr.Dat
 
 
 def test_validity_states_the_calibrated_range(result: xr.DataTree, springs: xr.DataTree) -> None:
-    sentences = " ".join(report_tables.validity(result, springs))
+    sentences = " ".join(validity.validity(result, springs))
     path = result["paths/pull"]
     assert "Path pull (pull, calibration): u from 0 to 20 mm" in sentences
     tree = result.copy(deep=True)
     tree["paths/pull"]["converged"][:] = 0
-    assert "Path pull (pull, calibration): no converged step." in report_tables.validity(tree, springs)
+    assert "Path pull (pull, calibration): no converged step." in validity.validity(tree, springs)
     ratio = float(path["rotation"][-1] * 4.0 / path["u"][-1])
     assert f"rotation·L/u = {ratio:.2f} at its end" in sentences
 
@@ -222,14 +263,14 @@ def test_comparison_leaves_empty_columns_out(result: xr.DataTree) -> None:
             },
         ]
     )
-    table = report_tables.compare_table(frame)
+    table = validity.compare_table(frame)
     assert table is not None
     assert list(table.columns) == ["path", "springs", "eta large", "H max [%]"]
     assert list(table.rows[1]) == ["pull", "py", "0.3000", "-71.00"]
     page = Page(report.render(result, compare=frame))
     assert "Macro-model against full model" in page.text
     assert "Macro-model against full model" not in Page(report.render(result)).text
-    assert report_tables.compare_table(pd.DataFrame()) is None
+    assert validity.compare_table(pd.DataFrame()) is None
 
 
 def test_the_estimated_error_is_printed_with_what_it_comes_from() -> None:
@@ -237,13 +278,13 @@ def test_the_estimated_error_is_printed_with_what_it_comes_from() -> None:
         "unknowns": [4000, 1500], "cell_ratio": 1.3867, "safety": 1.5, "order": {"load_max": 1.7, "py_rms": 1.2},
         "difference_pct": {"load_max": 4.0}, "estimate_pct": {"load_max": 8.12},
     }  # fmt: skip
-    table = report_tables.estimate_table({"error_estimate": found})
+    table = validity.estimate_table({"error_estimate": found})
     assert table is not None
     assert table.rows == [("load, largest difference / largest load", "4", "1.7", "8.1")]
     assert "(1500 beside 4000 unknowns, ratio of cell sizes r = 1.39): safety factor 1.5 times" in table.note
-    none = report_tables.estimate_table({"error_estimate": {"estimate_pct": {}, "why_not": "no path in common"}})
+    none = validity.estimate_table({"error_estimate": {"estimate_pct": {}, "why_not": "no path in common"}})
     assert none is not None and none.rows == [("no estimate: no path in common",)]
-    assert report_tables.estimate_table({}) is None
+    assert validity.estimate_table({}) is None
 
 
 def test_cost_left_out_and_status_are_printed(result: xr.DataTree) -> None:
@@ -266,7 +307,7 @@ def test_cut_backs_are_listed_with_place_and_reason(result: xr.DataTree) -> None
         "stage": "dead load", "load_fraction": 0.0625, "reason": "the residual stalls", "place": "node 7, direction z",
         "iterations": 9, "last_residuals": [0.0123, 0.5],
     }  # fmt: skip
-    table = report_tables.cut_back_table({"paths": {"pull": {"cut_backs_at": [cut_back]}, "turn": {}}})
+    table = solution.cut_back_table({"paths": {"pull": {"cut_backs_at": [cut_back]}, "turn": {}}})
     assert table is not None
     assert table.rows == [
         ("pull", "6.25 % of the dead load", "9", "the residual stalls", "node 7, direction z", "0.012, 0.5")
@@ -274,7 +315,7 @@ def test_cut_backs_are_listed_with_place_and_reason(result: xr.DataTree) -> None
     page = Page(report.render(result, run={"paths": {"pull": {"cut_backs_at": [cut_back | {"place": HOSTILE}]}}}))
     assert HOSTILE in page.text
     assert "script" not in {tag for tag, _ in page.tags}
-    assert report_tables.cut_back_table({}) is None
+    assert solution.cut_back_table({}) is None
     assert "Attempts given up" not in Page(report.render(result)).text
 
 
@@ -283,7 +324,7 @@ def test_contact_around_the_rings_is_stated_by_path(result: xr.DataTree) -> None
     tree["paths/turn"].dataset = tree["paths/turn"].to_dataset(inherit=False).drop_vars("normal_effective_stress")
     stress = tree["paths/pull/normal_effective_stress"]
     stress[3, 0, 8, 4] = 0.0
-    rows = {row[0]: row[1:] for row in report_tables.ring_table(dict(tree["paths"].children)).rows}
+    rows = {row[0]: row[1:] for row in solution.ring_table(dict(tree["paths"].children)).rows}
     depth = float(stress["depth"][4])
     assert rows["pull"][0].endswith(f" (outside, azimuth 90°, depth {depth:.2f} m, step 3)")
     assert float(rows["pull"][0].split()[0]) > 0.5
@@ -329,7 +370,7 @@ def test_write_report_reads_the_folder_of_a_run(result: xr.DataTree, springs: xr
     ],
 )
 def test_numbers_are_written_for_reading(value: object, text: str) -> None:
-    assert report_tables.number(value) == text
+    assert number(value) == text
 
 
 # ---------------------------------------------------------------- the sketch
@@ -397,6 +438,6 @@ def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.Data
     assert total == pytest.approx(net, rel=1e-3)
     assert outside + inside == pytest.approx(total, rel=2e-3)
     assert table.rows[-1][0] == "lid"
-    assert table.rows[-2][5] == f"H {report_tables.number(float(path['H_tip'][-1]) * 1e-3)} kN"
+    assert table.rows[-2][5] == f"H {number(float(path['H_tip'][-1]) * 1e-3)} kN"
     assert "p net [kN/m]" in report.render(result, springs)
     assert spring_tables(None) == []

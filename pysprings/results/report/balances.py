@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""Tables of the balances: forces and moments, water, energy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pysprings.core.text import number
+from pysprings.results.report.table import ReportTable, Table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def equilibrium_table(tree: xr.DataTree) -> Table:
+    """Return the table of the equilibrium check over the converged steps of a result or of springs.
+
+    Missing: the sum of the soil reactions less the applied load (`pysprings.springs.sums.balance`).
+    """
+    from pysprings.springs.dataset import get_path, path_names
+    from pysprings.springs.sums import balance
+
+    rows = []
+    for name in path_names(tree):
+        path = get_path(tree, name)
+        path = path.assign(p=path["p_component"]) if "p_component" in path else path
+        for load, missing in balance(path).items() if path.sizes["step"] else ():
+            unit = "kN m" if load == "M" else "kN"
+            largest = f"{float(np.abs(path[load]).max()) / 1e3 + 0.0:.4g} {unit}"
+            rows.append((name, load, largest, f"{missing:.1e}"))
+    note = (
+        "H = sum p dz + H_tip + H_lid; V = sum t dz + V_tip + V_lid; "
+        "M = sum (p z + m) dz + L H_tip + M_tip + M_lid. Missing: reactions less load, over the largest part."
+    )
+    return Table("Equilibrium check", ("path", "load", "largest load", "missing (relative)"), rows, note)
+
+
+def water_table(run: Mapping[str, Any]) -> Table | None:
+    """Return the table of the balance of the water at the end of each path; None for a drained run."""
+    paths = {name: path["water"] for name, path in run.get("paths", {}).items() if "water" in path}
+    if not paths:
+        return None
+    columns = ("path", "expelled [m\u00b3]", "compressed [m\u00b3]", "in gaps [m\u00b3]", "outflow [m\u00b3]",
+               "imbalance / exchanged", "pressure [kPa]")  # fmt: skip
+    rows = [
+        (
+            name,
+            *(number(water[f"{key}_m3"]) for key in ("expelled", "compressed", "film", "outflow")),
+            f"{water['worst_imbalance_over_exchanged']:.1e}",
+            f"{water['pressure_min_Pa'] / 1e3:.3g} to {water['pressure_max_Pa'] / 1e3:.3g}",
+        )
+        for name, water in paths.items()
+    ]
+    note = (
+        "Since the initial state, whole caisson: expelled = compressed + in gaps + outflow. Expelled is the pore "
+        "volume that the soil has lost, from the displacements of its boundary; the outflow is Darcy flow over the "
+        "drained boundary. The largest imbalance of all steps is shown. Pressure: the range of the excess on the path."
+    )
+    return Table("Balance of the water", columns, rows, note, wide=True)
+
+
+def energy_table(run: Mapping[str, Any]) -> Table | None:
+    """Return the table of the balance of energy at the end of each path; None where it was not computed."""
+    paths = {name: path["energy"] for name, path in run.get("paths", {}).items() if "energy" in path}
+    if not paths:
+        return None
+    terms = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water")
+    rows = [
+        (
+            name,
+            *(number(1e-3 * energy[f"{term}_J"]) for term in terms),
+            f"{energy['imbalance_over_largest_term']:.1e}",
+        )
+        for name, energy in paths.items()
+    ]
+    note = (
+        "Since the initial state, whole caisson: work + initial = elastic + plastic + penalty + friction + water. "
+        "Initial is the work of weight, surcharge and initial contact pressure, penalty what contact springs store, "
+        "water what is done against pore pressures. The imbalance is what Newton has left, over the largest term."
+    )
+    columns = ("path", *(f"{term} [kJ]" for term in terms), "imbalance / largest")
+    return Table("Balance of energy", columns, rows, note, wide=True)
+
+
+EQUILIBRIUM = ReportTable(
+    "equilibrium", "checks", lambda data: [equilibrium_table(data.result if data.springs is None else data.springs)]
+)
+WATER = ReportTable("water", "checks", lambda data: [water_table(data.run)])
+ENERGY = ReportTable("energy", "checks", lambda data: [energy_table(data.run)])

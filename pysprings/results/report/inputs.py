@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: MIT
+"""Tables of what a run was given: keys of the scene with their units, and the mesh."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pysprings.core.errors import UserInputError
+from pysprings.core.text import number
+from pysprings.model.forecast.omission_text import saved_text
+from pysprings.results.report.table import ReportTable, Table
+
+
+def input_tables(scene_toml: str) -> list[Table]:
+    """Return one table for each section of a scene: key, value with its unit, defaults included.
+
+    A scene that this version does not accept is shown as it is; text that is no TOML gives no table.
+    """
+    if not scene_toml:
+        return []
+    return [
+        Table(title, ("key", "value"), [(key, number(value, 6)) for key, value in pairs], head=False)
+        for title, pairs in _sections(scene_toml)
+        if pairs
+    ]
+
+
+def _sections(scene_toml: str) -> Iterable[tuple[str, list[tuple[str, Any]]]]:
+    """Return (title, keys and values) of the sections of a scene."""
+    from pysprings.scene.load import parse_scene
+    from pysprings.scene.toml import sections
+
+    try:
+        return sections(parse_scene(scene_toml))
+    except UserInputError:
+        return _plain_sections(scene_toml)
+
+
+def _plain_sections(scene_toml: str) -> list[tuple[str, list[tuple[str, Any]]]]:
+    """Return the sections of TOML text without defaults."""
+    try:
+        scene = tomllib.loads(scene_toml)
+    except tomllib.TOMLDecodeError:
+        return []
+    found = [("scene", [(key, value) for key, value in scene.items() if not isinstance(value, dict | list)])]
+    for key, value in scene.items():
+        if isinstance(value, dict):
+            found.append((key, list(value.items())))
+        elif isinstance(value, list):
+            tables = [item for item in value if isinstance(item, dict)]
+            found += [(f"{key} {k}", list(item.items())) for k, item in enumerate(tables, 1)]
+    return found
+
+
+def mesh_table(attrs: Mapping[Any, Any], run: Mapping[str, Any] | None = None) -> Table:
+    """Return the table of mesh counts, quality and solver from the attrs of a result and its run.json."""
+    names = {
+        "mesh_preset": "preset",
+        "n_nodes": "nodes",
+        "n_elements": "eight-node elements",
+        "n_unknowns": "unknowns",
+        "interface_stations": "interface stations",
+        "min_scaled_jacobian": "smallest scaled Jacobian",
+        "max_aspect": "largest aspect ratio",
+        "solver": "linear solver",
+    }
+    known = {**dict((run or {}).get("mesh") or {}), **attrs}
+    rows = [(text, number(known[key])) for key, text in names.items() if key in known]
+    return Table("", ("", ""), rows, head=False)
+
+
+def omission_table(left_out: Any) -> Table | None:
+    """Return the table of what a scene leaves out, why, and what that saves; None where nothing is recorded."""
+    items = [item for item in left_out if isinstance(item, Mapping)] if isinstance(left_out, list | tuple) else []
+    rows = [(str(item.get("what", "")), str(item.get("why", "")), saved_text(item.get("saved"))) for item in items]
+    return Table("What this scene leaves out", ("what", "why", "what it saves"), rows) if rows else None
+
+
+INPUTS = ReportTable("inputs", "inputs", lambda data: input_tables(str(data.result.attrs.get("scene_toml", ""))))
+OMISSIONS = ReportTable("omissions", "limits", lambda data: [omission_table(data.run.get("left_out"))])
+MESH = ReportTable("mesh", "mesh", lambda data: [mesh_table(data.result.attrs, data.run)])

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: MIT
+"""For what the numbers of a run hold: calibrated ranges, measured errors, estimated errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pysprings.core.text import number
+from pysprings.results.report.table import ReportTable, Table
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
+    """Return sentences on the range of the numbers: calibrated paths, displacements, effects that are not included."""
+    found = []
+    behaviour = result.attrs.get("caisson_behaviour", "rigid")
+    length = float((springs.attrs if springs is not None else {}).get("skirt_length_m", np.nan))
+    for name, path in result["paths"].children.items() if "paths" in result.children else ():
+        found.append(_range_sentence(name, path, length))
+    return [
+        *found,
+        "Springs from one path hold on paths with nearly the same ratio of rotation to displacement. "
+        "p(z)/y(z) is not a property of the soil: check other load heights against the full model.",
+        f"Monotonic loading; small displacements; the caisson is {behaviour} and wished in place, without "
+        "installation effects.",
+        "The soil domain is finite: its size stiffens the answer (a domain of 24 m by 12 m around a caisson "
+        "of 7.8 m by about a third in elasticity, compared with a half-space).",
+        "Beyond the displacements above the springs are extrapolated.",
+    ]
+
+
+def _range_sentence(name: str, path: Any, length: float) -> str:
+    good = path["converged"].values.astype(bool)
+    u, rotation = path["u"].values[good], path["rotation"].values[good]
+    text = f"Path {name} ({path.attrs.get('kind', '')}, {path.attrs.get('role', '')}): "
+    if not good.any():
+        return text + "no converged step."
+    if path.attrs.get("kind") == "vertical":
+        w, V = path["w"].values[good] * 1e3, path["V"].values[good] / 1e3
+        return f"{text}w from {w[0]:.3g} to {w[-1]:.3g} mm, V from {V[0]:.4g} to {V[-1]:.4g} kN."
+    text += f"u from {u.min() * 1e3:.3g} to {u.max() * 1e3:.3g} mm, "
+    text += f"rotation from {rotation.min() * 1e3:.3g} to {rotation.max() * 1e3:.3g} mrad"
+    if np.isfinite(length) and abs(u[-1]) > 0:
+        text += f", rotation·L/u = {rotation[-1] * length / u[-1]:.2f} at its end"
+    return text + "."
+
+
+# column of the comparison -> (heading, decimals of a number)
+COMPARED: dict[str, tuple[str, int]] = {
+    "path": ("path", 0),
+    "role": ("role", 0),
+    "springs": ("springs", 0),
+    "springs_from": ("springs from", 0),
+    "eta_small": ("eta small", 4),
+    "eta_large": ("eta large", 4),
+    "H_error_max_pct": ("H max [%]", 2),
+    "rotation_error_max_pct": ("rotation max [%]", 2),
+    "M_error_max_pct": ("M max [%]", 2),
+    "V_error_max_pct": ("V max [%]", 2),
+    "u_error_max_pct": ("u max [%]", 2),
+    "rotation_point_error_max_m": ("z_rot max [m]", 3),
+    "H_error_between_pct": ("H between [%]", 2),
+    "rotation_error_between_pct": ("rotation between [%]", 2),
+    "M_error_between_pct": ("M between [%]", 2),
+    "extrapolated_states": ("extra\u00adpolated", 0),
+    "off_path_states": ("off path", 0),
+    "off_load_states": ("other V", 0),
+}
+
+
+def compare_table(compare: pd.DataFrame | None) -> Table | None:
+    """Return the table macro-model against full model, without the columns that hold no number; None without rows."""
+    if compare is None or compare.empty:
+        return None
+    shown = compare[[name for name in COMPARED if name in compare.columns]].dropna(axis=1, how="all")
+    decimals = [COMPARED[str(name)][1] for name in shown.columns]
+    rows = [[_fixed(v, n) for v, n in zip(row, decimals, strict=True)] for row in shown.itertuples(index=False)]
+    note = (
+        "max: largest error, macro-model over full model minus 1, at equal displacement; u: displacement "
+        "at equal load; z_rot: depth of the point of rotation. between: the same "
+        "when every second recorded state is left out of the springs. eta = 1 - area between the "
+        "load-displacement curves over the area under the full model's, to a small displacement and to the "
+        "end. extrapolated, off path, other V: states that the springs do not cover. py: lateral p-y springs alone; "
+        "full: with distributed moment, tip and lid terms; fan: all of them by displacement and rotation, from all "
+        "calibration paths of constant ratio."
+    )
+    ended = [
+        f" {row['path']}, {row['springs']}: {row['status']}."
+        for row in compare.to_dict("records")
+        if row.get("status", "complete") != "complete"
+    ]
+    return Table("", [COMPARED[str(name)][0] for name in shown.columns], rows, note + "".join(ended), wide=True)
+
+
+def _fixed(value: Any, decimals: int) -> str:
+    """Write a number with fixed decimals (never -0.00); anything else as it is."""
+    if isinstance(value, float) and np.isfinite(value):
+        return f"{round(value, decimals) + 0.0:.{decimals}f}"
+    return number(value)
+
+
+def estimate_table(run: Mapping[str, Any]) -> Table | None:
+    """Return the table of the estimated discretisation error; None where no estimate was requested."""
+    found = run.get("error_estimate")
+    if not found:
+        return None
+    if not found["estimate_pct"]:
+        return Table("Discretisation error", ("",), [(f"no estimate: {found['why_not']}",)])
+    words = {"load_max": "load, largest difference / largest load", "py_rms": "p(y), root mean square / largest p"}
+    rows = [
+        (words[name], number(found["difference_pct"][name], 3), number(found["order"][name], 3), number(value, 2))
+        for name, value in found["estimate_pct"].items()
+    ]
+    note = (
+        f"From the same scene on a coarser mesh ({found['unknowns'][1]} beside {found['unknowns'][0]} unknowns, "
+        f"ratio of cell sizes r = {found['cell_ratio']:.3g}): safety factor {found['safety']:g} times "
+        "difference / (r^order - 1)."
+    )
+    return Table("Discretisation error", ("", "difference [%]", "order", "estimate [%]"), rows, note)
+
+
+COMPARISON = ReportTable("comparison", "comparison", lambda data: [compare_table(data.comparison)])
+ESTIMATE = ReportTable("estimate", "checks", lambda data: [estimate_table(data.run)])
