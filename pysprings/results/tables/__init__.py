@@ -1,26 +1,27 @@
 # SPDX-License-Identifier: MIT
-"""Springs from somebody's own table: a CSV file or an Excel workbook with p-y curves, and their companions if any.
+"""Springs from a user's own table: a CSV file or an Excel workbook with p-y curves, and their companions if any.
 
-`file` reads and checks columns and numbers, `recorded` takes tables of a path (as `pysprings springs` writes them),
-`curves` takes independent curves; `open_table` chooses.
+`readers` opens file formats, `file` checks columns and numbers, `recorded` builds springs from tables of a path (as
+`pysprings springs` writes them), `curves` from independent curves; `open_table` chooses.
 """
 
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import xarray as xr
 
 from pysprings.macro.user_curves import CurveSprings
+from pysprings.results.tables.reader import Sheet, TableReader
+from pysprings.results.tables.readers import TABLE_READERS, endings, reader_of
 
-ENDINGS = (".csv", ".xlsx")
-FOREIGN = (".xls", ".xlsm", ".xlsb", ".ods", ".tsv", ".txt", ".numbers")  # tables of other formats
+# endings of tables in formats without a reader
+FOREIGN = (".xls", ".xlsm", ".xlsb", ".ods", ".tsv", ".txt", ".numbers")
 
 
 def is_table(path: str | os.PathLike[str]) -> bool:
-    """Tell by its ending whether a file is a table, and not a spring file."""
-    return Path(path).suffix.lower() in ENDINGS
+    """Return whether a file is a table, by its ending."""
+    return reader_of(path) is not None
 
 
 def open_table(path: str | os.PathLike[str], skirt_length: float | None = None) -> xr.DataTree | CurveSprings:
@@ -38,7 +39,7 @@ def open_table(path: str | os.PathLike[str], skirt_length: float | None = None) 
     -------
     DataTree or CurveSprings
         Rows of p with step and rotation are the record of a path of a rigid body (what we write ourselves): a spring
-        tree, from which a fan can be made. Others are curves that know nothing of each other.
+        tree, from which a fan can be made. Others are independent curves.
 
     Raises
     ------
@@ -46,7 +47,8 @@ def open_table(path: str | os.PathLike[str], skirt_length: float | None = None) 
         Every fault of the table, each with file and line.
     """
     from pysprings.results.tables.curves import build_curves
-    from pysprings.results.tables.file import Faults, read_rows
+    from pysprings.results.tables.faults import Faults
+    from pysprings.results.tables.file import read_rows
     from pysprings.results.tables.recorded import build_tree, is_record
 
     faults = Faults()
@@ -54,4 +56,4 @@ def open_table(path: str | os.PathLike[str], skirt_length: float | None = None) 
     return build_tree(rows, faults) if is_record(rows) else build_curves(rows, skirt_length, faults)
 
 
-__all__ = ["ENDINGS", "FOREIGN", "is_table", "open_table"]
+__all__ = ["FOREIGN", "TABLE_READERS", "Sheet", "TableReader", "endings", "is_table", "open_table"]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pysprings.macro.curve_table import MAX_NEGATIVE
 from pysprings.macro.user_curves import Curve, CurveSet, CurveSprings
-from pysprings.results.tables.file import Faults
+from pysprings.results.tables.faults import Faults
 from pysprings.results.tables.places import net_rows, place_of, slices
 
 Array = NDArray[np.float64]

@@ -1,17 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""A table as it stands in a CSV file or an Excel workbook: its columns, numbers and lines, checked one by one."""
+"""Rows of a table file: columns, numbers and names, each checked with its line."""
 
 from __future__ import annotations
 
-import csv
 import difflib
-import io
 import os
 import re
-import zipfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +15,12 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.magnitudes import fault, unit_of_column
 from pysprings.core.units import quoted
 from pysprings.results.exporters.tables import PY_COLUMNS
+from pysprings.results.tables.csv_file import CSV, lines_of
+from pysprings.results.tables.faults import Faults, numbers
+from pysprings.results.tables.reader import Line
+from pysprings.results.tables.readers import reader_of
 from pysprings.results.tables.wide import is_wide, unfold
 from pysprings.springs.numbers import name_fault
 
@@ -31,34 +30,6 @@ TEXTS = ("path", "family", "side", "component")
 # Sheets that are not read: words and pictures.
 OTHER_SHEETS = ("about", "charts", "load-displacement", "stiffness 6x6")
 SHEETS = {"py": "py", "p-y": "py", "mtheta": "mtheta", "m-theta": "mtheta", "base": "base", "tip": "base", "lid": "lid"}
-MOST_WORDS = 200  # characters of what a library says
-# Largest table: bytes (of a workbook when unpacked), lines of a sheet, and of a CSV file (ten seconds of checks).
-MOST_BYTES, MOST_LINES, MOST_CSV_LINES = 50_000_000, 200_000, 300_000
-
-
-@dataclass
-class Faults:
-    """Everything found wrong so far; `stop` raises it."""
-
-    problems: list[Problem] = field(default_factory=list)
-    _seen: set[tuple[Any, ...]] = field(default_factory=set)
-
-    def add(self, place: tuple[str, int | None], key: str | None, message: str) -> None:
-        """Note one problem at (file, line); the first one of a cell counts."""
-        if (*place, key) not in self._seen:
-            self._seen.add((*place, key))
-            self.problems.append(Problem(file=place[0], line=place[1], key=key, message=message))
-
-    def at(self, row: Any, key: str | None, message: str) -> None:
-        """Note one problem in a row of a table (a named tuple with file and line)."""
-        self.add((str(row.file), int(row.line)), key, message)
-
-    def stop(self) -> None:
-        """Raise UserInputError when there is any problem."""
-        if not self.problems:
-            return
-        found = sorted(self.problems, key=lambda each: (each.file or "", each.line or 0))
-        raise UserInputError(found)
 
 
 def read_rows(path: str | os.PathLike[str], faults: Faults) -> pd.DataFrame:
@@ -83,23 +54,24 @@ def read_rows(path: str | os.PathLike[str], faults: Faults) -> pd.DataFrame:
     return rows
 
 
-def sheet_of(path: Path) -> tuple[list[str], list[tuple[int, list[Any]]]]:
-    """Return heading and (line, cells) of a CSV file."""
-    (place,) = _sheets(path, csv_only=True)
-    return place[2], place[3]
+def sheet_of(path: Path) -> tuple[list[str], list[Line]]:
+    """Return heading and lines of a CSV file."""
+    _refuse_missing(path)
+    return _first_and_rest(lines_of(path))
 
 
-Sheet = tuple[str, str | None, list[str], list[tuple[int, list[Any]]]]
-
-
-def _sheets(path: Path, csv_only: bool = False) -> Iterator[Sheet]:
-    """Yield (place, family of the sheet or None, heading, [(line, cells)]) for each sheet with a table."""
+def _refuse_missing(path: Path) -> None:
     if not path.is_file():
         raise UserInputError([Problem(file=str(path), message="is a folder" if path.is_dir() else "no such file")])
-    if csv_only or path.suffix.lower() == ".csv":
-        yield str(path), None, *_first_and_rest(_csv_lines(path))
-        return
-    for name, lines in _workbook(path):
+
+
+def _sheets(path: Path) -> Iterator[tuple[str, str | None, list[str], list[Line]]]:
+    """Yield (place, family of the sheet or None, heading, lines) for each sheet with a table."""
+    _refuse_missing(path)
+    for name, lines in (reader_of(path) or CSV).sheets(path):
+        if not name:
+            yield str(path), None, *_first_and_rest(lines)
+            continue
         if lines and lines[0][1][0] == "depth [m]":
             message = "is the workbook for people that `pysprings run` writes; give the springs.nc or py.csv beside it"
             raise UserInputError([Problem(file=str(path), message=message)])
@@ -107,66 +79,11 @@ def _sheets(path: Path, csv_only: bool = False) -> Iterator[Sheet]:
             yield f"{path}[{name}]", SHEETS.get(name.strip().lower()), *_first_and_rest(lines)
 
 
-def _first_and_rest(lines: list[tuple[int, list[Any]]]) -> tuple[list[str], list[tuple[int, list[Any]]]]:
+def _first_and_rest(lines: list[Line]) -> tuple[list[str], list[Line]]:
     head = [str(cell or "").strip() for cell in lines[0][1]] if lines else []
     while head and not head[-1]:
         head.pop()
     return head, lines[1:]
-
-
-def _csv_lines(path: Path) -> list[tuple[int, list[Any]]]:
-    """Lines with something in them, numbered as an editor numbers them."""
-    if (size := path.stat().st_size) > MOST_BYTES:
-        raise _too_large(path, f"{size / 1e6:,.0f} MB, at most {MOST_BYTES / 1e6:.0f}")
-    try:
-        content = path.read_bytes()
-        if (count := content.count(b"\n")) > MOST_CSV_LINES:
-            raise _too_large(
-                path, f"{count:,} lines, at most {MOST_CSV_LINES:,}; springs.nc of a run has no such limit"
-            )
-        with io.StringIO(content.decode("utf-8-sig"), newline="") as stream:
-            reader = csv.reader(stream)
-            lines = [(reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells)]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise UserInputError([Problem(file=str(path), message=f"not a CSV file in UTF-8 ({error})")]) from None
-    if lines and len(lines[0][1]) == 1 and re.search(r"[;\t]", lines[0][1][0]):
-        message = "columns are separated by ';' or tabs: expected ',' (and decimal points)"
-        raise UserInputError([Problem(str(path), lines[0][0], message=message)])
-    return lines
-
-
-def _workbook(path: Path) -> Iterator[tuple[str, list[tuple[int, list[Any]]]]]:
-    import openpyxl
-
-    try:
-        with path.open("rb") as stream, zipfile.ZipFile(stream) as archive:
-            size = sum(part.file_size for part in archive.infolist())
-            if size > MOST_BYTES:
-                raise _too_large(path, f"{size / 1e6:,.0f} MB when unpacked, at most {MOST_BYTES / 1e6:.0f}")
-            book = openpyxl.load_workbook(stream, read_only=True, data_only=True)
-            try:
-                for sheet in book.worksheets:
-                    yield sheet.title, list(_lines(path, sheet))
-            finally:
-                book.close()
-    except (UserInputError, GeneratorExit):
-        raise
-    except Exception as error:  # a broken archive raises many types
-        why = str(error) or type(error).__name__
-        raise UserInputError([Problem(file=str(path), message=f"not an Excel workbook ({why[:MOST_WORDS]})")]) from None
-
-
-def _lines(path: Path, sheet: Any) -> Iterator[tuple[int, list[Any]]]:
-    """Yield (line, cells) of the lines of a sheet with something in them."""
-    for line, cells in enumerate(sheet.iter_rows(values_only=True), start=1):
-        if line > MOST_LINES:
-            raise _too_large(path, f"sheet {quoted(sheet.title)} has more than {MOST_LINES:,} lines")
-        if any(cell is not None for cell in cells):
-            yield line, list(cells)
-
-
-def _too_large(path: Path, message: str) -> UserInputError:
-    return UserInputError([Problem(file=str(path), message=f"is too large for a table ({message})")])
 
 
 def _typed(
@@ -234,22 +151,3 @@ def meant(name: str, columns: Sequence[str] = PY_COLUMNS) -> str | None:
 
 def _stem(column: str) -> str:
     return column.rsplit("_m", 1)[0] if column.startswith("depth") else column.split("_")[0]
-
-
-def numbers(place: str, name: str, given: list[Any], lines: np.ndarray, faults: Faults) -> np.ndarray:
-    """Numbers of a column; NaN where a cell is blank, no number, or of a size that nothing has."""
-    unit = unit_of_column(name)
-    out = np.full(len(given), np.nan)
-    for k, cell in enumerate(given):
-        if cell is None or (isinstance(cell, str) and not cell.strip()):
-            continue
-        try:
-            value = float(cell)
-        except (TypeError, ValueError):
-            faults.add((place, int(lines[k])), name, f"{quoted(cell)} is not a number")
-            continue
-        if wrong := fault(value, unit):
-            faults.add((place, int(lines[k])), name, f"{quoted(cell)} {wrong}")
-            continue
-        out[k] = value
-    return out

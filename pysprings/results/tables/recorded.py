@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.macro.vertical import build_vertical
-from pysprings.results.tables.file import Faults
+from pysprings.results.tables.faults import Faults
 from pysprings.results.tables.places import ROUNDING, net_rows, place_of, slices
 from pysprings.springs.directions import keeps_direction
 from pysprings.springs.springs import Springs

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from pysprings.core.units import quoted
 from pysprings.macro.control import Control
-from pysprings.results.tables.file import Faults, meant, numbers, sheet_of
+from pysprings.results.tables.faults import Faults, numbers
+from pysprings.results.tables.file import meant, sheet_of
 
 Array = NDArray[np.float64]
 

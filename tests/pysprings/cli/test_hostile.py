@@ -21,7 +21,7 @@ from pysprings.core.magnitudes import LARGEST, fault, unit_of_column
 from pysprings.results.exporters.tables import PY_COLUMNS
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report.page import render
-from pysprings.results.tables import file as tables
+from pysprings.results.tables import reader
 from pysprings.springs.file import open_springs
 from pysprings.springs.numbers import name_fault
 from tests.fuzz.tables import MINIMAL
@@ -163,7 +163,7 @@ def test_options_beyond_sense_are_refused(tmp_path: Path, option: str) -> None:
 
 def test_a_table_that_is_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "t.csv").write_text(MINIMAL)
-    monkeypatch.setattr(tables, "MOST_BYTES", 50)
+    monkeypatch.setattr(reader, "MOST_BYTES", 50)
     with pytest.raises(UserInputError, match=r"t\.csv: is too large for a table \(0 MB, at most 0\)"):
         open_table(tmp_path / "t.csv")
 
