@@ -45,8 +45,10 @@ test-all: test test-slow test-long
 
 # how many small changes of the code the tests notice: about a minute a mutant on an idle core; survivors alone when called again
 SAMPLE ?= 40
+SEED ?= 1
 mutation: $(DEV)
-	$(BIN)/python -m benchmarks.mutation --sample $(SAMPLE) --write docs/mutation.md
+	$(BIN)/python -m benchmarks.mutation --sample $(SAMPLE) --seed $(SEED) --store
+	$(MAKE) evidence
 
 verification: $(DEV)
 	$(BIN)/python -m tests.verification.table

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: MIT
 """How many small changes of the code the tests notice.
 
-    python -m benchmarks.mutation [--sample 40] [--seed 1] [--workers 1] [--out DIR] [--write docs/mutation.md]
+    python -m benchmarks.mutation [--sample 40] [--seed 1] [--workers 1] [--out DIR] [--store]
 
 Mutants (`mutants.py`) are drawn with a fixed seed: kinds of change in turn, a third of them from the engine. Each is
 made in a copy of the working tree, and the test files of its module (`mutation_map.py`) are run there until one
 fails: the nearest, then more. Code that Numba compiles gets an empty cache for each mutant. A test that has failed
 must pass without the mutant, else the kill does not count. Verdicts are kept in the output folder: a mutant that was
 killed is not run again while its file is unchanged, so that a second call goes on with the rest, or runs the
-survivors alone after a test was added. ``--page`` runs nothing, and writes the page of what has been judged. Mutants
-that change nothing stand with the reason in `mutation_equivalent.txt`.
+survivors alone after a test was added. ``--page`` runs nothing, and prints what has been judged. ``--store`` stores
+the tables in data/evidence, of which `make evidence` makes docs/evidence/mutation.md. Mutants without effect stand
+with the reason in `mutation_equivalent.txt`.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import argparse
 import hashlib
 import json
 import os
+import platform
 import random
 import shutil
 import subprocess
@@ -27,13 +29,12 @@ import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from datetime import date
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Lock
 from typing import Any
 
-import pysprings
+from benchmarks.evidence_store import LINE, store, to_csv
 from benchmarks.mutants import Mutant, compiles, find_mutants
 from benchmarks.mutation_map import TestMap
 from pysprings.core.files.storage import write_text
@@ -237,27 +238,31 @@ def score(verdicts: list[Verdict]) -> float:
     return 100.0 * killed / (killed + survived) if killed + survived else float("nan")
 
 
-def report(verdicts: list[Verdict], sample: int, seed: int, today: str) -> str:
-    """Return the page: the score by part, the survivors, and the mutants that change nothing."""
-    rows = []
+HEAD = ["part", "mutants", "killed", "survived", "without effect", "void", "score"]
+
+
+def tables(verdicts: list[Verdict]) -> dict[str, list[list[str]]]:
+    """Return name -> rows, the heads first: the score by part, the survivors, the mutants without effect."""
+    rows = [HEAD]
     for part in [*PARTS, "both"]:
         own = [each for each in verdicts if part in (each.part, "both")]
         counts = [str(sum(each.outcome == kind for each in own)) for kind in (KILLED, SURVIVED, EQUAL, VOID)]
         rows.append([part, str(len(own)), *counts, f"{score(own):.0f} %"])
-    head = ["part", "mutants", "killed", "survived", "change nothing", "void", "score"]
-    lines = [
-        "# Mutants", "",
-        f"pysprings {pysprings.__version__}, {today}, Python {sys.version.split()[0]}, seed {seed}:",
-        f"{len(verdicts)} of a sample of {sample} mutants judged.",
-        "Written by `make mutation` (`benchmarks/mutation.py`): small changes of the code, one at a time, and how many",
-        f"of them the quick tests notice. Target: {TARGET:.0f} %. A mutant meets the test files nearest to its module.",
-        "", markdown_table(head, rows, numbers=True).rstrip(), "", "## Survivors", "",
-    ]  # fmt: skip
-    for outcome, empty in ((SURVIVED, "None."), (EQUAL, "None.")):
+    found = {"mutation": rows}
+    for name, outcome in (("survivors", SURVIVED), ("without-effect", EQUAL)):
         own = [each for each in verdicts if each.outcome == outcome]
-        lines += [f"- `{each.mutant.key}`" + (f": {each.by}" if each.by else "") for each in own] or [empty]
-        lines += ["", "## Change nothing", ""] if outcome == SURVIVED else []
-    return "\n".join(lines).rstrip() + "\n"
+        lines = [f"`{each.mutant.key}`" + (f": {each.by}" if each.by else "") for each in own]
+        found[f"mutation-{name}"] = [[LINE], *([line] for line in lines or ["none"])]
+    return found
+
+
+def report(verdicts: list[Verdict]) -> str:
+    """Return the tables for reading."""
+    parts = []
+    for name, (head, *rows) in tables(verdicts).items():
+        listed = "".join(f"- {row[0]}\n" for row in rows)
+        parts.append(f"{name}\n\n{listed if head == [LINE] else markdown_table(head, rows, numbers=True)}")
+    return "\n".join(parts)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -270,15 +275,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--again", type=int, default=24, help="test files for a mutant that survives these, at most")
     parser.add_argument("--limit", type=float, default=900.0, help="seconds for the tests of a mutant")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "mutation")
-    parser.add_argument("--page", action="store_true", help="run nothing: the page of what has been judged")
-    parser.add_argument("--write", type=Path, help="page to write, docs/mutation.md")
+    parser.add_argument("--page", action="store_true", help="run nothing: what has been judged")
+    parser.add_argument("--store", action="store_true", help="store the tables in data/evidence")
     given: Any = parser.parse_args(arguments)
     drawn = draw(ROOT, given.sample, given.seed)
     verdicts = run(ROOT, drawn, given.out, given.workers, given.limit, (given.files, given.again), given.page)
-    text = report(verdicts, given.sample, given.seed, date.today().isoformat())
-    print(text)
-    if given.write:
-        write_text(text, given.write)
+    print(report(verdicts))
+    if given.store:
+        command = f"make mutation SAMPLE={given.sample} SEED={given.seed}"
+        stored = {name: to_csv(rows) for name, rows in tables(verdicts).items()}
+        note = f"{len(verdicts)} of {given.sample} mutants judged, Python {platform.python_version()}."
+        store("mutation", stored, command, note)
     return 0 if score(verdicts) >= TARGET else 1
 
 

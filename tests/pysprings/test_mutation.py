@@ -206,9 +206,17 @@ def test_the_score_leaves_out_what_changes_nothing_and_what_is_void() -> None:
     verdicts = [verdict("engine", mutation.KILLED)] * 3 + [verdict("tool", mutation.SURVIVED, "late.far")]
     verdicts += [verdict("tool", mutation.EQUAL), verdict("tool", mutation.VOID)]
     assert mutation.score(verdicts) == 75.0
-    text = mutation.report(verdicts, 9, 1, "2026-01-31")
-    assert "| both | 6 | 3 | 1 | 1 | 1 | 75 % |" in text and "| engine | 3 | 3 | 0 | 0 | 0 | 100 % |" in text
-    assert "- `late.far: + -> - #1`" in text and "2026-01-31" in text and "seed 1:\n6 of a sample of 9 mutants" in text
+    found = mutation.tables(verdicts)
+    assert found["mutation"][1:] == [
+        ["engine", "3", "3", "0", "0", "0", "100 %"],
+        ["tool", "3", "0", "1", "1", "1", "0 %"],
+        ["both", "6", "3", "1", "1", "1", "75 %"],
+    ]
+    assert found["mutation-survivors"] == [["line"], ["`late.far: + -> - #1`"]]
+    assert found["mutation-without-effect"] == [["line"], ["`a: + -> - #1`"]]
+    assert mutation.tables([])["mutation-survivors"] == [["line"], ["none"]]
+    text = mutation.report(verdicts)
+    assert "| both | 6 | 3 | 1 | 1 | 1 | 75 % |" in text and "- `late.far: + -> - #1`" in text
 
 
 def test_the_list_of_what_changes_nothing_has_reasons_and_is_of_this_code() -> None:
