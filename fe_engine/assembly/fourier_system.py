@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fe_engine.assembly import fourier_kernels as kernels
+from fe_engine.assembly.bordered import Residual, summary
 from fe_engine.assembly.harmonic_factors import HarmonicFactors
-from fe_engine.assembly.kernels import pack_stations
-from fe_engine.assembly.system import Residual, summary
+from fe_engine.assembly.kernels_stations import pack_stations
 from fe_engine.clock import Clock
 from fe_engine.contact import coulomb
 from fe_engine.elements import fourier as elements

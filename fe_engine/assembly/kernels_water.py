@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fe_engine.assembly.kernels import PackedStations, _add_border, _add_dof, station_jumps
+from fe_engine.assembly.kernels_stations import PackedStations, station_jumps
 from fe_engine.assembly.pattern import Pattern
+from fe_engine.assembly.scatter import add_border, add_dof, add_entry
 from fe_engine.compiled import njit
 from fe_engine.contact import coulomb, flow
 from fe_engine.elements.interface import GAUSS_SHAPES
@@ -20,7 +21,6 @@ from fe_engine.model import Model
 
 _transmissivity = flow.transmissivity
 _PRESSURE = 3  # the fourth dof of a node
-NOWHERE = (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))  # targets where no tangent is wanted
 
 
 class PackedFilm(NamedTuple):
@@ -49,22 +49,6 @@ def pack_film(model: Model, pattern: Pattern) -> PackedFilm:
 
 
 @njit
-def _add(scatter, row_node, i, column_node, j, offset, value, targets):
-    """Add one entry of the tangent; ``offset`` leads from the row to the column's node."""
-    r, c = scatter.equation[row_node, i], scatter.equation[column_node, j]
-    if r == -1 or c == -1:
-        return
-    if r >= 0 and c >= 0:
-        targets[0][scatter.indptr[r] + offset + scatter.rank[column_node, j]] += value
-    elif r >= 0:
-        targets[1][r, -2 - c] += scatter.weight[column_node, j] * value
-    elif c >= 0:
-        targets[2][-2 - r, c] += scatter.weight[row_node, i] * value
-    else:
-        targets[3][-2 - r, -2 - c] += scatter.weight[row_node, i] * scatter.weight[column_node, j] * value
-
-
-@njit
 def soil_water(hexes, pores, dt, scale, old, new, scatter, free, border):
     """Add the water of all elements; ``pores`` is (H, S M + T, V, coupling), old and new (displacement, pressure).
 
@@ -90,9 +74,9 @@ def soil_water(hexes, pores, dt, scale, old, new, scatter, free, border):
                 leaves += storage[e, a, b] * (p_new - p_old)
                 flows += dt * seepage[e, a, b] * p_new
             square += flows * flows
-            _add_dof(scatter, n, _PRESSURE, -scale * (leaves + flows), free, border)
+            add_dof(scatter, n, _PRESSURE, -scale * (leaves + flows), free, border)
             for i in range(3):
-                _add_dof(scatter, n, i, -coupling[e, a, i] * mean, free, border)
+                add_dof(scatter, n, i, -coupling[e, a, i] * mean, free, border)
     return square
 
 
@@ -107,13 +91,13 @@ def soil_water_tangent(hexes, pores, shares, scale, scatter, offset, targets):
             for b in range(8):
                 m, place = hexes[e, b], offset[e, a, b]
                 flow_ab = still * storage[e, a, b] + flowing * seepage[e, a, b]
-                _add(scatter, n, _PRESSURE, m, _PRESSURE, place, -scale * scale * flow_ab, targets)
+                add_entry(scatter, n, _PRESSURE, m, _PRESSURE, place, -scale * scale * flow_ab, targets)
                 if still == 0.0:
                     continue
                 for i in range(3):
                     force, squeezed = coupling[e, a, i] * volume[e, b], coupling[e, b, i] * volume[e, a]
-                    _add(scatter, n, i, m, _PRESSURE, place, -scale * still * force, targets)
-                    _add(scatter, n, _PRESSURE, m, i, place, -scale * still * squeezed, targets)
+                    add_entry(scatter, n, i, m, _PRESSURE, place, -scale * still * force, targets)
+                    add_entry(scatter, n, _PRESSURE, m, i, place, -scale * still * squeezed, targets)
 
 
 def station_gaps(s: PackedStations, displacement: np.ndarray, border: np.ndarray) -> np.ndarray:
@@ -172,7 +156,7 @@ def station_water(s, f, dt, scale, gap_old, gap, pressure, scatter, want, free, 
         square += s.area[k] ** 2 * (gap[k] ** 2 + to_film**2 + to_side_2**2)
         for a in range(size):
             leaves = side_1[a] * to_film - side_2[a] * to_side_2 + film[a] * (stored - to_film + to_side_2)
-            _add_dof(scatter, f.station_nodes[k, a], _PRESSURE, -scale * s.area[k] * leaves, free, border)
+            add_dof(scatter, f.station_nodes[k, a], _PRESSURE, -scale * s.area[k] * leaves, free, border)
         _press(s, k, p3, scatter, free, border)
         if want:
             _station_tangent(s, f, k, (transfer, second), scale, gap[k] > 0.0, (side_1, side_2, film), scatter, targets)
@@ -185,7 +169,7 @@ def _press(s, k, p3, scatter, free, border):
     for i in range(3):
         force = -s.area[k] * p3 * s.frame[k, 0, i]
         for a in range(s.nodes.shape[1]):
-            _add_dof(scatter, s.nodes[k, a], i, s.weight[k, a] * force, free, border)
+            add_dof(scatter, s.nodes[k, a], i, s.weight[k, a] * force, free, border)
         for j in range(len(border)):
             border[j] -= s.body[k, i, j] * force
 
@@ -203,7 +187,7 @@ def _station_tangent(s, f, k, transfers, scale, is_open, shares, scatter, target
             second = (side_2[a] - film[a]) * transfers[1] * (side_2[b] - film[b])
             value = -scale * scale * s.area[k] * (first + second)
             if value != 0.0:
-                _add(scatter, row, _PRESSURE, column, _PRESSURE, f.station_offset[k, a, b], value, targets)
+                add_entry(scatter, row, _PRESSURE, column, _PRESSURE, f.station_offset[k, a, b], value, targets)
         if film[a] == 0.0:
             continue
         share = -scale * s.area[k] * film[a]
@@ -213,14 +197,14 @@ def _station_tangent(s, f, k, transfers, scale, is_open, shares, scatter, target
                 value = share * s.frame[k, 0, i] * s.weight[k, b]
                 if value == 0.0:
                     continue
-                _add(scatter, column, i, row, _PRESSURE, f.station_offset[k, b, a], value, targets)
+                add_entry(scatter, column, i, row, _PRESSURE, f.station_offset[k, b, a], value, targets)
                 if is_open:
-                    _add(scatter, row, _PRESSURE, column, i, f.station_offset[k, a, b], value, targets)
+                    add_entry(scatter, row, _PRESSURE, column, i, f.station_offset[k, a, b], value, targets)
         for m in range(n_border):
             value = 0.0
             for i in range(3):
                 value -= share * s.frame[k, 0, i] * s.body[k, i, m]
-            _add_border(scatter, row, _PRESSURE, m, value if is_open else 0.0, value, targets)
+            add_border(scatter, row, _PRESSURE, m, value if is_open else 0.0, value, targets)
 
 
 @njit
@@ -245,7 +229,7 @@ def face_water(s, f, dt, scale, gap, pressure, scatter, want, free, border, targ
                 for i in range(3):
                     along += f.gradient[k, g, a, i] * flux[i]
                 share = -scale * dt * f.area[k, g]
-                _add_dof(scatter, row, _PRESSURE, share * mean * along, free, border)
+                add_dof(scatter, row, _PRESSURE, share * mean * along, free, border)
                 square += (share / scale * mean * along) ** 2
                 if not want:
                     continue
@@ -253,7 +237,7 @@ def face_water(s, f, dt, scale, gap, pressure, scatter, want, free, border, targ
                     product = 0.0
                     for i in range(3):
                         product += f.gradient[k, g, a, i] * f.gradient[k, g, b, i]
-                    _add(scatter, row, _PRESSURE, f.face_nodes[k, b], _PRESSURE, f.face_offset[k, a, b],
+                    add_entry(scatter, row, _PRESSURE, f.face_nodes[k, b], _PRESSURE, f.face_offset[k, a, b],
                          scale * share * mean * product, targets)  # fmt: skip
                 for c in range(4):
                     if slope[c] > 0.0:
@@ -270,9 +254,9 @@ def _add_gap(s, f, k, c, a, value, nn, scatter, targets):
             part = value * s.frame[station, 0, i] * s.weight[station, b]
             if part != 0.0:
                 column, place = s.nodes[station, b], 4 + c * nn + b
-                _add(scatter, row, _PRESSURE, column, i, f.face_offset[k, a, place], part, targets)
+                add_entry(scatter, row, _PRESSURE, column, i, f.face_offset[k, a, place], part, targets)
     for m in range(targets[3].shape[0]):
         part = 0.0
         for i in range(3):
             part -= value * s.frame[station, 0, i] * s.body[station, i, m]
-        _add_border(scatter, row, _PRESSURE, m, part, 0.0, targets)
+        add_border(scatter, row, _PRESSURE, m, part, 0.0, targets)

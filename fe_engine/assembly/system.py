@@ -3,55 +3,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from fe_engine.assembly import kernels, kernels_energy, kernels_water
+from fe_engine.assembly import kernels, kernels_energy, kernels_stations, kernels_water, scatter
+from fe_engine.assembly.bordered import Residual, Tangent, summary
 from fe_engine.assembly.contact_block import ContactBlock, contact_block
 from fe_engine.assembly.pattern import make_pattern
 from fe_engine.clock import Clock
-from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, REGIME_APEX, REGIME_CONE
 from fe_engine.elements import biot, hex8
 from fe_engine.errors import LawError
 from fe_engine.model import Model
 from fe_engine.state import Fields, State
-
-
-@dataclass
-class Residual:
-    """Internal forces of the change from the initial state, N (border rows in their own units).
-
-    ``free`` (n_free,) and ``border`` (nb,) are internal minus nothing: external border forces are subtracted by
-    the caller. ``contact_norm`` is the 2-norm of the change of the interface's nodal forces, the scale that
-    tolerances refer to. ``volume_norm`` is that of the water: the 2-norm of the volumes (m3) of elements and gaps that
-    have changed and of those that flow in the step, 0 when drained; rows of the water are volumes times -scale (see
-    model.Water).
-    """
-
-    free: np.ndarray
-    border: np.ndarray
-    contact_norm: float
-    n_plastic: int
-    n_apex: int
-    n_slip: int
-    n_open: int
-    volume_norm: float = 0.0
-
-
-@dataclass
-class Tangent:
-    """Bordered tangent [[matrix, columns], [rows, corner]].
-
-    ``contact`` (k,) is what stations and film have added to the entries of the contact block, None where there is none.
-    """
-
-    matrix: csr_matrix
-    columns: np.ndarray
-    rows: np.ndarray
-    corner: np.ndarray
-    contact: np.ndarray | None = None
 
 
 class System:
@@ -68,12 +33,12 @@ class System:
         self.parameters = np.array([m.parameters for m in model.materials])
         self.frame_of, self.frames = _frame_table(model)
         self.time_step = 0.0  # s, of the present increment; only water asks for it
-        self.stations = kernels.pack_stations(model)
+        self.stations = kernels_stations.pack_stations(model)
         self.regime = np.zeros((model.mesh.n_elements, 8), dtype=np.int8)
         self.contact_state = np.zeros(len(self.stations.area), dtype=np.int8)
         self.block: ContactBlock | None = None
         p = self.pattern
-        self._scatter = kernels.Scatter(p.equation, p.weight, p.rank, p.indptr)
+        self._scatter = scatter.Scatter(p.equation, p.weight, p.rank, p.indptr)
         if model.linear is not None:
             hexes, stiffness = model.linear.hexes, model.linear.stiffness
             self.linear = np.ascontiguousarray(hexes, dtype=np.int64), np.ascontiguousarray(stiffness, dtype=float)
@@ -175,7 +140,7 @@ class System:
 
     def jumps(self, fields: Fields) -> np.ndarray:
         """Jumps (ns, 3) in m of all stations in their frames."""
-        found: np.ndarray = kernels.station_jumps(self.stations, fields.displacement, fields.border)
+        found: np.ndarray = kernels_stations.station_jumps(self.stations, fields.displacement, fields.border)
         return found
 
     def gaps(self, fields: Fields) -> np.ndarray:
@@ -231,7 +196,7 @@ class System:
         linear_free, linear_border = free.copy(), border.copy()
         judged = self._contact(state, free, border, volume)
         old, new, p = state.committed, state.trial, self.pattern
-        kernels.station_tangent(
+        kernels_stations.station_tangent(
             self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
             self._iterate, fresh, self._scatter, p.station_offset, linear_free, linear_border, _targets(tangent),
         )  # fmt: skip
@@ -294,7 +259,7 @@ class System:
     def _contact(self, state: State, free: np.ndarray, border: np.ndarray, volume: float) -> Residual:
         """Add the contact forces of the law and sum up; ``volume`` is the sum of squares of the water's, m6."""
         old, new = state.committed, state.trial
-        square = kernels.station_residual(
+        square = kernels_stations.station_residual(
             self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
             self.contact_state, self._scatter, free, border,
         )  # fmt: skip
@@ -318,22 +283,8 @@ class System:
         return f"node {node} of {element}, {what}, {where}"
 
 
-def summary(
-    free: np.ndarray, border: np.ndarray, contact: float, volume: float, regime: np.ndarray, contact_state: np.ndarray
-) -> Residual:
-    """Residual with its norms, and the numbers of points and stations in each regime."""
-    return Residual(
-        free, border, contact,
-        n_plastic=int(np.count_nonzero(regime == REGIME_CONE)),
-        n_apex=int(np.count_nonzero(regime == REGIME_APEX)),
-        n_slip=int(np.count_nonzero(contact_state == CONTACT_SLIP)),
-        n_open=int(np.count_nonzero(contact_state == CONTACT_OPEN)),
-        volume_norm=volume,
-    )  # fmt: skip
-
-
 def _targets(tangent: Tangent | None) -> tuple[np.ndarray, ...]:
-    return (tangent.matrix.data, tangent.columns, tangent.rows, tangent.corner) if tangent else kernels_water.NOWHERE
+    return (tangent.matrix.data, tangent.columns, tangent.rows, tangent.corner) if tangent else scatter.NOWHERE
 
 
 def _in_nodal_axes(gradient: np.ndarray, hexes: np.ndarray, frame_of: np.ndarray, frames: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fe_engine.assembly import kernels_water
-from fe_engine.assembly.kernels import Scatter
+from fe_engine.assembly.scatter import NOWHERE, Scatter
 from fe_engine.assembly.system import System
 from fe_engine.elements import interface
 from fe_engine.mesh import FACES
@@ -90,7 +90,7 @@ class WaterBalance:
         fields = (old.displacement, old.pressure), (new.displacement, new.pressure)
         kernels_water.soil_water(s.hexes, s.pores.arrays, time_step, -1.0, *fields, self._scatter, out, nothing)
         if s.film is not None:
-            gaps, end = (self._gap(old), self._gap(new)), (self._scatter, False, out, nothing, kernels_water.NOWHERE)
+            gaps, end = (self._gap(old), self._gap(new)), (self._scatter, False, out, nothing, NOWHERE)
             kernels_water.station_water(s.stations, s.film, time_step, -1.0, *gaps, new.pressure, *end)
             kernels_water.face_water(s.stations, s.film, time_step, -1.0, gaps[1], new.pressure, *end)
         return out

@@ -27,8 +27,8 @@ from scipy.linalg import lapack
 from scipy.sparse import csr_matrix
 from threadpoolctl import ThreadpoolController
 
+from fe_engine.assembly.bordered import Tangent
 from fe_engine.assembly.contact_block import ContactBlock
-from fe_engine.assembly.system import Tangent
 from fe_engine.errors import LinearSolverError
 from fe_engine.linear.backends import Backend, Pardiso
 from fe_engine.linear.solver import condition_estimate, equilibrated

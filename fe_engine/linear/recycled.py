@@ -22,7 +22,8 @@ from scipy.linalg import null_space
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator, gcrotmk
 
-from fe_engine.assembly.system import Residual, System, Tangent
+from fe_engine.assembly.bordered import Residual, Tangent
+from fe_engine.assembly.system import System
 from fe_engine.errors import LinearSolverError
 from fe_engine.linear.backends import Pardiso, make_backend
 from fe_engine.linear.preconditioner import Control, Factors, Origin, SoilFactors, TangentFactors

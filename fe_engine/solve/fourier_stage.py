@@ -19,8 +19,8 @@ from types import SimpleNamespace
 import numpy as np
 from scipy.linalg import lapack, solve_triangular
 
+from fe_engine.assembly.bordered import Residual
 from fe_engine.assembly.fourier_system import FourierSystem, FourierTangent
-from fe_engine.assembly.system import Residual
 from fe_engine.clock import Clock
 from fe_engine.errors import LinearSolverError
 from fe_engine.linear.preconditioner import Control, Origin

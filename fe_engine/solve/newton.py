@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from fe_engine.assembly.bordered import Residual
 from fe_engine.assembly.fourier_system import FourierSystem
-from fe_engine.assembly.system import Residual, System
+from fe_engine.assembly.system import System
 from fe_engine.errors import LawError, LinearSolverError, NotConverged
 from fe_engine.linear.preconditioner import Origin
 from fe_engine.linear.recycled import Recycled

@@ -19,7 +19,8 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from fe_engine.assembly.system import Residual, System, Tangent
+from fe_engine.assembly.bordered import Residual, Tangent
+from fe_engine.assembly.system import System
 from fe_engine.errors import LinearSolverError
 from fe_engine.linear.preconditioner import Origin
 from fe_engine.linear.recycled import Recycled, control_of

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fe_engine.assembly.system import Residual
+from fe_engine.assembly.bordered import Residual
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stage import Balance, FactorStage
 from fe_engine.state import State

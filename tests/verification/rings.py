@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fe_engine.assembly.kernels import station_jumps
+from fe_engine.assembly.kernels_stations import station_jumps
 from fe_engine.contact import coulomb
 from fe_engine.state import Fields
 from pysprings.model.build import SURFACE

@@ -7,7 +7,7 @@ import numba
 import numpy as np
 import pytest
 
-from fe_engine.assembly import kernels
+from fe_engine.assembly import kernels, kernels_stations
 from fe_engine.assembly.system import System
 from fe_engine.contact import coulomb
 from fe_engine.conventions import ELASTIC
@@ -142,7 +142,7 @@ def test_a_second_linearisation_goes_on_from_the_first_ones_tractions():
     jump, traction, tangent = (each.copy() for each in system._iterate)
     system.apply(state, *random_move(system, rng))
     judged, linear, second = system.linearise(state, False)
-    now = kernels.station_jumps(system.stations, state.trial.displacement, state.trial.border)
+    now = kernels_stations.station_jumps(system.stations, state.trial.displacement, state.trial.border)
     guesses = traction + np.einsum("sij,sj->si", tangent, now - jump)
     fresh = traction[:, 0] == 0.0
     guesses[fresh] = state.trial.traction[fresh]
