@@ -12,10 +12,9 @@ import numpy as np
 from fe_engine.assembly.system import System
 from fe_engine.clock import Clock
 from fe_engine.contact import coulomb
-from fe_engine.conventions import DRUCKER_PRAGER
 from fe_engine.linear.solver import LinearSolver
+from fe_engine.material import Material
 from fe_engine.mesh import Mesh
-from fe_engine.model import Material
 from fe_engine.settings import Recycling, Settings
 from fe_engine.soil import plasol
 from fe_engine.solve.newton import Newton
@@ -136,7 +135,7 @@ def with_history(scene: Scene) -> Built:
         young=soil.young_modulus, poisson=soil.poisson_ratio, phi_i=soil.friction_angle_initial,
         phi_f=soil.friction_angle_final, b_phi=soil.hardening_parameter, psi=soil.dilation_angle, cohesion=1e12,
     )  # fmt: skip
-    return replace(built, model=replace(built.model, materials=[Material(DRUCKER_PRAGER, strong)]))
+    return replace(built, model=replace(built.model, materials=[Material(plasol.LAW, strong)]))
 
 
 def with_shear(scene: Scene, friction: float = 1e-9) -> Built:

@@ -40,10 +40,25 @@ def digest(home: Path, sources: Iterable[Path]) -> str:
     return total.hexdigest()
 
 
-@cache
+_outside: list[Path] = []  # sources of registered laws that lie outside the engine
+
+
+def include(sources: Iterable[Path]) -> None:
+    """Count files outside the engine among its sources: loops made from now on depend on their contents."""
+    _outside.extend(sorted(sources))
+
+
 def engine_digest() -> str:
-    """Return the digest of all sources of the engine."""
-    return digest(HOME, HOME.rglob("*.py"))
+    """Return the digest of all sources of the engine, and of those of laws from outside (see `include`)."""
+    return _digest_with(tuple(_outside))
+
+
+@cache
+def _digest_with(outside: tuple[Path, ...]) -> str:
+    own = digest(HOME, HOME.rglob("*.py"))
+    if not outside:
+        return own
+    return hashlib.sha256(b"\0".join([own.encode(), *(source.read_bytes() for source in outside)])).hexdigest()
 
 
 def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:

@@ -24,11 +24,6 @@ XX, YY, ZZ, XY, YZ, ZX = range(6)
 # Rigid-body degrees of freedom
 U, W, ROTATION = range(3)
 
-# Integer codes of the soil laws (an if-chain on these keeps numba's cache valid)
-ELASTIC = 0
-DRUCKER_PRAGER = 1
-VAN_EEKELEN = 2
-
 # What happened at a Gauss point or a station in the last evaluation
 REGIME_ELASTIC, REGIME_CONE, REGIME_APEX = 0, 1, 2
 CONTACT_STICK, CONTACT_SLIP, CONTACT_OPEN = 0, 1, 2

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fe_engine.conventions import ELASTIC
+from fe_engine.contact import coulomb
+from fe_engine.contact.law import ContactLaw
 from fe_engine.elements import fourier as elements
 from fe_engine.elements.interface import Stations
 from fe_engine.errors import MeshError, ModelError
+from fe_engine.material import Material, contact_shapes, material_shapes
 from fe_engine.mesh import Quality
-from fe_engine.model import Material
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ class FourierModel:
     materials, material : laws in use, and the index of each element's (ne,).
     initial_stress : (ne, 4 M, 6) Pa in cylindrical axes, point g at azimuth j stands at g M + j; see model.Model.
     fixed : (n, 3) bool, directions r, theta, z held at zero in all harmonics; the axis takes care of itself.
-    n_border, border_scale, contact, initial_pressure : see model.Model.
+    n_border, border_scale, contact, contact_laws, contact_law, initial_pressure : see model.Model.
     stations : interface stations on circles.
     """
 
@@ -107,11 +108,8 @@ class FourierModel:
     contact: np.ndarray
     initial_pressure: np.ndarray
     water: None = None
-
-    @property
-    def has_history(self) -> bool:
-        """Whether any soil law keeps a history; an elastic one does not."""
-        return any(material.law != ELASTIC for material in self.materials)
+    contact_laws: tuple[ContactLaw, ...] = (coulomb.LAW,)
+    contact_law: np.ndarray | None = None
 
     @property
     def displacement_shape(self) -> tuple[int, int, int]:
@@ -129,10 +127,10 @@ class FourierModel:
             "initial_pressure": (self.initial_pressure.shape, (ns,)),
             "stations.azimuth": (self.stations.azimuth.shape, (ns,)),
             "stations.nodes": (self.stations.nodes.shape, (ns, 1)),
-            "contact": (self.contact.shape, (ns, 3)),
         }
+        wanted |= material_shapes(self) | contact_shapes(self)
         for name, (got, want) in wanted.items():
             if got != want:
                 raise ModelError(f"{name} has shape {got}, expected {want}")
         if self.azimuths <= self.harmonics:
-            raise ModelError(f"{self.azimuths} azimuths cannot tell {self.harmonics} harmonics apart: take more")
+            raise ModelError(f"{self.azimuths} azimuths cannot resolve {self.harmonics} harmonics: take more")

@@ -7,19 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fe_engine.contact.coulomb import MU, N_PARAMETERS
-from fe_engine.conventions import ELASTIC
+from fe_engine.contact import coulomb
+from fe_engine.contact.law import ContactLaw
 from fe_engine.elements.interface import Film, Stations
 from fe_engine.errors import ModelError
+from fe_engine.material import Material, contact_shapes, is_smooth, material_shapes
 from fe_engine.mesh import Mesh
-
-
-@dataclass(frozen=True)
-class Material:
-    """A soil law by its integer code, with the parameters packed by that law."""
-
-    law: int
-    parameters: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -89,7 +82,8 @@ class Model:
     Attributes
     ----------
     mesh : nodes and hexahedra.
-    materials : laws in use; material : (ne,) index into them.
+    materials : laws in use; material : (ne,) index into them. Where the parameters of a material have several rows,
+        these stand in the order of its elements.
     initial_stress : (ne, 8, 6) Pa, in equilibrium with weight, surcharge and initial contact pressure. The
         equations are written for the change from this state, so it is an exact equilibrium at zero displacement.
     fixed : (n, 3) bool, dofs held at zero, in the nodal frame where one is given.
@@ -97,7 +91,8 @@ class Model:
     followers : (k, 4) rows (node, component, border dof, weight): nodal dofs that move with a border dof.
     n_border : number of border dofs (3 for a rigid body).
     border_scale : (nb,) lengths that turn border dofs into displacements (norms and scaling only).
-    stations, contact : interface stations, and the contact parameters (ns, 3) of each, or one row (1, 3) for all.
+    stations, contact : interface stations, and the contact parameters (ns, n) of each, or one row (1, n) for all.
+    contact_laws, contact_law : laws of the stations, and the index (ns,) of each into them; None: all have the first.
     initial_pressure : (ns,) Pa, effective contact pressure of each station in the initial state.
     water : pore water; None leaves every pressure unknown out (drained).
     linear : elements of constant stiffness, whose nodes stand behind the soil's; None where there are none.
@@ -117,6 +112,8 @@ class Model:
     initial_pressure: np.ndarray = field(default_factory=lambda: np.zeros(0))
     water: Water | None = None
     linear: Linear | None = None
+    contact_laws: tuple[ContactLaw, ...] = (coulomb.LAW,)
+    contact_law: np.ndarray | None = None
 
     @property
     def displacement_shape(self) -> tuple[int, int]:
@@ -129,18 +126,14 @@ class Model:
         return 0 if self.water is None or self.water.film is None else self.water.film.n_nodes
 
     @property
-    def has_history(self) -> bool:
-        """Whether any soil law keeps a history; an elastic one does not."""
-        return any(material.law != ELASTIC for material in self.materials)
-
-    @property
     def symmetric(self) -> bool:
         """Whether the sparse part of every tangent is symmetric and positive definite.
 
         So it is where the soil is elastic, nothing rubs and there is no water. The coupling of water is one-sided where
         the interface is closed: the pressure of the film presses on its faces, and their motion moves no water.
         """
-        return not self.has_history and self.water is None and not np.any(self.contact[:, MU])
+        soil = all(material.law.symmetric for material in self.materials)
+        return soil and self.water is None and is_smooth(self)
 
     def check(self) -> None:
         """Raise ModelError where the parts contradict each other."""
@@ -153,8 +146,7 @@ class Model:
         }
         if self.stations is not None:
             wanted["initial_pressure"] = (self.initial_pressure.shape, (len(self.stations),))
-            if len(self.contact) != 1:
-                wanted["contact"] = (self.contact.shape, (len(self.stations), N_PARAMETERS))
+            wanted |= contact_shapes(self)
         if self.water is not None:
             wanted["water.fixed"] = (self.water.fixed.shape, (n + self.n_film,))
             wanted["water.initial"] = (self.water.initial.shape, (n + self.n_film,))
@@ -165,6 +157,7 @@ class Model:
             wanted["linear.stiffness"] = (self.linear.stiffness.shape, (nl, 24, 24))
             if skew := sorted(set(self.frames) & set(self.linear.hexes.ravel().tolist())):
                 raise ModelError(f"node {skew[0]} has axes of its own and a linear element; these have global axes")
+        wanted |= material_shapes(self)
         for name, (got, want) in wanted.items():
             if got != want:
                 raise ModelError(f"{name} has shape {got}, expected {want}")

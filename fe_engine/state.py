@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fe_engine.fourier_model import FourierModel
+from fe_engine.material import history_size
 from fe_engine.model import Model
-from fe_engine.soil.dispatch import N_HISTORY
 
 FIELDS = ("displacement", "border", "stress", "history", "traction", "pressure")
 
@@ -19,7 +19,7 @@ class Fields:
     """One copy of everything that evolves.
 
     displacement (n, 3) m in nodal axes, or the coefficients (n, 3, N + 1) of a Fourier series; border (nb,); stress
-    (ne, np, 6) Pa at the points of each element; history (ne, np, nh), nh = 0 where no law keeps one; traction (ns, 3)
+    (ne, np, 6) Pa at the points of each element; history (ne, np, nh), nh that of the law with most; traction (ns, 3)
     Pa, effective, in station frames; pressure (n + nf,) Pa of the water (empty when drained).
     """
 
@@ -62,7 +62,7 @@ def initial_fields(model: Model | FourierModel) -> Fields:
         displacement=np.zeros(model.displacement_shape),
         border=np.zeros(model.n_border),
         stress=np.array(model.initial_stress, dtype=float, copy=True),
-        history=np.zeros((*model.initial_stress.shape[:2], N_HISTORY if model.has_history else 0)),
+        history=np.zeros((*model.initial_stress.shape[:2], history_size(model))),
         traction=traction,
         pressure=np.zeros(0) if model.water is None else np.array(model.water.initial, dtype=float, copy=True),
     )

@@ -10,38 +10,45 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fe_engine.assembly.kernels_stations import guess_traction
 from fe_engine.compiled import njit
-from fe_engine.contact import coulomb
+from fe_engine.contact.dispatch import linearise_contact, update_contact
+from fe_engine.contact.law import Slide
 from fe_engine.conventions import OK, REGIME_ELASTIC
 from fe_engine.elements.fourier import add_amplitudes, add_force, amplitudes, strain_at
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.soil.elastic import stored_density, subtract_elastic_tangent
-
-_update_contact = coulomb.update
-_linearise_contact = coulomb.linearise
+from fe_engine.soil.law import Point
 
 
 class Soil(NamedTuple):
-    """Section elements (ne, 8), see fourier_elements; waves (M, K, 2), weight: radians an azimuth stands for."""
+    """Section elements (ne, 8), see elements.fourier; waves (M, K, 2), weight: radians an azimuth stands for.
+
+    law (ne,) codes, parameters (ne, n), moduli (ne, 2) K and G in Pa: see material.soil_rows.
+    """
 
     quads: np.ndarray
     gradient: np.ndarray
     volume: np.ndarray
     waves: np.ndarray
     weight: float
-    material: np.ndarray
-    laws: np.ndarray
+    law: np.ndarray
     parameters: np.ndarray
+    moduli: np.ndarray
     initial_stress: np.ndarray
 
 
 class Contact(NamedTuple):
-    """Stations: node (ns,), jump = operator (3, 3, K) : coefficients - body (3, nb) border, all in their frames."""
+    """Stations: node (ns,), jump = operator (3, 3, K) : coefficients - body (3, nb) border, all in their frames.
+
+    law (ns,) codes, parameters (ns, n) of the contact law.
+    """
 
     node: np.ndarray
     operator: np.ndarray
     body: np.ndarray
     area: np.ndarray
+    law: np.ndarray
     parameters: np.ndarray
     initial_pressure: np.ndarray
 
@@ -58,7 +65,7 @@ def gather(nodes, new, old, out):
 
 @njit
 def soil_forces(soil, old, new, regime, want, tangent, force):
-    """Add the forces of the soil to force (n, 3, K); ``old`` and ``new`` are (displacement, stress, history).
+    """Add the forces of the soil to force (n, 3, K); ``old`` and ``new`` are SoilState.
 
     Where ``want``, tangent (ne, 4 M, 6, 6) gets what the points that are not elastic have beyond the elastic tangent,
     times the volume of the point. Returns -1, or the number of an element whose law did not converge.
@@ -68,8 +75,8 @@ def soil_forces(soil, old, new, regime, want, tangent, force):
     strains, stresses = np.empty((n_waves, 6)), np.empty((n_waves, 6))
     strain, change, c = np.empty(6), np.empty(6), np.empty((6, 6))
     for e in range(soil.quads.shape[0]):
-        law, p = soil.laws[soil.material[e]], soil.parameters[soil.material[e]]
-        gather(soil.quads[e], new[0], old[0], move)
+        code, p, bulk, shear = soil.law[e], soil.parameters[e], soil.moduli[e, 0], soil.moduli[e, 1]
+        gather(soil.quads[e], new.displacement, old.displacement, move)
         for g in range(4):
             amplitudes(soil.gradient[e, g], move, strains)
             stresses[:] = 0.0
@@ -77,17 +84,17 @@ def soil_forces(soil, old, new, regime, want, tangent, force):
             for j in range(n_azimuths):
                 point = g * n_azimuths + j
                 strain_at(strains, soil.waves[j], strain)
-                status, what = update_soil(
-                    law, p, strain, old[1][e, point], old[2][e, point], new[1][e, point], new[2][e, point], c, want
-                )
+                before = Point(old.stress[e, point], old.history[e, point])
+                after = Point(new.stress[e, point], new.history[e, point])
+                status, what = update_soil(code, p, strain, before, after, c, want)
                 if status != OK:
                     return e
                 regime[e, point] = what
                 for i in range(6):
-                    change[i] = new[1][e, point, i] - soil.initial_stress[e, point, i]
+                    change[i] = after.stress[i] - soil.initial_stress[e, point, i]
                 add_amplitudes(change, soil.waves[j], volume, stresses)
                 if want and what != REGIME_ELASTIC:
-                    subtract_elastic_tangent(p[0], p[1], c)
+                    subtract_elastic_tangent(bulk, shear, c)
                     for i in range(6):
                         for m in range(6):
                             tangent[e, point, i, m] = volume * c[i, m]
@@ -128,13 +135,13 @@ def plastic_product(soil, regime, tangent, x, out):
 
 @njit
 def soil_work(soil, old, new):
-    """Return (stored, dissipated, initial) work of a step in J; ``old`` and ``new`` are (displacement, stress)."""
+    """Return (stored, dissipated, initial) work of a step in J; ``old`` and ``new`` are SoilState."""
     n_azimuths, n_waves = soil.waves.shape[0], soil.waves.shape[1]
     move, strains, strain = np.empty((8, 3, n_waves)), np.empty((n_waves, 6)), np.empty(6)
     stored, dissipated, initial = 0.0, 0.0, 0.0
     for e in range(soil.quads.shape[0]):
-        p = soil.parameters[soil.material[e]]
-        gather(soil.quads[e], new[0], old[0], move)
+        bulk, shear = soil.moduli[e, 0], soil.moduli[e, 1]
+        gather(soil.quads[e], new.displacement, old.displacement, move)
         for g in range(4):
             amplitudes(soil.gradient[e, g], move, strains)
             volume = soil.weight * soil.volume[e, g]
@@ -143,9 +150,10 @@ def soil_work(soil, old, new):
                 strain_at(strains, soil.waves[j], strain)
                 done, begun = 0.0, 0.0
                 for i in range(6):
-                    done += 0.5 * (old[1][e, point, i] + new[1][e, point, i]) * strain[i]
+                    done += 0.5 * (old.stress[e, point, i] + new.stress[e, point, i]) * strain[i]
                     begun += soil.initial_stress[e, point, i] * strain[i]
-                kept = stored_density(p[0], p[1], new[1][e, point]) - stored_density(p[0], p[1], old[1][e, point])
+                kept = stored_density(bulk, shear, new.stress[e, point])
+                kept -= stored_density(bulk, shear, old.stress[e, point])
                 stored += volume * kept
                 dissipated += volume * (done - kept)
                 initial += volume * begun
@@ -207,33 +215,28 @@ def add_tractions(s, traction, free, border):
 
 @njit
 def contact_forces(s, old, new, contact_state, free, border):
-    """Add the contact forces of the law; ``old`` and ``new`` are (displacement, border, traction)."""
+    """Add the contact forces of the law; ``old`` and ``new`` are ContactState."""
     jump, jump_old = np.empty(3), np.empty(3)
     for k in range(len(s.area)):
-        _jump(s, k, new[0], new[1], jump)
-        _jump(s, k, old[0], old[1], jump_old)
-        contact_state[k] = _update_contact(s.parameters[k], s.initial_pressure[k], jump, jump_old, old[2][k], new[2][k])
-        _add_traction(s, k, new[2][k], free, border)
+        _jump(s, k, new.displacement, new.border, jump)
+        _jump(s, k, old.displacement, old.border, jump_old)
+        slide = Slide(jump, jump_old, old.traction[k], s.initial_pressure[k])
+        contact_state[k] = update_contact(s.law[k], s.parameters[k], slide, new.traction[k])
+        _add_traction(s, k, new.traction[k], free, border)
 
 
 @njit
-def linear_contact(s, old, new, iterate, fresh, free, border):
-    """Add the linearised contact forces; see kernels.station_tangent, whose ``iterate`` holds the tangent, too."""
+def linear_contact(s, old, new, iterate, free, border):
+    """Add the linearised contact forces; see kernels_stations.station_tangent. ``iterate`` gets the tangents."""
     jump, jump_old, guess = np.empty(3), np.empty(3), np.empty(3)
     for k in range(len(s.area)):
-        _jump(s, k, new[0], new[1], jump)
-        _jump(s, k, old[0], old[1], jump_old)
-        restart = fresh or iterate[1][k, 0] == 0.0
-        for i in range(3):
-            guess[i] = new[2][k, i] if restart else iterate[1][k, i]
-            if not restart:
-                for j in range(3):
-                    guess[i] += iterate[2][k, i, j] * (jump[j] - iterate[0][k, j])
-        _linearise_contact(
-            s.parameters[k], s.initial_pressure[k], jump, jump_old, old[2][k], guess, iterate[1][k], iterate[2][k]
-        )
-        iterate[0][k, :] = jump
-        _add_traction(s, k, iterate[1][k], free, border)
+        _jump(s, k, new.displacement, new.border, jump)
+        _jump(s, k, old.displacement, old.border, jump_old)
+        guess_traction(iterate, k, new.traction[k], jump, guess)
+        slide = Slide(jump, jump_old, old.traction[k], s.initial_pressure[k])
+        linearise_contact(s.law[k], s.parameters[k], slide, guess, iterate.traction[k], iterate.tangent[k])
+        iterate.jump[k, :] = jump
+        _add_traction(s, k, iterate.traction[k], free, border)
 
 
 @njit

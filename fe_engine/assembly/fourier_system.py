@@ -15,14 +15,14 @@ import numpy as np
 from fe_engine.assembly import fourier_kernels as kernels
 from fe_engine.assembly.bordered import Residual, summary
 from fe_engine.assembly.harmonic_factors import HarmonicFactors
-from fe_engine.assembly.kernels_stations import pack_stations
+from fe_engine.assembly.kernels import SoilState
+from fe_engine.assembly.kernels_stations import ContactState, PackedStations, no_iterate, pack_stations
 from fe_engine.clock import Clock
-from fe_engine.contact import coulomb
 from fe_engine.elements import fourier as elements
 from fe_engine.errors import LawError, ModelError
 from fe_engine.fourier_model import FourierModel, SectionMesh
+from fe_engine.material import contact_gaps, soil_rows
 from fe_engine.soil.elastic import elastic_tangent
-from fe_engine.soil.plasol import BULK, SHEAR
 from fe_engine.state import Fields, State
 
 
@@ -91,28 +91,28 @@ class FourierSystem:
         self.time_step = 0.0
         gradient, volume = elements.geometry(model.mesh.nodes, model.mesh.quads)
         waves = elements.waves(elements.azimuths(model.azimuths), model.harmonics)
-        parameters = np.array([m.parameters for m in model.materials])
         self.soil = kernels.Soil(
             np.ascontiguousarray(model.mesh.quads, dtype=np.int64), gradient, volume, waves, np.pi / model.azimuths,
-            model.material, np.array([m.law for m in model.materials]), parameters, model.initial_stress,
+            *soil_rows(model), model.initial_stress,
         )  # fmt: skip
         self.pattern = make_pattern(model)
-        self.factors = self._factorise(gradient, volume, parameters)
+        self.factors = self._factorise(gradient, volume)
         self.schur = self._interface_stiffness()
         self.stations = pack_stations(model)
-        self.contact = _contact(model)
+        self.contact = _contact(model, self.stations)
         self.is_pressure = np.zeros(self.pattern.n_free, dtype=bool)
         shape, ns = model.initial_stress.shape[:2], len(model.stations)
         self.regime = np.zeros(shape, dtype=np.int8)
         self.contact_state = np.zeros(ns, dtype=np.int8)
         self._plastic = np.zeros((*shape, 6, 6))
-        self._iterate = (np.zeros((ns, 3)), np.zeros((ns, 3)), np.zeros((ns, 3, 3)))
+        self._iterate = no_iterate(ns)
         self.initial_contact_norm = self._contact_norm(np.zeros((ns, 3)))
 
-    def _factorise(self, gradient: np.ndarray, volume: np.ndarray, parameters: np.ndarray) -> HarmonicFactors:
-        """Factors of the soil at rest."""
+    def _factorise(self, gradient: np.ndarray, volume: np.ndarray) -> HarmonicFactors:
+        """Factorise the soil at rest."""
         model, p = self.model, self.pattern
-        tangent = np.array([_elastic(each) for each in parameters])[model.material]
+        moduli, number = np.unique(self.soil.moduli, axis=0, return_inverse=True)
+        tangent = np.array([_elastic(*each) for each in moduli])[number.ravel()]
         waves = range(model.harmonics + 1)
         stiffness = np.array([elements.stiffness(gradient, volume, tangent, k) for k in waves])
         _hold(stiffness, p.held[model.mesh.quads], p.axis[model.mesh.quads])
@@ -146,14 +146,16 @@ class FourierSystem:
             forces = self._soil(state, True)
             judged = self._contact(state, forces.copy())
             border = np.zeros(self.model.n_border)
-            old, new = ((f.displacement, f.border, f.traction) for f in (state.committed, state.trial))
-            kernels.linear_contact(self.contact, old, new, self._iterate, fresh, forces, border)
+            if fresh:
+                self._iterate.traction[:] = 0.0
+            old, new = (ContactState(f.displacement, f.border, f.traction) for f in (state.committed, state.trial))
+            kernels.linear_contact(self.contact, old, new, self._iterate, forces, border)
             linear = Residual(self.pattern.folded(forces), border, judged.contact_norm, *_counts(judged))
-            return judged, linear, FourierTangent(self._iterate[2].copy(), self._plastic, self.regime.copy())
+            return judged, linear, FourierTangent(self._iterate.tangent.copy(), self._plastic, self.regime.copy())
 
     def _soil(self, state: State, want: bool) -> np.ndarray:
         """Forces (n, 3, K) of the soil; what yields goes into the tangent if wanted."""
-        old, new = ((f.displacement, f.stress, f.history) for f in (state.committed, state.trial))
+        old, new = (SoilState(f.displacement, f.stress, f.history) for f in (state.committed, state.trial))
         force = np.zeros(self.model.displacement_shape)
         bad = kernels.soil_forces(self.soil, old, new, self.regime, want, self._plastic, force)
         if bad >= 0:
@@ -163,10 +165,10 @@ class FourierSystem:
 
     def _contact(self, state: State, force: np.ndarray) -> Residual:
         """Add the contact forces of the law and sum up."""
-        old, new = ((f.displacement, f.border, f.traction) for f in (state.committed, state.trial))
+        old, new = (ContactState(f.displacement, f.border, f.traction) for f in (state.committed, state.trial))
         border = np.zeros(self.model.n_border)
         kernels.contact_forces(self.contact, old, new, self.contact_state, force, border)
-        norm = self._contact_norm(new[2])
+        norm = self._contact_norm(new.traction)
         return summary(self.pattern.folded(force), border, norm, 0.0, self.regime, self.contact_state)
 
     def _contact_norm(self, traction: np.ndarray) -> float:
@@ -208,13 +210,12 @@ class FourierSystem:
 
     def gaps(self, fields: Fields) -> np.ndarray:
         """Openings (ns,) in m of all stations, 0 where they are closed."""
-        return coulomb.gap(self.contact.parameters, self.contact.initial_pressure, self.jumps(fields)[:, 0])
+        return contact_gaps(self.model, self.jumps(fields)[:, 0])
 
     def solid_work(self, old: Fields, new: Fields) -> tuple[float, float, float]:
         """Work (J) of the soil from one state to the next: stored, dissipated, and of the initial stress."""
-        found: tuple[float, float, float] = kernels.soil_work(
-            self.soil, (old.displacement, old.stress), (new.displacement, new.stress)
-        )
+        states = (SoilState(f.displacement, f.stress, f.history) for f in (old, new))
+        found: tuple[float, float, float] = kernels.soil_work(self.soil, *states)
         return found
 
     def elements_at(self, equations: np.ndarray) -> np.ndarray:
@@ -243,9 +244,9 @@ def _counts(residual: Residual) -> tuple[int, int, int, int]:
     return residual.n_plastic, residual.n_apex, residual.n_slip, residual.n_open
 
 
-def _elastic(parameters: np.ndarray) -> np.ndarray:
+def _elastic(bulk: float, shear: float) -> np.ndarray:
     tangent = np.empty((6, 6))
-    elastic_tangent(parameters[BULK], parameters[SHEAR], 1.0, tangent)
+    elastic_tangent(bulk, shear, 1.0, tangent)
     return tangent
 
 
@@ -291,7 +292,7 @@ def _hold(stiffness: np.ndarray, held: np.ndarray, axis: np.ndarray) -> None:
         matrices.transpose(0, 2, 1)[still] = 0.0
 
 
-def _contact(model: FourierModel) -> kernels.Contact:
+def _contact(model: FourierModel, packed: PackedStations) -> kernels.Contact:
     """Stations with their operators on the coefficients of their nodes."""
     s = model.stations
     wave = elements.waves(s.azimuth, model.harmonics)
@@ -302,5 +303,5 @@ def _contact(model: FourierModel) -> kernels.Contact:
     operator = np.einsum("sij,sjk->sijk", s.frame @ turn, series)
     return kernels.Contact(
         s.nodes[:, 0].astype(np.int64), np.ascontiguousarray(operator), np.ascontiguousarray(s.frame @ s.body),
-        s.area.astype(float), np.ascontiguousarray(model.contact), model.initial_pressure.astype(float),
+        packed.area, packed.law, packed.contact, packed.initial_pressure,
     )  # fmt: skip

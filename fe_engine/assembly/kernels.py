@@ -7,6 +7,8 @@ order and results do not depend on the number of threads.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numba as nb
 import numpy as np
 
@@ -16,8 +18,46 @@ from fe_engine.conventions import OK, REGIME_ELASTIC
 from fe_engine.elements.hex8 import add_force, add_stiffness, b_bar, strain_at
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.soil.elastic import elastic_tangent, subtract_elastic_tangent
+from fe_engine.soil.law import Point
 
-BATCH = 4096  # the fewer, the less threads wait for each other; 19 MB of blocks
+BATCH = 4096  # elements; the fewer batches, the less threads wait for each other; 19 MB of blocks
+
+
+class Elements(NamedTuple):
+    """Bricks of the soil.
+
+    hexes (ne, 8) nodes; gradient (ne, 8, 8, 3), mean_gradient (ne, 8, 3) and volume (ne, 8): see hex8.geometry.
+    law (ne,) codes, parameters (ne, n), moduli (ne, 2) K and G in Pa: see material.soil_rows.
+    initial_stress (ne, 8, 6) Pa.
+    frame_of (n,) index of each node's axes or -1, frames (k, 3, 3).
+    """
+
+    hexes: np.ndarray
+    gradient: np.ndarray
+    mean_gradient: np.ndarray
+    volume: np.ndarray
+    law: np.ndarray
+    parameters: np.ndarray
+    moduli: np.ndarray
+    initial_stress: np.ndarray
+    frame_of: np.ndarray
+    frames: np.ndarray
+
+
+class SoilState(NamedTuple):
+    """Displacement (n, 3) or coefficients, and of each point stress (ne, np, 6) and history (ne, np, nh)."""
+
+    displacement: np.ndarray
+    stress: np.ndarray
+    history: np.ndarray
+
+
+class Blocks(NamedTuple):
+    """Forces (k, 24) and stiffnesses (k, 24, 24) of the elements of a batch; changed (k,): any point is not elastic."""
+
+    force: np.ndarray
+    stiffness: np.ndarray
+    changed: np.ndarray
 
 
 @njit
@@ -67,94 +107,86 @@ def _to_nodal_axes(nodes, frames, force, stiffness, want):
 
 
 @njit
-def _element(
-    e, slot, hexes, shapes, material, laws, parameters, initial_stress, frames, old, new,
-    regime, want, forces, stiffnesses, changed,
-):  # fmt: skip
-    """Force (24,) of element e into a slot, and what its stiffness (24, 24) has beyond the elastic one.
+def _element(e, slot, elements, old, new, regime, want, blocks):
+    """Write the force of element e into a slot, and what its stiffness has beyond the elastic one; return the status.
 
-    Updates its trial stress and history; ``changed`` tells whether any point is not elastic.
+    Updates its trial stress and history.
     """
-    gradient, mean_gradient, volume = shapes
-    law, p = laws[material[e]], parameters[material[e]]
-    force, stiffness = forces[slot], stiffnesses[slot if want else 0]
+    gradient, mean_gradient, volume = elements.gradient[e], elements.mean_gradient[e], elements.volume[e]
+    code, p, bulk, shear = elements.law[e], elements.parameters[e], elements.moduli[e, 0], elements.moduli[e, 1]
+    force, stiffness = blocks.force[slot], blocks.stiffness[slot if want else 0]
+    frames = elements.frame_of, elements.frames
     move = np.empty((8, 3))
     strain = np.empty(6)
     change = np.empty(6)
     tangent = np.empty((6, 6))
     b = np.zeros((6, 24))
     cb = np.empty((6, 24))
-    gather(hexes[e], new[0], old[0], frames, move)
+    gather(elements.hexes[e], new.displacement, old.displacement, frames, move)
     force[:] = 0.0
-    changed[slot] = False
+    blocks.changed[slot] = False
     for g in range(8):
-        strain_at(gradient[e, g], mean_gradient[e], move, strain)
-        status, what = update_soil(
-            law, p, strain, old[1][e, g], old[2][e, g], new[1][e, g], new[2][e, g], tangent, want
-        )
+        strain_at(gradient[g], mean_gradient, move, strain)
+        before, after = Point(old.stress[e, g], old.history[e, g]), Point(new.stress[e, g], new.history[e, g])
+        status, what = update_soil(code, p, strain, before, after, tangent, want)
         if status != OK:
             return status
         regime[e, g] = what
         for i in range(6):
-            change[i] = new[1][e, g, i] - initial_stress[e, g, i]
-        add_force(gradient[e, g], mean_gradient[e], volume[e, g], change, force)
+            change[i] = after.stress[i] - elements.initial_stress[e, g, i]
+        add_force(gradient[g], mean_gradient, volume[g], change, force)
         if want and what != REGIME_ELASTIC:
-            if not changed[slot]:
+            if not blocks.changed[slot]:
                 stiffness[:, :] = 0.0
-                changed[slot] = True
-            subtract_elastic_tangent(p[0], p[1], tangent)
-            b_bar(gradient[e, g], mean_gradient[e], b)
-            add_stiffness(b, tangent, volume[e, g], cb, stiffness)
-    _to_nodal_axes(hexes[e], frames, force, stiffness, changed[slot])
+                blocks.changed[slot] = True
+            subtract_elastic_tangent(bulk, shear, tangent)
+            b_bar(gradient[g], mean_gradient, b)
+            add_stiffness(b, tangent, volume[g], cb, stiffness)
+    _to_nodal_axes(elements.hexes[e], frames, force, stiffness, blocks.changed[slot])
     return OK
 
 
 @njit
-def elastic_stiffness(hexes, shapes, material, parameters, frames, scatter, offset, targets):
+def elastic_stiffness(elements, scatter, offset, targets):
     """Add the stiffness of all elements at rest, where every point is elastic, to the tangent's arrays."""
-    gradient, mean_gradient, volume = shapes
     tangent, b, cb = np.empty((6, 6)), np.zeros((6, 24)), np.empty((6, 24))
     force, stiffness = np.zeros(24), np.empty((24, 24))
-    for e in range(hexes.shape[0]):
-        p = parameters[material[e]]
-        elastic_tangent(p[0], p[1], 1.0, tangent)
+    frames = elements.frame_of, elements.frames
+    for e in range(elements.hexes.shape[0]):
+        elastic_tangent(elements.moduli[e, 0], elements.moduli[e, 1], 1.0, tangent)
         stiffness[:, :] = 0.0
         for g in range(8):
-            b_bar(gradient[e, g], mean_gradient[e], b)
-            add_stiffness(b, tangent, volume[e, g], cb, stiffness)
-        _to_nodal_axes(hexes[e], frames, force, stiffness, True)
-        scatter_stiffness(hexes[e], scatter, offset[e], stiffness, targets)
+            b_bar(elements.gradient[e, g], elements.mean_gradient[e], b)
+            add_stiffness(b, tangent, elements.volume[e, g], cb, stiffness)
+        _to_nodal_axes(elements.hexes[e], frames, force, stiffness, True)
+        scatter_stiffness(elements.hexes[e], scatter, offset[e], stiffness, targets)
 
 
 @njit(parallel=True)
-def assemble_elements(
-    hexes, shapes, material, laws, parameters, initial_stress, frames, old, new,
-    regime, scatter, offset, want, free, border, targets,
-):  # fmt: skip
-    """Add all elements to free (n,), border (nb,) and, if wanted, their plastic part to the tangent's arrays.
+def assemble_elements(elements, old, new, regime, scatter, offset, forces, targets):
+    """Add the forces of all elements and, if wanted, their plastic part to the tangent's arrays.
 
-    The elastic part of the tangent never changes: see `elastic_stiffness`. ``old`` and ``new`` are (displacement,
-    stress, history). Returns -1, or the number of an element whose law did not converge.
+    The elastic part of the tangent never changes: see `elastic_stiffness`. ``old`` and ``new`` are SoilState; trial
+    stress and history are written, and regime (ne, 8). Returns -1, or the number of an element whose law did not
+    converge.
     """
-    ne = hexes.shape[0]
+    ne, want = elements.hexes.shape[0], targets.want
     size = BATCH if want else ne
     force = np.empty((min(size, ne), 24))
     stiffness = np.empty((BATCH if want else 1, 24, 24))
     status = np.zeros(ne, dtype=np.int64)
     changed = np.zeros(min(size, ne), dtype=np.bool_)
+    blocks = Blocks(force, stiffness, changed)
     for start in range(0, ne, size):
         count = min(size, ne - start)
         for k in nb.prange(count):
             slot = np.int64(k)  # prange counts in uint64, which turns to float beside int64
-            status[start + slot] = _element(
-                start + slot, slot, hexes, shapes, material, laws, parameters, initial_stress, frames, old, new,
-                regime, want, force, stiffness, changed,
-            )  # fmt: skip
+            status[start + slot] = _element(start + slot, slot, elements, old, new, regime, want, blocks)
         for k in range(count):
             e = start + k
-            scatter_force(hexes[e], scatter, force[k], free, border)
+            scatter_force(elements.hexes[e], scatter, force[k], forces)
             if want and changed[k]:
-                scatter_stiffness(hexes[e], scatter, offset[e], stiffness[k], targets)
+                scatter_stiffness(elements.hexes[e], scatter, offset[e], stiffness[k], targets)
     for e in range(ne):
         if status[e] != OK:
             return e
@@ -162,7 +194,7 @@ def assemble_elements(
 
 
 @njit
-def linear_elements(hexes, stiffness, displacement, scatter, offset, want, free, border, targets):
+def linear_elements(hexes, stiffness, displacement, scatter, offset, forces, targets):
     """Add the forces of elements of constant stiffness (nl, 24, 24), and their tangent if wanted."""
     force, move = np.empty(24), np.empty(24)
     for e in range(hexes.shape[0]):
@@ -173,8 +205,8 @@ def linear_elements(hexes, stiffness, displacement, scatter, offset, want, free,
             force[r] = 0.0
             for c in range(24):
                 force[r] += stiffness[e, r, c] * move[c]
-        scatter_force(hexes[e], scatter, force, free, border)
-        if want:
+        scatter_force(hexes[e], scatter, force, forces)
+        if targets.want:
             scatter_stiffness(hexes[e], scatter, offset[e], stiffness[e], targets)
 
 

@@ -9,25 +9,44 @@ import numpy as np
 
 from fe_engine.assembly.scatter import add_border, add_dof, scatter_stiffness
 from fe_engine.compiled import njit
-from fe_engine.contact import coulomb
-from fe_engine.contact.coulomb import N_PARAMETERS
+from fe_engine.contact.dispatch import linearise_contact, update_contact
+from fe_engine.contact.law import Slide
 from fe_engine.fourier_model import FourierModel
+from fe_engine.material import contact_rows
 from fe_engine.model import Model
-
-_update_contact = coulomb.update
-_linearise_contact = coulomb.linearise
 
 
 class PackedStations(NamedTuple):
-    """Stations as arrays: see interface.Stations; contact (ns, 3), initial pressure (ns,)."""
+    """Stations as arrays: see interface.Stations.
+
+    law (ns,) codes, contact (ns, n) parameters, penalties (ns, 2) K_N and K_T in N/m3; initial_pressure (ns,) Pa.
+    """
 
     frame: np.ndarray
     area: np.ndarray
     nodes: np.ndarray
     weight: np.ndarray
     body: np.ndarray
+    law: np.ndarray
     contact: np.ndarray
+    penalties: np.ndarray
     initial_pressure: np.ndarray
+
+
+class ContactState(NamedTuple):
+    """Displacement (n, 3) or coefficients, border (nb,), and traction (ns, 3) of the stations."""
+
+    displacement: np.ndarray
+    border: np.ndarray
+    traction: np.ndarray
+
+
+class Iterate(NamedTuple):
+    """Last linear model of each station: traction (ns, 3) and tangent (ns, 3, 3) at a jump (ns, 3)."""
+
+    jump: np.ndarray
+    traction: np.ndarray
+    tangent: np.ndarray
 
 
 def pack_stations(model: Model | FourierModel) -> PackedStations:
@@ -37,13 +56,17 @@ def pack_stations(model: Model | FourierModel) -> PackedStations:
         empty = np.zeros(0)
         return PackedStations(
             np.zeros((0, 3, 3)), empty, np.zeros((0, 1), np.int64), np.zeros((0, 1)), np.zeros((0, 3, 0)),
-            np.zeros((0, 3)), empty,
+            np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 2)), empty,
         )  # fmt: skip
     return PackedStations(
         np.ascontiguousarray(s.frame), s.area.astype(float), s.nodes.astype(np.int64), s.weight.astype(float),
-        np.ascontiguousarray(s.body), np.ascontiguousarray(np.broadcast_to(model.contact, (len(s), N_PARAMETERS))),
-        model.initial_pressure.astype(float),
+        np.ascontiguousarray(s.body), *contact_rows(model), model.initial_pressure.astype(float),
     )  # fmt: skip
+
+
+def no_iterate(ns: int) -> Iterate:
+    """Return an iterate from which every station starts afresh."""
+    return Iterate(np.zeros((ns, 3)), np.zeros((ns, 3)), np.zeros((ns, 3, 3)))
 
 
 @njit
@@ -70,52 +93,57 @@ def station_jumps(s, displacement, border):
 
 
 @njit
-def station_residual(s, old, new, contact_state, scatter, free, border):
-    """Add the contact forces of the law; ``old`` and ``new`` are (displacement, border, traction).
+def guess_traction(iterate, k, traction, jump, guess):
+    """Write the traction iterate (3,) of station k at a jump (3,), ``traction`` being the law's own."""
+    restart = iterate.traction[k, 0] == 0.0
+    for i in range(3):
+        guess[i] = traction[i] if restart else iterate.traction[k, i]
+        if not restart:
+            for j in range(3):
+                guess[i] += iterate.tangent[k, i, j] * (jump[j] - iterate.jump[k, j])
 
-    Writes the trial traction; returns the sum over stations of the squared change of contact force, N2.
+
+@njit
+def station_residual(s, old, new, contact_state, scatter, forces):
+    """Add the contact forces of the law; ``old`` and ``new`` are ContactState.
+
+    Writes the trial traction and contact_state (ns,). Returns the sum over stations of the squared change of contact
+    force, N2.
     """
     jump, jump_old = np.empty(3), np.empty(3)
     square = 0.0
     for k in range(len(s.area)):
-        _jump(s, k, new[0], new[1], jump)
-        _jump(s, k, old[0], old[1], jump_old)
-        contact_state[k] = _update_contact(s.contact[k], s.initial_pressure[k], jump, jump_old, old[2][k], new[2][k])
-        square += _scatter_traction(s, k, new[2][k], scatter, free, border)
+        _jump(s, k, new.displacement, new.border, jump)
+        _jump(s, k, old.displacement, old.border, jump_old)
+        slide = Slide(jump, jump_old, old.traction[k], s.initial_pressure[k])
+        contact_state[k] = update_contact(s.law[k], s.contact[k], slide, new.traction[k])
+        square += _scatter_traction(s, k, new.traction[k], scatter, forces)
     return square
 
 
 @njit
-def station_tangent(s, old, new, iterate, fresh, scatter, offset, free, border, targets):
-    """Add the linearised contact forces and their tangent; see contact.coulomb.linearise.
+def station_tangent(s, old, new, iterate, scatter, offset, forces, targets):
+    """Add the linearised contact forces and their tangent; see law.ContactLaw.
 
-    ``iterate`` is (jump, traction, tangent) of the last linearisation, which is advanced to the present jump
-    to give the traction iterate, and then overwritten. ``fresh`` starts from the law's own traction instead.
+    ``iterate`` is the last linear model, which is advanced to the present jump to give the traction iterate, and then
+    overwritten. A station without pressure there (open, or no linear model yet) starts from the law's own traction.
     """
     jump, jump_old, guess = np.empty(3), np.empty(3), np.empty(3)
     rotated = np.empty((3, 3))
     for k in range(len(s.area)):
-        _jump(s, k, new[0], new[1], jump)
-        _jump(s, k, old[0], old[1], jump_old)
-        # a station that the last linearisation saw open has no shear to go on from
-        restart = fresh or iterate[1][k, 0] == 0.0
-        for i in range(3):
-            guess[i] = new[2][k, i] if restart else iterate[1][k, i]
-            if not restart:
-                for j in range(3):
-                    guess[i] += iterate[2][k, i, j] * (jump[j] - iterate[0][k, j])
-        _linearise_contact(
-            s.contact[k], s.initial_pressure[k], jump, jump_old, old[2][k], guess,
-            iterate[1][k], iterate[2][k],
-        )  # fmt: skip
-        iterate[0][k, :] = jump
-        _scatter_traction(s, k, iterate[1][k], scatter, free, border)
-        _rotate(s.frame[k], iterate[2][k], s.area[k], rotated)
-        _scatter_station(s, k, rotated, scatter, offset[k], targets, len(border))
+        _jump(s, k, new.displacement, new.border, jump)
+        _jump(s, k, old.displacement, old.border, jump_old)
+        guess_traction(iterate, k, new.traction[k], jump, guess)
+        slide = Slide(jump, jump_old, old.traction[k], s.initial_pressure[k])
+        linearise_contact(s.law[k], s.contact[k], slide, guess, iterate.traction[k], iterate.tangent[k])
+        iterate.jump[k, :] = jump
+        _scatter_traction(s, k, iterate.traction[k], scatter, forces)
+        _rotate(s.frame[k], iterate.tangent[k], s.area[k], rotated)
+        _scatter_station(s, k, rotated, scatter, offset[k], targets, len(new.border))
 
 
 @njit
-def _scatter_traction(s, k, traction, scatter, free, border):
+def _scatter_traction(s, k, traction, scatter, forces):
     """Add the change of contact force of station k since the initial state; return its square."""
     frame, square = s.frame[k], 0.0
     for i in range(3):
@@ -123,9 +151,9 @@ def _scatter_traction(s, k, traction, scatter, free, border):
         force = s.area[k] * (change + traction[1] * frame[1, i] + traction[2] * frame[2, i])
         square += force * force
         for a in range(s.nodes.shape[1]):
-            add_dof(scatter, s.nodes[k, a], i, s.weight[k, a] * force, free, border)
-        for j in range(len(border)):
-            border[j] -= s.body[k, i, j] * force
+            add_dof(scatter, s.nodes[k, a], i, s.weight[k, a] * force, forces)
+        for j in range(len(forces.border)):
+            forces.border[j] -= s.body[k, i, j] * force
     return square
 
 
@@ -163,4 +191,4 @@ def _scatter_station(s, k, block, scatter, offset, targets, nb_):
         for n in range(nb_):
             for i in range(3):
                 for j in range(3):
-                    targets[3][m, n] += s.body[k, i, m] * block[i, j] * s.body[k, j, n]
+                    targets.corner[m, n] += s.body[k, i, m] * block[i, j] * s.body[k, j, n]

@@ -11,16 +11,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fe_engine.assembly.kernels_stations import PackedStations, station_jumps
 from fe_engine.assembly.pattern import Pattern
 from fe_engine.assembly.scatter import add_border, add_dof, add_entry
 from fe_engine.compiled import njit
-from fe_engine.contact import coulomb, flow
+from fe_engine.contact import flow
 from fe_engine.elements.interface import GAUSS_SHAPES
 from fe_engine.model import Model
 
 _transmissivity = flow.transmissivity
 _PRESSURE = 3  # the fourth dof of a node
+
+
+class Step(NamedTuple):
+    """Length of the time step in s, and scale in Pa/m of the unknowns of the water (see model.Water)."""
+
+    time: float
+    scale: float
 
 
 class PackedFilm(NamedTuple):
@@ -49,12 +55,13 @@ def pack_film(model: Model, pattern: Pattern) -> PackedFilm:
 
 
 @njit
-def soil_water(hexes, pores, dt, scale, old, new, scatter, free, border):
+def soil_water(hexes, pores, step, old, new, scatter, forces):
     """Add the water of all elements; ``pores`` is (H, S M + T, V, coupling), old and new (displacement, pressure).
 
     Returns the sum of the squares of what the elements' volumes have changed and what flows through their corners, m6.
     """
     seepage, storage, volume, coupling = pores
+    dt, scale = step
     square = 0.0
     for e in range(hexes.shape[0]):
         nodes = hexes[e]
@@ -74,9 +81,9 @@ def soil_water(hexes, pores, dt, scale, old, new, scatter, free, border):
                 leaves += storage[e, a, b] * (p_new - p_old)
                 flows += dt * seepage[e, a, b] * p_new
             square += flows * flows
-            add_dof(scatter, n, _PRESSURE, -scale * (leaves + flows), free, border)
+            add_dof(scatter, n, _PRESSURE, -scale * (leaves + flows), forces)
             for i in range(3):
-                add_dof(scatter, n, i, -coupling[e, a, i] * mean, free, border)
+                add_dof(scatter, n, i, -coupling[e, a, i] * mean, forces)
     return square
 
 
@@ -98,12 +105,6 @@ def soil_water_tangent(hexes, pores, shares, scale, scatter, offset, targets):
                     force, squeezed = coupling[e, a, i] * volume[e, b], coupling[e, b, i] * volume[e, a]
                     add_entry(scatter, n, i, m, _PRESSURE, place, -scale * still * force, targets)
                     add_entry(scatter, n, _PRESSURE, m, i, place, -scale * still * squeezed, targets)
-
-
-def station_gaps(s: PackedStations, displacement: np.ndarray, border: np.ndarray) -> np.ndarray:
-    """Gaps (ns,) in m of all stations."""
-    jump = station_jumps(s, displacement, border)
-    return coulomb.gap(s.contact, s.initial_pressure, jump[:, 0])
 
 
 @njit
@@ -138,53 +139,57 @@ def _station_shares(s, f, k, side_1, side_2, film):
 
 
 @njit
-def station_water(s, f, dt, scale, gap_old, gap, pressure, scatter, want, free, border, targets):
-    """Add film pressure on both faces, storage of the gap and transfer to the sides.
+def station_water(s, f, step, gaps, pressure, scatter, forces, targets):
+    """Add film pressure on both faces, storage of the gap and transfer to the sides; gaps are (old, new), (ns,) m.
 
     Returns the sum over the stations of the squared volumes of the gap and of the transfer, m6.
     """
-    size = f.station_nodes.shape[1]
+    size, scale = f.station_nodes.shape[1], step.scale
+    gap_old, gap = gaps
     side_1, side_2, film = np.empty(size), np.empty(size), np.empty(size)
     square = 0.0
     for k in range(len(s.area)):
         p1, p3, p2, porous = _pressures(s, f, k, pressure)
         _station_shares(s, f, k, side_1, side_2, film)
-        transfer = dt * f.law[1]
+        transfer = step.time * f.law[1]
         second = transfer if porous else 0.0
         to_film, to_side_2 = transfer * (p1 - p3), second * (p3 - p2)
         stored = gap[k] - gap_old[k]
         square += s.area[k] ** 2 * (gap[k] ** 2 + to_film**2 + to_side_2**2)
         for a in range(size):
             leaves = side_1[a] * to_film - side_2[a] * to_side_2 + film[a] * (stored - to_film + to_side_2)
-            add_dof(scatter, f.station_nodes[k, a], _PRESSURE, -scale * s.area[k] * leaves, free, border)
-        _press(s, k, p3, scatter, free, border)
-        if want:
-            _station_tangent(s, f, k, (transfer, second), scale, gap[k] > 0.0, (side_1, side_2, film), scatter, targets)
+            add_dof(scatter, f.station_nodes[k, a], _PRESSURE, -scale * s.area[k] * leaves, forces)
+        _press(s, k, p3, scatter, forces)
+        if targets.want:
+            rates = transfer, second, scale
+            _station_tangent(s, f, k, rates, gap[k] > 0.0, (side_1, side_2, film), scatter, targets)
     return square
 
 
 @njit
-def _press(s, k, p3, scatter, free, border):
+def _press(s, k, p3, scatter, forces):
     """Add the force of the film pressure on the two faces of a station."""
     for i in range(3):
         force = -s.area[k] * p3 * s.frame[k, 0, i]
         for a in range(s.nodes.shape[1]):
-            add_dof(scatter, s.nodes[k, a], i, s.weight[k, a] * force, free, border)
-        for j in range(len(border)):
-            border[j] -= s.body[k, i, j] * force
+            add_dof(scatter, s.nodes[k, a], i, s.weight[k, a] * force, forces)
+        for j in range(len(forces.border)):
+            forces.border[j] -= s.body[k, i, j] * force
 
 
 @njit
-def _station_tangent(s, f, k, transfers, scale, is_open, shares, scatter, targets):
+def _station_tangent(s, f, k, rates, is_open, shares, scatter, targets):
+    """Add the tangent of station k; rates are the transfer to side 1 and to side 2, and the scale."""
+    transfer_1, transfer_2, scale = rates
     nn, size = s.nodes.shape[1], f.station_nodes.shape[1]
     side_1, side_2, film = shares
-    n_border = targets[3].shape[0]
+    n_border = targets.corner.shape[0]
     for a in range(size):
         row = f.station_nodes[k, a]
         for b in range(size):
             column = f.station_nodes[k, b]
-            first = (side_1[a] - film[a]) * transfers[0] * (side_1[b] - film[b])
-            second = (side_2[a] - film[a]) * transfers[1] * (side_2[b] - film[b])
+            first = (side_1[a] - film[a]) * transfer_1 * (side_1[b] - film[b])
+            second = (side_2[a] - film[a]) * transfer_2 * (side_2[b] - film[b])
             value = -scale * scale * s.area[k] * (first + second)
             if value != 0.0:
                 add_entry(scatter, row, _PRESSURE, column, _PRESSURE, f.station_offset[k, a, b], value, targets)
@@ -208,9 +213,9 @@ def _station_tangent(s, f, k, transfers, scale, is_open, shares, scatter, target
 
 
 @njit
-def face_water(s, f, dt, scale, gap, pressure, scatter, want, free, border, targets):
+def face_water(s, f, step, gap, pressure, scatter, forces, targets):
     """Add the flow along the film; return the sum of the squared flows of its faces, m6."""
-    nn = s.nodes.shape[1]
+    dt, scale = step
     square = 0.0
     conductance, slope = np.empty(4), np.empty(4)
     for k in range(len(f.area)):
@@ -229,9 +234,9 @@ def face_water(s, f, dt, scale, gap, pressure, scatter, want, free, border, targ
                 for i in range(3):
                     along += f.gradient[k, g, a, i] * flux[i]
                 share = -scale * dt * f.area[k, g]
-                add_dof(scatter, row, _PRESSURE, share * mean * along, free, border)
+                add_dof(scatter, row, _PRESSURE, share * mean * along, forces)
                 square += (share / scale * mean * along) ** 2
-                if not want:
+                if not targets.want:
                     continue
                 for b in range(4):
                     product = 0.0
@@ -241,13 +246,14 @@ def face_water(s, f, dt, scale, gap, pressure, scatter, want, free, border, targ
                          scale * share * mean * product, targets)  # fmt: skip
                 for c in range(4):
                     if slope[c] > 0.0:
-                        _add_gap(s, f, k, c, a, share * GAUSS_SHAPES[g, c] * slope[c] * along, nn, scatter, targets)
+                        _add_gap(s, f, k, c, a, share * GAUSS_SHAPES[g, c] * slope[c] * along, scatter, targets)
     return square
 
 
 @njit
-def _add_gap(s, f, k, c, a, value, nn, scatter, targets):
+def _add_gap(s, f, k, c, a, value, scatter, targets):
     """Couple film node a of face k with the motion that opens the gap at its corner c."""
+    nn = s.nodes.shape[1]
     station, row = f.corners[k, c], f.face_nodes[k, a]
     for b in range(nn):
         for i in range(3):
@@ -255,7 +261,7 @@ def _add_gap(s, f, k, c, a, value, nn, scatter, targets):
             if part != 0.0:
                 column, place = s.nodes[station, b], 4 + c * nn + b
                 add_entry(scatter, row, _PRESSURE, column, i, f.face_offset[k, a, place], part, targets)
-    for m in range(targets[3].shape[0]):
+    for m in range(targets.corner.shape[0]):
         part = 0.0
         for i in range(3):
             part -= value * s.frame[station, 0, i] * s.body[station, i, m]

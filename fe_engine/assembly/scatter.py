@@ -9,7 +9,28 @@ import numpy as np
 
 from fe_engine.compiled import njit
 
-NOWHERE = (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))  # targets where no tangent is wanted
+
+class Forces(NamedTuple):
+    """Forces on the free dofs (n_free,) and on the border dofs (nb,), in N; kernels add to them."""
+
+    free: np.ndarray
+    border: np.ndarray
+
+
+class Targets(NamedTuple):
+    """Arrays of a bordered tangent that kernels add to: entries, columns (n_free, nb), rows (nb, n_free), corner.
+
+    ``want`` is false where no tangent is wanted; the arrays are then empty.
+    """
+
+    want: bool
+    data: np.ndarray
+    columns: np.ndarray
+    rows: np.ndarray
+    corner: np.ndarray
+
+
+NOWHERE = Targets(False, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
 
 
 class Scatter(NamedTuple):
@@ -22,19 +43,21 @@ class Scatter(NamedTuple):
 
 
 @njit
-def scatter_force(nodes, scatter, force, free, border):
+def scatter_force(nodes, scatter, force, forces):
+    """Add the force (3 nn,) on nodes (nn,)."""
     for a in range(len(nodes)):
         for i in range(3):
             eq = scatter.equation[nodes[a], i]
             if eq >= 0:
-                free[eq] += force[3 * a + i]
+                forces.free[eq] += force[3 * a + i]
             elif eq <= -2:
-                border[-2 - eq] += scatter.weight[nodes[a], i] * force[3 * a + i]
+                forces.border[-2 - eq] += scatter.weight[nodes[a], i] * force[3 * a + i]
 
 
 @njit
 def scatter_stiffness(nodes, scatter, offset, stiffness, targets):
-    data, columns, rows, corner = targets
+    """Add the stiffness (3 nn, 3 nn) between nodes (nn,); offset (nn, nn) leads to their entries."""
+    _, data, columns, rows, corner = targets
     for a in range(len(nodes)):
         for i in range(3):
             r = scatter.equation[nodes[a], i]
@@ -57,12 +80,13 @@ def scatter_stiffness(nodes, scatter, offset, stiffness, targets):
 
 
 @njit
-def add_dof(scatter, node, i, value, free, border):
+def add_dof(scatter, node, i, value, forces):
+    """Add a force to dof i of a node."""
     eq = scatter.equation[node, i]
     if eq >= 0:
-        free[eq] += value
+        forces.free[eq] += value
     elif eq <= -2:
-        border[-2 - eq] += scatter.weight[node, i] * value
+        forces.border[-2 - eq] += scatter.weight[node, i] * value
 
 
 @njit
@@ -70,12 +94,12 @@ def add_border(scatter, node, i, m, column, row, targets):
     """Couple dof i of a node with border dof m."""
     eq = scatter.equation[node, i]
     if eq >= 0:
-        targets[1][eq, m] += column
-        targets[2][m, eq] += row
+        targets.columns[eq, m] += column
+        targets.rows[m, eq] += row
     elif eq <= -2:
         share = scatter.weight[node, i]
-        targets[3][-2 - eq, m] += share * column
-        targets[3][m, -2 - eq] += share * row
+        targets.corner[-2 - eq, m] += share * column
+        targets.corner[m, -2 - eq] += share * row
 
 
 @njit
@@ -85,10 +109,10 @@ def add_entry(scatter, row_node, i, column_node, j, offset, value, targets):
     if r == -1 or c == -1:
         return
     if r >= 0 and c >= 0:
-        targets[0][scatter.indptr[r] + offset + scatter.rank[column_node, j]] += value
+        targets.data[scatter.indptr[r] + offset + scatter.rank[column_node, j]] += value
     elif r >= 0:
-        targets[1][r, -2 - c] += scatter.weight[column_node, j] * value
+        targets.columns[r, -2 - c] += scatter.weight[column_node, j] * value
     elif c >= 0:
-        targets[2][-2 - r, c] += scatter.weight[row_node, i] * value
+        targets.rows[-2 - r, c] += scatter.weight[row_node, i] * value
     else:
-        targets[3][-2 - r, -2 - c] += scatter.weight[row_node, i] * scatter.weight[column_node, j] * value
+        targets.corner[-2 - r, -2 - c] += scatter.weight[row_node, i] * scatter.weight[column_node, j] * value

@@ -8,13 +8,17 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from fe_engine.assembly import kernels, kernels_energy, kernels_stations, kernels_water, scatter
+from fe_engine.assembly import kernels, kernels_energy, kernels_stations, kernels_water
 from fe_engine.assembly.bordered import Residual, Tangent, summary
 from fe_engine.assembly.contact_block import ContactBlock, contact_block
+from fe_engine.assembly.kernels_stations import no_iterate
+from fe_engine.assembly.kernels_water import Step
 from fe_engine.assembly.pattern import make_pattern
+from fe_engine.assembly.scatter import NOWHERE, Forces, Scatter, Targets
 from fe_engine.clock import Clock
 from fe_engine.elements import biot, hex8
 from fe_engine.errors import LawError
+from fe_engine.material import contact_gaps, soil_rows
 from fe_engine.model import Model
 from fe_engine.state import Fields, State
 
@@ -29,16 +33,18 @@ class System:
         self.pattern = make_pattern(model)
         self.gradient, self.volume, self.mean_gradient = hex8.geometry(model.mesh.nodes, model.mesh.hexes)
         self.hexes = np.ascontiguousarray(model.mesh.hexes, dtype=np.int64)
-        self.laws = np.array([m.law for m in model.materials])
-        self.parameters = np.array([m.parameters for m in model.materials])
         self.frame_of, self.frames = _frame_table(model)
+        self.elements = kernels.Elements(
+            self.hexes, self.gradient, self.mean_gradient, self.volume, *soil_rows(model), model.initial_stress,
+            self.frame_of, self.frames,
+        )  # fmt: skip
         self.time_step = 0.0  # s, of the present increment; only water asks for it
         self.stations = kernels_stations.pack_stations(model)
         self.regime = np.zeros((model.mesh.n_elements, 8), dtype=np.int8)
         self.contact_state = np.zeros(len(self.stations.area), dtype=np.int8)
         self.block: ContactBlock | None = None
         p = self.pattern
-        self._scatter = scatter.Scatter(p.equation, p.weight, p.rank, p.indptr)
+        self._scatter = Scatter(p.equation, p.weight, p.rank, p.indptr)
         if model.linear is not None:
             hexes, stiffness = model.linear.hexes, model.linear.stiffness
             self.linear = np.ascontiguousarray(hexes, dtype=np.int64), np.ascontiguousarray(stiffness, dtype=float)
@@ -46,7 +52,7 @@ class System:
         self._set_up_water()
         ns = len(self.stations.area)
         self.initial_contact_norm = float(np.linalg.norm(self.stations.area * self.stations.initial_pressure))  # N
-        self._iterate = (np.zeros((ns, 3)), np.zeros((ns, 3)), np.zeros((ns, 3, 3)))
+        self._iterate = no_iterate(ns)
         self._matrix = csr_matrix(
             (np.zeros(len(p.indices)), p.indices, p.indptr.astype(np.int32)), shape=(p.n_free, p.n_free)
         )
@@ -56,8 +62,8 @@ class System:
         """A matrix (n_free, n_free) on the pattern of the tangent; its values are those of the last linearisation."""
         return self._matrix
 
-    def tell_contact_apart(self) -> ContactBlock | None:
-        """Have tangents say from now on what contact has added to them; None where that is no block of its own."""
+    def track_contact_block(self) -> ContactBlock | None:
+        """Record the contact part of each tangent from now on; return None if it is not a separate block."""
         if self.block is None:
             self.block = contact_block(self.model, self.pattern)
         return self.block
@@ -76,24 +82,23 @@ class System:
         self.film = None if water.film is None else kernels_water.pack_film(self.model, self.pattern)
         self._soil_water = self._soil_water_tangent(1.0, 0.0), self._soil_water_tangent(0.0, 1.0)
 
-    def _elastic_tangent(self) -> tuple[np.ndarray, ...]:
+    def _elastic_tangent(self) -> Targets:
         """Constant part of the tangent: the soil at rest, where every point is elastic, and linear elements."""
         out = self._no_tangent()
-        kernels.elastic_stiffness(
-            self.hexes, (self.gradient, self.mean_gradient, self.volume), self.model.material, self.parameters,
-            (self.frame_of, self.frames), self._scatter, self.pattern.element_offset, out,
-        )  # fmt: skip
+        kernels.elastic_stiffness(self.elements, self._scatter, self.pattern.element_offset, out)
         if self.model.linear is not None:
             rest, p = np.zeros_like(self.model.mesh.nodes), self.pattern
-            force = np.zeros(p.n_free), np.zeros(self.model.n_border)
-            kernels.linear_elements(*self.linear, rest, self._scatter, p.linear_offset, True, *force, out)
+            kernels.linear_elements(*self.linear, rest, self._scatter, p.linear_offset, self._no_forces(), out)
         return out
 
-    def _no_tangent(self) -> tuple[np.ndarray, ...]:
+    def _no_tangent(self) -> Targets:
         n, nb_, p = self.pattern.n_free, self.model.n_border, self.pattern
-        return np.zeros(len(p.indices)), np.zeros((n, nb_)), np.zeros((nb_, n)), np.zeros((nb_, nb_))
+        return Targets(True, np.zeros(len(p.indices)), np.zeros((n, nb_)), np.zeros((nb_, n)), np.zeros((nb_, nb_)))
 
-    def _soil_water_tangent(self, still: float, flowing: float) -> tuple[np.ndarray, ...]:
+    def _no_forces(self) -> Forces:
+        return Forces(np.zeros(self.pattern.n_free), np.zeros(self.model.n_border))
+
+    def _soil_water_tangent(self, still: float, flowing: float) -> Targets:
         """Constant parts of the tangent: storage and coupling, and seepage in one second."""
         assert self.model.water is not None
         out = self._no_tangent()
@@ -124,9 +129,9 @@ class System:
     def residual(self, state: State) -> Residual:
         """Evaluate the residual of the laws at the trial displacement; the committed copy is only read."""
         with self.clock.phase("assembly"):
-            free, border = self._soil(state, None)
-            volume = self._pores(state, None, free, border) + self._film(state, None, free, border)
-            return self._contact(state, free, border, volume)
+            forces = self._soil(state, None)
+            volume = self._pores(state, None, forces) + self._film(state, None, forces)
+            return self._contact(state, forces, volume)
 
     def linearise(self, state: State, fresh: bool) -> tuple[Residual, Residual, Tangent]:
         """Evaluate the residual of the laws, and the linear model that Newton solves next.
@@ -145,16 +150,11 @@ class System:
 
     def gaps(self, fields: Fields) -> np.ndarray:
         """Openings (ns,) in m of all stations, 0 where they are closed."""
-        found: np.ndarray = kernels_water.station_gaps(self.stations, fields.displacement, fields.border)
-        return found
+        return contact_gaps(self.model, self.jumps(fields)[:, 0])
 
     def solid_work(self, old: Fields, new: Fields) -> tuple[float, float, float]:
         """Work (J) of solids from one state to the next: stored, dissipated, and of the initial stress."""
-        stored, dissipated, initial = kernels_energy.hex_work(
-            self.hexes, (self.gradient, self.mean_gradient, self.volume), self.model.material, self.parameters,
-            (self.frame_of, self.frames), (old.displacement, old.stress), (new.displacement, new.stress),
-            self.model.initial_stress,
-        )  # fmt: skip
+        stored, dissipated, initial = kernels_energy.hex_work(self.elements, _soil_of(old), _soil_of(new))
         if self.model.linear is not None:
             kept = [kernels.linear_energy(*self.linear, each.displacement) for each in (old, new)]
             stored += kept[1] - kept[0]
@@ -187,83 +187,73 @@ class System:
             mine[...] = part
 
     def _linearise(self, state: State, fresh: bool) -> tuple[Residual, Residual, Tangent]:
-        self._matrix.data[...] = self._elastic[0]
-        tangent = Tangent(self._matrix, *(part.copy() for part in self._elastic[1:]))
-        free, border = self._soil(state, tangent)
-        volume = self._pores(state, tangent, free, border)
+        rest = self._elastic
+        self._matrix.data[...] = rest.data
+        tangent = Tangent(self._matrix, rest.columns.copy(), rest.rows.copy(), rest.corner.copy())
+        forces = self._soil(state, tangent)
+        volume = self._pores(state, tangent, forces)
         soil = None if self.block is None else tangent.matrix.data[self.block.positions]
-        volume += self._film(state, tangent, free, border)
-        linear_free, linear_border = free.copy(), border.copy()
-        judged = self._contact(state, free, border, volume)
-        old, new, p = state.committed, state.trial, self.pattern
+        volume += self._film(state, tangent, forces)
+        linear = Forces(forces.free.copy(), forces.border.copy())
+        judged = self._contact(state, forces, volume)
+        if fresh:
+            self._iterate.traction[:] = 0.0
         kernels_stations.station_tangent(
-            self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
-            self._iterate, fresh, self._scatter, p.station_offset, linear_free, linear_border, _targets(tangent),
+            self.stations, _contact_of(state.committed), _contact_of(state.trial), self._iterate, self._scatter,
+            self.pattern.station_offset, linear, _targets(tangent),
         )  # fmt: skip
         if self.block is not None:
             tangent.contact = tangent.matrix.data[self.block.positions] - soil
-        return judged, replace(judged, free=linear_free, border=linear_border), tangent
+        return judged, replace(judged, free=linear.free, border=linear.border), tangent
 
-    def _soil(self, state: State, tangent: Tangent | None) -> tuple[np.ndarray, np.ndarray]:
-        """Forces (n_free,), (nb,) of soil and linear elements; adds to the tangent if one is given."""
-        old, new = state.committed, state.trial
-        free, border = np.zeros(self.pattern.n_free), np.zeros(self.model.n_border)
+    def _soil(self, state: State, tangent: Tangent | None) -> Forces:
+        """Forces of soil and linear elements; adds to the tangent if one is given."""
+        forces, targets = self._no_forces(), _targets(tangent)
         bad = kernels.assemble_elements(
-            self.hexes, (self.gradient, self.mean_gradient, self.volume), self.model.material, self.laws,
-            self.parameters, self.model.initial_stress, (self.frame_of, self.frames),
-            (old.displacement, old.stress, old.history), (new.displacement, new.stress, new.history),
-            self.regime, self._scatter, self.pattern.element_offset, tangent is not None, free, border,
-            _targets(tangent),
+            self.elements, _soil_of(state.committed), _soil_of(state.trial), self.regime, self._scatter,
+            self.pattern.element_offset, forces, targets,
         )  # fmt: skip
         if bad >= 0:
             raise LawError(self._place("soil law did not converge", bad))
         if self.model.linear is not None:
-            kernels.linear_elements(
-                *self.linear, new.displacement, self._scatter, self.pattern.linear_offset, False, free, border,
-                _targets(tangent),
-            )  # fmt: skip
-        return free, border
+            move = state.trial.displacement  # the tangent has them already
+            kernels.linear_elements(*self.linear, move, self._scatter, self.pattern.linear_offset, forces, NOWHERE)
+        return forces
 
-    def _pores(self, state: State, tangent: Tangent | None, free: np.ndarray, border: np.ndarray) -> float:
+    def _pores(self, state: State, tangent: Tangent | None, forces: Forces) -> float:
         """Add the forces and volumes of the soil's water; return the sum of squares of the changes of volume, m6."""
         water = self.model.water
         if water is None:
             return 0.0
         old, new = state.committed, state.trial
         square = kernels_water.soil_water(
-            self.hexes, self.pores.arrays, self.time_step, water.scale, (old.displacement, old.pressure),
-            (new.displacement, new.pressure), self._scatter, free, border,
+            self.hexes, self.pores.arrays, Step(self.time_step, water.scale), (old.displacement, old.pressure),
+            (new.displacement, new.pressure), self._scatter, forces,
         )  # fmt: skip
         if tangent is not None:
-            for target, still, flowing in zip(_targets(tangent), *self._soil_water, strict=True):
+            parts = _targets(tangent), *self._soil_water
+            for target, still, flowing in zip(*(each[1:] for each in parts), strict=True):
                 target += still
                 target += self.time_step * flowing
         return float(square)
 
-    def _film(self, state: State, tangent: Tangent | None, free: np.ndarray, border: np.ndarray) -> float:
+    def _film(self, state: State, tangent: Tangent | None, forces: Forces) -> float:
         """Add the forces and volumes of the film; return the sum of squares of the changes of volume, m6."""
         water = self.model.water
         if water is None or self.film is None:
             return 0.0
-        old, new, want, targets = state.committed, state.trial, tangent is not None, _targets(tangent)
-        gap_old, gap = (kernels_water.station_gaps(self.stations, f.displacement, f.border) for f in (old, new))
-        step = self.time_step, water.scale
-        square = kernels_water.station_water(
-            self.stations, self.film, *step, gap_old, gap, new.pressure, self._scatter, want, free, border, targets
-        )
-        square += kernels_water.face_water(
-            self.stations, self.film, *step, gap, new.pressure, self._scatter, want, free, border, targets
-        )
+        gaps, pressure = (self.gaps(state.committed), self.gaps(state.trial)), state.trial.pressure
+        packed, step = (self.stations, self.film), Step(self.time_step, water.scale)
+        into = self._scatter, forces, _targets(tangent)
+        square = kernels_water.station_water(*packed, step, gaps, pressure, *into)
+        square += kernels_water.face_water(*packed, step, gaps[1], pressure, *into)
         return float(square)
 
-    def _contact(self, state: State, free: np.ndarray, border: np.ndarray, volume: float) -> Residual:
+    def _contact(self, state: State, forces: Forces, volume: float) -> Residual:
         """Add the contact forces of the law and sum up; ``volume`` is the sum of squares of the water's, m6."""
-        old, new = state.committed, state.trial
-        square = kernels_stations.station_residual(
-            self.stations, (old.displacement, old.border, old.traction), (new.displacement, new.border, new.traction),
-            self.contact_state, self._scatter, free, border,
-        )  # fmt: skip
-        return summary(free, border, float(np.sqrt(square)), float(np.sqrt(volume)), self.regime, self.contact_state)
+        old, new = _contact_of(state.committed), _contact_of(state.trial)
+        square = kernels_stations.station_residual(self.stations, old, new, self.contact_state, self._scatter, forces)
+        return summary(*forces, float(np.sqrt(square)), float(np.sqrt(volume)), self.regime, self.contact_state)
 
     def _place(self, what: str, element: int) -> str:
         centre = self.model.mesh.nodes[self.hexes[element]].mean(axis=0)
@@ -283,8 +273,16 @@ class System:
         return f"node {node} of {element}, {what}, {where}"
 
 
-def _targets(tangent: Tangent | None) -> tuple[np.ndarray, ...]:
-    return (tangent.matrix.data, tangent.columns, tangent.rows, tangent.corner) if tangent else scatter.NOWHERE
+def _targets(tangent: Tangent | None) -> Targets:
+    return Targets(True, tangent.matrix.data, tangent.columns, tangent.rows, tangent.corner) if tangent else NOWHERE
+
+
+def _soil_of(fields: Fields) -> kernels.SoilState:
+    return kernels.SoilState(fields.displacement, fields.stress, fields.history)
+
+
+def _contact_of(fields: Fields) -> kernels_stations.ContactState:
+    return kernels_stations.ContactState(fields.displacement, fields.border, fields.traction)
 
 
 def _in_nodal_axes(gradient: np.ndarray, hexes: np.ndarray, frame_of: np.ndarray, frames: np.ndarray) -> np.ndarray:

@@ -20,7 +20,6 @@ import numpy as np
 
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.assembly.system import System
-from fe_engine.contact.coulomb import KN, KT
 from fe_engine.state import Fields, initial_fields
 
 TERMS = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water")
@@ -97,12 +96,11 @@ class EnergyBalance:
         s = self.system.stations
         if not len(s.area):
             return 0.0, 0.0, 0.0
-        area, law = s.area, s.contact
+        area, penalty = s.area, s.penalties[:, [0, 1, 1]]
         slide = self.system.jumps(new) - self.system.jumps(old)
         mean = 0.5 * (old.traction + new.traction)
         done = np.einsum("s,si,si->", area, mean, slide)
-        springs = 0.5 / np.stack([law[:, KN], law[:, KT], law[:, KT]], axis=1)
-        stored = np.einsum("s,si,si->", area, springs, new.traction**2 - old.traction**2)
+        stored = np.einsum("s,si,si->", area, 0.5 / penalty, new.traction**2 - old.traction**2)
         initial = np.einsum("s,si,si->", area, self.initial.traction, slide)
         return float(stored), float(done - stored), float(initial)
 

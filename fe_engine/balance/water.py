@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fe_engine.assembly import kernels_water
-from fe_engine.assembly.scatter import NOWHERE, Scatter
+from fe_engine.assembly.scatter import NOWHERE, Forces, Scatter
 from fe_engine.assembly.system import System
 from fe_engine.elements import interface
 from fe_engine.mesh import FACES
@@ -82,18 +82,19 @@ class WaterBalance:
         return Balance(expelled, compressed, film, self._flown_out - own, self._moved)
 
     def _gap(self, state: Fields) -> np.ndarray:
-        return kernels_water.station_gaps(self.system.stations, state.displacement, state.border)
+        return self.system.gaps(state)
 
     def _leaving(self, old: Fields, new: Fields, time_step: float) -> np.ndarray:
         """Volume (n + nf,) in m3 that leaves each node between two states: by change of volume, and by flow."""
-        s, out, nothing = self.system, np.zeros(self.system.pattern.n_nodes), np.zeros(0)
+        s, step = self.system, kernels_water.Step(time_step, -1.0)
+        out = Forces(np.zeros(self.system.pattern.n_nodes), np.zeros(0))
         fields = (old.displacement, old.pressure), (new.displacement, new.pressure)
-        kernels_water.soil_water(s.hexes, s.pores.arrays, time_step, -1.0, *fields, self._scatter, out, nothing)
+        kernels_water.soil_water(s.hexes, s.pores.arrays, step, *fields, self._scatter, out)
         if s.film is not None:
-            gaps, end = (self._gap(old), self._gap(new)), (self._scatter, False, out, nothing, NOWHERE)
-            kernels_water.station_water(s.stations, s.film, time_step, -1.0, *gaps, new.pressure, *end)
-            kernels_water.face_water(s.stations, s.film, time_step, -1.0, gaps[1], new.pressure, *end)
-        return out
+            gaps = self._gap(old), self._gap(new)
+            kernels_water.station_water(s.stations, s.film, step, gaps, new.pressure, self._scatter, out, NOWHERE)
+            kernels_water.face_water(s.stations, s.film, step, gaps[1], new.pressure, self._scatter, out, NOWHERE)
+        return out.free
 
 
 def _boundary_area_vectors(system: System) -> np.ndarray:

@@ -29,11 +29,11 @@ import math
 import numpy as np
 
 from fe_engine.compiled import njit
+from fe_engine.contact.law import ContactLaw
 from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, CONTACT_STICK
 
-# Order of the packed parameters
-KN, KT, MU = range(3)
-N_PARAMETERS = 3
+PARAMETERS = ("kn", "kt", "mu")
+KN, KT, MU = range(len(PARAMETERS))
 
 
 def pack(kn: float, kt: float, mu: float) -> np.ndarray:
@@ -46,12 +46,12 @@ _ACTIVE_SET_FRACTION = 1.0e-3
 
 
 @njit
-def update(p, initial_pressure, jump, jump_old, traction_old, traction):
-    """Write the traction (3,) of one station from its jump (3,); return the contact state.
+def update(p, slide, traction):
+    """Write the traction (3,) of one station, see law.ContactLaw; return the contact state.
 
-    ``jump`` counts from the initial state, ``initial_pressure`` (Pa, >= 0) is the contact pressure there.
     A station that was open has no committed shear and sticks where it closes again.
     """
+    jump, jump_old, traction_old, initial_pressure = slide
     pressure = initial_pressure - p[KN] * jump[0]
     if pressure <= 0.0:
         for i in range(3):
@@ -72,12 +72,13 @@ def update(p, initial_pressure, jump, jump_old, traction_old, traction):
 
 
 @njit
-def linearise(p, initial_pressure, jump, jump_old, traction_old, guess, traction, tangent):
-    """Write traction (3,) and tangent (3, 3): the law near ``jump`` is traction + tangent d(jump).
+def linearise(p, slide, guess, traction, tangent):
+    """Write traction (3,) and tangent (3, 3): the law near the jump is traction + tangent d(jump).
 
     ``guess`` (3,) is the traction iterate; with guess = the law's own traction this returns that traction and
     the consistent tangent. Returns the contact state that was assumed.
     """
+    jump, jump_old, traction_old, initial_pressure = slide
     kn, kt, mu = p[KN], p[KT], p[MU]
     pressure = initial_pressure - kn * jump[0]
     for i in range(3):
@@ -120,3 +121,17 @@ def linearise(p, initial_pressure, jump, jump_old, traction_old, guess, traction
 def gap(p: np.ndarray, initial_pressure: np.ndarray, normal_jump: np.ndarray) -> np.ndarray:
     """Opening in m (>= 0) from the normal jump since the initial state; arrays broadcast."""
     return np.maximum(normal_jump - initial_pressure / p[..., KN], 0.0)
+
+
+def penalties(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Penalties K_N and K_T in N/m3 of packed parameters (..., 3)."""
+    return p[..., KN], p[..., KT]
+
+
+def smooth(p: np.ndarray) -> np.ndarray:
+    """Whether packed parameters (..., 3) are without friction."""
+    found: np.ndarray = p[..., MU] == 0.0
+    return found
+
+
+LAW = ContactLaw("coulomb", PARAMETERS, pack, update, linearise, gap, penalties, smooth)

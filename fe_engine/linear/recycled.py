@@ -204,7 +204,7 @@ class Recycled:
 
 def _factors(name: str, system: System, many: float) -> Factors:
     backend = make_backend(name, system.pattern.n_free, system.model.symmetric, single=True)
-    block = system.tell_contact_apart() if isinstance(backend, Pardiso) else None
+    block = system.track_contact_block() if isinstance(backend, Pardiso) else None
     if block is None:
         return TangentFactors(backend)
     assert isinstance(backend, Pardiso)

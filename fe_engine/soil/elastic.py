@@ -6,6 +6,11 @@ from __future__ import annotations
 import numpy as np
 
 from fe_engine.compiled import njit
+from fe_engine.conventions import OK, REGIME_ELASTIC
+from fe_engine.soil.law import SoilLaw, rows
+
+PARAMETERS = ("bulk", "shear")
+BULK, SHEAR = range(len(PARAMETERS))
 
 
 def moduli(young: float, poisson: float) -> tuple[float, float]:
@@ -58,8 +63,32 @@ def stored_density(bulk, shear, stress):
     return first * first / (18.0 * bulk) + square / (2.0 * shear)
 
 
+def pack(young: float, poisson: float) -> np.ndarray:
+    """Return the packed parameters from Young's modulus (Pa) and Poisson's ratio."""
+    return rows(*moduli(young, poisson))
+
+
+def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Bulk and shear modulus in Pa of packed parameters (..., 2)."""
+    return p[..., BULK], p[..., SHEAR]
+
+
+@njit
+def update(p, strain, old, new, tangent, want_tangent):
+    """Add the elastic stress of a strain increment (6,), see law.SoilLaw; return (OK, REGIME_ELASTIC)."""
+    for i in range(6):
+        new.stress[i] = old.stress[i]
+    add_elastic_stress(p[BULK], p[SHEAR], strain, new.stress)
+    if want_tangent:
+        elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
+    return OK, REGIME_ELASTIC
+
+
 def elastic_matrix(young: float, poisson: float) -> np.ndarray:
     """Elastic stiffness (6, 6) in Pa, engineering shear strains."""
     tangent = np.empty((6, 6))
     elastic_tangent(*moduli(young, poisson), 1.0, tangent)
     return tangent
+
+
+LAW = SoilLaw("elastic", PARAMETERS, (), pack, elastic_moduli, update, symmetric=True, yields=False)

@@ -7,12 +7,9 @@ import math
 from typing import NamedTuple
 
 from fe_engine.compiled import njit
+from fe_engine.soil import formulas
 
-EXPONENT = -0.229
-# The section of the surface is convex up to here, rad
-MAX_FRICTION = math.radians(46.5)
-
-_SQRT3, _SQRT6 = math.sqrt(3.0), math.sqrt(6.0)
+_SQRT6 = math.sqrt(6.0)
 _AT_MERIDIAN = 1.0e-12  # sin(3 theta) where the direction across the meridian plane has no meaning any more
 
 
@@ -27,29 +24,8 @@ class Trial(NamedTuple):
     across: tuple[float, float, float, float, float, float]
 
 
-@njit
-def shape(phi):
-    """Parameter b(phi) of the section; phi in rad."""
-    return math.tanh(math.atanh(math.sin(phi) / 3.0) / EXPONENT)
-
-
-@njit
-def section(b, cos3):
-    """Radius rho of the section over that in compression."""
-    return ((1.0 + b * cos3) / (1.0 + b)) ** EXPONENT
-
-
-@njit
-def shape_of_slope(m):
-    """Parameter b of the angle whose cone has the slope m."""
-    return math.tanh(math.atanh(_SQRT3 * m / (2.0 + _SQRT3 * m)) / EXPONENT)
-
-
-@njit
-def turn_of(b, cos3, sin3):
-    """Direction T of the flow across the meridian plane, and dT/dtheta."""
-    along = 1.0 + b * cos3
-    return 3.0 * EXPONENT * b * sin3 / along, 9.0 * EXPONENT * b * (cos3 + b) / (along * along)
+shape, section = njit(formulas.shape), njit(formulas.section)
+shape_of_slope, turn_of = njit(formulas.shape_of_slope), njit(formulas.turn)
 
 
 @njit

@@ -26,18 +26,21 @@ import numpy as np
 
 from fe_engine.compiled import njit
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
+from fe_engine.soil import formulas
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent, moduli
+from fe_engine.soil.law import PLASTIC_STRAIN, SoilLaw, rows
 
-# Order of the packed parameters
-BULK, SHEAR, PHI_I, PHI_F, B_PHI, M_PSI, COHESION = range(7)
-N_PARAMETERS = 7
-# History: equivalent plastic strain
+PARAMETERS = ("bulk", "shear", "phi_i", "phi_f", "b_phi", "m_psi", "cohesion")
+BULK, SHEAR, PHI_I, PHI_F, B_PHI, M_PSI, COHESION = range(len(PARAMETERS))
+HISTORY = (PLASTIC_STRAIN,)
 KAPPA = 0
-N_HISTORY = 1
 
 APEX_STIFFNESS = 1.0e-5
 _SQRT3 = math.sqrt(3.0)
 _MAX_ITERATIONS = 60
+
+
+_sine = np.vectorize(math.sin, otypes=[float])
 
 
 def pack(
@@ -49,13 +52,21 @@ def pack(
     cohesion >= 0, b_phi > 0.
     """
     bulk, shear = moduli(young, poisson)
-    return np.array([bulk, shear, phi_i, phi_f, b_phi, cone_slope(psi), cohesion])
+    return rows(bulk, shear, phi_i, phi_f, b_phi, formulas.cone_slope(_sine(psi)), cohesion)
+
+
+def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Bulk and shear modulus in Pa of packed parameters (..., 7)."""
+    return p[..., BULK], p[..., SHEAR]
+
+
+_slope, _cohesion = njit(formulas.cone_slope), njit(formulas.cone_cohesion)
 
 
 @njit
 def cone_slope(phi):
     """Slope m(phi) of the compression cone in the I-II plane."""
-    return 2.0 * math.sin(phi) / (_SQRT3 * (3.0 - math.sin(phi)))
+    return _slope(math.sin(phi))
 
 
 @njit
@@ -71,8 +82,7 @@ def strength(p, kappa):
     phi, dphi = mobilised(p, kappa)
     s, c = math.sin(phi), math.cos(phi)
     a = 3.0 - s
-    m = 2.0 * s / (_SQRT3 * a)
-    k = 6.0 * p[COHESION] * c / (_SQRT3 * a)
+    m, k = _slope(s), _cohesion(s, c, p[COHESION])
     dm = 6.0 * c / (_SQRT3 * a * a) * dphi
     dk = 6.0 * p[COHESION] * (1.0 - 3.0 * s) / (_SQRT3 * a * a) * dphi
     return m, k, dm, dk
@@ -125,15 +135,13 @@ def second_invariant(stress, mean):
 
 
 @njit
-def update(p, strain, stress_old, history_old, stress, history, tangent, want_tangent):
-    """Advance one Gauss point by the strain increment (6,); write stress (6,), history (1,), tangent (6, 6).
-
-    Returns (status, regime).
-    """
+def update(p, strain, old, new, tangent, want_tangent):
+    """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
+    stress, history = new.stress, new.history
     for i in range(6):
-        stress[i] = stress_old[i]
+        stress[i] = old.stress[i]
     add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
-    kappa_old = history_old[KAPPA]
+    kappa_old = old.history[KAPPA]
     first = stress[0] + stress[1] + stress[2]
     second = second_invariant(stress, first / 3.0)
     m, k, _, _ = strength(p, kappa_old)
@@ -143,31 +151,37 @@ def update(p, strain, stress_old, history_old, stress, history, tangent, want_ta
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
     if second <= 0.0 or _excess(p, kappa_old, first, second, second / p[SHEAR])[0] >= 0.0:
-        return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent)
+        return_to_apex(p, kappa_old, (first, second), new, tangent, want_tangent)
         return OK, REGIME_APEX
     dl, status = _multiplier(p, kappa_old, first, second)
-    _return_to_cone(p, kappa_old, first, second, dl, stress, history, tangent, want_tangent)
+    _return_to_cone(p, kappa_old, (first, second), dl, new, tangent, want_tangent)
     return status, REGIME_CONE
 
 
 @njit
-def _return_to_cone(p, kappa_old, first, second, dl, stress, history, tangent, want_tangent):
-    """Turn the trial stress into the returned one; consistent tangent (not symmetric unless psi = phi)."""
+def _return_to_cone(p, kappa_old, trial, dl, new, tangent, want_tangent):
+    """Turn the trial stress, of invariants ``trial``, into the returned one; consistent tangent.
+
+    The tangent is not symmetric unless psi = phi.
+    """
+    first, second = trial
+    stress = new.stress
     bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
     kappa = kappa_old + dl / _SQRT3
     ratio = 1.0 - shear * dl / second
     first_new = first - 9.0 * bulk * m_psi * dl
-    history[KAPPA] = kappa
+    new.history[KAPPA] = kappa
     if want_tangent:
-        _cone_tangent(p, kappa, first, second, first_new, dl, stress, tangent)
+        _cone_tangent(p, kappa, trial, first_new, dl, stress, tangent)
     for i in range(3):
         stress[i] = ratio * (stress[i] - first / 3.0) + first_new / 3.0
         stress[i + 3] *= ratio
 
 
 @njit
-def _cone_tangent(p, kappa, first, second, first_new, dl, trial, tangent):
-    """Consistent tangent (6, 6) on the cone; trial is the elastic trial stress."""
+def _cone_tangent(p, kappa, invariants, first_new, dl, trial, tangent):
+    """Consistent tangent (6, 6) on the cone; trial is the elastic trial stress, of these invariants."""
+    first, second = invariants
     bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
     m, _, dm, dk = strength(p, kappa)
     denominator = shear + 9.0 * bulk * m * m_psi - (dm * first_new - dk) / _SQRT3
@@ -188,12 +202,14 @@ def _cone_tangent(p, kappa, first, second, first_new, dl, trial, tangent):
 
 
 @njit
-def return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent):
-    """Put the point on the apex, plus the residual elastic fraction of the trial stress."""
+def return_to_apex(p, kappa_old, trial, new, tangent, want_tangent):
+    """Put the point on the apex, plus the residual elastic fraction of the trial stress, of invariants ``trial``."""
+    first, second = trial
+    stress = new.stress
     kappa = kappa_old + second / (_SQRT3 * p[SHEAR])
     m, k, dm, dk = strength(p, kappa)
     mean = k / m / 3.0 if k > 0.0 else 0.0
-    history[KAPPA] = kappa
+    new.history[KAPPA] = kappa
     if want_tangent:
         # the apex moves along the hydrostatic axis as friction hardens: d(k/m)/de
         drift = (dk - k / m * dm) / m / 3.0 if k > 0.0 else 0.0
@@ -214,3 +230,6 @@ def _apex_tangent(p, drift, first, second, trial, tangent):
         n_j = (trial[j] - (first / 3.0 if j < 3 else 0.0)) / (2.0 * second)
         for i in range(3):
             tangent[i, j] += factor * n_j
+
+
+LAW = SoilLaw("drucker-prager", PARAMETERS, HISTORY, pack, elastic_moduli, update)

@@ -41,16 +41,22 @@ from typing import NamedTuple
 from fe_engine.compiled import njit
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent
-from fe_engine.soil.lode import EXPONENT, lode, rotated, section, shape, shape_of_slope, turn_of
+from fe_engine.soil.formulas import EXPONENT
+from fe_engine.soil.law import SoilLaw
+from fe_engine.soil.lode import lode, rotated, section, shape, shape_of_slope, turn_of
 from fe_engine.soil.plasol import (
     BULK,
     COHESION,
+    HISTORY,
     KAPPA,
     M_PSI,
+    PARAMETERS,
     PHI_F,
     SHEAR,
     cone_slope,
+    elastic_moduli,
     mobilised,
+    pack,
     return_to_apex,
     second_invariant,
     strength,
@@ -189,15 +195,13 @@ def yield_function(p, stress, kappa):
 
 
 @njit
-def update(p, strain, stress_old, history_old, stress, history, tangent, want_tangent):
-    """Advance one Gauss point by the strain increment (6,); write stress (6,), history (1,), tangent (6, 6).
-
-    Returns (status, regime).
-    """
+def update(p, strain, old, new, tangent, want_tangent):
+    """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
+    stress, history = new.stress, new.history
     for i in range(6):
-        stress[i] = stress_old[i]
+        stress[i] = old.stress[i]
     add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
-    kappa_old = history_old[KAPPA]
+    kappa_old = old.history[KAPPA]
     if yield_function(p, stress, kappa_old) <= 0.0:
         history[KAPPA] = kappa_old
         if want_tangent:
@@ -206,12 +210,12 @@ def update(p, strain, stress_old, history_old, stress, history, tangent, want_ta
     first = stress[0] + stress[1] + stress[2]
     second = second_invariant(stress, first / 3.0)
     if second <= 0.0:
-        return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent)
+        return_to_apex(p, kappa_old, (first, second), new, tangent, want_tangent)
         return OK, REGIME_APEX
     b_psi = shape_of_slope(p[M_PSI])
     trial = lode(stress, first, second)
     if _evaluate(p, b_psi, kappa_old, trial, 1.0, 0.0).f >= 0.0:
-        return_to_apex(p, kappa_old, first, second, stress, history, tangent, want_tangent)
+        return_to_apex(p, kappa_old, (first, second), new, tangent, want_tangent)
         return OK, REGIME_APEX
     at, status = _solve(p, b_psi, kappa_old, trial)
     _return(p, kappa_old, trial, at, stress, history)
@@ -290,3 +294,6 @@ def _symmetric_product(a, b):
         (a[1] + a[2]) * b[4] + (b[1] + b[2]) * a[4] + a[3] * b[5] + a[5] * b[3],
         (a[0] + a[2]) * b[5] + (b[0] + b[2]) * a[5] + a[3] * b[4] + a[4] * b[3],
     )
+
+
+LAW = SoilLaw("van-eekelen", PARAMETERS, HISTORY, pack, elastic_moduli, update)

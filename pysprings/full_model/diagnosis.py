@@ -19,7 +19,9 @@ import numpy as np
 
 from fe_engine.conventions import CONTACT_OPEN, REGIME_APEX, REGIME_CONE
 from fe_engine.errors import FEError
-from fe_engine.soil.dispatch import N_HISTORY, update_soil
+from fe_engine.material import soil_rows
+from fe_engine.soil.dispatch import update_soil
+from fe_engine.soil.law import Point
 from pysprings.core.stop_reasons import Diagnosis, StopReason
 
 if TYPE_CHECKING:
@@ -105,18 +107,16 @@ def _ellipticity(system: System | FourierSystem, state: State, elements: np.ndar
     """Least det(n.C.n) over its elastic value, of the yielding points of these elements over directions n."""
     directions = _directions()
     worst = 1.0
-    stress, history, tangent = np.empty(6), np.empty(N_HISTORY), np.empty((6, 6))
-    old, materials = state.committed, system.model.materials
+    old, tangent = state.committed, np.empty((6, 6))
+    new = Point(np.empty(6), np.empty(old.history.shape[2]))
+    code, parameters, moduli = soil_rows(system.model)
     for e in elements:
         if not (system.regime[e] == REGIME_CONE).any():
             continue
-        material = materials[system.model.material[e]]
         for g in np.flatnonzero(system.regime[e] == REGIME_CONE):
-            update_soil(
-                material.law, material.parameters, system.strain_step(state, int(e), int(g)), old.stress[e, g],
-                old.history[e, g], stress, history, tangent, True,
-            )  # fmt: skip
-            worst = min(worst, float(np.min(_acoustic(tangent, directions))) / _elastic(material.parameters))
+            strain, before = system.strain_step(state, int(e), int(g)), Point(old.stress[e, g], old.history[e, g])
+            update_soil(code[e], parameters[e], strain, before, new, tangent, True)
+            worst = min(worst, float(np.min(_acoustic(tangent, directions))) / _elastic(*moduli[e]))
     return worst
 
 
@@ -134,9 +134,8 @@ def _acoustic(tangent: np.ndarray, directions: np.ndarray) -> np.ndarray:
     return np.linalg.det(np.einsum("ni,ijkl,nl->njk", directions, c, directions))
 
 
-def _elastic(parameters: np.ndarray) -> float:
+def _elastic(bulk: float, shear: float) -> float:
     """det(n.C.n) of the elastic tangent: (K + 4G/3) G^2, in Pa3."""
-    bulk, shear = parameters[0], parameters[1]
     return float((bulk + 4.0 / 3.0 * shear) * shear * shear)
 
 

@@ -67,7 +67,7 @@ class FourierCollector(Collector):
         sine, cosine = np.sin(stations.azimuth), np.cos(stations.azimuth)
         even, odd = self._around
         around_ring = sine * traction[:, 0] - cosine * traction[:, 1]  # along theta, of the caisson on the soil
-        opening = self.system.jumps(state)[:, 0] - model.initial_pressure / self.system.contact.parameters[:, 0]
+        opening = self.system.jumps(state)[:, 0] - model.initial_pressure / self.system.stations.penalties[:, 0]
         lateral = -np.sin(self.azimuth)[:, None]
         found = {
             "normal_effective_stress": self._on_walls(even, -state.traction[:, 0]).clip(min=0.0),

@@ -8,7 +8,8 @@ import xarray as xr
 
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.elements import fourier as elements
-from fe_engine.soil.plasol import KAPPA
+from fe_engine.material import history_of
+from fe_engine.soil.law import PLASTIC_STRAIN
 from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.model.fourier import BuiltFourier
@@ -78,9 +79,8 @@ class Sectors:
 
     def plastic(self, state: Fields) -> np.ndarray:
         """Mean equivalent plastic strain (cells,)."""
-        if not state.history.size:
-            return np.zeros(len(self.hexes))
-        return self._mean(state.history)[..., KAPPA].ravel()
+        plastic = history_of(self.built.model, state.history, PLASTIC_STRAIN)
+        return self._mean(plastic[..., None]).ravel()
 
     def _mean(self, values: np.ndarray) -> np.ndarray:
         """Means (M, ne, nv) over the points of a section at each azimuth."""

@@ -8,7 +8,8 @@ import xarray as xr
 
 from fe_engine.assembly.system import System
 from fe_engine.elements.rigid import displacement_operator
-from fe_engine.soil.plasol import KAPPA
+from fe_engine.material import history_of
+from fe_engine.soil.law import PLASTIC_STRAIN
 from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.model.build import Built
@@ -27,7 +28,7 @@ class Volume:
         """Displacement, stress, plastic strain, pore pressure and gap; see `variables`."""
         u, n = self._displacement(state), self.built.model.mesh.n_nodes
         stress = np.vstack([state.stress.mean(axis=1), np.full((self.n_steel, 6), np.nan)])
-        plastic = state.history[..., KAPPA].mean(axis=1) if state.history.size else np.zeros(len(state.stress))
+        plastic = history_of(self.built.model, state.history, PLASTIC_STRAIN).mean(axis=1)
         strain = np.append(plastic, np.zeros(self.n_steel))
         found = {f"volume_u{axis}": u[:, i] for i, axis in enumerate("xyz")}
         found |= {f"volume_s{name}": stress[:, i] for i, name in enumerate(variables.STRESSES)}

@@ -9,22 +9,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fe_engine.contact import coulomb
-from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC, VAN_EEKELEN
 from fe_engine.elements import hex8, interface, rigid, solid_shell
 from fe_engine.elements.interface import Stations
 from fe_engine.errors import MeshError
 from fe_engine.mesh import Quality
-from fe_engine.model import Linear, Material, Model
-from fe_engine.soil import plasol
+from fe_engine.model import Linear, Model
 from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
 from pysprings.model.penalty import penalty_of
+from pysprings.model.soil_laws import soil_material
 from pysprings.model.steel import SteelMesh, make_steel, with_steel
 from pysprings.model.water import beside_steel, make_water
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
-_LAWS = {"elastic": ELASTIC, "drucker-prager": DRUCKER_PRAGER, "van-eekelen": VAN_EEKELEN}
 SURFACE = {name: code for code, name in enumerate(SURFACES)}
 
 
@@ -138,26 +136,11 @@ def _mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
         raise MeshError(message) from error
 
 
-def soil_material(scene: Scene) -> Material:
-    """Pack the soil law of the scene."""
-    soil = scene.soil
-    parameters = plasol.pack(
-        young=soil.young_modulus,
-        poisson=soil.poisson_ratio,
-        phi_i=soil.friction_angle_initial,
-        phi_f=soil.friction_angle_final,
-        b_phi=soil.hardening_parameter,
-        psi=soil.dilation_angle,
-        cohesion=soil.cohesion,
-    )
-    return Material(_LAWS[soil.yield_surface], parameters)
-
-
 def contact_parameters(scene: Scene, stations: Stations, caisson: CaissonMesh) -> np.ndarray:
     """Contact parameters (ns, 3): the same at every station, but smooth under the lid where it meets the skirt.
 
-    The skirt's station on the same node has friction already. With both, neither knows which of the two slips, and at
-    lift-off they send each other to and fro.
+    The skirt's station on the same node has friction already. With both, the stations alternate between stick and slip
+    at lift-off.
     """
     penalty = penalty_of(scene)
     packed = coulomb.pack(kn=penalty.normal, kt=penalty.shear, mu=scene.interface.friction_coefficient)

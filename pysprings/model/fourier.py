@@ -14,9 +14,10 @@ from fe_engine.elements import interface, rigid
 from fe_engine.errors import MeshError
 from fe_engine.fourier_model import FourierModel, RingStations, SectionMesh
 from fe_engine.mesh import Quality
-from pysprings.model.build import SURFACE, extra_load, geometry_of, initial_pressure, initial_stress, soil_material
+from pysprings.model.build import SURFACE, extra_load, geometry_of, initial_pressure, initial_stress
 from pysprings.model.fourier_mesh import PRESETS, CaissonSection, SectionCounts, make_section, refine_section
 from pysprings.model.penalty import penalty_of
+from pysprings.model.soil_laws import soil_material
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from pysprings.core.path_kinds import PATH_KINDS, UNITS, VERTICAL
 from pysprings.core.units import show
+from pysprings.scene.clash import Clash
 from pysprings.scene.positions import KeyPath
+from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Caisson, Domain, Path, Scene, Soil, Solver
@@ -17,26 +18,12 @@ if TYPE_CHECKING:
 MIN_RADIUS_RATIO = 1.02  # domain radius over caisson radius: room for a graded mesh around the skirt
 MIN_DEPTH_RATIO = 1.02  # domain depth over skirt length: room for a graded mesh below the tip
 
-MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at constant volume
-# Van Eekelen's surface: its exponent, and the friction (rad) up to which its section is convex (`fe_engine.soil.lode`)
-_EXPONENT = -0.229
-_MOST_FRICTION = math.radians(46.5)
-_ANGLES = tuple(math.pi / 3.0 * i / 60.0 for i in range(61))  # Lode angles, from compression to extension
-
-
-class Clash(NamedTuple):
-    """Keys (as in TOML) whose values do not go together, the one to blame first, and why."""
-
-    keys: tuple[KeyPath, ...]
-    message: str
-
 
 def clashes(scene: Scene) -> Iterator[Clash]:
     """Give everything that does not go together in a scene whose single values are valid."""
     yield from _caisson(scene.caisson)
     yield from _domain(scene.domain, scene.caisson)
-    yield from _soil(scene.soil)
-    yield from _initial_state(scene.soil, scene.domain)
+    yield from _soil(scene.soil, scene.domain)
     yield from _series(scene)
     yield from _solver(scene.solver)
     yield from _paths(scene.paths)
@@ -91,117 +78,10 @@ def _series(scene: Scene) -> Iterator[Clash]:
         yield Clash((("drainage", "mode"), chosen), 'must be "drained" with discretisation = "fourier"')
 
 
-def _soil(soil: Soil) -> Iterator[Clash]:
-    final = f"friction_angle_final ({show(soil.friction_angle_final, 'deg')})"
-    for name in ("friction_angle_initial", "dilation_angle"):
-        value = getattr(soil, name)
-        if value > soil.friction_angle_final:
-            keys = ("soil", name), ("soil", "friction_angle_final")
-            yield Clash(keys, f"{show(value, 'deg')} must not be more than {final}")
-    if soil.yield_surface == "elastic":
-        return
-    if soil.friction_angle_final == 0.0 and soil.cohesion == 0.0:
-        keys = ("soil", "friction_angle_final"), ("soil", "cohesion")
-        yield Clash(keys, "a soil without friction and cohesion has no strength")
-    if soil.yield_surface == "van-eekelen" and soil.friction_angle_final > _MOST_FRICTION:
-        keys = ("soil", "friction_angle_final"), ("soil", "yield_surface")
-        limit = f"Van Eekelen's surface is convex up to {show(_MOST_FRICTION, 'deg')}"
-        yield Clash(keys, f"{show(soil.friction_angle_final, 'deg')} is too much: {limit}")
-        return
-    yield from _contraction(soil)
-
-
-def _contraction(soil: Soil) -> Iterator[Clash]:
-    """Check that a contracting soil (dilation angle < 0) stays stable when its volume is held.
-
-    The multiplier of the cone has the slope -(G + 9 K m m_psi) without hardening (`fe_engine.soil.plasol`): where it
-    is not negative, the soil loses all strength at constant volume, and the return to the cone has two answers or none.
-    """
-    if _lost(soil, soil.dilation_angle) <= MOST_CONTRACTION:
-        return
-    low, high = soil.dilation_angle, 0.0
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if _lost(soil, middle) > MOST_CONTRACTION else (low, middle)
-    angle = math.degrees(high)
-    keys = tuple(("soil", name) for name in ("dilation_angle", "poisson_ratio", "friction_angle_final"))
-    with_these = f"Poisson ratio {soil.poisson_ratio:g} and {show(soil.friction_angle_final, 'deg')} of friction"
-    yield Clash(keys, f"{show(soil.dilation_angle, 'deg')} is unstable: with {with_these} at least {angle:.2f} deg")
-
-
-def _lost(soil: Soil, psi: float) -> float:
-    """Share of the shear modulus that plastic flow with this dilation angle (rad) takes at constant volume.
-
-    -9 (K/G) m m_psi on the cone; on Van Eekelen's surface, where both slopes shrink by their sections, with -T T_psi of
-    the flow across the meridian plane, at the worst Lode angle (`fe_engine.soil.van_eekelen`).
-    """
-    nu, phi = soil.poisson_ratio, soil.friction_angle_final
-    cone = -6.0 * (1.0 + nu) / (1.0 - 2.0 * nu) * cone_slope(phi) * cone_slope(psi)
-    if soil.yield_surface != "van-eekelen":
-        return cone
-    worst = 0.0
-    for angle in _ANGLES:
-        (rho, turn), (rho_psi, turn_psi) = _section(phi, angle), _section(psi, angle)
-        worst = max(worst, cone * rho * rho_psi - turn * turn_psi)
-    return worst
-
-
-def _section(phi: float, lode_angle: float) -> tuple[float, float]:
-    """Radius of Van Eekelen's section over that in compression, and -d(its logarithm)/d(Lode angle)."""
-    b = math.tanh(math.atanh(math.sin(phi) / 3.0) / _EXPONENT)
-    along = 1.0 + b * math.cos(3.0 * lode_angle)
-    return (along / (1.0 + b)) ** _EXPONENT, 3.0 * _EXPONENT * b * math.sin(3.0 * lode_angle) / along
-
-
-def cone_slope(angle: float) -> float:
-    """Slope m of the Drucker-Prager cone, 2 sin(phi)/(sqrt(3) (3 - sin(phi))); that of its potential for psi."""
-    sine = math.sin(angle)
-    return 2.0 * sine / (math.sqrt(3.0) * (3.0 - sine))
-
-
-def _initial_state(soil: Soil, domain: Domain) -> Iterator[Clash]:
-    """Check that the geostatic stress is inside the initial yield surface.
-
-    With compression positive and the vertical stress s: II = |1 - K0| s/sqrt(3), I = (1 + 2 K0) s, and the
-    surface is II = m I + 6 c cos(phi)/(sqrt(3) (3 - sin(phi))), m = 2 sin(phi)/(sqrt(3) (3 - sin(phi))). Van Eekelen's
-    surface is the same for K0 < 1 (compression); for K0 > 1 (extension) m and the cohesive part are less by
-    (3 - sin(phi))/(3 + sin(phi)).
-    """
-    if soil.yield_surface == "elastic":
-        return
-    names = (
-        "K0",
-        "friction_angle_initial",
-        "cohesion",
-        "surcharge",
-        "effective_unit_weight",
-        "yield_surface",
-    )
-    keys = (*(("soil", name) for name in names), ("domain", "depth"))
-    bottom = soil.surcharge + soil.effective_unit_weight * domain.depth
-    if bottom == 0.0 and soil.cohesion == 0.0:
-        blame = (("soil", "surcharge"), *keys)
-        yield Clash(blame, "a soil without weight, surcharge and cohesion has no strength")
-    sine, slope = math.sin(soil.friction_angle_initial), cone_slope(soil.friction_angle_initial)
-    strength = 6.0 * soil.cohesion * math.cos(soil.friction_angle_initial) / (math.sqrt(3.0) * (3.0 - sine))
-    less = _section(soil.friction_angle_initial, math.pi / 3.0)[0] if soil.yield_surface == "van-eekelen" else 1.0
-    reaches = math.sqrt(3.0) * slope, math.sqrt(3.0) * slope * less
-    if soil.K0 > 1.0:
-        slope, strength = less * slope, less * strength
-    shear, pressure = abs(1.0 - soil.K0) / math.sqrt(3.0), 1.0 + 2.0 * soil.K0
-    worst = max((shear - slope * pressure) * vertical for vertical in (soil.surcharge, bottom))
-    if worst > strength + 1e-9 * bottom:
-        angle = show(soil.friction_angle_initial, "deg")
-        allowed = f"({angle}{_range(*reaches, soil)})"
-        yield Clash(keys, f"{soil.K0:g} puts the initial stress outside the initial yield surface {allowed}")
-
-
-def _range(compression: float, extension: float, soil: Soil) -> str:
-    """Say which K0 a cohesionless soil allows; sqrt(3) m in compression and in extension."""
-    if soil.cohesion:
-        return f", cohesion {show(soil.cohesion, 'kPa')}"
-    low, high = (1.0 - compression) / (1.0 + 2.0 * compression), (1.0 + extension) / (1.0 - 2.0 * extension)
-    return f" allows {low:.3f} to {high:.3f}"
+def _soil(soil: Soil, domain: Domain) -> Iterator[Clash]:
+    law = SOIL_LAWS[soil.yield_surface]
+    yield from law.clashes(soil)
+    yield from law.initial(soil, domain)
 
 
 def _solver(solver: Solver) -> Iterator[Clash]:

@@ -18,6 +18,7 @@ from pydantic import Field as Key
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.scene.checks import clashes, dotted
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text, refuse
+from pysprings.scene.soil_laws import SOIL_LAWS
 from pysprings.scene.then import Then, ThenList
 
 _DEGREE = math.pi / 180.0
@@ -92,9 +93,7 @@ class Soil(Section):
 
     young_modulus: Annotated[float, Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa")] = 200e6
     poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio", 0.3)] = 0.3
-    yield_surface: Annotated[
-        str, Choice(("drucker-prager", "van-eekelen", "elastic"), "shape of the yield surface")
-    ] = "drucker-prager"
+    yield_surface: Annotated[str, Choice(tuple(SOIL_LAWS), "shape of the yield surface")] = "drucker-prager"
     friction_angle_initial: Annotated[float, Quantity("deg", "[0, 60]", "friction angle at first yield", "5 deg")] = (
         5.0 * _DEGREE
     )

@@ -7,12 +7,13 @@ import numpy as np
 
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.contact import coulomb
-from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
 from fe_engine.elements import fourier as elements
 from fe_engine.elements import rigid
 from fe_engine.elements.interface import local_frames
 from fe_engine.fourier_model import FourierModel, RingStations, SectionMesh
 from fe_engine.settings import Settings
+from fe_engine.soil import elastic, plasol
+from fe_engine.soil.law import SoilLaw
 from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver
@@ -36,7 +37,7 @@ def section(r: np.ndarray, z: np.ndarray) -> SectionMesh:
 
 
 def disc(
-    harmonics: int = 2, law: int = DRUCKER_PRAGER, contact: tuple = CONTACT, skew: bool = False,
+    harmonics: int = 2, law: SoilLaw = plasol.LAW, contact: tuple = CONTACT, skew: bool = False,
     pressure: float = 2.0e4, **changes: float,
 ) -> FourierModel:  # fmt: skip
     """A cylinder of soil (radius 3 m, depth 2 m, roller, fixed base) under a rigid disc of radius 1 m.
@@ -64,7 +65,7 @@ def disc(
     stress = np.zeros((*depth.shape, 6))
     stress[..., :3] = -(pressure + 1.0e4 * depth)[..., None]
     return FourierModel(
-        mesh, harmonics, m, [soil(law, **changes), soil(ELASTIC, young=5.0e7)],
+        mesh, harmonics, m, [soil(law, **changes), soil(elastic.LAW, young=5.0e7)],
         (np.arange(mesh.n_elements) % 4 == 3).astype(int) * int(skew), stress, fixed, 3, np.array([1.0, 1.0, 1.0]),
         stations, np.tile(coulomb.pack(*contact), (len(node), 1)), np.full(len(node), pressure),
     )  # fmt: skip

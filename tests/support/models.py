@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -10,14 +11,15 @@ import numpy as np
 
 from fe_engine.assembly.system import System
 from fe_engine.contact import coulomb
-from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
 from fe_engine.elements import hex8, rigid
 from fe_engine.elements.interface import Film, Stations, film_geometry, gauss_stations, local_frames, nodal_stations
 from fe_engine.linear.solver import LinearSolver
+from fe_engine.material import Material
 from fe_engine.mesh import Mesh
-from fe_engine.model import Material, Model, Stage, Water
+from fe_engine.model import Model, Stage, Water
 from fe_engine.settings import Recycling, Settings
-from fe_engine.soil import plasol
+from fe_engine.soil import elastic, plasol
+from fe_engine.soil.law import SoilLaw
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
@@ -82,10 +84,12 @@ def all_of(mesh: Mesh, axis: int, value: float) -> np.ndarray:
     return np.abs(mesh.nodes[:, axis] - value) < 1.0e-9
 
 
-def soil(law: int = DRUCKER_PRAGER, **changes: float) -> Material:
-    """Material of SAND with some parameters changed."""
+def soil(law: SoilLaw = plasol.LAW, **changes: float) -> Material:
+    """Material of SAND with some parameters changed; those that the law has."""
     names = ("young", "poisson", "phi_i", "phi_f", "b_phi", "psi", "cohesion")
-    return Material(law, plasol.pack(**(dict(zip(names, SAND, strict=True)) | changes)))
+    values = dict(zip(names, SAND, strict=True)) | changes
+    wanted = inspect.signature(law.pack).parameters
+    return Material(law, law.pack(**{name: value for name, value in values.items() if name in wanted}))
 
 
 def body_stations(mesh: Mesh, faces: np.ndarray, reference: np.ndarray, rule: str = "nodal") -> Stations:
@@ -152,7 +156,7 @@ def mixed(rule: str = "nodal", skew_stations: bool = False) -> Model:
         body = np.concatenate([stations.body, np.zeros((len(stations), 3, 1))], axis=2)
         stations = replace(stations, body=body, surface=np.arange(len(stations)) % 2)
     return Model(
-        mesh, [soil(phi_i=0.15), soil(ELASTIC, young=5.0e7)], np.arange(mesh.n_elements) % 3 // 2,
+        mesh, [soil(phi_i=0.15), soil(elastic.LAW, young=5.0e7)], np.arange(mesh.n_elements) % 3 // 2,
         geostatic(mesh, 1.0e4, 1.0e4), fixed, frames, np.array(followers), 4, np.array([1.0, 1.0, 2.0, 1.0]),
         stations, np.array([coulomb.pack(1.0e8, 5.0e7, 0.5), coulomb.pack(2.0e8, 1.0e8, 0.3)])[stations.surface],
         rng.uniform(5.0e3, 1.5e4, len(stations)),

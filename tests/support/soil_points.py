@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from fe_engine.soil import plasol
 from fe_engine.soil.elastic import elastic_matrix
+from fe_engine.soil.law import Point
 from tests.support.models import DEGREE, SAND, to_matrix
 
 YOUNG, POISSON = SAND[:2]
@@ -49,7 +50,7 @@ class Answer:
 def update_by(law: Callable, p, strain, stress=START, kappa=0.0) -> Answer:
     """One update by a law from a stress and an equivalent plastic strain."""
     new, history, tangent = np.full(6, np.nan), np.full(1, np.nan), np.full((6, 6), np.nan)
-    status, regime = law(p, strain, stress, np.array([kappa]), new, history, tangent, True)
+    status, regime = law(p, strain, Point(stress, np.array([kappa])), Point(new, history), tangent, True)
     return Answer(new, history[0], tangent, status, regime)
 
 

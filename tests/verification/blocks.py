@@ -8,12 +8,13 @@ from collections.abc import Callable
 import numpy as np
 
 from fe_engine.assembly.system import System
-from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC, VAN_EEKELEN
 from fe_engine.linear.solver import LinearSolver
+from fe_engine.material import Material
 from fe_engine.mesh import Mesh
-from fe_engine.model import Material, Model, Stage
+from fe_engine.model import Model, Stage
 from fe_engine.settings import Settings
-from fe_engine.soil import plasol
+from fe_engine.soil import elastic, plasol, van_eekelen
+from fe_engine.soil.law import SoilLaw
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
@@ -34,10 +35,10 @@ def box(counts: tuple[int, int, int], lengths: tuple[float, float, float] = (1.0
 
 def elastic_soil() -> Material:
     """Linear elasticity with the paper's moduli."""
-    return Material(ELASTIC, sand(0.0).parameters)
+    return Material(elastic.LAW, elastic.pack(YOUNG, POISSON))
 
 
-def sand(phi_i: float, phi_f: float | None = None, psi: float = 0.0, law: int = DRUCKER_PRAGER) -> Material:
+def sand(phi_i: float, phi_f: float | None = None, psi: float = 0.0, law: SoilLaw = plasol.LAW) -> Material:
     """Sand with the paper's moduli and B = 0.005; angles in degrees, no cohesion."""
     phi_i, phi_f, psi = np.radians([phi_i, phi_i if phi_f is None else phi_f, psi])
     return Material(law, plasol.pack(YOUNG, POISSON, phi_i, phi_f, 0.005, psi, 0.0))
@@ -45,7 +46,7 @@ def sand(phi_i: float, phi_f: float | None = None, psi: float = 0.0, law: int = 
 
 def van_eekelen_sand(phi_i: float, phi_f: float | None = None, psi: float = 0.0) -> Material:
     """Sand of `sand` with Van Eekelen's surface."""
-    return sand(phi_i, phi_f, psi, VAN_EEKELEN)
+    return sand(phi_i, phi_f, psi, van_eekelen.LAW)
 
 
 def block_model(mesh: Mesh, material: Material, fixed: np.ndarray, n_border: int, pressure: float = 0.0) -> Model:

@@ -8,11 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from fe_engine.conventions import ELASTIC
 from fe_engine.elements import biot
+from fe_engine.elements.interface import Film
+from fe_engine.material import Material
 from fe_engine.mesh import Mesh
-from fe_engine.model import Film, Material, Model, Stage, Water
-from fe_engine.soil import plasol
+from fe_engine.model import Model, Stage, Water
+from fe_engine.soil import elastic as elastic_law
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
@@ -27,7 +28,7 @@ SUDDEN = 1.0e-9
 
 def elastic(poisson: float = POISSON) -> Material:
     """Linear elasticity with the paper's Young's modulus."""
-    return Material(ELASTIC, plasol.pack(YOUNG, poisson, 0.0, 0.0, 0.005, 0.0, 0.0))
+    return Material(elastic_law.LAW, elastic_law.pack(YOUNG, poisson))
 
 
 def shear_modulus(poisson: float = POISSON) -> float:

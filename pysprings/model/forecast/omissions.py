@@ -13,9 +13,11 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fe_engine.linear.backends import available_backends
-from fe_engine.soil.dispatch import N_HISTORY
 from pysprings.model.forecast.resources import memory_bytes, size_of, steps_bytes
 from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
+from pysprings.model.soil_laws import ENGINE_LAWS, engine_law
+from pysprings.scene.model import Soil
+from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -91,8 +93,8 @@ def left_out(scene: Scene) -> list[Omission]:
 
 def symmetric_factors(scene: Scene) -> bool:
     """Whether half of each factorisation is left out: see `Model.symmetric`; only Pardiso can."""
-    elastic = scene.soil.yield_surface == "elastic" and scene.mesh.discretisation == "hex8"
-    symmetric = elastic and scene.drainage.mode == "drained" and _smooth(scene)
+    soil = engine_law(scene).symmetric and scene.mesh.discretisation == "hex8"
+    symmetric = soil and scene.drainage.mode == "drained" and _smooth(scene)
     return symmetric and scene.solver.linear in ("auto", "pardiso") and "pardiso" in available_backends()
 
 
@@ -163,10 +165,12 @@ def _all_water(scene: Scene) -> list[Omission]:
 
 
 def _soil(scene: Scene) -> list[Omission]:
-    if scene.soil.yield_surface != "elastic":
+    if SOIL_LAWS[scene.soil.yield_surface].yields:
         return []
-    history = _COPIES_OF_HISTORY * 8 * 8 * N_HISTORY * size_of(scene).elements
-    strength = "friction_angle_initial, friction_angle_final, hardening_parameter, dilation_angle, cohesion"
+    default = SOIL_LAWS[Soil().yield_surface]  # what would be there instead
+    variables = len(ENGINE_LAWS[default.name].law.history)
+    history = _COPIES_OF_HISTORY * 8 * 8 * variables * size_of(scene).elements
+    strength = ", ".join(default.keys)
     what = f"plastic strain and its history (soil: {strength})"
     return [Omission(what, "the soil is elastic", Saved(COUNTS, memory_bytes=history))]
 

@@ -10,10 +10,12 @@ from fe_engine.assembly import fourier_kernels as kernels
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.balance.energy import EnergyBalance
 from fe_engine.contact import coulomb
-from fe_engine.conventions import ELASTIC
+from fe_engine.contact.law import Slide
 from fe_engine.elements import fourier as elements
 from fe_engine.errors import LawError, ModelError
-from fe_engine.soil.dispatch import update_soil
+from fe_engine.material import Material
+from fe_engine.soil import elastic
+from fe_engine.soil.law import Point
 from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.stage import Balance
 from fe_engine.state import State
@@ -76,10 +78,8 @@ def plain_loop(model, state):
                 b[:, number[quad, :, k].ravel()] = np.array([c, c, c, s, s, c])[:, None] * of_k
             stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
             weight = np.pi / model.azimuths * volume[e, g]
-            update_soil(
-                material.law, material.parameters, b @ shift, old.stress[e, point], old.history[e, point], stress,
-                history, tangent, True,
-            )  # fmt: skip
+            before, after = Point(old.stress[e, point], old.history[e, point]), Point(stress, history)
+            material.law.update(material.parameters, b @ shift, before, after, tangent, True)
             force[:n] += weight * b.T @ (stress - model.initial_stress[e, point])
             stiffness[:n, :n] += weight * b.T @ tangent @ b
     s = model.stations
@@ -94,8 +94,9 @@ def plain_loop(model, state):
         w, w_old = (jump @ np.concatenate([f.displacement.ravel(), f.border]) for f in (new, old))
         p, p0 = model.contact[i], model.initial_pressure[i]
         guess, traction, tangent = np.zeros(3), np.zeros(3), np.zeros((3, 3))
-        coulomb.update(p, p0, w, w_old, old.traction[i], guess)
-        coulomb.linearise(p, p0, w, w_old, old.traction[i], guess, traction, tangent)
+        slide = Slide(w, w_old, old.traction[i], p0)
+        coulomb.update(p, slide, guess)
+        coulomb.linearise(p, slide, guess, traction, tangent)
         force += s.area[i] * jump.T @ (traction + np.array([p0, 0.0, 0.0]))
         stiffness += s.area[i] * jump.T @ tangent @ jump
     whole = np.zeros((n + 3, n + 3))
@@ -116,7 +117,8 @@ def product(system, tangent, free, border):
 def elastic_product(system, free):
     """Elastic forces of increments: those of the same model with an elastic law."""
     model = system.model
-    calm = replace(model, materials=[replace(m, law=ELASTIC) for m in model.materials])
+    soils = [Material(elastic.LAW, np.stack(m.law.moduli(m.parameters))) for m in model.materials]
+    calm = replace(model, materials=soils)
     state, rest = State(calm), FourierSystem(calm)
     rest.apply(state, free, np.zeros(3))
     return rest.pattern.folded(rest._soil(state, False)) - 0.0
@@ -177,14 +179,14 @@ def test_a_step_solves_the_bordered_system():
 
 
 def test_elastic_soil_takes_no_iteration():
-    out = run(disc(1, ELASTIC), stage({0: 1e-4}, max_fraction=1.0, first_fraction=1.0))
+    out = run(disc(1, elastic.LAW), stage({0: 1e-4}, max_fraction=1.0, first_fraction=1.0))
     assert out.driver.newton.stage.n_iterations == 0
     assert out.driver.newton.stage.n_solves > 0
 
 
 def test_border_stiffness_is_the_slope_of_the_forces():
     """Small elastic motions of the border, solved by Newton, against the stiffness."""
-    model = disc(1, ELASTIC, contact=(1e9, 1e9, 50.0))
+    model = disc(1, elastic.LAW, contact=(1e9, 1e9, 50.0))
     matrix = start(model).driver.newton.border_stiffness(State(model))
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())
     for j in range(3):

@@ -10,11 +10,12 @@ import pytest
 from fe_engine.assembly import kernels, kernels_stations
 from fe_engine.assembly.system import System
 from fe_engine.contact import coulomb
-from fe_engine.conventions import ELASTIC
+from fe_engine.contact.law import Slide
 from fe_engine.elements import hex8
 from fe_engine.errors import LawError, ModelError
 from fe_engine.model import Model
-from fe_engine.soil.dispatch import update_soil
+from fe_engine.soil import elastic
+from fe_engine.soil.law import Point
 from fe_engine.state import FIELDS, State
 from tests.support.models import box, footing, mixed, replace, soil, start, taylor_slope
 
@@ -87,10 +88,8 @@ def plain_loop(model, state, guesses=None):
         material = model.materials[model.material[e]]
         for g, (b, volume) in enumerate(zip(*strain_operators(nodes[corners]), strict=True)):
             stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
-            update_soil(
-                material.law, material.parameters, b @ shift[dofs], old.stress[e, g], old.history[e, g],
-                stress, history, tangent, True,
-            )  # fmt: skip
+            before, after = Point(old.stress[e, g], old.history[e, g]), Point(stress, history)
+            material.law.update(material.parameters, b @ shift[dofs], before, after, tangent, True)
             force[dofs] += volume * b.T @ (stress - model.initial_stress[e, g])
             stiffness[np.ix_(dofs, dofs)] += volume * b.T @ tangent @ b
     s = model.stations
@@ -102,9 +101,10 @@ def plain_loop(model, state, guesses=None):
         w, w_old = (jump @ np.concatenate([turn @ f.displacement.ravel(), f.border]) for f in (new, old))
         p, p0 = model.contact[k], model.initial_pressure[k]
         guess, traction, tangent = np.zeros(3), np.zeros(3), np.zeros((3, 3))
-        coulomb.update(p, p0, w, w_old, old.traction[k], guess)
+        slide = Slide(w, w_old, old.traction[k], p0)
+        coulomb.update(p, slide, guess)
         guess = guess if guesses is None else guesses[k]
-        coulomb.linearise(p, p0, w, w_old, old.traction[k], guess, traction, tangent)
+        coulomb.linearise(p, slide, guess, traction, tangent)
         force += s.area[k] * jump.T @ (traction + np.array([p0, 0.0, 0.0]))
         stiffness += s.area[k] * jump.T @ tangent @ jump
     return reduce.T @ force, reduce.T @ stiffness @ reduce
@@ -165,7 +165,7 @@ def test_more_elements_than_a_batch():
     mesh = box((17, 17, 15), (1.0, 1.0, 1.0), distort=0.05)
     assert mesh.n_elements > kernels.BATCH
     model = Model(
-        mesh, [soil(ELASTIC)], np.zeros(mesh.n_elements, dtype=np.int64), np.zeros((mesh.n_elements, 8, 6)),
+        mesh, [soil(elastic.LAW)], np.zeros(mesh.n_elements, dtype=np.int64), np.zeros((mesh.n_elements, 8, 6)),
         np.zeros((mesh.n_nodes, 3), dtype=bool),
     )  # fmt: skip
     system, state = System(model), State(model)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fe_engine.balance.energy import EnergyBalance
-from fe_engine.conventions import ELASTIC
+from fe_engine.soil import elastic
 from tests.support.models import footing, mixed, replace, soil, stage, start, wet
 
 STEPS = {"first_fraction": 0.05, "max_fraction": 0.1}
@@ -51,7 +51,7 @@ def pushed():
     ("model", "stages"),
     [
         (footing(), (PUSH, BACK)),
-        (footing(soil(ELASTIC)), (PUSH,)),
+        (footing(soil(elastic.LAW)), (PUSH,)),
         (mixed(), (four({0: 1.0e-4, 1: 5.0e-5, 3: 2.0e-5}, **STEPS),)),
         (still(wet()), (four({0: 1.0e-4, 1: 5.0e-5, 3: 2.0e-5}, duration=10.0, **STEPS),)),
         (still(wet("pairs")), (four({0: 1.0e-4, 1: 5.0e-5, 2: 0.0, 3: 2.0e-5}, duration=10.0, **STEPS),)),
@@ -73,7 +73,7 @@ def test_nothing_is_won_in_soil_and_friction(pushed):
 
 
 def test_a_bonded_elastic_footing_stores_half_of_force_times_way():
-    model = footing(soil(ELASTIC), contact=(1.0e10, 1.0e10, 5.0), pressure=1.0e9)
+    model = footing(soil(elastic.LAW), contact=(1.0e10, 1.0e10, 5.0), pressure=1.0e9)
     (*_, last) = energies(model, stage({0: 1.0e-4, 1: 0.0, 2: 0.0}, **STEPS), tolerance=1.0e-9)
     out = start(model)
     stiffness = out.driver.newton.border_stiffness(out.state)[0, 0]

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fe_engine.assembly.kernels_water import station_gaps
+from fe_engine.assembly.scatter import Forces
 from fe_engine.assembly.system import System
 from fe_engine.balance.water import WaterBalance
 from fe_engine.contact.flow import transmissivity
@@ -179,8 +179,9 @@ def tangent_without_water(system: System, state: State) -> np.ndarray:
 
 def add_water(system: System, state: State, free: np.ndarray, border: np.ndarray) -> None:
     """Add forces and volumes of soil and film."""
-    system._pores(state, None, free, border)
-    system._film(state, None, free, border)
+    forces = Forces(free, border)
+    system._pores(state, None, forces)
+    system._film(state, None, forces)
 
 
 def dense(tangent) -> np.ndarray:
@@ -334,5 +335,5 @@ def test_a_stage_without_duration_is_refused():
 def test_gaps_of_the_kernel_are_those_of_the_law():
     model = wet()
     system, state, _ = moved(model)
-    found = station_gaps(system.stations, state.trial.displacement, state.trial.border)
+    found = system.gaps(state.trial)
     np.testing.assert_allclose(found, gaps(model, state.trial), rtol=1e-12)

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fe_engine.contact import coulomb
+from fe_engine.contact.law import Slide
 from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, CONTACT_STICK
 from tests.support.models import taylor_slope
 
@@ -21,16 +22,19 @@ REST = np.array([-PRESSURE, 0.0, 0.0])
 DIRECTIONS = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.6, -0.8), (-0.28, 0.96)]
 
 
+def slide_of(jump, jump_old, traction_old, pressure):
+    return Slide(np.array(jump), np.array(jump_old), np.array(traction_old), pressure)
+
+
 def update(jump, jump_old=(0.0, 0.0, 0.0), traction_old=REST, p=P, pressure=PRESSURE):
     traction = np.full(3, np.nan)
-    state = coulomb.update(p, pressure, np.array(jump), np.array(jump_old), np.array(traction_old), traction)
+    state = coulomb.update(p, slide_of(jump, jump_old, traction_old, pressure), traction)
     return traction, state
 
 
 def linearise(jump, guess, jump_old=(0.0, 0.0, 0.0), traction_old=REST, p=P, pressure=PRESSURE):
     traction, tangent = np.full(3, np.nan), np.full((3, 3), np.nan)
-    args = (np.array(jump), np.array(jump_old), np.array(traction_old), np.array(guess))
-    state = coulomb.linearise(p, pressure, *args, traction, tangent)
+    state = coulomb.linearise(p, slide_of(jump, jump_old, traction_old, pressure), np.array(guess), traction, tangent)
     return traction, tangent, state
 
 

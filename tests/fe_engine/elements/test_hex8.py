@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fe_engine.conventions import DRUCKER_PRAGER, ELASTIC
 from fe_engine.elements import hex8
 from fe_engine.mesh import CORNERS
 from fe_engine.model import Model, Stage
+from fe_engine.soil import elastic, plasol
 from fe_engine.soil.elastic import elastic_matrix
 from tests.support.models import box, rotation_matrix, run, soil, to_voigt
 
@@ -159,7 +159,7 @@ def patch(law, frames):
 
 
 @pytest.mark.parametrize("frames", [False, True], ids=["global axes", "axes of their own"])
-@pytest.mark.parametrize("law", [ELASTIC, DRUCKER_PRAGER], ids=["elastic", "sand"])
+@pytest.mark.parametrize("law", [elastic.LAW, plasol.LAW], ids=["elastic", "sand"])
 def test_patch_of_distorted_elements_keeps_a_constant_strain(law, frames):
     model, expected, outside = patch(law, frames)
     assert (~outside).sum() == 2
@@ -167,7 +167,7 @@ def test_patch_of_distorted_elements_keeps_a_constant_strain(law, frames):
     state = out.state.committed
     np.testing.assert_allclose(state.displacement, expected, atol=1e-12)
     np.testing.assert_allclose(state.stress, np.broadcast_to(state.stress[0, 0], state.stress.shape), atol=1e-3)
-    assert state.history.shape[2] == (law == DRUCKER_PRAGER) and np.all(state.history > 0.0)
+    assert state.history.shape[2] == (law == plasol.LAW) and np.all(state.history > 0.0)
     # work-conjugate of the border dof: stress change times strain times volume
     strain, change = to_voigt(0.5 * (GRADIENT + GRADIENT.T), 2.0), state.stress[0, 0] - model.initial_stress[0, 0]
     volume = out.driver.newton.system.volume.sum()
@@ -196,7 +196,7 @@ def test_thick_cylinder_does_not_lock(poisson):
     fixed[(turn == 0.0) | (turn == angle), 1] = True
     inner = np.flatnonzero(log_radius == 0.0)
     model = Model(
-        mesh, [soil(ELASTIC, poisson=poisson)], np.zeros(mesh.n_elements, dtype=np.int64),
+        mesh, [soil(elastic.LAW, poisson=poisson)], np.zeros(mesh.n_elements, dtype=np.int64),
         np.zeros((mesh.n_elements, 8, 6)), fixed, frames=frames,
         followers=np.array([(node, 0, 0, 1.0) for node in inner]), n_border=1, border_scale=np.ones(1),
     )  # fmt: skip

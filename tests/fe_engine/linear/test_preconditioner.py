@@ -8,10 +8,11 @@ import pytest
 
 from fe_engine.assembly.contact_block import contact_block
 from fe_engine.assembly.system import System
-from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, ELASTIC
+from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP
 from fe_engine.linear.backends import make_backend
 from fe_engine.linear.preconditioner import Control, SoilFactors, TangentFactors
 from fe_engine.settings import Recycling
+from fe_engine.soil import elastic
 from fe_engine.state import State
 from tests.support.models import CONTACT, footing, mixed, replace, soil, wet
 
@@ -21,9 +22,9 @@ MANY = Recycling().many
 SLIDES = np.array([1.0e-6, 1.0e-6, 8.0e-6])  # the footing lifts its heel, slips beside it and sticks at its toe
 
 
-def elastic():
+def elastic_footing():
     """A footing on elastic soil: from state to state nothing but its contact changes."""
-    return footing(soil(ELASTIC), contact=(*CONTACT[:2], 0.2))
+    return footing(soil(elastic.LAW), contact=(*CONTACT[:2], 0.2))
 
 
 def moved(system, border):
@@ -55,13 +56,13 @@ def left(factors, tangent, control=ALL_FREE):
 
 
 def soil_factors(system, many=MANY):
-    block = system.tell_contact_apart()
+    block = system.track_contact_block()
     return SoilFactors(make_backend("pardiso", system.pattern.n_free, single=True), block, many)
 
 
 @pytest.mark.parametrize("many", [0.0, 1.0], ids=["inverted anew", "corrected"])
 def test_contact_that_opens_and_slips_is_followed_exactly(many):
-    system = System(elastic())
+    system = System(elastic_footing())
     factors = soil_factors(system, many)
     rest = copied(moved(system, np.zeros(3)))
     factors.make(factors.origin_of(rest), rest.matrix)
@@ -76,7 +77,7 @@ def test_contact_that_opens_and_slips_is_followed_exactly(many):
 
 
 def test_controlled_motions_are_left_out():
-    system = System(elastic())
+    system = System(elastic_footing())
     factors = soil_factors(system)
     now = copied(moved(system, SLIDES))
     factors.make(factors.origin_of(now), now.matrix)
@@ -88,7 +89,7 @@ def test_controlled_motions_are_left_out():
 
 def test_factors_made_again_from_their_origin_are_the_same():
     """Also where the interface has been inverted anew since."""
-    system = System(elastic())
+    system = System(elastic_footing())
     one, two = soil_factors(system, many=0.0), soil_factors(system)
     rest, now = (copied(moved(system, at)) for at in (np.zeros(3), SLIDES))
     one.make(one.origin_of(rest), rest.matrix)
@@ -104,7 +105,7 @@ def test_factors_made_again_from_their_origin_are_the_same():
 def test_contact_stands_in_its_block_and_nowhere_else(model):
     """With a film, too: a tangent less its contact is that of the soil alone."""
     system = System(model())
-    block = system.tell_contact_apart()
+    block = system.track_contact_block()
     border = 1.0e-6 * np.arange(1.0, system.model.n_border + 1.0)
     tangent = copied(moved(system, border))
     less = tangent.matrix.copy()
@@ -125,7 +126,7 @@ def test_nodes_that_follow_the_border_leave_no_block():
 
 
 def test_equations_that_are_kept_are_solved_for_by_the_caller():
-    system = System(elastic())
+    system = System(elastic_footing())
     matrix = moved(system, np.zeros(3)).matrix
     kept = np.arange(3, 30, 4)
     rest = np.setdiff1d(np.arange(matrix.shape[0]), kept)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import plasol
 from fe_engine.soil.elastic import elastic_matrix
+from fe_engine.soil.law import Point
 from tests.support.models import DEGREE, rotation_matrix, taylor_slope, to_matrix, to_voigt
 from tests.support.soil_points import (
     OPENING,
@@ -238,7 +239,7 @@ def test_tangent_is_symmetric_only_for_the_associated_law(changes, symmetric):
 def test_stress_does_not_depend_on_asking_for_the_tangent():
     stress, history, untouched = np.zeros(6), np.zeros(1), np.full((6, 6), 7.0)
     for strain in (0.01 * PUSH, PUSH, OPENING):
-        plasol.update(make(), strain, START, np.zeros(1), stress, history, untouched, False)
+        plasol.update(make(), strain, Point(START, np.zeros(1)), Point(stress, history), untouched, False)
         np.testing.assert_array_equal(stress, update(make(), strain).stress)
     assert np.all(untouched == 7.0)
 

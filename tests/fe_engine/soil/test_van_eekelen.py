@@ -10,10 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC, VAN_EEKELEN
-from fe_engine.soil import lode, plasol, van_eekelen
+from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
+from fe_engine.soil import formulas, lode, plasol, van_eekelen
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.soil.elastic import elastic_matrix
+from fe_engine.soil.law import Point
+from fe_engine.soil.laws import SOIL_LAWS
 from tests.support.models import DEGREE, rotation_matrix, taylor_slope, to_matrix, to_voigt
 from tests.support.soil_points import (
     OPENING,
@@ -124,7 +126,7 @@ def test_the_surface_is_convex_to_its_greatest_angle(angle, convex):
     )
     r, r1, r2 = np.array(at), np.subtract(plus, minus) / (2 * step), (np.add(plus, minus) - 2 * np.array(at)) / step**2
     assert (np.min(r * r + 2.0 * r1 * r1 - r * r2) > -1e-4) == convex
-    assert (angle * DEGREE <= lode.MAX_FRICTION + 1e-12) == convex
+    assert (angle * DEGREE <= formulas.MAX_FRICTION + 1e-12) == convex
 
 
 # --- regimes ----------------------------------------------------------------------------------------------
@@ -328,7 +330,7 @@ def test_tangent_is_symmetric_only_for_the_associated_law(changes, symmetric):
 def test_stress_does_not_depend_on_asking_for_the_tangent():
     stress, history, untouched = np.zeros(6), np.zeros(1), np.full((6, 6), 7.0)
     for strain in (0.01 * PUSH, PUSH, OPENING):
-        van_eekelen.update(make(psi=5.0), strain, START, np.zeros(1), stress, history, untouched, False)
+        van_eekelen.update(make(psi=5.0), strain, Point(START, np.zeros(1)), Point(stress, history), untouched, False)
         np.testing.assert_array_equal(stress, update(make(psi=5.0), strain).stress)
     assert np.all(untouched == 7.0)
 
@@ -354,7 +356,8 @@ def test_rotated_strain_gives_the_rotated_stress(strain, axis):
 
 def test_the_chain_of_laws_knows_it():
     stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
-    update_soil(VAN_EEKELEN, make(psi=5.0), PUSH, START, np.zeros(1), stress, history, tangent, True)
+    code, before, after = SOIL_LAWS.code(van_eekelen.LAW), Point(START, np.zeros(1)), Point(stress, history)
+    update_soil(code, make(psi=5.0), PUSH, before, after, tangent, True)
     answer = update(make(psi=5.0), PUSH)
     np.testing.assert_array_equal(stress, answer.stress)
     np.testing.assert_array_equal(tangent, answer.tangent)

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fe_engine.conventions import ELASTIC
 from fe_engine.errors import NotConverged
+from fe_engine.soil import elastic
 from fe_engine.solve.step_size import LIMITS, StepSize
 from fe_engine.solve.stepping import Driver, _next, fewest_increments
 from fe_engine.state import State
@@ -106,7 +106,7 @@ def test_time_runs_with_the_fraction():
 
 def test_a_linear_model_needs_one_iteration_and_then_none():
     """Extrapolation of the last increment is exact, so only the first one is solved for."""
-    out = run(footing(soil(0), contact=(1.0e10, 1.0e10, 100.0)), stage({0: 1.0e-6}, arm=0.1))
+    out = run(footing(soil(elastic.LAW), contact=(1.0e10, 1.0e10, 100.0)), stage({0: 1.0e-6}, arm=0.1))
     assert [step.increment.iterations for step in out.steps] == [1] + [0] * (len(out.steps) - 1)
 
 
@@ -236,7 +236,7 @@ def _stop_after(steps, step):
 def test_the_stiffness_of_an_increment_is_the_work_of_the_force_over_the_motion():
     """Of an elastic footing: f.q over |s q|^2 of q = K^-1 f, between the extreme eigenvalues of K/(s s)."""
     scale = np.array([1.0, 1.0, 4.0])
-    model = replace(footing(soil(ELASTIC)), border_scale=scale)
+    model = replace(footing(soil(elastic.LAW)), border_scale=scale)
     k, f = start(model).driver.newton.border_stiffness(State(model)), np.array([1.0, 2.0, -0.5])
     out = run(model, stage({}, force=tuple(f), first_fraction=0.5, max_fraction=0.5))
     q = np.linalg.solve(k, f)

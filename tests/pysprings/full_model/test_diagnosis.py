@@ -10,18 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fe_engine.soil import plasol
-from fe_engine.soil.elastic import elastic_tangent
+from fe_engine.soil.elastic import elastic_tangent, moduli
 from pysprings.full_model import diagnosis
 from pysprings.full_model.compute import compute
 from tests.support import tiny
 
 
 def test_the_elastic_acoustic_tensor_has_the_textbook_determinant() -> None:
-    tangent, parameters = np.zeros((6, 6)), plasol.pack(2e8, 0.3, 0.1, 0.5, 0.005, 0.0, 0.0)
-    elastic_tangent(parameters[0], parameters[1], 1.0, tangent)
+    tangent, (bulk, shear) = np.zeros((6, 6)), moduli(2e8, 0.3)
+    elastic_tangent(bulk, shear, 1.0, tangent)
     found = diagnosis._acoustic(tangent, diagnosis._directions())
-    np.testing.assert_allclose(found, diagnosis._elastic(parameters), rtol=1e-10)
+    np.testing.assert_allclose(found, diagnosis._elastic(bulk, shear), rtol=1e-10)
 
 
 def test_perfect_plasticity_of_mises_loses_its_ellipticity_in_pure_shear() -> None:

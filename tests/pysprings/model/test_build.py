@@ -117,7 +117,7 @@ def test_names_change_here_and_nowhere_else(built: Built) -> None:
     model = build_model(scene).model
     stations = model.stations
     assert stations is not None
-    assert model.contact.shape == (len(stations), coulomb.N_PARAMETERS)
+    assert model.contact.shape == (len(stations), len(coulomb.PARAMETERS))
     radius = np.hypot(*stations.position[:, :2].T)
     corner = (stations.surface == SURFACE["lid"]) & (radius > radius[stations.surface == SURFACE["inner"]].min() - 1e-9)
     assert corner.sum() == len(built.caisson.azimuth)

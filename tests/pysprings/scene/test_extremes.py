@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 from fe_engine.conventions import OK
-from fe_engine.soil import lode, plasol, van_eekelen
+from fe_engine.soil import formulas, lode, plasol, van_eekelen
+from fe_engine.soil.law import Point
 from pysprings.core.errors import UserInputError
 from pysprings.model.build import build_model
 from pysprings.model.forecast.small_strain import scene_warnings
 from pysprings.model.stages import path_stages
-from pysprings.scene.checks import _MOST_FRICTION, MOST_CONTRACTION, _section, cone_slope
 from pysprings.scene.load import Scene, parse_scene
+from pysprings.scene.soil_laws import MOST_CONTRACTION, VAN_EEKELEN
 from tests.support import tiny
 
 PULL = {"name": "a", "kind": "pull", "lateral_displacement": "20 mm"}
@@ -148,7 +149,7 @@ def test_a_soil_that_contracts_is_accepted_down_to_where_it_becomes_unstable(nu:
     soil = {"poisson_ratio": nu, "friction_angle_final": "60 deg", "dilation_angle": f"{least + 0.005} deg"}
     bulk_over_shear = 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
     psi = Scene(soil=soil).soil.dilation_angle
-    share = 9.0 * bulk_over_shear * cone_slope(np.radians(60.0)) * cone_slope(psi)
+    share = 9.0 * bulk_over_shear * formulas.cone_slope(np.sin(np.radians(60.0))) * formulas.cone_slope(np.sin(psi))
     assert share == pytest.approx(-MOST_CONTRACTION, abs=0.03)
     with pytest.raises(ValueError, match="unstable"):
         Scene(soil=soil | {"dilation_angle": f"{least - 0.015} deg"})
@@ -159,7 +160,6 @@ def test_van_eekelen_is_refused_where_it_is_not_convex() -> None:
         parse_scene('[soil]\nyield_surface = "van-eekelen"\nfriction_angle_final = "47 deg"\n')
     place = "3:24: soil.friction_angle_final: 47 deg is too much: "
     assert str(caught.value) == f"fatal: user input: {place}Van Eekelen's surface is convex up to 46.5 deg"
-    assert pytest.approx(lode.MAX_FRICTION) == _MOST_FRICTION
     assert parse_scene('[soil]\nyield_surface = "van-eekelen"\nfriction_angle_final = "46.5 deg"\n')
 
 
@@ -169,7 +169,7 @@ def test_the_section_is_the_engines(angle: float, lode_angle: float) -> None:
     b = lode.shape(np.radians(angle))
     cosine, sine = np.cos(3.0 * lode_angle), np.sin(3.0 * lode_angle)
     found = lode.section(b, cosine), lode.turn_of(b, cosine, sine)[0]
-    assert _section(np.radians(angle), lode_angle) == pytest.approx(found)
+    assert VAN_EEKELEN.section(np.radians(angle), lode_angle) == pytest.approx(found)
 
 
 @pytest.mark.parametrize("phi", [30.0, 46.5])
@@ -187,7 +187,7 @@ def test_van_eekelen_returns_to_its_surface_down_to_the_least_dilation(phi: floa
         strain, old = 1e-3 * rng.standard_normal(6), np.zeros(6)
         old[:3] = -rng.uniform(1e4, 1e5)
         stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
-        status, _ = van_eekelen.update(law, strain, old, np.zeros(1), stress, history, tangent, True)
+        status, _ = van_eekelen.update(law, strain, Point(old, np.zeros(1)), Point(stress, history), tangent, True)
         assert status == OK
         assert np.isfinite(stress).all()
         assert np.isfinite(tangent).all()
@@ -216,7 +216,7 @@ def test_the_law_returns_to_its_surface_when_it_contracts(psi: float) -> None:
         old, strain = np.zeros(6), 1e-3 * rng.standard_normal(6)
         old[:3] = -rng.uniform(1e4, 1e5)
         stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
-        status, _ = plasol.update(law, strain, old, np.zeros(1), stress, history, tangent, True)
+        status, _ = plasol.update(law, strain, Point(old, np.zeros(1)), Point(stress, history), tangent, True)
         assert status == OK
         assert np.isfinite(stress).all()
         assert np.isfinite(tangent).all()

@@ -22,8 +22,9 @@ import numpy as np
 
 from fe_engine.elements import hex8
 from fe_engine.elements.interface import nodal_stations
+from fe_engine.material import Material
 from fe_engine.mesh import Mesh
-from fe_engine.model import Material, Model
+from fe_engine.model import Model
 from fe_engine.soil import plasol
 from tests.verification.blocks import (
     POISSON,

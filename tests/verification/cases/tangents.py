@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 
 from fe_engine.contact import coulomb
+from fe_engine.contact.law import Slide
 from fe_engine.conventions import (
     CONTACT_OPEN,
     CONTACT_SLIP,
@@ -23,6 +24,7 @@ from fe_engine.conventions import (
     REGIME_ELASTIC,
 )
 from fe_engine.soil import plasol, van_eekelen
+from fe_engine.soil.law import Point
 from fe_engine.state import State
 from tests.verification.blocks import POISSON, YOUNG
 from tests.verification.cases.drained_push import first_increment
@@ -89,7 +91,8 @@ def _soil_point(law: Callable, parameters: np.ndarray, strain: np.ndarray, regim
 
     def stress(x: np.ndarray, want: bool = False) -> np.ndarray:
         out = np.empty(6)
-        status, found = law(parameters, x, old, np.array([1e-3]), out, np.empty(1), tangent, want)
+        before, after = Point(old, np.array([1e-3])), Point(out, np.empty(1))
+        status, found = law(parameters, x, before, after, tangent, want)
         assert (status, found) == (0, regime), f"regime {found} instead of {regime}"
         return out
 
@@ -113,11 +116,11 @@ def _station(jump: np.ndarray, state: int) -> tuple[float, float]:
 
     def traction(x: np.ndarray) -> np.ndarray:
         out = np.empty(3)
-        assert coulomb.update(_CONTACT, 50.0e3, x, before, old, out) == state
+        assert coulomb.update(_CONTACT, Slide(x, before, old, 50.0e3), out) == state
         return out
 
     tangent, linearised = np.empty((3, 3)), np.empty(3)
-    coulomb.linearise(_CONTACT, 50.0e3, jump, before, old, traction(jump), linearised, tangent)
+    coulomb.linearise(_CONTACT, Slide(jump, before, old, 50.0e3), traction(jump), linearised, tangent)
     d = np.array([1e-6, -2e-6, 3e-6])
     return taylor(traction, tangent, jump, d, np.geomspace(1e-1, 1e-2, 5))
 

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: MIT
+"""Laws of a model and their parameters, as the rows of arrays that the loops read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from fe_engine.contact.law import ContactLaw
+from fe_engine.contact.laws import CONTACT_LAWS
+from fe_engine.soil.law import SoilLaw
+from fe_engine.soil.laws import SOIL_LAWS
+
+Shapes = dict[str, tuple[tuple[int, ...], tuple[int, ...]]]
+
+
+@dataclass(frozen=True)
+class Material:
+    """A soil law with its packed parameters: (n,), or (k, n) with a row for each of the k elements of the material.
+
+    The rows stand in the order of the elements' numbers.
+    """
+
+    law: SoilLaw
+    parameters: np.ndarray
+
+
+class HasSoil(Protocol):
+    """A model with soil: see model.Model."""
+
+    @property
+    def materials(self) -> list[Material]:
+        """Laws in use."""
+
+    @property
+    def material(self) -> np.ndarray:
+        """Index (ne,) into the materials."""
+
+
+class HasContact(Protocol):
+    """A model with an interface: see model.Model."""
+
+    @property
+    def contact(self) -> np.ndarray:
+        """Parameters (ns, n) or (1, n)."""
+
+    @property
+    def contact_laws(self) -> tuple[ContactLaw, ...]:
+        """Laws in use."""
+
+    @property
+    def contact_law(self) -> np.ndarray | None:
+        """Index (ns,) into the laws; None: all have the first."""
+
+    @property
+    def initial_pressure(self) -> np.ndarray:
+        """Contact pressure (ns,) in the initial state, Pa."""
+
+
+def soil_rows(model: HasSoil) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return for each element the code of its law (ne,), its parameters (ne, n), and K and G (ne, 2) in Pa.
+
+    Rows of laws with fewer parameters than the widest end with NaN.
+    """
+    ne = len(model.material)
+    code, moduli = np.zeros(ne, dtype=np.int64), np.zeros((ne, 2))
+    parameters = np.full((ne, max(len(each.law.parameters) for each in model.materials)), np.nan)
+    for number, each in enumerate(model.materials):
+        mine = model.material == number
+        code[mine] = SOIL_LAWS.code(each.law)
+        parameters[mine, : each.parameters.shape[-1]] = each.parameters
+        moduli[mine] = np.stack(np.broadcast_arrays(*each.law.moduli(each.parameters)), axis=-1)
+    return code, parameters, moduli
+
+
+def history_size(model: HasSoil) -> int:
+    """Return the number of history variables of a point: those of the law that has most."""
+    return max(len(each.law.history) for each in model.materials)
+
+
+def history_of(model: HasSoil, history: np.ndarray, name: str) -> np.ndarray:
+    """Return a history variable (ne, np) by its name, 0 in elements whose law does not have it."""
+    found = np.zeros(history.shape[:2])
+    for number, each in enumerate(model.materials):
+        if name in each.law.history:
+            mine = model.material == number
+            found[mine] = history[mine, :, each.law.history.index(name)]
+    return found
+
+
+def material_shapes(model: HasSoil) -> Shapes:
+    """Return the shapes of the materials' parameters beside those that they must have."""
+    found: Shapes = {}
+    for number, each in enumerate(model.materials):
+        shape, n = each.parameters.shape, len(each.law.parameters)
+        rows = () if len(shape) == 1 else (int(np.count_nonzero(model.material == number)),)
+        found[f"parameters of material {number} ({each.law.name})"] = shape, (*rows, n)
+    return found
+
+
+def contact_rows(model: HasContact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return for each station the code of its law (ns,), its parameters (ns, n), and K_N and K_T (ns, 2) in N/m3."""
+    ns = len(model.initial_pressure)
+    rows = np.ascontiguousarray(np.broadcast_to(model.contact, (ns, model.contact.shape[1])))
+    code, penalties = np.zeros(ns, dtype=np.int64), np.zeros((ns, 2))
+    for law, mine in _stations_by_law(model):
+        code[mine] = CONTACT_LAWS.code(law)
+        penalties[mine] = np.stack(law.penalties(rows[mine]), axis=-1)
+    return code, rows, penalties
+
+
+def contact_gaps(model: HasContact, normal_jump: np.ndarray) -> np.ndarray:
+    """Return the openings (ns,) in m, 0 where stations are closed, from the normal jumps (ns,) since the start."""
+    found = np.zeros(len(normal_jump))
+    rows = np.broadcast_to(model.contact, (len(normal_jump), model.contact.shape[1]))
+    for law, mine in _stations_by_law(model):
+        found[mine] = law.gap(rows[mine], model.initial_pressure[mine], normal_jump[mine])
+    return found
+
+
+def is_smooth(model: HasContact) -> bool:
+    """Whether the tangent of every station is symmetric."""
+    rows = np.broadcast_to(model.contact, (len(model.initial_pressure), model.contact.shape[1]))
+    return all(bool(np.all(law.smooth(rows[mine]))) for law, mine in _stations_by_law(model))
+
+
+def contact_shapes(model: HasContact) -> Shapes:
+    """Return the shapes of the contact's parameters and codes beside those that they must have."""
+    ns, rows = len(model.initial_pressure), len(model.contact)
+    found: Shapes = {"contact": (model.contact.shape, (rows if rows == 1 else ns, _widest(model.contact_laws)))}
+    if model.contact_law is not None:
+        found["contact_law"] = model.contact_law.shape, (ns,)
+    return found
+
+
+def _widest(laws: Sequence[ContactLaw]) -> int:
+    return max(len(law.parameters) for law in laws)
+
+
+def _stations_by_law(model: HasContact) -> Iterator[tuple[ContactLaw, np.ndarray]]:
+    ns = len(model.initial_pressure)
+    for number, law in enumerate(model.contact_laws):
+        yield law, np.full(ns, number == 0) if model.contact_law is None else model.contact_law == number

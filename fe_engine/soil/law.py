@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+"""What a soil law declares, and the state of a point that it advances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class Point(NamedTuple):
+    """State of a Gauss point: stress (6,) in Pa, history (at least as many as the law has)."""
+
+    stress: np.ndarray
+    history: np.ndarray
+
+
+def rows(*columns: Any) -> np.ndarray:
+    """Packed parameters (n,) of n numbers, or (k, n) where any of them is an array (k,)."""
+    return np.ascontiguousarray(np.stack(np.broadcast_arrays(*columns), axis=-1), dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
+class SoilLaw:
+    """A constitutive law of the soil.
+
+    Attributes
+    ----------
+    name : unique name of the law.
+    parameters : names of the packed parameters, in their order.
+    history : names of the history variables, in their order; they begin at 0.
+    pack : keyword arguments (Pa, rad) -> packed parameters (n,), or (k, n) where an argument is an array (k,).
+    moduli : packed parameters (..., n) -> (K, G), each (...,) in Pa, of the elastic tangent. Assembly adds that tangent
+        once; a point that returns REGIME_ELASTIC adds nothing to it.
+    update : jitted function (p, strain, old, new, tangent, want_tangent) -> (status, regime). It advances a point by
+        the strain increment (6,): reads the parameters p (n,) and ``old`` (Point), writes the stress and the history of
+        ``new`` (Point), and if ``want_tangent`` the consistent tangent (6, 6). A status other than OK stops the
+        increment. It allocates nothing that can be avoided and calls jitted functions alone.
+    symmetric : whether every tangent is symmetric and positive definite, so that half of the factors will do.
+    yields : whether points can leave the elastic regime.
+    """
+
+    name: str
+    parameters: tuple[str, ...]
+    history: tuple[str, ...]
+    pack: Callable[..., np.ndarray]
+    moduli: Callable[[np.ndarray], tuple[Any, Any]]
+    update: Any
+    symmetric: bool = False
+    yields: bool = True
+
+
+PLASTIC_STRAIN = "equivalent_plastic_strain"  # history variable that results show, where a law has it

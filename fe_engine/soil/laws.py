@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: MIT
+"""Soil laws of the engine, one line each; see `register` for laws from outside."""
+
+from __future__ import annotations
+
+from fe_engine.register import Register
+from fe_engine.soil import elastic, plasol, van_eekelen
+from fe_engine.soil.law import SoilLaw
+
+SOIL_LAWS: Register[SoilLaw] = Register("soil law", elastic.LAW, plasol.LAW, van_eekelen.LAW)

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: MIT
+"""Soil laws as a scene names them: the keys that each uses, and what their values must meet together.
+
+The engine's law of the same name is found in `pysprings.model.soil_laws`. A new law is one entry in each.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fe_engine.soil import formulas
+from pysprings.core.units import show
+from pysprings.scene.clash import Clash
+
+if TYPE_CHECKING:
+    from pysprings.scene.model import Domain, Soil
+
+MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at constant volume
+_ANGLES = tuple(math.pi / 3.0 * i / 60.0 for i in range(61))  # Lode angles, from compression to extension
+
+
+@dataclass(frozen=True)
+class SoilLaw:
+    """A soil law of the scene.
+
+    Attributes
+    ----------
+    name : its word in `soil.yield_surface`.
+    keys : keys of [soil] that set its strength; the others' are not used.
+    clashes : give what does not go together in a soil.
+    initial : give what is wrong with its initial state.
+    yields : whether the soil can yield.
+    """
+
+    name: str
+    keys: tuple[str, ...]
+    clashes: Callable[[Soil], Iterator[Clash]]
+    initial: Callable[[Soil, Domain], Iterator[Clash]]
+    yields: bool = True
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Yield surface of a frictional soil by the Lode angle (0 in compression, pi/3 in extension).
+
+    ``section`` (friction angle, Lode angle) -> radius over that in compression, and -d(its logarithm)/d(Lode angle).
+    """
+
+    section: Callable[[float, float], tuple[float, float]]
+    angles: tuple[float, ...]
+
+
+def _round(phi: float, lode_angle: float) -> tuple[float, float]:
+    return 1.0, 0.0
+
+
+def _van_eekelen(phi: float, lode_angle: float) -> tuple[float, float]:
+    b = formulas.shape(phi)
+    cos3, sin3 = math.cos(3.0 * lode_angle), math.sin(3.0 * lode_angle)
+    return formulas.section(b, cos3), formulas.turn(b, cos3, sin3)[0]
+
+
+CONE = Surface(_round, (0.0,))
+VAN_EEKELEN = Surface(_van_eekelen, _ANGLES)
+
+
+def _angles(soil: Soil) -> Iterator[Clash]:
+    """Check that no angle is more than the final friction angle."""
+    final = f"friction_angle_final ({show(soil.friction_angle_final, 'deg')})"
+    for name in ("friction_angle_initial", "dilation_angle"):
+        value = getattr(soil, name)
+        if value > soil.friction_angle_final:
+            keys = ("soil", name), ("soil", "friction_angle_final")
+            yield Clash(keys, f"{show(value, 'deg')} must not be more than {final}")
+
+
+def _strength(soil: Soil) -> Iterator[Clash]:
+    if soil.friction_angle_final == 0.0 and soil.cohesion == 0.0:
+        keys = ("soil", "friction_angle_final"), ("soil", "cohesion")
+        yield Clash(keys, "a soil without friction and cohesion has no strength")
+
+
+def _cone_clashes(soil: Soil) -> Iterator[Clash]:
+    yield from _angles(soil)
+    yield from _strength(soil)
+    yield from _contraction(soil, CONE)
+
+
+def _van_eekelen_clashes(soil: Soil) -> Iterator[Clash]:
+    yield from _angles(soil)
+    yield from _strength(soil)
+    if soil.friction_angle_final > formulas.MAX_FRICTION:
+        keys = ("soil", "friction_angle_final"), ("soil", "yield_surface")
+        limit = f"Van Eekelen's surface is convex up to {show(formulas.MAX_FRICTION, 'deg')}"
+        yield Clash(keys, f"{show(soil.friction_angle_final, 'deg')} is too much: {limit}")
+        return
+    yield from _contraction(soil, VAN_EEKELEN)
+
+
+def _contraction(soil: Soil, surface: Surface) -> Iterator[Clash]:
+    """Check that a contracting soil (dilation angle < 0) stays stable when its volume is held.
+
+    The multiplier of the cone has the slope -(G + 9 K m m_psi) without hardening (`fe_engine.soil.plasol`): where it
+    is not negative, the soil loses all strength at constant volume, and the return to the cone has two answers or none.
+    """
+    if _lost(soil, soil.dilation_angle, surface) <= MOST_CONTRACTION:
+        return
+    low, high = soil.dilation_angle, 0.0
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _lost(soil, middle, surface) > MOST_CONTRACTION else (low, middle)
+    angle = math.degrees(high)
+    keys = tuple(("soil", name) for name in ("dilation_angle", "poisson_ratio", "friction_angle_final"))
+    with_these = f"Poisson ratio {soil.poisson_ratio:g} and {show(soil.friction_angle_final, 'deg')} of friction"
+    yield Clash(keys, f"{show(soil.dilation_angle, 'deg')} is unstable: with {with_these} at least {angle:.2f} deg")
+
+
+def _lost(soil: Soil, psi: float, surface: Surface) -> float:
+    """Share of the shear modulus that plastic flow with this dilation angle (rad) takes at constant volume.
+
+    -9 (K/G) m m_psi on the cone; on Van Eekelen's surface, where both slopes shrink by their sections, with -T T_psi of
+    the flow across the meridian plane, at the worst Lode angle (`fe_engine.soil.van_eekelen`).
+    """
+    nu, phi = soil.poisson_ratio, soil.friction_angle_final
+    slopes = formulas.cone_slope(math.sin(phi)) * formulas.cone_slope(math.sin(psi))
+    cone = -6.0 * (1.0 + nu) / (1.0 - 2.0 * nu) * slopes
+    worst = -math.inf
+    for angle in surface.angles:
+        (rho, turn), (rho_psi, turn_psi) = surface.section(phi, angle), surface.section(psi, angle)
+        worst = max(worst, cone * rho * rho_psi - turn * turn_psi)
+    return worst
+
+
+def _initial_state(surface: Surface) -> Callable[[Soil, Domain], Iterator[Clash]]:
+    """Make the check that the geostatic stress is inside the initial yield surface.
+
+    With compression positive and the vertical stress s: II = |1 - K0| s/sqrt(3), I = (1 + 2 K0) s, and the
+    surface is II = m I + 6 c cos(phi)/(sqrt(3) (3 - sin(phi))), m = 2 sin(phi)/(sqrt(3) (3 - sin(phi))). For K0 > 1
+    (extension) m and the cohesive part shrink by the section of the surface.
+    """
+
+    def check(soil: Soil, domain: Domain) -> Iterator[Clash]:
+        names = ("K0", "friction_angle_initial", "cohesion", "surcharge", "effective_unit_weight", "yield_surface")
+        keys = (*(("soil", name) for name in names), ("domain", "depth"))
+        bottom = soil.surcharge + soil.effective_unit_weight * domain.depth
+        if bottom == 0.0 and soil.cohesion == 0.0:
+            yield Clash((("soil", "surcharge"), *keys), "a soil without weight, surcharge and cohesion has no strength")
+        sine, cosine = math.sin(soil.friction_angle_initial), math.cos(soil.friction_angle_initial)
+        slope, strength = formulas.cone_slope(sine), formulas.cone_cohesion(sine, cosine, soil.cohesion)
+        less = surface.section(soil.friction_angle_initial, math.pi / 3.0)[0]
+        reaches = math.sqrt(3.0) * slope, math.sqrt(3.0) * slope * less
+        if soil.K0 > 1.0:
+            slope, strength = less * slope, less * strength
+        shear, pressure = abs(1.0 - soil.K0) / math.sqrt(3.0), 1.0 + 2.0 * soil.K0
+        worst = max((shear - slope * pressure) * vertical for vertical in (soil.surcharge, bottom))
+        if worst > strength + 1e-9 * bottom:
+            angle = show(soil.friction_angle_initial, "deg")
+            allowed = f"({angle}{_range(*reaches, soil)})"
+            yield Clash(keys, f"{soil.K0:g} puts the initial stress outside the initial yield surface {allowed}")
+
+    return check
+
+
+def _range(compression: float, extension: float, soil: Soil) -> str:
+    """Tell which K0 a cohesionless soil allows; sqrt(3) m in compression and in extension."""
+    if soil.cohesion:
+        return f", cohesion {show(soil.cohesion, 'kPa')}"
+    low, high = (1.0 - compression) / (1.0 + 2.0 * compression), (1.0 + extension) / (1.0 - 2.0 * extension)
+    return f" allows {low:.3f} to {high:.3f}"
+
+
+def _nothing(*_: object) -> Iterator[Clash]:
+    return iter(())
+
+
+_FRICTION = ("friction_angle_initial", "friction_angle_final", "hardening_parameter", "dilation_angle", "cohesion")
+SOIL_LAWS = {
+    law.name: law
+    for law in (
+        SoilLaw("drucker-prager", _FRICTION, _cone_clashes, _initial_state(CONE)),
+        SoilLaw("van-eekelen", _FRICTION, _van_eekelen_clashes, _initial_state(VAN_EEKELEN)),
+        SoilLaw("elastic", (), _angles, _nothing, yields=False),
+    )
+}
