@@ -15,10 +15,11 @@ from fe_engine.errors import MeshError
 from fe_engine.mesh import Quality
 from fe_engine.model import Linear, Model
 from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
-from pysprings.model.penalty import penalty_of
-from pysprings.model.soil_laws import soil_material
+from pysprings.model.penalty import penalty_at
+from pysprings.model.soil_laws import soil_materials
 from pysprings.model.steel import SteelMesh, make_steel, with_steel
 from pysprings.model.water import beside_steel, make_water
+from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -56,6 +57,7 @@ def geometry_of(scene: Scene) -> Geometry:
         skirt_length=scene.caisson.skirt_length,
         domain_radius=scene.domain.radius,
         domain_depth=scene.domain.depth,
+        lines=ground_of(scene).lines,
     )
 
 
@@ -142,12 +144,16 @@ def contact_parameters(scene: Scene, stations: Stations, caisson: CaissonMesh) -
     The skirt's station on the same node has friction already. With both, the stations alternate between stick and slip
     at lift-off.
     """
-    penalty = penalty_of(scene)
-    packed = coulomb.pack(kn=penalty.normal, kt=penalty.shear, mu=scene.interface.friction_coefficient)
-    parameters = np.tile(packed, (len(stations), 1))
+    parameters = coulomb_rows(scene, stations.position[:, 2])
     under_lid = stations.surface == SURFACE["lid"]
     parameters[under_lid & np.isin(stations.nodes[:, 0], caisson.walls["inside"]), coulomb.MU] = 0.0
     return parameters
+
+
+def coulomb_rows(scene: Scene, depth: np.ndarray) -> np.ndarray:
+    """Contact parameters (ns, 3) of stations at depths (ns,) in m."""
+    mu = scene.interface.friction_coefficient
+    return np.array([coulomb.pack(kn, kt, mu) for kn, kt in zip(*penalty_at(scene, depth), strict=True)])
 
 
 def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
@@ -195,25 +201,21 @@ def _exact_normals(nodes: np.ndarray, surface: str) -> np.ndarray:
     return normal
 
 
-def _vertical_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
-    """Initial vertical effective stress, compression positive, in Pa."""
-    return scene.soil.surcharge + scene.soil.effective_unit_weight * depth
-
-
 def initial_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
     """Geostatic stress (..., 6), tension positive."""
-    vertical = _vertical_stress(scene, depth)
+    ground = ground_of(scene)
+    vertical = ground.vertical_stress(depth)
     stress = np.zeros((*depth.shape, 6))
-    stress[..., 0] = stress[..., 1] = -scene.soil.K0 * vertical
+    stress[..., 0] = stress[..., 1] = -ground.value("K0", depth) * vertical
     stress[..., 2] = -vertical
     return stress
 
 
 def initial_pressure(scene: Scene, stations: Stations) -> np.ndarray:
     """Contact pressure (ns,) that the geostatic stress puts on each station, in Pa."""
-    vertical = _vertical_stress(scene, stations.position[:, 2])
+    ground, depth = ground_of(scene), stations.position[:, 2]
     upright = stations.frame[:, 0, 2] ** 2
-    return vertical * (upright + scene.soil.K0 * (1.0 - upright))
+    return ground.vertical_stress(depth) * (upright + ground.value("K0", depth) * (1.0 - upright))
 
 
 def _constraints(scene: Scene, caisson: CaissonMesh) -> tuple[np.ndarray, dict[int, np.ndarray]]:

@@ -14,10 +14,16 @@ from fe_engine.elements import interface, rigid
 from fe_engine.errors import MeshError
 from fe_engine.fourier_model import FourierModel, RingStations, SectionMesh
 from fe_engine.mesh import Quality
-from pysprings.model.build import SURFACE, extra_load, geometry_of, initial_pressure, initial_stress
+from pysprings.model.build import (
+    SURFACE,
+    coulomb_rows,
+    extra_load,
+    geometry_of,
+    initial_pressure,
+    initial_stress,
+)
 from pysprings.model.fourier_mesh import PRESETS, CaissonSection, SectionCounts, make_section, refine_section
-from pysprings.model.penalty import penalty_of
-from pysprings.model.soil_laws import soil_material
+from pysprings.model.soil_laws import soil_materials
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -154,9 +160,7 @@ def nodal_rings(r: np.ndarray) -> np.ndarray:
 
 def _contact_parameters(scene: Scene, stations: RingStations, section: CaissonSection) -> np.ndarray:
     """Contact parameters (ns, 3); smooth under the lid where it meets the skirt, see build.contact_parameters."""
-    penalty = penalty_of(scene)
-    packed = coulomb.pack(kn=penalty.normal, kt=penalty.shear, mu=scene.interface.friction_coefficient)
-    parameters = np.tile(packed, (len(stations), 1))
+    parameters = coulomb_rows(scene, stations.position[:, 2])
     shared = (stations.surface == SURFACE["lid"]) & np.isin(stations.nodes[:, 0], section.walls["inside"])
     parameters[shared, coulomb.MU] = 0.0
     return parameters

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fe_engine.fourier_model import SectionMesh
-from pysprings.model.mesh import Geometry, graded, graded_both
+from pysprings.model.levels import through
+from pysprings.model.mesh import Geometry, graded, graded_both, skirt_cells
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ def make_section(geometry: Geometry, counts: SectionCounts) -> CaissonSection:
     """Build the section of the soil."""
     r, z = _radii(geometry, counts), _depths(geometry, counts)
     i, j = np.meshgrid(np.arange(len(r) - 1), np.arange(len(z) - 1), indexing="ij")
-    inner, outer, toe = 2 * counts.plug, 2 * (counts.plug + counts.tip), 2 * counts.skirt
+    inner, outer, toe = 2 * counts.plug, 2 * (counts.plug + counts.tip), 2 * skirt_cells(geometry, z)
     slot = (2 * i >= inner) & (2 * i < outer) & (2 * j < toe)
     # nodes on a grid of half elements
     a, b = 2 * i[~slot], 2 * j[~slot]
@@ -110,7 +111,7 @@ def _depths(geometry: Geometry, counts: SectionCounts) -> np.ndarray:
     if counts.skirt >= _GRADED_FROM:
         skirt = graded_both(length, counts.skirt, counts.mudline * length, counts.toe * length)
     below = graded(length, geometry.domain_depth, counts.below, counts.toe * length)
-    return np.concatenate([skirt, below[1:]])
+    return np.concatenate([through(skirt, geometry.lines), through(below, geometry.lines)[1:]])
 
 
 def _halved(lines: np.ndarray) -> np.ndarray:

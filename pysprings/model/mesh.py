@@ -16,19 +16,21 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fe_engine.mesh import Mesh
+from pysprings.model.levels import through
 
 SURFACES = ("outer", "inner", "lid", "tip")
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """Caisson and soil domain, lengths in m."""
+    """Caisson and soil domain, lengths in m; ``lines`` are depths where levels must stand."""
 
     inner_radius: float
     outer_radius: float
     skirt_length: float
     domain_radius: float
     domain_depth: float
+    lines: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,7 @@ def make_mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
     """Build the half mesh (y >= 0) of the soil."""
     plan = _plan(geometry, counts)
     levels = _levels(geometry, counts)
-    n_plan, n_skirt = len(plan.points), counts.skirt
+    n_plan, n_skirt = len(plan.points), skirt_cells(geometry, levels)
     nodes = np.empty((len(levels), n_plan, 3))
     nodes[:, :, :2] = plan.points
     nodes[:, :, 2] = levels[:, None]
@@ -158,7 +160,21 @@ def _levels(geometry: Geometry, counts: Counts) -> np.ndarray:
     length = geometry.skirt_length
     skirt = graded_both(length, counts.skirt, counts.mudline * length, counts.toe * length)
     below = graded(length, geometry.domain_depth, counts.below, skirt[-1] - skirt[-2])
-    return np.concatenate([skirt, below[1:]])
+    return np.concatenate([through(skirt, geometry.lines), through(below, geometry.lines)[1:]])
+
+
+def skirt_cells(geometry: Geometry, levels: np.ndarray) -> int:
+    """Return the number of cells between mudline and tip."""
+    return int(np.argmin(np.abs(levels - geometry.skirt_length)))
+
+
+def counted(geometry: Geometry, counts: Counts) -> Counts:
+    """Return the counts with the layers of cells that the mesh has, those for the lines of the geometry included."""
+    if not geometry.lines:
+        return counts
+    levels = _levels(geometry, counts)
+    skirt = skirt_cells(geometry, levels)
+    return replace(counts, skirt=skirt, below=len(levels) - 1 - skirt)
 
 
 def _plan(geometry: Geometry, counts: Counts) -> _Plan:

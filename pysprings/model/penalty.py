@@ -16,11 +16,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from pysprings.scene.ground import ground_of
+
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
 AUTO = 390.0  # K D/E
 STIFFEST = 10.0 * AUTO
+_LEAST_SHARE = 0.02  # of the largest penalty: soil that is much softer lies open or yields at once
 _LOSS = 1.9
 
 
@@ -40,8 +45,8 @@ class Penalty:
 
 
 def penalty_of(scene: Scene) -> Penalty:
-    """Return the penalty stiffness that a scene is run with."""
-    unit = scene.soil.young_modulus / scene.caisson.outer_diameter
+    """Return the penalty stiffness that a scene is run with, that beside the stiffest soil along the skirt."""
+    unit = float(np.max(_young(scene, _along_skirt(scene)))) / scene.caisson.outer_diameter
     values, remarks = [], []
     for name in ("normal_stiffness", "shear_stiffness"):
         given = getattr(scene.interface, name)
@@ -57,12 +62,36 @@ def penalty_of(scene: Scene) -> Penalty:
     return Penalty(values[0], values[1], _pressure(scene) / values[0], _loss(min(values) / unit), tuple(remarks))
 
 
+def penalty_at(scene: Scene, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the penalty stiffnesses (n,), normal and shear in N/m3, of stations at depths (n,) in m.
+
+    "auto" follows the soil beside the station, and is no less than a share of the largest.
+    """
+    found, penalty, local = [], penalty_of(scene), _young(scene, depth)
+    largest = np.max(_young(scene, _along_skirt(scene)))
+    share = np.maximum(local / largest, _LEAST_SHARE)
+    for name, value in (("normal_stiffness", penalty.normal), ("shear_stiffness", penalty.shear)):
+        by_soil = getattr(scene.interface, name) == "auto"
+        found.append(value * (np.minimum(share, 1.0) if by_soil else np.ones(len(depth))))
+    return found[0], found[1]
+
+
+def _young(scene: Scene, depth: np.ndarray) -> np.ndarray:
+    return ground_of(scene).value("young_modulus", depth)
+
+
+def _along_skirt(scene: Scene) -> np.ndarray:
+    """Depths (n,) m from mudline to tip, one just below each boundary of layers among them."""
+    length = scene.caisson.skirt_length
+    below = [line + 1e-6 * length for line in ground_of(scene).lines if line < length]
+    return np.concatenate([np.linspace(0.0, length, 33), below])
+
+
 def _loss(ratio: float) -> float:
     return _LOSS / (ratio + _LOSS)
 
 
 def _pressure(scene: Scene) -> float:
     """Largest initial contact pressure in Pa, at the tip."""
-    soil = scene.soil
-    vertical = soil.surcharge + soil.effective_unit_weight * scene.caisson.skirt_length
-    return max(soil.K0, 1.0) * vertical
+    ground, depth = ground_of(scene), np.array(scene.caisson.skirt_length)
+    return float(np.maximum(ground.value("K0", depth), 1.0) * ground.vertical_stress(depth))

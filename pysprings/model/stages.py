@@ -11,6 +11,7 @@ import numpy as np
 from fe_engine.model import Stage
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.variables import DOFS
+from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Path, Scene
@@ -170,9 +171,9 @@ def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, flo
 
 def _first_strain(scene: Scene) -> float:
     """First step over the diameter: less where the soil is so stiff beside its stress that it would yield at once."""
-    soil = scene.soil
-    stress = soil.surcharge + soil.effective_unit_weight * scene.caisson.skirt_length + soil.cohesion
-    return min(_FIRST_STEP, _FIRST_STRAIN * stress / soil.young_modulus)
+    ground, depth = ground_of(scene), np.array(scene.caisson.skirt_length)
+    stress = float(ground.vertical_stress(depth) + ground.value("cohesion", depth))
+    return min(_FIRST_STEP, _FIRST_STRAIN * stress / float(ground.value("young_modulus", depth)))
 
 
 def _need(value: float | None) -> float:

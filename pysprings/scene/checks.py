@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from pysprings.core.path_kinds import PATH_KINDS, UNITS, VERTICAL
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
+from pysprings.scene.layers import in_layer, layer_order, uniform_soils, values_inside
 from pysprings.scene.positions import KeyPath
 from pysprings.scene.soil_laws import SOIL_LAWS
 
@@ -23,8 +24,9 @@ def clashes(scene: Scene) -> Iterator[Clash]:
     """Give everything that does not go together in a scene whose single values are valid."""
     yield from _caisson(scene.caisson)
     yield from _domain(scene.domain, scene.caisson)
-    yield from _soil(scene.soil, scene.domain)
+    yield from _ground(scene.soil, scene.domain)
     yield from _series(scene)
+    yield from _water(scene)
     yield from _solver(scene.solver)
     yield from _paths(scene.paths)
     if scene.drainage.mode == "coupled":
@@ -78,10 +80,26 @@ def _series(scene: Scene) -> Iterator[Clash]:
         yield Clash((("drainage", "mode"), chosen), 'must be "drained" with discretisation = "fourier"')
 
 
-def _soil(soil: Soil, domain: Domain) -> Iterator[Clash]:
-    law = SOIL_LAWS[soil.yield_surface]
-    yield from law.clashes(soil)
-    yield from law.initial(soil, domain)
+def _water(scene: Scene) -> Iterator[Clash]:
+    """Check what the water of layered ground can be."""
+    if scene.soil.layers and scene.drainage.mode != "drained":
+        yield Clash((("drainage", "mode"), ("soil", "layer")), 'must be "drained" with [[soil.layer]]')
+
+
+def _ground(soil: Soil, domain: Domain) -> Iterator[Clash]:
+    """Check the order of the layers; where it is right, the values of each."""
+    wrong = [*layer_order(soil, domain)] or [*values_inside(soil, domain)]
+    yield from wrong
+    if wrong:
+        return
+    seen = set()
+    for uniform, vertical, number in uniform_soils(soil, domain):
+        law = SOIL_LAWS[uniform.yield_surface]
+        for clash in (*law.clashes(uniform), *law.initial(uniform, vertical)):
+            named = in_layer(clash, soil, number)
+            if (number, named.keys) not in seen:  # one of the two ends of a layer is enough
+                seen.add((number, named.keys))
+                yield named
 
 
 def _solver(solver: Solver) -> Iterator[Clash]:

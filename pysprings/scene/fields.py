@@ -208,8 +208,11 @@ class Choice(Field):
     words: tuple[str, ...]
     text: str
     planned: tuple[str, ...] = ()
+    optional: bool = False
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if value is None and self.optional:
+            return value
         known = ", ".join(quoted(word) for word in self.words)
         if not isinstance(value, str):
             raise refuse(f"expected one of {known}, got {quoted(value)}")

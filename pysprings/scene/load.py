@@ -23,6 +23,7 @@ from pysprings.scene.model import (
     Domain,
     Drainage,
     Interface,
+    Layer,
     Mesh,
     Output,
     Path,
@@ -189,19 +190,28 @@ def _faults(error: ValidationError) -> Iterator[Fault]:
         elif item["type"] == "scene":
             yield Fault((path,), context["message"])
         else:
-            wanted = "[[path]] sections (double brackets)" if path == ("path",) else f"a table {_header(path)}"
+            lists: dict[KeyPath, str] = {("path",): "[[path]]", ("soil", "layer"): "[[soil.layer]]"}
+            wanted = f"{lists[path]} sections (double brackets)" if path in lists else f"a table {_header(path)}"
             yield Fault((path,), f"expected {wanted}")
 
 
 def _header(path: KeyPath) -> str:
+    if path[:2] == ("soil", "layer"):
+        return "[[soil.layer]]"
     return "[[path]]" if path[0] == "path" else f"[{dotted(path)}]"
+
+
+def _keys(section: type[Section]) -> list[str]:
+    """Return the keys of a table as TOML has them."""
+    return [str(info.validation_alias or name) for name, info in section.model_fields.items()]
 
 
 def _unknown_key(path: KeyPath) -> Fault:
     """Say that a key is unknown, and which one was probably meant."""
     name = str(path[-1])
-    known = list(SECTIONS[str(path[0])].model_fields) if len(path) > 1 else ["title", *SECTIONS]
-    homes = [_header((section,)) for section, model in SECTIONS.items() if name in model.model_fields]
+    section = Layer if path[:2] == ("soil", "layer") else SECTIONS.get(str(path[0]))
+    known = _keys(section) if len(path) > 1 and section else ["title", *SECTIONS]
+    homes = [_header((section,)) for section, model in SECTIONS.items() if name in _keys(model)]
     near = re.search(r"'(.*)'", suggestion(name, known))
     hint = f" (it belongs in {' or '.join(homes)})" if homes else suggestion(name, known)
     return Fault((path,), f"unknown key{hint}", at_key=True, meant=near[1] if near else "")
@@ -210,7 +220,8 @@ def _unknown_key(path: KeyPath) -> Fault:
 def _spoiled(fault: Fault, data: dict[str, Any]) -> Iterator[KeyPath]:
     """Give the key paths whose value is not known because of a fault."""
     path = fault.paths[0]
-    yield path[:-1] if len(path) == 4 else path  # one wrong entry spoils its list
+    entry = path[0] == "path" and len(path) == 4  # one wrong entry spoils its list
+    yield path[:-1] if entry else path
     if fault.meant and fault.meant not in _table(data, path[:-1]):
         yield (*path[:-1], fault.meant)
 
@@ -231,7 +242,11 @@ def _without(data: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
     """Copy the data without its wrong keys (their defaults step in), so that the rest can be checked."""
     rest = copy.deepcopy(data)
     for fault in faults:
-        path = fault.paths[0][:3]
+        path = fault.paths[0]
+        if path[:2] == ("soil", "layer"):
+            _without_layer_key(rest["soil"], path)
+            continue
+        path = path[:3]
         table = _table(rest, path[:-1])
         if path[0] == "path" and len(path) == 2:
             table[path[1]] = {"name": f"unnamed{path[1]}", "kind": "pull"}
@@ -240,6 +255,14 @@ def _without(data: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
         else:
             table.pop(path[-1], None)
     return rest
+
+
+def _without_layer_key(soil: dict[str, Any], path: KeyPath) -> None:
+    """Drop a wrong key of a layer; all layers where the fault leaves the order of them open."""
+    if len(path) < 4 or path[3] == "top":
+        soil.pop("layer", None)
+    elif "layer" in soil:
+        soil["layer"][path[2]].pop(path[3], None)
 
 
 def _problem(fault: Fault, places: dict[KeyPath, Place], file: str | None) -> Problem:

@@ -10,12 +10,14 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from typing import Annotated, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, PrivateAttr, model_validator
+from pydantic import BaseModel, ConfigDict, PrivateAttr, create_model, model_validator
 from pydantic import Field as Key
 
 from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.scene.by_depth import ByDepth, Profile
 from pysprings.scene.checks import clashes, dotted
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text, refuse
 from pysprings.scene.soil_laws import SOIL_LAWS
@@ -88,8 +90,8 @@ class Domain(Section):
     ] = "sealed"
 
 
-class Soil(Section):
-    """A homogeneous frictional soil that hardens, and its initial state."""
+class SoilValues(Section):
+    """A frictional soil that hardens, and its initial state."""
 
     young_modulus: Annotated[float, Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa")] = 200e6
     poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio", 0.3)] = 0.3
@@ -115,6 +117,40 @@ class Soil(Section):
     hydraulic_conductivity: Annotated[
         float, Quantity("m/s", "[1e-20, 10]", "hydraulic conductivity; not used when drained", "1e-4 m/s")
     ] = 1e-4
+
+
+class LayerPlace(Section):
+    """A layer of the soil: its top, its law and its values. Values that are not given are those of [soil]."""
+
+    top: Annotated[float, Quantity("m", "[0, 1e4]", "depth of the top of the layer below mudline", "0 m")]
+    name: Annotated[str, Text("name of the layer in tables")] = "layer"
+    law: Annotated[str | None, Choice(tuple(SOIL_LAWS), "constitutive law; by default that of [soil]", optional=True)] = None
+
+
+_NOT_BY_LAYER = ("yield_surface", "surcharge")
+_BY_STRESS = ("young_modulus",)
+
+
+def _layer_field(name: str) -> Any:
+    """Return the optional field of a layer for a value of the soil."""
+    field = next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, Quantity | Number))
+    if isinstance(field, Number):
+        return Annotated[float | None, replace(field, optional=True)], None
+    return Annotated[float | ByDepth | None, Profile(replace(field, optional=True), name in _BY_STRESS)], None
+
+
+BY_LAYER = tuple(name for name in SoilValues.model_fields if name not in _NOT_BY_LAYER)
+_VALUES: dict[str, Any] = {name: _layer_field(name) for name in BY_LAYER}
+if TYPE_CHECKING:
+    Layer = LayerPlace
+else:
+    Layer = create_model("Layer", __base__=LayerPlace, __module__=__name__, __doc__=LayerPlace.__doc__, **_VALUES)
+
+
+class Soil(SoilValues):
+    """A frictional soil that hardens, and its initial state; [[soil.layer]] tables divide it by depth."""
+
+    layers: tuple[Layer, ...] = Key((), validation_alias="layer")
 
 
 class Interface(Section):
@@ -272,12 +308,14 @@ class Scene(Section):
     def sha256(self) -> str:
         """SHA-256 (hex) of all values, whatever units and order the file wrote them in.
 
-        Keys of a series count where there is one: a scene of bricks has the number that it had before there were any.
+        Keys of a series and layers count where there are some: other scenes have the number that they had before.
         """
         values = self.model_dump(mode="json")
         if self.mesh.discretisation == "hex8":
             for key in ("discretisation", "harmonics"):
                 del values["mesh"][key]
+        if not self.soil.layers:
+            del values["soil"]["layers"]
         canonical = json.dumps(values, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()
 

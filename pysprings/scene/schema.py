@@ -7,7 +7,7 @@ from typing import Any
 
 from pysprings.scene.fields import QuantityList
 from pysprings.scene.load import SECTIONS
-from pysprings.scene.model import Scene, Section
+from pysprings.scene.model import Layer, Scene, Section
 from pysprings.scene.toml import field_of
 
 FILE_NAME = "pysprings.schema.json"
@@ -33,6 +33,9 @@ def _table(model: type[Section]) -> dict[str, Any]:
     """Return the schema of one table."""
     properties = {}
     for name, info in model.model_fields.items():
+        if name == "layers":
+            properties["layer"] = {"type": "array", "items": _table(Layer)}
+            continue
         field = field_of(info)
         properties[name] = field.schema()
         if not info.is_required() and info.default is not None and not isinstance(field, QuantityList):

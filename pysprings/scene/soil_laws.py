@@ -16,7 +16,7 @@ from pysprings.core.units import show
 from pysprings.scene.clash import Clash
 
 if TYPE_CHECKING:
-    from pysprings.scene.model import Domain, Soil
+    from pysprings.scene.model import Soil
 
 MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at constant volume
 _ANGLES = tuple(math.pi / 3.0 * i / 60.0 for i in range(61))  # Lode angles, from compression to extension
@@ -31,14 +31,14 @@ class SoilLaw:
     name : its word in `soil.yield_surface`.
     keys : keys of [soil] that set its strength; the others' are not used.
     clashes : give what does not go together in a soil.
-    initial : give what is wrong with its initial state.
+    initial : give what is wrong with its initial state, between two vertical effective stresses (Pa).
     yields : whether the soil can yield.
     """
 
     name: str
     keys: tuple[str, ...]
     clashes: Callable[[Soil], Iterator[Clash]]
-    initial: Callable[[Soil, Domain], Iterator[Clash]]
+    initial: Callable[[Soil, tuple[float, float]], Iterator[Clash]]
     yields: bool = True
 
 
@@ -134,7 +134,7 @@ def _lost(soil: Soil, psi: float, surface: Surface) -> float:
     return worst
 
 
-def _initial_state(surface: Surface) -> Callable[[Soil, Domain], Iterator[Clash]]:
+def _initial_state(surface: Surface) -> Callable[[Soil, tuple[float, float]], Iterator[Clash]]:
     """Make the check that the geostatic stress is inside the initial yield surface.
 
     With compression positive and the vertical stress s: II = |1 - K0| s/sqrt(3), I = (1 + 2 K0) s, and the
@@ -142,10 +142,10 @@ def _initial_state(surface: Surface) -> Callable[[Soil, Domain], Iterator[Clash]
     (extension) m and the cohesive part shrink by the section of the surface.
     """
 
-    def check(soil: Soil, domain: Domain) -> Iterator[Clash]:
+    def check(soil: Soil, stresses: tuple[float, float]) -> Iterator[Clash]:
         names = ("K0", "friction_angle_initial", "cohesion", "surcharge", "effective_unit_weight", "yield_surface")
         keys = (*(("soil", name) for name in names), ("domain", "depth"))
-        bottom = soil.surcharge + soil.effective_unit_weight * domain.depth
+        bottom = stresses[1]
         if bottom == 0.0 and soil.cohesion == 0.0:
             yield Clash((("soil", "surcharge"), *keys), "a soil without weight, surcharge and cohesion has no strength")
         sine, cosine = math.sin(soil.friction_angle_initial), math.cos(soil.friction_angle_initial)
@@ -155,7 +155,7 @@ def _initial_state(surface: Surface) -> Callable[[Soil, Domain], Iterator[Clash]
         if soil.K0 > 1.0:
             slope, strength = less * slope, less * strength
         shear, pressure = abs(1.0 - soil.K0) / math.sqrt(3.0), 1.0 + 2.0 * soil.K0
-        worst = max((shear - slope * pressure) * vertical for vertical in (soil.surcharge, bottom))
+        worst = max((shear - slope * pressure) * vertical for vertical in stresses)
         if worst > strength + 1e-9 * bottom:
             angle = show(soil.friction_angle_initial, "deg")
             allowed = f"({angle}{_range(*reaches, soil)})"

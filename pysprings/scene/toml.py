@@ -40,6 +40,7 @@ def _tables(scene: Scene) -> Iterator[tuple[str, BaseModel]]:
         value = getattr(scene, name)
         if isinstance(value, BaseModel):
             yield f"[{name}]", value
+            yield from ((f"[[{name}.layer]]", layer) for layer in getattr(value, "layers", ()))
     for path in scene.paths:
         yield "[[path]]", path
 
@@ -53,7 +54,7 @@ def _pairs(section: BaseModel) -> Iterator[tuple[str, Any]]:
     """Yield key and value, as in TOML, of what is set in a section."""
     for name, info in type(section).model_fields.items():
         value = getattr(section, name)
-        if value is not None and value != ():
+        if value is not None and value != () and name != "layers":
             yield name, _in_toml(field_of(info), value, section)
 
 
@@ -65,4 +66,6 @@ def _in_toml(field: Field, value: Any, section: BaseModel) -> Any:
 
 def _literal(value: Any) -> str:
     """Return a TOML literal; JSON spells texts (on one line), numbers and flat lists the same."""
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_literal(each)}' for key, each in value.items())} }}"
     return json.dumps(value, ensure_ascii=False)

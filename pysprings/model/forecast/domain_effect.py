@@ -23,7 +23,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pysprings.core.units import show
+from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -68,7 +71,11 @@ def domain_effect(scene: Scene) -> DomainEffect:
 
 def _poisson(scene: Scene) -> float:
     """Poisson's ratio of the soil as it answers at once: water that has no time to flow holds its volume."""
-    return _MOST_POISSON if scene.drainage.mode == "undrained" else min(scene.soil.poisson_ratio, _MOST_POISSON)
+    return _MOST_POISSON if scene.drainage.mode == "undrained" else min(_at_tip(scene), _MOST_POISSON)
+
+
+def _at_tip(scene: Scene) -> float:
+    return float(ground_of(scene).value("poisson_ratio", np.array(scene.caisson.skirt_length)))
 
 
 def _stiffening(slenderness: float, radius: float, below: float, poisson: float) -> float:

@@ -22,10 +22,10 @@ from fe_engine.errors import MeshError
 from fe_engine.memory import address_space
 from fe_engine.memory import limit as memory_limit
 from pysprings.core.errors import Problem, ResourceError, UserInputError
-from pysprings.model.build import counts_of
+from pysprings.model.build import counts_of, geometry_of
 from pysprings.model.forecast.run_time import least_increments, likely_increments
 from pysprings.model.fourier import fixed_directions, section_counts_of, section_of
-from pysprings.model.mesh import Counts, core_square
+from pysprings.model.mesh import Counts, core_square, counted
 from pysprings.model.steel import patch
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def size_of(scene: Scene, whole: bool = False) -> Size:
     """Return the counts of a scene's model, or of one of the ``whole`` domain, both halves; builds nothing."""
     if scene.mesh.discretisation == "fourier":
         return _series_size(scene)
-    counts = counts_of(scene)
+    counts = counted(geometry_of(scene), counts_of(scene))
     n, rings = counts.azimuth, counts.plug + counts.tip + counts.outer
     levels = counts.skirt + counts.below + 1
     around, core, halves = _plan(n, whole)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fe_engine.solve.stepping import fewest_increments
 from pysprings.model.forecast.small_strain import imposed_motion
 from pysprings.model.stages import path_stages
+from pysprings.scene.ground import ground_of
 from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:
@@ -65,4 +66,5 @@ def _lifted(scene: Scene, path: Path) -> float:
     displacement, rotation = imposed_motion(path)
     reach = max(displacement, rotation * scene.caisson.skirt_length)
     limit = _LIFT_OFF * scene.caisson.outer_diameter
-    return 0.0 if not SOIL_LAWS[scene.soil.yield_surface].yields or reach <= limit else 1.0 - limit / reach
+    stiff = not any(SOIL_LAWS[each.law].yields for each in ground_of(scene).strata)
+    return 0.0 if stiff or reach <= limit else 1.0 - limit / reach

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""Values of a layer of soil that vary with depth or with the initial stress, and the field that reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationInfo
+from pydantic_core import PydanticCustomError
+
+from pysprings.core.units import quoted
+from pysprings.scene.fields import QUANTITY_PATTERN, Field, Number, Quantity, refuse
+
+
+@dataclass(frozen=True)
+class ByDepth:
+    """A value that varies inside a layer; the keys that are not None decide how.
+
+    top, bottom : values at top and bottom of the layer, linear between.
+    top, gradient : value at the top and its increase per metre of depth.
+    reference, reference_depth, depth_offset, exponent : reference ((z + offset)/reference_depth)^exponent, with z the
+        depth below mudline in m.
+    reference, reference_stress, exponent : reference (p'/reference_stress)^exponent, with p' the initial mean effective
+        stress in Pa.
+    """
+
+    top: float | None = None
+    bottom: float | None = None
+    gradient: float | None = None
+    reference: float | None = None
+    reference_depth: float | None = None
+    depth_offset: float | None = None
+    reference_stress: float | None = None
+    exponent: float | None = None
+
+    def at(self, depth: np.ndarray, top: float, bottom: float, stress: np.ndarray | None = None) -> np.ndarray:
+        """Return the values at depths (...,) in m of a layer from ``top`` to ``bottom``.
+
+        ``stress`` (...,) is the initial mean effective stress in Pa, compression positive; values by stress need it.
+        """
+        if self.bottom is not None:
+            assert self.top is not None
+            share = (depth - top) / (bottom - top)
+            return np.asarray(self.top + share * (self.bottom - self.top))
+        if self.gradient is not None:
+            assert self.top is not None
+            return np.asarray(self.top + self.gradient * (depth - top))
+        assert self.reference is not None and self.exponent is not None
+        if self.reference_depth is not None:
+            base = (depth + (self.depth_offset or 0.0)) / self.reference_depth
+        else:
+            assert stress is not None and self.reference_stress is not None
+            base = stress / self.reference_stress
+        return np.asarray(self.reference * np.maximum(base, 0.0) ** self.exponent)
+
+
+Value = float | ByDepth
+_LINEAR = ({"top", "bottom"}, {"top", "gradient"})
+_POWERS = ({"reference", "reference_depth", "exponent"}, {"reference", "reference_stress", "exponent"})
+_DEPTH = Quantity("m", "(0, 1e4]", "", "5 m")
+_OFFSET = Quantity("m", "[0, 1e4]", "", "1 m")
+_STRESS = Quantity("kPa", "(0, 1e6]", "", "100 kPa")
+_EXPONENT = Number("[0, 2]", "", 0.5)
+
+
+@dataclass(frozen=True)
+class Profile(Field):
+    """A quantity of a layer: constant, linear between top and bottom, or (``powers``) a power of depth or stress."""
+
+    quantity: Quantity
+    powers: bool = False
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if value is None or isinstance(value, ByDepth):
+            return value
+        if not isinstance(value, Mapping):
+            return self.quantity.validate(value, info)
+        given = {name: each for name, each in value.items() if each is not None}
+        forms = (*_LINEAR, *_POWERS) if self.powers else _LINEAR
+        if set(given) - {"depth_offset"} not in forms or ("depth_offset" in given and "reference_depth" not in given):
+            known = "; ".join(", ".join(sorted(form, reverse=True)) for form in forms)
+            raise refuse(f"a value by depth has the keys {known}, got {', '.join(given) or 'none'}")
+        read, wrong = {}, []
+        for name, each in given.items():
+            try:
+                read[name] = self._field(name).validate(each, info)
+            except PydanticCustomError as error:
+                wrong.append(f"{name}: {error.message()}")
+        if wrong:
+            raise refuse("; ".join(wrong))
+        return ByDepth(**read)
+
+    def _field(self, name: str) -> Field:
+        """Return the field of a key of the table."""
+        if name == "gradient":
+            unit = f"{self.quantity.unit}/m"
+            return Quantity(unit, "[-1e9, 1e9]", "", f"2 {unit}")
+        own = {"reference_depth": _DEPTH, "depth_offset": _OFFSET, "reference_stress": _STRESS, "exponent": _EXPONENT}
+        return own.get(name, self.quantity)
+
+    def in_toml(self, value: Any) -> Any:
+        if not isinstance(value, ByDepth):
+            return self.quantity.in_toml(value)
+        given = {each.name: getattr(value, each.name) for each in fields(value)}
+        return {name: self._field(name).in_toml(each) for name, each in given.items() if each is not None}
+
+    def schema(self) -> dict[str, Any]:
+        text = {"type": "string", "pattern": QUANTITY_PATTERN}
+        keys = {name: text for form in (*_LINEAR, *(_POWERS if self.powers else ())) for name in sorted(form)}
+        if self.powers:
+            keys |= {"exponent": {"type": "number"}, "depth_offset": text}
+        table = {"type": "object", "additionalProperties": False, "properties": keys}
+        about = f"{self.quantity.text} (in {self.quantity.interval} {self.quantity.unit}); a value, or a table by depth"
+        return {"description": about, "anyOf": [text, table]}
+
+
+def show(value: Value, quantity: Quantity) -> str:
+    """Return a value as people write it, by depth included."""
+    found = Profile(quantity, powers=True).in_toml(value)
+    return str(found) if isinstance(found, str) else ", ".join(f"{name} {quoted(each)}" for name, each in found.items())

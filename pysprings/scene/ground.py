@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: MIT
+"""The ground of a scene by depth: its layers, their values, and the geostatic stress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pysprings.scene.by_depth import ByDepth, Value
+
+if TYPE_CHECKING:
+    from pysprings.scene.model import Layer, Scene, Soil
+
+_MERGED = 1.0e-9  # m: depths closer than that are one
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """A layer between two depths (m) with the values of its soil.
+
+    ``above`` is the vertical effective stress (Pa) at its top; ``number`` its place among the layers of the scene.
+    """
+
+    number: int
+    name: str
+    law: str
+    top: float
+    bottom: float
+    above: float
+    values: dict[str, Value]
+
+    def value(self, name: str, depth: np.ndarray) -> np.ndarray:
+        """Return a value of the soil at depths (...,) of this layer."""
+        given = self.values[name]
+        if not isinstance(given, ByDepth):
+            return np.full(np.shape(depth), given)
+        return given.at(depth, self.top, self.bottom, self.mean_stress(depth))
+
+    def vertical_stress(self, depth: np.ndarray) -> np.ndarray:
+        """Return the initial vertical effective stress (...,) in Pa, compression positive."""
+        down, weight = depth - self.top, self.values["effective_unit_weight"]
+        if not isinstance(weight, ByDepth):
+            return np.asarray(self.above + weight * down)
+        ends = weight.at(np.array([self.top, self.bottom]), self.top, self.bottom)
+        slope = (ends[1] - ends[0]) / (self.bottom - self.top)
+        return np.asarray(self.above + (ends[0] + 0.5 * slope * down) * down)
+
+    def mean_stress(self, depth: np.ndarray) -> np.ndarray:
+        """Return the initial mean effective stress (...,) in Pa, compression positive."""
+        k0 = self.values["K0"]
+        assert not isinstance(k0, ByDepth)
+        return np.asarray((1.0 + 2.0 * k0) / 3.0 * self.vertical_stress(depth))
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Layers from mudline to the bottom of the domain."""
+
+    strata: tuple[Stratum, ...]
+
+    @cached_property
+    def lines(self) -> tuple[float, ...]:
+        """Depths (m) where one layer ends and the next begins."""
+        return tuple(each.top for each in self.strata[1:])
+
+    def number(self, depth: np.ndarray) -> np.ndarray:
+        """Return the number (...,) of the layer at each depth; a boundary belongs to the layer above it."""
+        return np.searchsorted(np.array(self.lines) + _MERGED, depth, side="left")
+
+    def value(self, name: str, depth: np.ndarray) -> np.ndarray:
+        """Return a value of the soil at depths (...,), in SI."""
+        return self._by_layer(depth, lambda stratum, z: stratum.value(name, z))
+
+    def vertical_stress(self, depth: np.ndarray) -> np.ndarray:
+        """Return the initial vertical effective stress (...,) in Pa, compression positive."""
+        return self._by_layer(depth, Stratum.vertical_stress)
+
+    def _by_layer(self, depth: np.ndarray, of: Callable[[Stratum, np.ndarray], np.ndarray]) -> np.ndarray:
+        depth = np.asarray(depth, dtype=float)
+        if len(self.strata) == 1:
+            return of(self.strata[0], depth)
+        number, found = self.number(depth), np.empty(depth.shape)
+        for k, stratum in enumerate(self.strata):
+            found[number == k] = of(stratum, depth[number == k])
+        return found
+
+
+def ground_of(scene: Scene) -> Ground:
+    """Return the ground of a scene; a soil without layers is one."""
+    return make_ground(scene.soil, scene.domain.depth)
+
+
+def make_ground(soil: Soil, depth: float) -> Ground:
+    """Return the ground of a soil down to a depth (m); its layers must stand in order."""
+    layers = soil.layers
+    tops = [each.top for each in layers] or [0.0]
+    strata, above = [], soil.surcharge
+    for number, (top, bottom) in enumerate(zip(tops, [*tops[1:], depth], strict=True)):
+        layer = layers[number] if layers else None
+        name, law = (layer.name, layer.law or soil.yield_surface) if layer else ("soil", soil.yield_surface)
+        strata.append(Stratum(number, name, law, top, bottom, above, values_of(soil, layer)))
+        above = float(strata[-1].vertical_stress(np.array(bottom)))
+    return Ground(tuple(strata))
+
+
+def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:
+    """Return the values of a layer, those of the soil where it gives none."""
+    from pysprings.scene.model import BY_LAYER
+
+    own = {name: getattr(layer, name, None) for name in BY_LAYER}
+    return {name: getattr(soil, name) if value is None else value for name, value in own.items()}

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: MIT
+"""Checks of the layers of a scene: their order, and the values at both ends of each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pysprings.core.units import show
+from pysprings.scene.by_depth import ByDepth, Profile
+from pysprings.scene.clash import Clash
+from pysprings.scene.fields import Interval
+from pysprings.scene.ground import Stratum, make_ground
+from pysprings.scene.positions import KeyPath
+
+if TYPE_CHECKING:
+    from pysprings.scene.model import Domain, Soil
+
+_STATIONS = 33  # depths of a layer where its values are checked
+
+
+def layer_order(soil: Soil, domain: Domain) -> Iterator[Clash]:
+    """Check that layers begin at mudline, stand in order, and end inside the domain."""
+    for number, layer in enumerate(soil.layers):
+        here: KeyPath = ("soil", "layer", number, "top")
+        if number == 0 and layer.top != 0.0:
+            yield Clash((here,), f"{show(layer.top, 'm')}: the first layer begins at mudline (0 m)")
+        before = soil.layers[number - 1].top if number else -1.0
+        if layer.top <= before:
+            text = f"{show(layer.top, 'm')} must be below the top of the layer before ({show(before, 'm')})"
+            yield Clash((here, ("soil", "layer", number - 1, "top")), text)
+        if layer.top >= domain.depth:
+            text = f"{show(layer.top, 'm')} is not above the bottom of the domain ({show(domain.depth, 'm')})"
+            yield Clash((here, ("domain", "depth")), text)
+
+
+def uniform_soils(soil: Soil, domain: Domain) -> Iterator[tuple[Soil, tuple[float, float], int | None]]:
+    """Give soils of constant values for what is checked of one: the soil, or the ends of each layer.
+
+    With each come the vertical effective stresses (Pa) between which it stands, and the number of its layer.
+    """
+    if not soil.layers:
+        bottom = soil.surcharge + soil.effective_unit_weight * domain.depth
+        yield soil, (soil.surcharge, bottom), None
+        return
+    for stratum in make_ground(soil, domain.depth).strata:
+        varies = any(isinstance(value, ByDepth) for value in stratum.values.values())
+        for depth in (stratum.top, stratum.bottom) if varies else (stratum.bottom,):
+            values = {name: float(stratum.value(name, np.array(depth))) for name in stratum.values}
+            end = float(stratum.vertical_stress(np.array(depth)))
+            stresses = (end, end) if varies else (stratum.above, end)
+            uniform = soil.model_copy(update={**values, "yield_surface": stratum.law, "layers": ()})
+            yield uniform, stresses, stratum.number
+
+
+def values_inside(soil: Soil, domain: Domain) -> Iterator[Clash]:
+    """Check that values by depth stay within the range of their key all over the layer."""
+    if soil.layers:
+        for stratum in make_ground(soil, domain.depth).strata:
+            yield from _inside(soil, stratum)
+
+
+def _inside(soil: Soil, stratum: Stratum) -> Iterator[Clash]:
+    depth = np.linspace(stratum.top, stratum.bottom, _STATIONS)
+    layer = soil.layers[stratum.number]
+    for name, info in type(layer).model_fields.items():
+        profile = next((each for each in info.metadata if isinstance(each, Profile)), None)
+        if profile is None or not isinstance(getattr(layer, name), ByDepth):
+            continue
+        value, quantity = stratum.value(name, depth), profile.quantity
+        inside = depth > 0.0 if profile.powers else np.full(depth.shape, True)
+        holds = [Interval(quantity.interval).holds(float(each), quantity.unit) for each in value]
+        bad = np.flatnonzero(~np.array(holds) & inside)
+        if len(bad):
+            where = f"{show(float(value[bad[0]]), quantity.unit)} at a depth of {show(float(depth[bad[0]]), 'm')}"
+            text = f"{where} is not in {quantity.interval} {quantity.unit}"
+            yield Clash((("soil", "layer", stratum.number, name),), text)
+
+
+def in_layer(clash: Clash, soil: Soil, number: int | None) -> Clash:
+    """Return a clash of a uniform soil with the keys of the layer that it stands for."""
+    if number is None:
+        return clash
+
+    def key(path: KeyPath) -> KeyPath:
+        name = "law" if path[-1] == "yield_surface" else str(path[-1])
+        layer = soil.layers[number]
+        own = path[0] == "soil" and getattr(layer, name, None) is not None
+        return ("soil", "layer", number, name) if own else path
+
+    return Clash(tuple(key(path) for path in clash.keys), f"layer '{soil.layers[number].name}': {clash.message}")

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+"""Layers of the soil: values by depth, geostatic stress, text and numbers of a scene, refusals with their places."""
+
+from __future__ import annotations
+
+import pickle
+import re
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from pysprings.core.errors import UserInputError
+from pysprings.scene.ground import ground_of
+from pysprings.scene.load import Scene, parse_scene
+
+LAYERS = """\
+[soil]
+K0 = 1.1
+surcharge = "5 kPa"
+[[soil.layer]]
+top = "0 m"
+name = "loose"
+young_modulus = { reference = "80 MPa", reference_stress = "100 kPa", exponent = 0.5 }
+friction_angle_final = { top = "28 deg", bottom = "32 deg" }
+effective_unit_weight = { top = "8 kN/m^3", bottom = "10 kN/m^3" }
+[[soil.layer]]
+top = "2 m"
+name = "dense"
+law = "van-eekelen"
+young_modulus = { top = "80 MPa", gradient = "5 MPa/m" }
+effective_unit_weight = "11 kN/m^3"
+[[soil.layer]]
+top = "6 m"
+young_modulus = { reference = "90 MPa", reference_depth = "5 m", depth_offset = "1 m", exponent = 1.0 }
+"""
+
+
+def weight(depth: float) -> float:
+    """Unit weight of the layers, N/m3."""
+    return 8e3 + 1e3 * depth if depth < 2 else 11e3 if depth < 6 else 10.56e3
+
+
+def messages(text: str) -> list[str]:
+    with pytest.raises(UserInputError) as refused:
+        parse_scene(text)
+    return [str(problem) for problem in refused.value.problems]
+
+
+def test_values_follow_their_layers():
+    ground = ground_of(parse_scene(LAYERS))
+    depth = np.array([1.0, 3.0, 8.0])
+    stress = np.array([5e3 + quad(weight, 0, z, points=[2, 6])[0] for z in depth])
+    assert ground.vertical_stress(depth) == pytest.approx(stress, rel=1e-9)
+    mean = stress[0] * 3.2 / 3.0
+    wanted = [80e6 * (mean / 100e3) ** 0.5, 85e6, 90e6 * 9.0 / 5.0]
+    assert ground.value("young_modulus", depth) == pytest.approx(wanted, rel=1e-12)
+    assert np.degrees(ground.value("friction_angle_final", depth)) == pytest.approx([30.0, 30.0, 30.0])
+    assert [each.law for each in ground.strata] == ["drucker-prager", "van-eekelen", "drucker-prager"]
+    assert ground.lines == (2.0, 6.0)
+
+
+def test_a_boundary_belongs_to_the_layer_above_and_stress_passes_it_smoothly():
+    ground = ground_of(parse_scene(LAYERS))
+    assert ground.number(np.array([0.0, 2.0, 2.001, 6.0, 12.0])).tolist() == [0, 0, 1, 1, 2]
+    above, below = ground.vertical_stress(np.array([2.0, 2.0 + 1e-7]))
+    assert below - above == pytest.approx(11e3 * 1e-7, rel=1e-3)
+
+
+def test_a_soil_without_layers_is_one():
+    scene = Scene()
+    ground, depth = ground_of(scene), np.linspace(0.0, 12.0, 7)
+    assert ground.lines == ()
+    wanted = scene.soil.surcharge + scene.soil.effective_unit_weight * depth
+    assert np.array_equal(ground.vertical_stress(depth), wanted)  # bit by bit: scenes of before give the same results
+
+
+def test_layers_come_through_text_numbers_and_pickles():
+    scene = parse_scene(LAYERS)
+    for twin in (parse_scene(scene.to_toml()), pickle.loads(pickle.dumps(scene)), scene.replace(title=scene.title)):
+        assert twin == scene
+        assert twin.sha256 == scene.sha256
+    assert scene.sha256 != parse_scene(LAYERS.replace("5 MPa/m", "6 MPa/m")).sha256
+
+
+def test_scenes_without_layers_keep_their_number():
+    """Folders of runs are named by it. The number was printed before layers existed."""
+    assert Scene().sha256 == "2cf08b168a3b5ad73c000189ececf1d82e7d493c1c892ca0e7f2c723c5dd8ad4"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"2 m"', '"0 m"', r"^11:7: soil.layer\[1\].top: 0 m must be below the top of the layer before \(0 m\)"),
+        ('"6 m"', '"12 m"', r"^17:7: soil.layer\[2\].top: 12 m is not above the bottom of the domain \(12 m\)"),
+        ('top = "0 m"', 'top = "1 m"', r"soil.layer\[0\].top: 1 m: the first layer begins at mudline"),
+        ('top = "0 m"\n', "", r"soil.layer\[0\].top: missing; every \[\[soil.layer\]\] needs it"),
+        ("5 MPa/m", "-50 MPa/m", r"^14:17: soil.layer\[1\].young_modulus: \S+ MPa at a depth of \S+ m is not in"),
+        ("5 MPa/m", "5 MPa", r'young_modulus: gradient: "5 MPa" is a pressure or stress; expected a force per volume'),
+        (
+            "exponent = 0.5",
+            "power = 0.5",
+            r"young_modulus: a value by depth has the keys .*, got reference, reference_s",
+        ),
+        ("exponent = 1.0", "exponent = 9", r"young_modulus: exponent: 9 is not in \[0, 2\]"),
+        ('law = "van-eekelen"', 'law = "tresque"', r'^13:7: soil.layer\[1\].law: "tresque" is not one of'),
+        ('name = "dense"', 'nam = "dense"', r"^12:1: soil.layer\[1\].nam: unknown key \(did you mean 'name'\?\)"),
+        ("K0 = 1.1", "K0 = 0.5", r"^2:6: soil.K0: layer 'loose': 0.5 puts the initial stress outside"),
+        (
+            "[soil]",
+            '[drainage]\nmode = "undrained"\n[soil]',
+            r'drainage.mode: must be "drained" with \[\[soil.layer\]\]',
+        ),
+    ],
+)
+def test_wrong_layers_are_refused_with_their_place(old, new, message):
+    assert old in LAYERS
+    found = messages(LAYERS.replace(old, new, 1))
+    assert any(re.search(message, each) for each in found), found
+
+
+def test_all_problems_of_layers_come_at_once():
+    text = LAYERS.replace("11 kN/m^3", "11").replace('"5 MPa/m"', "5").replace('name = "loose"', 'nme = "loose"')
+    assert len(messages(text)) == 3
