@@ -19,9 +19,9 @@ Shapes = dict[str, tuple[tuple[int, ...], tuple[int, ...]]]
 
 @dataclass(frozen=True)
 class Material:
-    """A soil law with its packed parameters: (n,), or (k, n) with a row for each of the k elements of the material.
+    """A soil law with its packed parameters: (n,), (k, n) for the k elements of the material, or (k, np, n) by point.
 
-    The rows stand in the order of the elements' numbers.
+    The rows stand in the order of the elements' numbers; points are those of hex8 or, of a series, of its section.
     """
 
     law: SoilLaw
@@ -61,19 +61,26 @@ class HasContact(Protocol):
 
 
 def soil_rows(model: HasSoil) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return for each element the code of its law (ne,), its parameters (ne, n), and K and G (ne, 2) in Pa.
+    """Return the codes of the laws (ne,), their parameters (ne, r, n), and K and G (ne, r, 2) in Pa.
 
-    Rows of laws with fewer parameters than the widest end with NaN.
+    r is the number of points of an element, or 1 where no material varies inside its elements. Rows of laws with fewer
+    parameters than the widest end with NaN.
     """
-    ne = len(model.material)
-    code, moduli = np.zeros(ne, dtype=np.int64), np.zeros((ne, 2))
-    parameters = np.full((ne, max(len(each.law.parameters) for each in model.materials)), np.nan)
+    ne, r = len(model.material), max((_by_point(each).shape[-2] for each in model.materials), default=1)
+    code, moduli = np.zeros(ne, dtype=np.int64), np.zeros((ne, r, 2))
+    parameters = np.full((ne, r, max(len(each.law.parameters) for each in model.materials)), np.nan)
     for number, each in enumerate(model.materials):
-        mine = model.material == number
+        mine, given = model.material == number, _by_point(each)
         code[mine] = SOIL_LAWS.code(each.law)
-        parameters[mine, : each.parameters.shape[-1]] = each.parameters
-        moduli[mine] = np.stack(np.broadcast_arrays(*each.law.moduli(each.parameters)), axis=-1)
+        parameters[mine, :, : given.shape[-1]] = given
+        moduli[mine] = np.stack(np.broadcast_arrays(*each.law.moduli(given)), axis=-1)
     return code, parameters, moduli
+
+
+def _by_point(material: Material) -> np.ndarray:
+    """Parameters (1, n), (k, 1, n) or (k, np, n)."""
+    p = material.parameters
+    return p[:, None] if p.ndim == 2 else p[None] if p.ndim == 1 else p
 
 
 def history_size(model: HasSoil) -> int:
@@ -96,7 +103,7 @@ def material_shapes(model: HasSoil) -> Shapes:
     found: Shapes = {}
     for number, each in enumerate(model.materials):
         shape, n = each.parameters.shape, len(each.law.parameters)
-        rows = () if len(shape) == 1 else (int(np.count_nonzero(model.material == number)),)
+        rows = () if len(shape) == 1 else (int(np.count_nonzero(model.material == number)), *shape[1:-1][:1])
         found[f"parameters of material {number} ({each.law.name})"] = shape, (*rows, n)
     return found
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fe_engine.assembly.kernels import row_of
 from fe_engine.assembly.kernels_stations import guess_traction
 from fe_engine.compiled import njit
 from fe_engine.contact.dispatch import linearise_contact, update_contact
@@ -24,7 +25,7 @@ from fe_engine.soil.law import Point
 class Soil(NamedTuple):
     """Section elements (ne, 8), see elements.fourier; waves (M, K, 2), weight: radians an azimuth stands for.
 
-    law (ne,) codes, parameters (ne, n), moduli (ne, 2) K and G in Pa: see material.soil_rows.
+    law (ne,) codes, parameters (ne, r, n), moduli (ne, r, 2) K and G in Pa: see material.soil_rows.
     """
 
     quads: np.ndarray
@@ -75,9 +76,11 @@ def soil_forces(soil, old, new, regime, want, tangent, force):
     strains, stresses = np.empty((n_waves, 6)), np.empty((n_waves, 6))
     strain, change, c = np.empty(6), np.empty(6), np.empty((6, 6))
     for e in range(soil.quads.shape[0]):
-        code, p, bulk, shear = soil.law[e], soil.parameters[e], soil.moduli[e, 0], soil.moduli[e, 1]
+        code = soil.law[e]
         gather(soil.quads[e], new.displacement, old.displacement, move)
         for g in range(4):
+            row = row_of(soil.moduli, g)
+            p, bulk, shear = soil.parameters[e, row], soil.moduli[e, row, 0], soil.moduli[e, row, 1]
             amplitudes(soil.gradient[e, g], move, strains)
             stresses[:] = 0.0
             volume = soil.weight * soil.volume[e, g]
@@ -140,9 +143,10 @@ def soil_work(soil, old, new):
     move, strains, strain = np.empty((8, 3, n_waves)), np.empty((n_waves, 6)), np.empty(6)
     stored, dissipated, initial = 0.0, 0.0, 0.0
     for e in range(soil.quads.shape[0]):
-        bulk, shear = soil.moduli[e, 0], soil.moduli[e, 1]
         gather(soil.quads[e], new.displacement, old.displacement, move)
         for g in range(4):
+            row = row_of(soil.moduli, g)
+            bulk, shear = soil.moduli[e, row, 0], soil.moduli[e, row, 1]
             amplitudes(soil.gradient[e, g], move, strains)
             volume = soil.weight * soil.volume[e, g]
             for j in range(n_azimuths):

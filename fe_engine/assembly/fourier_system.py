@@ -111,8 +111,9 @@ class FourierSystem:
     def _factorise(self, gradient: np.ndarray, volume: np.ndarray) -> HarmonicFactors:
         """Factorise the soil at rest."""
         model, p = self.model, self.pattern
-        moduli, number = np.unique(self.soil.moduli, axis=0, return_inverse=True)
-        tangent = np.array([_elastic(*each) for each in moduli])[number.ravel()]
+        moduli, number = np.unique(self.soil.moduli.reshape(-1, 2), axis=0, return_inverse=True)
+        each_point = np.array([_elastic(*each) for each in moduli])[number.ravel()]
+        tangent = np.broadcast_to(each_point.reshape(model.mesh.n_elements, -1, 6, 6), (*volume.shape, 6, 6))
         waves = range(model.harmonics + 1)
         stiffness = np.array([elements.stiffness(gradient, volume, tangent, k) for k in waves])
         _hold(stiffness, p.held[model.mesh.quads], p.axis[model.mesh.quads])

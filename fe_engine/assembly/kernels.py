@@ -27,7 +27,7 @@ class Elements(NamedTuple):
     """Bricks of the soil.
 
     hexes (ne, 8) nodes; gradient (ne, 8, 8, 3), mean_gradient (ne, 8, 3) and volume (ne, 8): see hex8.geometry.
-    law (ne,) codes, parameters (ne, n), moduli (ne, 2) K and G in Pa: see material.soil_rows.
+    law (ne,) codes, parameters (ne, r, n), moduli (ne, r, 2) K and G in Pa: see material.soil_rows.
     initial_stress (ne, 8, 6) Pa.
     frame_of (n,) index of each node's axes or -1, frames (k, 3, 3).
     """
@@ -58,6 +58,12 @@ class Blocks(NamedTuple):
     force: np.ndarray
     stiffness: np.ndarray
     changed: np.ndarray
+
+
+@njit
+def row_of(rows, g):
+    """Return the row of point g in rows (ne, r, n) of its element: they have one row, or one for each point."""
+    return g if rows.shape[1] > 1 else 0
 
 
 @njit
@@ -113,7 +119,7 @@ def _element(e, slot, elements, old, new, regime, want, blocks):
     Updates its trial stress and history.
     """
     gradient, mean_gradient, volume = elements.gradient[e], elements.mean_gradient[e], elements.volume[e]
-    code, p, bulk, shear = elements.law[e], elements.parameters[e], elements.moduli[e, 0], elements.moduli[e, 1]
+    code = elements.law[e]
     force, stiffness = blocks.force[slot], blocks.stiffness[slot if want else 0]
     frames = elements.frame_of, elements.frames
     move = np.empty((8, 3))
@@ -127,6 +133,8 @@ def _element(e, slot, elements, old, new, regime, want, blocks):
     blocks.changed[slot] = False
     for g in range(8):
         strain_at(gradient[g], mean_gradient, move, strain)
+        row = row_of(elements.moduli, g)
+        p, bulk, shear = elements.parameters[e, row], elements.moduli[e, row, 0], elements.moduli[e, row, 1]
         before, after = Point(old.stress[e, g], old.history[e, g]), Point(new.stress[e, g], new.history[e, g])
         status, what = update_soil(code, p, strain, before, after, tangent, want)
         if status != OK:
@@ -153,9 +161,10 @@ def elastic_stiffness(elements, scatter, offset, targets):
     force, stiffness = np.zeros(24), np.empty((24, 24))
     frames = elements.frame_of, elements.frames
     for e in range(elements.hexes.shape[0]):
-        elastic_tangent(elements.moduli[e, 0], elements.moduli[e, 1], 1.0, tangent)
         stiffness[:, :] = 0.0
         for g in range(8):
+            row = row_of(elements.moduli, g)
+            elastic_tangent(elements.moduli[e, row, 0], elements.moduli[e, row, 1], 1.0, tangent)
             b_bar(elements.gradient[e, g], elements.mean_gradient[e], b)
             add_stiffness(b, tangent, elements.volume[e, g], cb, stiffness)
         _to_nodal_axes(elements.hexes[e], frames, force, stiffness, True)

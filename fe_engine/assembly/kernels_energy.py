@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fe_engine.assembly.kernels import gather
+from fe_engine.assembly.kernels import gather, row_of
 from fe_engine.compiled import njit
 from fe_engine.elements.hex8 import strain_at
 from fe_engine.soil.elastic import stored_density
@@ -17,10 +17,11 @@ def hex_work(elements, old, new):
     stored, dissipated, initial = 0.0, 0.0, 0.0
     move, strain = np.empty((8, 3)), np.empty(6)
     for e in range(elements.hexes.shape[0]):
-        bulk, shear = elements.moduli[e, 0], elements.moduli[e, 1]
         frames = elements.frame_of, elements.frames
         gather(elements.hexes[e], new.displacement, old.displacement, frames, move)
         for g in range(8):
+            row = row_of(elements.moduli, g)
+            bulk, shear = elements.moduli[e, row, 0], elements.moduli[e, row, 1]
             strain_at(elements.gradient[e, g], elements.mean_gradient[e], move, strain)
             done, begun = 0.0, 0.0
             for i in range(6):

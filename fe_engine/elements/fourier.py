@@ -94,11 +94,11 @@ def strain_operator(gradient: np.ndarray, k: int) -> np.ndarray:
 
 
 def stiffness(gradient: np.ndarray, volume: np.ndarray, tangent: np.ndarray, k: int) -> np.ndarray:
-    """Return the stiffnesses (ne, 24, 24) of harmonic k over half a circle for an isotropic tangent (ne, 6, 6), Pa."""
+    """Return the stiffnesses (ne, 24, 24) of harmonic k over half a circle for isotropic tangents (ne, 4, 6, 6), Pa."""
     b = strain_operator(gradient, k)
     cosine, sine = (np.pi, 0.0) if k == 0 else (0.5 * np.pi, 0.5 * np.pi)
     weight = np.array([cosine, cosine, cosine, sine, sine, cosine])
-    found: np.ndarray = np.einsum("egir,i,eij,egjs,eg->ers", b, weight, tangent, b, volume, optimize=True)
+    found: np.ndarray = np.einsum("egir,i,egij,egjs,eg->ers", b, weight, tangent, b, volume, optimize=True)
     return found
 
 

@@ -115,8 +115,9 @@ def _ellipticity(system: System | FourierSystem, state: State, elements: np.ndar
             continue
         for g in np.flatnonzero(system.regime[e] == REGIME_CONE):
             strain, before = system.strain_step(state, int(e), int(g)), Point(old.stress[e, g], old.history[e, g])
-            update_soil(code[e], parameters[e], strain, before, new, tangent, True)
-            worst = min(worst, float(np.min(_acoustic(tangent, directions))) / _elastic(*moduli[e]))
+            row = int(g) * parameters.shape[1] // system.regime[0].size  # azimuths share that of their section's point
+            update_soil(code[e], parameters[e, row], strain, before, new, tangent, True)
+            worst = min(worst, float(np.min(_acoustic(tangent, directions))) / _elastic(*moduli[e, row]))
     return worst
 
 

@@ -86,11 +86,13 @@ def build_on(scene: Scene, caisson: CaissonMesh) -> Built:
     balanced = float(np.sum(pressure * stations.area * stations.frame[:, 0, 2]))
     water, film_mesh_node = make_water(scene, caisson, stations)
     steel = None if scene.caisson.behaviour == "rigid" else make_steel(caisson, scene.caisson.lid_thickness)
+    depth = hex8.gauss_positions(mesh.nodes, mesh.hexes)[:, :, 2]
+    materials, material = soil_materials(scene, depth)
     model = Model(
         mesh=mesh,
-        materials=[soil_material(scene)],
-        material=np.zeros(mesh.n_elements, dtype=np.int64),
-        initial_stress=initial_stress(scene, hex8.gauss_positions(mesh.nodes, mesh.hexes)[:, :, 2]),
+        materials=materials,
+        material=material,
+        initial_stress=initial_stress(scene, depth),
         fixed=fixed,
         frames=frames,
         n_border=rigid.N_DOFS,

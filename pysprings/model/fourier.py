@@ -75,14 +75,15 @@ def build_on_section(scene: Scene, counts: SectionCounts) -> BuiltFourier:
     stations = make_ring_stations(section, azimuth)
     pressure = initial_pressure(scene, stations)
     balanced = float(np.sum(pressure * stations.area * stations.frame[:, 0, 2]))
-    depth = np.repeat(elements.gauss_positions(mesh.nodes, mesh.quads)[:, :, 1], law_azimuths, axis=1)
+    depth = elements.gauss_positions(mesh.nodes, mesh.quads)[:, :, 1]
+    materials, material = soil_materials(scene, depth)
     model = FourierModel(
         mesh=mesh,
         harmonics=harmonics,
         azimuths=law_azimuths,
-        materials=[soil_material(scene)],
-        material=np.zeros(mesh.n_elements, dtype=np.int64),
-        initial_stress=initial_stress(scene, depth),
+        materials=materials,
+        material=material,
+        initial_stress=initial_stress(scene, np.repeat(depth, law_azimuths, axis=1)),
         fixed=fixed_directions(scene, mesh),
         n_border=rigid.N_DOFS,
         border_scale=np.array([1.0, 1.0, geometry_of(scene).outer_radius]),

@@ -5,28 +5,30 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fe_engine.material import Material
 from fe_engine.soil import elastic, plasol, van_eekelen
 from fe_engine.soil.law import SoilLaw
+from pysprings.scene.by_depth import ByDepth
+from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
-    from pysprings.scene.model import Soil
 
 
 @dataclass(frozen=True)
 class EngineLaw:
-    """A law of the engine, and how its parameters are packed from the keys of a soil."""
+    """A law of the engine, and how its parameters are packed from the values of a soil (numbers, or arrays)."""
 
     law: SoilLaw
-    pack: Callable[[Soil], np.ndarray]
+    pack: Callable[[Any], np.ndarray]
 
 
-def _friction(soil: Soil) -> np.ndarray:
+def _friction(soil: Any) -> np.ndarray:
     return plasol.pack(
         young=soil.young_modulus,
         poisson=soil.poisson_ratio,
@@ -38,7 +40,7 @@ def _friction(soil: Soil) -> np.ndarray:
     )
 
 
-def _elastic(soil: Soil) -> np.ndarray:
+def _elastic(soil: Any) -> np.ndarray:
     return elastic.pack(young=soil.young_modulus, poisson=soil.poisson_ratio)
 
 
@@ -49,12 +51,23 @@ ENGINE_LAWS = {
 }
 
 
-def engine_law(scene: Scene) -> SoilLaw:
-    """Return the engine's law of a scene's soil."""
-    return ENGINE_LAWS[scene.soil.yield_surface].law
+def engine_laws(scene: Scene) -> list[SoilLaw]:
+    """Return the engine's laws of a scene's layers."""
+    return [ENGINE_LAWS[each.law].law for each in ground_of(scene).strata]
 
 
-def soil_material(scene: Scene) -> Material:
-    """Pack the soil law of the scene."""
-    chosen = ENGINE_LAWS[scene.soil.yield_surface]
-    return Material(chosen.law, chosen.pack(scene.soil))
+def soil_materials(scene: Scene, depth: np.ndarray) -> tuple[list[Material], np.ndarray]:
+    """Return the materials of the layers, and the number of each element's, for depths (ne, np) in m of its points.
+
+    Values are constant in a layer, or those of each point where one of them varies with depth.
+    """
+    strata = ground_of(scene).strata
+    number = ground_of(scene).number(depth.mean(axis=1))
+    found = []
+    for k, stratum in enumerate(strata):
+        chosen = ENGINE_LAWS[stratum.law]
+        values: dict[str, Any] = dict(stratum.values)
+        if any(isinstance(value, ByDepth) for value in values.values()):
+            values = {name: stratum.value(name, depth[number == k]) for name in values}
+        found.append(Material(chosen.law, chosen.pack(SimpleNamespace(**values))))
+    return found, np.asarray(number, dtype=np.int64)

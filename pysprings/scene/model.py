@@ -124,7 +124,9 @@ class LayerPlace(Section):
 
     top: Annotated[float, Quantity("m", "[0, 1e4]", "depth of the top of the layer below mudline", "0 m")]
     name: Annotated[str, Text("name of the layer in tables")] = "layer"
-    law: Annotated[str | None, Choice(tuple(SOIL_LAWS), "constitutive law; by default that of [soil]", optional=True)] = None
+    law: Annotated[
+        str | None, Choice(tuple(SOIL_LAWS), "constitutive law; by default that of [soil]", optional=True)
+    ] = None
 
 
 _NOT_BY_LAYER = ("yield_surface", "surcharge")

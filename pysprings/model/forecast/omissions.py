@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 from fe_engine.linear.backends import available_backends
 from pysprings.model.forecast.resources import memory_bytes, size_of, steps_bytes
 from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
-from pysprings.model.soil_laws import ENGINE_LAWS, engine_law
+from pysprings.model.soil_laws import ENGINE_LAWS, engine_laws
+from pysprings.scene.ground import ground_of
 from pysprings.scene.model import Soil
 from pysprings.scene.soil_laws import SOIL_LAWS
 
@@ -93,7 +94,7 @@ def left_out(scene: Scene) -> list[Omission]:
 
 def symmetric_factors(scene: Scene) -> bool:
     """Whether half of each factorisation is left out: see `Model.symmetric`; only Pardiso can."""
-    soil = engine_law(scene).symmetric and scene.mesh.discretisation == "hex8"
+    soil = all(law.symmetric for law in engine_laws(scene)) and scene.mesh.discretisation == "hex8"
     symmetric = soil and scene.drainage.mode == "drained" and _smooth(scene)
     return symmetric and scene.solver.linear in ("auto", "pardiso") and "pardiso" in available_backends()
 
@@ -165,7 +166,7 @@ def _all_water(scene: Scene) -> list[Omission]:
 
 
 def _soil(scene: Scene) -> list[Omission]:
-    if SOIL_LAWS[scene.soil.yield_surface].yields:
+    if any(SOIL_LAWS[each.law].yields for each in ground_of(scene).strata):
         return []
     default = SOIL_LAWS[Soil().yield_surface]  # what would be there instead
     variables = len(ENGINE_LAWS[default.name].law.history)

@@ -61,7 +61,7 @@ def rigid(nodes, k):
 def test_rigid_motions_cost_no_energy(k):
     nodes, quads = curved(), np.arange(8)[None]
     gradient, volume = elements.geometry(nodes, quads)
-    matrix = elements.stiffness(gradient, volume, elastic_matrix(2e8, 0.3)[None], k)[0]
+    matrix = elements.stiffness(gradient, volume, elastic_matrix(2e8, 0.3)[None, None].repeat(4, axis=1), k)[0]
     motions = rigid(nodes, k)
     assert len(motions) in (1, 2)
     for motion in motions:
@@ -72,7 +72,7 @@ def test_every_other_motion_costs_energy():
     gradient, volume = elements.geometry(curved(), np.arange(8)[None])
     free = {0: 24 - 8 - 1, 1: 24 - 2, 2: 24}  # k = 0 has no u_theta
     for k, rank in free.items():
-        matrix = elements.stiffness(gradient, volume, elastic_matrix(2e8, 0.3)[None], k)[0]
+        matrix = elements.stiffness(gradient, volume, elastic_matrix(2e8, 0.3)[None, None].repeat(4, axis=1), k)[0]
         np.testing.assert_allclose(matrix, matrix.T, rtol=1e-12, atol=1e-3)
         found = np.linalg.matrix_rank(matrix, tol=1e-7 * np.abs(matrix).max())
         assert rank - 2 <= found <= rank  # two by two points leave at most two motions of one element without energy

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""Layered ground in both discretisations: independent elastic stiffnesses, a soil cut into layers, a checked pull."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fe_engine.clock import Clock
+from fe_engine.state import State
+from pysprings import Scene
+from pysprings.full_model.compute import compute
+from pysprings.full_model.discretise import make_engine
+from pysprings.model.discretise import build
+from pysprings.springs.extract import extract_springs
+from pysprings.springs.sums import balance
+from tests.support import tiny
+
+TWO = [{"top": 0.0, "young_modulus": 20e6}, {"top": 2.0, "young_modulus": 80e6}]
+LINEAR = [{"top": 0.0, "young_modulus": {"top": 10e6, "gradient": 10e6}}]
+LOOSE_OVER_DENSE: list[dict[str, Any]] = [
+    {"top": 0.0, "name": "loose", "friction_angle_final": np.radians(28.0), "young_modulus": 60e6},
+    {
+        "top": 1.0,
+        "name": "dense",
+        "law": "van-eekelen",
+        "friction_angle_final": np.radians(38.0),
+        "young_modulus": {"reference": 150e6, "reference_stress": 100e3, "exponent": 0.5},
+    },
+]
+
+
+def stiffness(scene: Scene) -> np.ndarray:
+    """Stiffness (3, 3) over (u, w, rotation) of the whole caisson at rest, in MN and m."""
+    built = build(scene)
+    return 2e-6 * make_engine(scene, built, Clock()).newton.border_stiffness(State(built.model))
+
+
+@pytest.mark.parametrize(
+    ("layers", "wanted"),
+    [
+        pytest.param(TWO, (1316.7, 4021.1, 30555.0, 787.5, -0.13160), id="two layers"),
+        pytest.param(LINEAR, (955.3, 2858.7, 22040.0, 584.5, -0.12971), id="linear"),
+    ],
+)
+def test_elastic_stiffness_is_that_of_an_independent_solution(layers, wanted):
+    """Rigid caisson of no thickness in the paper's domain; E by layer and by depth, penalty 1e10 N/m3."""
+    scene = Scene(
+        soil={"yield_surface": "elastic", "layers": layers}, caisson={"skirt_thickness": 5e-3},
+        interface={"normal_stiffness": 1e10, "shear_stiffness": 1e10, "friction_coefficient": 5.0},
+        mesh={"discretisation": "fourier", "preset": "paper", "harmonics": 1},
+    )  # fmt: skip
+    k = stiffness(scene)
+    found = [k[0, 0], k[0, 2], k[2, 2], k[0, 0] - k[0, 2] ** 2 / k[2, 2], -k[0, 2] / k[2, 2]]
+    np.testing.assert_allclose(found, wanted, rtol=5e-3)
+
+
+@pytest.mark.parametrize("mesh", [{"preset": "coarse"}, {"discretisation": "fourier", "preset": "coarse"}])
+def test_a_soil_cut_along_its_mesh_is_the_same_soil(mesh):
+    whole = Scene(soil={"yield_surface": "elastic"}, mesh=mesh)
+    levels = np.unique(np.round(build(whole).model.mesh.nodes[:, -1], 12))
+    tops = [0.0, *(float(z) for z in levels[2:-2:4])]
+    assert len(tops) >= 3
+    cut = whole.replace(soil={"layers": [{"top": z} for z in tops]})
+    np.testing.assert_allclose(stiffness(cut), stiffness(whole), rtol=1e-9)
+
+
+@pytest.mark.parametrize("discretisation", ["hex8", "fourier"])
+def test_a_pull_in_layered_sand_has_springs_that_balance(discretisation):
+    scene = tiny.scene(
+        mesh={"discretisation": discretisation}, soil={"layers": LOOSE_OVER_DENSE, "poisson_ratio": 0.25}
+    )
+    result = compute(scene)
+    assert result.attrs["status"] == "complete"
+    springs = extract_springs(result)
+    assert max(balance(springs["paths/pull"].to_dataset()).values()) < 1e-8
+    uniform = compute(scene.replace(soil={"layers": []}))
+    load, other = (float(each["paths/pull"]["H"][-1]) for each in (result, uniform))
+    assert load == pytest.approx(other, rel=0.5)
+    assert abs(load / other - 1.0) > 0.02
