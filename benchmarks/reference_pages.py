@@ -79,6 +79,9 @@ def scene_page() -> str:
             continue
         heading = f"[[{name}]]" if table.get("type") == "array" else f"[{name}]"
         parts.append(f"\n## {heading}\n\n{_section(table.get('items', table))}")
+        for inner, each in table.get("properties", {}).items():
+            if "properties" in each.get("items", {}):
+                parts.append(f"\n## [[{name}.{inner}]]\n\n{_section(each['items'])}")
     return "".join(parts)
 
 
@@ -144,6 +147,7 @@ def _section(table: Mapping[str, Any]) -> str:
         [f"`{key}`", _words(value.get("description", "")), _type(value),
          "required" if key in required else _default(value)]
         for key, value in table["properties"].items()
+        if "properties" not in value.get("items", {})
     ]  # fmt: skip
     return f"{_words(table['description'])}\n\n{markdown_table(_HEADS, rows)}"
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -60,14 +60,37 @@ def describe_json(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[st
     return {**head, "left_out": [], **about}
 
 
+_GROUND = {
+    "depth_m": ("z [m]", 1.0), "effective_unit_weight_N_per_m3": ("unit weight [kN/m3]", 1e-3),
+    "vertical_effective_stress_Pa": ("vertical stress [kPa]", 1e-3), "K0": ("K0", 1.0),
+    "shear_modulus_Pa": ("G [MPa]", 1e-6), "friction_angle_deg": ("phi [deg]", 1.0), "cohesion_Pa": ("c [kPa]", 1e-3),
+}  # fmt: skip
+
+
+def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
+    """Print the ground by depth: a row for top and bottom of each layer."""
+    if not rows:
+        return
+    heads = ("layer", "law", *(head for head, _ in _GROUND.values()))
+    print("\nground:")
+    cells = [[number(row[key] * factor) if key in row else "" for key, (_, factor) in _GROUND.items()] for row in rows]
+    print_table(heads, [(row["layer"], row["law"], *each) for row, each in zip(rows, cells, strict=True)])
+
+
 def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
     """Print what `pysprings check` found."""
     print(printable(f"{file}: {scene.title}"))
     print(f"sha256 {scene.sha256}")
     paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.paths)
     print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
-    rows = [row for key, value in about.items() if key not in ("left_out", "warnings") for row in _rows(key, value)]
+    rows = [
+        row
+        for key, value in about.items()
+        if key not in ("ground", "left_out", "warnings")
+        for row in _rows(key, value)
+    ]
     print_table(("quantity", "value"), rows)
+    print_ground(about.get("ground", ()))
     print("\nleft out by this scene:")
     for omission in about.get("left_out", ()):
         print(f"- {omission['what']}: {omission['why']}")

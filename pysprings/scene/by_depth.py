@@ -57,7 +57,7 @@ class ByDepth:
         return np.asarray(self.reference * np.maximum(base, 0.0) ** self.exponent)
 
 
-Value = float | ByDepth
+Value = float | ByDepth  # "auto" is resolved where the ground is made
 _LINEAR = ({"top", "bottom"}, {"top", "gradient"})
 _POWERS = ({"reference", "reference_depth", "exponent"}, {"reference", "reference_stress", "exponent"})
 _DEPTH = Quantity("m", "(0, 1e4]", "", "5 m")
@@ -114,7 +114,7 @@ class Profile(Field):
             keys |= {"exponent": {"type": "number"}, "depth_offset": text}
         table = {"type": "object", "additionalProperties": False, "properties": keys}
         about = f"{self.quantity.text} (in {self.quantity.interval} {self.quantity.unit}); a value, or a table by depth"
-        return {"description": about, "anyOf": [text, table]}
+        return {"description": about, "anyOf": [{**text, "examples": [self.quantity.example]}, table]}
 
 
 def show(value: Value, quantity: Quantity) -> str:

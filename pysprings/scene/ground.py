@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pysprings.scene.by_depth import ByDepth, Value
+from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Layer, Scene, Soil
@@ -48,6 +50,25 @@ class Stratum:
         ends = weight.at(np.array([self.top, self.bottom]), self.top, self.bottom)
         slope = (ends[1] - ends[0]) / (self.bottom - self.top)
         return np.asarray(self.above + (ends[0] + 0.5 * slope * down) * down)
+
+    def row(self, depth: float) -> dict[str, Any]:
+        """Return what an engineer checks at a depth (m) of this layer, in SI; angles in degrees."""
+        z = np.array(depth)
+        value = {name: float(self.value(name, z)) for name in self.values}
+        shear = value["young_modulus"] / (2.0 * (1.0 + value["poisson_ratio"]))
+        found: dict[str, Any] = {
+            "layer": self.name,
+            "law": self.law,
+            "depth_m": depth,
+            "effective_unit_weight_N_per_m3": value["effective_unit_weight"],
+            "vertical_effective_stress_Pa": float(self.vertical_stress(z)),
+            "K0": value["K0"],
+            "shear_modulus_Pa": shear,
+        }
+        if SOIL_LAWS[self.law].yields:
+            found["friction_angle_deg"] = math.degrees(value["friction_angle_final"])
+            found["cohesion_Pa"] = value["cohesion"]
+        return found
 
     def mean_stress(self, depth: np.ndarray) -> np.ndarray:
         """Return the initial mean effective stress (...,) in Pa, compression positive."""
@@ -88,6 +109,10 @@ class Ground:
             found[number == k] = of(stratum, depth[number == k])
         return found
 
+    def profile(self) -> list[dict[str, Any]]:
+        """Return a row for top and bottom of each layer."""
+        return [stratum.row(depth) for stratum in self.strata for depth in (stratum.top, stratum.bottom)]
+
 
 def ground_of(scene: Scene) -> Ground:
     """Return the ground of a scene; a soil without layers is one."""
@@ -112,4 +137,8 @@ def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:
     from pysprings.scene.model import BY_LAYER
 
     own = {name: getattr(layer, name, None) for name in BY_LAYER}
-    return {name: getattr(soil, name) if value is None else value for name, value in own.items()}
+    found = {name: getattr(soil, name) if value is None else value for name, value in own.items()}
+    if found["friction_angle_initial"] == "auto":
+        law = layer.law or soil.yield_surface if layer else soil.yield_surface
+        found["friction_angle_initial"] = SOIL_LAWS[law].least_friction(found["K0"])
+    return found

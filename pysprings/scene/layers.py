@@ -41,11 +41,12 @@ def uniform_soils(soil: Soil, domain: Domain) -> Iterator[tuple[Soil, tuple[floa
 
     With each come the vertical effective stresses (Pa) between which it stands, and the number of its layer.
     """
+    ground = make_ground(soil, domain.depth)
     if not soil.layers:
         bottom = soil.surcharge + soil.effective_unit_weight * domain.depth
-        yield soil, (soil.surcharge, bottom), None
+        yield soil.model_copy(update=ground.strata[0].values), (soil.surcharge, bottom), None
         return
-    for stratum in make_ground(soil, domain.depth).strata:
+    for stratum in ground.strata:
         varies = any(isinstance(value, ByDepth) for value in stratum.values.values())
         for depth in (stratum.top, stratum.bottom) if varies else (stratum.bottom,):
             values = {name: float(stratum.value(name, np.array(depth))) for name in stratum.values}

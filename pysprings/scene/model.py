@@ -47,6 +47,7 @@ _QUANTITIES = {
     "lateral_displacement": _SHIFT, "rotation": _TURN, "lateral_force": _PUSH, "vertical_displacement": _SINK,
 }  # fmt: skip
 _IMPOSED = tuple((name, _QUANTITIES[kind.imposed]) for name, kind in PATH_KINDS.items())
+_FIRST_YIELD = 'friction angle at first yield; "auto" is the least that holds the initial stress'
 _SEA = "depth of the sea; where given, suction is checked for cavitation"
 _DEPTH = Quantity("m", "[0, 2e4]", _SEA, "30 m", optional=True)
 _VISCOSITY = Quantity("Pa s", "[1e-6, 1e3]", "dynamic viscosity of water", "0.001 Pa s")
@@ -96,7 +97,7 @@ class SoilValues(Section):
     young_modulus: Annotated[float, Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa")] = 200e6
     poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio", 0.3)] = 0.3
     yield_surface: Annotated[str, Choice(tuple(SOIL_LAWS), "shape of the yield surface")] = "drucker-prager"
-    friction_angle_initial: Annotated[float, Quantity("deg", "[0, 60]", "friction angle at first yield", "5 deg")] = (
+    friction_angle_initial: Annotated[float | str, Quantity("deg", "[0, 60]", _FIRST_YIELD, "5 deg", word="auto")] = (
         5.0 * _DEGREE
     )
     friction_angle_final: Annotated[
@@ -138,7 +139,7 @@ def _layer_field(name: str) -> Any:
     field = next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, Quantity | Number))
     if isinstance(field, Number):
         return Annotated[float | None, replace(field, optional=True)], None
-    return Annotated[float | ByDepth | None, Profile(replace(field, optional=True), name in _BY_STRESS)], None
+    return Annotated[float | str | ByDepth | None, Profile(replace(field, optional=True), name in _BY_STRESS)], None
 
 
 BY_LAYER = tuple(name for name in SoilValues.model_fields if name not in _NOT_BY_LAYER)

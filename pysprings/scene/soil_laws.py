@@ -18,6 +18,7 @@ from pysprings.scene.clash import Clash
 if TYPE_CHECKING:
     from pysprings.scene.model import Soil
 
+MOST_FRICTION = math.radians(60.0)
 MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at constant volume
 _ANGLES = tuple(math.pi / 3.0 * i / 60.0 for i in range(61))  # Lode angles, from compression to extension
 
@@ -32,6 +33,7 @@ class SoilLaw:
     keys : keys of [soil] that set its strength; the others' are not used.
     clashes : give what does not go together in a soil.
     initial : give what is wrong with its initial state, between two vertical effective stresses (Pa).
+    least_friction : K0 -> least initial friction angle (rad) that holds the geostatic stress without cohesion.
     yields : whether the soil can yield.
     """
 
@@ -39,6 +41,7 @@ class SoilLaw:
     keys: tuple[str, ...]
     clashes: Callable[[Soil], Iterator[Clash]]
     initial: Callable[[Soil, tuple[float, float]], Iterator[Clash]]
+    least_friction: Callable[[float], float]
     yields: bool = True
 
 
@@ -148,20 +151,39 @@ def _initial_state(surface: Surface) -> Callable[[Soil, tuple[float, float]], It
         bottom = stresses[1]
         if bottom == 0.0 and soil.cohesion == 0.0:
             yield Clash((("soil", "surcharge"), *keys), "a soil without weight, surcharge and cohesion has no strength")
-        sine, cosine = math.sin(soil.friction_angle_initial), math.cos(soil.friction_angle_initial)
+        phi = float(soil.friction_angle_initial)
+        sine, cosine = math.sin(phi), math.cos(phi)
         slope, strength = formulas.cone_slope(sine), formulas.cone_cohesion(sine, cosine, soil.cohesion)
-        less = surface.section(soil.friction_angle_initial, math.pi / 3.0)[0]
+        less = surface.section(phi, math.pi / 3.0)[0]
         reaches = math.sqrt(3.0) * slope, math.sqrt(3.0) * slope * less
         if soil.K0 > 1.0:
             slope, strength = less * slope, less * strength
         shear, pressure = abs(1.0 - soil.K0) / math.sqrt(3.0), 1.0 + 2.0 * soil.K0
         worst = max((shear - slope * pressure) * vertical for vertical in stresses)
         if worst > strength + 1e-9 * bottom:
-            angle = show(soil.friction_angle_initial, "deg")
+            angle = show(phi, "deg")
             allowed = f"({angle}{_range(*reaches, soil)})"
-            yield Clash(keys, f"{soil.K0:g} puts the initial stress outside the initial yield surface {allowed}")
+            text = f"{soil.K0:g} puts the initial stress outside the initial yield surface {allowed}"
+            least = math.degrees(_least_friction(surface)(soil.K0))
+            hint = f'; friction_angle_initial = "{math.ceil(100.0 * least) / 100.0:g} deg" or "auto" holds it'
+            yield Clash(keys, text + (hint if least < math.degrees(soil.friction_angle_final) else ""))
 
     return check
+
+
+def _least_friction(surface: Surface) -> Callable[[float], float]:
+    """Make the least friction angle (rad) for K0, by bisection: see `_initial_state`."""
+
+    def least(k0: float) -> float:
+        low, high = 0.0, MOST_FRICTION
+        wanted = abs(1.0 - k0) / math.sqrt(3.0) / (1.0 + 2.0 * k0)
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            less = surface.section(middle, math.pi / 3.0)[0] if k0 > 1.0 else 1.0
+            low, high = (middle, high) if less * formulas.cone_slope(math.sin(middle)) < wanted else (low, middle)
+        return high
+
+    return least
 
 
 def _range(compression: float, extension: float, soil: Soil) -> str:
@@ -180,8 +202,10 @@ _FRICTION = ("friction_angle_initial", "friction_angle_final", "hardening_parame
 SOIL_LAWS = {
     law.name: law
     for law in (
-        SoilLaw("drucker-prager", _FRICTION, _cone_clashes, _initial_state(CONE)),
-        SoilLaw("van-eekelen", _FRICTION, _van_eekelen_clashes, _initial_state(VAN_EEKELEN)),
-        SoilLaw("elastic", (), _angles, _nothing, yields=False),
+        SoilLaw("drucker-prager", _FRICTION, _cone_clashes, _initial_state(CONE), _least_friction(CONE)),
+        SoilLaw(
+            "van-eekelen", _FRICTION, _van_eekelen_clashes, _initial_state(VAN_EEKELEN), _least_friction(VAN_EEKELEN)
+        ),
+        SoilLaw("elastic", (), _angles, _nothing, lambda k0: 0.0, yields=False),
     )
 }

@@ -22,6 +22,7 @@ from pysprings.model.forecast.run_time import seconds
 from pysprings.model.forecast.small_strain import scene_warnings
 from pysprings.model.fourier import BuiltFourier
 from pysprings.model.penalty import penalty_of
+from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -53,6 +54,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "unknowns": unknowns,
         "domain": _domain(effect),
         "contact": _contact(scene),
+        "ground": ground_of(scene).profile(),
         "vertical_load_N": 2.0 * (built.balanced_load + built.extra_load),
         "memory_GB": memory / 1e9,
         "disk_GB": steps / 1e9,

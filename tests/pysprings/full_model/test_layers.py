@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pysprings.springs.sums import balance
 
 from fe_engine.clock import Clock
 from fe_engine.state import State
@@ -15,7 +16,6 @@ from pysprings.full_model.compute import compute
 from pysprings.full_model.discretise import make_engine
 from pysprings.model.discretise import build
 from pysprings.springs.extract import extract_springs
-from pysprings.springs.sums import balance
 from tests.support import tiny
 
 TWO = [{"top": 0.0, "young_modulus": 20e6}, {"top": 2.0, "young_modulus": 80e6}]

@@ -165,6 +165,7 @@ WATER = {
 SINGLE: set[tuple[str, str]] = set()
 # Another value, where a change by a tenth is not one.
 CHANGES: dict[tuple[str, str], Any] = {
+    ("soil", "layers"): ({"top": 0.0, "cohesion": 3e3},),
     ("interface", "normal_stiffness"): 3e9,
     ("interface", "shear_stiffness"): 3e9,
     ("caisson", "vertical_load"): 3e6,

@@ -122,3 +122,26 @@ def test_wrong_layers_are_refused_with_their_place(old, new, message):
 def test_all_problems_of_layers_come_at_once():
     text = LAYERS.replace("11 kN/m^3", "11").replace('"5 MPa/m"', "5").replace('name = "loose"', 'nme = "loose"')
     assert len(messages(text)) == 3
+
+
+@pytest.mark.parametrize("surface", ["drucker-prager", "van-eekelen"])
+@pytest.mark.parametrize("K0", [0.45, 1.0, 1.8])
+def test_the_automatic_initial_friction_is_the_least_that_holds_the_initial_stress(surface, K0):
+    soil = {"yield_surface": surface, "K0": K0, "friction_angle_initial": "auto"}
+    scene = Scene(soil=soil)
+    angle = float(ground_of(scene).value("friction_angle_initial", np.array(0.0)))
+    assert Scene(soil={**soil, "friction_angle_initial": angle + 1e-6})
+    if K0 == 1.0:
+        assert angle < 1e-6
+        return
+    with pytest.raises(ValueError, match="outside the initial yield surface"):
+        Scene(soil={**soil, "friction_angle_initial": angle - 1e-4})
+    assert parse_scene(scene.to_toml()) == scene
+
+
+def test_a_refused_initial_state_names_an_angle_that_holds_it():
+    text = '[soil]\nK0 = 0.5\nfriction_angle_initial = "5 deg"\n'
+    (message,) = messages(text)
+    angle = re.search(r'friction_angle_initial = "(\S+ deg)" or "auto" holds it', message)
+    assert angle
+    assert parse_scene(text.replace("5 deg", angle[1]))

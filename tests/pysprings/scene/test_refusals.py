@@ -119,9 +119,11 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
         ('[soil]\ndilation_angle = "31 deg"\n',
          "2:18: soil.dilation_angle: 31 deg must not be more than friction_angle_final (30 deg)"),
         ("[soil]\nK0 = 0.5\n",
-         "2:6: soil.K0: 0.5 puts the initial stress outside the initial yield surface (5 deg allows 0.840 to 1.204)"),
+         "2:6: soil.K0: 0.5 puts the initial stress outside the initial yield surface (5 deg allows 0.840 to 1.204); "
+         'friction_angle_initial = "19.48 deg" or "auto" holds it'),
         ('[soil]\nK0 = 0.5\ncohesion = "1 kPa"\n',
-         "2:6: soil.K0: 0.5 puts the initial stress outside the initial yield surface (5 deg, cohesion 1 kPa)"),
+         "2:6: soil.K0: 0.5 puts the initial stress outside the initial yield surface (5 deg, cohesion 1 kPa); "
+         'friction_angle_initial = "19.48 deg" or "auto" holds it'),
         ('[soil]\nsurcharge = "0 kPa"\neffective_unit_weight = "0 N/m^3"\n',
          "2:13: soil.surcharge: a soil without weight, surcharge and cohesion has no strength"),
         ("[solver]\nfirst_step_fraction = 0.5\nmax_step_fraction = 0.1\n",
