@@ -33,6 +33,7 @@ from pysprings.scene.model import (
     Solver,
 )
 from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
+from pysprings.scene.profile_table import read_layers
 
 __all__ = [
     "Caisson",
@@ -95,6 +96,7 @@ def parse_scene(text: str, file: str | None = None) -> Scene:
         _refuse(file, str(error), *error.place)
     except RecursionError:
         _refuse(file, "lists or tables are nested too deeply")
+    profile = _read_profile(data, places, file)
     if not data:
         _refuse(file, "the file is empty; `pysprings init` writes a commented scene")
     try:
@@ -103,8 +105,23 @@ def parse_scene(text: str, file: str | None = None) -> Scene:
         faults = _all_faults(data, error)
         problems = [_problem(fault, places, file) for fault in faults]
         raise UserInputError(sorted(problems, key=lambda problem: (problem.line or 0, problem.col or 0))) from None
-    scene._source = (text, scene.sha256)
+    if not profile:  # a scene of a profile is written with its layers: it needs no other file then
+        scene._source = (text, scene.sha256)
     return scene
+
+
+def _read_profile(data: dict[str, Any], places: dict[KeyPath, Place], file: str | None) -> bool:
+    """Put the layers of `soil.profile` into the data; return whether there is one. Its path is relative to the file."""
+    soil = data.get("soil")
+    if not isinstance(soil, dict) or "profile" not in soil:
+        return False
+    name, at = soil.pop("profile"), places[("soil", "profile")].value
+    if not isinstance(name, str) or "layer" in soil:
+        wrong = "give soil.profile or [[soil.layer]], not both" if "layer" in soil else "expected the name of a table"
+        raise UserInputError([Problem(file, *at, "soil.profile", wrong)])
+    folder = FilePath(file).parent if file else FilePath()
+    soil["layer"] = read_layers(folder / name)
+    return True
 
 
 def _refuse(file: str | None, message: str, line: int | None = None, col: int | None = None) -> NoReturn:

@@ -10,6 +10,7 @@ from pysprings.scene.load import SECTIONS
 from pysprings.scene.model import Layer, Scene, Section
 from pysprings.scene.toml import field_of
 
+_PROFILE = "CSV or Excel table of the layers, in place of [[soil.layer]]; its path is relative to the scene file"
 FILE_NAME = "pysprings.schema.json"
 
 
@@ -35,6 +36,7 @@ def _table(model: type[Section]) -> dict[str, Any]:
     for name, info in model.model_fields.items():
         if name == "layers":
             properties["layer"] = {"type": "array", "items": _table(Layer)}
+            properties["profile"] = {"type": "string", "description": _PROFILE, "examples": ["site.csv"]}
             continue
         field = field_of(info)
         properties[name] = field.schema()

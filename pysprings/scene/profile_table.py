@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: MIT
+"""Layers from a table: CSV or Excel with a row a layer, units in the headings.
+
+Headings are `NAME [unit]`, or `NAME from [unit]` and `NAME to [unit]` for values that are linear in the layer, as in
+groundhog's soil profiles: `Depth from [m]`, `Depth to [m]`, `Soil type`, parameters. `top [m]` and `bottom [m]` stand
+for the depths, too; `law` chooses the law of a layer. A NAME is a key of [soil], with spaces or underscores, or one of
+`NAMES`.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.units import quoted
+from pysprings.scene.fields import FROM_TOML, suggestion
+
+# other names of the keys, in lower case
+NAMES = {
+    "depth from": "top", "depth to": "bottom", "top": "top", "bottom": "bottom",
+    "soil type": "name", "soil": "name", "layer": "name", "name": "name",
+    "law": "law", "constitutive law": "law", "yield surface": "law",
+    "e": "young_modulus", "young's modulus": "young_modulus", "poisson's ratio": "poisson_ratio", "nu": "poisson_ratio",
+    "phi": "friction_angle_final", "effective friction angle": "friction_angle_final",
+    "friction angle": "friction_angle_final", "psi": "dilation_angle", "c": "cohesion",
+    "submerged unit weight": "effective_unit_weight", "weight": "effective_unit_weight",
+    "gamma'": "effective_unit_weight", "k0": "K0", "permeability": "hydraulic_conductivity",
+    "su": "undrained_shear_strength",
+}  # fmt: skip
+_HEADING = re.compile(r"(?P<name>[^\[\]]+?)(?:\s+(?P<end>from|to))?\s*(?:\[(?P<unit>[^\[\]]*)\])?")
+_PLAIN = ("name", "law")
+_PURE = ("", "-", "1")
+MOST_ROWS = 100
+MOST_BYTES = 1_000_000
+_SAME = 1.0e-6  # m: depths closer than that are the same
+
+
+def read_layers(file: Path) -> list[dict[str, Any]]:
+    """Return the layers of a table as the scene file would hold them.
+
+    Raises
+    ------
+    UserInputError
+        One problem per thing that is wrong with the table: file, line, column and value.
+    """
+    rows = _rows(file)
+    if len(rows) < 2:
+        raise UserInputError([Problem(str(file), message="holds no layers: expected a heading and a row a layer")])
+    columns, wrong = _columns(rows[0], str(file))
+    layers, ends = [], []
+    for line, row in enumerate(rows[1:], 2):
+        layer, faults = _layer(columns, row, str(file), line)
+        wrong += faults
+        layers.append(layer)
+        ends.append((line, layer.pop("bottom", None)))
+    wrong += _joints(layers, ends, str(file))
+    if wrong:
+        raise UserInputError(wrong)
+    return layers
+
+
+def _rows(file: Path) -> list[list[str]]:
+    """Return the cells of a table as texts, without empty rows."""
+    try:
+        if file.stat().st_size > MOST_BYTES:
+            raise UserInputError([Problem(str(file), message="is too large for a profile (more than 1 MB)")])
+        cells = _workbook(file) if file.suffix.lower() == ".xlsx" else _text(file)
+    except (OSError, ValueError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or "it is neither CSV in UTF-8 nor an Excel workbook"
+        raise UserInputError([Problem(str(file), key="soil.profile", message=f"cannot be read: {reason}")]) from error
+    rows = [[cell.strip() for cell in row] for row in cells if any(cell.strip() for cell in row)]
+    if len(rows) > MOST_ROWS + 1:
+        raise UserInputError([Problem(str(file), message=f"holds more than {MOST_ROWS} layers")])
+    return rows
+
+
+def _text(file: Path) -> list[list[str]]:
+    text = file.read_text(encoding="utf-8-sig")
+    head = text.split("\n", 1)[0]
+    separator = max(",;\t", key=head.count)
+    rows = list(csv.reader(text.splitlines(), delimiter=separator))
+    return [[cell.replace(",", ".") for cell in row] for row in rows] if separator != "," else rows
+
+
+def _workbook(file: Path) -> list[list[str]]:
+    from zipfile import BadZipFile
+
+    import openpyxl
+
+    try:
+        sheet = openpyxl.load_workbook(file, read_only=True, data_only=True).worksheets[0]
+    except (BadZipFile, KeyError) as error:
+        raise ValueError(str(error)) from error
+    return [["" if cell is None else str(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
+
+
+def _columns(heads: Sequence[str], file: str) -> tuple[list[tuple[str, str, str]], list[Problem]]:
+    """Return (key, "from", "to" or "", unit) of each column, and what is wrong with the headings."""
+    from pysprings.scene.model import BY_LAYER
+
+    found, wrong = [], []
+    for head in heads:
+        match = _HEADING.fullmatch(head)
+        name = " ".join(match["name"].split()).lower().replace("_", " ") if match else ""
+        whole = f"{name} {match['end']}" if match and match["end"] else name
+        end = "" if match is None or whole in NAMES else match["end"] or ""
+        key = (
+            NAMES.get(whole) or NAMES.get(name) or {each.lower().replace("_", " "): each for each in BY_LAYER}.get(name)
+        )
+        if match is None or key not in {*BY_LAYER, "top", "bottom", *_PLAIN}:
+            known = [*NAMES, *(each.replace("_", " ") for each in BY_LAYER)]
+            wrong.append(Problem(file, 1, key=head, message=f"unknown column{suggestion(name, known)}"))
+            key = ""
+        found.append((key or "", end, (match["unit"] or "").strip() if match else ""))
+    if "top" not in [key for key, _, _ in found]:
+        wrong.append(Problem(file, 1, message='no column "Depth from [m]" (or "top [m]")'))
+    return found, wrong
+
+
+def _layer(
+    columns: Sequence[tuple[str, str, str]], row: Sequence[str], file: str, line: int
+) -> tuple[dict[str, Any], list[Problem]]:
+    """Return a layer, `bottom` included, and what is wrong with its row."""
+    layer: dict[str, Any] = {}
+    wrong = []
+    for (key, end, unit), cell in zip(columns, row, strict=False):
+        if not key or not cell:
+            continue
+        try:
+            value = cell if key in _PLAIN else _value(cell, unit)
+        except ValueError:
+            wrong.append(Problem(file, line, key=key, message=f"expected a number, got {quoted(cell)}"))
+            continue
+        if end:
+            layer.setdefault(key, {})["top" if end == "from" else "bottom"] = value
+        else:
+            layer[key] = value
+    return layer, [*wrong, *_refused(layer, file, line)]
+
+
+def _value(cell: str, unit: str) -> float | str:
+    number = float(cell)
+    return number if unit in _PURE else f"{number!r} {unit}"
+
+
+def _refused(layer: dict[str, Any], file: str, line: int) -> Iterator[Problem]:
+    """Give what the scene refuses of a layer."""
+    from pysprings.scene.model import Layer
+
+    checked = dict(layer)
+    bottom = checked.pop("bottom", None)
+    for values in (checked, {"top": bottom} if bottom is not None else {}):
+        try:
+            if values:
+                Layer.model_validate(values, context=FROM_TOML)
+        except ValidationError as error:
+            for item in error.errors(include_url=False):
+                key = "bottom" if values is not checked else str(item["loc"][0])
+                message = item.get("ctx", {}).get("message", "missing" if item["type"] == "missing" else item["msg"])
+                yield Problem(file, line, key=key, message=message)
+
+
+def _joints(layers: Sequence[dict[str, Any]], ends: Sequence[tuple[int, Any]], file: str) -> Iterator[Problem]:
+    """Check that each layer begins where the one above it ends."""
+    from pysprings.core.units import read, show
+
+    for (line, bottom), below in zip(ends, layers[1:], strict=False):
+        try:
+            end, top = (read(str(each), "m") for each in (bottom, below.get("top")))
+        except ValueError:
+            continue  # refused already, or not given
+        if abs(end - top) > _SAME:
+            what = "overlap" if end > top else "leave a gap"
+            text = f"the layers {what}: this one ends at {show(end, 'm')}, the next begins at {show(top, 'm')}"
+            yield Problem(file, line, key="bottom", message=text)

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""Layers from tables: groundhog's columns in CSV and Excel, other separators, and what is refused."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import openpyxl
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.scene.ground import ground_of
+from pysprings.scene.load import load_scene, parse_scene
+
+SITE = """\
+Depth from [m],Depth to [m],Soil type,Effective unit weight [kN/m3],Friction angle from [deg],Friction angle to [deg],\
+Young modulus [MPa],Poisson ratio [-],law
+0,2,Loose sand,9,29,31,40,0.25,
+2,12,Dense sand,10.5,36,38,120,0.3,van-eekelen
+"""
+SCENE = '[soil]\nfriction_angle_initial = "5 deg"\nprofile = "site.csv"\n'
+
+
+def write(folder, table=SITE, name="site.csv"):
+    (folder / name).write_text(table)
+    file = folder / "scene.toml"
+    file.write_text(SCENE.replace("site.csv", name))
+    return file
+
+
+def check(scene):
+    ground, depth = ground_of(scene), np.array([1.0, 7.0])
+    assert [each.name for each in ground.strata] == ["Loose sand", "Dense sand"]
+    assert [each.law for each in ground.strata] == ["drucker-prager", "van-eekelen"]
+    assert ground.value("young_modulus", depth) == pytest.approx([40e6, 120e6])
+    assert ground.value("effective_unit_weight", depth) == pytest.approx([9e3, 10.5e3])
+    assert np.degrees(ground.value("friction_angle_final", depth)) == pytest.approx([30.0, 37.0])
+
+
+def test_a_table_with_groundhogs_columns_becomes_layers(tmp_path):
+    scene = load_scene(write(tmp_path))
+    check(scene)
+    assert "profile" not in scene.source_text  # what a result keeps needs no other file
+    assert parse_scene(scene.source_text) == scene
+
+
+def test_a_table_of_a_german_spreadsheet_is_the_same(tmp_path):
+    german = "\n".join(re.sub(r"(\d)\.(\d)", r"\1,\2", line.replace(",", ";")) for line in SITE.splitlines())
+    assert load_scene(write(tmp_path, german)) == load_scene(write(tmp_path))
+
+
+def test_an_excel_workbook_is_the_same(tmp_path):
+    book = openpyxl.Workbook()
+    for row in SITE.splitlines():
+        cells = [float(cell) if re.fullmatch(r"[\d.]+", cell) else cell for cell in row.split(",")]
+        book.active.append(cells)
+    book.save(tmp_path / "site.xlsx")
+    file = write(tmp_path)
+    csv_scene = load_scene(file)
+    file.write_text(SCENE.replace("site.csv", "site.xlsx"))
+    assert load_scene(file) == csv_scene
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("2,12,Dense", "3,12,Dense", r"site.csv:2: bottom: the layers leave a gap: .* at 2 m, .* at 3 m"),
+        ("0,2,Loose", "0,4,Loose", r"site.csv:2: bottom: the layers overlap"),
+        ("[kN/m3]", "[kPa]", r"site.csv:2: effective_unit_weight: .* is a pressure or stress"),
+        ("Young modulus", "Yung modulus", r"site.csv:1: Yung modulus \[MPa\]: unknown column \(did you mean"),
+        ("120,0.3", "12o,0.3", r'site.csv:3: young_modulus: expected a number, got "12o"'),
+        ("van-eekelen", "mohr", r'site.csv:3: law: "mohr" is not one of'),
+        ("Depth from [m]", "Deep [m]", r"no column .Depth from"),
+        ("0,2,Loose", "-1,2,Loose", r"site.csv:2: top: .* is not in \[0, 1e4\] m"),
+    ],
+)  # fmt: skip
+def test_wrong_tables_are_refused_with_file_and_line(tmp_path, old, new, message):
+    assert old in SITE
+    with pytest.raises(UserInputError) as refused:
+        load_scene(write(tmp_path, SITE.replace(old, new, 1)))
+    found = [str(problem) for problem in refused.value.problems]
+    assert any(re.search(message, each) for each in found), found
+
+
+def test_a_missing_table_and_two_descriptions_are_refused(tmp_path):
+    file = write(tmp_path)
+    (tmp_path / "site.csv").unlink()
+    with pytest.raises(UserInputError, match=r"site.csv.*cannot be read: No such file"):
+        load_scene(file)
+    with pytest.raises(UserInputError, match=r"soil.profile: give soil.profile or \[\[soil.layer\]\], not both"):
+        parse_scene(SCENE + '[[soil.layer]]\ntop = "0 m"\n')
