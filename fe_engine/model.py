@@ -46,18 +46,18 @@ class Water:
 
     Attributes
     ----------
-    mobility : hydraulic conductivity over unit weight of water, m2/(Pa s).
+    mobility : hydraulic conductivity over unit weight of water, m2/(Pa s); one value, or (ne,).
     storage : porosity over bulk modulus of water, 1/Pa; 0 is incompressible water.
-    stabilisation : 1/Pa, factor of the pressure projection of the elements (see biot).
+    stabilisation : 1/Pa, factor of the pressure projection of the elements (see biot); one value, or (ne,).
     fixed : (n + nf,) bool, where the pressure keeps its initial value.
     initial : (n + nf,) Pa, pressures at the start.
     scale : Pa/m, turns a pressure into an unknown of the size of a displacement.
     film : water in the interface, None where the interface holds none.
     """
 
-    mobility: float
+    mobility: float | np.ndarray
     storage: float
-    stabilisation: float
+    stabilisation: float | np.ndarray
     fixed: np.ndarray
     initial: np.ndarray
     scale: float

@@ -49,13 +49,16 @@ class Pores:
         return self.seepage, self.storage, self.volume, self.coupling
 
 
-def projection_factor(bulk: float, shear: float) -> float:
-    """Factor tau of the pressure projection in 1/Pa, from the elastic moduli of the soil in Pa."""
-    return max(0.5 / shear, 3.0 / (bulk + 4.0 * shear / 3.0))
+Values = float | np.ndarray
+
+
+def projection_factor(bulk: np.ndarray, shear: np.ndarray) -> np.ndarray:
+    """Return the factor tau of the pressure projection in 1/Pa, from the elastic moduli (...,) of the soil in Pa."""
+    return np.asarray(np.maximum(0.5 / shear, 3.0 / (bulk + 4.0 * shear / 3.0)))
 
 
 def make_pores(
-    gradient: np.ndarray, volume: np.ndarray, coupling: np.ndarray, mobility: float, storage: float, tau: float
+    gradient: np.ndarray, volume: np.ndarray, coupling: np.ndarray, mobility: Values, storage: float, tau: Values
 ) -> Pores:
     """Integrate the matrices.
 
@@ -63,11 +66,12 @@ def make_pores(
     ----------
     gradient, volume : of hex8.geometry.
     coupling : (ne, 8, 3) mean gradients in the nodal axes.
-    mobility : k/gamma_w in m2/(Pa s); storage : S in 1/Pa; tau : 1/Pa.
+    mobility : k/gamma_w in m2/(Pa s), one value or (ne,); storage : S in 1/Pa; tau : 1/Pa, one value or (ne,).
     """
     n = hex8.GAUSS_SHAPES
     nodal = np.einsum("eg,ga->ea", volume, n)
     mass = np.einsum("eg,ga,gb->eab", volume, n, n)
     projection = mass - nodal[:, :, None] * nodal[:, None, :] / volume.sum(axis=1)[:, None, None]
+    mobility, tau = (np.reshape(each, (-1, 1, 1)) for each in (mobility, tau))
     seepage = mobility * np.einsum("eg,egai,egbi->eab", volume, gradient, gradient, optimize=True)
     return Pores(seepage, storage * mass + tau * projection, storage * mass, nodal, coupling)

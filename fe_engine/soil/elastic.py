@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from fe_engine.compiled import njit
@@ -13,7 +15,7 @@ PARAMETERS = ("bulk", "shear")
 BULK, SHEAR = range(len(PARAMETERS))
 
 
-def moduli(young: float, poisson: float) -> tuple[float, float]:
+def moduli(young: Any, poisson: Any) -> tuple[Any, Any]:
     """Bulk modulus K and shear modulus G in the unit of Young's modulus."""
     return young / (3.0 * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))
 

@@ -15,6 +15,7 @@ from fe_engine.mesh import Mesh
 from fe_engine.model import Water
 from fe_engine.soil.elastic import moduli
 from pysprings.model.mesh import SURFACES, CaissonMesh
+from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -30,15 +31,16 @@ def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> tuple[
     mesh, drainage = caisson.mesh, scene.drainage
     film_mesh_node, film = _film(scene, mesh, stations)
     fixed = _drained_nodes(scene, caisson)
-    bulk, shear = moduli(scene.soil.young_modulus, scene.soil.poisson_ratio)
+    depth = _depths(scene, mesh)
+    bulk, shear = _moduli(scene, depth)
     modulus = drainage.water_bulk_modulus
     water = Water(
-        mobility=mobility(scene),
+        mobility=mobility(scene, depth),
         storage=0.0 if isinstance(modulus, str) else drainage.porosity / modulus,
         stabilisation=drainage.stabilisation * biot.projection_factor(bulk, shear),
         fixed=np.concatenate([fixed, fixed[film_mesh_node]]),
         initial=np.zeros(mesh.n_nodes + film.n_nodes),
-        scale=shear / _cell_size(mesh),
+        scale=float(np.median(shear)) / _cell_size(mesh),
         film=film,
     )
     return water, film_mesh_node
@@ -54,15 +56,33 @@ def beside_steel(water: Water, n: int, k: int) -> Water:
     )
 
 
-def mobility(scene: Scene) -> float:
-    """Hydraulic conductivity over the unit weight of water, m2/(Pa s)."""
-    return scene.soil.hydraulic_conductivity / scene.drainage.water_unit_weight
+def mobility(scene: Scene, depth: np.ndarray) -> np.ndarray:
+    """Return the hydraulic conductivity over the unit weight of water, m2/(Pa s), at depths (...,) in m."""
+    return ground_of(scene).value("hydraulic_conductivity", depth) / scene.drainage.water_unit_weight
+
+
+def _depths(scene: Scene, mesh: Mesh) -> np.ndarray:
+    """Depths (ne,) m of the centres of the elements; one depth, (), where the ground is the same everywhere."""
+    if ground_of(scene).is_uniform:
+        return np.array(0.0)
+    return np.asarray(mesh.nodes[mesh.hexes].mean(axis=1)[:, 2])
+
+
+def _moduli(scene: Scene, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """K and G in Pa at depths (...,) in m."""
+    ground = ground_of(scene)
+    bulk, shear = moduli(ground.value("young_modulus", depth), ground.value("poisson_ratio", depth))
+    return np.asarray(bulk), np.asarray(shear)
 
 
 def undrained_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
-    """Time in s of an undrained path: a millionth of h2/c_v, with the shortest edge h and c_v = k M/gamma_w."""
-    bulk, shear = moduli(scene.soil.young_modulus, scene.soil.poisson_ratio)
-    consolidation = mobility(scene) * (bulk + 4.0 * shear / 3.0)
+    """Return the time of an undrained path, s: a millionth of h2/c_v, with the shortest edge h and the largest c_v.
+
+    c_v = k M/gamma_w, M = K + 4 G/3.
+    """
+    depth = np.unique(mesh.nodes[:, -1])
+    bulk, shear = _moduli(scene, depth)
+    consolidation = float(np.max(mobility(scene, depth) * (bulk + 4.0 * shear / 3.0)))
     return _UNDRAINED * mesh.shortest_edge() ** 2 / consolidation
 
 

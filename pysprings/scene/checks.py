@@ -26,7 +26,6 @@ def clashes(scene: Scene) -> Iterator[Clash]:
     yield from _domain(scene.domain, scene.caisson)
     yield from _ground(scene.soil, scene.domain)
     yield from _series(scene)
-    yield from _water(scene)
     yield from _solver(scene.solver)
     yield from _paths(scene.paths)
     if scene.drainage.mode == "coupled":
@@ -78,12 +77,6 @@ def _series(scene: Scene) -> Iterator[Clash]:
         yield Clash((("caisson", "behaviour"), chosen), 'must be "rigid" with discretisation = "fourier"')
     if scene.drainage.mode != "drained":
         yield Clash((("drainage", "mode"), chosen), 'must be "drained" with discretisation = "fourier"')
-
-
-def _water(scene: Scene) -> Iterator[Clash]:
-    """Check what the water of layered ground can be."""
-    if scene.soil.layers and scene.drainage.mode != "drained":
-        yield Clash((("drainage", "mode"), ("soil", "layer")), 'must be "drained" with [[soil.layer]]')
 
 
 def _ground(soil: Soil, domain: Domain) -> Iterator[Clash]:

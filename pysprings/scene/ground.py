@@ -88,6 +88,11 @@ class Ground:
         """Depths (m) where one layer ends and the next begins."""
         return tuple(each.top for each in self.strata[1:])
 
+    @property
+    def is_uniform(self) -> bool:
+        """Whether all values are the same at all depths."""
+        return len(self.strata) == 1 and not any(isinstance(each, ByDepth) for each in self.strata[0].values.values())
+
     def number(self, depth: np.ndarray) -> np.ndarray:
         """Return the number (...,) of the layer at each depth; a boundary belongs to the layer above it."""
         return np.searchsorted(np.array(self.lines) + _MERGED, depth, side="left")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pysprings.springs.sums import balance
+import xarray as xr
 
 from fe_engine.clock import Clock
 from fe_engine.state import State
@@ -16,6 +16,7 @@ from pysprings.full_model.compute import compute
 from pysprings.full_model.discretise import make_engine
 from pysprings.model.discretise import build
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.sums import balance
 from tests.support import tiny
 
 TWO = [{"top": 0.0, "young_modulus": 20e6}, {"top": 2.0, "young_modulus": 80e6}]
@@ -80,3 +81,26 @@ def test_a_pull_in_layered_sand_has_springs_that_balance(discretisation):
     load, other = (float(each["paths/pull"]["H"][-1]) for each in (result, uniform))
     assert load == pytest.approx(other, rel=0.5)
     assert abs(load / other - 1.0) > 0.02
+
+
+def coupled(*conductivity: float) -> xr.Dataset:
+    """A slow coupled pull, the conductivity (m/s) of each layer given."""
+    layers = [{"top": top, "hydraulic_conductivity": k} for top, k in zip((0.0, 1.0), conductivity, strict=False)]
+    path = {**tiny.PULL, "rate": 1e-4}
+    return compute(tiny.scene(drainage={"mode": "coupled"}, soil={"layers": layers}, paths=(path,)))["paths/pull"]
+
+
+def test_water_flows_by_layer():
+    open_, tight, mixed = (float(abs(coupled(*k)["F_pw"][-1])) for k in ((1e-3, 1e-3), (1e-5, 1e-5), (1e-5, 1e-3)))
+    assert open_ < 0.9 * mixed
+    assert mixed < 0.99 * tight
+
+
+def test_layers_of_one_conductivity_are_one_soil_for_the_water():
+    path = {**tiny.PULL, "rate": 1e-4}
+    whole = tiny.scene(drainage={"mode": "coupled"}, soil={"hydraulic_conductivity": 1e-5}, paths=(path,))
+    levels = np.unique(np.round(build(whole).model.mesh.nodes[:, -1], 12))
+    tops = [0.0, float(levels[3])]
+    layers = [{"top": top, "hydraulic_conductivity": 1e-5} for top in tops]
+    cut = compute(whole.replace(soil={"layers": layers}))["paths/pull"]
+    np.testing.assert_allclose(cut["F_pw"], compute(whole)["paths/pull"]["F_pw"], rtol=1e-6, atol=1.0)

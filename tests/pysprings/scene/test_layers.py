@@ -106,11 +106,6 @@ def test_scenes_without_layers_keep_their_number():
         ('law = "van-eekelen"', 'law = "tresque"', r'^13:7: soil.layer\[1\].law: "tresque" is not one of'),
         ('name = "dense"', 'nam = "dense"', r"^12:1: soil.layer\[1\].nam: unknown key \(did you mean 'name'\?\)"),
         ("K0 = 1.1", "K0 = 0.5", r"^2:6: soil.K0: layer 'loose': 0.5 puts the initial stress outside"),
-        (
-            "[soil]",
-            '[drainage]\nmode = "undrained"\n[soil]',
-            r'drainage.mode: must be "drained" with \[\[soil.layer\]\]',
-        ),
     ],
 )
 def test_wrong_layers_are_refused_with_their_place(old, new, message):
