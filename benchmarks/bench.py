@@ -16,7 +16,6 @@ else it does; the ratios less so.
 from __future__ import annotations
 
 import argparse
-import json
 import multiprocessing
 import os
 import tempfile
@@ -174,9 +173,9 @@ def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
         wanted = wanted.replace(paths=(path,))
     for _ in range(1 if load else 2):
         begun = time.perf_counter()
-        run = json.loads(compute.compute(wanted).attrs["run_json"])
+        record = compute.compute(wanted).record
         wall = time.perf_counter() - begun
-    return wall, run["solver"]["factorisations"], run["mesh"]["unknowns"]
+    return wall, record.solver.factorisations, record.mesh.unknowns
 
 
 def _iterations(mesh: str, end: float, only_at_rest: bool) -> tuple[float, int, float, float]:
@@ -194,11 +193,10 @@ def _iterations(mesh: str, end: float, only_at_rest: bool) -> tuple[float, int, 
 
     Recycled.__init__ = keep  # type: ignore[method-assign]
     begun = time.perf_counter()
-    work = compute.compute(scene(mesh, end))
+    record = compute.compute(scene(mesh, end)).record
     wall = time.perf_counter() - begun
-    run = json.loads(work.attrs["run_json"])
-    solves = run["phases"]["solve"]["wall_s"]
-    return made[0].n_iterations / made[0].n_systems, run["solver"]["factorisations"], wall, solves
+    solves = record.phases["solve"]["wall_s"]
+    return made[0].n_iterations / made[0].n_systems, record.solver.factorisations, wall, solves
 
 
 def _recycle(**changes: Any) -> None:

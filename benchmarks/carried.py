@@ -19,7 +19,9 @@ from fe_engine.settings import Recycling, Settings
 from fe_engine.soil import plasol
 from fe_engine.solve.newton import Newton
 from pysprings import Scene
-from pysprings.full_model.path_run import PathRun, Work
+from pysprings.full_model.path_run import PathRun
+from pysprings.full_model.run_record import COMPLETE
+from pysprings.full_model.work import Work
 from pysprings.model.build import Built, build_model, build_on
 from pysprings.model.mesh import CaissonMesh
 
@@ -69,7 +71,7 @@ def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None
     run = PathRun(Work(scene, built, system, newton, clock, lambda *_: None), scene.paths[0])
     run.run()
     newton.close()
-    assert run.status == "complete", run.failure
+    assert run.ending == COMPLETE, run.ending.failure
     cpu = time.process_time() - start
     return Pushed(run, system.pattern.n_free + model.n_border, solver.n_factorisations, cpu, clock)
 

@@ -97,9 +97,10 @@ def result_of(scene: Scene, folder: Path) -> Any:
     file = folder / f"{scene.sha256[:16]}.nc"
     found = read_tree(file) if file.exists() else None
     if found is None or found.attrs["pysprings_version"] != version.__version__:
-        found = compute(scene)
-        if found.attrs["status"] == "interrupted":
+        done = compute(scene)
+        if done.interrupted:
             raise KeyboardInterrupt
+        found = done.recorded()
         write_tree(found, file)
     if found.attrs["status"] != "complete":
         raise PyspringsError("; ".join(json.loads(found.attrs["run_json"])["failures"]))

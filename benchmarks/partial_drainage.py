@@ -47,7 +47,9 @@ def run(preset: str, mode: str, rate: float, sections: dict) -> xr.DataTree:
     path = {"name": "pull", "kind": "pull", "lateral_displacement": END, "rate": 1e-3 * rate, "report_at": STOPS}
     drainage = {"mode": mode, **sections.get("drainage", {})}
     rest = {name: value for name, value in sections.items() if name != "drainage"}
-    return compute(Scene(mesh={"preset": preset}, drainage=drainage, paths=[path], output={"figures": False}, **rest))
+    return compute(
+        Scene(mesh={"preset": preset}, drainage=drainage, paths=[path], output={"figures": False}, **rest)
+    ).recorded()
 
 
 def row(name: str, path: xr.Dataset, drained: xr.Dataset) -> tuple[str, ...]:

@@ -9,7 +9,6 @@ Ratios of one run are what to read: seconds depend on the machine and on what el
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -22,8 +21,8 @@ PHASES = ("assembly", "factorisation", "solve")
 def record(mode: str, preset: str, end: float) -> dict[str, Any]:
     """run.json of a pull to ``end`` (m) at the paper's rate."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": 0.05e-3}
-    result = compute(Scene(mesh={"preset": preset}, drainage={"mode": mode}, paths=[path], output={"figures": False}))
-    return json.loads(result.attrs["run_json"])
+    scene = Scene(mesh={"preset": preset}, drainage={"mode": mode}, paths=[path], output={"figures": False})
+    return compute(scene).record.as_dict()
 
 
 def figures(run: dict[str, Any]) -> dict[str, float]:

@@ -297,7 +297,7 @@ def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[
     if scene.mesh.discretisation != "hex8":
         refuse("--target-error", 'rests on a study of bricks: choose a mesh, or discretisation = "hex8"')
     setting = presets.cheapest(target)
-    extra = {"estimate_error": True, "notes": {"target_error": presets.note(target, setting)}}
+    extra = {"estimate_error": True, "target_error": presets.note(target, setting)}
     return presets.applied(setting, scene), extra
 
 

@@ -1,107 +1,33 @@
 # SPDX-License-Identifier: MIT
-"""One path of the full model on its way: its state, what drives it, what it has gathered, and how it is saved."""
+"""One path of the full model on its way: its state, the stages that drive it, the rows it gathers, its checkpoints."""
 
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-import numpy as np
-import xarray as xr
-
-from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.assembly.system import System
 from fe_engine.balance.energy import EnergyBalance
 from fe_engine.balance.water import WaterBalance
-from fe_engine.clock import Clock
 from fe_engine.errors import NotConverged
-from fe_engine.linear.preconditioner import Origin
 from fe_engine.model import Stage
-from fe_engine.solve.newton import Newton
-from fe_engine.solve.step_size import StepSize
 from fe_engine.solve.stepping import Driver, Position, Step
 from fe_engine.state import FIELDS, State, initial_fields
-from pysprings.core.progress import Progress
 from pysprings.core.stop_reasons import Diagnosis, StopReason
-from pysprings.full_model.cavitation import Margin
-from pysprings.full_model.checkpoint import Checkpoints, Saved
+from pysprings.full_model.checkpoint import Saved
 from pysprings.full_model.diagnosis import diagnose, too_far
 from pysprings.full_model.discretise import make_collector
 from pysprings.full_model.displacement_limit import DisplacementLimit
+from pysprings.full_model.path_checkpoint import Gathered, Standing
 from pysprings.full_model.record import DEAD_LOAD
-from pysprings.model.build import Built
-from pysprings.model.fourier import BuiltFourier
+from pysprings.full_model.run_record import COMPLETE, Ending, Status
+from pysprings.full_model.work import Work
 from pysprings.model.stages import dead_load_stage, path_stages
 from pysprings.model.water import undrained_time
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Path, Scene
-
-_FIELD, _ROW, _LAST, _FACTORS = "field/", "row/", "last/", "factors/"  # names of arrays in a checkpoint
-
-
-@dataclass
-class Work:
-    """What the paths of one run share, and what has been computed so far."""
-
-    scene: Scene
-    built: Built | BuiltFourier
-    system: System | FourierSystem
-    newton: Newton
-    clock: Clock
-    progress: Progress
-    checkpoints: Checkpoints | None = None
-    paths: dict[str, xr.Dataset] = field(default_factory=dict)
-    summaries: dict[str, dict[str, Any]] = field(default_factory=dict)
-    failures: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    stopped: str = ""  # why the run ended before its paths did
-    condition: float | None = None  # estimate of the last matrix's
-    stiffness: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))  # of half the caisson, at the initial state
-    resumed: list[dict[str, str]] = field(default_factory=list)
-    state: State | None = None  # of the path that ran last
-
-    def cost(self) -> dict[str, Any]:
-        """What the run has cost so far, as a checkpoint keeps it."""
-        assert self.checkpoints is not None
-        solver = self.newton.solver
-        return {
-            "phases": {"wall": self.clock.wall, "cpu": self.clock.cpu},
-            "solver": [solver.n_factorisations, solver.n_solves, solver.worst_residual],
-            "condition": self.condition,
-            "checkpoints": [self.checkpoints.written, self.checkpoints.spent],
-            "resumed": self.resumed,
-        } | self.checkpoints.elapsed()
-
-    def go_on_from(self, cost: dict[str, Any]) -> None:
-        """Count on from the cost of the parts of a run before this one."""
-        assert self.checkpoints is not None
-        solver = self.newton.solver
-        for name, before in cost["phases"].items():
-            mine: dict[str, float] = getattr(self.clock, name)
-            for phase, seconds in before.items():
-                mine[phase] = mine.get(phase, 0.0) + seconds
-        solver.n_factorisations += cost["solver"][0]
-        solver.n_solves += cost["solver"][1]
-        solver.worst_residual = max(solver.worst_residual, cost["solver"][2])
-        self.checkpoints.go_on_from(cost["wall_s"], cost["cpu_s"], *cost["checkpoints"])
-        self.condition, self.resumed = cost["condition"], cost["resumed"]
-
-
-@dataclass(frozen=True)
-class _Standing:
-    """Where a path stood after a step: copies of what changes, and how long each list was."""
-
-    fields: dict[str, np.ndarray]
-    meta: dict[str, Any]
-    position: Position
-    force: np.ndarray | None
-    factors: Origin | None
-    rows: int
-    record: int
-    given_up: int
-    limits: int
 
 
 class PathRun:
@@ -123,23 +49,21 @@ class PathRun:
         self.n_stages = self.n_dead + len(self._path_stages(0.0))
         self.limits: list[str] = []
         self.reach: DisplacementLimit | None = None  # of a path under a given load
-        # until it has ended
-        self.status, self.failure, self.why = "interrupted", "", "interrupted"
-        self.reason: StopReason | None = StopReason.INTERRUPTED
+        self.ending = Ending()
         self._position: Position | None = None  # where to go on in the stage
-        self._standing: _Standing | None = None  # after the last step, unless it is in a checkpoint
+        self._unsaved: tuple[Standing, Gathered] | None = None  # after the last step, unless it is in a checkpoint
 
     def run(self) -> None:
-        """Run to the end, or up to where a step does not converge; `status` and `failure` say which.
+        """Run to the end, or up to where a step does not converge: see `ending`.
 
         KeyboardInterrupt and MemoryError pass through, once the last converged step is in a checkpoint.
         """
         try:
             self._run_stages()
-            self.status, self.why, self.reason = "complete", "", None
+            self.ending = COMPLETE
         except NotConverged as error:
-            self.status, (self.why, self.reason) = "partial", self._why(error)
-            self.failure = self._failure(self.why)
+            why, reason = self._why(error)
+            self.ending = Ending(Status.PARTIAL, reason, why, self._failure(why))
             if not self.collector.rows:  # the dead load itself: the state that it reached is kept, marked
                 self._collect(converged=False)
         except (KeyboardInterrupt, MemoryError):
@@ -224,105 +148,63 @@ class PathRun:
         if checkpoints is None:
             return
         with checkpoints.charged(), self.work.clock.phase("checkpoint"):
-            self._standing = self._stands()
+            self._unsaved = self._standing(), self._gathered()
         if checkpoints.is_due():
             self._save_standing()
 
-    def _stands(self) -> _Standing:
-        driver, found, position = self.driver, self.collector.cavitation, self.driver.position
-        assert position is not None
-        meta = {
-            "stage": self.stage, "time": self.time, "n_steps": driver.n_steps,
-            "cavitation": None if found is None else [found[0], asdict(found[1])],
-            "water": None if self.water is None else self.water.totals,
-            "stiffness": driver.stiffness, "energy": self.energy.totals,
-        }  # fmt: skip
-        fields = {name: getattr(self.state.committed, name).copy() for name in FIELDS}
-        counts = len(self.collector.rows), len(driver.record), len(driver.given_up), len(self.limits)
-        return _Standing(fields, meta, position, driver.force, self.work.newton.origin, *counts)
+    def _standing(self) -> Standing:
+        driver, fields = self.driver, self.state.committed
+        assert driver.position is not None
+        return Standing(
+            self.stage, self.time, {name: getattr(fields, name).copy() for name in FIELDS}, driver.position,
+            driver.force, driver.stiffness, self.work.newton.origin, None if self.water is None else self.water.totals,
+        )  # fmt: skip
+
+    def _gathered(self) -> Gathered:
+        driver = self.driver
+        return Gathered(
+            self.path.name, self.ending, list(self.collector.rows), list(driver.record), list(driver.given_up),
+            list(self.limits), self.collector.cavitation, self.energy.totals, driver.n_steps, {},
+        )  # fmt: skip
 
     def _save_standing(self) -> None:
         """Write the last step that is not in a checkpoint yet."""
-        standing, checkpoints = self._standing, self.work.checkpoints
-        if checkpoints is None or standing is None:
+        checkpoints = self.work.checkpoints
+        if checkpoints is None or self._unsaved is None:
             return
+        standing, gathered = self._unsaved
         with self.work.clock.phase("checkpoint"):
-            at = standing.position
-            meta = standing.meta | {"start": at.start, "done": at.done, "next": asdict(at.next)}
-            arrays = {_FIELD + name: value for name, value in standing.fields.items()}
-            if standing.force is not None:
-                meta["force"] = standing.force
-            if at.last is not None:
-                meta["last_size"] = at.last[0]
-                arrays |= {_LAST + "free": at.last[1], _LAST + "border": at.last[2]}
-            if standing.factors is not None:
-                arrays |= {_FACTORS + name: value for name, value in vars(standing.factors).items()}
-            gathered = self._gathered(standing.rows, standing.record, standing.given_up, standing.limits)
-            checkpoints.save_state(Saved(gathered.meta | meta, gathered.arrays | arrays))
-        self._standing = None
+            checkpoints.save_state(standing.saved(replace(gathered, cost=self.work.cost())))
+        self._unsaved = None
 
     def save_end(self, number: int) -> None:
         """Write a path that has ended, as the one of that number."""
-        if self.work.checkpoints is None:
-            return
-        found = self.collector.cavitation
-        meta = {
-            "cavitation": None if found is None else [found[0], asdict(found[1])], "energy": self.energy.totals,
-            "n_steps": self.driver.n_steps,
-        }  # fmt: skip
-        with self.work.clock.phase("checkpoint"):
-            gathered = self._gathered(None, None, None, None)
-            self.work.checkpoints.save_path(number, Saved(gathered.meta | meta, gathered.arrays))
-
-    def _gathered(self, rows: int | None, record: int | None, given_up: int | None, limits: int | None) -> Saved:
-        """The first so many rows, iterations, failed attempts and limits; None for all."""
-        kept, driver = self.collector.rows[:rows], self.driver
-        failed = [(stage, fraction, _recorded(error)) for stage, fraction, error in driver.given_up[:given_up]]
-        meta = {
-            "path": self.path.name, "status": self.status, "failure": self.failure,
-            "why": self.why, "reason": self.reason,
-            "cost": self.work.cost(), "n_rows": len(kept), "record": driver.record[:record], "given_up": failed,
-            "limits": self.limits[:limits],
-        }  # fmt: skip
-        names = kept[0] if kept else {}
-        return Saved(meta, {_ROW + name: np.array([row[name] for row in kept]) for name in names})
+        if self.work.checkpoints is not None:
+            with self.work.clock.phase("checkpoint"):
+                gathered = replace(self._gathered(), cost=self.work.cost())
+                self.work.checkpoints.save_path(number, gathered.saved())
 
     # --- going on ---
 
     def restore(self, saved: Saved) -> None:
         """Take up what a checkpoint holds: a path that has ended, or where one stood."""
-        meta, driver = saved.meta, self.driver
-        columns = {name.removeprefix(_ROW): a for name, a in saved.arrays.items() if name.startswith(_ROW)}
-        self.collector.rows = [{name: a[k] for name, a in columns.items()} for k in range(meta["n_rows"])]
-        if meta["cavitation"] is not None:
-            u, margin = meta["cavitation"]
-            self.collector.cavitation = u, Margin(margin["margin"], margin["pressure"], tuple(margin["place"]))
-        driver.record, self.limits = meta["record"], meta["limits"]
-        driver.given_up = [(stage, fraction, NotConverged(**error)) for stage, fraction, error in meta["given_up"]]
-        driver.n_steps = meta["n_steps"]
-        self.status, self.failure, self.why = meta["status"], meta["failure"], meta["why"]
-        self.reason = None if meta["reason"] is None else StopReason(meta["reason"])
-        if "stage" in meta:
-            self._restore_standing(saved)
-        self.energy.go_on_from(self.state.committed, *meta["energy"])
+        gathered, standing, driver = Gathered.of(saved), Standing.of(saved), self.driver
+        self.collector.rows, self.collector.cavitation = gathered.rows, gathered.cavitation
+        self.ending, self.limits = gathered.ending, gathered.limits
+        driver.record, driver.given_up, driver.n_steps = gathered.record, gathered.given_up, gathered.n_steps
+        if standing is not None:
+            self._restore(standing)
+        self.energy.go_on_from(self.state.committed, *gathered.energy)
 
-    def _restore_standing(self, saved: Saved) -> None:
-        meta, arrays, driver = saved.meta, saved.arrays, self.driver
+    def _restore(self, standing: Standing) -> None:
         for name in FIELDS:
-            getattr(self.state.committed, name)[...] = arrays[_FIELD + name]
-        self.stage, self.time = meta["stage"], meta["time"]
-        driver.stiffness = meta["stiffness"]
-        driver.force = np.array(meta["force"]) if "force" in meta else None
+            getattr(self.state.committed, name)[...] = standing.fields[name]
+        self.stage, self.time, self._position = standing.stage, standing.time, standing.position
+        self.driver.stiffness, self.driver.force = standing.stiffness, standing.force
         if self.water is not None:
-            self.water.totals = tuple(meta["water"])
-        position = Position(np.array(meta["start"]), meta["done"], StepSize(**meta["next"]))
-        if "last_size" in meta:
-            last = meta["last_size"], arrays[_LAST + "free"], arrays[_LAST + "border"]
-            position = replace(position, last=last)
-        self._position = position
-        factors = {name.removeprefix(_FACTORS): a for name, a in arrays.items() if name.startswith(_FACTORS)}
-        if factors:
-            self.work.newton.restore(Origin(**factors))
+            self.water.totals = standing.water
+        if standing.factors is not None:
+            self.work.newton.restore(standing.factors)
 
 
 class _MovedTooFar(NotConverged):
@@ -331,11 +213,6 @@ class _MovedTooFar(NotConverged):
     def __init__(self, diagnosis: Diagnosis) -> None:
         super().__init__(str(diagnosis))
         self.diagnosis = diagnosis
-
-
-def _recorded(error: NotConverged) -> dict[str, Any]:
-    """A failed attempt as the record and checkpoints keep it."""
-    return {"reason": error.reason, "place": error.place, "history": error.history}
 
 
 def _sea(scene: Scene) -> tuple[float, float] | None:

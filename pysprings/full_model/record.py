@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The convergence record of a path, its summary, and what a run cost."""
+"""The convergence record of a path, its figures, and the cost of a run."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from fe_engine.clock import Clock
 from fe_engine.errors import NotConverged
 from pysprings.core import variables
 from pysprings.full_model.ring_measure import contact_alternation
+from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 
 DEAD_LOAD = "dead load"  # the stage before a path whose caisson carries more or less than the balance
 
@@ -54,14 +55,14 @@ def convergence_dataset(record: list[dict[str, Any]]) -> xr.Dataset:
 
 
 def summarise(
-    record: list[dict[str, Any]], cut_backs: list[dict[str, Any]], path: xr.Dataset, limits: Sequence[str] = ()
-) -> dict[str, Any]:
-    """Figures of a path: increments, iterations, cut-backs and where they came from, order of convergence, end.
+    record: list[dict[str, Any]], cut_backs: list[CutBack], path: xr.Dataset, limits: Sequence[str] = ()
+) -> PathFigures:
+    """Return the figures of a path but for how it ended and its energy.
 
     Parameters
     ----------
     record : one row per iteration (`fe_engine.solve.stepping.Driver`).
-    cut_backs : one entry per attempt that was given up, see `cut_back`.
+    cut_backs : attempts that were given up, see `cut_back`.
     path : what was collected along the path.
     limits : what limited the size of each step (`fe_engine.solve.step_size.LIMITS`).
     """
@@ -69,37 +70,39 @@ def summarise(
     good = [rows for rows in attempts if rows[-1]["converged"]]
     iterations = [len(rows) - 1 for rows in good]
     dead_load = sum(rows[0]["stage"] == DEAD_LOAD for rows in good)
-    return {
-        "increments": len(good),
-        **({"increments_of_dead_load": dead_load} if dead_load else {}),
-        "iterations": int(sum(iterations)),
-        "median_iterations": float(np.median(iterations)) if good else 0.0,
-        "max_iterations": max(iterations, default=0),
-        "cut_backs": len(cut_backs),
-        "iterations_in_cut_backs": sum(each["iterations"] for each in cut_backs),
-        "cut_backs_at": cut_backs,
-        "steps_limited_by": dict(Counter(limits)),
-        "worst_residual": max((rows[-1]["residual"] for rows in good), default=0.0),
-        "order_of_last_iterations": _order(good),
-        "last_residual_ratio": _last_ratio(good),
-        "end": {name: float(path[name][-1]) for name in ("u", "w", "rotation", "H", "V", "M")},
-        "contact_rings": contact_alternation(path),
-        **_water(path),
-    }
+    return PathFigures(
+        status=Status.COMPLETE,
+        increments=len(good),
+        increments_of_dead_load=dead_load or None,
+        iterations=int(sum(iterations)),
+        median_iterations=float(np.median(iterations)) if good else 0.0,
+        max_iterations=max(iterations, default=0),
+        cut_backs=len(cut_backs),
+        iterations_in_cut_backs=sum(each.iterations for each in cut_backs),
+        cut_backs_at=cut_backs,
+        steps_limited_by=dict(Counter(limits)),
+        worst_residual=max((rows[-1]["residual"] for rows in good), default=0.0),
+        order_of_last_iterations=_order(good),
+        last_residual_ratio=_last_ratio(good),
+        end={name: float(path[name][-1]) for name in ("u", "w", "rotation", "H", "V", "M")},
+        contact_rings=contact_alternation(path),
+        water=_water(path),
+    )
 
 
-def _water(path: xr.Dataset) -> dict[str, Any]:
-    """Balance of the water at the end and the range of its pressures; nothing when drained."""
+def _water(path: xr.Dataset) -> dict[str, float] | None:
+    """Balance of the water at the end and the range of its pressures; None when drained."""
     if "water_moved" not in path:
-        return {}
+        return None
     volumes = {name: float(path[f"water_{name}"][-1]) for name in _VOLUMES}
     exchanged = max(volumes["moved"], abs(volumes["expelled"]), volumes["film"])
     worst = float(np.abs(path["water_imbalance"]).max())
-    return {"water": {
+    return {
         **{f"{name}_m3": value for name, value in volumes.items()},
         "worst_imbalance_over_exchanged": worst / exchanged if exchanged else 0.0,
-        "pressure_min_Pa": float(path["pressure_min"].min()), "pressure_max_Pa": float(path["pressure_max"].max()),
-    }}  # fmt: skip
+        "pressure_min_Pa": float(path["pressure_min"].min()),
+        "pressure_max_Pa": float(path["pressure_max"].max()),
+    }
 
 
 def energy_summary(energy: Energy) -> dict[str, float]:
@@ -111,17 +114,17 @@ def energy_summary(energy: Energy) -> dict[str, float]:
 _VOLUMES = ("expelled", "compressed", "film", "outflow", "moved", "imbalance")
 
 
-def cut_back(stage: str, fraction: float, error: NotConverged) -> dict[str, Any]:
-    """An attempt that was given up: stage, fraction of it that was aimed at, reason, place, last residuals."""
+def cut_back(stage: str, fraction: float, error: NotConverged) -> CutBack:
+    """Return the record of an attempt that was given up on its way to a fraction of a stage."""
     residuals = [float(row["residual"]) for row in error.history]
-    return {
-        "stage": stage if stage == DEAD_LOAD else "path",
-        "load_fraction": round(fraction, 9),
-        "reason": error.reason,
-        "place": error.place,
-        "iterations": max(len(residuals) - 1, 0),
-        "last_residuals": [float(f"{value:.3g}") for value in residuals[-6:]],
-    }
+    return CutBack(
+        stage=stage if stage == DEAD_LOAD else "path",
+        load_fraction=round(fraction, 9),
+        reason=error.reason,
+        place=error.place,
+        iterations=max(len(residuals) - 1, 0),
+        last_residuals=[float(f"{value:.3g}") for value in residuals[-6:]],
+    )
 
 
 class Meter:
@@ -131,23 +134,25 @@ class Meter:
         self.clock = Clock()
         self._since = time.perf_counter(), time.process_time()
 
-    def charge(self, record: dict[str, Any]) -> None:
+    def charge(self, record: RunRecord) -> None:
         """Add the cost since the last charge to a record, and start anew.
 
         The phase "other" takes what no phase has counted, so that the phases add up to the totals.
         """
-        phases = record.setdefault("phases", {})
+        phases = record.phases
         phases.pop("other", None)
         for name, wall in self.clock.wall.items():
             phases[name] = {"wall_s": round(wall, 3), "cpu_s": round(self.clock.cpu[name], 3)}
-        now = time.perf_counter(), time.process_time()
-        phases["other"] = {}
-        for key, end, start in zip(("wall_s", "cpu_s"), now, self._since, strict=True):
-            record[key] = round(record.get(key, 0.0) + end - start, 3)
-            counted = sum(phase.get(key, 0.0) for phase in phases.values())
-            phases["other"][key] = round(max(record[key] - counted, 0.0), 3)
-        record["peak_memory_bytes"] = peak_memory_bytes()
-        self.clock, self._since = Clock(), now
+        wall, cpu = time.perf_counter(), time.process_time()
+        record.wall_s = round(record.wall_s + wall - self._since[0], 3)
+        record.cpu_s = round(record.cpu_s + cpu - self._since[1], 3)
+        counted = {key: sum(phase[key] for phase in phases.values()) for key in ("wall_s", "cpu_s")}
+        phases["other"] = {
+            "wall_s": round(max(record.wall_s - counted["wall_s"], 0.0), 3),
+            "cpu_s": round(max(record.cpu_s - counted["cpu_s"], 0.0), 3),
+        }
+        record.peak_memory_bytes = peak_memory_bytes()
+        self.clock, self._since = Clock(), (wall, cpu)
 
 
 def _order(good: list[list[dict[str, Any]]]) -> float | None:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -14,13 +13,15 @@ from pysprings.core.errors import UserInputError
 from pysprings.core.files.layout import WRITING, is_unfinished
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text, write_tree
-from pysprings.core.files.written import KEY, LIST, note, noted, own_folder
+from pysprings.core.files.written import LIST, note, noted, own_folder
 from pysprings.core.progress import Progress
 from pysprings.core.text import json_text
 from pysprings.full_model.accuracy.own_estimate import add_estimate, was_interrupted
 from pysprings.full_model.checkpoint import Checkpoints
-from pysprings.full_model.compute import compute, raise_if_incomplete, scene_to_run
+from pysprings.full_model.compute import compute, scene_to_run
 from pysprings.full_model.record import Meter
+from pysprings.full_model.result_tree import raise_if_incomplete
+from pysprings.full_model.run_record import Computed, RunRecord
 from pysprings.model.forecast.resources import refuse_full_disk
 from pysprings.results.exporters import EXPORTERS, Source, Target, export
 from pysprings.results.exporters.csv import write_frame, write_load_displacement
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 def run_to_folder(
     scene: Scene, out: str | os.PathLike[str], mesh: str | None = None, progress: Progress | None = None,
     resume: bool = False, estimate_error: bool = False, time_unit: bool = False,
-    notes: Mapping[str, Any] | None = None,
+    target_error: Mapping[str, Any] | None = None,
 ) -> Path:  # fmt: skip
     """Run a scene and write full model, springs, tables, comparison, pictures, report and run.json; return the folder.
 
@@ -47,7 +48,7 @@ def run_to_folder(
     refused leaves them untouched. A run that stops early writes what converged, marked as partial, and then
     raises RunIncomplete (or KeyboardInterrupt, or ResourceError). One run at a time holds the folder. Checkpoints are
     in it until everything is written; ``resume`` goes on from them. ``estimate_error`` also runs a coarser mesh (see
-    `full_model.run`), ``time_unit`` is that of `full_model.compute`, ``notes`` are further entries of run.json.
+    `full_model.run`), ``time_unit`` is that of `full_model.compute`, ``target_error`` goes into run.json.
     """
     folder, ran = Path(out), scene_to_run(scene, mesh)
     refuse_full_disk(ran, folder)
@@ -57,15 +58,14 @@ def run_to_folder(
         result = compute(
             scene, mesh=mesh, progress=progress, checkpoints=checkpoints, resume=resume, time_unit=time_unit
         )
-        if estimate_error and result.attrs["status"] != "interrupted":
+        if estimate_error and not result.interrupted:
             add_estimate(ran, result, compute, progress)
-        if notes:
-            result.attrs["run_json"] = json.dumps(json.loads(result.attrs["run_json"]) | notes)
+        result.record.target_error = None if target_error is None else dict(target_error)
         _write_all(folder, scene, result)
-        if result.attrs["status"] != "interrupted":
+        if not result.interrupted:
             checkpoints.remove()
         raise_if_incomplete(result, folder)
-        if was_interrupted(result):
+        if was_interrupted(result.record):
             raise KeyboardInterrupt
     return folder
 
@@ -85,15 +85,15 @@ def run_or_go_on(scene: Scene, folder: Path, progress: Progress | None = None, t
         return run_to_folder(scene, folder, progress=progress, time_unit=time_unit)
 
 
-def _write_all(folder: Path, scene: Scene, result: xr.DataTree) -> None:
+def _write_all(folder: Path, scene: Scene, computed: Computed) -> None:
     """Write every file of a result, in the place of those of an earlier run; run.json has its status at the end."""
-    meter, record = Meter(), json.loads(result.attrs["run_json"])
+    meter, record, result = Meter(), computed.record, computed.recorded()
     remove_results(folder)
     remove_leftovers(folder, *(folder / name for name in own_folders()))
     written = partial(note, folder)
     with meter.clock.phase("output: files"):
         write_tree(result, folder / "full_model.nc")
-        _write_record(folder, record | {"status": WRITING})
+        _write_record(folder, record.as_dict() | {"status": WRITING})
         springs = _springs(result)
         source = Source(springs, result)
         _write_tables(folder, source, springs is not None, record)
@@ -104,9 +104,10 @@ def _write_all(folder: Path, scene: Scene, result: xr.DataTree) -> None:
     meter.charge(record)  # the report shows the cost of everything but itself
     with meter.clock.phase("output: report"):
         compared = None if springs is None else source.comparison
-        write_report(folder, result, springs, compared, run=record, figures=figures)
+        write_report(folder, result, springs, compared, run=record.as_dict(), figures=figures)
     meter.charge(record)
-    _write_record(folder, record | {KEY: noted(folder)})
+    record.files = noted(folder)
+    _write_record(folder, record.as_dict())
     (folder / LIST).unlink(missing_ok=True)
 
 
@@ -120,13 +121,13 @@ def _springs(result: xr.DataTree) -> xr.DataTree | None:
         return None
 
 
-def _write_tables(folder: Path, source: Source, has_springs: bool, record: dict[str, Any]) -> None:
+def _write_tables(folder: Path, source: Source, has_springs: bool, record: RunRecord) -> None:
     """Write the loads of every path, and the files of the springs."""
     if path_names(source.result):
         write_load_displacement(source.result, folder / "load_displacement.csv")
     if has_springs:
         springs = source.springs
-        record["balance"] = {name: balance(get_path(springs, name)) for name in path_names(springs)}
+        record.balance = {name: balance(get_path(springs, name)) for name in path_names(springs)}
         for exporter in EXPORTERS:
             if exporter.of_every_run:
                 export(source, exporter.name, folder / exporter.file)

@@ -19,6 +19,7 @@ from pysprings.core.errors import PyspringsError, UserInputError
 from pysprings.core.files.storage import write_text
 from pysprings.core.files.written import own_folder
 from pysprings.core.progress import duration
+from pysprings.core.stop_reasons import StopReason
 from pysprings.core.text import json_text
 from pysprings.studies.paper import measures as m
 from pysprings.studies.paper.cases import DEPTHS, END, SHOWN, VARIANTS, Case, Variant
@@ -159,7 +160,7 @@ def _figures_of(folder: Path, mesh: str, case: Case) -> tuple[dict[str, Any], bo
 
 def _run(scene: Any) -> dict[str, Any]:
     """Run a scene; say how it ended, with the figures of what converged."""
-    from pysprings.full_model.compute import INTERRUPTED, compute
+    from pysprings.full_model.compute import compute
     from pysprings.springs.dataset import get_path
 
     try:
@@ -168,12 +169,12 @@ def _run(scene: Any) -> dict[str, Any]:
             result = compute(scene)
     except PyspringsError as error:
         return {"status": "refused", "detail": _first_line(error)}
-    record = json.loads(result.attrs["run_json"])
-    if record["stopped_by"] == INTERRUPTED:
+    record, tree = result.record, result.tree
+    if record.stopped_by is StopReason.INTERRUPTED:
         raise KeyboardInterrupt
-    figures = figures_of_path(get_path(result)) if result["paths/pull"].sizes["step"] > 1 else {}
-    detail = "; ".join(record["failures"]).split(" (")[0]
-    return {"status": record["status"], "detail": detail} | figures
+    figures = figures_of_path(get_path(tree)) if tree["paths/pull"].sizes["step"] > 1 else {}
+    detail = "; ".join(record.failures).split(" (")[0]
+    return {"status": str(record.status), "detail": detail} | figures
 
 
 def forget(folder: Path) -> None:

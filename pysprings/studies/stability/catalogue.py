@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-import json
 import time
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -14,8 +13,8 @@ import pandas as pd
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, PyspringsError, UserInputError
-from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.compute import compute
+from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.studies.stability.cases import CASES, REACH, Case
 
 CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED = "converged", "warned", "stopped", "refused", "unexplained"
@@ -75,8 +74,9 @@ def run_case(case: Case, mesh: str = "coarse", refinement: float = 1.0, reach: f
         return Outcome(**head, outcome=REFUSED, detail=_refusal(error))
     except PyspringsError as error:
         return Outcome(**head, outcome=UNEXPLAINED, detail=str(error), wall_s=time.perf_counter() - start)
-    record = json.loads(result.attrs["run_json"])
-    return Outcome(**head, **_ending(record), **_figures(record), wall_s=round(time.perf_counter() - start, 1))
+    return Outcome(
+        **head, **_ending(result.record), **_figures(result.record), wall_s=round(time.perf_counter() - start, 1)
+    )
 
 
 def run_cases(
@@ -112,30 +112,28 @@ def _refusal(error: UserInputError | ValidationError) -> str:
     return "\n".join(error.lines)
 
 
-def _ending(record: Mapping[str, Any]) -> dict[str, Any]:
+def _ending(record: RunRecord) -> dict[str, Any]:
     """Outcome and detail of a run that gave a record."""
-    if record["status"] == "complete":
-        detail = "; ".join(record["warnings"])
+    if record.status is Status.COMPLETE:
+        detail = "; ".join(record.warnings)
         return {"outcome": WARNED if detail else CONVERGED, "detail": detail}
-    detail = "; ".join(record["failures"])
-    reasons = [path.get("reason") for path in record["paths"].values()]
-    named = any(StopReason(reason).explains for reason in reasons if reason is not None)
-    return {"outcome": STOPPED if named else UNEXPLAINED, "detail": detail}
+    named = any(reason.explains for reason in record.reasons)
+    return {"outcome": STOPPED if named else UNEXPLAINED, "detail": "; ".join(record.failures)}
 
 
-def _figures(record: Mapping[str, Any]) -> dict[str, Any]:
-    solver = record["solver"]
-    figures: dict[str, Any] = {"condition": solver["condition_estimate"], "factorisations": solver["factorisations"]}
-    for path in record["paths"].values():
+def _figures(record: RunRecord) -> dict[str, Any]:
+    solver = record.solver
+    figures: dict[str, Any] = {"condition": solver.condition_estimate, "factorisations": solver.factorisations}
+    for path in record.paths.values():
         figures |= {
-            "u_mm": 1e3 * path["end"]["u"],
-            "H_kN": 1e-3 * path["end"]["H"],
-            "increments": path["increments"],
-            "cut_backs": path["cut_backs"],
-            "median_iterations": path["median_iterations"],
-            "max_iterations": path["max_iterations"],
-            "worst_residual": path["worst_residual"],
-            "energy_imbalance": path["energy"]["imbalance_over_largest_term"],
-            "water_imbalance": path.get("water", {}).get("worst_imbalance_over_exchanged"),
+            "u_mm": 1e3 * path.end["u"],
+            "H_kN": 1e-3 * path.end["H"],
+            "increments": path.increments,
+            "cut_backs": path.cut_backs,
+            "median_iterations": path.median_iterations,
+            "max_iterations": path.max_iterations,
+            "worst_residual": path.worst_residual,
+            "energy_imbalance": path.energy["imbalance_over_largest_term"],
+            "water_imbalance": (path.water or {}).get("worst_imbalance_over_exchanged"),
         }
     return figures

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import xarray as xr
 
 import pysprings
 from benchmarks import bench, error_estimates
 from pysprings import Scene
 from pysprings.core.errors import PyspringsError
 from pysprings.full_model.accuracy import two_mesh
+from pysprings.full_model.run_record import Computed, RunRecord, Status
 from tests.support.synthetic import Path as Pull
 from tests.support.synthetic import make_result
 
@@ -57,25 +57,25 @@ def test_meshes_of_the_benchmark_are_scenes() -> None:
 
 def test_results_are_kept_by_scene_and_version(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
-    told = {"status": "complete", "pysprings_version": pysprings.__version__, "run_json": '{"failures": ["stuck"]}'}
+    attrs = {"status": "complete", "pysprings_version": pysprings.__version__}
 
-    def compute(scene: Scene) -> xr.DataTree:
+    def compute(scene: Scene) -> Computed:
         asked.append(scene.title)
         found = make_result((Pull(steps=3),))
-        found.attrs |= told
-        return found
+        found.attrs |= attrs
+        return Computed(found, RunRecord(Status(attrs["status"]), failures=["stuck"]))
 
     monkeypatch.setattr(error_estimates, "compute", compute)
     for _ in range(2):
         error_estimates.result_of(Scene(title="a"), tmp_path)
     assert asked == ["a"]
     monkeypatch.setattr("pysprings.core.version.__version__", "99")
-    told |= {"pysprings_version": "99", "status": "partial"}
+    attrs |= {"pysprings_version": "99", "status": "partial"}
     for _ in range(2):
         with pytest.raises(PyspringsError, match="stuck"):
             error_estimates.result_of(Scene(title="a"), tmp_path)
     assert asked == ["a", "a"]
-    told |= {"status": "interrupted"}
+    attrs |= {"status": "interrupted"}
     with pytest.raises(KeyboardInterrupt):
         error_estimates.result_of(Scene(title="b"), tmp_path)
     assert len(list(tmp_path.iterdir())) == 1

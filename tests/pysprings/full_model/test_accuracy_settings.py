@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from typing import Any
 
@@ -15,11 +14,13 @@ from pysprings import Scene, load_scene
 from pysprings.cli import app
 from pysprings.cli.support import with_target
 from pysprings.core.errors import ResourceError, UserInputError
+from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
 from pysprings.full_model.accuracy.curves import LOAD, PY
 from pysprings.full_model.accuracy.own_estimate import add_estimate, was_interrupted
 from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import BETWEEN, PRESETS, VARIED, read_mesh, settings
+from pysprings.full_model.run_record import Computed, RunRecord, Status
 from pysprings.model.build import counts_of
 from pysprings.model.mesh import PRESETS as MESHES
 from tests.support.measured import measured_result
@@ -152,7 +153,6 @@ def with_error(unknowns: int, order: float = 2.0, slope: float = 100.0) -> xr.Da
             path[name] = path[name] * factor
     tree.attrs["n_unknowns"] = unknowns
     tree.attrs["status"] = "complete"
-    tree.attrs["run_json"] = '{"status": "complete", "wall_s": 1.0, "cpu_s": 1.0}'
     return tree
 
 
@@ -182,22 +182,21 @@ def test_differences_without_a_finite_value_give_no_estimate(monkeypatch: pytest
 
 
 def test_whatever_becomes_of_the_coarser_run_the_result_stays() -> None:
-    def fails(*_: Any, **__: Any) -> xr.DataTree:
+    def fails(*_: Any, **__: Any) -> Computed:
         raise ResourceError("no memory")
 
-    def ends(why: str) -> Callable[..., xr.DataTree]:
-        tree = with_error(3000)
-        tree.attrs |= {"status": "interrupted", "run_json": json.dumps({"stopped_by": why})}
-        return lambda *_, **__: tree
+    def ends(why: StopReason) -> Callable[..., Computed]:
+        done = Computed(with_error(3000), RunRecord(Status.INTERRUPTED, why))
+        return lambda *_, **__: done
 
-    stopped, full = ends("interrupted"), ends("out of memory")
+    stopped, full = ends(StopReason.INTERRUPTED), ends(StopReason.OUT_OF_MEMORY)
     for compute, words in ((fails, "no memory"), (stopped, "interrupted"), (full, "out of memory")):
-        tree = with_error(9000)
-        load = tree["paths/pull/H"].values.copy()
-        add_estimate(Scene(), tree, compute)
-        assert words in tree.attrs["run_json"]
-        np.testing.assert_array_equal(tree["paths/pull/H"], load)
-        assert was_interrupted(tree) == (compute is stopped)
+        done = Computed(with_error(9000), RunRecord(Status.COMPLETE))
+        load = done.tree["paths/pull/H"].values.copy()
+        add_estimate(Scene(), done, compute)
+        assert words in done.recorded().attrs["run_json"]
+        np.testing.assert_array_equal(done.tree["paths/pull/H"], load)
+        assert was_interrupted(done.record) == (compute is stopped)
 
 
 def test_a_target_runs_what_the_study_ran_whatever_the_scene_says() -> None:
@@ -206,4 +205,4 @@ def test_a_target_runs_what_the_study_ran_whatever_the_scene_says() -> None:
     found, told = with_target(own, "2%", has_mesh=False)
     setting = presets.cheapest("2%")
     assert found.sha256 == setting.scene(Scene()).sha256
-    assert told["notes"]["target_error"]["setting"] == setting.name
+    assert told["target_error"]["setting"] == setting.name

@@ -15,7 +15,8 @@ from fe_engine.solve.newton import Newton
 from pysprings.core import variables
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
 from pysprings.full_model import discretise
-from pysprings.full_model.compute import compute, raise_if_incomplete, run
+from pysprings.full_model.compute import compute, run
+from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.macro.comparison import compare
 from pysprings.results.analysis.parts import settings
 from pysprings.scene.load import parse_scene
@@ -232,13 +233,13 @@ def test_a_path_that_cannot_converge_is_kept_up_to_there(monkeypatch: pytest.Mon
     assert float(group["residual"][failed][-1]) == pytest.approx(last["last_residuals"][-1], rel=0.01)
     assert len(record["paths"]["pull"]["cut_backs_at"]) == record["paths"]["pull"]["cut_backs"] >= 1
     with pytest.raises(RunIncomplete, match="no convergence in 2 iterations") as stopped:
-        raise_if_incomplete(result)
+        raise_if_incomplete(compute(scene))
     assert [str(reason) for reason in stopped.value.reasons] == [record["paths"]["pull"]["reason"]]
     assert f" %: {record['paths']['pull']['reason']}" in failure
 
 
 def test_a_first_step_that_fails_leaves_the_initial_state_and_the_record() -> None:
-    result = compute(tiny.stuck_scene())
+    result = compute(tiny.stuck_scene()).recorded()
     assert result["paths/pull"].sizes["step"] == 1
     assert result["paths/pull/convergence"].sizes["iteration"] >= 3
     variables.check_tree(result, "result")
@@ -247,7 +248,7 @@ def test_a_first_step_that_fails_leaves_the_initial_state_and_the_record() -> No
 
 
 def test_a_load_that_the_soil_does_not_carry() -> None:
-    result = compute(tiny.overloaded_scene())
+    result = compute(tiny.overloaded_scene()).recorded()
     (failure,) = record_of(result)["failures"]
     assert "path 'storm' stopped on its way to" in failure
     assert "the caisson has moved by" in failure
@@ -266,7 +267,7 @@ def test_a_load_ends_where_the_caisson_has_moved_too_far(soil: dict[str, Any], r
     """Clay as cohesion alone has no peak: it went on to 4 m and 72 deg. A soft soil still resists: another name."""
     path = {"name": "storm", "kind": "load", "lateral_force": 2e7, "arm": 10.0}
     steps = {"first_step_fraction": 0.02, "max_step_fraction": 0.1}
-    result = compute(tiny.scene(soil=soil, solver=steps, paths=(path,)))
+    result = compute(tiny.scene(soil=soil, solver=steps, paths=(path,))).recorded()
     (failure,) = record_of(result)["failures"]
     assert record_of(result)["paths"]["storm"]["reason"] == reason
     assert f" %: {reason}: the caisson has moved by " in failure
@@ -282,7 +283,7 @@ def test_a_load_ends_where_the_caisson_has_moved_too_far(soil: dict[str, Any], r
 def test_a_pull_goes_as_far_as_it_is_told() -> None:
     """Only a given load is stopped: an imposed displacement beyond a tenth of the diameter is run, and named."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": 1.0}
-    result = compute(tiny.scene(soil=SOFT, interface={"friction_coefficient": 0.0}, paths=(path,)))
+    result = compute(tiny.scene(soil=SOFT, interface={"friction_coefficient": 0.0}, paths=(path,))).recorded()
     assert end(result, "u") == pytest.approx(1.0)
     assert record_of(result)["failures"] == []
 
@@ -290,7 +291,7 @@ def test_a_pull_goes_as_far_as_it_is_told() -> None:
 def test_a_dead_load_that_the_soil_does_not_carry() -> None:
     """The state it reached is kept as the path's first, marked as not converged."""
     lift = tiny.scene(caisson={"vertical_load": "-3 MN"}, interface={"friction_coefficient": 0.05})
-    result = compute(lift)
+    result = compute(lift).recorded()
     (failure,) = record_of(result)["failures"]
     assert "% of its dead load: " in failure
     path = result["paths/pull"]
@@ -302,7 +303,7 @@ def test_a_dead_load_that_the_soil_does_not_carry() -> None:
 def test_other_paths_go_on_after_one_that_stopped() -> None:
     storm = tiny.overloaded_scene().paths[0].model_dump()
     scene = tiny.scene(paths=(storm, tiny.PULL), interface={"friction_coefficient": 0.0})
-    result = compute(scene)
+    result = compute(scene).recorded()
     assert [result[f"paths/{name}"].attrs["status"] for name in ("storm", "pull")] == ["partial", "complete"]
     assert result.attrs["status"] == "partial"
 
@@ -312,14 +313,15 @@ def test_an_interrupt_keeps_the_converged_steps() -> None:
         if path == "pull" and fraction > 0.2:
             raise KeyboardInterrupt
 
-    result = compute(tiny.scene(paths=(tiny.PULL, {**tiny.PULL, "name": "later"})), progress=progress)
+    done = compute(tiny.scene(paths=(tiny.PULL, {**tiny.PULL, "name": "later"})), progress=progress)
+    result = done.recorded()
     path = result["paths/pull"]
     assert result.attrs["status"] == path.attrs["status"] == "interrupted"
     assert path.sizes["step"] >= 3 and float(path["u"][-1]) < 0.5e-3
     np.testing.assert_allclose(path["H"], tiny.result()["paths/pull/H"][: path.sizes["step"]], rtol=1e-9)
     assert list(result["paths"].children) == ["pull"]
     with pytest.raises(KeyboardInterrupt):
-        raise_if_incomplete(result)
+        raise_if_incomplete(done)
 
 
 def test_a_linear_solver_that_is_not_there_is_a_missing_resource(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from types import SimpleNamespace
 from typing import Any
 
@@ -53,9 +52,7 @@ def test_the_stiffness_left_is_beside_the_softest_motion_at_rest() -> None:
 
 
 def failures(**changes: Any) -> list[str]:
-    record = json.loads(compute(tiny.scene(**changes)).attrs["run_json"])
-    found: list[str] = record["failures"]
-    return found
+    return compute(tiny.scene(**changes)).record.failures
 
 
 def test_a_load_beyond_capacity_ends_at_its_limit() -> None:

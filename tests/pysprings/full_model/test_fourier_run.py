@@ -45,7 +45,7 @@ def loaded_scene() -> Scene:
 
 @cache
 def result() -> xr.DataTree:
-    return compute(scene(output={"paraview": True}))
+    return compute(scene(output={"paraview": True})).recorded()
 
 
 # --- section and stations ---
@@ -128,13 +128,13 @@ def test_soft_sand_and_lift_off_do_not_stop_a_pull(harmonics, end):
     """Exact Newton steps follow soft modes of sand that is about to localise, and stop both runs before their end."""
     mesh = {"discretisation": "fourier", "preset": "medium", "harmonics": harmonics}
     pull = {"name": "pull", "kind": "pull", "lateral_displacement": end}
-    found = compute(Scene(paths=(pull,), mesh=mesh, solver={"tolerance": 1e-3}))
+    found = compute(Scene(paths=(pull,), mesh=mesh, solver={"tolerance": 1e-3})).recorded()
     assert found.attrs["status"] == "complete"
     assert float(found["paths/pull"]["u"][-1]) == pytest.approx(end)
 
 
 def test_a_run_is_complete_and_has_the_datasets_of_bricks():
-    tree, bricks = result(), compute(tiny.scene(output={"paraview": True}))
+    tree, bricks = result(), compute(tiny.scene(output={"paraview": True})).recorded()
     assert tree.attrs["status"] == "complete"
     variables.check_tree(tree, "result")
     assert set(tree["paths/pull"].data_vars) == set(bricks["paths/pull"].data_vars)
@@ -221,7 +221,7 @@ def test_other_paths_run_as_with_bricks(kind):
         "swipe": {"lateral_displacement": 3e-4, "rotation": -1e-4, "role": "held-back"},
     }  # fmt: skip
     path = {"name": "path", "kind": kind, **paths[kind]}
-    series, bricks = (compute(each.replace(paths=(path,))) for each in (scene(), tiny.scene()))
+    series, bricks = (compute(each.replace(paths=(path,))).recorded() for each in (scene(), tiny.scene()))
     assert series.attrs["status"] == "complete"
     for name in ("u", "w", "rotation", "H", "V", "M"):
         found, wanted = (tree["paths/path"][name].values for tree in (series, bricks))
@@ -244,10 +244,10 @@ class _Stop:
 
 @pytest.mark.parametrize("after", [1, 4, 7])
 def test_a_stopped_run_goes_on_to_the_same_result(after, tmp_path):
-    whole = compute(loaded_scene())
-    stopped = compute(loaded_scene(), progress=_Stop(after), checkpoints=Checkpoints(tmp_path))
+    whole = compute(loaded_scene()).recorded()
+    stopped = compute(loaded_scene(), progress=_Stop(after), checkpoints=Checkpoints(tmp_path)).recorded()
     assert stopped.attrs["status"] == "interrupted"
-    resumed = compute(loaded_scene(), checkpoints=Checkpoints(tmp_path), resume=True)
+    resumed = compute(loaded_scene(), checkpoints=Checkpoints(tmp_path), resume=True).recorded()
     assert resumed.attrs["status"] == "complete"
     for name in ("pull", "second"):
         xr.testing.assert_identical(whole[f"paths/{name}"].to_dataset(), resumed[f"paths/{name}"].to_dataset())

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from typing import Any
 
@@ -12,6 +13,7 @@ import xarray as xr
 
 from fe_engine.errors import NotConverged
 from pysprings.core import variables
+from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.record import (
     DEAD_LOAD,
     Meter,
@@ -21,6 +23,7 @@ from pysprings.full_model.record import (
     summarise,
     with_attempts,
 )
+from pysprings.full_model.run_record import CheckpointCost, CutBack, PathFigures, RunRecord, Status
 from pysprings.model.stages import dead_load_stage
 
 COUNTS = {"n_open": 0, "n_slip": 1, "n_plastic": 2, "n_apex": 0, "damping": 1.0, "correction": 0.0}
@@ -40,7 +43,7 @@ def path() -> xr.Dataset:
 
 QUADRATIC = [1e-1, 1e-2, 1e-4, 1e-8]
 RECORD = increment(1, QUADRATIC) + increment(2, [1.0, 2.0, 4.0], False) + increment(2, [1e-2, 1e-9])
-GIVEN_UP = [{"iterations": 2, "reason": "stalls"}]
+GIVEN_UP = [CutBack("path", 0.2, "stalls", "node 7", 2, [2.0, 4.0])]
 
 
 def test_attempts_are_counted_step_by_step() -> None:
@@ -54,35 +57,35 @@ def test_increments_of_the_dead_load_come_before_step_1() -> None:
     assert [row["increment"] for row in rows] == [-1, -1, 0, 0, 1, 1, 2, 2]
     assert dead_load_stage(1.0).name == DEAD_LOAD
     summary = summarise(dead + increment(3, [0.1, 1e-9]), [], path())
-    assert (summary["increments"], summary["increments_of_dead_load"]) == (3, 2)
+    assert (summary.increments, summary.increments_of_dead_load) == (3, 2)
 
 
 def test_summary_counts_accepted_increments_and_given_up_ones_apart() -> None:
     summary = summarise(RECORD, GIVEN_UP, path())
-    assert summary["increments"] == 2
-    assert (summary["iterations"], summary["median_iterations"], summary["max_iterations"]) == (4, 2.0, 3)
-    assert (summary["cut_backs"], summary["iterations_in_cut_backs"]) == (1, 2)
-    assert summary["cut_backs_at"] == GIVEN_UP
-    assert summary["worst_residual"] == 1e-8
-    assert summary["end"] == {"u": 0.0, "w": 1.0, "rotation": 2.0, "H": 3.0, "V": 4.0, "M": 5.0}
-    assert summary["contact_rings"] is None
-    assert "increments_of_dead_load" not in summary
+    assert summary.increments == 2
+    assert (summary.iterations, summary.median_iterations, summary.max_iterations) == (4, 2.0, 3)
+    assert (summary.cut_backs, summary.iterations_in_cut_backs) == (1, 2)
+    assert summary.cut_backs_at == GIVEN_UP
+    assert summary.worst_residual == 1e-8
+    assert summary.end == {"u": 0.0, "w": 1.0, "rotation": 2.0, "H": 3.0, "V": 4.0, "M": 5.0}
+    assert summary.contact_rings is None
+    assert summary.increments_of_dead_load is None and "increments_of_dead_load" not in summary.as_dict()
 
 
 def test_order_and_ratio_of_the_last_iterations() -> None:
     summary = summarise(increment(1, QUADRATIC), [], path())
-    assert summary["order_of_last_iterations"] == pytest.approx(2.0)
-    assert summary["last_residual_ratio"] == pytest.approx(1e-4)
+    assert summary.order_of_last_iterations == pytest.approx(2.0)
+    assert summary.last_residual_ratio == pytest.approx(1e-4)
     linear = summarise(increment(1, [5e-2, 5e-3, 5e-4, 5e-5]), [], path())
-    assert linear["order_of_last_iterations"] == pytest.approx(1.0)
+    assert linear.order_of_last_iterations == pytest.approx(1.0)
     short = summarise(increment(1, [1e-2, 1e-9]), [], path())
-    assert (short["order_of_last_iterations"], short["last_residual_ratio"]) == (None, None)
+    assert (short.order_of_last_iterations, short.last_residual_ratio) == (None, None)
 
 
 def test_a_path_without_an_accepted_increment() -> None:
     summary = summarise(increment(1, [1.0, 2.0], False), GIVEN_UP, path())
-    assert (summary["increments"], summary["iterations"], summary["median_iterations"]) == (0, 0, 0.0)
-    assert summarise([], [], path())["increments"] == 0
+    assert (summary.increments, summary.iterations, summary.median_iterations) == (0, 0, 0.0)
+    assert summarise([], [], path()).increments == 0
 
 
 def test_convergence_dataset_holds_every_row() -> None:
@@ -96,31 +99,45 @@ def test_convergence_dataset_holds_every_row() -> None:
 def test_cut_back_says_where_and_why() -> None:
     history = [{"residual": 0.123456}, {"residual": 2.0}]
     found = cut_back("pull", 0.25, NotConverged("the residual stalls", "node 7", history))
-    assert found == {
+    assert found.as_dict() == {
         "stage": "path", "load_fraction": 0.25, "reason": "the residual stalls", "place": "node 7",
         "iterations": 1, "last_residuals": [0.123, 2.0],
     }  # fmt: skip
-    assert cut_back(DEAD_LOAD, 0.5, NotConverged("x"))["stage"] == DEAD_LOAD
-    assert cut_back("pull", 0.5, NotConverged("x"))["iterations"] == 0
+    assert cut_back(DEAD_LOAD, 0.5, NotConverged("x")).stage == DEAD_LOAD
+    assert cut_back("pull", 0.5, NotConverged("x")).iterations == 0
 
 
 def test_phases_and_other_add_up_to_the_totals() -> None:
-    record: dict[str, Any] = {}
+    record = RunRecord(Status.COMPLETE)
     meter = Meter()
     with meter.clock.phase("mesh"):
         time.sleep(0.02)
     time.sleep(0.03)
     meter.charge(record)
-    assert record["phases"]["mesh"]["wall_s"] == pytest.approx(0.02, abs=0.015)
-    assert record["phases"]["other"]["wall_s"] == pytest.approx(0.03, abs=0.015)
-    first = record["wall_s"]
+    assert record.phases["mesh"]["wall_s"] == pytest.approx(0.02, abs=0.015)
+    assert record.phases["other"]["wall_s"] == pytest.approx(0.03, abs=0.015)
+    first = record.wall_s
     with meter.clock.phase("report"):
         time.sleep(0.02)
     meter.charge(record)
-    assert record["wall_s"] > first
-    assert list(record["phases"]) == ["mesh", "report", "other"]
-    for key in ("wall_s", "cpu_s"):
-        assert sum(phase[key] for phase in record["phases"].values()) == pytest.approx(record[key], abs=0.005)
+    assert record.wall_s > first
+    assert list(record.phases) == ["mesh", "report", "other"]
+    for key, total in (("wall_s", record.wall_s), ("cpu_s", record.cpu_s)):
+        assert sum(phase[key] for phase in record.phases.values()) == pytest.approx(total, abs=0.005)
+
+
+def test_the_record_as_json_leaves_out_what_a_run_does_not_have() -> None:
+    path = PathFigures(Status.PARTIAL, StopReason.APEX, cut_backs_at=GIVEN_UP, contact_rings=None)
+    data = json.loads(RunRecord(Status.PARTIAL, paths={"pull": path}).as_json())
+    assert (data["status"], data["stopped_by"], data["failures"]) == ("partial", None, [])
+    assert not {"checkpoints", "error_estimate", "target_error", "balance", "files"} & set(data)
+    pull = data["paths"]["pull"]
+    assert (pull["status"], pull["reason"], pull["contact_rings"]) == ("partial", "apex", None)
+    assert pull["cut_backs_at"][0]["place"] == "node 7"
+    assert not {"water", "increments_of_dead_load"} & set(pull)
+    assert not {"harmonics", "azimuths"} & set(data["mesh"]) and not {"unit_s"} & set(data["solver"])
+    checkpoints = CheckpointCost(3, 0.1, 0.01)
+    assert RunRecord(Status.COMPLETE, checkpoints=checkpoints).as_dict()["checkpoints"]["written"] == 3
 
 
 def test_peak_memory_is_that_of_this_process() -> None:

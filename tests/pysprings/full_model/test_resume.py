@@ -60,7 +60,7 @@ SCENES = {"drained": drained, "coupled": coupled}
 
 @cache
 def straight(kind: str) -> xr.DataTree:
-    return compute(SCENES[kind]())
+    return compute(SCENES[kind]()).recorded()
 
 
 class Stop:
@@ -117,10 +117,12 @@ def test_a_run_stopped_at_any_step_equals_one_in_one_go(
         monkeypatch.setattr(cavitation, "ATMOSPHERE", 0.0)
     done = 0
     for stop in stops:
-        result = compute(SCENES[kind](), progress=Stop(stop - done), checkpoints=Checkpoints(tmp_path), resume=done > 0)
+        result = compute(
+            SCENES[kind](), progress=Stop(stop - done), checkpoints=Checkpoints(tmp_path), resume=done > 0
+        ).recorded()
         assert result.attrs["status"] == "interrupted"
         done = stop
-    result = compute(SCENES[kind](), checkpoints=Checkpoints(tmp_path), resume=True)
+    result = compute(SCENES[kind](), checkpoints=Checkpoints(tmp_path), resume=True).recorded()
     assert_same(result, straight(kind))
     assert len(record_of(result)["resumed"]) == len(stops)
     assert len(record_of(result)["warnings"]) == (2 if kind == "coupled" else 0)
@@ -132,13 +134,13 @@ def test_factors_of_earlier_tangents_go_on_too(
     """As large models solve: what the factors were made from is in the checkpoint."""
     own = record_of(straight("drained"))["solver"]["factorisations"]
     monkeypatch.setattr(discretise, "Settings", partial(Settings, recycling=Recycling(start=0)))
-    whole = compute(drained())
+    whole = compute(drained()).recorded()
     assert record_of(whole)["solver"]["factorisations"] < own
     done = 0
     for stop in (4, 6, 12):
         compute(drained(), progress=Stop(stop - done), checkpoints=Checkpoints(tmp_path), resume=done > 0)
         done = stop
-    assert_same(compute(drained(), checkpoints=Checkpoints(tmp_path), resume=True), whole)
+    assert_same(compute(drained(), checkpoints=Checkpoints(tmp_path), resume=True).recorded(), whole)
 
 
 @pytest.mark.slow
@@ -151,7 +153,7 @@ def test_what_is_not_in_a_checkpoint_is_computed_again(tmp_path: Path, monkeypat
 
     with pytest.raises(Killed):
         compute(drained(), progress=Stop(9, Killed), checkpoints=Checkpoints(tmp_path))
-    result = compute(drained(), checkpoints=Checkpoints(tmp_path), resume=True)
+    result = compute(drained(), checkpoints=Checkpoints(tmp_path), resume=True).recorded()
     assert record_of(result)["resumed"][0]["from"] == "path 'pull', its dead load"
     xr.testing.assert_identical(
         result["paths/second"].to_dataset(inherit=False), straight("drained")["paths/second"].to_dataset(inherit=False)
@@ -164,23 +166,28 @@ def test_a_path_that_did_not_converge_stays_as_it_ended(tmp_path: Path, monkeypa
     monkeypatch.setattr(step_size, "_SMALLEST", 0.02)  # no endless halving
     hasty = {"max_iterations": 2, "tolerance": 1e-8, "max_step_fraction": 0.3}
     scene = tiny.scene(solver=hasty, paths=(tiny.PULL, SECOND))
-    whole = compute(scene)
+    whole = compute(scene).recorded()
     assert [path.attrs["status"] for path in whole["paths"].children.values()] == ["partial", "partial"]
-    stopped = compute(scene, progress=Stop(whole["paths/pull"].sizes["step"]), checkpoints=Checkpoints(tmp_path))
+    stopped = compute(
+        scene, progress=Stop(whole["paths/pull"].sizes["step"]), checkpoints=Checkpoints(tmp_path)
+    ).recorded()
     assert list(stopped["paths"].children) == ["pull", "second"]
-    result = compute(scene, checkpoints=Checkpoints(tmp_path), resume=True)
+    result = compute(scene, checkpoints=Checkpoints(tmp_path), resume=True).recorded()
     assert_same(result, whole)
 
 
 def test_a_limit_load_is_still_one_after_a_stop(tmp_path: Path, every_step: None) -> None:
     """What tells it, the stiffness of the last increment, is in the checkpoint of the last step that converged."""
     scene, calls = tiny.scene(caisson={"vertical_load": -5e6}), []
-    whole = compute(scene, progress=lambda path, *_: calls.append(path))
+    whole = compute(scene, progress=lambda path, *_: calls.append(path)).recorded()
     (line,) = record_of(whole)["failures"]
     assert "of its dead load: limit load: " in line
     last = len(calls) - calls.count("model")
-    assert compute(scene, progress=Stop(last), checkpoints=Checkpoints(tmp_path)).attrs["status"] == "interrupted"
-    assert_same(compute(scene, checkpoints=Checkpoints(tmp_path), resume=True), whole)
+    assert (
+        compute(scene, progress=Stop(last), checkpoints=Checkpoints(tmp_path)).recorded().attrs["status"]
+        == "interrupted"
+    )
+    assert_same(compute(scene, checkpoints=Checkpoints(tmp_path), resume=True).recorded(), whole)
 
 
 def test_the_python_call_goes_on_by_itself(tmp_path: Path) -> None:
@@ -214,7 +221,7 @@ def test_checkpoints_keep_to_their_share(monkeypatch: pytest.MonkeyPatch, tmp_pa
 
 def test_the_record_has_the_cost(tmp_path: Path, every_step: None) -> None:
     """One checkpoint at every step; their seconds, and these as a share of the run's."""
-    kept = compute(drained(), checkpoints=Checkpoints(tmp_path))
+    kept = compute(drained(), checkpoints=Checkpoints(tmp_path)).recorded()
     record = record_of(kept)
     saved = record["checkpoints"]
     assert saved["written"] >= sum(path.sizes["step"] for path in kept["paths"].children.values()) - 1
@@ -269,7 +276,7 @@ def test_a_damaged_file_is_told_and_what_it_held_computed_again(
 ) -> None:
     folder = shutil.copytree(stopped, tmp_path / "copy")
     damage(folder / "checkpoint" / name)
-    result = compute(drained(), checkpoints=Checkpoints(folder), resume=True)
+    result = compute(drained(), checkpoints=Checkpoints(folder), resume=True).recorded()
     (warning,) = record_of(result)["warnings"]
     assert warning == f"checkpoint {name}: its checksum is wrong; what it held is computed again"
     for group in straight("drained").groups:
@@ -337,11 +344,13 @@ def test_other_libraries_are_noted(stopped: Path, tmp_path: Path) -> None:
         assert saved.meta["environment"]["numpy"] == np.__version__
         other = saved.meta["environment"] | {"numpy": "1.2.3", "threads of numba": "999"}
         checkpoint.write(file, checkpoint.Saved(saved.meta | {"environment": other}, saved.arrays))
-    result = compute(drained(), checkpoints=Checkpoints(folder), resume=True)
+    result = compute(drained(), checkpoints=Checkpoints(folder), resume=True).recorded()
     (note,) = record_of(result)["warnings"]
     threads = record_of(result)["environment"]["threads of numba"]
     assert f"numpy 1.2.3 (here {np.__version__}), threads of numba 999 (here {threads}): last digits may differ" in note
-    again = compute(drained(), checkpoints=Checkpoints(shutil.copytree(stopped, tmp_path / "same")), resume=True)
+    again = compute(
+        drained(), checkpoints=Checkpoints(shutil.copytree(stopped, tmp_path / "same")), resume=True
+    ).recorded()
     assert record_of(again)["warnings"] == []
 
 
@@ -512,7 +521,7 @@ def test_out_of_memory_keeps_what_converged(tmp_path: Path, scene_file: Path, mo
         f"what converged is kept in {out}, --resume goes on from there"
     )
     assert json.loads((out / "run.json").read_text())["stopped_by"] == "out of memory"
-    assert_same(compute(drained(), checkpoints=Checkpoints(out), resume=True), straight("drained"))
+    assert_same(compute(drained(), checkpoints=Checkpoints(out), resume=True).recorded(), straight("drained"))
 
 
 def test_a_full_disk_stops_the_run_and_spoils_nothing(
@@ -534,7 +543,7 @@ def test_a_full_disk_stops_the_run_and_spoils_nothing(
     assert "the checkpoint cannot be written (No space left on device)" in line and "--resume" in line
     assert set(contents(out)) == {"checkpoint/start.npz", "checkpoint/state-a.npz", "checkpoint/state-b.npz"}
     monkeypatch.setattr(os, "fsync", sync)
-    assert_same(compute(drained(), checkpoints=Checkpoints(out), resume=True), straight("drained"))
+    assert_same(compute(drained(), checkpoints=Checkpoints(out), resume=True).recorded(), straight("drained"))
 
 
 def test_a_disk_that_is_full_for_the_results_leaves_the_checkpoints(
@@ -602,4 +611,4 @@ def test_a_killed_process_goes_on(tmp_path: Path, kind: str, code: int) -> None:
     record = json.loads((out / "run.json").read_text())
     assert record["status"] == "complete" and record["resumed"][0]["from"].startswith("path 'pull', step ")
     with xr.open_datatree(out / "full_model.nc", engine="netcdf4", decode_timedelta=False) as tree:
-        np.testing.assert_allclose(tree["paths/pull/H"], compute(scene)["paths/pull/H"], rtol=1e-10)
+        np.testing.assert_allclose(tree["paths/pull/H"], compute(scene).recorded()["paths/pull/H"], rtol=1e-10)

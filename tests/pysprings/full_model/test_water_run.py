@@ -111,13 +111,13 @@ def test_suction_beyond_cavitation_is_warned_of_with_place_and_value() -> None:
     strong = {"water_depth": 0.0, "water_bulk_modulus": "incompressible"}
     scene = tiny.wet("undrained", drainage=strong).replace(soil={"cohesion": 1e6})
     path = {**tiny.PULL, "lateral_displacement": 20e-3}
-    result = compute(scene.replace(paths=(path,)))
+    result = compute(scene.replace(paths=(path,))).recorded()
     (text,) = json.loads(result.attrs["run_json"])["warnings"]
     assert "would cavitate" in text and "z=" in text and "kPa" in text
     margin = result["paths/pull/cavitation_margin"].values
     assert margin[0] == pytest.approx(ATMOSPHERE - VAPOUR)
     assert margin.min() < 0.0
-    deep = compute(scene.replace(paths=(path,), drainage={"water_depth": 5000.0}))
+    deep = compute(scene.replace(paths=(path,), drainage={"water_depth": 5000.0})).recorded()
     assert json.loads(deep.attrs["run_json"])["warnings"] == []
 
 

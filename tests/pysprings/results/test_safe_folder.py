@@ -194,7 +194,7 @@ def test_a_study_that_forgets_a_run_has_its_pictures_removed_by_the_next(tmp_pat
 
 
 def test_paraview_files_of_a_longer_run_go_by_their_list(tmp_path: Path) -> None:
-    result = compute(tiny.scene(output={"paraview": True}))
+    result = compute(tiny.scene(output={"paraview": True})).recorded()
     write_paraview(result, tmp_path)
     listing = tmp_path / "pull.pvd"
     lines = listing.read_text()

@@ -255,6 +255,6 @@ def test_a_run_records_the_motion_that_it_reached(monkeypatch: pytest.MonkeyPatc
     from pysprings.model.forecast import small_strain
 
     monkeypatch.setattr(small_strain, "LARGEST_SHARE", 1e-5)
-    result = compute.compute(tiny.scene())
+    result = compute.compute(tiny.scene()).recorded()
     (text,) = json.loads(result.attrs["run_json"])["warnings"]
     assert "path 'pull': a displacement of 0.0005 m" in text

@@ -12,6 +12,8 @@ import pandas as pd
 import pytest
 
 from pysprings.core.errors import ResourceError, UserInputError
+from pysprings.core.stop_reasons import StopReason
+from pysprings.full_model.run_record import PathFigures, RunRecord, Status
 from pysprings.studies.stability import catalogue as stability
 from pysprings.studies.stability import text as stability_text
 from pysprings.studies.stability.cases import CASES, Case
@@ -20,10 +22,11 @@ from tests.support.commands import command
 NAMES = [case.name for case in CASES]
 
 
-def record(reason: str | None = None, failures: tuple[str, ...] = (), warnings: tuple[str, ...] = ()) -> dict[str, Any]:
-    path = {"status": "complete"} if reason is None else {"status": "partial", "reason": reason}
-    texts = {"failures": list(failures), "warnings": list(warnings)}
-    return {"status": path["status"], "paths": {"pull": path}} | texts
+def record(
+    reason: StopReason | None = None, failures: tuple[str, ...] = (), warnings: tuple[str, ...] = ()
+) -> RunRecord:
+    path = PathFigures(Status.COMPLETE if reason is None else Status.PARTIAL, reason)
+    return RunRecord(path.status, failures=list(failures), warnings=list(warnings), paths={"pull": path})
 
 
 def test_names_are_unique_and_the_groups_are_not_names() -> None:
@@ -52,8 +55,8 @@ def test_endings() -> None:
         "detail": "water would cavitate",
     }
     why = ("path 'pull' stopped: words that name no reason",)
-    assert stability._ending(record("localisation", why)) == {"outcome": "stopped", "detail": why[0]}
-    for reason in ("unexplained", "out of memory"):
+    assert stability._ending(record(StopReason.LOCALISATION, why)) == {"outcome": "stopped", "detail": why[0]}
+    for reason in (StopReason.UNEXPLAINED, StopReason.OUT_OF_MEMORY):
         assert stability._ending(record(reason, why))["outcome"] == "unexplained"
 
 

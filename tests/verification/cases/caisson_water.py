@@ -102,7 +102,7 @@ def push(mode: str, rate: float, end: float, drainage: dict | None = None, **sec
         mesh={"preset": "coarse"}, drainage={"mode": mode, **(drainage or {})}, paths=[path],
         output={"figures": False}, **sections,
     )  # fmt: skip
-    return compute(scene)["paths/pull"].to_dataset()
+    return compute(scene).recorded()["paths/pull"].to_dataset()
 
 
 def checkerboard_rows() -> list[Row]:

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: MIT
+"""The record of a run: status, cost and convergence, typed; `run.json` and the attribute `run_json` hold it as JSON.
+
+A field that is None is null in JSON, or is left out where it is marked as optional.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Self
+
+from pysprings.core.stop_reasons import StopReason
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+ATTRIBUTE = "run_json"  # of the root of a full-model result
+
+
+class Status(StrEnum):
+    """How a run, or one of its paths, ended."""
+
+    COMPLETE = "complete"
+    PARTIAL = "partial"
+    INTERRUPTED = "interrupted"
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """How a path ended; unless it has, it is interrupted.
+
+    Attributes
+    ----------
+    reason, why : why it stopped, and the same in one line that begins with the reason; none where it came to its aim.
+    failure : sentence for the record; empty where the path came to its aim, or was interrupted.
+    """
+
+    status: Status = Status.INTERRUPTED
+    reason: StopReason | None = StopReason.INTERRUPTED
+    why: str = "interrupted"
+    failure: str = ""
+
+
+COMPLETE = Ending(Status.COMPLETE, None, "")
+
+
+OPTIONAL = MappingProxyType({"optional": True})  # metadata of a field that JSON leaves out where it is None
+
+
+class _Part:
+    """A dataclass that JSON objects are made of."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain data, in the order of the fields."""
+        fields = dataclasses.fields(self)  # type: ignore[arg-type]  # of the dataclasses below
+        values = {each.name: (getattr(self, each.name), "optional" in each.metadata) for each in fields}
+        return {name: _plain(value) for name, (value, left_out) in values.items() if not (left_out and value is None)}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, _Part):
+        return value.as_dict()
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items()}
+    return [_plain(each) for each in value] if isinstance(value, list | tuple) else value
+
+
+@dataclass(frozen=True, slots=True)
+class MeshFigures(_Part):
+    """Mesh of a run: preset, discretisation, series of a Fourier model, sizes, quality."""
+
+    preset: str = ""
+    discretisation: str = ""
+    harmonics: int | None = field(default=None, metadata=OPTIONAL)
+    azimuths: int | None = field(default=None, metadata=OPTIONAL)
+    contact_azimuths: int | None = field(default=None, metadata=OPTIONAL)
+    nodes: int = 0
+    elements: int = 0
+    unknowns: int = 0
+    steel_elements: int = 0
+    interface_stations: int = 0
+    min_scaled_jacobian: float = 0.0
+    max_aspect: float = 0.0
+
+
+@dataclass(slots=True)
+class SolverFigures(_Part):
+    """Linear solver and Newton's method: settings, and what they needed in all.
+
+    unit_s is the time [s] of one factorisation and solve of the last tangent, measured on demand, and
+    peak_before_unit_bytes the peak of the memory before that.
+    """
+
+    linear: str = ""
+    tolerance: float | None = None
+    max_iterations: int = 0
+    factorisations: int = 0
+    solves: int = 0
+    worst_linear_residual: float = 0.0
+    condition_estimate: float | None = None
+    peak_before_unit_bytes: int | None = field(default=None, metadata=OPTIONAL)
+    unit_s: float | None = field(default=None, metadata=OPTIONAL)
+
+
+@dataclass(frozen=True, slots=True)
+class CutBack(_Part):
+    """An attempt that was given up: stage, fraction of it that was aimed at, reason, place, last residuals."""
+
+    stage: str
+    load_fraction: float
+    reason: str
+    place: str
+    iterations: int
+    last_residuals: list[float]
+
+
+@dataclass(frozen=True, slots=True)
+class PathFigures(_Part):
+    """Figures of a path: how it ended, increments, iterations, cut-backs, order of convergence, balances.
+
+    Attributes
+    ----------
+    reason : why the path stopped; None where it came to its aim.
+    increments_of_dead_load : those of them before the path, where its caisson carries more or less than the balance.
+    steps_limited_by : counts by what limited the size of a step (`fe_engine.solve.step_size.LIMITS`).
+    end : u, w [m], rotation [rad], H, V [N], M [N m] at the last step.
+    contact_rings : see `pysprings.full_model.ring_measure`.
+    water : volumes [m3] and range of the pressures [Pa]; None when drained.
+    energy : terms of the balance [J].
+    """
+
+    status: Status
+    reason: StopReason | None = field(default=None, metadata=OPTIONAL)
+    increments: int = 0
+    increments_of_dead_load: int | None = field(default=None, metadata=OPTIONAL)
+    iterations: int = 0
+    median_iterations: float = 0.0
+    max_iterations: int = 0
+    cut_backs: int = 0
+    iterations_in_cut_backs: int = 0
+    cut_backs_at: list[CutBack] = field(default_factory=list)
+    steps_limited_by: dict[str, int] = field(default_factory=dict)
+    worst_residual: float = 0.0
+    order_of_last_iterations: float | None = None
+    last_residual_ratio: float | None = None
+    end: dict[str, float] = field(default_factory=dict)
+    contact_rings: dict[str, Any] | None = None
+    water: dict[str, float] | None = field(default=None, metadata=OPTIONAL)
+    energy: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class CheckpointCost(_Part):
+    """Checkpoints of the path on its way: how many, wall seconds, share of the wall time of the paths."""
+
+    written: int
+    wall_s: float
+    share_of_wall: float
+
+
+@dataclass(slots=True)
+class RunRecord(_Part):
+    """What a run did, and what it cost.
+
+    Attributes
+    ----------
+    stopped_by : why the run ended before its paths did; None where it did not.
+    failures, warnings : sentences on paths that stopped, and on what was computed.
+    resumed : time and place of each continuation.
+    environment : versions of the libraries and numbers of threads.
+    left_out : what the scene leaves out, and why.
+    phases : wall and CPU seconds by phase; wall_s and cpu_s are their sums.
+    error_estimate, target_error, balance, files : what was asked for, or written, beside the computation.
+    """
+
+    status: Status
+    stopped_by: StopReason | None = None
+    failures: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    version: str = ""
+    started_utc: str = ""
+    resumed: list[dict[str, str]] = field(default_factory=list)
+    python: str = ""
+    platform: str = ""
+    environment: dict[str, str] = field(default_factory=dict)
+    scene_sha256: str = ""
+    scene_toml: str = ""
+    mesh: MeshFigures = field(default_factory=MeshFigures)
+    solver: SolverFigures = field(default_factory=SolverFigures)
+    paths: dict[str, PathFigures] = field(default_factory=dict)
+    left_out: list[dict[str, Any]] = field(default_factory=list)
+    checkpoints: CheckpointCost | None = field(default=None, metadata=OPTIONAL)
+    phases: dict[str, dict[str, float]] = field(default_factory=dict)
+    wall_s: float = 0.0
+    cpu_s: float = 0.0
+    peak_memory_bytes: int = 0
+    error_estimate: dict[str, Any] | None = field(default=None, metadata=OPTIONAL)
+    target_error: dict[str, Any] | None = field(default=None, metadata=OPTIONAL)
+    balance: dict[str, dict[str, float]] | None = field(default=None, metadata=OPTIONAL)
+    files: list[str] | None = field(default=None, metadata=OPTIONAL)
+
+    @property
+    def reasons(self) -> list[StopReason]:
+        """Why each path that stopped did so."""
+        return [path.reason for path in self.paths.values() if path.reason is not None]
+
+    def replace(self, **changes: Any) -> Self:
+        """Return the record with some fields changed."""
+        return dataclasses.replace(self, **changes)
+
+    def as_json(self) -> str:
+        """Return the record as JSON text on one line."""
+        return json.dumps(self.as_dict())
+
+
+@dataclass(frozen=True, slots=True)
+class Computed:
+    """A full-model result and the record of its run."""
+
+    tree: xr.DataTree
+    record: RunRecord
+
+    @property
+    def interrupted(self) -> bool:
+        """True where the run ended before its paths did."""
+        return self.record.status is Status.INTERRUPTED
+
+    def recorded(self) -> xr.DataTree:
+        """Return the tree with the record as its attribute `run_json`."""
+        self.tree.attrs[ATTRIBUTE] = self.record.as_json()
+        return self.tree
