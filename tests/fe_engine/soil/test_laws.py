@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: MIT
+"""What every registered soil law must meet at one point, whatever its surface."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from fe_engine.conventions import OK, REGIME_ELASTIC
+from fe_engine.soil.law import Point, SoilLaw
+from fe_engine.soil.laws import SOIL_LAWS
+from tests.support.models import rotation_matrix, soil, taylor_slope, to_matrix, to_voigt
+from tests.support.soil_points import OTHER, PUSH, SIZES, START
+
+LAWS = [pytest.param(law, id=law.name) for law in SOIL_LAWS]
+
+
+class Answer(NamedTuple):
+    """What an update wrote and returned."""
+
+    stress: np.ndarray
+    history: np.ndarray
+    tangent: np.ndarray
+    regime: int
+
+
+def step(law: SoilLaw, strain: np.ndarray, stress: np.ndarray = START) -> Answer:
+    """One update from a stress and no history."""
+    p, n = soil(law).parameters, len(law.history)
+    new, tangent = Point(np.full(6, np.nan), np.full(n, np.nan)), np.full((6, 6), np.nan)
+    status, regime = law.update(p, strain, Point(stress, np.zeros(n)), new, tangent, True)
+    assert status == OK
+    return Answer(new.stress, new.history, tangent, regime)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_parameters_and_moduli_fit_their_names(law):
+    p = soil(law).parameters
+    assert p.shape == (len(law.parameters),)
+    bulk, shear = law.moduli(p)
+    assert bulk > 0.0 < shear
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_tangent_is_the_derivative_of_the_stress(law):
+    tangent = step(law, PUSH).tangent
+    assert taylor_slope(lambda strain: step(law, strain).stress, tangent, PUSH, OTHER, SIZES) > 1.85
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_rotated_strain_gives_rotated_stress(law):
+    """From an isotropic stress no axis is preferred."""
+    turn = rotation_matrix((0.3, -0.5, 0.8), 0.7)
+    strain = to_matrix(PUSH * np.array([1, 1, 1, 0.5, 0.5, 0.5]))
+    turned = to_voigt(turn @ strain @ turn.T, shear=2.0)
+    stress = to_matrix(step(law, PUSH).stress)
+    np.testing.assert_allclose(to_matrix(step(law, turned).stress), turn @ stress @ turn.T, rtol=1e-9, atol=1e-4)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_regime_that_is_elastic_has_the_tangent_of_the_moduli(law):
+    strain = 1e-9 * PUSH
+    _, history, tangent, regime = step(law, strain)
+    bulk, shear = law.moduli(soil(law).parameters)
+    if regime == REGIME_ELASTIC:
+        assert tangent[3, 3] == pytest.approx(shear, rel=1e-12)
+        assert tangent[:3, :3].sum() / 9.0 == pytest.approx(bulk, rel=1e-12)
+        assert np.all(history == 0.0)
+    else:
+        assert law.yields
+
+
+@pytest.mark.parametrize("law", [each for each in LAWS if each.values[0].yields])
+def test_a_law_that_yields_does_so_and_dissipates(law):
+    stress, _, _, regime = step(law, PUSH)
+    assert regime != REGIME_ELASTIC
+    p = soil(law).parameters
+    bulk, shear = law.moduli(p)
+    trial = START + np.array([*(bulk - 2 * shear / 3) * PUSH[:3].sum() + 2 * shear * PUSH[:3], *shear * PUSH[3:]])
+    plastic = to_matrix(trial - stress)
+    assert float(np.sum(plastic * to_matrix(stress - START))) > 0.0
+
+
+def test_a_symmetric_law_has_symmetric_tangents():
+    laws = [law for law in SOIL_LAWS if law.symmetric]
+    assert laws
+    for law in laws:
+        tangent = step(law, PUSH).tangent
+        np.testing.assert_allclose(tangent, tangent.T, rtol=1e-12)
