@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings import open_table
-from pysprings.cli.support import springs_of
+from pysprings.cli.inputs import springs_of
 from pysprings.macro.predict import MacroModel, curve, predict_batch
 from pysprings.macro.sets import spring_sets
 

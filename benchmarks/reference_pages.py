@@ -10,9 +10,8 @@ from __future__ import annotations
 import argparse
 import inspect
 from collections.abc import Iterator, Mapping
-from enum import Enum
 from pathlib import Path
-from typing import Any, get_args, get_type_hints
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from typer.models import ArgumentInfo, OptionInfo
 
@@ -193,12 +192,12 @@ def _spelling(name: str, kind: Any, info: Any) -> str:
         return str(info.metavar or name.upper())
     given = [each for each in (info.default, *(info.param_decls or ())) if isinstance(each, str)]
     option = next((each for each in given if each.startswith("--")), f"--{name.replace('_', '-')}")
-    kinds = [each for each in (kind, *get_args(kind)) if isinstance(each, type)]
+    parts = (kind, *get_args(kind))
+    kinds = [each for each in parts if isinstance(each, type)]
     if bool in kinds:
         return str(option)
-    choices = next((each for each in kinds if issubclass(each, Enum)), None)
-    named = (info.metavar or kinds[0].__name__.upper()).strip("[]")
-    taken = "|".join(str(each.value) for each in choices) if choices else named
+    words = next((get_args(each) for each in parts if get_origin(each) is Literal), ())
+    taken = "|".join(words) if words else (info.metavar or kinds[0].__name__.upper()).strip("[]")
     return f"{option} {taken}"
 
 
@@ -206,7 +205,7 @@ def _preset(default: Any) -> str:
     """Return the default of an option as a remark; nothing for a flag, or where there is none."""
     if default is inspect.Parameter.empty or default is None or isinstance(default, bool | list):
         return ""
-    return f" (default `{getattr(default, 'value', default)}`)"
+    return f" (default `{default}`)"
 
 
 def _words(text: str) -> str:

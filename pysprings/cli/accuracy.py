@@ -7,7 +7,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from pysprings.cli.support import interruptible, print_json, print_table, refuse, refuse_no_folder, say
+from pysprings.cli.folders import refuse_no_folder
+from pysprings.cli.support import interruptible, print_json, print_table, refuse, to_stderr
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.progress import reporter
 from pysprings.full_model.accuracy.settings import settings
@@ -28,10 +29,10 @@ def run(
         with interruptible(), reporter(sys.stderr) as progress:
             found = study.study(scene, out, wanted, progress, force, child.run_in_child)
     except KeyboardInterrupt:
-        say(f"what has run is kept in {out}; the same command goes on")
+        to_stderr(f"what has run is kept in {out}; the same command goes on")
         raise
     if presets is not None:
-        say(f"presets: {study.write_presets(scene, found, presets)}")
+        to_stderr(f"presets: {study.write_presets(scene, found, presets)}")
     if as_json:
         print_json({"folder": str(out), **study.to_json(scene, found)})
     else:

@@ -6,7 +6,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from pysprings.cli.support import interruptible, print_json, refuse_no_folder, say
+from pysprings.cli.folders import refuse_no_folder
+from pysprings.cli.support import interruptible, print_json, to_stderr
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.progress import reporter
 from pysprings.studies.paper import study, text
@@ -19,7 +20,7 @@ def run(out: Path, mesh: str, sensitivity_mesh: str | None, force: bool, as_json
         with interruptible(), reporter(sys.stderr) as progress:
             stopped = study.study(out, mesh, progress, sensitivity_mesh, force=force)
     except KeyboardInterrupt:
-        say(f"what has run is kept in {out}; the same command goes on")
+        to_stderr(f"what has run is kept in {out}; the same command goes on")
         raise
     _print(out, mesh, stopped, as_json)
     if stopped:

@@ -1,56 +1,201 @@
 # SPDX-License-Identifier: MIT
-"""The command `pysprings predict`: which question is asked, its answer, and how it is printed."""
+"""`pysprings predict`: motions under loads, loads at motions, curves and sequences, on springs or tables."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pysprings.cli.support import print_table, refuse, say
+import typer
+
+from pysprings.cli.inputs import springs_or_table
+from pysprings.cli.options import Json, SpringSet
+from pysprings.cli.support import print_json, quantities, refuse, to_stderr
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.macro.sets import AnySprings
 
-Given = Mapping[str, float | None]
-
 MISSING = 'missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve'
 
+# quantity -> (option, SI unit, example)
+_QUANTITIES = {
+    "H": ("--H", "N", "2 MN"),
+    "arm": ("--arm", "m", "8 m"),
+    "M": ("--M", "N m", "-3 MN m"),
+    "V": ("--V", "N", "4 MN"),
+    "u_max": ("--u-max", "m", "5 mm"),
+    "u": ("--u", "m", "3 mm"),
+    "rotation": ("--rotation", "rad", "0.5 mrad"),
+    "skirt_length": ("--skirt-length", "m", "4 m"),
+    "rate": ("--rate", "m/s", "0.1 mm/s"),
+}
 
-def answer(
-    springs: AnySprings,
-    given: Given,
-    sequence: Path | None,
-    kind: str | None,
-    path: str | None,
-    points: int,
-    strict: bool,
-) -> xr.Dataset:
-    """Return the states asked for: the last one of a load or motion, all of a curve or sequence."""
+
+@dataclass(frozen=True)
+class Question:
+    """Loads and motions of a prediction in SI; None for options that are absent."""
+
+    H: float | None = None
+    arm: float | None = None
+    M: float | None = None
+    V: float | None = None
+    u_max: float | None = None
+    u: float | None = None
+    rotation: float | None = None
+    skirt_length: float | None = None
+    rate: float | None = None
+    sequence: Path | None = None
+    points: int = 50
+
+    @classmethod
+    def read(cls, texts: Mapping[str, str | None], sequence: Path | None, points: int) -> Question:
+        """Read quantities with units, by the names of the attributes.
+
+        Raises
+        ------
+        UserInputError
+            Texts that are no such quantities, and options that exclude each other or are missing.
+        """
+        values = quantities({_QUANTITIES[name][0]: (text, *_QUANTITIES[name][1:]) for name, text in texts.items()})
+        question = cls(**{name: values[_QUANTITIES[name][0]] for name in texts}, sequence=sequence, points=points)
+        question.refuse_contradictions()
+        return question
+
+    @property
+    def given(self) -> set[str]:
+        """Options of quantities that are given."""
+        return {option for name, (option, *_) in _QUANTITIES.items() if getattr(self, name) is not None}
+
+    def refuse_contradictions(self) -> None:
+        """Raise UserInputError for loads and motions that are missing or given twice."""
+        there = self.given
+        motions = there & {"--u", "--rotation"}
+        if self.sequence is not None:
+            for option in sorted(there - {"--V", "--skirt-length", "--rate"}):
+                refuse(option, "give either this or --sequence: the file holds loads, motions and their height")
+            return
+        if not there & {"--H", "--M", "--V", "--u-max", "--u", "--rotation"}:
+            refuse("--H", MISSING)
+        if {"--H", "--u-max"} <= there:
+            refuse("--u-max", "give either --H or --u-max: the load is an answer of the curve")
+        if {"--u-max", "--M"} <= there:
+            refuse("--M", "a curve needs the height of the load: give --arm instead")
+        if motions and (other := sorted(there & {"--H", "--M", "--u-max"})):
+            refuse(min(motions), f"give either this or {other[0]}: a load is the answer to a motion")
+        if {"--arm", "--M"} <= there:
+            refuse("--M", "give either --arm or --M, not both (M = -H*arm)")
+        if len(motions) == 2 and "--arm" in there:
+            refuse("--arm", "with --u and --rotation both loads are answers: leave --arm out")
+        if "--arm" in there and not there & {"--H", "--u-max", "--u", "--rotation"}:
+            refuse("--H", MISSING)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Springs that answer: name of a spring set, path for a set of one path, whether marked answers are refused."""
+
+    spring_set: str | None = None
+    path: str | None = None
+    strict: bool = False
+
+
+def predict(
+    result: Annotated[Path, typer.Argument(metavar="SPRINGS", help="springs.nc, the folder of a run, or a p-y table")],
+    load: Annotated[str | None, typer.Option("--H", metavar="FORCE", help='lateral load, e.g. "2 MN"')] = None,
+    arm: Annotated[
+        str | None, typer.Option("--arm", metavar="LENGTH", help='its height above mudline, e.g. "8 m"')
+    ] = None,
+    moment: Annotated[
+        str | None,
+        typer.Option("--M", metavar="MOMENT", help='moment about the lid centre, -H*arm, e.g. "-3 MN m"'),
+    ] = None,
+    vertical: Annotated[str | None, typer.Option("--V", metavar="FORCE", help="vertical load, positive down")] = None,
+    u_max: Annotated[
+        str | None,
+        typer.Option("--u-max", metavar="LENGTH", help='a whole curve up to this displacement, e.g. "5 mm"'),
+    ] = None,
+    points: Annotated[int, typer.Option("--points", help="points of the curve", min=2, max=10_000)] = 50,
+    u: Annotated[str | None, typer.Option("--u", metavar="LENGTH", help="the load at this displacement")] = None,
+    rotation: Annotated[
+        str | None,
+        typer.Option("--rotation", metavar="ANGLE", help="the load at this rotation; with --u: both imposed"),
+    ] = None,
+    sequence: Annotated[
+        Path | None,
+        typer.Option("--sequence", metavar="FILE", help="CSV with a load (H_N, M_Nm, V_N) or motion (u_m ...) a line"),
+    ] = None,
+    spring_set: SpringSet = None,
+    path: Annotated[
+        str | None, typer.Option("--path", metavar="NAME", help="load path whose springs serve (full, py)")
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="refuse an answer that the springs support only in part")
+    ] = False,
+    rate: Annotated[
+        str | None,
+        typer.Option("--rate", metavar="VELOCITY", help="of rho = |(u, rotation*L)|, for springs from several rates"),
+    ] = None,
+    stiffness: Annotated[
+        bool,
+        typer.Option(
+            "--stiffness", help="also the stiffness of the springs at each state, and the full model's initial one, 6x6"
+        ),
+    ] = False,
+    skirt_length: Annotated[
+        str | None, typer.Option("--skirt-length", metavar="LENGTH", help="of a table without depth_bottom_m")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Predict displacement and rotation of the rigid caisson on its springs, or a load-displacement curve.
+
+    SPRINGS may be a table of p-y curves (CSV, Excel) with columns depth_m, y_m, p_N_per_m, and companions if any.
+    """
+    from pysprings.cli import predictions
+
+    texts = {"H": load, "arm": arm, "M": moment, "V": vertical, "u_max": u_max, "u": u, "rotation": rotation}
+    texts |= {"skirt_length": skirt_length, "rate": rate}
+    question = Question.read(texts, sequence, points)
+    springs = _at_rate(springs_or_table(result, question.skirt_length, strict), question.rate)
+    states = answer(springs, question, Choice(spring_set, path, strict))
+    six = _initial_stiffness(springs) if stiffness else None
+    if as_json:
+        print_json(predictions.prediction(states) | (predictions.stiffness(states, six) if stiffness else {}))
+        return
+    predictions.print_prediction(states)
+    if stiffness:
+        predictions.print_stiffness(states, six)
+    if remarks := predictions.remarks_of(states):
+        to_stderr(remarks)
+
+
+def answer(springs: AnySprings, question: Question, choice: Choice) -> xr.Dataset:
+    """Return the states of a question: the last one of a load or motion, all of a curve or sequence."""
     from pysprings.macro import predict
 
-    common: dict[str, Any] = {"springs_kind": kind, "path": path, "strict": strict}
-    height, down, limit = given["--arm"], given["--V"], given["--u-max"]
-    if sequence is not None:
+    asked = question
+    common: dict[str, Any] = {"springs_kind": choice.spring_set, "path": choice.path, "strict": choice.strict}
+    if asked.sequence is not None:
         from pysprings.results.tables.sequence import read_sequence
 
-        wanted = read_sequence(sequence)
-        V = wanted.V if wanted.V is not None else down
-        states = predict.sequence(springs, wanted.targets, control=wanted.control, arm=wanted.arm, V=V, **common)
-    elif limit is not None:
-        states = predict.curve(springs, u_max=limit, arm=height or 0.0, n=points, V=down, **common)
-    elif given["--u"] is not None or given["--rotation"] is not None:
-        common |= {"u": given["--u"], "rotation": given["--rotation"]}
-        states = predict.impose(springs, arm=height or 0.0, V=down, **common).isel(step=[-1])
+        read = read_sequence(asked.sequence)
+        V = read.V if read.V is not None else asked.V
+        return predict.sequence(springs, read.targets, control=read.control, arm=read.arm, V=V, **common)
+    if asked.u_max is not None:
+        return predict.curve(springs, u_max=asked.u_max, arm=asked.arm or 0.0, n=asked.points, V=asked.V, **common)
+    if asked.u is not None or asked.rotation is not None:
+        common |= {"u": asked.u, "rotation": asked.rotation}
+        states = predict.impose(springs, arm=asked.arm or 0.0, V=asked.V, **common)
     else:
-        states = predict.predict(springs, H=given["--H"], arm=height, M=given["--M"], V=down, **common).isel(step=[-1])
-    return states
+        states = predict.predict(springs, H=asked.H, arm=asked.arm, M=asked.M, V=asked.V, **common)
+    return states.isel(step=[-1])
 
 
-def at_rate(springs: AnySprings, rate: float | None) -> AnySprings:
-    """Return the springs at the rate [m/s] asked for; as they are without one."""
+def _at_rate(springs: AnySprings, rate: float | None) -> AnySprings:
+    """Return the springs at a rate [m/s]; as they are without one."""
     if rate is None:
         return springs
     from pysprings.macro.user_curves import CurveSprings
@@ -63,74 +208,8 @@ def at_rate(springs: AnySprings, rate: float | None) -> AnySprings:
     return Springs.of(springs).at_rate(rate)
 
 
-def initial_six(springs: AnySprings) -> xr.DataArray | None:
-    """Return the initial stiffness 6x6; None where springs from a table do not know it."""
+def _initial_stiffness(springs: AnySprings) -> xr.DataArray | None:
+    """Return the initial stiffness 6x6; None for a table without vertical stiffness."""
     from pysprings.macro.stiffness_six import has_six, stiffness_six
 
     return stiffness_six(springs) if has_six(springs) else None
-
-
-def refuse_contradictions(given: Given, sequence: Path | None) -> None:
-    """Refuse loads and motions that are missing or given twice."""
-    there = {option for option, value in given.items() if value is not None}
-    motions = there & {"--u", "--rotation"}
-    if sequence is not None:
-        for option in sorted(there - {"--V", "--skirt-length", "--rate"}):
-            refuse(option, "give either this or --sequence: the file holds loads, motions and their height")
-        return
-    if not there & {"--H", "--M", "--V", "--u-max", "--u", "--rotation"}:
-        refuse("--H", MISSING)
-    if {"--H", "--u-max"} <= there:
-        refuse("--u-max", "give either --H or --u-max: the load is an answer of the curve")
-    if {"--u-max", "--M"} <= there:
-        refuse("--M", "a curve needs the height of the load: give --arm instead")
-    if motions and (other := sorted(there & {"--H", "--M", "--u-max"})):
-        refuse(min(motions), f"give either this or {other[0]}: a load is the answer to a motion")
-    if {"--arm", "--M"} <= there:
-        refuse("--M", "give either --arm or --M, not both (M = -H*arm)")
-    if len(motions) == 2 and "--arm" in there:
-        refuse("--arm", "with --u and --rotation both loads are answers: leave --arm out")
-    if "--arm" in there and not there & {"--H", "--u-max", "--u", "--rotation"}:
-        refuse("--H", MISSING)
-
-
-def stiffness_json(states: xr.Dataset, six: xr.DataArray | None) -> dict[str, Any]:
-    """Return the tangents by state and the initial 6x6 matrix with what they mean; SI."""
-    tangent = states["stiffness"]
-    meaning = {"dofs": tangent["dof"].values, "comment": tangent.attrs["comment"], "matrices": tangent.values}
-    if six is None:
-        return {"stiffness": meaning}
-    attrs = {name: six.attrs[name] for name in ("long_name", "comment", "torsion")}
-    return {"stiffness": meaning, "stiffness_6x6": {"dofs": six["dof"].values, **attrs, "matrix": six.values}}
-
-
-MOST_MATRICES = 1  # more states: a line each
-
-
-def print_stiffness(states: xr.Dataset, six: xr.DataArray | None) -> None:
-    """Print the springs' tangent at one state as a matrix, at several as a line each; then the initial 6x6 matrix."""
-    tangent = states["stiffness"]
-    dofs = [str(name) for name in tangent["dof"].values]
-    print("\nstiffness of the springs at the state, at mudline (MN, m, rad):")
-    if tangent.sizes["step"] <= MOST_MATRICES:
-        print_table(["", *(f"per {name}" for name in dofs)], _lines(tangent.isel(step=-1), dofs))
-    else:
-        n = len(dofs)
-        coupled = [(i, j) for i in range(n) for j in range(n) if i == j or "w" not in (dofs[i], dofs[j])]
-        lines = [
-            [str(step), *(f"{matrix[i, j] * 1e-6:.5g}" for i, j in coupled)]
-            for step, matrix in enumerate(tangent.values)
-        ]
-        print_table(["step", *(f"{dofs[i]},{dofs[j]}" for i, j in coupled)], lines)
-    if six is None:
-        say("note: no 6x6 stiffness: a table without a vertical path has no vertical stiffness")
-        return
-    print(f"\n{six.attrs['long_name']}, 6x6 (MN, m, rad):")
-    print_table(["", *(f"per {name}" for name in six["dof"].values)], _lines(six, [str(x) for x in six["dof"].values]))
-    say(f"note: {six.attrs['torsion']}")
-
-
-def _lines(matrix: xr.DataArray, names: list[str]) -> list[list[str]]:
-    return [
-        [name, *(f"{value * 1e-6 + 0.0:.5g}" for value in row)] for name, row in zip(names, matrix.values, strict=True)
-    ]

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pysprings.cli.support import print_json, say
+from pysprings.cli.support import print_json, to_stderr
 from pysprings.core.files.storage import replacing, write_text
 from pysprings.studies.stability import catalogue as stability
 from pysprings.studies.stability import text as stability_text
@@ -23,7 +23,7 @@ def run(names: list[str], mesh: str, refinement: float, reach: float, out: Path 
     def report(outcome: stability.Outcome) -> None:
         text = stability_text.line(asdict(outcome))
         if as_json:
-            say(text)
+            to_stderr(text)
         else:
             print(text, flush=True)
 

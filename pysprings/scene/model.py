@@ -11,12 +11,13 @@ import hashlib
 import json
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 from pydantic import BaseModel, ConfigDict, PrivateAttr, create_model, model_validator
 from pydantic import Field as Key
 
 from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.words import Discretisation, MeshPreset
 from pysprings.scene.by_depth import ByDepth, Profile
 from pysprings.scene.checks import clashes, dotted
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text, refuse
@@ -244,11 +245,11 @@ class Path(Section):
 class Mesh(Section):
     """Size of the mesh: a preset, and what overrides it."""
 
-    preset: Annotated[str, Choice(("coarse", "medium", "paper", "fine"), "size of the mesh")] = "coarse"
+    preset: Annotated[str, Choice(get_args(MeshPreset), "size of the mesh")] = "coarse"
     azimuth: Annotated[int | None, Count(8, 256, "cells around the half ring", multiple_of=4, optional=True)] = None
     refinement: Annotated[float, Number("[0.25, 8]", "factor on all numbers of cells of the preset", 1.0)] = 1.0
     discretisation: Annotated[
-        str, Choice(("hex8", "fourier"), "bricks, or Fourier series in azimuth on a section of quadratic elements")
+        str, Choice(get_args(Discretisation), "bricks, or Fourier series in azimuth on a section of quadratic elements")
     ] = "hex8"
     harmonics: Annotated[int | None, Count(1, 64, "highest harmonic of the series", optional=True)] = None
 

@@ -11,9 +11,10 @@ import json
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.words import TargetError
 from pysprings.full_model.accuracy.curves import LOAD, PY
 from pysprings.full_model.accuracy.settings import MESH, Setting
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
 SCHEMA = "pysprings-accuracy-1"
-TARGETS = {"5%": 5.0, "2%": 2.0, "1%": 1.0}
+TARGETS = {word: float(word.rstrip("%")) for word in get_args(TargetError)}
 _VARIED = ("tolerance", "max_step_fraction", "first_step_fraction")  # of [solver]; linear solvers answer alike
 JUDGED = ("load_max", "py_rms")  # a setting meets a target where both errors do
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 # Ten digits: below the accuracy of the model, and short enough to read.
 _NUMBER = "%.10g"
+_COUNT = re.compile(r"^states|^depths|_states$")  # columns of a comparison that hold counts
 
 
 def py_text(source: Source, _options: Options) -> str:
@@ -66,11 +68,13 @@ def write_frame(frame: pd.DataFrame, path: str | os.PathLike[str]) -> Path:
 
 
 def read_comparison(path: str | os.PathLike[str]) -> pd.DataFrame:
-    """Return a comparison as `compare.csv` holds it, with ten digits; names of paths stay texts."""
+    """Return a comparison as `compare.csv` holds it, with ten digits; types are those of `compare`."""
     import pandas as pd
 
     texts = dict.fromkeys(("path", "role", "kind", "springs", "springs_from", "status"), str)
-    return pd.read_csv(path, dtype=texts, keep_default_na=False, na_values=[""])
+    frame = pd.read_csv(path, dtype=texts, keep_default_na=False, na_values=[""])
+    whole = [name for name in frame.select_dtypes("integer") if not _COUNT.search(str(name))]  # 2.0 is written as 2
+    return frame.astype(dict.fromkeys(whole, float))
 
 
 def csv_text(frame: pd.DataFrame) -> str:

@@ -21,10 +21,17 @@ def input_tables(scene_toml: str) -> list[Table]:
     if not scene_toml:
         return []
     return [
-        Table(title, ("key", "value"), [(key, number(value, 6)) for key, value in pairs], head=False)
+        Table(title, ("key", "value"), [(key, _value(value)) for key, value in pairs], head=False)
         for title, pairs in _sections(scene_toml)
         if pairs
     ]
+
+
+def _value(value: Any) -> str:
+    """Return a value of the scene as text; a value by depth as its parts."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {number(part, 6)}" for key, part in value.items())
+    return number(value, 6)
 
 
 def _sections(scene_toml: str) -> Iterable[tuple[str, list[tuple[str, Any]]]]:

@@ -78,7 +78,7 @@ def test_a_title_does_not_steer_the_terminal(tmp_path: Path) -> None:
 
 
 def test_messages_and_tables_do_not_steer_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    support.say("a\x1b[31mb\nc")
+    support.to_stderr("a\x1b[31mb\nc")
     support.print_table(["x"], [["\x1b[2J"]])
     captured = capsys.readouterr()
     assert captured.err == "a\\x1b[31mb\nc\n"

@@ -11,8 +11,7 @@ import pytest
 import xarray as xr
 
 from pysprings import Scene, load_scene
-from pysprings.cli import app
-from pysprings.cli.support import with_target
+from pysprings.cli.run import with_target
 from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
@@ -27,10 +26,6 @@ from tests.support.measured import measured_result
 from tests.support.place import ROOT
 
 STUDIED = ROOT / "data" / "scenes" / "service-load.toml"
-
-
-def test_the_command_offers_the_targets_there_are() -> None:
-    assert [each.value for each in app.Target] == list(presets.TARGETS)
 
 
 def test_the_default_study() -> None:

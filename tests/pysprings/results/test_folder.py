@@ -127,7 +127,7 @@ def test_the_macro_model_is_within_2_percent_on_its_own_path(folder: Path) -> No
 
 def test_the_comparison_is_read_back_as_it_was_written(folder: Path) -> None:
     frame, springs = read_comparison(folder / "compare.csv"), open_springs(folder / "springs.nc")
-    pd.testing.assert_frame_equal(frame, compare(springs), rtol=1e-9, check_dtype=False)
+    pd.testing.assert_frame_equal(frame, compare(springs), rtol=1e-9)
     names = frame.assign(path="1", springs_from="NA")  # texts that look like numbers, or like nothing
     write_frame(names, folder.parent / "names.csv")
     again = read_comparison(folder.parent / "names.csv")

@@ -195,6 +195,8 @@ def test_inputs_are_the_keys_of_the_scene_file(name: str) -> None:
     paths = plain.pop("path")
     assert [shown.pop(f"path {k}")["name"] for k in range(1, len(paths) + 1)] == [path["name"] for path in paths]
     del plain["title"]
+    layers = plain["soil"].pop("layer", [])
+    assert [shown.pop(f"soil.layer {k}").keys() for k in range(1, len(layers) + 1)] == [each.keys() for each in layers]
     assert {key: set(rows) for key, rows in shown.items()} == {key: set(section) for key, section in plain.items()}
     assert shown["soil"]["young_modulus"] == plain["soil"]["young_modulus"]
 

@@ -1,114 +1,29 @@
 # SPDX-License-Identifier: MIT
-"""What the commands print: descriptions of scenes, results of runs, predictions."""
+"""The output of `pysprings run`: where results are, how the paths went, cost, comparison."""
 
 from __future__ import annotations
 
 import json
-import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.cli.support import print_table, read_springs, say
+from pysprings.cli.inputs import read_springs
+from pysprings.cli.support import print_table
 from pysprings.core.errors import printable
 from pysprings.core.files.layout import WRITING
 from pysprings.core.text import number
-from pysprings.model.forecast.omission_text import saved_text
 from pysprings.results.layout import listed_pictures, run_files
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray as xr
 
-    from pysprings.scene.load import Scene
-
-# entries of a description that have a unit
-LABELS = {
-    "vertical_load_N": "vertical load [N]",
-    "memory_GB": "memory, estimated [GB]",
-    "disk_GB": "full_model.nc, estimated [GB]",
-    "time_s": "time, estimated [s]",
-    "domain_radius_over_diameter": "radius of the domain over the diameter",
-    "soil_below_tip_over_diameter": "soil below the tip over the diameter",
-    "stiffening_by_the_domain_percent": "stiffer than unbounded soil, about [%]",
-    "normal_stiffness_N_per_m3": "penalty, normal [N/m3]",
-    "shear_stiffness_N_per_m3": "penalty, shear [N/m3]",
-    "largest_initial_penetration_m": "its largest initial penetration [m]",
-    "loss_of_elastic_stiffness_percent": "its loss of elastic stiffness [%]",
-}
-
-STATUS_WORDS = {WRITING: "stopped while its files were written"}  # of a status that is no word for people
-
-ROUNDING = 1e-9  # loads below this share of the largest are what rounding has left of zero
-
-# columns of a prediction: name, unit for people, factor from SI
-COLUMNS = (
-    ("u", "mm", 1e3),
-    ("w", "mm", 1e3),
-    ("rotation", "deg", 180.0 / math.pi),
-    ("H", "kN", 1e-3),
-    ("V", "kN", 1e-3),
-    ("M", "kN m", 1e-3),
-)
+STATUS_WORDS = {WRITING: "stopped while its files were written"}  # a status that needs more words
 
 
-def describe_json(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what `pysprings check --json` prints."""
-    paths = [{"name": path.name, "kind": path.kind, "role": path.role} for path in scene.paths]
-    head = {"scene": str(file), "title": scene.title, "scene_sha256": scene.sha256, "paths": paths}
-    return {**head, "left_out": [], **about}
-
-
-_GROUND = {
-    "depth_m": ("z [m]", 1.0), "effective_unit_weight_N_per_m3": ("unit weight [kN/m3]", 1e-3),
-    "vertical_effective_stress_Pa": ("vertical stress [kPa]", 1e-3), "K0": ("K0", 1.0),
-    "shear_modulus_Pa": ("G [MPa]", 1e-6), "friction_angle_deg": ("phi [deg]", 1.0), "cohesion_Pa": ("c [kPa]", 1e-3),
-}  # fmt: skip
-
-
-def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
-    """Print the ground by depth: a row for top and bottom of each layer."""
-    if not rows:
-        return
-    heads = ("layer", "law", *(head for head, _ in _GROUND.values()))
-    print("\nground:")
-    cells = [[number(row[key] * factor) if key in row else "" for key, (_, factor) in _GROUND.items()] for row in rows]
-    print_table(heads, [(row["layer"], row["law"], *each) for row, each in zip(rows, cells, strict=True)])
-
-
-def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
-    """Print what `pysprings check` found."""
-    print(printable(f"{file}: {scene.title}"))
-    print(f"sha256 {scene.sha256}")
-    paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.paths)
-    print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
-    rows = [
-        row
-        for key, value in about.items()
-        if key not in ("ground", "left_out", "warnings")
-        for row in _rows(key, value)
-    ]
-    print_table(("quantity", "value"), rows)
-    print_ground(about.get("ground", ()))
-    print("\nleft out by this scene:")
-    for omission in about.get("left_out", ()):
-        print(f"- {omission['what']}: {omission['why']}")
-        if saves := saved_text(omission["saved"]):
-            print(f"  saves {saves}")
-    for text in about.get("warnings", ()):
-        say(f"warning: {text}")
-
-
-def _rows(key: str, value: Any) -> list[tuple[str, str]]:
-    """Return the lines of one entry of a description; a table of counts has one line each."""
-    if isinstance(value, Mapping):
-        return [(LABELS.get(str(name), str(name).replace("_", " ")), number(count)) for name, count in value.items()]
-    return [(LABELS.get(key, key.replace("_", " ")), number(value))]
-
-
-def results_json(folder: Path) -> dict[str, Any]:
-    """Return what `pysprings run --json` prints: run.json, the files and the comparison."""
+def results(folder: Path) -> dict[str, Any]:
+    """Return the document that `pysprings run --json` prints: run.json, the files and the comparison."""
     from pysprings.macro.comparison_text import to_dict
 
     record = read_record(folder)
@@ -124,7 +39,7 @@ def read_record(folder: Path) -> dict[str, Any]:
 
 
 def _has_springs(folder: Path, record: Mapping[str, Any]) -> bool:
-    """Tell whether this run, and not one before it in the same folder, left springs."""
+    """Return whether this run, not an earlier one in the same folder, has written springs."""
     return "balance" in record and (folder / "springs.nc").exists()
 
 
@@ -189,7 +104,7 @@ MOST_LINES = 12
 
 
 def print_paths(record: Mapping[str, Any]) -> None:
-    """Print how Newton fared on each path, where cut-backs came from, and whether the contact alternates."""
+    """Print Newton iterations by path, the place of each cut-back, and whether the contact pressure alternates."""
     paths = record.get("paths", {})
     if not paths:
         return
@@ -206,7 +121,7 @@ def print_paths(record: Mapping[str, Any]) -> None:
 
 
 def _print_cut_backs(paths: Mapping[str, Any]) -> None:
-    """Print where each attempt was given up, and why; the first lines of many."""
+    """Print place and reason of each attempt that was given up; at most `MOST_LINES`."""
     lines = [f"{name}: {_cut_back(each)}" for name, path in paths.items() for each in path.get("cut_backs_at", ())]
     if not lines:
         return
@@ -223,7 +138,7 @@ def _cut_back(each: Mapping[str, Any]) -> str:
 
 
 def ring_text(rings: Mapping[str, Any] | None) -> str:
-    """Say in words what `pysprings.full_model.ring_measure` found; empty where nothing was measured."""
+    """Return the contact measure of `pysprings.full_model.ring_measure` as text; empty where nothing was measured."""
     if not rings:
         return ""
     found = [
@@ -295,7 +210,7 @@ def print_cost(record: Mapping[str, Any]) -> None:
 
 
 def print_estimate(record: Mapping[str, Any]) -> None:
-    """Print the setting that a target error chose, and the run's own estimate of its error."""
+    """Print the setting of a target error, and the error estimate of the run."""
     if target := record.get("target_error"):
         from pysprings.full_model.accuracy.measures import MEASURES
 
@@ -313,41 +228,3 @@ def print_estimate(record: Mapping[str, Any]) -> None:
 
 def _seconds(value: float | None) -> str:
     return "-" if value is None else f"{value:.2f}"
-
-
-def prediction_json(states: xr.Dataset) -> dict[str, Any]:
-    """Return what `pysprings predict --json` prints, in SI."""
-    names = [name for name in states.data_vars if states[name].dims == ("step",)]
-    units = {name: states[name].attrs.get("units", "1") for name in names}
-    rows = [{name: states[name].values[step] for name in names} for step in range(states.sizes["step"])]
-    return {"attributes": states.attrs, "units": units, "states": rows}
-
-
-def print_prediction(states: xr.Dataset) -> None:
-    """Print states (dimension step) as a table, in the units people use, with their marks where there are any."""
-    columns = [column for column in COLUMNS if column[0] in states]
-    headers = [f"{name} [{unit}]" for name, unit, _ in columns]
-    largest = max(abs(float(value)) for name in ("H", "V", "M") if name in states for value in states[name].values)
-    noise = {name: ROUNDING * largest if name in ("H", "V", "M") else 0.0 for name, *_ in columns}
-    cells = [[_figures(value, factor, noise[name]) for value in states[name].values] for name, _, factor in columns]
-    if any(marks := [_marks(states, step) for step in range(states.sizes["step"])]):
-        headers, cells = [*headers, "marks"], [*cells, marks]
-    print_table(headers, [list(row) for row in zip(*cells, strict=True)])
-
-
-MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load")
-
-
-def _marks(states: xr.Dataset, step: int) -> str:
-    """Return the marks of one state that are set, by name."""
-    return ", ".join(name for name in MARKS if name in states and states[name].values[step])
-
-
-def remarks_of(states: xr.Dataset) -> str:
-    """Return the remarks on the springs that an answer comes from, a line each."""
-    return "\n".join(f"note: {remark}" for remark in states.attrs.get("remarks", ()))
-
-
-def _figures(value: float, factor: float, noise: float) -> str:
-    """Return a value in its unit with five figures; 0 for what is left over from rounding."""
-    return "0" if abs(value) <= noise else f"{value * factor:.5g}"

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: MIT
+"""Result folders of commands: created, locked, and protected from replacement."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from pysprings.cli.support import refuse
+from pysprings.core.files.layout import WRITING, is_unfinished
+from pysprings.core.files.lock import exclusive, new_folder
+from pysprings.results.layout import refuse_linked_folders, results_in
+
+
+@contextmanager
+def result_folder(out: Path, force: bool, resume: bool = False) -> Iterator[None]:
+    """Create a result folder and hold its lock; refuse a folder whose contents conflict with `force` and `resume`.
+
+    A new folder is removed again if it stays empty.
+    """
+    if force and resume:
+        refuse("--resume", "goes on with a run, --force begins anew: give one of them")
+    refuse_no_folder(out)
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(new_folder(out))
+        except OSError as error:
+            refuse("--out", f"cannot be created ({error.strerror})", out)
+        if not os.access(out, os.W_OK | os.X_OK):
+            refuse("--out", "is not writable", out)
+        stack.enter_context(exclusive(out))
+        refuse_linked_folders(out)
+        if not force:
+            _refuse_contents(out, resume)
+        yield
+
+
+def refuse_no_folder(out: Path) -> None:
+    """Refuse a result folder that is a file, or a link to nothing."""
+    if out.is_symlink() and not out.exists():
+        refuse("--out", f"is a link to {os.readlink(out)}, which is not there", out)
+    if out.exists() and not out.is_dir():
+        refuse("--out", "is a file, not a folder", out)
+
+
+def _refuse_contents(out: Path, resume: bool) -> None:
+    """Refuse a folder with an interrupted run or with results, and with `resume` one without either."""
+    found, unfinished = results_in(out), is_unfinished(out)
+    if resume and not unfinished and "run.json" not in found:
+        refuse("--resume", "nothing to resume: no interrupted run in this folder", out)
+    if unfinished and not resume:
+        refuse("--out", "holds an interrupted run; --resume goes on with it, --force begins anew", out)
+    if found and not resume:
+        refuse(
+            "--out",
+            f"holds results already ({', '.join(found)}); choose another folder, or --force to replace",
+            out,
+        )
+
+
+def refuse_other_run(folder: Path, record: Mapping[str, Any], scene_sha256: str) -> None:
+    """Refuse to resume in a folder whose results belong to another scene or mesh, or are interrupted."""
+    if record.get("scene_sha256") != scene_sha256:
+        refuse("--resume", "the results here are those of another scene or mesh; --force begins anew", folder)
+    if record.get("status") in ("interrupted", WRITING):
+        message = "nothing to resume: the run here was interrupted, and its checkpoints are gone; --force begins anew"
+        refuse("--resume", message, folder)
+
+
+def record_stamp(folder: Path) -> tuple[int, int] | None:
+    """Return a stamp that changes when a run writes its record; None without a record."""
+    record = folder / "run.json"
+    return (record.stat().st_ino, record.stat().st_mtime_ns) if record.exists() else None

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: MIT
+"""Errors of commands: each ends in one line on stderr and its exit code."""
+
+from __future__ import annotations
+
+import errno
+import functools
+import os
+import sys
+import traceback
+import warnings
+from collections.abc import Callable
+from contextvars import ContextVar
+from typing import Any, ParamSpec
+
+import typer
+
+from pysprings.cli.support import to_stderr
+from pysprings.core.errors import (
+    EXIT_BUG,
+    EXIT_INTERRUPTED,
+    EXIT_NOT_CONVERGED,
+    EXIT_RESOURCES,
+    EXIT_USER_INPUT,
+    MOST_LETTERS,
+    ResourceError,
+    RunIncomplete,
+    UserInputError,
+    out_of_memory,
+    printable,
+)
+
+P = ParamSpec("P")
+
+DEBUG: ContextVar[bool] = ContextVar("debug", default=False)  # `pysprings --debug`
+
+
+def guarded(command: Callable[P, None]) -> Callable[P, None]:
+    """Return the command with every error turned into one line on stderr and an exit code."""
+
+    @functools.wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        try:
+            with warnings.catch_warnings():
+                warnings.showwarning = _show_warning
+                command(*args, **kwargs)
+            sys.stdout.flush()
+        except typer.Exit:
+            raise
+        except BrokenPipeError:  # the reader, such as `head`, has closed the pipe
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(0) from None
+        except (Exception, KeyboardInterrupt) as error:
+            if DEBUG.get():
+                traceback.print_exc()
+            text, code = _explained(error)
+            to_stderr(text)
+            raise typer.Exit(code) from None
+
+    return run
+
+
+def _explained(error: BaseException) -> tuple[str, int]:
+    """Return message and exit code of an error."""
+    if isinstance(error, UserInputError):
+        return str(error), error.exit_code
+    if isinstance(error, RunIncomplete):
+        kept = f"\nwhat converged is kept in {error.folder}" if error.folder else ""
+        return f"fatal: not converged: {error}{kept}", error.exit_code
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted", EXIT_INTERRUPTED
+    if isinstance(error, MemoryError):
+        return (
+            f"fatal: resources: {out_of_memory(error)}; try a smaller mesh (`pysprings check` estimates)",
+            EXIT_RESOURCES,
+        )
+    if isinstance(error, ResourceError):
+        return f"fatal: resources: {error}", EXIT_RESOURCES
+    if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:
+        name = printable(error.filename or "a path")
+        return f"fatal: user input: {name[:MOST_LETTERS]}: is longer than the system allows", EXIT_USER_INPUT
+    if isinstance(error, OSError):
+        what = f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
+        return f"fatal: resources: {printable(what)}", EXIT_RESOURCES
+    engine = sys.modules.get("fe_engine.errors")  # errors of the engine that no caller has converted
+    if engine and isinstance(error, engine.NotConverged):
+        return f"fatal: not converged: {printable(error)}", EXIT_NOT_CONVERGED
+    if engine and isinstance(error, engine.MeshError):
+        return f"fatal: user input: mesh: {printable(error)}", EXIT_USER_INPUT
+    if engine and isinstance(error, engine.SettingError):
+        return f"fatal: user input: {printable(error)}", EXIT_USER_INPUT
+    trace = "" if DEBUG.get() else "; `pysprings --debug ...` shows where"
+    return f"fatal: bug: {type(error).__name__}: {printable(error)}\nplease report it{trace}", EXIT_BUG
+
+
+def _show_warning(message: Warning | str, *_args: Any, **_kwargs: Any) -> None:
+    to_stderr(f"warning: {message}")

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: MIT
+"""Springs of result folders, spring files and tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pysprings.cli.support import refuse, to_stderr
+from pysprings.core.files.layout import WRITING, is_unfinished
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from pysprings.macro.sets import AnySprings
+
+
+def springs_of(result: Path, strict: bool = False) -> xr.DataTree:
+    """Open the springs of a result folder or spring file, as `read_springs`; refuse a run that has not ended."""
+    refuse_unfinished(result, strict)
+    return read_springs(result)
+
+
+def refuse_unfinished(result: Path, strict: bool = False) -> None:
+    """Refuse a folder whose run was killed or is still writing; warn of one whose run was interrupted.
+
+    With `strict` an interrupted run is refused, too. A file that is named itself is complete: then the state of its
+    folder causes a warning only.
+    """
+    from pysprings.full_model.checkpoint import Checkpoints
+    from pysprings.studies.kept_runs import read_record
+
+    folder = result if result.is_dir() else result.parent
+    unfinished, record = is_unfinished(folder), read_record(folder)
+    saved = not unfinished or Checkpoints(folder).are_of(str(record.get("scene_sha256")))
+    onward = "`pysprings run SCENE --out DIR --resume` goes on with it"
+    if record.get("status") == "interrupted" and saved:
+        message = f"the run was interrupted: what is here is what had converged until then; {onward}"
+        if strict:
+            refuse("--strict", message, folder)
+        to_stderr(f"warning: {folder}: {message}")
+    elif unfinished or record.get("status") == WRITING:
+        message = "holds a run that has not ended (killed, or still running)"
+        if result.is_dir():
+            refuse(None, f"{message}: files here may be of a run before it, or not all there; {onward}", folder)
+        to_stderr(f"warning: {folder}: {message}; this file may be of a run before it")
+
+
+def read_springs(result: Path) -> xr.DataTree:
+    """Open the springs of a result folder or spring file; extract them from a full-model file."""
+    from pysprings.core.files.storage import read_tree
+    from pysprings.springs.checks import validate_springs
+
+    path = result / "springs.nc" if result.is_dir() else result
+    if result.is_dir() and not path.exists():
+        refuse(None, "no springs.nc in this folder; is it a result of `pysprings run`?", result)
+    tree = read_tree(path)
+    if "schema" not in tree.attrs and "scene_toml" in tree.attrs:
+        from pysprings.springs.extract import extract_springs
+
+        return extract_springs(tree)
+    validate_springs(tree, file=path)
+    return tree
+
+
+def springs_or_table(source: Path, skirt_length: float | None, strict: bool = False) -> AnySprings:
+    """Open the springs of a prediction: as `springs_of` does, or from a user's CSV or Excel table."""
+    from pysprings.results.tables import FOREIGN, endings, is_table, open_table
+
+    if is_table(source):
+        return open_table(source, skirt_length)
+    if source.suffix.lower() in FOREIGN and not source.is_dir():
+        known = " or ".join(endings())
+        refuse(None, f"tables in the format {source.suffix.lower()} cannot be read; save it as {known}", source)
+    if skirt_length is not None:
+        refuse("--skirt-length", f"is for tables ({', '.join(endings())}); a spring file has it", source)
+    return springs_of(source, strict)

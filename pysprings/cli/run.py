@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings run`: full model, springs, prediction with the springs, tables and pictures."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pysprings.cli.folders import record_stamp, refuse_other_run, result_folder
+from pysprings.cli.options import Json, Mesh, SceneFile, Series, Target
+from pysprings.cli.scene import load, on_mesh
+from pysprings.cli.support import interruptible, print_json, refuse, to_stderr
+from pysprings.core.errors import ResourceError, RunIncomplete
+from pysprings.core.files.layout import is_unfinished
+
+if TYPE_CHECKING:
+    from pysprings.scene.load import Scene
+
+Stopped = RunIncomplete | ResourceError | KeyboardInterrupt | None
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Options of a run: mesh preset or target error, discretisation, error estimate, resumption."""
+
+    mesh: str | None = None
+    discretisation: str | None = None
+    target: str | None = None
+    estimate: bool = False
+    resume: bool = False
+
+    def command(self, scene: Path, folder: Path) -> str:
+        """Return the command that resumes the run."""
+        given = {"--mesh": self.mesh, "--target-error": self.target, "--discretisation": self.discretisation}
+        options = "".join(f" {flag} {value}" for flag, value in given.items() if value)
+        options += " --estimate-error" if self.estimate else ""
+        return f"pysprings run {scene} --out {folder}{options} --resume"
+
+
+def run(
+    scene: SceneFile,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/SCENE]")
+    ] = None,
+    mesh: Mesh = None,
+    discretisation: Series = None,
+    target: Target = None,
+    estimate: Annotated[
+        bool, typer.Option("--estimate-error", help="also run a coarser mesh, and estimate the error from both")
+    ] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="go on with the interrupted run in the folder")] = False,
+    force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
+    as_json: Json = False,
+) -> None:
+    """Full model, springs, prediction with the springs, tables and pictures."""
+    from pysprings.cli.results import print_results, results
+
+    options = RunOptions(mesh, discretisation, target, estimate, resume)
+    loaded, extra = _chosen(load(scene, discretisation), options)
+    folder = out or Path("out") / scene.stem
+    with result_folder(folder, force, resume):
+        if resume and not is_unfinished(folder):
+            stopped = _ended_run(folder, on_mesh(loaded, mesh))
+        else:
+            stopped = _run(loaded, folder, options, extra)
+    if as_json:
+        print_json(results(folder))
+    else:
+        print_results(folder)
+    if isinstance(stopped, KeyboardInterrupt) and is_unfinished(folder):
+        to_stderr(f"go on with: {options.command(scene, folder)}")
+    if stopped is not None:
+        raise stopped
+
+
+def _chosen(scene: Scene, options: RunOptions) -> tuple[Scene, dict[str, Any]]:
+    """Return the scene with the setting of a target error, and arguments of `run_to_folder`."""
+    if options.target is not None:
+        return with_target(scene, options.target, options.mesh is not None)
+    return scene, {"estimate_error": True} if options.estimate else {}
+
+
+def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[str, Any]]:
+    """Return the scene with the cheapest setting for a target error, and arguments of `run_to_folder`."""
+    from pysprings.full_model.accuracy import presets
+
+    if has_mesh:
+        refuse("--target-error", "chooses the mesh itself: give it or --mesh")
+    if scene.mesh.discretisation != "hex8":
+        refuse("--target-error", 'rests on a study of bricks: choose a mesh, or discretisation = "hex8"')
+    setting = presets.cheapest(target)
+    extra = {"estimate_error": True, "target_error": presets.note(target, setting)}
+    return presets.applied(setting, scene), extra
+
+
+def _run(scene: Scene, folder: Path, options: RunOptions, extra: dict[str, Any]) -> Stopped:
+    """Run a scene; return the error that ended it early if results were written nevertheless."""
+    from pysprings.core.progress import reporter
+    from pysprings.results.folder import run_to_folder
+
+    before = record_stamp(folder)
+    try:
+        with interruptible(), reporter(sys.stderr) as progress:
+            run_to_folder(scene, folder, mesh=options.mesh, progress=progress, resume=options.resume, **extra)
+    except (RunIncomplete, ResourceError, KeyboardInterrupt) as error:
+        if record_stamp(folder) in (None, before):
+            raise
+        return error
+    return None
+
+
+def _ended_run(folder: Path, scene: Scene) -> Stopped:
+    """Report how the run in a folder has ended; change nothing."""
+    from pysprings.cli.results import read_record
+
+    record = read_record(folder)
+    refuse_other_run(folder, record, scene.sha256)
+    to_stderr(f"the run in {folder} has ended ({record['status']}): nothing is left to do")
+    return None if record["status"] == "complete" else RunIncomplete("; ".join(record["failures"]), folder)

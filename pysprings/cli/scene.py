@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings init` and `pysprings check`: write a scene, describe a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pysprings.cli.options import Json, Mesh, SceneFile, Series
+from pysprings.cli.support import print_json, print_table, refuse, to_stderr
+from pysprings.core.errors import printable
+from pysprings.core.text import number
+from pysprings.model.forecast.omission_text import saved_text
+from pysprings.scene.template_names import template_names
+
+if TYPE_CHECKING:
+    from pysprings.scene.load import Scene
+
+# Entries of a description whose name needs a unit or more words
+LABELS = {
+    "vertical_load_N": "vertical load [N]",
+    "memory_GB": "memory, estimated [GB]",
+    "disk_GB": "full_model.nc, estimated [GB]",
+    "time_s": "time, estimated [s]",
+    "domain_radius_over_diameter": "radius of the domain over the diameter",
+    "soil_below_tip_over_diameter": "soil below the tip over the diameter",
+    "stiffening_by_the_domain_percent": "stiffer than unbounded soil, about [%]",
+    "normal_stiffness_N_per_m3": "penalty, normal [N/m3]",
+    "shear_stiffness_N_per_m3": "penalty, shear [N/m3]",
+    "largest_initial_penetration_m": "its largest initial penetration [m]",
+    "loss_of_elastic_stiffness_percent": "its loss of elastic stiffness [%]",
+}
+
+
+def init(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="scene file to write")] = Path("caisson.toml"),
+    template: Annotated[
+        str, typer.Option("--template", metavar="NAME", help=f"scene to start from: {', '.join(template_names())}")
+    ] = "paper-drained",
+    force: Annotated[bool, typer.Option("--force", help="replace existing files")] = False,
+) -> None:
+    """Write a commented scene, and the JSON schema that helps editors with it."""
+    from pysprings.scene.template import write_scene
+
+    written = write_scene(file, template, force)
+    for path in written:
+        print(path)
+    kept = "" if len(written) > 1 else "the schema that was there is kept; --force renews it\n"
+    to_stderr(f"{kept}next: pysprings check {file}")
+
+
+def check(scene: SceneFile, mesh: Mesh = None, discretisation: Series = None, as_json: Json = False) -> None:
+    """Validate a scene; say what it leaves out, how large the model is and what it costs. Solves nothing."""
+    from pysprings.model.forecast.estimate import describe
+
+    loaded = on_mesh(load(scene, discretisation), mesh)
+    about = describe(loaded)
+    if as_json:
+        print_json(description(scene, loaded, about))
+    else:
+        print_description(scene, loaded, about)
+
+
+def load(file: Path, discretisation: str | None = None) -> Scene:
+    """Load a scene; refuse a discretisation that cannot represent it."""
+    from pysprings.scene.checks import clashes, dotted
+    from pysprings.scene.load import load_scene
+
+    scene = load_scene(file)
+    if discretisation is None or discretisation == scene.mesh.discretisation:
+        return scene
+    changed = scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"discretisation": discretisation})})
+    for clash in clashes(changed):
+        refuse("--discretisation", f"{dotted(clash.keys[0])}: {clash.message}")
+    return scene.replace(mesh={"discretisation": discretisation})
+
+
+def on_mesh(scene: Scene, preset: str | None) -> Scene:
+    """Return the scene on another mesh preset; as it is without one."""
+    return scene.replace(mesh={"preset": preset}) if preset else scene
+
+
+def description(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the document that `pysprings check --json` prints."""
+    paths = [{"name": path.name, "kind": path.kind, "role": path.role} for path in scene.paths]
+    head = {"scene": str(file), "title": scene.title, "scene_sha256": scene.sha256, "paths": paths}
+    return {**head, "left_out": [], **about}
+
+
+_GROUND = {
+    "depth_m": ("z [m]", 1.0), "effective_unit_weight_N_per_m3": ("unit weight [kN/m3]", 1e-3),
+    "vertical_effective_stress_Pa": ("vertical stress [kPa]", 1e-3), "K0": ("K0", 1.0),
+    "shear_modulus_Pa": ("G [MPa]", 1e-6), "friction_angle_deg": ("phi [deg]", 1.0), "cohesion_Pa": ("c [kPa]", 1e-3),
+}  # fmt: skip
+
+
+def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
+    """Print the ground by depth: a row for top and bottom of each layer."""
+    if not rows:
+        return
+    heads = ("layer", "law", *(head for head, _ in _GROUND.values()))
+    print("\nground:")
+    cells = [[number(row[key] * factor) if key in row else "" for key, (_, factor) in _GROUND.items()] for row in rows]
+    print_table(heads, [(row["layer"], row["law"], *each) for row, each in zip(rows, cells, strict=True)])
+
+
+def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
+    """Print the description of a scene that `pysprings check` has made."""
+    print(printable(f"{file}: {scene.title}"))
+    print(f"sha256 {scene.sha256}")
+    paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.paths)
+    print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
+    apart = ("ground", "left_out", "warnings")
+    rows = [row for key, value in about.items() if key not in apart for row in _rows(key, value)]
+    print_table(("quantity", "value"), rows)
+    print_ground(about.get("ground", ()))
+    print("\nleft out by this scene:")
+    for omission in about.get("left_out", ()):
+        print(f"- {omission['what']}: {omission['why']}")
+        if saves := saved_text(omission["saved"]):
+            print(f"  saves {saves}")
+    for text in about.get("warnings", ()):
+        to_stderr(f"warning: {text}")
+
+
+def _rows(key: str, value: Any) -> list[tuple[str, str]]:
+    """Return the lines of one entry of a description; a table of counts has one line each."""
+    if isinstance(value, Mapping):
+        return [(LABELS.get(str(name), str(name).replace("_", " ")), number(count)) for name, count in value.items()]
+    return [(LABELS.get(key, key.replace("_", " ")), number(value))]

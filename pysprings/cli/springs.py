@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings springs` and `pysprings export`: springs and results as files for people and programs."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pysprings.cli.folders import refuse_no_folder
+from pysprings.cli.inputs import refuse_unfinished, springs_of
+from pysprings.cli.options import Json, Result, named
+from pysprings.cli.support import refuse, to_stderr
+from pysprings.core.files.written import note, own_folder
+from pysprings.results import exporters
+from pysprings.results.exporters import EXPORTERS
+
+SPRING_FILES = [each for each in EXPORTERS.built_in if each.is_spring_file]
+
+
+def springs(
+    result: Result,
+    form: Annotated[
+        str | None, named("--format", EXPORTERS, "format \\[default: from --out, else csv]", SPRING_FILES)
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="file to write \\[default: stdout]")] = None,
+    wide: Annotated[bool, typer.Option("--wide", help="csv: rows are steps, a pair of columns y, p a depth")] = False,
+    as_json: Json = False,
+) -> None:
+    """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
+    wanted = "json" if as_json else _format(form, out)
+    if wide and wanted not in ("csv", "wide"):
+        refuse("--wide", f"is a form of csv, not of {wanted}")
+    wanted = "wide" if wide else wanted
+    tree = springs_of(result)
+    if out is None:
+        print(exporters.text(tree, wanted), end="")
+    else:
+        for path in exporters.export(tree, wanted, out).files:
+            print(path)
+
+
+def _format(form: str | None, out: Path | None) -> str:
+    """Return the format that the option names, that the ending of the file selects, or csv."""
+    known = [each for each in EXPORTERS if each.is_spring_file]
+    names = "|".join(each.name for each in known)
+    ending = out.suffix.lower() if out else ".csv"
+    exporter = EXPORTERS.find(form, "--format") if form else next((e for e in known if ending in e.suffixes), None)
+    if exporter is None:
+        refuse("--out", f"no format is known for '{ending.lstrip('.')}'; give --format {names}", out)
+    if exporter not in known:
+        refuse("--format", f"'{exporter.name}' is no spring file but an export: pysprings export --to {exporter.name}")
+    if out is None and exporter.text is None:
+        refuse("--out", f"the format {exporter.name} needs a file")
+    if out is not None and out.is_dir():
+        refuse("--out", "is a folder, not a file", out)
+    return exporter.name
+
+
+def export(
+    result: Annotated[Path, typer.Argument(metavar="RESULT", help="folder of a run, springs.nc, or full_model.nc")],
+    to: Annotated[str, named("--to", EXPORTERS, "format or program")] = "paraview",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="folder for the files \\[default: NAME/ beside RESULT]")
+    ] = None,
+    option: Annotated[
+        list[str] | None, typer.Option("--option", metavar="NAME=VALUE", help="option of the export; may be repeated")
+    ] = None,
+) -> None:
+    """Write files for other programs. ParaView files need a run with \\[output] paraview = true."""
+    exporter = EXPORTERS.find(to, "--to")
+    options = _export_options(option or [])
+    exporters.read_options(exporter, options)
+    if out is not None:
+        refuse_no_folder(out)
+    folder = result if result.is_dir() else result.parent
+    source = _export_source(result, exporter)
+    place = own_folder(folder, exporter.name) if out is None else out
+    target = exporters.Target(place / exporter.file, partial(note, folder) if out is None else _keep_no_list)
+    done = exporters.export(source, exporter.name, target, **options)
+    for path in done.files:
+        print(path)
+    for remark in done.remarks:
+        to_stderr(f"note: {remark}")
+
+
+def _keep_no_list(_file: Path) -> None:
+    """Accept a file outside the result folder, which the next run into the folder does not remove."""
+
+
+def _export_options(given: list[str]) -> dict[str, str]:
+    """Return {name: value} of options NAME=VALUE."""
+    pairs = [text.partition("=") for text in given]
+    for name, sign, _ in pairs:
+        if not sign or not name:
+            refuse("--option", f"'{name}' is not NAME=VALUE")
+    return {name.strip(): value.strip() for name, _, value in pairs}
+
+
+def _export_source(result: Path, exporter: exporters.Exporter) -> exporters.Source:
+    """Return the springs, or the full model of a folder or file; refuse a run that has not ended."""
+    from pysprings.core.files.storage import read_tree
+
+    if exporter.needs == "springs":
+        return exporters.Source(springs=springs_of(result))
+    refuse_unfinished(result)
+    return exporters.Source(result=read_tree(result / "full_model.nc" if result.is_dir() else result))

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings accuracy`, `stability` and `paper`: many runs, and what they show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pysprings.cli.options import Json, Mesh, SceneFile
+from pysprings.cli.support import quantities
+from pysprings.core.errors import RunIncomplete
+from pysprings.core.words import MeshPreset
+
+
+def accuracy(
+    scene: SceneFile,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/accuracy-SCENE]")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="small meshes and few settings")] = False,
+    mesh: Annotated[
+        list[str] | None,
+        typer.Option("--mesh", metavar="PRESET", help="a mesh of the series, or medium:0.7; repeated, three at best"),
+    ] = None,
+    presets: Annotated[
+        Path | None, typer.Option("--write-presets", metavar="FILE", help="also write what --target-error chooses from")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="have every run made again")] = False,
+    as_json: Json = False,
+) -> None:
+    """Error against run time over meshes, steps, tolerances and linear solvers: table, picture, Pareto front.
+
+    Runs that have ended in DIR are not run again; interrupted ones go on.
+    """
+    from pysprings.cli import accuracy as cli_accuracy
+    from pysprings.scene.load import load_scene
+
+    folder = out or Path("out") / f"accuracy-{scene.stem}"
+    cli_accuracy.run(load_scene(scene), folder, mesh or [], quick, force, presets, as_json)
+
+
+def stability(
+    case: Annotated[
+        list[str] | None, typer.Option("--case", metavar="NAME", help="a case or a group of cases; may be repeated")
+    ] = None,
+    mesh: Mesh = None,
+    refinement: Annotated[float, typer.Option("--refinement", help="factor on the preset's numbers of cells")] = 1.0,
+    reach: Annotated[
+        str, typer.Option("--reach", metavar="LENGTH", help="how far the cases are pulled that say nothing else")
+    ] = "20 mm",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="folder for the table and its picture")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Run the stiff and extreme cases: how each ends, steps, cut-backs, residuals, balances.
+
+    Ends with exit code 3 where a case stops without a named reason.
+    """
+    from pysprings.cli import stability as cli_stability
+
+    far = quantities({"--reach": (reach, "m", "20 mm")})["--reach"]
+    assert far is not None
+    unexplained = cli_stability.run(case or [], mesh or "coarse", refinement, far, out, as_json)
+    if unexplained:
+        raise RunIncomplete(f"{unexplained} cases ended without a named reason")
+
+
+def paper(
+    mesh: Annotated[MeshPreset, typer.Option("--mesh", help="mesh preset of the runs")] = "medium",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/paper-MESH]")
+    ] = None,
+    sensitivity: Annotated[
+        bool, typer.Option("--sensitivity", help="also vary what the paper leaves open, one at a time")
+    ] = False,
+    sensitivity_mesh: Annotated[MeshPreset, typer.Option("--sensitivity-mesh", help="their mesh preset")] = "coarse",
+    force: Annotated[bool, typer.Option("--force", help="forget what has run in DIR, and begin anew")] = False,
+    as_json: Json = False,
+) -> None:
+    """Reproduce Cerfontaine, Charlier & Collin (2018): its runs, the paper's figures, its claims beside ours.
+
+    Runs that have ended in DIR are not run again; interrupted ones go on.
+    """
+    from pysprings.cli import paper as cli_paper
+
+    variants_on = sensitivity_mesh if sensitivity else None
+    cli_paper.run(out or Path("out") / f"paper-{mesh}", mesh, variants_on, force, as_json)

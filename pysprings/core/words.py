@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: MIT
+"""Words that scene file, command line and studies share (light)."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+MeshPreset = Literal["coarse", "medium", "paper", "fine"]
+Discretisation = Literal["hex8", "fourier"]
+# largest error of a run in its load and p-y curves: see `pysprings.full_model.accuracy.presets`
+TargetError = Literal["5%", "2%", "1%"]

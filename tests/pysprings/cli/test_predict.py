@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: MIT
+"""`predict` on synthetic springs: options, units, refusals, marks."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pysprings.cli.predictions import print_prediction
+from pysprings.macro import predict
+from pysprings.springs.file import open_springs, save_springs
+from tests.support import synthetic
+from tests.support.commands import command
+
+
+@pytest.fixture(autouse=True)
+def _in_a_new_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def springs_file() -> Path:
+    return save_springs(synthetic.make_springs(), Path("results/springs.nc"))
+
+
+def states(*args: object) -> list[dict[str, float]]:
+    """States that a prediction prints as JSON."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", predict.MacroWarning)
+        done = command("predict", *args, "--json")
+    assert done.code == 0, done.err
+    found: list[dict[str, float]] = json.loads(done.out)["states"]
+    return found
+
+
+@pytest.mark.parametrize(
+    ("args", "question"),
+    [
+        (["--H", "200 kN", "--arm", "8 m"], {"H": 2e5, "arm": 8.0}),
+        (["--H", "-0.2 MN", "--M", "-300 kN m", "--springs", "py"], {"H": -2e5, "M": -3e5, "springs_kind": "py"}),
+        (["--H", "100 kN", "--V", "500 kN", "--path", "pull"], {"H": 1e5, "V": 5e5, "path": "pull"}),
+    ],
+)
+def test_a_load_is_passed_on_in_si(springs_file: Path, args: list[str], question: dict[str, object]) -> None:
+    (state,) = states(springs_file, *args)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", predict.MacroWarning)
+        answer = predict.predict(open_springs(springs_file), **question).isel(step=-1)
+    for name in ("u", "w", "rotation", "H", "V", "M"):
+        assert state[name] == pytest.approx(float(answer[name]), rel=1e-12, abs=1e-15)
+
+
+def test_motions_are_passed_on_in_si(springs_file: Path) -> None:
+    curve = states(springs_file.parent, "--u-max", "4 mm", "--arm", "-2 m", "--points", "5")
+    assert [row["u"] for row in curve] == pytest.approx([0, 1e-3, 2e-3, 3e-3, 4e-3])
+    assert curve[-1]["M"] == pytest.approx(2.0 * curve[-1]["H"])
+    (both,) = states(springs_file, "--u", "1 mm", "--rotation", "-0.2 mrad")
+    assert (both["u"], both["rotation"]) == pytest.approx((1e-3, -2e-4))
+    units = json.loads(command("predict", springs_file, "--H", "100 kN", "--json").out)["units"]
+    assert (units["u"], units["rotation"], units["M"]) == ("m", "radian", "N m")
+
+
+def test_a_table_for_people(capsys: pytest.CaptureFixture[str]) -> None:
+    import xarray as xr
+
+    values = {"u": [0.0, 1e-3], "w": [0.0, -1e-5], "rotation": [0.0, -1e-4], "H": [0.0, 2e6], "V": [1e6, 1e6]}
+    values |= {"M": [1e-4, -16e6], "extrapolated": [0, 1]}
+    print_prediction(xr.Dataset({name: ("step", np.array(value)) for name, value in values.items()}))
+    assert capsys.readouterr().out == (
+        "  u [mm]    w [mm]    rotation [deg]    H [kN]    V [kN]    M [kN m]  marks\n"
+        "--------  --------  ----------------  --------  --------  ----------  ------------\n"
+        "       0         0                 0         0      1000           0\n"
+        "       1     -0.01        -0.0057296      2000      1000      -16000  extrapolated\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("args", "messages"),
+    [
+        ([], ['--H: missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve']),
+        (["--H", "2"], ['--H: expected a quantity with unit such as "2 MN", got "2"']),
+        (
+            ["--H", "2 MPa", "--arm", "3"],
+            [
+                '--H: "2 MPa" is a pressure or stress; expected a force such as "2 MN"',
+                '--arm: expected a quantity with unit such as "8 m", got "3"',
+            ],
+        ),
+        (["--H", "2 MN", "--M", "3 MN"], ['--M: "3 MN" is a force; expected a moment such as "-3 MN m"']),
+        (
+            ["--H", "2 MN", "--u-max", "5 mm"],
+            ["--u-max: give either --H or --u-max: the load is an answer of the curve"],
+        ),
+        (
+            ["--H", "2 MN", "--arm", "1 m", "--M", "1 MN m"],
+            ["--M: give either --arm or --M, not both (M = -H*arm)"],
+        ),
+        (
+            ["--u-max", "5 mm", "--M", "1 MN m"],
+            ["--M: a curve needs the height of the load: give --arm instead"],
+        ),
+        (["--H", "1 MN", "--path", "nope"], ["path: no path 'nope'; the springs have: pull"]),
+    ],
+)
+def test_predict_refuses(springs_file: Path, args: list[str], messages: list[str]) -> None:
+    done = command("predict", springs_file, *args)
+    assert (done.code, done.out) == (2, "")
+    assert done.err == "".join(f"fatal: user input: {message}\n" for message in messages)
+
+
+def test_predict_strict_refuses_what_the_springs_do_not_cover(springs_file: Path) -> None:
+    done = command("predict", springs_file, "--H", "9e9 N", "--strict")
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith("fatal: user input: strict: ")
+    assert "beyond the range of path 'pull'" in done.err
+    assert len(done.err.splitlines()) == 1
+    assert command("predict", springs_file, "--u-max", "2 mm", "--strict").code == 0
+
+
+def test_fan_is_the_default_where_there_is_one(springs_file: Path) -> None:
+    rays = (synthetic.Path("push", "translation"), synthetic.Path("turn", "rotation", 1e-3))
+    fan = save_springs(synthetic.make_springs(rays), Path("fan/springs.nc"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # two rays are 90 degrees apart
+        data = json.loads(command("predict", fan, "--H", "1 MN", "--json").out)
+        assert data["attributes"]["springs"] == "fan"
+        one = json.loads(command("predict", fan, "--H", "1 MN", "--springs", "full", "--json").out)
+        assert one["attributes"]["path"] == "push"
+    strict = command("predict", fan, "--H", "1 MN", "--strict")
+    assert (strict.code, strict.out) == (2, "")
+    assert "between calibration paths 90 degrees apart" in strict.err
+    assert len(strict.err.splitlines()) == 1
+    rows = json.loads(command("compare", fan, "--springs", "fan", "--json").out)["rows"]
+    assert [(row["path"], row["springs"]) for row in rows] == [("push", "fan"), ("turn", "fan")]
+    none = command("predict", springs_file, "--H", "1 MN", "--springs", "fan")
+    assert (none.code, len(none.err.splitlines())) == (2, 1)
+    assert "a fan needs at least 2 calibration paths" in none.err
+    there = command("compare", springs_file, "--springs", "fan")
+    assert (there.code, there.err) == (
+        2,
+        "fatal: user input: springs_kind: no springs 'fan' here; there are: py, full\n",
+    )
+
+
+def test_predict_beyond_the_springs_warns(springs_file: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        done = command("predict", springs_file, "--H", "9e9 N")
+    assert done.code == 0
+    assert done.err.startswith("warning: ")
+    assert "beyond the range of path 'pull'" in done.err
