@@ -21,6 +21,7 @@ from fe_engine.soil.elastic import elastic_tangent, subtract_elastic_tangent
 from fe_engine.soil.law import Point
 
 BATCH = 4096  # elements; the fewer batches, the less threads wait for each other; 19 MB of blocks
+CHUNK = 16  # elements of one call
 
 
 class Elements(NamedTuple):
@@ -53,11 +54,16 @@ class SoilState(NamedTuple):
 
 
 class Blocks(NamedTuple):
-    """Forces (k, 24) and stiffnesses (k, 24, 24) of the elements of a batch; changed (k,): any point is not elastic."""
+    """Results of a batch of elements, by slot: force (k, 24), stiffness (k, 24, 24), changed (k,): not all are elastic.
+
+    By element: status (ne,) of the law, regime (ne, 8) of the points.
+    """
 
     force: np.ndarray
     stiffness: np.ndarray
     changed: np.ndarray
+    status: np.ndarray
+    regime: np.ndarray
 
 
 @njit
@@ -67,9 +73,8 @@ def row_of(rows, g):
 
 
 @njit
-def gather(nodes, new, old, frames, out):
+def gather(nodes, new, old, frame_of, table, out):
     """Increment of displacement (8, 3) of an element in global axes."""
-    frame_of, table = frames
     for a in range(8):
         n = nodes[a]
         f = frame_of[n]
@@ -82,9 +87,8 @@ def gather(nodes, new, old, frames, out):
 
 
 @njit
-def _to_nodal_axes(nodes, frames, force, stiffness, want):
+def _to_nodal_axes(nodes, frame_of, table, force, stiffness, want):
     """Turn force (24,) and stiffness (24, 24) into the nodal axes of skew nodes."""
-    frame_of, table = frames
     t = np.empty(3)
     for a in range(8):
         f = frame_of[nodes[a]]
@@ -113,45 +117,49 @@ def _to_nodal_axes(nodes, frames, force, stiffness, want):
 
 
 @njit
-def _element(e, slot, elements, old, new, regime, want, blocks):
-    """Write the force of element e into a slot, and what its stiffness has beyond the elastic one; return the status.
+def _chunk(start, first, last, elements, old, new, want, blocks):
+    """Write forces and plastic stiffnesses of the elements ``start + first`` up to ``start + last`` into their slots.
 
-    Updates its trial stress and history.
+    Updates their trial stress and history. One call for several elements: a call with so many arrays costs as much as
+    a point of the soil.
     """
-    gradient, mean_gradient, volume = elements.gradient[e], elements.mean_gradient[e], elements.volume[e]
-    code = elements.law[e]
-    force, stiffness = blocks.force[slot], blocks.stiffness[slot if want else 0]
-    frames = elements.frame_of, elements.frames
+    # unpacked once: Numba counts references at each access to a field
+    hexes, gradients, mean_gradients, volumes, laws, parameters, moduli, rest, frame_of, frames = elements
+    forces, stiffnesses, changes, statuses, regimes = blocks
     move = np.empty((8, 3))
     strain = np.empty(6)
     change = np.empty(6)
     tangent = np.empty((6, 6))
     b = np.zeros((6, 24))
     cb = np.empty((6, 24))
-    gather(elements.hexes[e], new.displacement, old.displacement, frames, move)
-    force[:] = 0.0
-    blocks.changed[slot] = False
-    for g in range(8):
-        strain_at(gradient[g], mean_gradient, move, strain)
-        row = row_of(elements.moduli, g)
-        p, bulk, shear = elements.parameters[e, row], elements.moduli[e, row, 0], elements.moduli[e, row, 1]
-        before, after = Point(old.stress[e, g], old.history[e, g]), Point(new.stress[e, g], new.history[e, g])
-        status, what = update_soil(code, p, strain, before, after, tangent, want)
-        if status != OK:
-            return status
-        regime[e, g] = what
-        for i in range(6):
-            change[i] = after.stress[i] - elements.initial_stress[e, g, i]
-        add_force(gradient[g], mean_gradient, volume[g], change, force)
-        if want and what != REGIME_ELASTIC:
-            if not blocks.changed[slot]:
-                stiffness[:, :] = 0.0
-                blocks.changed[slot] = True
-            subtract_elastic_tangent(bulk, shear, tangent)
-            b_bar(gradient[g], mean_gradient, b)
-            add_stiffness(b, tangent, volume[g], cb, stiffness)
-    _to_nodal_axes(elements.hexes[e], frames, force, stiffness, blocks.changed[slot])
-    return OK
+    for slot in range(first, last):
+        e = start + slot
+        gradient, mean_gradient, volume, initial_stress = gradients[e], mean_gradients[e], volumes[e], rest[e]
+        stress_old, history_old, stress, history = old.stress[e], old.history[e], new.stress[e], new.history[e]
+        force, stiffness, regime, changed = forces[slot], stiffnesses[slot if want else 0], regimes[e], False
+        gather(hexes[e], new.displacement, old.displacement, frame_of, frames, move)
+        force[:] = 0.0
+        for g in range(8):
+            row = row_of(moduli, g)
+            strain_at(gradient[g], mean_gradient, move, strain)
+            before, after = Point(stress_old[g], history_old[g]), Point(stress[g], history[g])
+            status, what = update_soil(laws[e], parameters[e, row], strain, before, after, tangent, want)
+            if status != OK:
+                statuses[e] = status
+                break
+            regime[g] = what
+            for i in range(6):
+                change[i] = stress[g, i] - initial_stress[g, i]
+            add_force(gradient[g], mean_gradient, volume[g], change, force)
+            if want and what != REGIME_ELASTIC:
+                if not changed:
+                    stiffness[:, :] = 0.0
+                    changed = True
+                subtract_elastic_tangent(moduli[e, row, 0], moduli[e, row, 1], tangent)
+                b_bar(gradient[g], mean_gradient, b)
+                add_stiffness(b, tangent, volume[g], cb, stiffness)
+        changes[slot] = changed
+        _to_nodal_axes(hexes[e], frame_of, frames, force, stiffness, changed)
 
 
 @njit
@@ -159,7 +167,6 @@ def elastic_stiffness(elements, scatter, offset, targets):
     """Add the stiffness of all elements at rest, where every point is elastic, to the tangent's arrays."""
     tangent, b, cb = np.empty((6, 6)), np.zeros((6, 24)), np.empty((6, 24))
     force, stiffness = np.zeros(24), np.empty((24, 24))
-    frames = elements.frame_of, elements.frames
     for e in range(elements.hexes.shape[0]):
         stiffness[:, :] = 0.0
         for g in range(8):
@@ -167,7 +174,7 @@ def elastic_stiffness(elements, scatter, offset, targets):
             elastic_tangent(elements.moduli[e, row, 0], elements.moduli[e, row, 1], 1.0, tangent)
             b_bar(elements.gradient[e, g], elements.mean_gradient[e], b)
             add_stiffness(b, tangent, elements.volume[e, g], cb, stiffness)
-        _to_nodal_axes(elements.hexes[e], frames, force, stiffness, True)
+        _to_nodal_axes(elements.hexes[e], elements.frame_of, elements.frames, force, stiffness, True)
         scatter_stiffness(elements.hexes[e], scatter, offset[e], stiffness, targets)
 
 
@@ -185,12 +192,12 @@ def assemble_elements(elements, old, new, regime, scatter, offset, forces, targe
     stiffness = np.empty((BATCH if want else 1, 24, 24))
     status = np.zeros(ne, dtype=np.int64)
     changed = np.zeros(min(size, ne), dtype=np.bool_)
-    blocks = Blocks(force, stiffness, changed)
+    blocks = Blocks(force, stiffness, changed, status, regime)
     for start in range(0, ne, size):
         count = min(size, ne - start)
-        for k in nb.prange(count):
-            slot = np.int64(k)  # prange counts in uint64, which turns to float beside int64
-            status[start + slot] = _element(start + slot, slot, elements, old, new, regime, want, blocks)
+        for k in nb.prange((count + CHUNK - 1) // CHUNK):
+            first = CHUNK * np.int64(k)  # prange counts in uint64, which turns to float beside int64
+            _chunk(start, first, min(first + CHUNK, count), elements, old, new, want, blocks)
         for k in range(count):
             e = start + k
             scatter_force(elements.hexes[e], scatter, force[k], forces)

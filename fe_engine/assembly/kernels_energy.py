@@ -17,8 +17,7 @@ def hex_work(elements, old, new):
     stored, dissipated, initial = 0.0, 0.0, 0.0
     move, strain = np.empty((8, 3)), np.empty(6)
     for e in range(elements.hexes.shape[0]):
-        frames = elements.frame_of, elements.frames
-        gather(elements.hexes[e], new.displacement, old.displacement, frames, move)
+        gather(elements.hexes[e], new.displacement, old.displacement, elements.frame_of, elements.frames, move)
         for g in range(8):
             row = row_of(elements.moduli, g)
             bulk, shear = elements.moduli[e, row, 0], elements.moduli[e, row, 1]

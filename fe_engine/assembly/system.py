@@ -173,7 +173,7 @@ class System:
         """Strain increment (6,) of a point of an element."""
         old, new = state.committed.displacement, state.trial.displacement
         move, strain = np.empty((8, 3)), np.empty(6)
-        kernels.gather(self.hexes[element], new, old, (self.frame_of, self.frames), move)
+        kernels.gather(self.hexes[element], new, old, self.frame_of, self.frames, move)
         hex8.strain_at(self.gradient[element, point], self.mean_gradient[element], move, strain)
         return strain
 

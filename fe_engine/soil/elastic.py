@@ -78,9 +78,10 @@ def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 @njit
 def update(p, strain, old, new, tangent, want_tangent):
     """Add the elastic stress of a strain increment (6,), see law.SoilLaw; return (OK, REGIME_ELASTIC)."""
+    stress_old, stress = old.stress, new.stress
     for i in range(6):
-        new.stress[i] = old.stress[i]
-    add_elastic_stress(p[BULK], p[SHEAR], strain, new.stress)
+        stress[i] = stress_old[i]
+    add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
     if want_tangent:
         elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
     return OK, REGIME_ELASTIC

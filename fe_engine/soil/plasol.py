@@ -137,11 +137,12 @@ def second_invariant(stress, mean):
 @njit
 def update(p, strain, old, new, tangent, want_tangent):
     """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
-    stress, history = new.stress, new.history
+    stress_old, history_old = old
+    stress, history = new
     for i in range(6):
-        stress[i] = old.stress[i]
+        stress[i] = stress_old[i]
     add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
-    kappa_old = old.history[KAPPA]
+    kappa_old = history_old[KAPPA]
     first = stress[0] + stress[1] + stress[2]
     second = second_invariant(stress, first / 3.0)
     m, k, _, _ = strength(p, kappa_old)
@@ -165,12 +166,12 @@ def _return_to_cone(p, kappa_old, trial, dl, new, tangent, want_tangent):
     The tangent is not symmetric unless psi = phi.
     """
     first, second = trial
-    stress = new.stress
+    stress, history = new
     bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
     kappa = kappa_old + dl / _SQRT3
     ratio = 1.0 - shear * dl / second
     first_new = first - 9.0 * bulk * m_psi * dl
-    new.history[KAPPA] = kappa
+    history[KAPPA] = kappa
     if want_tangent:
         _cone_tangent(p, kappa, trial, first_new, dl, stress, tangent)
     for i in range(3):
@@ -205,11 +206,11 @@ def _cone_tangent(p, kappa, invariants, first_new, dl, trial, tangent):
 def return_to_apex(p, kappa_old, trial, new, tangent, want_tangent):
     """Put the point on the apex, plus the residual elastic fraction of the trial stress, of invariants ``trial``."""
     first, second = trial
-    stress = new.stress
+    stress, history = new
     kappa = kappa_old + second / (_SQRT3 * p[SHEAR])
     m, k, dm, dk = strength(p, kappa)
     mean = k / m / 3.0 if k > 0.0 else 0.0
-    new.history[KAPPA] = kappa
+    history[KAPPA] = kappa
     if want_tangent:
         # the apex moves along the hydrostatic axis as friction hardens: d(k/m)/de
         drift = (dk - k / m * dm) / m / 3.0 if k > 0.0 else 0.0

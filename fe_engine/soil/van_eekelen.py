@@ -197,11 +197,12 @@ def yield_function(p, stress, kappa):
 @njit
 def update(p, strain, old, new, tangent, want_tangent):
     """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
-    stress, history = new.stress, new.history
+    stress_old, history_old = old
+    stress, history = new
     for i in range(6):
-        stress[i] = old.stress[i]
+        stress[i] = stress_old[i]
     add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
-    kappa_old = old.history[KAPPA]
+    kappa_old = history_old[KAPPA]
     if yield_function(p, stress, kappa_old) <= 0.0:
         history[KAPPA] = kappa_old
         if want_tangent:
