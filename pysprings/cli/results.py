@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -72,6 +71,8 @@ def _comparison(folder: Path, record: Mapping[str, Any]) -> pd.DataFrame:
         from pysprings.macro.comparison import compare
 
         return compare(read_springs(folder))
+    import tomllib
+
     from pysprings.results.exporters.csv import read_comparison
 
     frame = read_comparison(folder / "compare.csv")

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
-from pysprings.core.errors import Problem, UserInputError, printable
+from pysprings.core.errors import Problem, UserInputError, printable, refused
 from pysprings.core.text import json_text, plain_table
 
 
@@ -33,7 +33,7 @@ def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]], left: Seq
 
 def refuse(key: str | None, message: str, file: str | os.PathLike[str] | None = None) -> NoReturn:
     """Raise the error for one problem with an option or a file."""
-    raise UserInputError([Problem(None if file is None else str(file), key=key, message=message)])
+    raise refused(key, message, file)
 
 
 def quantities(given: Mapping[str, tuple[str | None, str, str]]) -> dict[str, float | None]:

@@ -83,7 +83,7 @@ class UserInputError(PyspringsError):
 
 
 def refused(key: str | None, message: str, file: str | os.PathLike[str] | None = None) -> UserInputError:
-    """Return the error for one problem with an argument, an option or a key of a file."""
+    """Return the error for one problem with an argument, an option, a file, or a key of it."""
     return UserInputError([Problem(None if file is None else str(file), key=key, message=message)])
 
 

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Generic, Protocol, TypeVar
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 
@@ -112,7 +112,7 @@ class Registry(Generic[Item]):
             return self[name]
         except KeyError:
             message = f"'{name}' is not one of {', '.join(self.names())}"
-            raise UserInputError([Problem(key=key, message=message)]) from None
+            raise refused(key, message) from None
 
     def _load_entry_points(self) -> None:
         """Register the cases of installed packages, once; warn of one that cannot be loaded."""

@@ -15,7 +15,6 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import os
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -25,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from pysprings.core.errors import Problem, ResourceError, UserInputError
+from pysprings.core.errors import ResourceError, refused
 from pysprings.core.files.layout import CHECKPOINT, checkpoints_in
 from pysprings.core.files.storage import leftovers, replacing
 from pysprings.core.files.written import own_folder
@@ -160,7 +159,7 @@ class Checkpoints:
         """Read what is there; UserInputError where there is nothing, or where it belongs to another run."""
         loaded = Loaded()
         if not self.place.is_dir():
-            raise refusal(self.folder, "nothing to resume: no interrupted run in this folder")
+            raise refused(None, "nothing to resume: no interrupted run in this folder", self.folder)
         loaded.shared = self._read(_START, loaded)
         for file in [file for file in checkpoints_in(self.place) if file.name.startswith("path-")]:
             if (saved := self._read(file.name, loaded)) is not None:
@@ -170,7 +169,7 @@ class Checkpoints:
         self._sequence = 0 if loaded.state is None else loaded.state.meta["sequence"]
         if loaded.shared is None and not loaded.paths and loaded.state is None:
             what = f"every checkpoint is damaged ({'; '.join(loaded.damaged)})" if loaded.damaged else "no checkpoint"
-            raise refusal(self.folder, f"nothing to resume: {what}; --force begins anew")
+            raise refused(None, f"nothing to resume: {what}; --force begins anew", self.folder)
         return loaded
 
     def _read(self, name: str, loaded: Loaded) -> Saved | None:
@@ -191,7 +190,8 @@ class Checkpoints:
         for name, value in self.identity.items():
             if other.get(name) != value:
                 what = f"its {name} was {other.get(name, 'unknown')} and is {value}"
-                raise refusal(self.folder, f"--resume: another run was interrupted here: {what}; --force begins anew")
+                message = f"--resume: another run was interrupted here: {what}; --force begins anew"
+                raise refused(None, message, self.folder)
 
     def remove(self) -> None:
         """Remove the checkpoints, by their names; the folder stays where it holds something else."""
@@ -249,8 +249,3 @@ def read(file: Path) -> Saved:
     except ValueError as error:
         raise Damaged(str(error)) from error
     return Saved(json.loads(arrays.pop(_META).tobytes()), arrays)
-
-
-def refusal(folder: str | os.PathLike[str], message: str) -> UserInputError:
-    """Return the error for one problem with the folder of a run."""
-    return UserInputError([Problem(file=str(folder), message=message)])

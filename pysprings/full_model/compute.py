@@ -19,7 +19,7 @@ from fe_engine.compiled import engine_digest
 from fe_engine.errors import FEError, LinearSolverError
 from fe_engine.state import State
 from pysprings.core import version
-from pysprings.core.errors import Problem, ResourceError, RunIncomplete, UserInputError, out_of_memory
+from pysprings.core.errors import ResourceError, RunIncomplete, out_of_memory, refused
 from pysprings.core.files.layout import is_unfinished, refuse_links
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.progress import Progress
@@ -77,7 +77,7 @@ def run(
     would cavitate at the scene's water depth is warned of.
     """
     if estimate_error and scene.mesh.discretisation != "hex8":
-        raise UserInputError([Problem(key="mesh.discretisation", message='errors are estimated for "hex8" alone')])
+        raise refused("mesh.discretisation", 'errors are estimated for "hex8" alone')
     options = RunOptions(mesh, linear, progress)
     result = _compute(scene, options) if checkpoint is None else _compute_in(FilePath(checkpoint), scene, options)
     if estimate_error and not result.interrupted:
@@ -210,7 +210,7 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
         try:
             built = build(scene)
         except FEError as error:
-            raise UserInputError([Problem(key="mesh", message=str(error))]) from error
+            raise refused("mesh", str(error)) from error
     with clock.phase("set-up"):
         try:
             engine = make_engine(scene, built, clock)

@@ -72,7 +72,7 @@ class SpringTable:
 
     @property
     def solver_arrays(self) -> tuple[Array, Array, Array, Array, Array, NDArray[np.int64]]:
-        """The rows as `macro_solver` wants them."""
+        """The rows as the solver reads them."""
         return self.a, self.b, self.q, self.r, self.slope, self.count
 
     @property

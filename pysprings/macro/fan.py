@@ -5,7 +5,7 @@ p(y) and m(rotation) of one path do not hold on another. A state of a rigid cais
 of the plane (u, rotation*L), L the skirt length: rho = |(u, rotation*L)|, phi = atan2(rotation*L, u). A ray is a
 calibration path of constant phi (kind "translation", with or without rotation, or "rotation"). Along it every
 reaction is tabulated over rho from the origin on: p, m and t by depth, tip and lid terms, and the heave. Between
-the rays `macro_solver.fan_stencil` interpolates in angle: exactly for a linear response, at every load height.
+the rays `solver.fan_stencil` interpolates in angle: exactly for a linear response, at every load height.
 
 The mirror image of a ray (a motion towards -x) completes the plane: lateral reactions and moments change their sign,
 vertical ones and w do not. Those are interpolated linearly in angle.
@@ -89,7 +89,7 @@ class FanTable:
 
     @property
     def solver_arrays(self) -> tuple[Array, Array, Array, Array, Array, NDArray[np.int64]]:
-        """The loads (H, M) along each ray as `macro_solver` wants them: rows 2k and 2k+1 are those of ray k."""
+        """The loads (H, M) along each ray as the solver reads them: rows 2k and 2k+1 are those of ray k."""
         n = self.angle.size
         loads, slopes = (np.tensordot(x, self.b, axes=(0, 0)).transpose(0, 2, 1) for x in (self.r, self.slope))
         a = np.stack([np.repeat(self.angle, 2), np.full(2 * n, self.length)], axis=1)
@@ -208,7 +208,7 @@ def secant_slopes(rho: Array, r: Array, initial: Array) -> Array:
 
     S(0) = initial (rows,). dS/ds is that of a parabola through three neighbours in s = ln(1 + rho/rho_1), as steps
     grow from the first one on. Exact for a linear response; linear in r and initial, unlike
-    `macro_tables.pchip_slopes`: slopes of a sum are the sum of the slopes.
+    `pysprings.macro.curve_table.pchip_slopes`: slopes of a sum are the sum of the slopes.
     """
     secant = np.concatenate([initial[:, None], (r[:, 1:] - r[:, :1]) / rho[1:]], axis=1)
     h = np.diff(np.log1p(rho / rho[1]))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from pysprings.macro.control import Control, ending, equations
 from pysprings.macro.curve_table import SpringTable
 from pysprings.macro.fan import FanTable
 from pysprings.macro.sets import AnySprings, choose_set, typed
-from pysprings.macro.solver import FAN, ROWS, follow, reactions, solve_cases, tangents
+from pysprings.macro.solver import FAN, ROWS, SpringArrays, follow, reactions, solve_cases, tangents
 from pysprings.macro.spring_sets import Built, SpringSet
 from pysprings.macro.user_curves import CurveSprings
 from pysprings.macro.vertical import VerticalTable, build_vertical
@@ -30,7 +31,7 @@ NO_VERTICAL = "a table without a vertical path has no vertical springs: w and V 
 NO_ENDS = "springs of an earlier version: how their paths ended is not known, loads beyond a limit load are not refused"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class MacroModel:
     """A rigid caisson on the springs of one path, or of a fan of paths; built once, asked often.
 
@@ -57,7 +58,7 @@ class MacroModel:
     ends, sources
         How the paths of the springs ended, by name, and the names of those that the lateral springs come from.
     elastic_loads
-        Vertical loads [N] that an elastic vertical stiffness may answer: see `macro_ends`.
+        Vertical loads [N] that an elastic vertical stiffness may answer: see `pysprings.macro.ends`.
     """
 
     table: SpringTable | FanTable
@@ -119,14 +120,15 @@ class MacroModel:
         """Vertical load [N] of the state at rest: of the vertical springs, else of the lateral ones."""
         return self.origin.load if self.vertical is None else self.vertical.rest[1]
 
-    @property
-    def _springs(self) -> tuple[int, Array, Array, Array, Array, Array, NDArray[np.int64]]:
-        return FAN if isinstance(self.table, FanTable) else ROWS, *self.table.solver_arrays
+    @cached_property
+    def arrays(self) -> SpringArrays:
+        """The springs as the solver reads them."""
+        return SpringArrays(FAN if isinstance(self.table, FanTable) else ROWS, *self.table.solver_arrays)
 
     def reactions(self, u: float, rotation: float) -> tuple[Array, Array]:
         """Return the loads (H [N], M [N m]) that hold a state, and their tangent (2, 2) to (u, rotation)."""
         force, tangent = np.zeros(2), np.zeros((2, 2))
-        reactions(*self._springs, float(u), float(rotation), force, tangent)
+        reactions(self.arrays, float(u), float(rotation), force, tangent)
         return force, tangent
 
     def tangents(self, states: Array, down: Array | None = None) -> xr.DataArray:
@@ -137,7 +139,7 @@ class MacroModel:
         for displacements, N m/rad for rotation, N/rad = N m/m between them.
         """
         lateral = np.zeros((len(states), 2, 2))
-        tangents(*self._springs, np.ascontiguousarray(states, dtype=float), lateral)
+        tangents(self.arrays, np.ascontiguousarray(states, dtype=float), lateral)
         dofs = list(variables.DOFS) if self.stiffness_initial is not None else ["u", "rotation"]
         matrix = lateral
         if self.stiffness_initial is not None:
@@ -177,18 +179,18 @@ class MacroModel:
         """
         state, first = start or (np.zeros(2), np.zeros(2))
         way = np.concatenate([[first], np.asarray(targets, dtype=float)])
-        G, C, scale, aims = equations(control, way, arm, self.table.load_scale)
+        drive, aims = equations(control, way, arm, self.table.load_scale)
         out = np.zeros((2, *aims.shape))
         with np.errstate(all="ignore"):  # an iterate that runs away is given up, with or without Numba
-            n, at0, at1 = follow(*self._springs, G, C, scale, state, aims, out[0], out[1])
+            n, at0, at1 = follow(self.arrays, drive, state, aims, out[0], out[1])
         states, loads = out[0, 1:n], out[1, 1:n]
         return states, loads, "" if n == len(aims) else ending(control, (at0, at1), aims[n], states, loads)
 
     def solve_cases(self, control: Control, targets: Array, arm: float = 0.0) -> tuple[Array, Array, NDArray[np.int8]]:
         """Return states, loads (n, 2) and a mark reached (n,) of independent targets, each from the origin."""
-        G, C, scale, aims = equations(control, np.asarray(targets, dtype=float), arm, self.table.load_scale)
+        drive, aims = equations(control, np.asarray(targets, dtype=float), arm, self.table.load_scale)
         states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(aims), dtype=np.int8)
-        solve_cases(*self._springs, G, C, scale, np.ascontiguousarray(aims), states, loads, reached)
+        solve_cases(self.arrays, drive, np.ascontiguousarray(aims), states, loads, reached)
         return states, loads, reached
 
 

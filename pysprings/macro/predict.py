@@ -12,19 +12,25 @@ Four spring sets. From the reactions along one path of the full model:
 From several calibration paths of constant ratio rotation/u:
 
 - "pisa": the families of "full", uncoupled: lateral ones from a pure translation, moments from a pure rotation;
-- "fan": all reactions by (u, rotation*L) in magnitude and angle (`macro_fan`); it predicts on other paths.
+- "fan": all reactions by (u, rotation*L) in magnitude and angle (`pysprings.macro.fan`); it predicts on other paths.
 
-What the springs do not know, an answer says: `extrapolated` (beyond the calibrated displacements, where curves go on
-with their last slope; the largest load within them is named), `off_path` (springs of one path: far from it, their p
-and m hold on that path only; a fan: between rays more than 60 degrees apart) and `off_load`, a vertical load other
-than those of the lateral springs (`loads`: between sets at several loads they are interpolated), where w follows the
-vertical springs (`macro_vertical`; without them the elastic vertical stiffness) and H and M are those at the nearest
-load. A sequence that leaves its first direction is `off_path` from there on, one that turns back `turned_back`
-(`macro_history`). With `strict` such an answer is refused.
+Answers outside the calibrated range are marked:
 
-Beyond what the full model was seen to carry there is no answer (`BeyondSprings`, `macro_ends`): beyond the range of
-springs whose path stopped or met a limit load, beyond a limit load in its direction, and under vertical loads that
-neither vertical springs nor a small change from the load of the paths cover.
+- `extrapolated`: beyond the calibrated displacements, where curves go on with their last slope; the largest load within
+  them is named;
+- `off_path`: with springs of one path, far from it (their p and m hold on that path only); with a fan, between rays
+  more than 60 degrees apart; from where a sequence leaves its first direction (`pysprings.macro.history`);
+- `turned_back`: from where a sequence turns back;
+- `off_load`: under a vertical load other than those of the lateral springs (`pysprings.springs.dead_loads`; between
+  sets at several loads they are interpolated). H and M are those at the nearest load, w follows the vertical springs
+  (`pysprings.macro.vertical`), or without them the elastic vertical stiffness.
+
+With `strict` such an answer raises an error.
+
+Beyond the loads that the full model carried there is no answer (`BeyondSprings`, `pysprings.macro.ends`): beyond the
+range of springs whose path stopped or met a limit load, beyond a limit load in its direction, and under vertical loads
+that neither vertical springs nor a small change from the load of the paths cover.
+
 Springs are odd: a load towards -x is the mirror image of one towards +x. They are monotonic backbones, used as they
 are in both ways: the body is nonlinear elastic, and a load path that turns back goes back on the same curve.
 """
@@ -32,32 +38,23 @@ are in both ways: the body is nonlinear elastic, and a load path that turns back
 from __future__ import annotations
 
 import warnings
+from typing import TypedDict, Unpack
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete
+from pysprings.core.arguments import check_arrays, check_numbers
+from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete, refused
 from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.control import Control
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import AnySprings
 from pysprings.macro.trace import trace
-from pysprings.macro.vertical_answer import check_arrays, check_numbers, refused
 
 __all__ = [
-    "MacroModel",
-    "MacroWarning",
-    "PredictionNotConverged",
-    "curve",
-    "impose",
-    "model_of",
-    "predict",
-    "predict_batch",
-    "raise_or_warn",
-    "sequence",
-    "stiffness",
-    "tangent_stiffness",
+    "MacroModel", "MacroWarning", "PredictionNotConverged", "SpringChoice", "curve", "impose", "model_of", "predict",
+    "predict_batch", "raise_or_warn", "sequence", "stiffness",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -73,6 +70,19 @@ class PredictionNotConverged(RunIncomplete):
     """No equilibrium was found beyond a load; the message names it and the part that was reached."""
 
 
+class SpringChoice(TypedDict, total=False):
+    """Keywords that choose among the springs of a caisson; a model built before (`model_of`) takes none of them.
+
+    Attributes
+    ----------
+    springs_kind : spring set ("fan", "full", "pisa", "py"); the fan where there is one, else the full set.
+    path : load path whose springs are used, of a set of one path; the first calibration path.
+    """
+
+    springs_kind: str | None
+    path: str | None
+
+
 def predict(
     springs: AnySprings | MacroModel,
     *,
@@ -80,26 +90,28 @@ def predict(
     arm: float | None = None,
     M: float | None = None,
     V: float | None = None,
-    springs_kind: str | None = None,
-    path: str | None = None,
     n: int = 26,
     strict: bool = False,
+    **choice: Unpack[SpringChoice],
 ) -> xr.Dataset:
     """Predict the motion under a lateral load H [N] at height arm [m] above mudline, or with moment M [N m].
 
     Returns n states (dimension step) from the origin to the load, H and M growing in proportion; the last one is
     the answer. With neither arm nor M the load acts at the mudline; with M alone H is 0; with V [N] alone the vertical
-    load grows from that of the springs. `springs` may be a model built before (`model_of`), when many cases are asked.
+    load grows from that of the springs. `springs` may be a model built before (`model_of`), for many cases. `choice`
+    selects a spring set and path (`SpringChoice`).
 
     Raises
     ------
     PredictionNotConverged
         No equilibrium beyond the load named in the message.
+    BeyondSprings
+        The full model carried no such load.
     UserInputError
         With strict: the springs support the answer only in part. Without, that is a MacroWarning.
     """
     check_numbers(H=H, arm=arm, M=M, V=V)
-    model, share = model_of(springs, springs_kind, path, V), np.linspace(0.0, 1.0, _points(n))
+    model, share = model_of(springs, V=V, **choice), np.linspace(0.0, 1.0, _points(n))
     if V is not None and H is None and M is None and arm is None:
         rest = model.rest_load
         return raise_or_warn(trace(model, "load", np.zeros((n, 2)), 0.0, rest + share * (V - rest)), strict)
@@ -115,13 +127,12 @@ def curve(
     arm: float = 0.0,
     n: int = 50,
     V: float | None = None,
-    springs_kind: str | None = None,
-    path: str | None = None,
     strict: bool = False,
+    **choice: Unpack[SpringChoice],
 ) -> xr.Dataset:
     """Return the load-displacement curve, n points to u_max [m] at the lid centre, load at height arm [m]."""
     check_numbers(u_max=u_max)
-    return impose(springs, u=u_max, arm=arm, V=V, springs_kind=springs_kind, path=path, n=n, strict=strict)
+    return impose(springs, u=u_max, arm=arm, V=V, n=n, strict=strict, **choice)
 
 
 def impose(
@@ -131,15 +142,15 @@ def impose(
     rotation: float | None = None,
     arm: float = 0.0,
     V: float | None = None,
-    springs_kind: str | None = None,
-    path: str | None = None,
     n: int = 26,
     strict: bool = False,
+    **choice: Unpack[SpringChoice],
 ) -> xr.Dataset:
     """Return the loads that go with a displacement u [m] or a rotation [rad] of the lid centre, or with both.
 
     One of them: the load acts at height arm [m], and the other motion is free. Both: they are imposed, and H and M
-    are what holds them. Returns n states (dimension step) from the origin on; the last one is the answer.
+    are the loads that hold them. Returns n states (dimension step) from the origin on; the last one is the answer.
+    Raises as `predict` does.
     """
     given = {name: value for name, value in (("u", u), ("rotation", rotation)) if value is not None}
     if not given:
@@ -150,7 +161,7 @@ def impose(
         targets[:, column] = np.linspace(0.0, value, n)
     controls: dict[tuple[str, ...], Control] = {("u",): "displacement", ("rotation",): "rotation"}
     control = controls.get(tuple(given), "state")
-    return raise_or_warn(trace(model_of(springs, springs_kind, path, V), control, targets, arm, V), strict)
+    return raise_or_warn(trace(model_of(springs, V=V, **choice), control, targets, arm, V), strict)
 
 
 def sequence(
@@ -160,29 +171,28 @@ def sequence(
     control: Control = "load",
     arm: float = 0.0,
     V: float | Array | None = None,
-    springs_kind: str | None = None,
-    path: str | None = None,
     strict: bool = False,
+    **choice: Unpack[SpringChoice],
 ) -> xr.Dataset:
     """Return the states along a sequence of loads or motions, one a row of targets (n, 2), from the origin on.
 
     control is "load" (H [N], M [N m]), "state" (u [m], rotation [rad] imposed), "displacement" or "rotation" (first
     column, load at height arm [m]). V [N]: one number, or one a row (of springs at several vertical loads those at its
-    first value serve). The springs are nonlinear elastic: where the sequence turns back, so does the answer, on the
+    first value are used). The springs are nonlinear elastic: where the sequence turns back, so does the answer, on the
     same curve. From there on states are marked `turned_back`; from where the targets leave the direction of the first
-    one (H to M, or u to rotation) they are marked `off_path`.
+    one (H to M, or u to rotation) they are marked `off_path`. Raises as `predict` does.
     """
     check_numbers(arm=arm)
     check_arrays(targets=targets, V=V)
-    wanted = np.asarray(targets, dtype=float)
-    if wanted.ndim != 2 or wanted.shape[1] != 2 or not len(wanted):
-        raise refused("targets", f"must have the shape (n, 2), not {wanted.shape}")
+    rows = np.asarray(targets, dtype=float)
+    if rows.ndim != 2 or rows.shape[1] != 2 or not len(rows):
+        raise refused("targets", f"must have the shape (n, 2), not {rows.shape}")
     down = None if V is None else np.asarray(V, dtype=float)
-    if down is not None and down.shape not in ((), (len(wanted),)):
-        raise refused("V", f"give one number, or one a row of targets ({len(wanted)}), not the shape {down.shape}")
+    if down is not None and down.shape not in ((), (len(rows),)):
+        raise refused("V", f"give one number, or one a row of targets ({len(rows)}), not the shape {down.shape}")
     first = None if down is None else float(down.ravel()[0])
-    V = down if down is not None and down.ndim else first
-    answer = trace(model_of(springs, springs_kind, path, first), control, wanted, arm, V)
+    model = model_of(springs, V=first, **choice)
+    answer = trace(model, control, rows, arm, down if down is not None and down.ndim else first)
     return raise_or_warn(answer.assign_attrs(remarks=[*answer.attrs["remarks"], ELASTIC]), strict)
 
 
@@ -193,36 +203,36 @@ def predict_batch(
     arm: float | Array | None = None,
     M: float | Array | None = None,
     V: float | None = None,
-    springs_kind: str | None = None,
-    path: str | None = None,
+    **choice: Unpack[SpringChoice],
 ) -> xr.Dataset:
     """Predict the motion under many independent loads (dimension case): arrays of H [N], and of arm [m] or M [N m].
 
-    V [N] is one for all. What `predict` warns of is a mark by case here: `extrapolated`, `off_path`, `off_load`, and
+    V [N] is one for all. A warning of `predict` is a mark by case here: `extrapolated`, `off_path`, `off_load`, and
     `converged` 0 where the springs cannot carry the load (the case then holds the largest load that was reached on the
-    straight way to it). What `predict` refuses is `beyond_end`: `converged` is 0 then, and u, w and rotation are NaN.
+    straight way to it). Where `predict` raises BeyondSprings, `beyond_end` is 1, `converged` 0, and u, w and rotation
+    are NaN.
     """
     check_arrays(H=H, arm=arm, M=M)
     check_numbers(V=V)
     force, moment = np.broadcast_arrays(*_loads(H, arm, M))
     targets = np.stack([force.ravel(), moment.ravel()], axis=1)
-    model = model_of(springs, springs_kind, path, V)
+    model = model_of(springs, V=V, **choice)
     states, loads, reached = model.solve_cases("load", targets)
     answer = answer_dataset(model, Way(states, loads, "load", V))
-    answer = _without_refused(answer.assign(converged=answer["converged"].copy(data=reached)))
+    answer = _without_motion_beyond(answer.assign(converged=answer["converged"].copy(data=reached)))
     return answer.drop_vars(["p", "y", "usable", "stiffness", "depth", "depth_bounds", "dof", "dof_conjugate"]).rename(
         step="case"
     )
 
 
-def _without_refused(answer: xr.Dataset) -> xr.Dataset:
-    """Answers of a batch without the motions of cases that `predict` refuses."""
+def _without_motion_beyond(answer: xr.Dataset) -> xr.Dataset:
+    """Answers of a batch without the motions of cases beyond the loads that the full model carried."""
     past = answer["beyond_end"].values == 1
     for name in ("u", "w", "rotation"):
         if name in answer:
             answer[name] = answer[name].copy(data=np.where(past, np.nan, answer[name].values))
-    kept = np.where(past, 0, answer["converged"].values).astype(np.int8)
-    return answer.assign(converged=answer["converged"].copy(data=kept))
+    converged = np.where(past, 0, answer["converged"].values).astype(np.int8)
+    return answer.assign(converged=answer["converged"].copy(data=converged))
 
 
 def stiffness(
@@ -234,9 +244,8 @@ def stiffness(
     V: float | None = None,
     u: float | None = None,
     rotation: float | None = None,
-    springs_kind: str | None = None,
-    path: str | None = None,
     strict: bool = False,
+    **choice: Unpack[SpringChoice],
 ) -> xr.DataArray:
     """Return the stiffness (3, 3) of the springs at a state, at mudline for (u, w, rotation): the tangent there.
 
@@ -245,7 +254,8 @@ def stiffness(
     Under a load H [N] at height arm [m] or with moment M [N m] (`predict`), or at u [m] and rotation [rad], imposed
     (one of them: the load acts at height arm, as in `impose`). See `MacroModel.tangents` for units and for w.
     """
-    model = model_of(springs, springs_kind, path, V)
+    check_numbers(H=H, arm=arm, M=M, V=V, u=u, rotation=rotation)
+    model = model_of(springs, V=V, **choice)
     if u is not None or rotation is not None:
         answer = impose(model, u=u, rotation=rotation, arm=arm or 0.0, V=V, strict=strict)
     elif H is not None or M is not None or V is not None:
@@ -253,19 +263,6 @@ def stiffness(
     else:
         return model.tangent_stiffness()
     return answer["stiffness"].isel(step=-1, drop=True)
-
-
-def tangent_stiffness(
-    springs: AnySprings | MacroModel,
-    u: float = 0.0,
-    rotation: float = 0.0,
-    springs_kind: str | None = None,
-    path: str | None = None,
-) -> xr.DataArray:
-    """Return the stiffness (3, 3) of the springs at a state (m, rad), at mudline for (u, w, rotation): the tangent."""
-    check_numbers(u=u, rotation=rotation)
-    answer = trace(model_of(springs, springs_kind, path), "state", np.array([[u, rotation]]))
-    return raise_or_warn(answer, strict=False)["stiffness"].isel(step=-1, drop=True)
 
 
 def model_of(
@@ -280,7 +277,7 @@ def model_of(
 
 
 def _loads(H: float | Array | None, arm: float | Array | None, M: float | Array | None) -> tuple[Array, Array]:
-    """Lateral load [N] and moment [N m] from what is given, as arrays; refuse what contradicts itself."""
+    """Lateral load [N] and moment [N m] from the arguments, as arrays; arguments that contradict each other raise."""
     if arm is not None and M is not None:
         raise refused("arm", "give the height of the load or its moment, not both")
     if H is None and M is None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Equilibrium of a rigid body on nonlinear springs: reactions of a state and path following (jitted, `core.jit`).
 
-State x = (u, rotation); loads F(x) = (H, M) and their tangent K (2, 2), by the law of the springs:
+State x = (u [m], rotation [rad]); loads F(x) = (H [N], M [N m]) and their tangent K (2, 2), by the law of the springs:
 
 - ROWS: F = sum_j b_j r_j(a_j . x), K = sum_j b_j k_j a_j^T; a row reads one displacement;
 - FAN: F = sum_k w_k(phi) R_k(rho) with rho = |(u, rotation*L)|, phi its angle, R_k the loads along ray k
@@ -18,6 +18,7 @@ Every way to drive the body is a pair of constant 2x2 matrices:  g(x) = G x + C 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,35 @@ ROWS, FAN = 0, 1
 ORIGIN = 1e-12
 # Rays whose reactions make up a state: those on both sides, and their neighbours, for the slope in angle.
 STENCIL = 4
+
+
+class SpringArrays(NamedTuple):
+    """Springs as arrays, n rows.
+
+    law : ROWS or FAN.
+    a, b : (n, 2) displacement that a row reads, and its action on (H, M).
+    knots, values, slopes : (n, k) displacements [m, rad], reactions, and their slopes.
+    sizes : (n,) number of knots.
+    """
+
+    law: int
+    a: Array
+    b: Array
+    knots: Array
+    values: Array
+    slopes: Array
+    sizes: NDArray[np.int64]
+
+
+class Drive(NamedTuple):
+    """Equations g(x) = G x + C F(x) - c that drive the body, without their right side c.
+
+    G, C : (2, 2); scale : (2,) size of each equation.
+    """
+
+    G: Array
+    C: Array
+    scale: Array
 
 
 @jitted
@@ -77,10 +107,11 @@ def row_values(knots, values, slopes, count, q):
 
 
 @jitted
-def reactions(law, a, b, knots, values, slopes, count, u, rotation, F, K):
+def reactions(springs, u, rotation, F, K):
     """Write the loads F (2,) = (H [N], M [N m]) and the tangent K (2, 2) of a state into the given arrays."""
+    law, a, b, knots, values, slopes, count = springs
     if law == FAN:
-        fan_loads(a, knots, values, slopes, count, u, rotation, F, K)
+        fan_loads(springs, u, rotation, F, K)
         return
     F[:] = 0.0
     K[:, :] = 0.0
@@ -143,8 +174,9 @@ def fan_stencil(angles, phi, rays, signs, weights, turns):
 
 
 @jitted
-def fan_loads(a, knots, values, slopes, count, u, rotation, F, K):
+def fan_loads(springs, u, rotation, F, K):
     """Write the loads F (2,) and the tangent K (2, 2) of a state on a fan of rays into the given arrays."""
+    _, a, _, knots, values, slopes, count = springs
     length = a[0, 1]
     v = rotation * length
     rho = math.hypot(u, v)
@@ -189,19 +221,21 @@ def fan_rows(angles, knots, values, slopes, count, even, rho, phi):
 
 
 @jitted
-def _merit(G, C, F, x0, x1, c0, c1, scale):
+def _merit(drive, F, x0, x1, c0, c1):
     """Residual of both equations over their sizes, and the largest of them."""
+    G, C, scale = drive
     g0 = (G[0, 0] * x0 + G[0, 1] * x1 + C[0, 0] * F[0] + C[0, 1] * F[1] - c0) / scale[0]
     g1 = (G[1, 0] * x0 + G[1, 1] * x1 + C[1, 0] * F[0] + C[1, 1] * F[1] - c1) / scale[1]
     return g0, g1, max(abs(g0), abs(g1))
 
 
 @jitted
-def _newton(law, a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, K):
+def _newton(springs, drive, c0, c1, x, F, K):
     """Solve g(x) = 0 from x by Newton with line search; answer in x; return iterations, -1 on failure."""
+    G, C, scale = drive
     x0, x1 = x[0], x[1]
-    reactions(law, a, b, knots, values, slopes, count, x0, x1, F, K)
-    g0, g1, size = _merit(G, C, F, x0, x1, c0, c1, scale)
+    reactions(springs, x0, x1, F, K)
+    g0, g1, size = _merit(drive, F, x0, x1, c0, c1)
     for iteration in range(MAX_ITERATIONS):
         if size <= TOLERANCE:
             x[0], x[1] = x0, x1
@@ -217,8 +251,8 @@ def _newton(law, a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, 
         before, damping = g0 * g0 + g1 * g1, 1.0
         while True:
             y0, y1 = x0 + damping * d0, x1 + damping * d1
-            reactions(law, a, b, knots, values, slopes, count, y0, y1, F, K)
-            g0, g1, size = _merit(G, C, F, y0, y1, c0, c1, scale)
+            reactions(springs, y0, y1, F, K)
+            g0, g1, size = _merit(drive, F, y0, y1, c0, c1)
             if size <= TOLERANCE or g0 * g0 + g1 * g1 <= (1.0 - 2.0 * ARMIJO * damping) * before:
                 break
             damping *= 0.5
@@ -229,15 +263,15 @@ def _newton(law, a, b, knots, values, slopes, count, G, C, scale, c0, c1, x, F, 
 
 
 @jitted
-def tangents(law, a, b, knots, values, slopes, count, states, out):
+def tangents(springs, states, out):
     """Write the tangents (n, 2, 2) of states (n, 2) = (u, rotation)."""
     F = np.zeros(2)
     for i in range(states.shape[0]):
-        reactions(law, a, b, knots, values, slopes, count, states[i, 0], states[i, 1], F, out[i])
+        reactions(springs, states[i, 0], states[i, 1], F, out[i])
 
 
 @jitted
-def follow(law, a, b, knots, values, slopes, count, G, C, scale, start, targets, states, loads):
+def follow(springs, drive, start, targets, states, loads):
     """Follow the equilibrium from state `start` (where c is the first target) through all targets c (n, 2).
 
     Writes states (n, 2) = (u, rotation) and loads (n, 2) = (H, M). Between targets a failed step is halved; where that
@@ -257,23 +291,23 @@ def follow(law, a, b, knots, values, slopes, count, G, C, scale, start, targets,
             aim = min(1.0, done + width)
             c0, c1 = from0 + aim * (targets[n, 0] - from0), from1 + aim * (targets[n, 1] - from1)
             trial[:] = x
-            if _newton(law, a, b, knots, values, slopes, count, G, C, scale, c0, c1, trial, F, K) < 0:
+            if _newton(springs, drive, c0, c1, trial, F, K) < 0:
                 halvings += 1
                 width *= 0.5
                 if halvings > MAX_HALVINGS:
                     states[n] = x
-                    reactions(law, a, b, knots, values, slopes, count, x[0], x[1], loads[n], K)
+                    reactions(springs, x[0], x[1], loads[n], K)
                     return n, at0, at1
             else:
                 x[:], done, at0, at1 = trial, aim, c0, c1
         states[n] = x
-        reactions(law, a, b, knots, values, slopes, count, x[0], x[1], F, K)
+        reactions(springs, x[0], x[1], F, K)
         loads[n] = F
     return targets.shape[0], at0, at1
 
 
 @jitted
-def solve_cases(law, a, b, knots, values, slopes, count, G, C, scale, targets, states, loads, reached):
+def solve_cases(springs, drive, targets, states, loads, reached):
     """Solve independent cases c (n, 2), each from the origin; write their states and loads (n, 2), reached 1 or 0.
 
     A case without equilibrium holds the last state that was found on the straight way to it.
@@ -282,5 +316,5 @@ def solve_cases(law, a, b, knots, values, slopes, count, G, C, scale, targets, s
     x, F = np.zeros((2, 2)), np.zeros((2, 2))
     for i in range(targets.shape[0]):
         way[1] = targets[i]
-        n, _, _ = follow(law, a, b, knots, values, slopes, count, G, C, scale, start, way, x, F)
+        n, _, _ = follow(springs, drive, start, way, x, F)
         states[i], loads[i], reached[i] = x[1], F[1], n - 1

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import AnySprings
 from pysprings.macro.user_curves import CurveSprings
@@ -41,8 +41,7 @@ def stiffness_six(springs: AnySprings | MacroModel) -> xr.DataArray:
     """
     initial, source = _initial(springs)
     if initial is None:
-        message = "springs from a table have no vertical stiffness: a 6x6 matrix needs springs.nc"
-        raise UserInputError([Problem(key="springs", message=message)])
+        raise refused("springs", "springs from a table have no vertical stiffness: a 6x6 matrix needs springs.nc")
     coords = {"dof": list(DOFS), "dof_conjugate": list(DOFS)}
     attrs = {
         "long_name": f"{source} at the lid centre",

@@ -3,7 +3,7 @@
 
 Downwards and upwards differ (lid and tip bear, or lift off), so each direction has its own curves, which start at the
 state at rest, (w0, V0). Every reaction is a function of w alone, V = sum t dz + V_tip + V_lid. Interpolation is that
-of a ray of a fan (`macro_fan.secant_slopes`): cubic, through the recorded points, linear in the data, with the initial
+of a ray of a fan (`fan.secant_slopes`): cubic, through the recorded points, linear in the data, with the initial
 stiffness of the full model at rest in both directions.
 
 How they go with the lateral springs: additively in w. Under a vertical load V that is not the V' of the lateral paths,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The vertical part of an answer: w, V, the stiffness of w, and what the springs do not know of a vertical load."""
+"""The vertical part of an answer: w, V, the stiffness of w, and marks of vertical loads that the springs lack."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core import variables
-from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.units import quoted
+from pysprings.core.errors import refused
 from pysprings.macro.ends import past_elastic
 from pysprings.macro.vertical import VerticalTable
 from pysprings.springs.alike import same_load
@@ -168,37 +167,3 @@ def _not_the_paths(model: MacroModel, V: Array) -> str:
 def _list(V: Array) -> str:
     values = np.unique(V)
     return ", ".join(f"{value:.7g}" for value in values[:3]) + (" ..." if values.size > 3 else "")
-
-
-def check_numbers(**values: Any) -> None:
-    """Refuse, by name, what is not one finite number (None: not given)."""
-    _refuse({name: _number_fault(value, arrays=False) for name, value in values.items()})
-
-
-def check_arrays(**values: Any) -> None:
-    """Refuse, by name, what is neither a finite number nor an array of them (None: not given)."""
-    _refuse({name: _number_fault(value, arrays=True) for name, value in values.items()})
-
-
-def _refuse(faults: dict[str, str]) -> None:
-    if bad := [Problem(key=name, message=message) for name, message in faults.items() if message]:
-        raise UserInputError(bad)
-
-
-def _number_fault(value: Any, arrays: bool) -> str:
-    """Say why a value is no finite number in SI units; empty where it is one, or None."""
-    if value is None:
-        return ""
-    if isinstance(value, str):
-        return f"{quoted(value)} is a text: give a number in SI units (N, m, rad, N m)"
-    data = np.asarray(value)
-    if data.dtype.kind not in "iuf":
-        return f"a number is needed, not {type(value).__name__}"
-    if data.ndim and not arrays:
-        return "one number is needed, not an array (`predict_batch` takes arrays)"
-    return "" if np.isfinite(data).all() else "not a finite number"
-
-
-def refused(key: str, message: str) -> UserInputError:
-    """Return the error for one bad argument."""
-    return UserInputError([Problem(key=key, message=message)])

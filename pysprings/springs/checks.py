@@ -11,8 +11,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core import variables
-from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.files.storage import refusal
+from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.units import quoted
 from pysprings.springs.dataset import FEWEST_STATES, ROLES, SCHEMA, STATES, path_dataset, path_names
@@ -31,7 +30,7 @@ def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = No
     """
     schema = tree.attrs.get("schema")
     if text_of(schema) != SCHEMA:
-        raise refusal(file, "schema", _foreign(tree, schema))
+        raise refused("schema", _foreign(tree, schema), file)
     found = [*_root_faults(tree), *variables.tree_problems(tree, "springs")] or list(_type_faults(tree))
     found = found or [fault for name in path_names(tree) for fault in _path_faults(tree, name)]
     found = found or [

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from pysprings.core.files.storage import refusal
+from pysprings.core.errors import refused
 from pysprings.core.path_kinds import VERTICAL
 
 SCHEMA = "pysprings-springs-2"
@@ -42,7 +42,7 @@ def get_path(tree: xr.DataTree, name: str | None = None) -> xr.Dataset:
         calibration = path_names(tree, "calibration")
         name = next(iter([each for each in lateral if each in calibration] or lateral or names), None)
     if name is None or name not in names:
-        raise refusal(None, "path", f"no path '{name}'; the springs have: {', '.join(names) or 'none'}")
+        raise refused("path", f"no path '{name}'; the springs have: {', '.join(names) or 'none'}")
     dataset = path_dataset(tree, name)
     good = np.flatnonzero(dataset["converged"].values == 1)
     kept = dataset if good.size == dataset.sizes["step"] else dataset.isel(step=good)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import xarray as xr
 
 from pysprings.core import variables
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.dataset import FEWEST_STATES, SCHEMA, path_dataset, path_names
 
@@ -30,7 +30,7 @@ def extract_springs(result: xr.DataTree) -> xr.DataTree:
     """
     names = [name for name in path_names(result) if _n_converged(path_dataset(result, name)) >= FEWEST_STATES]
     if not names:
-        raise UserInputError([Problem(key="paths", message="no path has a converged step: no springs can be made")])
+        raise refused("paths", "no path has a converged step: no springs can be made")
     root = result.to_dataset(inherit=False)[["stiffness_initial"]]
     root.attrs = {key: result.attrs[key] for key in _ROOT_ATTRS if key in result.attrs} | {"schema": SCHEMA}
     groups: dict[str, xr.Dataset] = {"/": root}

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from pysprings.core.errors import Problem, ResourceError, UserInputError
+from pysprings.core.errors import ResourceError, refused
 
 MOST_SPRINGS = 100e6  # bytes of a spring set, unpacked: hundreds of paths
 MOST_GROUPS = 20_000
@@ -76,4 +76,4 @@ def _refuse_many(name: str, place: str, count: int, most: int, what: str) -> Non
 
 
 def _refuse(name: str, message: str) -> None:
-    raise UserInputError([Problem(file=name, message=message)])
+    raise refused(None, message, name)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings.core.errors import Problem, ResourceError, UserInputError
+from pysprings.core.errors import ResourceError, UserInputError, refused
 from pysprings.core.files.netcdf_header import judge_header
 from pysprings.core.files.seal import ATTRIBUTE, bytes_hold, content_fault, seal
 
@@ -151,18 +151,18 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     try:
         whole = bytes_hold(path)
         if whole is False:
-            raise refusal(path, "", _CHANGED["bytes"])
+            raise refused(None, _CHANGED["bytes"], path)
         judge_header(path)
         fault = None if whole else content_fault(path)
         if fault in _CHANGED:
-            raise refusal(path, "", _CHANGED[fault])
+            raise refused(None, _CHANGED[fault], path)
         # seconds stay numbers: a duration is not a date
         with xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as tree:
             found = _with_bounds_units(tree.load())
     except (UserInputError, ResourceError):
         raise
     except Exception as error:  # the C libraries below raise many types on a damaged file
-        raise refusal(path, "", f"broken or incomplete NetCDF file ({error})") from error
+        raise refused(None, f"broken or incomplete NetCDF file ({error})", path) from error
     found.attrs.pop(ATTRIBUTE, None)
     if fault:
         warnings.warn(f"{path}: no {ATTRIBUTE}: written by another program, taken as it is", stacklevel=3)
@@ -181,15 +181,10 @@ def _with_bounds_units(tree: xr.DataTree) -> xr.DataTree:
 
 def _refuse_foreign(path: Path) -> None:
     if not path.exists():
-        raise refusal(path, "", "no such file")
+        raise refused(None, "no such file", path)
     if path.is_dir():
-        raise refusal(path, "", "is a folder, not a NetCDF file")
+        raise refused(None, "is a folder, not a NetCDF file", path)
     with path.open("rb") as stream:
         start = stream.read(len(_HDF5_SIGNATURE))
     if start != _HDF5_SIGNATURE:
-        raise refusal(path, "", "not a NetCDF-4 file")
-
-
-def refusal(file: str | os.PathLike[str] | None, key: str, message: str) -> UserInputError:
-    """Return the error for one problem with a file."""
-    return UserInputError([Problem(file=None if file is None else str(file), key=key or None, message=message)])
+        raise refused(None, "not a NetCDF-4 file", path)

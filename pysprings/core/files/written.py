@@ -12,7 +12,7 @@ import os
 import re
 from pathlib import Path
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 
 LIST = ".pysprings.files"
 KEY = "files"  # of run.json
@@ -34,9 +34,9 @@ def own_folder(folder: Path, name: str) -> Path:
             f"is a link to {os.path.realpath(place)}: nothing is written or removed behind it; "
             "remove the link, or have the whole result folder (--out) at the other place"
         )
-        raise UserInputError([Problem(file=str(place), message=message)])
+        raise refused(None, message, place)
     if place.exists() and not place.is_dir():
-        raise UserInputError([Problem(file=str(place), message="is a file; a run has a folder of this name")])
+        raise refused(None, "is a file; a run has a folder of this name", place)
     return place
 
 

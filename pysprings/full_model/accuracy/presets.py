@@ -13,7 +13,7 @@ from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, get_args
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 from pysprings.core.words import TargetError
 from pysprings.full_model.accuracy.curves import LOAD, PY
 from pysprings.full_model.accuracy.settings import MESH, Setting
@@ -44,12 +44,13 @@ def cheapest(target: str, study: dict[str, Any] | None = None) -> Setting:
     """Return the setting with the least processor time whose errors are within a target ("5%", "2%", "1%")."""
     study = study or shipped()
     if target not in TARGETS:
-        raise _refused(f"'{target[:20]}' is no target; give {', '.join(TARGETS)}")
+        raise refused("--target-error", f"'{target[:20]}' is no target; give {', '.join(TARGETS)}")
     row = cheapest_within(TARGETS[target], study["settings"])
     if row is None:
         best = min(max(row[f"{name}_pct"] for name in JUDGED) for row in study["settings"])
-        raise _refused(
-            f"no setting of the study ({study['origin']['scene']}) is within {target}; the best has {best:.2g} %"
+        raise refused(
+            "--target-error",
+            f"no setting of the study ({study['origin']['scene']}) is within {target}; the best has {best:.2g} %",
         )
     return Setting(row["name"], MESH, row["mesh"], row["refinement"], row["solver"])
 
@@ -79,7 +80,3 @@ def note(target: str, setting: Setting, study: dict[str, Any] | None = None) -> 
     row = next(each for each in study["settings"] if each["name"] == setting.name)
     return {"target": target, "setting": setting.name, "error_in_study_pct": {n: row[f"{n}_pct"] for n in JUDGED},
             "study": study["origin"]}  # fmt: skip
-
-
-def _refused(message: str) -> UserInputError:
-    return UserInputError([Problem(key="--target-error", message=message)])

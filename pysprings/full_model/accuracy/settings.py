@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -60,7 +60,7 @@ class Setting:
             own = (
                 f"'{self.name}' with the scene's own mesh.refinement {scene.mesh.refinement:g} is {refinement:g} times"
             )
-            raise _refused(f"{own} {self.mesh}, not in [{COARSEST_FACTOR:g}, {FINEST_FACTOR:g}]")
+            raise refused("--mesh", f"{own} {self.mesh}, not in [{COARSEST_FACTOR:g}, {FINEST_FACTOR:g}]")
         mesh = {"preset": self.mesh, "refinement": refinement, "azimuth": None}
         return scene.replace(mesh=mesh, solver=dict(self.solver))
 
@@ -103,13 +103,10 @@ def read_mesh(text: str, series: bool = False) -> Setting:
     """Return the setting of a mesh as the command line names it: "medium", or "medium:0.7"."""
     found = re.fullmatch(r"([a-z]+)(?::([0-9]*\.?[0-9]+))?", text)
     if not found or found[1] not in PRESETS:
-        raise _refused(f"'{text[:40]}' is no mesh; give {', '.join(PRESETS)}, or one with a factor: coarse:0.7")
+        known = ", ".join(PRESETS)
+        raise refused("--mesh", f"'{text[:40]}' is no mesh; give {known}, or one with a factor: coarse:0.7")
     factor = float(found[2] or 1.0)
     if not COARSEST_FACTOR <= factor <= FINEST_FACTOR:
-        raise _refused(f"the factor {factor:g} is not in [{COARSEST_FACTOR:g}, {FINEST_FACTOR:g}]")
+        raise refused("--mesh", f"the factor {factor:g} is not in [{COARSEST_FACTOR:g}, {FINEST_FACTOR:g}]")
     name = found[1] if factor == 1.0 else f"{found[1]}-{factor:g}"
     return Setting(name, MESH, found[1], factor, series=series)
-
-
-def _refused(message: str) -> UserInputError:
-    return UserInputError([Problem(key="--mesh", message=message)])

@@ -21,7 +21,7 @@ from fe_engine.assembly.harmonic_factors import LANES
 from fe_engine.errors import MeshError
 from fe_engine.memory import address_space
 from fe_engine.memory import limit as memory_limit
-from pysprings.core.errors import Problem, ResourceError, UserInputError
+from pysprings.core.errors import ResourceError, refused
 from pysprings.model.build import counts_of, geometry_of
 from pysprings.model.forecast.run_time import least_increments, likely_increments
 from pysprings.model.fourier import fixed_directions, section_counts_of, section_of
@@ -98,7 +98,7 @@ def _series_size(scene: Scene) -> Size:
     try:
         mesh, waves = section_of(scene, counts).mesh, counts.harmonics + 1
     except MeshError as error:
-        raise UserInputError([Problem(key="mesh", message=str(error))]) from error
+        raise refused("mesh", str(error)) from error
     held = held_coefficients(mesh, fixed_directions(scene, mesh), counts.harmonics)
     corners = np.unique(mesh.quads[:, :4])
     values = 60 + 12 * counts.skirt + 2 * waves * 2 * (counts.plug + counts.tip)

@@ -38,7 +38,7 @@ def test_plain_python_says_the_same(plain, spring_set):
     states = np.array([[1e-3, -1e-4], [-2e-3, 3e-4], [0.0, 0.0], [8e-3, -1e-3]])
     for state in states:
         force, tangent = np.zeros(2), np.zeros((2, 2))
-        plain.reactions(law, *model.table.solver_arrays, *state, force, tangent)
+        plain.reactions(plain.SpringArrays(law, *model.table.solver_arrays), *state, force, tangent)
         expected = model.reactions(*state)
         np.testing.assert_allclose(force, expected[0], rtol=1e-12, atol=1e-6)
         np.testing.assert_allclose(tangent, expected[1], rtol=1e-12, atol=1e-3)

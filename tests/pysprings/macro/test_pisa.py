@@ -9,7 +9,7 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
-from pysprings.macro.solver import ROWS, reactions
+from pysprings.macro.solver import ROWS, SpringArrays, reactions
 from pysprings.springs.dataset import get_path
 from tests.support import synthetic
 
@@ -46,7 +46,8 @@ def curve(model: MacroModel, row: int, rotation: float) -> float:
     force, tangent = np.zeros(2), np.zeros((2, 2))
     one = slice(row, row + 1)
     unit = np.array([[1.0, 0.0]])
-    reactions(ROWS, a[one], unit, q[one], r[one], slope[one], count[one], 0.0, rotation, force, tangent)
+    springs = SpringArrays(ROWS, a[one], unit, q[one], r[one], slope[one], count[one])
+    reactions(springs, 0.0, rotation, force, tangent)
     return float(force[0])
 
 

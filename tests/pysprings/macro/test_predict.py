@@ -24,7 +24,6 @@ from pysprings.macro.predict import (
     predict_batch,
     sequence,
     stiffness,
-    tangent_stiffness,
 )
 from pysprings.macro.trace import trace
 from tests.support.closed_forms import (
@@ -315,7 +314,8 @@ def test_bad_arguments_are_refused(arguments, key):
         (lambda springs: predict_batch(springs, H=[True]), "H", "a number is needed"),
         (lambda springs: predict_batch(springs, H=[1e5, np.nan]), "H", "not a finite number"),
         (lambda springs: stiffness(springs, H="1 MN"), "H", "is a text"),
-        (lambda springs: tangent_stiffness(springs, u="1 mm"), "u", "is a text"),
+        (lambda springs: stiffness(springs, u="1 mm"), "u", "is a text"),
+        (lambda springs: stiffness(springs, V="2 MN"), "V", "is a text"),
     ],
 )
 def test_what_is_no_number_is_refused_in_one_line(ask, key, words):
@@ -333,7 +333,7 @@ def test_numbers_of_numpy_and_whole_numbers_are_numbers():
 
 
 def test_tangent_stiffness_at_mudline():
-    matrix = tangent_stiffness(linear_springs(), u=1e-3, rotation=-1.5e-4)
+    matrix = stiffness(linear_springs(), u=1e-3, rotation=-1.5e-4)
     k = linear_stiffness("full")
     expected = [[k[0, 0], 0.0, k[0, 1]], [0.0, 3.5e9, 0.0], [k[1, 0], 0.0, k[1, 1]]]
     np.testing.assert_allclose(matrix, expected, rtol=1e-12)

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: MIT
+"""Checks of the numbers that Python callers pass in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.units import quoted
+
+
+def check_numbers(**values: Any) -> None:
+    """Raise UserInputError, by name, for what is not one finite number (None: not given)."""
+    _raise({name: _number_fault(value, arrays=False) for name, value in values.items()})
+
+
+def check_arrays(**values: Any) -> None:
+    """Raise UserInputError, by name, for what is neither a finite number nor an array of them (None: not given)."""
+    _raise({name: _number_fault(value, arrays=True) for name, value in values.items()})
+
+
+def _raise(faults: dict[str, str]) -> None:
+    if bad := [Problem(key=name, message=message) for name, message in faults.items() if message]:
+        raise UserInputError(bad)
+
+
+def _number_fault(value: Any, arrays: bool) -> str:
+    """Why a value is no finite number in SI units; empty where it is one, or None."""
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return f"{quoted(value)} is a text: give a number in SI units (N, m, rad, N m)"
+    data = np.asarray(value)
+    if data.dtype.kind not in "iuf":
+        return f"a number is needed, not {type(value).__name__}"
+    if data.ndim and not arrays:
+        return "one number is needed, not an array (`predict_batch` takes arrays)"
+    return "" if np.isfinite(data).all() else "not a finite number"
