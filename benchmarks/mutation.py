@@ -4,13 +4,14 @@
     python -m benchmarks.mutation [--sample 40] [--seed 1] [--workers 1] [--out DIR] [--store]
 
 Mutants (`mutants.py`) are drawn with a fixed seed: kinds of change in turn, a third of them from the engine. Each is
-made in a copy of the working tree, and the test files of its module (`mutation_map.py`) are run there until one
-fails: the nearest, then more. Code that Numba compiles gets an empty cache for each mutant. A test that has failed
-must pass without the mutant, else the kill does not count. Verdicts are kept in the output folder: a mutant that was
-killed is not run again while its file is unchanged, so that a second call goes on with the rest, or runs the
-survivors alone after a test was added. ``--page`` runs nothing, and prints what has been judged. ``--store`` stores
-the tables in data/evidence, of which `make evidence` makes docs/evidence/mutation.md. Mutants without effect stand
-with the reason in `mutation_equivalent.txt`.
+made in a copy of the working tree, and the test files that call the changed function (`mutation_calls.py`; where none
+is seen to do so, those nearest to its module, `mutation_map.py`) are run there until one fails. Code that Numba
+compiles gets an empty cache for each mutant. A test that has failed must pass without the mutant, else the kill does
+not count. Verdicts are kept in the output folder: a mutant that was killed is not run again while its file is
+unchanged, so that a second call goes on with the rest, or runs the survivors alone after a test was added.
+``--page`` runs nothing, and prints what has been judged. ``--store`` stores the tables in data/evidence, of which
+`make evidence` makes docs/evidence/mutation.md. Mutants without effect stand with the reason in
+`mutation_equivalent.txt`.
 """
 
 from __future__ import annotations
@@ -36,6 +37,8 @@ from typing import Any
 
 from benchmarks.evidence_store import LINE, store, to_csv
 from benchmarks.mutants import Mutant, compiles, find_mutants
+from benchmarks.mutation_calls import Calls, record
+from benchmarks.mutation_calls import test_files as files_that_call
 from benchmarks.mutation_map import TestMap
 from pysprings.core.files.storage import write_text
 from pysprings.core.text import markdown_table
@@ -45,6 +48,15 @@ PARTS = {"engine": ("fe_engine", 1), "tool": ("pysprings", 2)}  # folder, share 
 EQUIVALENT = Path(__file__).with_name("mutation_equivalent.txt")
 TARGET = 90.0
 KILLED, SURVIVED, VOID, EQUAL = "killed", "survived", "void", "equivalent"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Test files that are run first and in all for a mutant, at most, and seconds for a call of pytest."""
+
+    first: int = 4
+    files: int = 24
+    seconds: float = 900.0
 
 
 @dataclass(frozen=True)
@@ -127,21 +139,28 @@ def tests_fail(copy: Path, tests: Sequence[str], cache: Path, limit: float) -> s
     return failed[0].split(" ", 1)[1].split(" - ")[0] if failed else f"exit {done.returncode}"
 
 
-def judge(part: str, mutant: Mutant, copy: Path, tests: TestMap, limit: float, most: tuple[int, int]) -> Verdict:
-    """Make a mutant in a copy, run its nearest tests, where these pass more of them, and take it back."""
-    files, file = tests.test_files(mutant.file, mutant.function, max(most)), copy / mutant.file
+def choose(mutant: Mutant, tests: TestMap, calls: Calls, most: int) -> list[str]:
+    """Return the test files for a mutant: the nearest of those that call its function, then by cost."""
+    near = tests.test_files(mutant.file, mutant.function, most)
+    calling = files_that_call(calls, f"{mutant.file}:{mutant.place.partition('.')[2]}")
+    first = [file for file in near[:4] if file in calling]
+    return (first + [file for file in calling if file not in first])[:most] if calling else near
+
+
+def judge(part: str, mutant: Mutant, copy: Path, files: list[str], compiled: bool, given: Limits) -> Verdict:
+    """Make a mutant in a copy, run its test files, the first few alone at first, and take it back."""
+    file = copy / mutant.file
     began, source, by = time.monotonic(), file.read_bytes(), None
-    fresh = mutant.file in tests.compiled
-    cache = Path(tempfile.mkdtemp(prefix="cache-", dir=copy.parent)) if fresh else copy.parent / f"{copy.name}-cache"
+    cache = Path(tempfile.mkdtemp(prefix="cache-", dir=copy.parent)) if compiled else copy.parent / f"{copy.name}-cache"
     try:
         file.write_bytes(mutant.applied(source))
-        for asked in (files[: most[0]], files[most[0] :]):
+        for asked in (files[: given.first], files[given.first :]):
             if asked and not by:
-                by = tests_fail(copy, asked, cache, limit)
+                by = tests_fail(copy, asked, cache, given.seconds)
                 last = tuple(asked)
     finally:
         file.write_bytes(source)
-        if fresh:
+        if compiled:
             shutil.rmtree(cache, ignore_errors=True)
     seconds = round(time.monotonic() - began, 1)
     return Verdict(part, mutant, KILLED if by else SURVIVED, by or "", seconds, last if files else ())
@@ -170,11 +189,10 @@ def run(
     drawn: list[tuple[str, Mutant]],
     out: Path,
     workers: int,
-    limit: float,
-    most: tuple[int, int],
-    page: bool = False,
+    given: Limits,
+    calls: Calls | None = None,
 ) -> list[Verdict]:
-    """Judge those that no earlier call has killed (with ``page`` none), print each; return all that are judged."""
+    """Judge those that no earlier call has killed (none without ``calls``), print each; return all that are judged."""
     tests = TestMap(root, tuple(folder for folder, _ in PARTS.values()))
     same, kept = equivalents(), _kept(out / "results.json")
     verdicts, left = list[Verdict](), list[tuple[str, Mutant]]()
@@ -182,10 +200,11 @@ def run(
         outcome, by = kept.get(_name(root, mutant), ("", ""))
         if mutant.key in same:
             verdicts.append(Verdict(part, mutant, EQUAL, same[mutant.key]))
-        elif outcome == KILLED or (outcome and page):
+        elif outcome == KILLED or (outcome and calls is None):
             verdicts.append(Verdict(part, mutant, outcome, by))
-        elif not page:
+        elif calls is not None:
             left.append((part, mutant))
+    names = {mutant: _name(root, mutant) for _, mutant in left}
     with tempfile.TemporaryDirectory(prefix="mutation-") as folder:
         copies: SimpleQueue[Path] = SimpleQueue()
         for k in range(workers if left else 0):
@@ -193,14 +212,16 @@ def run(
             copies.put(copied(root, place))
 
         def one(each: tuple[str, Mutant]) -> Verdict:
-            copy = copies.get()
+            copy, mutant = copies.get(), each[1]
+            files = choose(mutant, tests, calls or {}, given.files)
             try:
-                found = confirmed([judge(*each, copy, tests, limit, most)], copy, limit)[0]
+                verdict = judge(*each, copy, files, mutant.file in tests.compiled, given)
+                found = confirmed([verdict], copy, given.seconds)[0]
             finally:
                 copies.put(copy)
-            words = f"{found.outcome:9} {found.seconds:6.0f} s  {each[1].file}:{each[1].line}  {each[1].key}"
+            words = f"{found.outcome:9} {found.seconds:6.0f} s  {mutant.file}:{mutant.line}  {mutant.key}"
             print(f"{words}  {found.by}".rstrip(), flush=True)
-            _keep(out / "results.json", root, found)
+            _keep(out / "results.json", names[mutant], found)
             return found
 
         with ThreadPoolExecutor(workers) as pool:
@@ -222,9 +243,9 @@ def _kept(file: Path) -> dict[str, list[str]]:
 _WRITING = Lock()
 
 
-def _keep(file: Path, root: Path, verdict: Verdict) -> None:
+def _keep(file: Path, name: str, verdict: Verdict) -> None:
     with _WRITING:
-        known = _kept(file) | {_name(root, verdict.mutant): [verdict.outcome, verdict.by]}
+        known = _kept(file) | {name: [verdict.outcome, verdict.by]}
         file.parent.mkdir(parents=True, exist_ok=True)
         write_text(json.dumps(known, indent=1) + "\n", file)
 
@@ -271,15 +292,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--sample", type=int, default=40, help="number of mutants")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--files", type=int, default=4, help="test files for each mutant, at most")
-    parser.add_argument("--again", type=int, default=24, help="test files for a mutant that survives these, at most")
-    parser.add_argument("--limit", type=float, default=900.0, help="seconds for the tests of a mutant")
+    parser.add_argument("--files", type=int, default=Limits.files, help="test files for each mutant, at most")
+    parser.add_argument("--limit", type=float, default=Limits.seconds, help="seconds for the tests of a mutant")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "mutation")
     parser.add_argument("--page", action="store_true", help="run nothing: what has been judged")
     parser.add_argument("--store", action="store_true", help="store the tables in data/evidence")
     given: Any = parser.parse_args(arguments)
     drawn = draw(ROOT, given.sample, given.seed)
-    verdicts = run(ROOT, drawn, given.out, given.workers, given.limit, (given.files, given.again), given.page)
+    calls = None if given.page else record(ROOT, given.out / "calls.json")
+    limits = Limits(files=given.files, seconds=given.limit)
+    verdicts = run(ROOT, drawn, given.out, given.workers, limits, calls)
     print(report(verdicts))
     if given.store:
         command = f"make mutation SAMPLE={given.sample} SEED={given.seed}"

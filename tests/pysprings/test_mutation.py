@@ -5,11 +5,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import pytest
 
-from benchmarks import mutation
+from benchmarks import mutation, mutation_calls
 from benchmarks.mutants import Mutant, compiles, find_mutants
 from benchmarks.mutation_map import TestMap
 
@@ -127,16 +130,74 @@ def test_the_map_covers_this_project() -> None:
     assert {"kernels.py", "plasol.py"} <= {Path(path).name for path in found.compiled}
 
 
+def test_functions_that_were_called_have_their_names(tmp_path: Path) -> None:
+    """Methods and nested functions by the way to them; lambdas and comprehensions count for what they stand in."""
+    file = tmp_path / "pack" / "a.py"
+    text = (
+        "class A:\n def f(self):\n  def g(): return [x for x in map(lambda y: y, [1])]\n  return g()\ndef h(): pass\n"
+    )
+    space: dict[str, Any] = {}
+    exec(compile(text, str(file), "exec"), space)
+    seen = set()
+
+    def note(frame: FrameType, _event: str, _arg: object) -> None:
+        seen.add(frame.f_code)
+
+    before = sys.gettrace()
+    sys.settrace(note)
+    try:
+        space["A"]().f()
+    finally:
+        sys.settrace(before)
+    assert mutation_calls.called(seen, tmp_path) == {"pack/a.py:A.f", "pack/a.py:A.f.g"}
+    assert mutation_calls.called(seen, tmp_path / "elsewhere") == set()
+
+
+def test_calls_are_kept_by_the_digest_of_the_test_file(project: Path, tmp_path: Path) -> None:
+    ran: list[str] = []
+
+    def run(command: list[str], env: dict[str, str], **_: Any) -> None:
+        ran.append(command[-1])
+        Path(env[mutation_calls.VARIABLE]).write_text(json.dumps(["pack/deep/sum.py:add"]))
+
+    file = tmp_path / "out" / "calls.json"
+    found = mutation_calls.record(project, file, run)
+    assert ran == sorted(found) == [f"tests/test_{name}.py" for name in ("late", "other", "pack", "sum")]
+    assert mutation_calls.record(project, file, run) == found and len(ran) == 4
+    (project / "tests/test_late.py").write_text("# changed\n")
+    mutation_calls.record(project, file, run)
+    assert ran[4:] == ["tests/test_late.py"]
+
+
+def test_of_the_files_that_call_a_function_the_nearest_and_then_the_cheapest_come_first(project: Path) -> None:
+    (mutant, *_) = find_mutants((project / "pack/deep/sum.py").read_bytes(), "pack/deep/sum.py")
+    functions = ["pack/deep/sum.py:add"]
+    costs = {
+        "tests/test_other.py": 3.0,
+        "tests/test_dear.py": 9.0,
+        "tests/test_sum.py": 5.0,
+        "tests/test_cheap.py": 1.0,
+    }
+    calls = {name: {"seconds": seconds, "functions": functions} for name, seconds in costs.items()}
+    calls["tests/test_late.py"] = {"seconds": 0.1, "functions": ["pack/deep/sum.py:other"]}
+    tests = TestMap(project, ("pack",))
+    expected = ["tests/test_sum.py", "tests/test_cheap.py", "tests/test_other.py", "tests/test_dear.py"]
+    assert mutation.choose(mutant, tests, calls, 24) == expected
+    assert mutation.choose(mutant, tests, calls, 2) == expected[:2]
+    assert mutation.choose(mutant, tests, {}, 24) == tests.test_files("pack/deep/sum.py", "add")
+
+
 # --- what counts ---
 
 
-def judged(project: Path, before: str, most: int = 6) -> mutation.Verdict:
+def judged(project: Path, before: str) -> mutation.Verdict:
     (mutant,) = [each for each in find_mutants((project / "pack/deep/sum.py").read_bytes(), "pack/deep/sum.py")
                  if each.before == before]  # fmt: skip
     (copy := project / "copy").mkdir()
     for file in ("pack", "tests"):
         (copy / file).symlink_to(project / file)
-    found = mutation.judge("tool", mutant, copy, TestMap(project, ("pack",)), 120.0, (1, most))
+    files = mutation.choose(mutant, TestMap(project, ("pack",)), {}, 6)
+    found = mutation.judge("tool", mutant, copy, files, False, mutation.Limits(first=1, seconds=120.0))
     assert (project / "pack/deep/sum.py").read_text().endswith("return a + b\n")  # taken back
     return mutation.confirmed([found], copy, 120.0)[0]
 
@@ -174,14 +235,13 @@ def test_verdicts_are_kept_and_only_survivors_run_again(project: Path, tmp_path:
     name = f"{mutants[0][1].key} {hashlib.sha256(file.read_bytes()).hexdigest()[:16]}"
     out.mkdir()
     (out / "results.json").write_text(json.dumps({name: ["killed", "tests/test_sum.py::test_add"]}))
-    (found,) = mutation.run(
-        project, mutants[:1], out, 1, 1.0, (6, 6)
-    )  # not run: there is no copy of what git does not have
+    limits = mutation.Limits(seconds=1.0)
+    (found,) = mutation.run(project, mutants[:1], out, 1, limits, {})  # not run: there is no copy without git
     assert (found.outcome, found.by) == ("killed", "tests/test_sum.py::test_add")
     (out / "results.json").write_text(json.dumps({name: ["survived", ""]}))
-    assert [each.outcome for each in mutation.run(project, mutants, out, 1, 1.0, (6, 6), page=True)] == ["survived"]
+    assert [each.outcome for each in mutation.run(project, mutants, out, 1, limits)] == ["survived"]
     file.write_text(file.read_text() + "# changed\n")
-    assert mutation.run(project, mutants, out, 1, 1.0, (6, 6), page=True) == []
+    assert mutation.run(project, mutants, out, 1, limits) == []
 
 
 def test_a_sample_is_fixed_by_its_seed_and_has_every_kind(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -663,3 +663,11 @@ def test_a_wet_run_has_pictures_of_its_water_and_a_drained_one_none() -> None:
     dry = path.drop_vars(["pressure_min", "section_pore_pressure"])
     assert "section" in state_pictures(dry, plane)
     assert not {"pressure", "section_pressure"} & state_pictures(dry, plane)
+
+
+@pytest.mark.parametrize(("attrs", "top"), [({"lid_thickness_m": 0.3}, -0.3), ({}, -0.39)])
+def test_outline_of_the_caisson(plane: xr.Dataset, attrs: dict[str, float], top: float) -> None:
+    """Clockwise from the left end of the lid; a lid of unknown thickness is drawn as a tenth of the radius."""
+    found = section.caisson_polygon(plane.assign_attrs(attrs))
+    right = [(3.9, top), (3.9, 4.0), (3.8, 4.0), (3.8, 0.0)]
+    np.testing.assert_allclose(found, [(-3.9, top), *right, *[(-x, z) for x, z in reversed(right)]], atol=1e-12)

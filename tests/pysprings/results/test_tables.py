@@ -127,6 +127,23 @@ def test_negative_y_is_the_odd_reflection(tmp_path):
         np.testing.assert_allclose(answer["p"].values[:, 2], [p, -p])
 
 
+def test_a_little_pull_along_is_rounding_and_more_is_refused(tmp_path):
+    """Up to 2 % of the largest load of the curve, whatever the unit of the numbers."""
+    for largest in (4e5, 4e-2):
+        for share, refused in ((-0.019, False), (-0.021, True)):
+            rows = [f"1,{y},{p * largest}" for y, p in ((1e-3, share), (2e-3, 0.5), (3e-3, 1.0))]
+            file = write(tmp_path / "py.csv", "depth_m,y_m,p_N_per_m", *rows)
+            if refused:
+                assert problems(file)[0].startswith("2: p_N_per_m: ")
+            else:
+                assert open_table(file).sets["table"].curves[0].r.tolist() == [
+                    0.0,
+                    share * largest,
+                    0.5 * largest,
+                    largest,
+                ]
+
+
 def test_beyond_the_table_is_marked(tmp_path):
     table = open_table(write(tmp_path / "py.csv", HEAD, *linear_rows()))
     with pytest.warns(MacroWarning, match=r"beyond the range of path 'table'.*1\.2 times"):

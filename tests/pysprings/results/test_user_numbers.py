@@ -235,6 +235,8 @@ def test_every_column_of_a_sheet(book: Any, name: str) -> None:
     assert found.pop(("converged (1 = yes)", None)) == [converged(path, k) for path in paths for k in range(STEPS)]
     found = {key: values for key, values in found.items() if not str(key[0]).startswith("macro-model")}
     assert set(found) == set(expected) and expected
+    heads = [book[name].cell(row, column).value for row, column in ((1, 1), (2, 1), (3, 1), (3, 2))]
+    assert heads == ["depth [m]", "slice [m]", "path", "step"]
     for key, (values, defined) in expected.items():
         close(found[key], values, 1e3, f"{name}: {key}")
         for k, path in enumerate(paths if defined else ()):

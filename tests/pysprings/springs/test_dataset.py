@@ -9,10 +9,10 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
 from pysprings.springs.checks import validate_springs
-from pysprings.springs.dataset import get_path, path_names
+from pysprings.springs.dataset import get_path, path_load, path_names
 from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.sums import balance, net_m, net_p, slice_heights
-from tests.support.synthetic import Path, make_result, make_springs
+from tests.support.synthetic import DEAD_LOAD, Path, make_result, make_springs
 
 PATHS = (Path("held", arm=8.0, role="held-back"), Path("pull"), Path("push", kind="translation"))
 
@@ -144,6 +144,13 @@ def test_single_precision_and_steps_that_did_not_converge_are_accepted(tmp_path)
     tree["paths/pull/converged"][-1:] = 0
     tree["paths/pull/H"][-1:] = 9e9
     open_springs(write_tree(tree, tmp_path / "springs.nc"))
+
+
+def test_the_vertical_load_of_a_path_is_that_of_its_first_state():
+    path = get_path(make_springs(PATHS))
+    path["V"] = path["V"] + 3e5 * path["u"]
+    assert path_load(path) == float(path["V"][0]) == DEAD_LOAD
+    assert path_load(path.drop_vars("V")) == 0.0  # a table need not have it
 
 
 def test_wrong_depth_order_is_refused():

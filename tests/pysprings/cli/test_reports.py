@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: MIT
+"""What is printed of a run, line by line, from a record that was made up."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from pysprings.cli import reports
+
+PATHS: dict[str, Any] = {
+    "pull": {
+        "status": "complete", "increments": 12, "iterations": 50, "median_iterations": 4.0, "max_iterations": 7,
+        "cut_backs": 1, "iterations_in_cut_backs": 20, "worst_residual": 9.5e-6, "last_residual_ratio": 0.0123,
+        "order_of_last_iterations": 1.96,
+        "cut_backs_at": [
+            {"place": "node 7 at x = 1 m", "load_fraction": 0.125, "stage": "path", "iterations": 20, "reason": "slow"}
+        ],
+        "contact_rings": {
+            "alternation": 0.02468, "alternation_at": "outside, 1.5 m", "second_difference": 0.5,
+            "second_difference_at": "", "isolated_open": 3,
+        },
+        "energy": {
+            "work_J": 1000.0, "initial_J": 2000.0, "elastic_J": 3000.0, "plastic_J": 4000.0, "penalty_J": 5000.0,
+            "friction_J": 6000.0, "water_J": 7000.0, "imbalance_J": 8.0,
+        },
+        "water": {
+            "expelled_m3": 0.1, "compressed_m3": 0.2, "film_m3": 0.3, "outflow_m3": 0.4, "imbalance_m3": 5e-9,
+            "worst_imbalance_over_exchanged": 6e-9, "pressure_min_Pa": -7000.0, "pressure_max_Pa": 80000.0,
+        },
+    },
+    "turn": {"status": "partial", "increments": 1, "iterations": 5},
+}  # fmt: skip
+RECORD: dict[str, Any] = {
+    "paths": PATHS, "wall_s": 3.456, "cpu_s": 6.5, "peak_memory_bytes": 250e6,
+    "phases": {"mesh": {"wall_s": 0.125, "cpu_s": 0.25}, "solve": {"wall_s": 2.0}},
+    "solver": {"factorisations": 9, "linear": "superlu"}, "mesh": {"nodes": 2000, "unknowns": 15000},
+    "checkpoints": {"written": 4, "wall_s": 0.5, "share_of_wall": 0.0123},
+    "resumed": [{"at_utc": "2026-01-31T00:00:00Z", "from": "path 'pull', step 3"}],
+}  # fmt: skip
+
+
+def lines(capsys: pytest.CaptureFixture[str]) -> list[str]:
+    """The printed lines, with single spaces."""
+    return [" ".join(line.split()) for line in capsys.readouterr().out.split("\n")]
+
+
+def test_paths(capsys: pytest.CaptureFixture[str]) -> None:
+    reports.print_paths(RECORD)
+    found = lines(capsys)
+    assert found[:2] == ["", "path status increments iterations median max cut-backs worst residual last ratio order"]
+    assert found[3:] == [
+        "pull complete 12 50 4 7 1 9.5e-06 0.0123 1.96",
+        "turn partial 1 5 - - - - - -",
+        "iterations: of accepted increments; median, max: per increment; last ratio: residual of the last iteration",
+        "over the one before; order: of the last three residuals (2 is quadratic); both are medians over increments",
+        "",
+        "attempts given up (cut-backs):",
+        "pull: at 12.5 % of the path after 20 iterations: slow (node 7 at x = 1 m)",
+        "",
+        "contact pressure from station to station around the rings of the skirt:",
+        "pull: alternation 0.0247 (outside, 1.5 m), largest second difference 0.5 of the ring's mean; "
+        "open stations between two loaded ones: 3",
+        "",
+    ]
+    reports.print_paths({"paths": {"turn": PATHS["turn"]}})
+    assert len(lines(capsys)) == 7  # neither cut-backs nor rings
+
+
+def test_many_cut_backs_are_cut_short(capsys: pytest.CaptureFixture[str]) -> None:
+    one = {"place": "", "load_fraction": 1.0, "stage": "path", "iterations": 2, "reason": "no"}
+    for count in (12, 15):
+        reports.print_paths({"paths": {"a": {"cut_backs_at": [one] * count}}})
+        found = lines(capsys)
+        assert found.count("a: at 100 % of the path after 2 iterations: no") == 12
+        assert [line for line in found if line.startswith("...")] == ["... and 3 more in run.json"] * (count == 15)
+
+
+def test_water_and_energy(capsys: pytest.CaptureFixture[str]) -> None:
+    reports.print_water(RECORD)
+    found = lines(capsys)
+    assert found[:3] == [
+        "",
+        "water, m3 since the initial state (expelled = compressed + in gaps + outflow):",
+        "path expelled compressed in gaps outflow imbalance worst over exchanged lowest p [Pa] highest p [Pa]",
+    ]
+    assert found[4:] == ["pull 0.1 0.2 0.3 0.4 5e-09 6e-09 -7000 80,000", ""]
+    reports.print_energy(RECORD)
+    found = lines(capsys)
+    assert found[:3] == [
+        "",
+        "energy, kJ since the initial state (work + initial = elastic + plastic + penalty + friction + water):",
+        "path work initial elastic plastic penalty friction water imbalance",
+    ]
+    assert found[4:] == ["pull 1 2 3 4 5 6 7 0.008", ""]
+
+
+def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
+    reports.print_cost(RECORD)
+    found = lines(capsys)
+    assert found[:2] == ["", "phase wall [s] CPU [s]"]
+    assert found[3:] == [
+        "mesh 0.12 0.25",
+        "solve 2.00 -",
+        "total 3.46 6.50",
+        "2,000 nodes, 15,000 unknowns; 75 Newton iterations, those in cut-backs included; 9 factorisations (superlu); "
+        "peak memory 250 MB",
+        "checkpoints: 4 of steps, 0.50 s, 1.2 % of the time of the paths",
+        "resumed 2026-01-31T00:00:00Z from path 'pull', step 3",
+        "",
+    ]
+
+
+@pytest.mark.parametrize("show", ["paths", "water", "energy", "cost", "estimate"])
+def test_nothing_is_printed_of_what_is_not_there(show: str, capsys: pytest.CaptureFixture[str]) -> None:
+    getattr(reports, f"print_{show}")({"paths": {}})
+    assert capsys.readouterr().out == ""
