@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`pysprings accuracy`: runs the study, says how far it is, prints error against time and where everything is."""
+"""`pysprings accuracy`: runs the study with its progress, prints error against time and the files."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def run(
         print_json({"folder": str(out), **study.to_json(scene, found)})
     else:
         _print(out, found)
-    # a variation that stops is a finding of the study; a mesh that does leaves it without its reference
+    # a variation that stops is a result of the study; without a mesh of the series there is no reference
     meshes_stopped = [
         f"{row['name']}: {row['why']}"
         for row in rows.records(found.table)
@@ -48,7 +48,7 @@ def run(
 
 
 def _linear_solvers(scene: Scene) -> tuple[list[str], str]:
-    """Linear solvers that a scene may name and that work here, and the one it would use."""
+    """Return the linear solvers that a scene may name and that work here, and the one that the scene uses."""
     from pydantic import ValidationError
 
     from fe_engine.linear.backends import available_backends

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`pysprings paper`: runs the reproduction, says how far it is, prints the claims and where everything is."""
+"""`pysprings paper`: runs the reproduction with its progress, prints the claims and the files."""
 
 from __future__ import annotations
 

@@ -130,7 +130,7 @@ def predict(
     ] = None,
     spring_set: SpringSet = None,
     path: Annotated[
-        str | None, typer.Option("--path", metavar="NAME", help="load path whose springs serve (full, py)")
+        str | None, typer.Option("--path", metavar="NAME", help="load path whose springs answer (full, py)")
     ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="refuse an answer that the springs support only in part")

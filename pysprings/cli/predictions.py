@@ -54,7 +54,7 @@ def _marks(states: xr.Dataset, step: int) -> str:
 
 
 def remarks_of(states: xr.Dataset) -> str:
-    """Return the remarks on the springs that an answer comes from, a line each."""
+    """Return the remarks on the springs of an answer, one on each line."""
     return "\n".join(f"note: {remark}" for remark in states.attrs.get("remarks", ()))
 
 

@@ -56,7 +56,7 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
     as_json: Json = False,
 ) -> None:
-    """Full model, springs, prediction with the springs, tables and pictures."""
+    """Run the full model, extract the springs, predict with them, and write tables and pictures."""
     from pysprings.cli.results import print_results, results
 
     options = RunOptions(mesh, discretisation, target, estimate, resume)

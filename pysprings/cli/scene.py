@@ -53,7 +53,7 @@ def init(
 
 
 def check(scene: SceneFile, mesh: Mesh = None, discretisation: Series = None, as_json: Json = False) -> None:
-    """Validate a scene; say what it leaves out, how large the model is and what it costs. Solves nothing."""
+    """Validate a scene; print what it leaves out, the size of the model and its cost. Solves nothing."""
     from pysprings.model.forecast.estimate import describe
 
     loaded = on_mesh(load(scene, discretisation), mesh)

@@ -27,10 +27,10 @@ def accuracy(
     presets: Annotated[
         Path | None, typer.Option("--write-presets", metavar="FILE", help="also write what --target-error chooses from")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="have every run made again")] = False,
+    force: Annotated[bool, typer.Option("--force", help="repeat every run")] = False,
     as_json: Json = False,
 ) -> None:
-    """Error against run time over meshes, steps, tolerances and linear solvers: table, picture, Pareto front.
+    """Measure error against run time over meshes, steps, tolerances and linear solvers: table, picture, Pareto front.
 
     Runs that have ended in DIR are not run again; interrupted ones go on.
     """
@@ -48,7 +48,7 @@ def stability(
     mesh: Mesh = None,
     refinement: Annotated[float, typer.Option("--refinement", help="factor on the preset's numbers of cells")] = 1.0,
     reach: Annotated[
-        str, typer.Option("--reach", metavar="LENGTH", help="how far the cases are pulled that say nothing else")
+        str, typer.Option("--reach", metavar="LENGTH", help="displacement of the cases that set none of their own")
     ] = "20 mm",
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="folder for the table and its picture")

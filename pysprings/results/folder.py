@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The result folder of a run: everything that `pysprings run` leaves behind."""
+"""The result folder of a run: all files that `pysprings run` writes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def run_to_folder(
     """Run a scene and write full model, springs, tables, comparison, pictures, report and run.json; return the folder.
 
     Results of an earlier run in the folder are removed once the new ones are there to be written; a scene that is
-    refused leaves them untouched. A run that stops early writes what converged, marked as partial, and then
+    refused does not change them. A run that stops early writes what converged, marked as partial, and then
     raises RunIncomplete (or KeyboardInterrupt, or ResourceError). One run at a time holds the folder. Checkpoints are
     in it until everything is written; ``resume`` goes on from them. ``estimate_error`` also runs a coarser mesh (see
     `full_model.run`), ``time_unit`` is that of `full_model.compute`, ``target_error`` goes into run.json.
@@ -71,9 +71,10 @@ def run_to_folder(
 
 
 def run_or_go_on(scene: Scene, folder: Path, progress: Progress | None = None, time_unit: bool = False) -> Path:
-    """Run a scene into a folder, or go on with what was interrupted there; anew where its checkpoints do not serve.
+    """Run a scene into a folder, or resume the interrupted run there.
 
-    They do not where they belong to another scene, mesh or version, or are damaged. A folder that is a link is refused.
+    The run starts anew where the checkpoints belong to another scene, mesh or version, or are damaged. A folder that is
+    a link is refused.
     """
     own_folder(folder.parent, folder.name)
     resume = is_unfinished(folder)
@@ -112,7 +113,7 @@ def _write_all(folder: Path, scene: Scene, computed: Computed) -> None:
 
 
 def _springs(result: xr.DataTree) -> xr.DataTree | None:
-    """The springs of a result, or None when too little converged."""
+    """Return the springs of a result; None when too little converged."""
     try:
         return extract_springs(result)
     except UserInputError:

@@ -34,7 +34,7 @@ class Whole:
     weights: Mapping[str, float]
     report: Progress
     clock: Callable[[], float] = time.monotonic
-    done: float = 0.0  # weight of what has ended
+    done: float = 0.0  # weight of the ended runs
     paths: Sequence[str] = ("pull",)
     _began: float = 0.0
     _worked: float = 0.0  # weight of what this call has run itself
@@ -84,7 +84,7 @@ def run_folder(out: Path, name: str) -> Path:
 
 
 def has_ended(folder: Path, scene: Scene) -> bool:
-    """Tell whether a folder holds the ended run (complete, or stopped by itself) of this scene and version."""
+    """Return whether a folder holds the ended run (complete, or stopped by itself) of this scene and version."""
     record = record_of(folder, scene)
     return (
         record.get("status") in ("complete", "partial")
@@ -95,12 +95,12 @@ def has_ended(folder: Path, scene: Scene) -> bool:
 
 
 def why_stopped(record: Mapping[str, Any]) -> str:
-    """Say why a run that has ended did not reach its end; empty where it did."""
+    """Return why an ended run did not reach its end; empty where it did."""
     return "" if record.get("status") == "complete" else "; ".join(record.get("failures", ["no run"]))
 
 
 def forget(folder: Path) -> None:
-    """Have the run of a folder made again; its results stay until there are others."""
+    """Mark the run of a folder to be repeated; its results stay until there are new ones."""
     from pysprings.full_model.checkpoint import Checkpoints
 
     own_folder(folder.parent, folder.name)
@@ -110,7 +110,7 @@ def forget(folder: Path) -> None:
 
 
 def record_of(folder: Path, scene: Scene) -> dict[str, Any]:
-    """Return run.json of a folder where it is of this scene and version; else empty."""
+    """Return the record of a folder if it belongs to this scene and version, else {}."""
     record = read_record(folder)
     own = record.get("scene_sha256") == scene.sha256 and record.get("version") == version.__version__
     return record if own else {}

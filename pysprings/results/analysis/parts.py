@@ -37,7 +37,7 @@ def path_data(tree: xr.DataTree, name: str) -> xr.Dataset:
     -------
     xarray.Dataset
         The path's variables (SI); attrs ``path``, ``drainage``, ``outer_diameter_m``, ``skirt_length_m`` are
-        added when the tree knows them, so that a figure needs nothing else.
+        added when the tree holds them, so that a figure needs nothing else.
     """
     path = path_dataset(tree, name)
     return path.assign_attrs({**settings(tree), **path.attrs, "path": name})
@@ -83,7 +83,7 @@ def settings(tree: xr.DataTree) -> dict[str, Any]:
 
 
 def converged(path: xr.Dataset) -> NDArray[np.bool_]:
-    """Tell which steps of a path (or of a prediction) converged, shape (step,)."""
+    """Return which steps of a path (or of a prediction) converged, shape (step,)."""
     if "converged" not in path:
         return np.ones(path.sizes["step"], dtype=bool)
     return path["converged"].values.astype(bool)

@@ -128,7 +128,7 @@ def _motion(path: xr.Dataset, step: NDArray[np.int64]) -> dict[str, Any]:
 
 
 def _end_rows(path: xr.Dataset, family: str) -> pd.DataFrame:
-    """Forces on the tip (family base, at the depth of the tip) or on the lid (depth 0)."""
+    """Return the forces on the tip (family base, at the depth of the tip) or on the lid (depth 0)."""
     part = {"base": "tip", "lid": "lid"}[family]
     depth = float(path["depth_bounds"].values[-1, 1]) if family == "base" else 0.0
     step = np.arange(path.sizes["step"])

@@ -78,7 +78,7 @@ def _wrapped(kind: str, body: str) -> str:
 
 
 def _grid(mesh: xr.Dataset, state: xr.Dataset) -> str:
-    """One step as XML."""
+    """Return one step as XML."""
     points = np.stack([mesh[f"volume_{axis}"].values for axis in "xyz"], axis=1)
     cells = mesh["volume_hex"].transpose("volume_cell", "vertex").values.astype(np.int32)
     move = np.stack([state[f"volume_u{axis}"].values for axis in "xyz"], axis=1)
@@ -112,7 +112,7 @@ def _section(name: str, arrays: list[str] | tuple[str, ...]) -> str:
 
 
 def _array(name: str, values: np.ndarray) -> str:
-    """One array; stresses have their components named, in VTK's order of a symmetric tensor."""
+    """Return one array as XML; stresses have their components named, in VTK's order of a symmetric tensor."""
     width = values.shape[1] if values.ndim == 2 else 1
     names = "".join(f' ComponentName{i}="{label.upper()}"' for i, label in enumerate(STRESSES)) if width == 6 else ""
     data = np.ascontiguousarray(values)

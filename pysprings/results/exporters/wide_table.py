@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The wide table: one row a step, a pair of columns y, p for each depth beside each other, ready to be pasted.
+"""The wide table: one row for each step, one pair of columns y, p for each depth, ready to be pasted.
 
-Programs and spreadsheets that take p-y curves want one pair of columns a depth. Behind the pairs come the companions by
-depth, then the forces on tip and lid. SI; each heading names quantity, unit, depth and slice:
+Programs and spreadsheets read p-y curves as one pair of columns for each depth. Then follow the companions by depth,
+and the forces on tip and lid. SI; each heading names quantity, unit, depth and slice:
 
     y_m z=0.5 [0.25..0.75]
 """

@@ -89,7 +89,7 @@ def _look(kind: str) -> dict[str, Any]:
 
 
 def _draw_error_at_load(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> None:
-    """Displacement of the prediction over that of the full model under the same load, less 1."""
+    """Draw the displacement of the prediction over that of the full model under the same load, less 1."""
     for kind, curve in curves.items():
         if "u_at_load" not in curve:
             continue
@@ -105,7 +105,7 @@ def _draw_error_at_load(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Da
 
 
 def _draw_point(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> None:
-    """Depth of the point of the axis at rest, downwards; the range is that of the full model, with room."""
+    """Draw the depth of the point of the axis at rest, downwards, over the range of the full model with a margin."""
     depths = [_point(full)]
     axes.plot(full["u"].values * MM, depths[0], color=INK, linewidth=2.6)
     for kind, curve in curves.items():
@@ -122,7 +122,7 @@ def _draw_point(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset]) 
 
 
 def _point(data: xr.Dataset) -> np.ndarray:
-    """Depth -u/rotation [m] by step; NaN where the motion is too small to tell."""
+    """Return the depth -u/rotation [m] by step; NaN where the motion is too small."""
     u, rotation = data["u"].values, data["rotation"].values
     shown = (np.abs(u) > SMALLEST * np.abs(u).max(initial=0.0)) & (rotation != 0.0)
     return np.where(shown, -u / np.where(shown, rotation, 1.0), np.nan)

@@ -158,7 +158,7 @@ def _draw_tip(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
 
 
 def _bar(axes: Axes, drawn: ScalarMappable, values: NDArray[np.float64]) -> None:
-    """Add a colour bar [mm]; where nothing is open, say so instead."""
+    """Add a colour bar [mm]; where nothing is open, a remark instead."""
     if np.nanmax(values, initial=0.0) > 0:
         axes.figure.colorbar(drawn, ax=axes, label="gap [mm] (grey: closed)", pad=0.02)
     else:

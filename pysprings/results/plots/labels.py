@@ -34,7 +34,7 @@ class Box:
     half_height: float
 
     def overlap(self, other: Box) -> bool:
-        """Tell whether two rectangles share a point."""
+        """Return whether two rectangles share a point."""
         apart_x = abs(self.x - other.x) - self.half_width - other.half_width
         apart_y = abs(self.y - other.y) - self.half_height - other.half_height
         return apart_x < 0 and apart_y < 0
@@ -53,7 +53,7 @@ def last_point(line: Line2D) -> tuple[float, float] | None:
 
 
 def label_beside(axes: Axes, lines: Iterable[Line2D], size: float = 9.0) -> None:
-    """Name curves in a column right of the axes, at the heights of their ends, moved apart where needed.
+    """Write names of curves in a column right of the axes, at the heights of their ends, moved apart where needed.
 
     The text is each line's label. Call after the limits are set; the layout makes room for the column.
     """
@@ -172,7 +172,7 @@ def _write(
 
 
 def spread(heights: Sequence[float], gap: float) -> list[float]:
-    """Move heights apart to at least `gap`, keeping their order and, cluster by cluster, their mean.
+    """Return heights moved apart to at least `gap`, keeping their order and, cluster by cluster, their mean.
 
     >>> spread([0.0, 0.0, 10.0], 2.0)
     [-1.0, 1.0, 10.0]

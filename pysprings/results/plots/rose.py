@@ -55,13 +55,13 @@ class Ring:
 
     @property
     def ratio(self) -> NDArray[np.float64]:
-        """Stress over initial stress, NaN where the initial stress is zero."""
+        """Return stress over initial stress, NaN where the initial stress is zero."""
         return np.divide(self.stress, self.initial, out=np.full_like(self.stress, np.nan), where=self.initial > 0)
 
     def gaps(self) -> list[tuple[float, float]]:
         """Return the zones (from, to) [rad] of the half ring where p'_N = 0.
 
-        A station stands for the arc that reaches half-way to its neighbours.
+        A station represents the arc that reaches half-way to its neighbours.
         """
         middle = (self.azimuth[1:] + self.azimuth[:-1]) / 2
         edges = np.concatenate([[0.0], middle, [np.pi]])
@@ -74,7 +74,7 @@ class Ring:
         return zones
 
     def closed(self, values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mirror values of the half ring to the full one; return (azimuth, values) of a closed curve."""
+        """Mirror values of the half ring; return (azimuth, values) of a closed curve."""
         angle = np.concatenate([self.azimuth, 2 * np.pi - self.azimuth[::-1], self.azimuth[:1]])
         return angle, np.concatenate([values, values[::-1], values[:1]])
 
@@ -227,7 +227,7 @@ def _grid_rings(axes: Axes, each: Ring, scale: float) -> None:
 
 
 def _leans_back(each: Ring) -> bool:
-    """Tell whether the stress is larger at the back than at the front."""
+    """Return whether the stress is larger at the back than at the front."""
     return bool(each.ratio[-1] > each.ratio[0])
 
 

@@ -59,7 +59,7 @@ Arguments = ParamSpec("Arguments")
 
 
 def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
-    """Draw under the project's own settings, whatever the caller's matplotlib settings are."""
+    """Return a drawing function that uses the settings of this module, not those of the caller."""
 
     @functools.wraps(draw)
     def wrapper(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Figure:
@@ -127,7 +127,7 @@ def plot_path(axes: Axes, x: ArrayLike, y: ArrayLike, good: NDArray[np.bool_], *
 
 
 def note_unconverged(axes: Axes, good: NDArray[np.bool_]) -> None:
-    """Say beside the curves what the crosses mean, when there are any."""
+    """Explain the crosses beside the curves, when there are any."""
     if not good.all():
         axes.plot([], [], linestyle="none", marker="x", markeredgewidth=1.8, color=INK, label="not converged")
 

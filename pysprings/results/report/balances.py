@@ -79,7 +79,7 @@ def energy_table(run: Mapping[str, Any]) -> Table | None:
     note = (
         "Since the initial state, whole caisson: work + initial = elastic + plastic + penalty + friction + water. "
         "Initial is the work of weight, surcharge and initial contact pressure, penalty what contact springs store, "
-        "water what is done against pore pressures. The imbalance is what Newton has left, over the largest term."
+        "water what is done against pore pressures. The imbalance is the residual of Newton, over the largest term."
     )
     columns = ("path", *(f"{term} [kJ]" for term in terms), "imbalance / largest")
     return Table("Balance of energy", columns, rows, note, wide=True)

@@ -55,7 +55,7 @@ def _table(name: str, path: xr.Dataset) -> Table:
 
 
 def _at_half(y: np.ndarray, p: np.ndarray) -> str:
-    """Reaction at half of the last displacement, where y only grows in size; '-' elsewhere."""
+    """Return the reaction at half of the last displacement, where y only grows in size; '-' elsewhere."""
     size = np.abs(y)
     if (np.diff(size) <= 0.0).any():
         return "-"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A table of free curves, one a depth, that know nothing of each other: p(y), and m, tip and lid terms if given."""
+"""A table of independent curves, one for each depth: p(y), and m, tip and lid terms if given."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _COLUMNS = {  # family -> (spring, displacement, reaction)
 def build_curves(rows: pd.DataFrame, skirt_length: float | None, faults: Faults) -> CurveSprings:
     """Return the springs of a table of curves; refuse every fault with its line.
 
-    Curves are given for one direction; the other is their odd reflection. A missing origin is put in.
+    Curves are given for one direction; the other is their odd reflection. A missing origin is added.
     """
     found = dict[str, CurveSet]()
     for name, own in rows[rows["converged"] != 0].groupby("path", sort=False):
@@ -44,7 +44,7 @@ def build_curves(rows: pd.DataFrame, skirt_length: float | None, faults: Faults)
 
 
 def _curves(family: str, part: pd.DataFrame, faults: Faults) -> Iterator[Curve]:
-    """Yield the curves of one family that are in order; note what is wrong with the others."""
+    """Yield the curves of one family that are in order; note the faults of the others."""
     for depth, own in part.groupby("depth_m", dropna=False) if family in ("py", "mtheta") else [(0.0, part)]:
         ordered = own if own["step"].isna().any() else own.sort_values("step", kind="stable")
         for spring, moves, reacts in _COLUMNS[family]:

@@ -89,7 +89,7 @@ def _first_and_rest(lines: list[Line]) -> tuple[list[str], list[Line]]:
 def _typed(
     place: str, family: str | None, head: list[str], cells: Sequence[tuple[int, list[Any]]], faults: Faults
 ) -> pd.DataFrame:
-    """Return one sheet's rows with the right types; note what is wrong with its columns and numbers."""
+    """Return one sheet's rows with the right types; note the faults of its columns and numbers."""
     before, width = len(faults.problems), len(head)
     _check_head(place, head, family, faults)
     if len(faults.problems) > before:

@@ -34,7 +34,7 @@ def net_rows(rows: pd.DataFrame, faults: Faults) -> pd.DataFrame:
 
 
 def slices(rows: pd.DataFrame, skirt_length: float | None, faults: Faults) -> tuple[Array, Array, str]:
-    """Return depths (n,), tops and bottoms (n, 2) of the slices [m], and a sentence on what was assumed.
+    """Return depths (n,), tops and bottoms (n, 2) of the slices [m], and a sentence on assumptions.
 
     Slices touch and begin at mudline. Without depth_top_m and depth_bottom_m they end half way between the depths;
     the last ends at the skirt length, or as far below its depth as it begins above.
@@ -70,7 +70,7 @@ def _assumed(first: pd.DataFrame, depth: Array, skirt_length: float | None, faul
 
 
 def _same_slices(rows: pd.DataFrame, faults: Faults) -> None:
-    """Each depth has one slice: refuse rows that differ from the first one of their depth."""
+    """Note rows whose slice differs from that of the first row of their depth."""
     for column in ("depth_top_m", "depth_bottom_m"):
         own = rows.groupby("depth_m")[column].transform("first")
         for row, first in zip(rows[rows[column] != own].itertuples(index=False), own[rows[column] != own], strict=True):

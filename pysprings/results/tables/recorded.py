@@ -25,12 +25,12 @@ _NUMBERS = {
     "base": ("H_N", "M_Nm"),
     "lid": ("H_N", "M_Nm"),
 }
-_SPARE = ("w_m", "t_N_per_m", "V_N")  # the vertical direction, where a table knows it
+_SPARE = ("w_m", "t_N_per_m", "V_N")  # the vertical direction, which a table may leave out
 _DOWN = {"tz": ("t_N_per_m", "w_m"), "base": ("V_N", "w_m"), "lid": ("V_N", "w_m")}  # of a vertical path
 
 
 def is_record(rows: pd.DataFrame) -> bool:
-    """Tell whether all rows of p have a step and a rotation: then they record a rigid body on its way."""
+    """Return whether all rows of p have a step and a rotation: then they record the path of a rigid body."""
     py = rows[rows["family"] == "py"]
     return bool(py["step"].notna().all() and py["rotation_rad"].notna().all())
 
@@ -70,7 +70,7 @@ def _stiffness(matrix: Array, dofs: list[str]) -> xr.DataArray:
 
 
 def _path(rows: pd.DataFrame, faults: Faults) -> xr.Dataset | None:
-    """One path as a dataset; None where something is wrong with it."""
+    """Return one path as a dataset; None where it has faults."""
     families = {str(name): part for name, part in rows.groupby("family", sort=False)}
     if "tz" in families:
         return _vertical_path(families, faults)
@@ -97,7 +97,7 @@ def _path(rows: pd.DataFrame, faults: Faults) -> xr.Dataset | None:
 
 
 def _vertical_path(families: dict[str, pd.DataFrame], faults: Faults) -> xr.Dataset | None:
-    """A path of t(z), tip and lid over w as a dataset; None where something is wrong with it."""
+    """Return a path of t(z), tip and lid over w as a dataset; None where it has faults."""
     own = Faults()
     place = place_of(families["tz"])
     if set(families) != set(_DOWN):
@@ -128,7 +128,7 @@ def _vertical_path(families: dict[str, pd.DataFrame], faults: Faults) -> xr.Data
 
 
 def _grid(part: pd.DataFrame, family: str, faults: Faults, columns: tuple[str, ...] | None = None) -> Grid:
-    """Columns of one family as arrays (depth, step); note blanks, what stands twice and what is missing."""
+    """Return columns of one family as arrays (depth, step); note blanks, repeated and missing rows."""
     columns = columns or _NUMBERS[family]
     for column in (*columns, "step", "depth_m"):
         for row in part[part[column].isna()].itertuples(index=False):
@@ -181,7 +181,7 @@ def _assembled(
         "converged": (("step",), np.ones(n)),
     }
     down = False
-    if "mtheta" in grids:  # what is not known of the vertical direction is nothing here, and is not shown
+    if "mtheta" in grids:  # missing vertical columns count as zero, and are not shown
         w, tip, lid = grids["py"]["w_m"][0], grids["base"]["V_N"][0], grids["lid"]["V_N"][0]
         t = grids["mtheta"]["t_N_per_m"]
         down = all(np.isfinite(values).all() for values in (w, tip, lid, t))
@@ -202,7 +202,7 @@ def _assembled(
 
 
 def _first_stiffness(springs: Springs) -> Array:
-    """Stiffness (2, 2) that fits the first steps of all rays best; of one path p is known of: zero."""
+    """Return the stiffness (2, 2) that fits the first steps of all rays best; zero for one ray or p alone."""
     first, loads = [], []
     for name in springs.rays:
         path = springs.paths[name]

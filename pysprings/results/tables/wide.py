@@ -16,7 +16,7 @@ _OF_LATERAL = ("y_m", "p_N_per_m", "m_Nm_per_m")  # blank on a vertical path
 
 
 def is_wide(head: list[str]) -> bool:
-    """Tell whether a heading is that of a wide table."""
+    """Return whether a heading is that of a wide table."""
     return any((found := parse(name)) is not None and found[0] in PAIRS[0] for name in head)
 
 
@@ -39,7 +39,7 @@ def unfold(head: list[str], lines: Lines) -> tuple[list[str], Lines]:
 
 
 def _depth_rows(row: list[Any], by_depth: dict[Place, dict[str, int]], quantities: list[str]) -> list[list[Any]]:
-    """Rows of the families by depth (y and p, then m and t; t alone where nothing else is there) of one wide row."""
+    """Return rows of the families by depth of one wide row: y and p, then m and t; t alone on a vertical path."""
     found = []
     lateral = [column for own in by_depth.values() for name, column in own.items() if name in _OF_LATERAL]
     if all(_cell(row, column) in (None, "") for column in lateral):
@@ -58,7 +58,7 @@ def _depth_rows(row: list[Any], by_depth: dict[Place, dict[str, int]], quantitie
 def _end_rows(
     row: list[Any], by_depth: dict[Place, dict[str, int]], ends: dict[str, int], quantities: list[str]
 ) -> list[list[Any]]:
-    """Rows of tip (at the bottom of the deepest slice) and lid (depth 0) of one wide row."""
+    """Return rows of tip (at the bottom of the deepest slice) and lid (depth 0) of one wide row."""
     bottom = max((place[2] for place in by_depth), key=_size)
     found: list[list[Any]] = []
     for family, columns in ENDS.items():
@@ -76,5 +76,5 @@ def _cell(row: list[Any], column: int | None) -> Any:
 def _size(text: str) -> float:
     try:
         return float(text)
-    except ValueError:  # the checks of the cells refuse it
+    except ValueError:  # the checks of the cells note it
         return float("-inf")

@@ -33,7 +33,7 @@ def run_here(scene: Scene, folder: Path, progress: Progress) -> None:
 
 
 def run_in_child(scene: Scene, folder: Path, progress: Progress) -> None:
-    """Do the same in a new process. KeyboardInterrupt passes through when the process has saved what had converged."""
+    """Run a scene in a new process. KeyboardInterrupt passes through after the process has saved converged steps."""
     context = multiprocessing.get_context("spawn")
     mine, theirs = context.Pipe(duplex=False)
     process = context.Process(target=_work, args=(scene.model_dump(), folder, theirs), daemon=True)
@@ -55,7 +55,7 @@ def run_in_child(scene: Scene, folder: Path, progress: Progress) -> None:
 
 
 def _listen(pipe: Connection, progress: Progress) -> PyspringsError | None:
-    """Hand on the progress of the process until it ends; return what ended it early."""
+    """Pass on the progress of the process until it ends; return the message that ended it early."""
     error: PyspringsError | None = None
     while True:
         try:
@@ -81,17 +81,17 @@ def _work(values: dict[str, Any], folder: Path, pipe: Connection) -> None:
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    def tell(kind: str, content: Any) -> None:
+    def send(kind: str, content: Any) -> None:
         pipe.send_bytes(json.dumps([kind, content]).encode())
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, interrupt)
     try:
-        run_here(Scene.model_validate(values), folder, lambda *told: tell(PROGRESS, told))
+        run_here(Scene.model_validate(values), folder, lambda *report: send(PROGRESS, report))
     except UserInputError as error:
-        tell(REFUSED, [asdict(each) for each in error.problems])
+        send(REFUSED, [asdict(each) for each in error.problems])
     except (RunIncomplete, ResourceError) as error:
-        tell("incomplete" if isinstance(error, RunIncomplete) else "resources", str(error))
+        send("incomplete" if isinstance(error, RunIncomplete) else "resources", str(error))
     except (KeyboardInterrupt, BrokenPipeError):
         pass
     finally:

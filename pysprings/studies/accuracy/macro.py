@@ -35,7 +35,7 @@ class Answer:
 def answers(springs: xr.DataTree) -> Iterator[Answer]:
     """Yield the answers of the best spring set (fan where there is one, else full), from one slice to all of them.
 
-    Vertical paths have springs of their own, without slices; the set is asked for the others.
+    Vertical paths have springs of their own, without slices; the set answers the others.
     """
     given = Springs.of(springs)
     kind = "fan" if "fan" in spring_sets(given) else "full"
@@ -57,7 +57,7 @@ def _traces(springs: Springs, names: list[str], kind: str) -> Iterator[tuple[str
 
 
 def _curve(path: SpringPath, trace: xr.Dataset) -> Curve | None:
-    """Curve of a macro-model as the full model's are; no p(y), which is the springs' own."""
+    """Return the curve of a macro-model in the form of the full model's, without p(y), which belongs to the springs."""
     n, full = trace.sizes["step"], path.dataset
     states = full.isel(step=slice(0, n)).assign({name: ("step", trace[name].values) for name in ("H", "M", "rotation")})
     if path.kind == "rotation":  # what is imposed is the full model's

@@ -31,15 +31,14 @@ PANELS = (
     ("full", "py_rms_pct", "full model, p-y: root mean square", "wall time of the whole run [s]", 1.0),
     ("macro", "load_max_pct", "macro-model, load: largest", "time of a curve of 50 points [ms]", 1e3),
 )
-LEAST = 1e-3  # %, what is below is drawn there
+LEAST = 1e-3  # %: smaller errors are drawn there
 
 
 @styled
 def error_against_time(table: pd.DataFrame, title: str, targets: Collection[float] = ()) -> Figure:
     """Draw the table of a study (`pysprings.studies.accuracy`): error [%] over wall time [s], both logarithmic.
 
-    Marks with a white middle: the run is the reference itself, its uncertainty stands for its error. Dotted lines:
-    ``targets`` [%].
+    Marks with a white middle show the uncertainty of the reference itself. Dotted lines: ``targets`` [%].
     """
     figure = new_figure(14.0, 5.2)
     every = figure.subplots(1, len(PANELS), sharey=True)
@@ -79,7 +78,7 @@ def _panel(axes: Axes, shown: pd.DataFrame, column: str, targets: Collection[flo
 
 
 def _names(axes: Axes, shown: pd.DataFrame, column: str) -> None:
-    """Name the meshes at their marks, above and below in turn."""
+    """Write the names of the meshes at their marks, above and below in turn."""
     part = shown[shown["group"] == "mesh"].sort_values("time")
     for k, row in enumerate(part.to_dict("records")):
         above = k % 2 == 0
@@ -100,7 +99,7 @@ def _marks(axes: Axes, part: pd.DataFrame, column: str, mark: str, colour: str, 
 
 
 def _front(axes: Axes, shown: pd.DataFrame, column: str) -> None:
-    """Join what nothing beats by steps: any time between two of them buys the error of the cheaper one."""
+    """Draw the Pareto front by steps: any time between two runs of it gives the error of the cheaper one."""
     kept = shown.iloc[front(shown["time"].tolist(), shown[column].tolist())]
     if len(kept) > 1:
         errors = kept[column].clip(lower=LEAST)

@@ -68,18 +68,18 @@ class Truth:
         """
         worst = measures.worst([self._errors(path, sample, name) for path, sample in by_path.items()])
         own = {quantity for each in self.references.values() for quantity, one in each.items() if not one.extrapolated}
-        told = ", ".join(sorted(own)) if by_path and name == self.finest else ""
-        return {REFERENCE: told} | {f"{measure}_pct": value for measure, value in worst.items()}
+        names = ", ".join(sorted(own)) if by_path and name == self.finest else ""
+        return {REFERENCE: names} | {f"{measure}_pct": value for measure, value in worst.items()}
 
     def _errors(self, path: str, sample: Sample, name: str) -> dict[str, float]:
-        """Errors [%] by measure; of the finest mesh, where it is the reference, the uncertainty at the least."""
+        """Return errors [%] by measure; for a finest mesh that is the reference, at least its uncertainty."""
         references = self.references[path]
         found = measures.errors(sample, {quantity: one.values for quantity, one in references.items()})
         for key, measure in measures.MEASURES.items():
             if measure.quantity not in references or references[measure.quantity].extrapolated:
                 continue
             doubt = self.uncertainty[path][key]
-            if np.isnan(doubt):  # one mesh: nothing is known of its error, nor of others beside it
+            if np.isnan(doubt):  # one mesh gives no estimate of its own error, nor of that of others
                 found[key] = doubt
             elif name == self.finest:
                 found[key] = max(found[key], doubt)
@@ -116,7 +116,7 @@ def assess(runs: Sequence[Ended]) -> Found:
 
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return the rows of a table by column name, as plain values; what is not there is None."""
+    """Return the rows of a table by column name, as plain values; missing ones are None."""
     plain = table.astype(object).where(table.notna(), None)
     return [{str(name): value for name, value in row.items()} for row in plain.to_dict("records")]
 
@@ -134,7 +134,7 @@ def _truth(
 
 
 def _on_front(table: pd.DataFrame) -> pd.Series:
-    """Tell which rows no other of the same model beats in wall time and one of the errors that targets judge."""
+    """Return the rows that no other of the same model beats in wall time and one of the errors of the targets."""
     kept = pd.Series(False, index=table.index)
     for model in (FULL, MACRO):
         part = table[(table["model"] == model) & (table["status"] == "complete")]
@@ -144,7 +144,7 @@ def _on_front(table: pd.DataFrame) -> pd.Series:
 
 
 def _changes_alone(curves: Mapping[str, Mapping[str, Curve]], complete: Sequence[Ended]) -> dict[str, float]:
-    """Largest load difference [%] of a variation from the run on the same mesh with the scene's own settings."""
+    """Return the largest load difference [%] of a variation from the run on the same mesh with the scene's settings."""
     plain = {(e.setting.mesh, e.setting.refinement): e.setting.name for e in complete if e.setting.group == MESH}
     found = {}
     for each in complete:
@@ -180,7 +180,7 @@ def _costs(each: Ended) -> dict[str, Any]:
 
 
 def _macro_rows(each: Ended, truth: Truth) -> list[dict[str, Any]]:
-    """Rows of the macro-models whose springs come from a run, by number of depth slices."""
+    """Return rows of the macro-models whose springs come from a run, by number of depth slices."""
     springs: xr.DataTree = read_tree(each.folder / "springs.nc")
     setting, unit, rows = each.setting, each.record["solver"].get("unit_s"), []
     for answer in macro.answers(springs):

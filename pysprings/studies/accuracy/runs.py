@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The runs of a study, each in a folder of its own: what has ended stays, what was interrupted goes on."""
+"""The runs of a study, each in a folder of its own: ended runs stay, interrupted ones are resumed."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Ended:
 
     @property
     def complete(self) -> bool:
-        """Whether it reached its end."""
+        """Whether the run reached its end."""
         return not self.why and self.record.get("status") == "complete"
 
 
@@ -63,12 +63,12 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
             why = _run(scenes[setting.name], folder, whole.of(setting.name), run)
         whole.ended(setting.name, setting.name in missing)
         record = record_of(folder, scenes[setting.name])
-        found.append(Ended(setting, folder, record, why or _told(record)))
+        found.append(Ended(setting, folder, record, why or _kept_outcome(record)))
     return found
 
 
 def forget_all(settings: Sequence[Setting], out: Path) -> None:
-    """Have every run made again; results stay until there are others."""
+    """Mark every run to be repeated; results stay until there are new ones."""
     for setting in settings:
         forget(run_folder(out, setting.name))
 
@@ -83,13 +83,13 @@ def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:
         return f"{_NOT_CONVERGED}{error}"
     except ResourceError as error:
         return f"resources: {error}"
-    except UserInputError as error:  # say a mesh so coarse that its cells cannot be graded
+    except UserInputError as error:  # for example a mesh so coarse that its cells cannot be graded
         return "\n".join(error.lines)
     return ""
 
 
-def _told(record: dict[str, Any]) -> str:
-    """Say of a kept run what `_run` has said of it."""
+def _kept_outcome(record: dict[str, Any]) -> str:
+    """Return the outcome of a kept run as `_run` has returned it."""
     why = why_stopped(record)
     return f"{_NOT_CONVERGED}{why}" if why else ""
 

@@ -115,7 +115,7 @@ def _origin(scene: Scene) -> dict[str, Any]:
 
 
 def _machine() -> str:
-    """Say on what seconds were measured."""
+    """Return a description of the machine that measured the seconds."""
     return f"{platform.machine()}, {sys.platform}, {os.cpu_count()} processors, Python {platform.python_version()}"
 
 

@@ -83,7 +83,7 @@ NOTES = (
 
 
 def to_markdown(found: Found, head: Mapping[str, Any], picture: str) -> str:
-    """Return the study as a document; ``head`` says of which scene, by which command and version."""
+    """Return the study as a document; ``head`` names scene, command and version."""
     lines = ["# Error against time", "", *(f"- {name}: {value}" for name, value in head.items()), ""]
     lines += [f"![Error against time]({picture})", "", "## Full model", "", *_table(found, FULL)]
     lines += ["", *(text for note in NOTES for text in (note, "")), "## Reference", ""]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The case of Cerfontaine, Charlier & Collin (2018): its runs, figures, claims, and what decides them.
 
-``cases`` says what is run, ``runs`` runs it, ``measures`` reads numbers from a run, ``claims`` and ``sensitivity`` make
+``cases`` lists the runs, ``runs`` runs it, ``measures`` reads numbers from a run, ``claims`` and ``sensitivity`` make
 tables of them, ``figures`` draws, ``text`` and ``page`` write, ``reference`` keeps small results, ``study`` does
 it all.
 """

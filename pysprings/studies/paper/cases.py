@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is run, as data: the paper's six runs, two for our idealisations, readings of what it leaves open."""
+"""The runs as data: the paper's six runs, two for our idealisations, readings of what it leaves open."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Case:
 
     @property
     def drained(self) -> bool:
-        """Whether the water takes no part."""
+        """Whether the run is drained."""
         return self.rate is None
 
     def scene(self, mesh: str, fields_only: bool = False) -> Scene:
@@ -110,7 +110,7 @@ class Variant:
         return Case(self.name, self.words, rate, changes=self.changes, stops_mm=VARIANT_STEPS_MM)
 
     def smooth_case(self) -> Case | None:
-        """Return the same run without friction, to 2.5 mm; None where it is not asked for."""
+        """Return the same run without friction, to 2.5 mm; None where it is not requested."""
         if not self.smooth:
             return None
         words = f"{self.words}, no friction"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The thirteen things that the paper says, each beside our figure: agrees, partly or differs, and why.
+"""The thirteen claims of the paper, each beside our figure: agrees, partly or differs, and why.
 
 A claim's verdict comes from a criterion that is stated with it; the criteria turn the paper's words into numbers, since
 its text gives few. "partly" is what holds in part of the criterion's items.
@@ -28,7 +28,7 @@ from pysprings.studies.paper.findings import UNKNOWN, Finding, Paths
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper, the criterion that stands for it, the runs it needs, and its measurement."""
+    """A statement of the paper, the criterion that represents it, the runs it needs, and its measurement."""
 
     number: int
     words: str

@@ -8,13 +8,13 @@ import xarray as xr
 
 from pysprings.studies.paper import measures as m
 from pysprings.studies.paper.cases import DEPTHS, END, SHOWN
-from pysprings.studies.paper.findings import Finding, Paths, at_depths, every, mm, told, which, within
+from pysprings.studies.paper.findings import Finding, Paths, at_depths, every, joined, mm, which, within
 
 _OPEN = 1e-9  # of the initial stress
 
 
 def slope_change(paths: Paths) -> Finding:
-    """The load-displacement curve: where it bends, and whether it is straight before."""
+    """Judge the load-displacement curve: where it bends, and whether it is straight before."""
     path = paths["drained"]
     place, sharpness = m.load_bend(path)
     share = m.secant_share(path, 1e-3)
@@ -30,22 +30,22 @@ def slope_change(paths: Paths) -> Finding:
 
 
 def front_stress(paths: Paths) -> Finding:
-    """Normal effective stress in front."""
+    """Judge the normal effective stress in front."""
     ratio = m.stress_ratio(paths["drained"], SHOWN, m.FRONT, DEPTHS)
     holds = [within(value, 1.25, 1.75) for value in ratio]
     reason = "" if all(holds) else "larger near the mudline, where the initial stress is small"
-    return Finding(f"{told(ratio)} times initial {at_depths()}", holds, reason)
+    return Finding(f"{joined(ratio)} times initial {at_depths()}", holds, reason)
 
 
 def rear_gap(paths: Paths) -> Finding:
-    """Stress, opening and shear behind."""
+    """Judge stress, opening and shear behind."""
     path = paths["drained"]
     back = m.stress_ratio(path, SHOWN, m.BACK, DEPTHS)
     gap = m.rear_gap(path, END)
     top, bottom = gap[path["depth"].values <= 2.0].max(), gap[path["depth"].values > 2.0].max()
     share = m.open_share(path, SHOWN)
     figure = (
-        f"back p'_N {told(back)} times initial {at_depths()}, {100 * share:.0f} % of the back line open at 2.5 mm; "
+        f"back p'_N {joined(back)} times initial {at_depths()}, {100 * share:.0f} % of the back line open at 2.5 mm; "
         f"at 20 mm widest opening {mm(top)} above and {mm(bottom)} below half the skirt"
     )
     lateral, down = (np.abs(m.field(path, name, SHOWN, m.BACK)) for name in ("shear_lateral", "shear_vertical"))
@@ -63,7 +63,7 @@ def rear_gap(paths: Paths) -> Finding:
 
 
 def lateral_shear(paths: Paths) -> Finding:
-    """Lateral shear around the skirt."""
+    """Judge the lateral shear around the skirt."""
     path = paths["drained"]
     shear = m.at(path[["shear_lateral", "u"]].sel(side="outside").transpose("step", "azimuth", "depth"),
                  "shear_lateral", SHOWN)  # fmt: skip
@@ -74,8 +74,8 @@ def lateral_shear(paths: Paths) -> Finding:
     thirty = np.array([np.interp(np.pi / 6.0, azimuth, ring) for ring in rings.T])
     grows = bool((np.abs(sixty) > np.abs(thirty)).all() and (np.abs(thirty) > np.abs(rings[0])).all())
     figure = (
-        f"outside, at 2.5 mm: front {told(100 * front, '.0f')} % of the ring's largest {at_depths()}; 30 deg "
-        f"{told(1e-3 * thirty, '.1f')} kPa, 60 deg {told(1e-3 * sixty, '.1f')} kPa"
+        f"outside, at 2.5 mm: front {joined(100 * front, '.0f')} % of the ring's largest {at_depths()}; 30 deg "
+        f"{joined(1e-3 * thirty, '.1f')} kPa, 60 deg {joined(1e-3 * sixty, '.1f')} kPa"
     )
     if not np.isfinite(front).all():
         return Finding(figure, (None,))
@@ -83,7 +83,7 @@ def lateral_shear(paths: Paths) -> Finding:
 
 
 def vertical_shear(paths: Paths) -> Finding:
-    """Vertical shear in front and behind, inside and outside, and its late change."""
+    """Judge the vertical shear in front and behind, inside and outside, and its late change."""
     path = paths["drained"]
     front = m.by_depth(path["depth"].values, m.field(path, "shear_vertical", SHOWN, m.FRONT), DEPTHS).mean()
     back = m.by_depth(path["depth"].values, m.field(path, "shear_vertical", SHOWN, m.BACK), DEPTHS).mean()
@@ -92,7 +92,7 @@ def vertical_shear(paths: Paths) -> Finding:
     figure = (
         f"on the soil at 2.5 mm, outside: {1e-3 * front:.1f} kPa in front, {1e-3 * back:.1f} kPa behind (down +); at "
         f"20 mm F_in {1e-3 * inside:.0f} kN, F_out {1e-3 * outside:.0f} kN; change from 15 to 20 mm "
-        f"{told(100 * np.array(change), '.0f')} % of the largest"
+        f"{joined(100 * np.array(change), '.0f')} % of the largest"
     )
     if not np.isfinite([front, back, inside, outside, *change]).all():
         return Finding(figure, (None,))
@@ -103,13 +103,13 @@ def vertical_shear(paths: Paths) -> Finding:
 
 
 def _late_change(path: xr.Dataset, name: str) -> float:
-    """Change of a force from 15 mm to 20 mm over its largest value on the path."""
+    """Return the change of a force from 15 mm to 20 mm over its largest value on the path."""
     largest = float(np.abs(path[name].values).max())
     return abs(float(m.at(path, name, END) - m.at(path, name, 15e-3))) / largest if largest else 0.0
 
 
 def base(paths: Paths) -> Finding:
-    """Base shear, plug, and the motion of the caisson."""
+    """Judge base shear, plug, and the motion of the caisson."""
     path = paths["drained"]
     if "section_ux" not in path:
         return Finding("needs the symmetry plane", (None,))
@@ -120,7 +120,7 @@ def base(paths: Paths) -> Finding:
     follows = plug_motion(path)
     figure = (
         f"tip and lid carry {100 * (tip + lid) / load:.0f} % of H at 20 mm, where the load still grows by "
-        f"{100 * growing:.0f} % a doubling of u; plug moves {told([follows])} times the caisson; at 2.5 mm "
+        f"{100 * growing:.0f} % a doubling of u; plug moves {joined([follows])} times the caisson; at 2.5 mm "
         f"rotation*L/u {rotation * length / SHOWN:.2f}, vertical {-1e3 * sink:.2f} mm (up +)"
     )
     if not np.isfinite([growing, rotation, sink, follows]).all():
@@ -130,7 +130,7 @@ def base(paths: Paths) -> Finding:
 
 
 def plug_motion(path: xr.Dataset, u: float = SHOWN) -> float:
-    """Lateral motion of the plug on the axis of the caisson over that of the caisson, fitted over the skirt."""
+    """Return the lateral motion of the plug on the axis over that of the caisson, fitted over the skirt."""
     x, depth = path["section_x"].values, path["section_depth"].values
     length = float(path["depth_bounds"].values.max())
     axis = np.flatnonzero((np.abs(x) < 1e-6 * np.abs(x).max()) & (depth <= length + 1e-6))
@@ -142,7 +142,7 @@ def plug_motion(path: xr.Dataset, u: float = SHOWN) -> float:
 
 
 def wedge(paths: Paths) -> Finding:
-    """Motion and stress of the soil in front."""
+    """Judge motion and stress of the soil in front."""
     path = paths["drained"]
     if "section_ux" not in path:
         return Finding("needs the symmetry plane", (None,))
@@ -150,7 +150,7 @@ def wedge(paths: Paths) -> Finding:
     shift = [front_motion(path, radius, depth) for depth in (0.25, 2.0, 4.0)]
     lift = front_heave(path, radius)
     figure = (
-        f"soil 1 m in front of the skirt at 2.5 mm moves {told(1e3 * np.array(shift))} mm at 0.25, 2 and 4 m depth; "
+        f"soil 1 m in front of the skirt at 2.5 mm moves {joined(1e3 * np.array(shift))} mm at 0.25, 2 and 4 m depth; "
         f"the surface there rises by up to {1e3 * lift:.2f} mm within 4 m"
     )
     if not np.isfinite([*shift, lift]).all():
@@ -165,7 +165,7 @@ def _outer_radius(path: xr.Dataset) -> float:
 
 
 def front_motion(path: xr.Dataset, radius: float, depth: float, u: float = SHOWN, ahead: float = 1.0) -> float:
-    """Lateral motion [m] of the soil so far ahead of the skirt [m] at a depth [m] of the symmetry plane.
+    """Return the lateral motion [m] of the soil at a distance [m] ahead of the skirt and a depth [m].
 
     In front of the skirt the nodes stand in layers of equal depth: linear in each, and between them.
     """
@@ -180,7 +180,7 @@ def front_motion(path: xr.Dataset, radius: float, depth: float, u: float = SHOWN
 
 
 def front_heave(path: xr.Dataset, radius: float, u: float = SHOWN, reach: float = 4.0) -> float:
-    """Largest rise [m] of the mudline in front of the skirt within a reach [m]."""
+    """Return the largest rise [m] of the mudline in front of the skirt within a reach [m]."""
     x, depth = path["section_x"].values, path["section_depth"].values
     near = (depth <= 1e-9) & (x >= radius - 1e-6) & (x <= radius + reach)
     return float((-m.at(path, "section_uz", u)[near]).max())

@@ -38,7 +38,7 @@ class Drawing:
     tall: bool = False
 
     def possible(self, runs: Runs) -> bool:
-        """Tell whether the runs are there and have come as far as the figure shows."""
+        """Return whether the runs exist and have reached the range of the figure."""
         return all(name in runs and measures.reached(runs[name].path, self.u) for name in self.needs)
 
 

@@ -12,7 +12,7 @@ import xarray as xr
 from pysprings.studies.paper.cases import DEPTHS
 
 AGREES, PARTLY, DIFFERS, UNKNOWN = "agrees", "partly", "differs", "not reached"
-Paths = Mapping[str, xr.Dataset]  # by name of the case; what has not run is absent
+Paths = Mapping[str, xr.Dataset]  # by name of the case; cases that have not run are absent
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Finding:
 
     @property
     def verdict(self) -> str:
-        """Agrees where all items hold, differs where none does."""
+        """Judgement of a claim: agrees where all items hold, differs where none does."""
         known = [item for item in self.holds if item is not None]
         if len(known) < len(self.holds) or not known:
             return UNKNOWN
@@ -33,11 +33,11 @@ class Finding:
 
 
 def within(value: float, low: float, high: float) -> bool | None:
-    """Tell whether a value lies in a range; None where it is not known."""
+    """Return whether a value lies in a range; None where it is unknown."""
     return bool(low <= value <= high) if np.isfinite(value) else None
 
 
-def told(values: Sequence[float] | np.ndarray, form: str = ".2f") -> str:
+def joined(values: Sequence[float] | np.ndarray, form: str = ".2f") -> str:
     """Write numbers in a row."""
     return ", ".join(format(float(value), form) for value in values)
 
@@ -55,7 +55,7 @@ def at_depths() -> str:
 
 
 def every(items: Sequence[bool | None]) -> bool | None:
-    """Tell whether all items hold; None where one is not known."""
+    """Return whether all items hold; None where one is unknown."""
     return None if any(item is None for item in items) else all(items)
 
 
@@ -65,5 +65,5 @@ def which(holds: Sequence[bool | None], words: Sequence[str]) -> str:
 
 
 def rises(values: Sequence[float]) -> bool | None:
-    """Tell whether values rise from one to the next; None where one is not known."""
+    """Return whether values rise from one to the next; None where one is unknown."""
     return bool((np.diff(values) > 0.0).all()) if np.isfinite(values).all() else None

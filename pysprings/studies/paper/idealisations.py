@@ -62,7 +62,7 @@ def _figures(path: xr.Dataset) -> dict[tuple[str, str], float]:
 
 
 def _ovalisation(path: xr.Dataset, name: str, u: float) -> float:
-    """Change of diameter [m] at the depth where it is largest; 0 of a rigid caisson."""
+    """Return the change of diameter [m] at the depth where it is largest; 0 of a rigid caisson."""
     if name not in path:
         return 0.0
     values = m.at(path, name, u)
@@ -70,7 +70,7 @@ def _ovalisation(path: xr.Dataset, name: str, u: float) -> float:
 
 
 def rows_for_people(table: pd.DataFrame) -> tuple[list[str], list[list[str]]]:
-    """Return heads and cells of the table; '-' for what has not run or has no meaning."""
+    """Return heads and cells of the table; '-' where a case has not run or a value has no meaning."""
     heads = ["", "unit", "rigid, Drucker-Prager"]
     for words in BESIDE.values():
         heads += [words, "difference"]

@@ -2,7 +2,7 @@
 """Numbers read from a run: stresses over initial, gaps, slopes of the load curve and where it bends most.
 
 A path is the Dataset of `pysprings.springs.dataset.get_path` (converged steps only), SI. Displacements are those of
-the lid centre. Where a run has stopped before a displacement that is asked for, the answer is NaN.
+the lid centre. Where a run has stopped before a displacement, its measures there are NaN.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _HALF_WIDTH = 0.2  # of the displacement, for a tangent
 
 
 def reached(path: xr.Dataset, u: float) -> bool:
-    """Tell whether the path has come to a displacement u [m]."""
+    """Return whether the path has reached a displacement u [m]."""
     return bool(path["u"].values[-1] >= (1.0 - _NEAR) * u)
 
 
@@ -47,18 +47,18 @@ def load_ratio(path: xr.Dataset, other: xr.Dataset, u: float) -> float:
 
 
 def tangent(path: xr.Dataset, u: float) -> float:
-    """Slope dH/du [N/m] at displacement u [m], over plus and minus a fifth of it."""
+    """Return the slope dH/du [N/m] at displacement u [m], over plus and minus a fifth of it."""
     low, high = (1.0 - _HALF_WIDTH) * u, (1.0 + _HALF_WIDTH) * u
     return (load(path, high) - load(path, low)) / (high - low)
 
 
 def slope_ratio(path: xr.Dataset, early: float = 0.3e-3, late: float = 3e-3) -> float:
-    """Tangent at an early over that at a late displacement [m]: 1 for a straight line."""
+    """Return the tangent at an early over that at a late displacement [m]: 1 for a straight line."""
     return tangent(path, early) / tangent(path, late)
 
 
 def secant_share(path: xr.Dataset, u: float, early: float = 0.1e-3) -> float:
-    """Secant H/u at displacement u [m] over the early one: 1 where the caisson answers linearly up to u."""
+    """Return the secant H/u at displacement u [m] over the early one: 1 where the caisson answers linearly up to u."""
     return (load(path, u) / u) / (load(path, early) / early)
 
 
@@ -107,7 +107,7 @@ def field(path: xr.Dataset, name: str, u: float, azimuth: float, side: str = "ou
 def stress_ratio(
     path: xr.Dataset, u: float, azimuth: float, depths: Sequence[float], side: str = "outside"
 ) -> Array:  # fmt: skip
-    """Normal effective stress over its initial value at depths [m], at displacement u [m]; both between the rings."""
+    """Return normal effective stress over its initial value at depths [m] between the rings, at displacement u [m]."""
     now = field(path, "normal_effective_stress", u, azimuth, side)
     start = path["normal_effective_stress"].sel(side=side).isel(step=0).transpose("azimuth", "depth").values
     station = int(np.argmin(np.abs(path["azimuth"].values - azimuth)))
@@ -117,14 +117,14 @@ def stress_ratio(
 
 
 def rear_gap(path: xr.Dataset, u: float, side: str = "outside") -> Array:
-    """Largest opening [m] on the rear half of the skirt by depth ring, at displacement u [m]."""
+    """Return the largest opening [m] on the rear half of the skirt by depth ring, at displacement u [m]."""
     values = at(path[["gap", "u"]].sel(side=side).transpose("step", "azimuth", "depth"), "gap", u)
     rear = path["azimuth"].values > 0.5 * np.pi
     return np.asarray(values[rear].max(axis=0))
 
 
 def open_share(path: xr.Dataset, u: float) -> float:
-    """Share of the outer back line (azimuth 180 deg) without contact stress at displacement u [m]."""
+    """Return the share of the outer back line (azimuth 180 deg) without contact stress at displacement u [m]."""
     stress = field(path, "normal_effective_stress", u, BACK)
     heights = np.diff(path["depth_bounds"].values, axis=1)[:, 0]
     if not np.isfinite(stress).all():
@@ -142,12 +142,12 @@ def py_curve(path: xr.Dataset, depth: float) -> tuple[Array, Array]:
 
 
 def y_at(path: xr.Dataset, depth: float, u: float) -> float:
-    """Displacement y [m] of the caisson's mean fibre at a depth [m] when the lid centre has moved by u [m]."""
+    """Return the displacement y [m] of the caisson's mean fibre at a depth [m], for u [m] of the lid centre."""
     return _when(path, py_curve(path, depth)[0], u)
 
 
 def p_at(path: xr.Dataset, depth: float, u: float) -> float:
-    """Reaction p [N/m] at a depth [m] when the lid centre has moved by u [m]."""
+    """Return the reaction p [N/m] at a depth [m] when the lid centre has moved by u [m]."""
     return _when(path, py_curve(path, depth)[1], u)
 
 

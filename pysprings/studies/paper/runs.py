@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The paper's runs, each in a folder of its own: what has ended stays, what was interrupted goes on."""
+"""The paper's runs, each in a folder of its own: ended runs stay, interrupted ones are resumed."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ class Run:
 
     @property
     def complete(self) -> bool:
-        """Whether it reached its end."""
+        """Whether the run reached its end."""
         return self.record.get("status") == "complete"
 
     @property
     def remark(self) -> str:
-        """Words for a run that stopped early; empty for a complete one."""
+        """Reason of a run that stopped early; empty for a complete one."""
         if self.complete:
             return ""
         return f"{self.case.name}: stopped at u = {1e3 * float(self.path['u'].values[-1]):.3g} mm"
 
 
 def run_all(out: Path, mesh: str, report: Progress, cases: Sequence[Case] = CASES) -> list[str]:
-    """Run every case below a folder that has not ended there; return what the runs that stopped early say.
+    """Run every case below a folder that has not ended there; return the reasons of runs that stopped early.
 
     KeyboardInterrupt passes through: the same call goes on.
     """
@@ -69,7 +69,7 @@ def run_all(out: Path, mesh: str, report: Progress, cases: Sequence[Case] = CASE
 
 
 def forget(out: Path, cases: Sequence[Case] = CASES) -> None:
-    """Have every run below a folder made again; results stay until there are others."""
+    """Mark every run below a folder to be repeated; results stay until there are new ones."""
     for case in cases:
         kept_runs.forget(run_folder(out, case.name))
 

@@ -93,7 +93,7 @@ def row(variant: Variant, found: Mapping[str, Mapping[str, Any]]) -> dict[str, A
 
 
 def verdicts(figures: Mapping[str, Any]) -> dict[str, Any]:
-    """Tell which of the paper's four figures a run gives (True, False, None: not known), and whether all."""
+    """Return which of the paper's four figures a run gives (True, False, None: unknown), and whether all."""
     found: dict[str, Any] = {
         "is_front": _within(figures.get("front_mean_2.5mm"), FRONT_RANGE),
         "is_gap": _within(figures.get("back_0.25m_2.5mm"), (-1.0, 1e-9)),
@@ -159,7 +159,7 @@ def _figures_of(folder: Path, mesh: str, case: Case) -> tuple[dict[str, Any], bo
 
 
 def _run(scene: Any) -> dict[str, Any]:
-    """Run a scene; say how it ended, with the figures of what converged."""
+    """Run a scene; return how it ended, with the figures of the converged steps."""
     from pysprings.full_model.compute import compute
     from pysprings.springs.dataset import get_path
 

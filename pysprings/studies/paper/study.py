@@ -36,10 +36,10 @@ def study(
     out: Path, mesh: str, report: Progress, sensitivity_mesh: str | None = None,
     cases: Sequence[Case] = CASES, variants: Sequence[Variant] = VARIANTS, force: bool = False,
 ) -> list[str]:  # fmt: skip
-    """Run what has not ended yet and write everything; return what the runs that stopped early say.
+    """Run the cases that have not ended yet and write all files; return the reasons of runs that stopped early.
 
     sensitivity_mesh : also run the sensitivities, on this mesh preset. What an earlier call has left of them is shown
-    again where they are not asked for. force : forget what has run, and begin anew.
+    again where they are not requested. force : forget what has run, and begin anew.
     """
     with new_folder(out), exclusive(out):
         remove_leftovers(out, *(own_folder(out, name) for name in (RUNS, figures.FOLDER, sensitivity.FOLDER)))

@@ -51,7 +51,7 @@ def split(table: pd.DataFrame) -> tuple[list[dict[str, Any]], list[dict[str, Any
 
 
 def cell(value: Any, form: str) -> str:
-    """Return a cell's text; '-' for what is not known."""
+    """Return a cell's text; '-' for unknown values."""
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return "-"
     if form == "mark":
@@ -63,7 +63,7 @@ def cell(value: Any, form: str) -> str:
 
 
 def cells(row: Mapping[str, Any], columns: Mapping[str, tuple[str, str]]) -> list[str]:
-    """Return a row's texts; a variant that was refused or stopped says so beside its words."""
+    """Return the cells of a row; the outcome of a variant that was refused or stopped stands beside its description."""
     shown = dict(row)
     if row["status"] != "complete":
         shown["what"] = f"{row['what']} ({row['status']}: {row['detail']})"
@@ -91,7 +91,7 @@ def sensitivity_markdown(table: pd.DataFrame) -> str:
 
 
 def conclusion(table: pd.DataFrame) -> str:
-    """Say in a sentence or two whether any reading gives all four figures, and which come nearest."""
+    """Return one or two sentences: whether any reading gives all four figures, and which readings come nearest."""
     drained, _ = split(table)
     wanted = int(table["variants"].iloc[0]) if "variants" in table else len(table)
     part = f" Only {len(table)} of {wanted} readings have run so far." if len(table) < wanted else ""
@@ -110,8 +110,8 @@ def _conclusion(drained: Sequence[Mapping[str, Any]]) -> str:
     text = "No reading tried here gives all four of the paper's figures (front stress, gap, break of slope, halving)."
     if not both:
         return f"{text} None gives the front stress together with the gap or the break."
-    told = "; ".join(f"{_named(row)} ({', '.join(w for k, w in names.items() if _true(row.get(k)))})" for row in both)
-    return f"{text} With the front stress come a gap or a break in: {told}."
+    cases = "; ".join(f"{_named(row)} ({', '.join(w for k, w in names.items() if _true(row.get(k)))})" for row in both)
+    return f"{text} With the front stress come a gap or a break in: {cases}."
 
 
 def _named(row: Mapping[str, Any]) -> str:

@@ -33,7 +33,7 @@ class Case:
     hard: bool = False
 
     def scene(self, mesh: str, reach: float = REACH) -> Scene:
-        """Return the scene of the case, pulled as far as ``reach`` (m) where the case says nothing else.
+        """Return the scene of the case, pulled as far as ``reach`` (m) where the case sets no displacement of its own.
 
         Raises UserInputError or ValueError where the input is refused.
         """
@@ -60,7 +60,7 @@ def _caisson(length: float, radius: float, depth: float) -> dict[str, Any]:
 
 
 def _turns(n: int, amplitude: float) -> tuple[str, ...]:
-    """Cycles of +- amplitude (mm) and back to zero, for a path that starts at +amplitude."""
+    """Return cycles of +- amplitude (mm) and back to zero, for a path that starts at +amplitude."""
     there_and_back = (f"{-amplitude:g} mm", f"{amplitude:g} mm")
     return (*there_and_back * n, "0 mm")
 

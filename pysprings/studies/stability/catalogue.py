@@ -62,7 +62,7 @@ def cases_named(names: Sequence[str]) -> list[Case]:
 
 
 def run_case(case: Case, mesh: str = "coarse", refinement: float = 1.0, reach: float = REACH) -> Outcome:
-    """Run one case; whatever a scene can come to becomes an outcome, anything else is a bug and is raised."""
+    """Run one case; errors that a scene can cause become an outcome, any other is a bug and is raised."""
     start = time.perf_counter()
     head: dict[str, Any] = {"group": case.group, "case": case.name, "what": case.what}
     try:
@@ -83,7 +83,7 @@ def run_cases(
     cases: Iterable[Case], mesh: str, refinement: float = 1.0, report: Callable[[Outcome], None] = lambda _: None,
     reach: float = REACH,
 ) -> pd.DataFrame:  # fmt: skip
-    """Run cases one after the other, to ``reach`` (m) where they say nothing else; a row each (see `Outcome`)."""
+    """Run cases in turn, to ``reach`` (m) where they set no displacement; return a row each (see `Outcome`)."""
     rows = []
     for case in cases:
         rows.append(run_case(case, mesh, refinement, reach))
@@ -92,7 +92,7 @@ def run_cases(
 
 
 def summary(table: pd.DataFrame) -> dict[str, Any]:
-    """Counts of the outcomes; median of the iterations and share of cut-backs over the cases that reached their end."""
+    """Return counts of the outcomes; median iterations and share of cut-backs over the cases that reached their end."""
     done = table[table["outcome"].isin((CONVERGED, WARNED))]
     increments = int(done["increments"].sum())
     return {
@@ -113,7 +113,7 @@ def _refusal(error: UserInputError | ValidationError) -> str:
 
 
 def _ending(record: RunRecord) -> dict[str, Any]:
-    """Outcome and detail of a run that gave a record."""
+    """Return outcome and detail of a run that wrote a record."""
     if record.status is Status.COMPLETE:
         detail = "; ".join(record.warnings)
         return {"outcome": WARNED if detail else CONVERGED, "detail": detail}

@@ -41,7 +41,7 @@ def catalogue(table: pd.DataFrame) -> Figure:
 
 
 def _iterations(axes: Axes, table: pd.DataFrame, row: np.ndarray) -> None:
-    """Median (mark) and largest number (end of the line) of Newton iterations of the increments."""
+    """Draw median (mark) and largest number (end of the line) of Newton iterations of the increments."""
     columns = (table[name].tolist() for name in ("outcome", "median_iterations", "max_iterations", "increments"))
     for y, outcome, median, most, increments in zip(row, *columns, strict=True):
         if increments:
@@ -62,6 +62,6 @@ def _cut_backs(axes: Axes, table: pd.DataFrame, row: np.ndarray) -> None:
 
 
 def _group_starts(table: pd.DataFrame) -> list[int]:
-    """Rows where another group of cases begins."""
+    """Return the rows where another group of cases begins."""
     group = table["group"].to_numpy()
     return [int(k) + 1 for k in np.flatnonzero(group[1:] != group[:-1])]

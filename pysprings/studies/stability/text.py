@@ -42,7 +42,7 @@ def line(row: dict[str, Any]) -> str:
 
 
 def closing(summary: dict[str, Any]) -> str:
-    """Return the counts and the two figures that tell how hard the cases were."""
+    """Return the counts, and two measures of the difficulty of the cases."""
     counts = ", ".join(
         f"{summary[name]} {name}" for name in ("converged", "warned", "stopped", "refused", "unexplained")
     )

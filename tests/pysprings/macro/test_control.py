@@ -121,7 +121,7 @@ def test_the_command_shows_the_marks(fan_file, tmp_path):
         data = json.loads(command("predict", fan_file, "--sequence", file, "--json").out)
     assert table.code == 0
     ends = [line.split("  ")[-1] for line in table.out.splitlines()]
-    assert (ends[0], ends[4:]) == ("marks", [" off_path", "off_path, turned_back"])
+    assert (ends[0], ends[4:]) == ("marks", ["off_path", "off_path, turned_back"])
     assert "from state 3 on) come after the sequence left its first direction" in table.err
     assert [state["off_path"] for state in data["states"]] == [0, 0, 1, 1]
     assert [state["turned_back"] for state in data["states"]] == [0, 0, 0, 1]

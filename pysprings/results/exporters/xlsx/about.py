@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The words of the workbook's first sheet: origin, units, signs, range of validity, measured error."""
+"""The text of the first sheet of the workbook: origin, units, signs, range of validity, measured error."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _MEANING = (
         "Reactions are positive when they oppose a positive displacement. y = u + rotation*depth (of a rigid caisson). "
         "w and V are positive down.",
     ),
-    ("depth, slice", "depth of the ring of stations; slice = the part of the skirt it stands for."),
+    ("depth, slice", "depth of the ring of stations; slice = the part of the skirt that it represents."),
     ("base, lid", "tip: H, V and M about the axis point at the depth of the tip; lid: about O."),
     ("balance", "H = sum p*dz + H_tip + H_lid;  M = sum (p*z + m)*dz + L*H_tip + M_tip + M_lid"),
     (
@@ -87,7 +87,7 @@ def about_lines(springs: xr.DataTree, comparison: pd.DataFrame) -> Iterator[tupl
 
 
 def _fan(springs: xr.DataTree) -> Iterator[str]:
-    """How far the fan goes, where there is one, and what a spreadsheet cannot do with it."""
+    """Yield a sentence on the range of the fan, and on its use beyond a spreadsheet; nothing without a fan."""
     given = Springs.of(springs)
     if not has_fan(given):
         return

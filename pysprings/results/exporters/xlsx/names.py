@@ -31,7 +31,7 @@ MEANING = {
 
 
 class Names:
-    """Names of one workbook, unique whatever the paths are called."""
+    """Names of one workbook, unique for any names of paths."""
 
     def __init__(self, file: Any, paths: Iterable[str]) -> None:
         self._file = file

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The workbook's stiffness sheet: 6 x 6 for programs that want a foundation as one matrix, then 3 x 3 by spring set."""
+"""The workbook's stiffness sheet: 6 x 6 for programs that read a foundation as one matrix, then 3 x 3 by spring set."""
 
 from __future__ import annotations
 
