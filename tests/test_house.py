@@ -46,3 +46,10 @@ def test_the_house_has_few_rooms_and_no_circle_between_them() -> None:
     inside, engine = map(int, figures["entries on the top level of pysprings, fe_engine"].split(", "))
     assert inside <= 10 and engine <= 17
     assert figures["circles of entries"] == "0"
+
+
+def test_modules_make_no_circle_and_functions_take_eight_arguments_at_most() -> None:
+    """Imports inside functions and for types count, too; kernels and commands may have more arguments."""
+    figures = measure(ROOT)
+    assert figures["circles of modules"] == "0"
+    assert int(figures["most arguments outside kernels and commands"].split()[0]) <= 8

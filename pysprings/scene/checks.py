@@ -4,23 +4,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from pysprings.core.path_kinds import PATH_KINDS, UNITS, VERTICAL
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
 from pysprings.scene.layers import in_layer, layer_order, uniform_soils, values_inside
 from pysprings.scene.positions import KeyPath
+from pysprings.scene.sections import Caisson, Domain, Path, SceneSections, Soil, Solver
 from pysprings.scene.soil_laws import SOIL_LAWS
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Caisson, Domain, Path, Scene, Soil, Solver
 
 MIN_RADIUS_RATIO = 1.02  # domain radius over caisson radius: room for a graded mesh around the skirt
 MIN_DEPTH_RATIO = 1.02  # domain depth over skirt length: room for a graded mesh below the tip
 
 
-def clashes(scene: Scene) -> Iterator[Clash]:
+def clashes(scene: SceneSections) -> Iterator[Clash]:
     """Give everything that does not go together in a scene whose single values are valid."""
     yield from _caisson(scene.caisson)
     yield from _domain(scene.domain, scene.caisson)
@@ -64,7 +61,7 @@ def _domain(domain: Domain, caisson: Caisson) -> Iterator[Clash]:
         yield Clash(keys, f"{show(domain.depth, 'm')} must be more than {limit}")
 
 
-def _series(scene: Scene) -> Iterator[Clash]:
+def _series(scene: SceneSections) -> Iterator[Clash]:
     """Check what a Fourier series can carry."""
     mesh, chosen = scene.mesh, ("mesh", "discretisation")
     if mesh.discretisation == "hex8":

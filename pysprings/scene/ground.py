@@ -7,15 +7,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pysprings.scene.by_depth import ByDepth, Value
+from pysprings.scene.sections import BY_LAYER, Layer, SceneSections, Soil
 from pysprings.scene.soil_laws import SOIL_LAWS
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Layer, Scene, Soil
 
 _MERGED = 1.0e-9  # m: depths closer than that are one
 
@@ -119,7 +117,7 @@ class Ground:
         return [stratum.row(depth) for stratum in self.strata for depth in (stratum.top, stratum.bottom)]
 
 
-def ground_of(scene: Scene) -> Ground:
+def ground_of(scene: SceneSections) -> Ground:
     """Return the ground of a scene; a soil without layers is one."""
     return make_ground(scene.soil, scene.domain.depth)
 
@@ -139,8 +137,6 @@ def make_ground(soil: Soil, depth: float) -> Ground:
 
 def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:
     """Return the values of a layer, those of the soil where it gives none."""
-    from pysprings.scene.model import BY_LAYER
-
     own = {name: getattr(layer, name, None) for name in BY_LAYER}
     found = {name: getattr(soil, name) if value is None else value for name, value in own.items()}
     if found["friction_angle_initial"] == "auto":

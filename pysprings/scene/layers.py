@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +13,7 @@ from pysprings.scene.clash import Clash
 from pysprings.scene.fields import Interval
 from pysprings.scene.ground import Stratum, make_ground
 from pysprings.scene.positions import KeyPath
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Domain, Soil
+from pysprings.scene.sections import Domain, Soil
 
 _STATIONS = 33  # depths of a layer where its values are checked
 

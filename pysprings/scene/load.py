@@ -18,7 +18,10 @@ from pydantic import ValidationError
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.scene.checks import dotted
 from pysprings.scene.fields import FROM_TOML, suggestion
-from pysprings.scene.model import (
+from pysprings.scene.model import Scene
+from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
+from pysprings.scene.profile_table import read_layers
+from pysprings.scene.sections import (
     Caisson,
     Domain,
     Drainage,
@@ -27,13 +30,10 @@ from pysprings.scene.model import (
     Mesh,
     Output,
     Path,
-    Scene,
     Section,
     Soil,
     Solver,
 )
-from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
-from pysprings.scene.profile_table import read_layers
 
 __all__ = [
     "Caisson",

@@ -1,298 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""The scene: caisson, domain, soil, interface, drainage, load paths, mesh, solver and output, in SI, frozen.
-
-Defaults are the drained caisson of Cerfontaine, Charlier & Collin (2018); the commented template marks what
-that paper leaves open. Lengths in m, angles in rad, forces in N, stresses in Pa.
-"""
+"""The scene: its sections, which must fit together, as one frozen value with a checksum."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import math
-from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, get_args
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, PrivateAttr, create_model, model_validator
-from pydantic import Field as Key
+from pydantic import PrivateAttr, model_validator
 
-from pysprings.core.path_kinds import PATH_KINDS
-from pysprings.core.words import Discretisation, MeshPreset
-from pysprings.scene.by_depth import ByDepth, Profile
 from pysprings.scene.checks import clashes, dotted
-from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text, refuse
-from pysprings.scene.soil_laws import SOIL_LAWS
-from pysprings.scene.then import Then, ThenList
-
-_DEGREE = math.pi / 180.0
-
-# pydantic annotations of the fields, short enough to be read as a table
-_PENALTY = 'penalty stiffness of the interface; "auto" is 390 times Young modulus over diameter'
-_STIFFNESS = Quantity("N/m^3", "[1e3, 1e16]", _PENALTY, "1e10 N/m^3", word="auto")
-_SHIFT = Quantity("mm", "[-1e4, 1e4]", "lateral displacement of the lid centre, towards +x", "20 mm", optional=True)
-_TURN = Quantity(
-    "deg",
-    "[-30, 30]",
-    "rotation, right-hand about +y (a free-head pull turns it < 0)",
-    "0.1 deg",
-    optional=True,
-)
-_SINK_TEXT = "vertical displacement of the lid centre, positive down (pull-out is negative)"
-_SINK = Quantity("mm", "[-1e4, 1e4]", _SINK_TEXT, "20 mm", optional=True)
-_PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN", optional=True)
-_ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
-_ARM_FROM = Quantity("m", "[-1e3, 1e3]", "height where a load acts first; it then climbs to arm", "0 m", optional=True)
-_RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
-_TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
-_QUANTITIES = {
-    "lateral_displacement": _SHIFT, "rotation": _TURN, "lateral_force": _PUSH, "vertical_displacement": _SINK,
-}  # fmt: skip
-_IMPOSED = tuple((name, _QUANTITIES[kind.imposed]) for name, kind in PATH_KINDS.items())
-_FIRST_YIELD = 'friction angle at first yield; "auto" is the least that holds the initial stress'
-_SEA = "depth of the sea; where given, suction is checked for cavitation"
-_DEPTH = Quantity("m", "[0, 2e4]", _SEA, "30 m", optional=True)
-_VISCOSITY = Quantity("Pa s", "[1e-6, 1e3]", "dynamic viscosity of water", "0.001 Pa s")
-_BULK = 'bulk modulus of water; "incompressible" is possible too'
-_BALANCED = 'constant load on the whole caisson, positive down; "balanced" carries the initial contact stresses'
-_OWN_LOAD = 'vertical load of this path instead of caisson.vertical_load; or "balanced"'
-_FRACTION = Number("[1e-12, 1]", "first step, as a fraction of the path", 0.02, optional=True)
+from pysprings.scene.fields import refuse
+from pysprings.scene.sections import SceneSections
+from pysprings.scene.toml import to_toml
 
 
-class Section(BaseModel):
-    """A table of the scene file: frozen, unknown keys refused, each key with its default."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_by_name=True, validate_by_alias=True)
-
-
-class Caisson(Section):
-    """The suction caisson, wished in place."""
-
-    outer_diameter: Annotated[float, Quantity("m", "[0.01, 200]", "outer diameter of the skirt", "7.8 m")] = 7.8
-    skirt_length: Annotated[float, Quantity("m", "[0.01, 200]", "depth of the tip below mudline", "4 m")] = 4.0
-    skirt_thickness: Annotated[float, Quantity("m", "[1e-4, 10]", "wall thickness of the skirt", "0.1 m")] = 0.1
-    lid_thickness: Annotated[float, Quantity("m", "[1e-4, 10]", "thickness of the lid", "0.4 m")] = 0.4
-    behaviour: Annotated[str, Choice(("rigid", "elastic"), "how the steel behaves")] = "rigid"
-    young_modulus: Annotated[
-        float, Quantity("GPa", "[0.001, 1e6]", "Young modulus of an elastic caisson", "200 GPa")
-    ] = 200e9
-    poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio of an elastic caisson", 0.3)] = 0.3
-    vertical_load: Annotated[float | str, Quantity("MN", "[-1e4, 1e4]", _BALANCED, "4 MN", word="balanced")] = (
-        "balanced"
-    )
-
-
-class Domain(Section):
-    """The cylinder of soil that is modelled."""
-
-    radius: Annotated[float, Quantity("m", "[0.01, 1e4]", "radius of the cylinder of soil", "24 m")] = 24.0
-    depth: Annotated[float, Quantity("m", "[0.01, 1e4]", "depth of the cylinder of soil", "12 m")] = 12.0
-    side: Annotated[str, Choice(("roller", "fixed"), "the outer side slides (roller) or is held (fixed)")] = "roller"
-    side_drainage: Annotated[
-        str, Choice(("drained", "sealed"), "the outer side keeps hydrostatic pressure, or lets no water through")
-    ] = "sealed"
-
-
-class SoilValues(Section):
-    """A frictional soil that hardens, and its initial state."""
-
-    young_modulus: Annotated[float, Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa")] = 200e6
-    poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio", 0.3)] = 0.3
-    yield_surface: Annotated[str, Choice(tuple(SOIL_LAWS), "shape of the yield surface")] = "drucker-prager"
-    friction_angle_initial: Annotated[float | str, Quantity("deg", "[0, 60]", _FIRST_YIELD, "5 deg", word="auto")] = (
-        5.0 * _DEGREE
-    )
-    friction_angle_final: Annotated[
-        float, Quantity("deg", "[0, 60]", "friction angle when fully hardened", "30 deg")
-    ] = 30.0 * _DEGREE
-    hardening_parameter: Annotated[
-        float, Number("[1e-9, 10]", "equivalent plastic strain at half of the hardening", 0.005)
-    ] = 0.005
-    dilation_angle: Annotated[float, Quantity("deg", "[-30, 60]", "dilation angle", "5 deg")] = 0.0
-    cohesion: Annotated[float, Quantity("kPa", "[0, 1e5]", "cohesion", "5 kPa")] = 0.0
-    effective_unit_weight: Annotated[
-        float, Quantity("kN/m^3", "[0, 100]", "effective (submerged) unit weight", "10.56 kN/m^3")
-    ] = 10.56e3
-    surcharge: Annotated[float, Quantity("kPa", "[0, 1e5]", "vertical effective stress at mudline", "10.56 kPa")] = (
-        10.56e3
-    )
-    K0: Annotated[float, Number("[0.01, 10]", "initial horizontal over vertical effective stress", 1.0)] = 1.0
-    hydraulic_conductivity: Annotated[
-        float, Quantity("m/s", "[1e-20, 10]", "hydraulic conductivity; not used when drained", "1e-4 m/s")
-    ] = 1e-4
-
-
-class LayerPlace(Section):
-    """A layer of the soil: its top, its law and its values. Values that are not given are those of [soil]."""
-
-    top: Annotated[float, Quantity("m", "[0, 1e4]", "depth of the top of the layer below mudline", "0 m")]
-    name: Annotated[str, Text("name of the layer in tables")] = "layer"
-    law: Annotated[
-        str | None, Choice(tuple(SOIL_LAWS), "constitutive law; by default that of [soil]", optional=True)
-    ] = None
-
-
-_NOT_BY_LAYER = ("yield_surface", "surcharge")
-_BY_STRESS = ("young_modulus",)
-
-
-def _layer_field(name: str) -> Any:
-    """Return the optional field of a layer for a value of the soil."""
-    field = next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, Quantity | Number))
-    if isinstance(field, Number):
-        return Annotated[float | None, replace(field, optional=True)], None
-    return Annotated[float | str | ByDepth | None, Profile(replace(field, optional=True), name in _BY_STRESS)], None
-
-
-BY_LAYER = tuple(name for name in SoilValues.model_fields if name not in _NOT_BY_LAYER)
-_VALUES: dict[str, Any] = {name: _layer_field(name) for name in BY_LAYER}
-if TYPE_CHECKING:
-    Layer = LayerPlace
-else:
-    Layer = create_model("Layer", __base__=LayerPlace, __module__=__name__, __doc__=LayerPlace.__doc__, **_VALUES)
-
-
-class Soil(SoilValues):
-    """A frictional soil that hardens, and its initial state; [[soil.layer]] tables divide it by depth."""
-
-    layers: tuple[Layer, ...] = Key((), validation_alias="layer")
-
-
-class Interface(Section):
-    """Contact, friction and flow between caisson and soil."""
-
-    normal_stiffness: Annotated[float | str, _STIFFNESS] = "auto"
-    shear_stiffness: Annotated[float | str, _STIFFNESS] = "auto"
-    friction_coefficient: Annotated[float, Number("[0, 5]", "Coulomb friction coefficient", 0.5)] = 0.5
-    transversal_conductivity: Annotated[
-        float,
-        Quantity("m/(Pa s)", "[1e-24, 1]", "transversal conductivity; not used when drained", "1e-8 m/(Pa s)"),
-    ] = 1e-8
-    residual_aperture: Annotated[
-        float,
-        Quantity("mm", "[1e-9, 100]", "aperture of a closed interface for flow; not used when drained", "0.01 mm"),
-    ] = 1e-5
-
-
-class Drainage(Section):
-    """How the water takes part: not at all, with its flow in time, or without time to flow.
-
-    All but `mode` is not used when drained. The bottom of the domain and the lid are sealed, the mudline outside the
-    caisson keeps hydrostatic pressure.
-    """
-
-    mode: Annotated[str, Choice(("drained", "coupled", "undrained"), "how the water takes part")] = "drained"
-    porosity: Annotated[float, Number("(0, 1)", "volume of water per volume of soil", 0.4)] = 0.4
-    water_bulk_modulus: Annotated[
-        float | str, Quantity("GPa", "[1e-6, 1e6]", _BULK, "2.2 GPa", word="incompressible")
-    ] = 2.2e9
-    water_unit_weight: Annotated[float, Quantity("kN/m^3", "[1, 30]", "unit weight of water", "9.81 kN/m^3")] = 9.81e3
-    water_viscosity: Annotated[float, _VISCOSITY] = 1e-3
-    water_depth: Annotated[float | None, _DEPTH] = None
-    stabilisation: Annotated[
-        float, Number("[0, 100]", "factor on the stabilisation of the pore pressure (0 to see why it is there)", 1.0)
-    ] = 1.0
-
-
-class Path(Section):
-    """One way of moving the caisson from its initial state.
-
-    pull: the lid centre is moved, the rotation is free, the load acts at height `arm`. translation: the lid
-    centre is moved, the rotation is imposed in proportion (zero by default). rotation: imposed about the lid
-    centre. swipe: a translation, and then the rotation about the lid centre, whose displacement is held: H and M
-    change places under a constant vertical load. load: a lateral force at height `arm`; with `arm_from` it grows at
-    that height and then climbs to `arm`, so that M grows under constant H and V. vertical: the lid centre moves down
-    (or up: pull-out), u and rotation are held at zero. `vertical_load` is the dead load of this path alone. `report_at`
-    lists values of the imposed quantity where a converged step must land. `then` goes on from the end value: "rest 2
-    hour" holds what is imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value.
-    """
-
-    name: Annotated[
-        str,
-        Text(
-            "name of the path in every table",
-            pattern=r"[A-Za-z][A-Za-z0-9_-]{0,59}",
-            meaning="a name (a letter, then letters, digits, _ or -, at most 60)",
-            names_files=True,
-        ),
-    ]
-    kind: Annotated[str, Choice(tuple(PATH_KINDS), "what is imposed")]
-    lateral_displacement: Annotated[float | None, _SHIFT] = None
-    rotation: Annotated[float | None, _TURN] = None
-    lateral_force: Annotated[float | None, _PUSH] = None
-    vertical_displacement: Annotated[float | None, _SINK] = None
-    arm: Annotated[float, _ARM] = 0.0
-    arm_from: Annotated[float | None, _ARM_FROM] = None
-    rate: Annotated[float | None, _RATE] = None
-    duration: Annotated[float | None, _TIME] = None
-    vertical_load: Annotated[
-        float | str | None, Quantity("MN", "[-1e4, 1e4]", _OWN_LOAD, "4 MN", word="balanced", optional=True)
-    ] = None
-    heave: Annotated[str, Choice(("free", "fixed"), "the vertical displacement of the caisson")] = "free"
-    role: Annotated[
-        str,
-        Choice(("calibration", "held-back"), "whether springs are made from this path, or only checked on it"),
-    ] = "calibration"
-    report_at: Annotated[
-        tuple[float, ...],
-        QuantityList("kind", _IMPOSED, "values of the imposed quantity where a converged step must land"),
-    ] = ()
-    then: Annotated[
-        tuple[Then, ...],
-        ThenList("kind", _IMPOSED, "what follows: a rest, or a new end value with its velocity or time"),
-    ] = ()
-
-
-class Mesh(Section):
-    """Size of the mesh: a preset, and what overrides it."""
-
-    preset: Annotated[str, Choice(get_args(MeshPreset), "size of the mesh")] = "coarse"
-    azimuth: Annotated[int | None, Count(8, 256, "cells around the half ring", multiple_of=4, optional=True)] = None
-    refinement: Annotated[float, Number("[0.25, 8]", "factor on all numbers of cells of the preset", 1.0)] = 1.0
-    discretisation: Annotated[
-        str, Choice(get_args(Discretisation), "bricks, or Fourier series in azimuth on a section of quadratic elements")
-    ] = "hex8"
-    harmonics: Annotated[int | None, Count(1, 64, "highest harmonic of the series", optional=True)] = None
-
-
-class Solver(Section):
-    """Newton iterations, load steps and the linear solver."""
-
-    tolerance: Annotated[
-        float, Number("[1e-12, 0.01]", "largest residual, relative to the norm of the contact forces", 1e-5)
-    ] = 1e-5
-    linear: Annotated[str, Choice(("auto", "pardiso", "superlu"), "linear solver", planned=("mumps",))] = "auto"
-    max_iterations: Annotated[int, Count(2, 1000, "Newton iterations before a step is cut back")] = 20
-    first_step_fraction: Annotated[float | None, _FRACTION] = None
-    max_step_fraction: Annotated[
-        float | None, Number("[1e-9, 1]", "largest step, as a fraction of the path", 0.1, optional=True)
-    ] = None
-
-
-class Output(Section):
-    """What is kept beside springs and curves."""
-
-    interface_fields: Annotated[bool, Flag("keep contact stresses and gaps by azimuth and depth at every step")] = True
-    section: Annotated[bool, Flag("keep displacements of the symmetry plane at every step")] = True
-    figures: Annotated[bool, Flag("draw the pictures")] = True
-    paraview: Annotated[bool, Flag("keep the whole model at every step, and write ParaView files of it")] = False
-
-
-PAPER_PATH = Path(name="pull", kind="pull", lateral_displacement=20e-3, rate=0.05e-3, report_at=(2.5e-3,))
-
-
-class Scene(Section):
+class Scene(SceneSections):
     """Everything that decides a run: `pysprings.Scene(soil={"K0": 0.9})` changes one value."""
-
-    title: Annotated[str, Text("title of tables and pictures")] = "Suction caisson in sand, drained"
-    caisson: Caisson = Caisson()
-    domain: Domain = Domain()
-    soil: Soil = Soil()
-    interface: Interface = Interface()
-    drainage: Drainage = Drainage()
-    paths: tuple[Path, ...] = Key((PAPER_PATH,), validation_alias="path")
-    mesh: Mesh = Mesh()
-    solver: Solver = Solver()
-    output: Output = Output()
 
     _source: tuple[str, str] = PrivateAttr(("", ""))  # TOML text, and the sha256 of the scene that it gave
 
@@ -303,10 +27,6 @@ class Scene(Section):
             lines = "; ".join(f"{dotted(clash.keys[0])}: {clash.message}" for clash in found)
             raise refuse(lines, clashes=found)
         return self
-
-    def vertical_load_of(self, path: Path) -> float | str:
-        """Vertical load of a path: its own, or the caisson's (N, positive down, or "balanced")."""
-        return self.caisson.vertical_load if path.vertical_load is None else path.vertical_load
 
     @property
     def sha256(self) -> str:
@@ -331,8 +51,6 @@ class Scene(Section):
 
     def to_toml(self) -> str:
         """Return the whole scene as TOML; loading it gives an equal scene."""
-        from pysprings.scene.toml import to_toml
-
         return to_toml(self)
 
     def replace(self, **sections: Any) -> Scene:

@@ -20,6 +20,7 @@ from pydantic import ValidationError
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
 from pysprings.scene.fields import FROM_TOML, suggestion
+from pysprings.scene.sections import BY_LAYER, Layer
 
 # other names of the keys, in lower case
 NAMES = {
@@ -102,8 +103,6 @@ def _workbook(file: Path) -> list[list[str]]:
 
 def _columns(heads: Sequence[str], file: str) -> tuple[list[tuple[str, str, str]], list[Problem]]:
     """Return (key, "from", "to" or "", unit) of each column, and what is wrong with the headings."""
-    from pysprings.scene.model import BY_LAYER
-
     found, wrong = [], []
     for head in heads:
         match = _HEADING.fullmatch(head)
@@ -151,8 +150,6 @@ def _value(cell: str, unit: str) -> float | str:
 
 def _refused(layer: dict[str, Any], file: str, line: int) -> Iterator[Problem]:
     """Give what the scene refuses of a layer."""
-    from pysprings.scene.model import Layer
-
     checked = dict(layer)
     bottom = checked.pop("bottom", None)
     for values in (checked, {"top": bottom} if bottom is not None else {}):

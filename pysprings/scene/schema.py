@@ -7,7 +7,8 @@ from typing import Any
 
 from pysprings.scene.fields import QuantityList
 from pysprings.scene.load import SECTIONS
-from pysprings.scene.model import Layer, Scene, Section
+from pysprings.scene.model import Scene
+from pysprings.scene.sections import Layer, Section
 from pysprings.scene.toml import field_of
 
 _PROFILE = "CSV or Excel table of the layers, in place of [[soil.layer]]; its path is relative to the scene file"

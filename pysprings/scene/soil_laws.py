@@ -9,18 +9,40 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from fe_engine.soil import formulas
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
 
-if TYPE_CHECKING:
-    from pysprings.scene.model import Soil
-
 MOST_FRICTION = math.radians(60.0)
 MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at constant volume
 _ANGLES = tuple(math.pi / 3.0 * i / 60.0 for i in range(61))  # Lode angles, from compression to extension
+
+
+class Soil(Protocol):
+    """Values of a soil that its law judges, in SI (`pysprings.scene.sections.Soil`)."""
+
+    @property
+    def yield_surface(self) -> str: ...
+
+    @property
+    def poisson_ratio(self) -> float: ...
+
+    @property
+    def K0(self) -> float: ...
+
+    @property
+    def friction_angle_initial(self) -> float | str: ...
+
+    @property
+    def friction_angle_final(self) -> float: ...
+
+    @property
+    def dilation_angle(self) -> float: ...
+
+    @property
+    def cohesion(self) -> float: ...
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from pysprings.scene.fields import Field, QuantityList
-from pysprings.scene.model import Scene
+from pysprings.scene.sections import SceneSections
 
 
-def to_toml(scene: Scene) -> str:
+def to_toml(scene: SceneSections) -> str:
     """Write every value of a scene, in its usual unit; values that are not set (None) are left out."""
     lines = [f"title = {_literal(scene.title)}"]
     for heading, section in _tables(scene):
@@ -23,7 +23,7 @@ def to_toml(scene: Scene) -> str:
     return "\n".join(lines) + "\n"
 
 
-def sections(scene: Scene) -> list[tuple[str, list[tuple[str, Any]]]]:
+def sections(scene: SceneSections) -> list[tuple[str, list[tuple[str, Any]]]]:
     """Return (title, keys and values) of every section of a scene, values as in TOML; paths are numbered from 1."""
     found: list[tuple[str, list[tuple[str, Any]]]] = [("scene", [("title", scene.title)])]
     count = Counter[str]()
@@ -34,7 +34,7 @@ def sections(scene: Scene) -> list[tuple[str, list[tuple[str, Any]]]]:
     return found
 
 
-def _tables(scene: Scene) -> Iterator[tuple[str, BaseModel]]:
+def _tables(scene: SceneSections) -> Iterator[tuple[str, BaseModel]]:
     """Yield (heading, section) of the tables of a scene."""
     for name in type(scene).model_fields:
         value = getattr(scene, name)

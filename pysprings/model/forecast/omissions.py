@@ -17,7 +17,7 @@ from pysprings.model.forecast.resources import memory_bytes, size_of, steps_byte
 from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
 from pysprings.model.soil_laws import ENGINE_LAWS, engine_laws
 from pysprings.scene.ground import ground_of
-from pysprings.scene.model import Soil
+from pysprings.scene.sections import Soil
 from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:

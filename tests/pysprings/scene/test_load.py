@@ -18,8 +18,8 @@ from pydantic import ValidationError
 from pysprings.scene.by_depth import Profile
 from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity
 from pysprings.scene.load import SECTIONS, Scene, load_scene, parse_scene
-from pysprings.scene.model import Layer
 from pysprings.scene.schema import scene_schema
+from pysprings.scene.sections import Layer
 from pysprings.scene.template import template_names, template_text
 from pysprings.scene.toml import field_of
 from tests.support.place import SCENES
