@@ -4,7 +4,14 @@
 from __future__ import annotations
 
 from fe_engine.register import Register
-from fe_engine.soil import elastic, plasol, van_eekelen
+from fe_engine.soil import elastic, plasol, tresca, van_eekelen, von_mises
 from fe_engine.soil.law import SoilLaw
 
-SOIL_LAWS: Register[SoilLaw] = Register("soil law", elastic.LAW, plasol.LAW, van_eekelen.LAW)
+SOIL_LAWS: Register[SoilLaw] = Register(
+    "soil law",
+    elastic.LAW,
+    plasol.LAW,
+    van_eekelen.LAW,
+    von_mises.LAW,
+    tresca.LAW,
+)

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: MIT
+"""Undrained clay in total stress: Tresca's surface, exact with its corners, and hyperbolic mobilisation.
+
+    f = (sigma_1 - sigma_3)/2 - x s,      flow associated, no plastic change of volume
+
+with principal stresses sigma_1 >= sigma_2 >= sigma_3 (tension positive) and the share x of the strength s that is
+mobilised (see `mobilised`). s is the undrained strength su, the same in triaxial tests, plane strain and simple shear.
+
+Return (de Souza Neto, Peric & Owen 2008, section 8.1, for which hardening here has a closed form). Principal directions
+are those of the trial stress. With the trial values s_i and the plastic shear strain dg, work-conjugate to the shear,
+
+    plane:   sigma_1 = s_1 - G dg,      sigma_3 = s_3 + G dg,      shear from (s_1 - s_3)/2 against G,
+
+unless sigma_2 = s_2 is then outside the two. Where it is above sigma_1 (a corner, triaxial extension)
+
+    sigma_1 = sigma_2 = (s_1 + s_2)/2 - G dg/2,  sigma_3 = s_3 + G dg,  shear from (s_1 + s_2 - 2 s_3)/4 against 3 G/4,
+
+and alike where it is below sigma_3 (triaxial compression). The tangent is that of an isotropic function of the trial
+stress: d(sigma_i)/d(s_j) in the principal directions, (sigma_i - sigma_j)/(s_i - s_j) between them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fe_engine.compiled import njit
+from fe_engine.conventions import OK, REGIME_CONE, REGIME_ELASTIC
+from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent
+from fe_engine.soil.law import SoilLaw
+from fe_engine.soil.mobilised import (
+    BULK,
+    HISTORY,
+    KAPPA,
+    PARAMETERS,
+    SHEAR,
+    SQRT3,
+    elastic_moduli,
+    pack,
+    radius,
+    returned,
+)
+from fe_engine.soil.principal import compose, principal, spectral_tangent
+
+
+@njit
+def yield_function(p, stress, kappa):
+    """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
+    values, directions = np.empty(3), np.empty((3, 3))
+    principal(stress, values, directions)
+    return 0.5 * (values[0] - values[2]) - radius(p, kappa)
+
+
+@njit
+def update(p, strain, old, new, tangent, want_tangent):
+    """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
+    stress_old, history_old = old
+    stress, history = new
+    for i in range(6):
+        stress[i] = stress_old[i]
+    add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
+    kappa = history_old[KAPPA]
+    mean = (stress[0] + stress[1] + stress[2]) / 3.0
+    deviator, trial, directions = np.empty(6), np.empty(3), np.empty((3, 3))
+    for i in range(3):
+        deviator[i] = stress[i] - mean
+        deviator[i + 3] = stress[i + 3]
+    principal(deviator, trial, directions)
+    if 0.5 * (trial[0] - trial[2]) <= radius(p, kappa):
+        history[KAPPA] = kappa
+        if want_tangent:
+            elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
+        return OK, REGIME_ELASTIC
+    values, slopes = np.empty(3), np.empty((3, 3))
+    history[KAPPA] = kappa + _return(p, kappa, trial, values, slopes) / SQRT3
+    compose(values, directions, stress)
+    for i in range(3):
+        stress[i] += mean
+    if want_tangent:
+        _tangent(p, trial, values, slopes, directions, tangent)
+    return OK, REGIME_CONE
+
+
+@njit
+def _return(p, kappa, trial, values, slopes):
+    """Write principal stresses (3,) and their slopes (3, 3) by the trial ones; return the plastic shear strain."""
+    stiffness = p[SHEAR]
+    start = 0.5 * (trial[0] - trial[2])
+    shear, slope = returned(p, kappa, start, stiffness)
+    plastic = (start - shear) / stiffness
+    values[0], values[1], values[2] = trial[0] - stiffness * plastic, trial[1], trial[2] + stiffness * plastic
+    if values[0] >= values[1] >= values[2]:
+        half = 0.5 * (1.0 - slope)
+        for i in range(3):
+            for j in range(3):
+                slopes[i, j] = 1.0 if i == j else 0.0
+        slopes[0, 0] -= half
+        slopes[0, 2] += half
+        slopes[2, 0] += half
+        slopes[2, 2] -= half
+        return plastic
+    # the pair of equal stresses is 0, 1 (one = 2 is alone, sign +1) or 1, 2 (one = 0, sign -1)
+    one, sign = (2, 1.0) if values[1] > values[0] else (0, -1.0)
+    first, second = (0, 1) if one == 2 else (1, 2)
+    pair = 0.5 * (trial[first] + trial[second])
+    start = 0.5 * sign * (pair - trial[one])
+    shear, slope = returned(p, kappa, start, 0.75 * stiffness)
+    plastic = (start - shear) / (0.75 * stiffness)
+    values[first] = values[second] = pair - 0.5 * sign * stiffness * plastic
+    values[one] = trial[one] + sign * stiffness * plastic
+    share = (1.0 - slope) / 3.0
+    for i in (first, second):
+        for j in (first, second):
+            slopes[i, j] = 0.5 - 0.5 * share
+        slopes[i, one] = share
+        slopes[one, i] = share
+    slopes[one, one] = 1.0 - 2.0 * share
+    return plastic
+
+
+@njit
+def _tangent(p, trial, values, slopes, directions, tangent):
+    """Consistent tangent (6, 6) from the slopes (3, 3) of principal stresses by the deviatoric trial ones."""
+    bulk, shear = p[BULK], p[SHEAR]
+    normal, between = np.empty((3, 3)), np.empty(3)
+    for i in range(3):
+        total = slopes[i, 0] + slopes[i, 1] + slopes[i, 2]
+        for j in range(3):
+            normal[i, j] = bulk + 2.0 * shear * (slopes[i, j] - total / 3.0)
+    for k in range(3):
+        i, j = k, (k + 1) % 3
+        apart = trial[i] - trial[j]
+        ratio = (values[i] - values[j]) / apart if apart != 0.0 else slopes[i, i] - slopes[i, j]
+        between[k] = 2.0 * shear * ratio
+    spectral_tangent(directions, normal, between, tangent)
+
+
+LAW = SoilLaw("tresca", PARAMETERS, HISTORY, pack, elastic_moduli, update)
