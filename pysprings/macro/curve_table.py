@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.springs.path import SpringPath
+from pysprings.springs.sums import action
 
 # A displacement must cover this share of the largest one on the path to carry a curve: less is noise near the
 # point of rotation, where p/y runs to infinity.
@@ -31,6 +32,7 @@ MIN_GROWTH = 1e-7
 MAX_NEGATIVE = 0.02
 
 Array = NDArray[np.float64]
+Slice = tuple[float, float]  # depth and height [m] of what a reaction acts on; tip and lid have no height
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,13 +99,12 @@ def build_table(path: SpringPath, companions: bool) -> SpringTable:
     A spring must be a function of its displacement, and must resist it. On a pull with free head, y near the
     tip may stay small, turn back or change sign, and the soil there, moved by its neighbours, may push along
     with y. A negative spring gives the macro-model a second equilibrium beside the right one (seen for load
-    heights near L). So a curve serves where its displacement grows from step to step, reaches 10 % of the
-    largest displacement, and meets resistance. Where it does not, the row says so (`natural`, `carrier`,
-    `cut`):
+    heights near L). So a curve is usable where its displacement grows from step to step, reaches 10 % of the
+    largest displacement, and meets resistance. Elsewhere the row is marked (`natural`, `carrier`, `cut`):
 
     - full set: the reaction is read from u, or else from the rotation, so that the sums on the calibration
       path stay those of the full model;
-    - p-y set: the first part that serves is kept and held flat beyond, or the curve is left out.
+    - p-y set: the first usable part is kept and held flat beyond, or the curve is left out.
     """
     recorded = _Recorded.of(path)
     rows = [_lateral_row(recorded, k, companions) for k in range(recorded.z.size)]
@@ -116,7 +117,7 @@ def build_pisa(translation: SpringPath, rotation: SpringPath) -> SpringTable:
     """Return uncoupled families after PISA (Byrne et al. 2020), adapted to a bucket, from two paths.
 
     Lateral reactions p(y), H_tip(y_tip), H_lid(u) come from a translation without rotation, moments m(rotation),
-    M_tip(rotation), M_lid(rotation) from a rotation about the lid centre; neither knows of the other's motion.
+    M_tip(rotation), M_lid(rotation) from a rotation about the lid centre; neither depends on the other's motion.
     """
     slid, turned = _Recorded.of(translation), _Recorded.of(rotation)
     rows = [_lateral_row(slid, k, companions=True) for k in range(slid.z.size)] + _end_rows(slid)[::2]
@@ -148,6 +149,10 @@ class _Recorded:
         moves = change(path.u), change(path.rotation)
         return cls(path.depth, path.heights, length, *moves, change(path.p), change(m), ends)
 
+    def slice(self, k: int) -> Slice:
+        """Depth and height [m] of a slice by number."""
+        return float(self.z[k]), float(self.dz[k])
+
     @property
     def reach(self) -> float:
         """Largest displacement of the skirt on the path [m]."""
@@ -178,7 +183,7 @@ class Row:
     cut: bool = False
 
 
-def _served(q: Array, r: Array, size: float, resists: bool = True) -> int:
+def _leading(q: Array, r: Array, size: float, resists: bool = True) -> int:
     """Number of leading points where |q| grows, keeps its sign and meets resistance; 0 for a small range."""
     good = (np.diff(np.abs(q)) > MIN_GROWTH * size) & (np.sign(q[1:]) == np.sign(q[1]))
     if resists:
@@ -187,49 +192,48 @@ def _served(q: Array, r: Array, size: float, resists: bool = True) -> int:
     return n if n > 1 and abs(q[n - 1]) >= MIN_RANGE * size else 0
 
 
-def _carried(
-    rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, order: tuple[str, ...]
-) -> Row | None:
-    """Row of reaction r, read from the first displacement in the given order that serves over the whole path.
+def _carried(rec: _Recorded, name: str, place: Slice, r: Array, order: tuple[str, ...]) -> Row | None:
+    """Row of reaction r, read from the first displacement in the given order that is usable over the whole path.
 
     Where r resists none of them, growth alone must do; its own displacement, the first, comes last then.
     """
+    depth, b = place[0], action(name, *place, rec.length)
     options = rec.carriers(depth)
     for resists, carriers in ((True, order), (False, order[1:] + order[:1])):
         for carrier in carriers:
             a, q, size = options[carrier]
-            if _served(q, r, size, resists) == q.size:
+            if _leading(q, r, size, resists) == q.size:
                 return Row(name, depth, carrier, a, b, q, r, natural=carrier == order[0])
-    return _cut(rec, name, depth, b, r, order[0])
+    return _cut(rec, name, place, r, order[0])
 
 
-def _cut(rec: _Recorded, name: str, depth: float, b: tuple[float, float], r: Array, carrier: str) -> Row | None:
-    """Row of the first part of a curve that serves (at best all of it); None where there is none."""
+def _cut(rec: _Recorded, name: str, place: Slice, r: Array, carrier: str) -> Row | None:
+    """Row of the first usable part of a curve (at best all of it); None where there is none."""
+    depth, b = place[0], action(name, *place, rec.length)
     a, q, size = rec.carriers(depth)[carrier]
-    n = _served(q, r, size)
+    n = _leading(q, r, size)
     return Row(name, depth, carrier, a, b, q[:n], r[:n], cut=n < q.size) if n else None
 
 
 def _lateral_row(rec: _Recorded, k: int, companions: bool) -> Row | None:
-    z, dz, r = float(rec.z[k]), float(rec.dz[k]), rec.p[k]
-    b = (dz, z * dz)
+    place, r = rec.slice(k), rec.p[k]
     if companions:
-        return _carried(rec, "p", z, b, r, ("y", "u", "rotation"))
-    return _cut(rec, "p", z, b, r, "y")
+        return _carried(rec, "p", place, r, ("y", "u", "rotation"))
+    return _cut(rec, "p", place, r, "y")
 
 
 def _moment_row(rec: _Recorded, k: int) -> Row | None:
-    return _carried(rec, "m", float(rec.z[k]), (0.0, float(rec.dz[k])), rec.m[k], ("rotation", "y", "u"))
+    return _carried(rec, "m", rec.slice(k), rec.m[k], ("rotation", "y", "u"))
 
 
 def _end_rows(rec: _Recorded) -> list[Row | None]:
     """Rows of the tip (reading the displacement and rotation there) and of the lid; forces and moments in turn."""
-    length, ends = rec.length, rec.ends
+    tip, lid, ends = (rec.length, 0.0), (0.0, 0.0), rec.ends
     return [
-        _carried(rec, "H_tip", length, (1.0, length), ends["H_tip"], ("y", "u", "rotation")),
-        _carried(rec, "M_tip", length, (0.0, 1.0), ends["M_tip"], ("rotation", "u")),
-        _carried(rec, "H_lid", 0.0, (1.0, 0.0), ends["H_lid"], ("u", "rotation")),
-        _carried(rec, "M_lid", 0.0, (0.0, 1.0), ends["M_lid"], ("rotation", "u")),
+        _carried(rec, "H_tip", tip, ends["H_tip"], ("y", "u", "rotation")),
+        _carried(rec, "M_tip", tip, ends["M_tip"], ("rotation", "u")),
+        _carried(rec, "H_lid", lid, ends["H_lid"], ("u", "rotation")),
+        _carried(rec, "M_lid", lid, ends["M_lid"], ("rotation", "u")),
     ]
 
 

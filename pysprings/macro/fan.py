@@ -27,6 +27,7 @@ from pysprings.macro.solver import fan_rows
 from pysprings.springs.alike import STRAIGHT
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
+from pysprings.springs.sums import action
 
 Array = NDArray[np.float64]
 
@@ -171,17 +172,11 @@ def _layout(depth: Array, dz: Array, length: float) -> tuple[NDArray[np.str_], A
     n = depth.size
     name = np.array(["p"] * n + ["m"] * n + ["t"] * n + [*_ENDS, *_VERTICAL])
     place = np.concatenate([np.tile(depth, 3), [length, length, 0.0, 0.0, length, 0.0, 0.0, 0.0]])
-    zero = np.zeros(n)
-    b = np.concatenate(
-        [
-            np.stack([dz, depth * dz], axis=1),
-            np.stack([zero, dz], axis=1),
-            np.stack([zero, zero], axis=1),
-            [[1.0, length], [0.0, 1.0], [1.0, 0.0], [0.0, 1.0]],
-            np.zeros((len(_VERTICAL), 2)),
-        ]
-    )
-    return name, place, np.isin(name, ("t", *_VERTICAL)), b
+    even = np.isin(name, ("t", *_VERTICAL))
+    height = np.concatenate([np.tile(dz, 3), np.zeros(len(_ENDS) + len(_VERTICAL))])
+    rows = zip(name.tolist(), place.tolist(), height.tolist(), even.tolist(), strict=True)
+    b = np.array([(0.0, 0.0) if vertical else action(each, z, h, length) for each, z, h, vertical in rows])
+    return name, place, even, b
 
 
 def _rows(path: SpringPath) -> Array:

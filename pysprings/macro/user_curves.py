@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pysprings.core.errors import refused
 from pysprings.macro.curve_table import Row, SpringTable, stack
 from pysprings.springs.path import SpringPath
+from pysprings.springs.sums import action
 
 Array = NDArray[np.float64]
 
@@ -55,17 +56,11 @@ class CurveSet:
         return stack([self._row(curve, heights.get(curve.depth, 0.0)) for curve in used])
 
     def _row(self, curve: Curve, dz: float) -> Row:
-        z, length = curve.depth, self.length
-        a, b, at = {
-            "p": ((1.0, z), (dz, z * dz), z),
-            "m": ((0.0, 1.0), (0.0, dz), z),
-            "H_tip": ((1.0, length), (1.0, length), length),
-            "M_tip": ((0.0, 1.0), (0.0, 1.0), length),
-            "H_lid": ((1.0, 0.0), (1.0, 0.0), 0.0),
-            "M_lid": ((0.0, 1.0), (0.0, 1.0), 0.0),
-        }[curve.name]
-        carrier = "rotation" if a[0] == 0.0 else ("u" if curve.name == "H_lid" else "y")
-        return Row(curve.name, at, carrier, a, b, curve.q, curve.r)
+        at = self.length if curve.name.endswith("tip") else 0.0 if curve.name.endswith("lid") else curve.depth
+        turns = curve.name == "m" or curve.name.startswith("M_")
+        carrier = "rotation" if turns else "u" if curve.name == "H_lid" else "y"
+        b = action(curve.name, at, dz, self.length)
+        return Row(curve.name, at, carrier, (0.0, 1.0) if turns else (1.0, at), b, curve.q, curve.r)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,22 @@ import xarray as xr
 BALANCED = 1e-6
 
 
+def action(name: str, depth: float, height: float, length: float) -> tuple[float, float]:
+    """Return the share of H and M [m] that a unit of a lateral reaction adds, as in `resultants`.
+
+    p [N/m] and m [N m/m] act over a slice of a height [m] at a depth [m]; tip and lid as a whole, the tip at the skirt
+    length [m].
+    """
+    return {
+        "p": (height, depth * height),
+        "m": (0.0, height),
+        "H_tip": (1.0, length),
+        "M_tip": (0.0, 1.0),
+        "H_lid": (1.0, 0.0),
+        "M_lid": (0.0, 1.0),
+    }[name]
+
+
 def slice_heights(dataset: xr.Dataset) -> np.ndarray:
     """Return the height of the slice of each depth [m], the weights of an integral over depth."""
     bounds = dataset["depth_bounds"].values

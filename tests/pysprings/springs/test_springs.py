@@ -15,7 +15,7 @@ from pysprings import Springs, compare, open_springs, predict
 from pysprings.core.errors import UserInputError
 from pysprings.springs.directions import keeps_direction
 from pysprings.springs.file import save_springs
-from pysprings.springs.sums import resultants
+from pysprings.springs.sums import action, resultants
 from tests.support import synthetic
 from tests.support.vertical import REST, vertical_springs
 
@@ -101,6 +101,18 @@ def test_reactions_sum_to_the_loads(tree: xr.DataTree) -> None:
         sums = resultants(path.dataset)
         for load in ("H", "V", "M"):
             np.testing.assert_allclose(sums[load], path[load], atol=1e-9 * np.abs(sums[load]).max())
+
+
+def test_actions_of_single_reactions_are_those_of_the_sums(tree: xr.DataTree) -> None:
+    path = Springs.of(tree).path("held")
+    total = np.zeros((2, path.n))
+    for name, values in (("p", path.p), ("m", path.m)):
+        for z, dz, row in zip(path.depth, path.heights, values, strict=True):
+            total += np.outer(action(name, z, dz, path.length), row)
+    for name, z in (("H_tip", path.length), ("M_tip", path.length), ("H_lid", 0.0), ("M_lid", 0.0)):
+        total += np.outer(action(name, z, 0.0, path.length), path[name])
+    for row, load in zip(total, ("H", "M"), strict=True):
+        np.testing.assert_allclose(row, path[load], atol=1e-9 * np.abs(path[load]).max())
 
 
 @pytest.mark.parametrize(
