@@ -207,7 +207,7 @@ def typed(draw: st.DrawFn) -> str:
     for name, model in SECTIONS.items():
         if name == "path":
             continue
-        fields = {key: field_of(info) for key, info in model.model_fields.items() if key not in ("behaviour",)}
+        fields = {key: field_of(info) for key, info in model.model_fields.items() if key not in ("behaviour", "layers")}
         keys = draw(st.lists(st.sampled_from(sorted(fields)), max_size=2, unique=True))
         values = {key: draw(_value(fields[key])) for key in keys}
         if name == "domain" and wide:

@@ -16,9 +16,11 @@ MODULES = {
     "yaml", "code", "codeop", "runpy", "xmlrpc", "urllib", "http", "ftplib", "telnetlib", "multiprocessing",
 }  # fmt: skip
 # `pysprings accuracy` runs this program itself in processes of its own, to measure the memory of each run
+# a register of laws makes the chain of calls that loops compile, from the numbers of its laws alone
 # and Pardiso is called by its address, as the wrapper that loads it does, with less copying
 ALLOWED = {
     "fe_engine/linear/backends.py": {"ctypes"},
+    "fe_engine/register.py": {"exec", "compile"},
     "pysprings/studies/accuracy/child.py": {"multiprocessing", "multiprocessing.connection"},
 }
 CALLS = {"eval", "exec", "compile", "__import__", "os.system", "os.popen", "os.execv", "os.spawnl", "os.startfile"}

@@ -73,11 +73,11 @@ def test_a_pull_in_layered_sand_has_springs_that_balance(discretisation):
     scene = tiny.scene(
         mesh={"discretisation": discretisation}, soil={"layers": LOOSE_OVER_DENSE, "poisson_ratio": 0.25}
     )
-    result = compute(scene)
+    result = compute(scene).recorded()
     assert result.attrs["status"] == "complete"
     springs = extract_springs(result)
     assert max(balance(springs["paths/pull"].to_dataset()).values()) < 1e-8
-    uniform = compute(scene.replace(soil={"layers": []}))
+    uniform = compute(scene.replace(soil={"layers": []})).tree
     load, other = (float(each["paths/pull"]["H"][-1]) for each in (result, uniform))
     assert load == pytest.approx(other, rel=0.5)
     assert abs(load / other - 1.0) > 0.02
@@ -87,7 +87,7 @@ def coupled(*conductivity: float) -> xr.Dataset:
     """A slow coupled pull, the conductivity (m/s) of each layer given."""
     layers = [{"top": top, "hydraulic_conductivity": k} for top, k in zip((0.0, 1.0), conductivity, strict=False)]
     path = {**tiny.PULL, "rate": 1e-4}
-    return compute(tiny.scene(drainage={"mode": "coupled"}, soil={"layers": layers}, paths=(path,)))["paths/pull"]
+    return compute(tiny.scene(drainage={"mode": "coupled"}, soil={"layers": layers}, paths=(path,))).tree["paths/pull"]
 
 
 def test_water_flows_by_layer():
@@ -102,5 +102,5 @@ def test_layers_of_one_conductivity_are_one_soil_for_the_water():
     levels = np.unique(np.round(build(whole).model.mesh.nodes[:, -1], 12))
     tops = [0.0, float(levels[3])]
     layers = [{"top": top, "hydraulic_conductivity": 1e-5} for top in tops]
-    cut = compute(whole.replace(soil={"layers": layers}))["paths/pull"]
-    np.testing.assert_allclose(cut["F_pw"], compute(whole)["paths/pull"]["F_pw"], rtol=1e-6, atol=1.0)
+    cut = compute(whole.replace(soil={"layers": layers})).tree["paths/pull"]
+    np.testing.assert_allclose(cut["F_pw"], compute(whole).tree["paths/pull"]["F_pw"], rtol=1e-6, atol=1.0)
