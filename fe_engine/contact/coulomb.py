@@ -78,9 +78,7 @@ def linearise(p, slide, guess, traction, tangent):
     ``guess`` (3,) is the traction iterate; with guess = the law's own traction this returns that traction and
     the consistent tangent. Returns the contact state that was assumed.
     """
-    jump, jump_old, traction_old, initial_pressure = slide
-    kn, kt, mu = p[KN], p[KT], p[MU]
-    pressure = initial_pressure - kn * jump[0]
+    pressure = slide.initial_pressure - p[KN] * slide.jump[0]
     for i in range(3):
         traction[i] = 0.0
         for j in range(3):
@@ -88,16 +86,25 @@ def linearise(p, slide, guess, traction, tangent):
     if pressure <= 0.0:
         return CONTACT_OPEN
     traction[0] = -pressure
-    tangent[0, 0] = kn
-    if mu <= 0.0:
+    tangent[0, 0] = p[KN]
+    if p[MU] <= 0.0:
         return CONTACT_SLIP
+    return linearise_shear(p[KT], p[MU] * pressure, -p[MU] * p[KN], slide, guess, traction, tangent)
+
+
+@njit
+def linearise_shear(kt, limit, fall, slide, guess, traction, tangent):
+    """Write shear and tangent of a station whose shear is limited; return the contact state that was assumed.
+
+    ``limit`` is in Pa, > 0; ``fall`` is its derivative by the normal jump, in Pa/m.
+    """
+    jump, jump_old, traction_old, _ = slide
     c = _ACTIVE_SET_FRACTION * kt
     stick_1 = traction_old[1] + kt * (jump[1] - jump_old[1])
     stick_2 = traction_old[2] + kt * (jump[2] - jump_old[2])
     eta_1 = guess[1] + c / kt * (stick_1 - guess[1])
     eta_2 = guess[2] + c / kt * (stick_2 - guess[2])
     size = math.sqrt(eta_1 * eta_1 + eta_2 * eta_2)
-    limit = mu * pressure
     if size <= limit:
         traction[1], traction[2] = stick_1, stick_2
         tangent[1, 1] = tangent[2, 2] = kt
@@ -111,7 +118,7 @@ def linearise(p, slide, guess, traction, tangent):
     stiffness = ratio * c / free
     traction[1] = limit * n_1 - across * n_2
     traction[2] = limit * n_2 + across * n_1
-    tangent[1, 0], tangent[2, 0] = -mu * kn * n_1, -mu * kn * n_2
+    tangent[1, 0], tangent[2, 0] = fall * n_1, fall * n_2
     tangent[1, 1] = stiffness * n_2 * n_2
     tangent[2, 2] = stiffness * n_1 * n_1
     tangent[1, 2] = tangent[2, 1] = -stiffness * n_1 * n_2

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: MIT
+"""Penalty contact with adhesion, friction and a limited tension: clay, and c-phi interfaces.
+
+    p = -K_N g_N  down to p = -t;       tau rate = K_T g_T rate;       |tau| <= min(a, p + t) + mu max(p, 0)
+
+p is the contact pressure over the hydrostatic pressure of the water, a the adhesion (alpha su, API RP 2GEO), t the
+tension that the contact carries:
+
+    t = 0       vented: it opens where the total normal stress falls to the water pressure (water fills the crack),
+    t = inf     bonded: it never opens,
+    t between   sealed: suction, down to cavitation at t = p_atm + gamma_w (h_w + z). An open station keeps t.
+
+The adhesion falls in proportion to p + t below p + t = a: a limit that drops from a to 0 where the contact opens has no
+tangent there, and Newton's method does not converge. Sign conventions, the gap and the linearisation about a traction
+iterate are those of `coulomb`, of which this is the law with a = t = 0.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fe_engine.compiled import njit
+from fe_engine.contact.coulomb import linearise_shear
+from fe_engine.contact.law import ContactLaw
+from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, CONTACT_STICK
+
+PARAMETERS = ("kn", "kt", "mu", "adhesion", "tension")
+KN, KT, MU, ADHESION, TENSION = range(len(PARAMETERS))
+
+
+def pack(kn: float, kt: float, mu: float, adhesion: float, tension: float) -> np.ndarray:
+    """Return the packed parameters (n,), or (k, n) where any is an array (k,).
+
+    Penalties in N/m3, the friction coefficient, adhesion and largest tension in Pa (``inf``: bonded).
+    """
+    columns = np.broadcast_arrays(kn, kt, mu, adhesion, tension)
+    return np.ascontiguousarray(np.stack(columns, axis=-1), dtype=float)
+
+
+@njit
+def shear_limit(p, pressure):
+    """Largest shear in Pa at a contact pressure above -t, and its derivative by the pressure."""
+    limit, slope, above = p[ADHESION], 0.0, pressure + p[TENSION]
+    if above < limit:
+        limit, slope = above, 1.0
+    if pressure > 0.0:
+        limit, slope = limit + p[MU] * pressure, slope + p[MU]
+    return limit, slope
+
+
+@njit
+def update(p, slide, traction):
+    """Write the traction (3,) of one station, see law.ContactLaw; return the contact state.
+
+    A station that was open has no committed shear and sticks where it closes again.
+    """
+    jump, jump_old, traction_old, initial_pressure = slide
+    pressure = initial_pressure - p[KN] * jump[0]
+    if pressure <= -p[TENSION]:
+        traction[0] = p[TENSION]
+        traction[1] = traction[2] = 0.0
+        return CONTACT_OPEN
+    traction[0] = -pressure
+    traction[1] = traction_old[1] + p[KT] * (jump[1] - jump_old[1])
+    traction[2] = traction_old[2] + p[KT] * (jump[2] - jump_old[2])
+    size = math.sqrt(traction[1] ** 2 + traction[2] ** 2)
+    limit = shear_limit(p, pressure)[0]
+    if size <= limit and limit > 0.0:
+        return CONTACT_STICK
+    if size == 0.0:
+        return CONTACT_SLIP
+    traction[1] *= limit / size
+    traction[2] *= limit / size
+    return CONTACT_SLIP
+
+
+@njit
+def linearise(p, slide, guess, traction, tangent):
+    """Write traction (3,) and tangent (3, 3) about a traction iterate, see law.ContactLaw; return the contact state."""
+    pressure = slide.initial_pressure - p[KN] * slide.jump[0]
+    for i in range(3):
+        traction[i] = 0.0
+        for j in range(3):
+            tangent[i, j] = 0.0
+    if pressure <= -p[TENSION]:
+        traction[0] = p[TENSION]
+        return CONTACT_OPEN
+    traction[0] = -pressure
+    tangent[0, 0] = p[KN]
+    limit, slope = shear_limit(p, pressure)
+    if limit <= 0.0:
+        return CONTACT_SLIP
+    return linearise_shear(p[KT], limit, -slope * p[KN], slide, guess, traction, tangent)
+
+
+def gap(p: np.ndarray, initial_pressure: np.ndarray, normal_jump: np.ndarray) -> np.ndarray:
+    """Opening in m (>= 0) from the normal jump since the initial state; arrays broadcast."""
+    return np.maximum(normal_jump - (initial_pressure + p[..., TENSION]) / p[..., KN], 0.0)
+
+
+def penalties(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Penalties K_N and K_T in N/m3 of packed parameters (..., 5)."""
+    return p[..., KN], p[..., KT]
+
+
+def smooth(p: np.ndarray) -> np.ndarray:
+    """Whether packed parameters (..., 5) have neither friction nor adhesion."""
+    found: np.ndarray = (p[..., MU] == 0.0) & (p[..., ADHESION] == 0.0)
+    return found
+
+
+LAW = ContactLaw("adhesion", PARAMETERS, pack, update, linearise, gap, penalties, smooth)
