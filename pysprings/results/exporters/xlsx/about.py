@@ -10,10 +10,10 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.macro.fan import build_fan, has_fan
+from pysprings.results.exporters.header import error_of_row, range_of_path
 from pysprings.results.exporters.xlsx.names import MEANING
-from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
+from pysprings.springs.dataset import path_names
 from pysprings.springs.springs import Springs
-from pysprings.springs.sums import balance
 
 _ORIGIN = {
     "title": "scene",
@@ -80,10 +80,10 @@ def about_lines(springs: xr.DataTree, comparison: pd.DataFrame) -> Iterator[tupl
     yield "text", "", ""
     yield "title", "Range of validity", ""
     yield from (("text", "fan", words) for words in _fan(springs))
-    yield from (("text", f"path {name}", _range(springs, name)) for name in path_names(springs))
+    yield from (("text", f"path {name}", range_of_path(springs, name)) for name in path_names(springs))
     yield "text", "", ""
     yield "title", "Error of a rigid body on these springs", ""
-    yield from (("text", f"{row['path']}, {row['springs']}", _error(row)) for _, row in comparison.iterrows())
+    yield from (("text", f"{row['path']}, {row['springs']}", error_of_row(row)) for _, row in comparison.iterrows())
 
 
 def _fan(springs: xr.DataTree) -> Iterator[str]:
@@ -98,37 +98,3 @@ def _fan(springs: xr.DataTree) -> Iterator[str]:
         f"rays of constant rotation/u, angle in the plane (u, rotation*skirt_length), length in it: {shown}. "
         "`pysprings predict` interpolates between them; a curve in these sheets holds on its own ray only."
     )
-
-
-def _range(springs: xr.DataTree, name: str) -> str:
-    path = get_path(springs, name)
-    missing = balance(path)
-    u, rotation, load = (float(np.abs(path[key].values).max()) for key in ("u", "rotation", "H"))
-    if is_vertical(springs, name):
-        w, V = path["w"].values, path["V"].values
-        return (
-            f"{springs.attrs['drainage']} vertical, {path.attrs['role']}, {path.attrs['status']}: "
-            f"w from {1e3 * w[0]:.4g} to {1e3 * w[-1]:.4g} mm, "
-            f"V from {1e-3 * V[0]:.5g} to {1e-3 * V[-1]:.5g} kN; out of balance by "
-            f"{missing['V']:.1e} (V). Beyond this range every use is an extrapolation."
-        )
-    return (
-        f"{springs.attrs['drainage']} {path.attrs['kind']}, load {path.attrs['arm_m']:g} m above mudline, "
-        f"{path.attrs['role']}, {path.attrs['status']}: |u| to {1e3 * u:.4g} mm, "
-        f"|rotation| to {1e3 * rotation:.4g} mrad, |H| to {1e-3 * load:.5g} kN, V {1e-3 * path_load(path):.5g} kN; "
-        f"out of balance by {missing['H']:.1e} (H), {missing['M']:.1e} (M). "
-        "Beyond this range every use is an extrapolation."
-    )
-
-
-def _error(row: pd.Series) -> str:
-    names = {"H": "load", "rotation": "rotation", "M": "moment", "u": "displacement at equal load",
-             "V": "vertical load"}  # fmt: skip
-    parts = [
-        f"{words} {round(row[f'{key}_error_max_pct'], 2) + 0.0:+.2f} %"
-        for key, words in names.items()
-        if np.isfinite(row[f"{key}_error_max_pct"])
-    ]
-    source = f"springs of path {row['springs_from']}, {row['role']} path"
-    errors = f"largest error against the full model: {', '.join(parts)}; eta {row['eta_large']:.4f}"
-    return f"{errors} ({source}; {row['status']})"

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+"""A foundation as one matrix 6 x 6: in another frame, and the error of its linear response on the paths."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.macro.stiffness_six import stiffness_six
+from pysprings.springs.springs import Springs
+
+Array = NDArray[np.float64]
+
+# Half a turn about x, from the axes of the springs (z down) to z up. It is a rotation, so that forces and moments,
+# displacements and rotations change alike: K' = Q K Q with Q = diag(1, -1, -1, 1, -1, -1).
+Z_UP = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
+SHARES = (0.1, 0.5, 1.0)  # of the range of a path where the linear response is compared
+
+
+def stiffness_z_up(springs: Springs, torsion: float) -> Array:
+    """Return the initial stiffness (6, 6) at the lid centre with z up [N/m, N/rad, N m/rad].
+
+    Axes: x along the load, z up, y completing a right-handed set. `torsion` [N m/rad] is the user's own.
+
+    Raises
+    ------
+    UserInputError
+        Springs from a table without vertical stiffness.
+    """
+    matrix: Array = Z_UP @ stiffness_six(springs).values @ Z_UP
+    matrix[5, 5] = torsion
+    return matrix + 0.0
+
+
+def linear_errors(springs: Springs) -> list[str]:
+    """Return a sentence for each lateral path: the loads of the initial stiffness over those of the full model.
+
+    H and M of the matrix at the recorded motion (u, rotation), relative to the largest size of each load on the path
+    up to there, at `SHARES` of the range.
+    """
+    found = []
+    for name, path in springs.paths.items():
+        if path.is_vertical:
+            continue
+        data = path.dataset
+        motion = np.stack([data["u"].values, data["rotation"].values])
+        size = np.hypot(motion[0], motion[1] * springs.length)
+        linear = springs.lateral_stiffness @ motion
+        parts = []
+        for share in SHARES:
+            step = int(np.argmin(np.abs(size - share * size.max())))
+            errors = [
+                (linear[k, step] - data[load].values[step]) / np.abs(data[load].values[: step + 1]).max(initial=0.0)
+                for k, load in enumerate("HM")
+                if np.abs(data[load].values[: step + 1]).max(initial=0.0) > 0.0
+            ]
+            words = ", ".join(f"{load} {100.0 * e + 0.0:+.1f} %" for load, e in zip("HM", errors, strict=False))
+            parts.append(f"at u = {1e3 * motion[0, step]:.3g} mm, rotation = {1e3 * motion[1, step]:.3g} mrad: {words}")
+        found.append(f"path {name} ({path.dataset.attrs['role']}): {'; '.join(parts)}")
+    return found
