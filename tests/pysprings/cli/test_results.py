@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pysprings.cli import reports
+from pysprings.cli import results
 
 PATHS: dict[str, Any] = {
     "pull": {
@@ -47,7 +47,7 @@ def lines(capsys: pytest.CaptureFixture[str]) -> list[str]:
 
 
 def test_paths(capsys: pytest.CaptureFixture[str]) -> None:
-    reports.print_paths(RECORD)
+    results.print_paths(RECORD)
     found = lines(capsys)
     assert found[:2] == ["", "path status increments iterations median max cut-backs worst residual last ratio order"]
     assert found[3:] == [
@@ -64,21 +64,21 @@ def test_paths(capsys: pytest.CaptureFixture[str]) -> None:
         "open stations between two loaded ones: 3",
         "",
     ]
-    reports.print_paths({"paths": {"turn": PATHS["turn"]}})
+    results.print_paths({"paths": {"turn": PATHS["turn"]}})
     assert len(lines(capsys)) == 7  # neither cut-backs nor rings
 
 
 def test_many_cut_backs_are_cut_short(capsys: pytest.CaptureFixture[str]) -> None:
     one = {"place": "", "load_fraction": 1.0, "stage": "path", "iterations": 2, "reason": "no"}
     for count in (12, 15):
-        reports.print_paths({"paths": {"a": {"cut_backs_at": [one] * count}}})
+        results.print_paths({"paths": {"a": {"cut_backs_at": [one] * count}}})
         found = lines(capsys)
         assert found.count("a: at 100 % of the path after 2 iterations: no") == 12
         assert [line for line in found if line.startswith("...")] == ["... and 3 more in run.json"] * (count == 15)
 
 
 def test_water_and_energy(capsys: pytest.CaptureFixture[str]) -> None:
-    reports.print_water(RECORD)
+    results.print_water(RECORD)
     found = lines(capsys)
     assert found[:3] == [
         "",
@@ -86,7 +86,7 @@ def test_water_and_energy(capsys: pytest.CaptureFixture[str]) -> None:
         "path expelled compressed in gaps outflow imbalance worst over exchanged lowest p [Pa] highest p [Pa]",
     ]
     assert found[4:] == ["pull 0.1 0.2 0.3 0.4 5e-09 6e-09 -7000 80,000", ""]
-    reports.print_energy(RECORD)
+    results.print_energy(RECORD)
     found = lines(capsys)
     assert found[:3] == [
         "",
@@ -97,7 +97,7 @@ def test_water_and_energy(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
-    reports.print_cost(RECORD)
+    results.print_cost(RECORD)
     found = lines(capsys)
     assert found[:2] == ["", "phase wall [s] CPU [s]"]
     assert found[3:] == [
@@ -114,5 +114,5 @@ def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("show", ["paths", "water", "energy", "cost", "estimate"])
 def test_nothing_is_printed_of_what_is_not_there(show: str, capsys: pytest.CaptureFixture[str]) -> None:
-    getattr(reports, f"print_{show}")({"paths": {}})
+    getattr(results, f"print_{show}")({"paths": {}})
     assert capsys.readouterr().out == ""
