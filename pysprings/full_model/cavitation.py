@@ -3,7 +3,7 @@
 
     p_abs = p_atm + gamma_w (water depth + z) + p,   p the excess pressure at depth z below mudline
 
-Below the vapour pressure water boils and carries no further suction, which the equations do not know.
+Below the vapour pressure water boils and carries no further suction, which the equations do not include.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def smallest_margin(position: np.ndarray, pressure: np.ndarray, unit_weight: flo
 
 
 def warning(path: str, u: float, found: Margin) -> str:
-    """Say in one line where and when water would cavitate."""
+    """Return one line on where and when water would cavitate."""
     x, y, z = found.place
     where = f"x={x:.3f}, y={y:.3f}, z={z:.3f} m"
     return (

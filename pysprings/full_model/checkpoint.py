@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Checkpoints of a run: what it takes to go on after it was stopped, in files that are whole or told to be broken.
+"""Checkpoints of a run: the data that a stopped run needs to go on, in checksummed files.
 
 A folder holds a file for what all paths share, one for each path that has ended, and two for the path on its way, which
 are written in turn: a checkpoint never replaces the one before it. Each file is a line of JSON (format, SHA-256 of the
@@ -38,7 +38,7 @@ _META = "meta"
 
 @dataclass(frozen=True)
 class Saved:
-    """What one checkpoint file holds: plain data, and arrays by name."""
+    """Content of one checkpoint file: plain data, and arrays by name."""
 
     meta: dict[str, Any]
     arrays: dict[str, np.ndarray]
@@ -50,7 +50,7 @@ class Damaged(Exception):
 
 @dataclass
 class Loaded:
-    """What was found: shared data, ended paths by name, the path on its way, and which files are damaged."""
+    """Content of a folder of checkpoints: shared data, ended paths by name, the path on its way, damaged files."""
 
     shared: Saved | None = None
     paths: dict[str, Saved] = field(default_factory=dict)
@@ -108,7 +108,7 @@ class Checkpoints:
         self._write(_START, shared)
 
     def is_due(self) -> bool:
-        """Tell whether one more checkpoint of the path on its way keeps their cost within its share."""
+        """Return whether one more checkpoint of the path on its way keeps their cost within its share."""
         return self.spent + self._last_cost <= SHARE * self.elapsed()["wall_s"]
 
     def elapsed(self) -> dict[str, float]:
@@ -203,7 +203,7 @@ class Checkpoints:
                 place.rmdir()
 
     def are_of(self, scene_sha256: str) -> bool:
-        """Tell whether the run that the checkpoints belong to is one of this scene, as far as they can be read."""
+        """Return whether the checkpoints can be read and belong to a run of this scene."""
         try:
             found = read(self.place / _START).meta["identity"]["scene"]
         except (OSError, Damaged, LookupError, TypeError):

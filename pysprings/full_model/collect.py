@@ -58,7 +58,7 @@ class Collector:
         return number[self.built.caisson.walls[side]]
 
     def add(self, state: Fields, time: float, converged: bool = True) -> None:
-        """Record a state, as converged unless said otherwise."""
+        """Record a state; ``converged`` marks it."""
         stations = self.system.stations
         traction = np.einsum("sij,si->sj", stations.frame, state.traction)
         water = self._film_pressure(state)

@@ -184,7 +184,7 @@ def _take_up(work: Work, started: str, resume: bool) -> Loaded:
 
 
 def _identity(work: Work) -> dict[str, str]:
-    """What has to be the same for an interrupted run to go on."""
+    """Return the properties, by name, that must be the same for an interrupted run to go on."""
     return {
         "mesh": work.scene.mesh.preset,
         "linear solver": work.newton.solver.backend.name,

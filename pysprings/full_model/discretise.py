@@ -45,7 +45,7 @@ def make_engine(scene: Scene, built: Built | BuiltFourier, clock: Clock) -> Engi
     bricks = System(built.model, clock)
     wet, symmetric = built.model.water is not None, built.model.symmetric
     solver = LinearSolver(scene.solver.linear, bricks.pattern.n_free, clock, wet, symmetric)
-    if scene.drainage.mode == "undrained":  # volumes hardly change: a small residual tells little of the pressures
+    if scene.drainage.mode == "undrained":  # volumes hardly change: a small residual does not bound the pressures
         settings = replace(settings, shares=(EXACT, EXACT))
     return Engine(bricks, Newton(bricks, solver, settings))
 

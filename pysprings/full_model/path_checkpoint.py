@@ -26,7 +26,7 @@ _FIELD, _ROW, _LAST, _FACTORS = "field/", "row/", "last/", "factors/"  # names o
 
 @dataclass(frozen=True)
 class Gathered:
-    """What a path has gathered, whole or as far as it went.
+    """Rows, iterations and balances of a path, whole or as far as it went.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Gathered:
 
 @dataclass(frozen=True)
 class Standing:
-    """Where a path stands after a step: copies of what changes.
+    """State of a path after a step, from which it goes on: copies of its changing fields.
 
     Attributes
     ----------

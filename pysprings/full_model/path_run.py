@@ -125,7 +125,7 @@ class PathRun:
             raise _MovedTooFar(too_far(self.driver, self.work.stiffness, self.reach.text(border)))
 
     def _why(self, error: NotConverged) -> tuple[str, StopReason]:
-        """Why the path stopped, and where in the model, in one line that begins with the reason; the reason."""
+        """Return why and where the path stopped, in one line that begins with the reason, and the reason."""
         if isinstance(error, _MovedTooFar):
             return str(error.diagnosis), error.diagnosis.reason
         if error.refused:

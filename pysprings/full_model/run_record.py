@@ -165,7 +165,7 @@ class CheckpointCost(_Part):
 
 @dataclass(slots=True)
 class RunRecord(_Part):
-    """What a run did, and what it cost.
+    """Status, convergence and cost of a run.
 
     Attributes
     ----------
@@ -206,7 +206,7 @@ class RunRecord(_Part):
 
     @property
     def reasons(self) -> list[StopReason]:
-        """Why each path that stopped did so."""
+        """Reasons of the paths that stopped."""
         return [path.reason for path in self.paths.values() if path.reason is not None]
 
     def replace(self, **changes: Any) -> Self:

@@ -135,7 +135,7 @@ def _ends(model: MacroModel) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Support:
-    """What the springs give at states besides the loads: w [m], V [N] by step, p (depth, step), and their support.
+    """Answers of the springs at states, besides the loads: w [m], V [N] by step, p (depth, step), and their support.
 
     w and V are None for springs from a table; distance is None where no path is known.
     """

@@ -71,7 +71,7 @@ def to_text(frame: pd.DataFrame) -> str:
 
 
 def several_loads(frame: pd.DataFrame) -> bool:
-    """Tell whether a comparison has vertical paths, or paths at several vertical loads."""
+    """Return whether a comparison has vertical paths, or paths at several vertical loads."""
     load = frame["V_N"]
     return bool((frame["kind"] == "vertical").any() or not all(same_load(V, load.iloc[0]) for V in load))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Stiffness (6, 6) of the caisson at mudline, for programs that want a foundation as one matrix."""
+"""Stiffness (6, 6) of the caisson at mudline, for programs that read a foundation as one matrix."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def stiffness_six(springs: AnySprings | MacroModel) -> xr.DataArray:
 
 
 def has_six(springs: AnySprings | MacroModel) -> bool:
-    """Tell whether `stiffness_six` has an answer for springs."""
+    """Return whether `stiffness_six` has an answer for springs."""
     return _initial(springs)[0] is not None
 
 

@@ -149,7 +149,7 @@ class VerticalTable:
         return np.inf if branch is None else abs(w - self.rest[0]) / float(branch.x[-1])
 
     def limits(self) -> str:
-        """Say which V [N] the known directions carry within their calibrated range."""
+        """Return words for the V [N] that the known directions carry within their calibrated range."""
         ends = sorted([self.rest[1], *(branch.end[1] for branch in self.branches)])
         return f"V from {ends[0]:.4g} to {ends[-1]:.4g} N"
 

@@ -87,7 +87,7 @@ def _type_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
 
 
 def _resists(stiffness: np.ndarray) -> bool:
-    """Tell whether a stiffness (3, 3) resists u, w, rotation and all that they make up."""
+    """Return whether a stiffness (3, 3) resists every motion (u, w, rotation): positive definite."""
     diagonal = np.diag(stiffness)
     if not (diagonal > 0.0).all():
         return False
@@ -146,7 +146,7 @@ def _step_faults(dataset: xr.Dataset, rigid: bool) -> Iterator[tuple[str, str]]:
     u, rotation, depth = (dataset.variables[name].values for name in ("u", "rotation", "depth"))
     y = dataset.variables["y"].transpose("depth", "step").values[:, steps]
     if not y.size or not all(np.isfinite(values).all() for values in (u[steps], rotation[steps], depth, y)):
-        return  # said already
+        return  # reported already
     if not rigid:
         return
     expected = u[steps] + rotation[steps] * depth[:, None]

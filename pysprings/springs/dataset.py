@@ -50,10 +50,10 @@ def get_path(tree: xr.DataTree, name: str | None = None) -> xr.Dataset:
 
 
 def is_vertical(tree: xr.DataTree, name: str) -> bool:
-    """Tell whether a path moves the caisson vertically only."""
+    """Return whether a path moves the caisson vertically only."""
     return bool(tree.children["paths"].children[name].attrs.get("kind") == VERTICAL)
 
 
 def path_load(path: xr.Dataset) -> float:
-    """Return the vertical load [N] at the start of a path; 0 where a table does not know it."""
+    """Return the vertical load [N] at the start of a path; 0 where a table does not have it."""
     return float(path["V"].values[0]) if "V" in path else 0.0

@@ -21,7 +21,7 @@ _NOT_FIRST = "=+-@. "  # a spreadsheet would read a formula, a shell an option, 
 
 
 def name_fault(name: str) -> str:
-    """Say what is wrong with the name of a path in somebody's file; empty where nothing is."""
+    """Return what is wrong with the name of a path in a file; empty where nothing is."""
     if not name.isprintable() or "/" in name:
         return "a path's name has no '/' and no invisible characters"
     if name.startswith(tuple(_NOT_FIRST)) or len(name) > MOST_LETTERS:
@@ -34,7 +34,7 @@ def name_fault(name: str) -> str:
 
 
 def is_number(value: Any) -> bool:
-    """Tell whether an attribute is one finite number."""
+    """Return whether an attribute is one finite number."""
     return isinstance(value, int | float | np.number) and bool(np.isfinite(value))
 
 

@@ -57,7 +57,7 @@ class SpringPath:
 
     @property
     def rules(self) -> PathKind:
-        """What a path of this kind imposes and answers; not defined for paths of a table."""
+        """Quantities that a path of this kind imposes and answers; not defined for paths of a table."""
         return kind_of(self.attrs)
 
     @property

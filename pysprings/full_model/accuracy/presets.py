@@ -75,7 +75,7 @@ def applied(setting: Setting, scene: Scene) -> Scene:
 
 
 def note(target: str, setting: Setting, study: dict[str, Any] | None = None) -> dict[str, Any]:
-    """Return what run.json says of a target: the setting, and the study that supports it."""
+    """Return the entry of run.json for a target: the setting, and the study that supports it."""
     study = study or shipped()
     row = next(each for each in study["settings"] if each["name"] == setting.name)
     return {"target": target, "setting": setting.name, "error_in_study_pct": {n: row[f"{n}_pct"] for n in JUDGED},

@@ -16,7 +16,7 @@ from pysprings.core.path_kinds import PATH_KINDS, kind_of
 Array = NDArray[np.float64]
 
 # The contact pressure is sought down to this share of the skirt: at its tip the exact one is singular in elastic soil,
-# and the largest value there says how fine the mesh is, not how right.
+# and the largest value there depends on how fine the mesh is, without a limit.
 PRESSURE_DOWN_TO = 0.9
 _PRESSURE_DEPTHS = 19
 

@@ -30,7 +30,7 @@ FACTOR = 0.7
 USUAL_ORDER = 1.0
 # Roache (1994) takes 3 for an order that two meshes cannot confirm; see benchmarks/error_estimates.py for ours.
 SAFETY = 3.0
-SMALLEST_RATIO = 1.05  # of cell sizes: closer meshes say nothing of their error
+SMALLEST_RATIO = 1.05  # of cell sizes: closer meshes give no estimate of their error
 
 # measure -> quantity whose order it takes
 ESTIMATED = {"load_max": LOAD, "py_rms": PY}
