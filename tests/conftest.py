@@ -12,7 +12,7 @@ import pytest
 for _name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
-LIMITS = {"long": 3600, "slow": 900, "": 300}  # s for a test of each tier, on a busy machine
+LIMITS = {"long": 3600, "slow": 1800, "": 300}  # s for a test of each tier, on a busy machine
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
