@@ -5,10 +5,11 @@
 
 Mutants (`mutants.py`) are drawn with a fixed seed: kinds of change in turn, a third of them from the engine. Each is
 made in a copy of the working tree, and the test files that call the changed function (`mutation_calls.py`; where none
-is seen to do so, those nearest to its module, `mutation_map.py`) are run there until one fails. Code that Numba
-compiles gets an empty cache for each mutant. A test that has failed must pass without the mutant, else the kill does
-not count. Verdicts are kept in the output folder: a mutant that was killed is not run again while its file is
-unchanged, so that a second call goes on with the rest, or runs the survivors alone after a test was added.
+is seen to do so, those nearest to its module, `mutation_map.py`) are run there until one fails. Loops that the change
+may be compiled into are compiled anew for each mutant (`mutation_cache.py`). A test that has failed must pass without
+the mutant, else the kill does not count. Verdicts are kept in the output folder: a mutant that was killed is not run
+again while its file is unchanged, so that a second call goes on with the rest, or runs the survivors alone after a
+test was added.
 ``--page`` runs nothing, and prints what has been judged. ``--store`` stores the tables in data/evidence, of which
 `make evidence` makes docs/evidence/mutation.md. Mutants without effect stand with the reason in
 `mutation_equivalent.txt`.
@@ -27,9 +28,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Lock
@@ -37,6 +39,7 @@ from typing import Any
 
 from benchmarks.evidence_store import LINE, store, to_csv
 from benchmarks.mutants import Mutant, compiles, find_mutants
+from benchmarks.mutation_cache import PACKAGE, give_loops, kept_loops
 from benchmarks.mutation_calls import Calls, record
 from benchmarks.mutation_calls import test_files as files_that_call
 from benchmarks.mutation_map import TestMap
@@ -147,28 +150,45 @@ def choose(mutant: Mutant, tests: TestMap, calls: Calls, most: int) -> list[str]
     return (first + [file for file in calling if file not in first])[:most] if calling else near
 
 
-def judge(part: str, mutant: Mutant, copy: Path, files: list[str], compiled: bool, given: Limits) -> Verdict:
-    """Make a mutant in a copy, run its test files, the first few alone at first, and take it back."""
+def judge(
+    part: str,
+    mutant: Mutant,
+    copy: Path,
+    files: list[str],
+    given: Limits,
+    give: Callable[[Path], object] | None = None,
+) -> Verdict:
+    """Make a mutant in a copy, run its test files, the first few alone at first, and take it back.
+
+    ``give`` puts compiled loops into a cache of the mutant's own; without it, all mutants of a copy share one.
+    """
     file = copy / mutant.file
     began, source, by = time.monotonic(), file.read_bytes(), None
-    cache = Path(tempfile.mkdtemp(prefix="cache-", dir=copy.parent)) if compiled else copy.parent / f"{copy.name}-cache"
+    cache = Path(tempfile.mkdtemp(prefix="cache-", dir=copy.parent)) if give else shared_cache(copy)
     try:
         file.write_bytes(mutant.applied(source))
+        if give:
+            give(cache)
         for asked in (files[: given.first], files[given.first :]):
             if asked and not by:
                 by = tests_fail(copy, asked, cache, given.seconds)
                 last = tuple(asked)
     finally:
         file.write_bytes(source)
-        if compiled:
+        if give:
             shutil.rmtree(cache, ignore_errors=True)
     seconds = round(time.monotonic() - began, 1)
     return Verdict(part, mutant, KILLED if by else SURVIVED, by or "", seconds, last if files else ())
 
 
+def shared_cache(copy: Path) -> Path:
+    """Return the folder of compiled loops of a copy without a mutant."""
+    return copy.parent / f"{copy.name}-cache"
+
+
 def confirmed(verdicts: list[Verdict], copy: Path, limit: float) -> list[Verdict]:
     """Return the verdicts; a kill by what fails without the mutant too is void."""
-    cache, out, known = copy.parent / f"{copy.name}-cache", list[Verdict](), dict[tuple[str, ...], bool]()
+    cache, out, known = shared_cache(copy), list[Verdict](), dict[tuple[str, ...], bool]()
     for verdict in verdicts:
         if verdict.outcome == KILLED:
             at_all = verdict.by == "timeout" or verdict.by.startswith("exit ")
@@ -207,15 +227,19 @@ def run(
     names = {mutant: _name(root, mutant) for _, mutant in left}
     with tempfile.TemporaryDirectory(prefix="mutation-") as folder:
         copies: SimpleQueue[Path] = SimpleQueue()
+        loops = kept_loops(root) if left else Path()
         for k in range(workers if left else 0):
             (place := Path(folder) / f"copy{k}").mkdir()
             copies.put(copied(root, place))
+            give_loops(loops, root, place, tests, "", shared_cache(place))
 
         def one(each: tuple[str, Mutant]) -> Verdict:
             copy, mutant = copies.get(), each[1]
             files = choose(mutant, tests, calls or {}, given.files)
+            own = mutant.file.startswith(f"{PACKAGE}/") or mutant.file in tests.compiled
+            give = partial(give_loops, loops, root, copy, tests, mutant.file) if own else None
             try:
-                verdict = judge(*each, copy, files, mutant.file in tests.compiled, given)
+                verdict = judge(*each, copy, files, given, give)
                 found = confirmed([verdict], copy, given.seconds)[0]
             finally:
                 copies.put(copy)

@@ -15,6 +15,7 @@ from functools import cached_property
 from pathlib import Path
 
 JITTED = re.compile(r"@(njit|jit|jitted|guvectorize|vectorize)\b|\b(njit|jitted)\(")
+CHAINED = re.compile(r"\bexec\(compile\(")  # a loop whose text is made
 
 
 class TestMap:
@@ -76,10 +77,22 @@ class TestMap:
         return [path for *_, path in sorted(found)[:most]]
 
     @cached_property
+    def loops(self) -> dict[str, set[str]]:
+        """File that compiles loops -> files whose code may be part of them: all that it imports.
+
+        The chains of a register call what is registered: they count with every other file that compiles loops.
+        """
+        jitted = [name for name, text in self.text.items() if JITTED.search(text) and not name.startswith(self.tests)]
+        found = {self.path[name]: {self.path[other] for other in self.reached(name)} for name in jitted}
+        for name in jitted:
+            if CHAINED.search(self.text[name]):
+                found[self.path[name]] = set().union(*found.values())
+        return found
+
+    @cached_property
     def compiled(self) -> set[str]:
         """Files whose code is part of what Numba compiles: where it is used, and all that these modules import."""
-        jitted = [name for name, text in self.text.items() if JITTED.search(text) and not name.startswith(self.tests)]
-        return {self.path[name] for start in jitted for name in self.reached(start)}
+        return set().union(*self.loops.values())
 
 
 def _module(path: Path) -> str:

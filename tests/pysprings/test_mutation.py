@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import sys
 from pathlib import Path
 from types import FrameType
@@ -12,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks import mutation, mutation_calls
+from benchmarks import mutation, mutation_cache, mutation_calls
 from benchmarks.mutants import Mutant, compiles, find_mutants
 from benchmarks.mutation_map import TestMap
 
@@ -119,6 +120,42 @@ def test_the_nearest_tests_come_first(project: Path) -> None:
 def test_what_compiled_code_imports_is_compiled_in(project: Path) -> None:
     assert TestMap(project, ("pack",)).compiled >= {"pack/loop.py", "pack/deep/unit.py"}
     assert "pack/deep/sum.py" not in TestMap(project, ("pack",)).compiled
+    assert TestMap(project, ("pack",)).loops == {"pack/loop.py": {"pack/loop.py", "pack/deep/unit.py"}}
+
+
+def test_loops_of_unchanged_code_are_given_and_no_others(tmp_path: Path) -> None:
+    """A register's chain may call whatever another loop does: it goes with any change of compiled code."""
+    texts = {
+        "fe_engine/loop.py": "from fe_engine.law import f\n@njit\ndef run(): return f()\n",
+        "fe_engine/law.py": "@njit\ndef f(): return 1\n",
+        "fe_engine/chain.py": "exec(compile('', '', 'exec'))\n@njit\ndef g(): return 1\n",
+        "fe_engine/alone.py": "@njit\ndef h(): return 1\n",
+        "fe_engine/plain.py": "X = 1\n",
+    }
+    root, copy, kept = tmp_path / "root", tmp_path / "copy", tmp_path / "kept" / "fe_engine-0123456789abcdef"
+    for name, text in texts.items():
+        for place in (root, copy):
+            (place / name).parent.mkdir(parents=True, exist_ok=True)
+            (place / name).write_text(text)
+    folder = mutation_cache.numba_folder(root / "fe_engine/law.py")
+    (kept / folder).mkdir(parents=True)
+    for name in ("loop.run-2.py.nbi", "law.f-1.py.nbi", "chain.g-2.py.nbi", "alone.h-1.py.nbi"):
+        (kept / folder / name).touch()
+    tests = TestMap(root, ("fe_engine",))
+
+    def given(changed: str) -> set[str]:
+        (cache := tmp_path / changed).mkdir(parents=True)
+        count = mutation_cache.give_loops(kept, root, copy, tests, changed, cache)
+        (home,) = cache.iterdir()
+        assert re.fullmatch("fe_engine-[0-9a-f]{16}", home.name)
+        files = list((home / mutation_cache.numba_folder(copy / "fe_engine/law.py")).iterdir())
+        assert len(files) == count
+        return {file.name.split(".")[0] for file in files}
+
+    assert given("fe_engine/plain.py") == {"loop", "law", "chain", "alone"}
+    assert given("fe_engine/law.py") == {"alone"}
+    assert given("fe_engine/loop.py") == {"law", "alone"}
+    assert given("fe_engine/alone.py") == {"loop", "law"}
 
 
 def test_the_map_covers_this_project() -> None:
@@ -197,7 +234,7 @@ def judged(project: Path, before: str) -> mutation.Verdict:
     for file in ("pack", "tests"):
         (copy / file).symlink_to(project / file)
     files = mutation.choose(mutant, TestMap(project, ("pack",)), {}, 6)
-    found = mutation.judge("tool", mutant, copy, files, False, mutation.Limits(first=1, seconds=120.0))
+    found = mutation.judge("tool", mutant, copy, files, mutation.Limits(first=1, seconds=120.0))
     assert (project / "pack/deep/sum.py").read_text().endswith("return a + b\n")  # taken back
     return mutation.confirmed([found], copy, 120.0)[0]
 

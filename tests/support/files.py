@@ -63,6 +63,34 @@ class Page(HTMLParser):
         return next(line for line in lines if line.startswith(first))
 
 
+class Outline(HTMLParser):
+    """A page as lines: a line for each tag with its attributes, cells of a row beside each other, texts as they are."""
+
+    CELLS, HIDDEN = ("td", "th"), ("style", "script")
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.lines: list[str] = []
+        self.hidden = 0
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.hidden += tag in self.HIDDEN
+        words = [f"{key}={str(value).partition(',')[0]!r}" for key, value in attrs]
+        name = " ".join([tag, *words])
+        if tag in self.CELLS:
+            self.lines[-1] += f" |{'' if name == 'td' else f'[{name}]'} "
+        else:
+            self.lines.append(f"<{name}> ")
+
+    def handle_endtag(self, tag: str) -> None:
+        self.hidden -= tag in self.HIDDEN
+
+    def handle_data(self, data: str) -> None:
+        if not self.hidden and data.strip():
+            self.lines[-1] += " ".join(data.split())
+
+
 def read_report(folder: Path) -> Page:
     """Return report.html of a folder."""
     return Page((folder / "report.html").read_text(encoding="utf-8"))

@@ -37,7 +37,7 @@ def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
 
 def _range_sentence(name: str, path: Any, length: float) -> str:
     good = path["converged"].values.astype(bool)
-    u, rotation = path["u"].values[good], path["rotation"].values[good]
+    u, rotation = path["u"].values[good] + 0.0, path["rotation"].values[good] + 0.0  # no -0
     text = f"Path {name} ({path.attrs.get('kind', '')}, {path.attrs.get('role', '')}): "
     if not good.any():
         return text + "no converged step."
