@@ -29,6 +29,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from compileall import compile_dir
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -143,11 +144,11 @@ def tests_fail(copy: Path, tests: Sequence[str], cache: Path, limit: float) -> s
 
 
 def choose(mutant: Mutant, tests: TestMap, calls: Calls, most: int) -> list[str]:
-    """Return the test files for a mutant: the nearest of those that call its function, then by cost."""
+    """Return the test files for a mutant: near ones that call its function, others that do by cost, then near ones."""
     near = tests.test_files(mutant.file, mutant.function, most)
     calling = files_that_call(calls, f"{mutant.file}:{mutant.place.partition('.')[2]}")
     first = [file for file in near[:4] if file in calling]
-    return (first + [file for file in calling if file not in first])[:most] if calling else near
+    return list(dict.fromkeys([*first, *calling, *near]))[:most]
 
 
 def judge(
@@ -186,9 +187,14 @@ def shared_cache(copy: Path) -> Path:
     return copy.parent / f"{copy.name}-cache"
 
 
-def confirmed(verdicts: list[Verdict], copy: Path, limit: float) -> list[Verdict]:
-    """Return the verdicts; a kill by what fails without the mutant too is void."""
-    cache, out, known = shared_cache(copy), list[Verdict](), dict[tuple[str, ...], bool]()
+def confirmed(
+    verdicts: list[Verdict], copy: Path, limit: float, known: dict[tuple[str, ...], bool] | None = None
+) -> list[Verdict]:
+    """Return the verdicts; a kill by what fails without the mutant too is void.
+
+    ``known`` keeps which tests pass without a mutant.
+    """
+    cache, out, known = shared_cache(copy), list[Verdict](), {} if known is None else known
     for verdict in verdicts:
         if verdict.outcome == KILLED:
             at_all = verdict.by == "timeout" or verdict.by.startswith("exit ")
@@ -215,7 +221,7 @@ def run(
     """Judge those that no earlier call has killed (none without ``calls``), print each; return all that are judged."""
     tests = TestMap(root, tuple(folder for folder, _ in PARTS.values()))
     same, kept = equivalents(), _kept(out / "results.json")
-    verdicts, left = list[Verdict](), list[tuple[str, Mutant]]()
+    verdicts, left, good = list[Verdict](), list[tuple[str, Mutant]](), dict[tuple[str, ...], bool]()
     for part, mutant in drawn:
         outcome, by = kept.get(_name(root, mutant), ("", ""))
         if mutant.key in same:
@@ -231,6 +237,8 @@ def run(
         for k in range(workers if left else 0):
             (place := Path(folder) / f"copy{k}").mkdir()
             copies.put(copied(root, place))
+            for package, _ in PARTS.values():  # Python compiles a source that changes anew
+                compile_dir(place / package, quiet=1)
             give_loops(loops, root, place, tests, "", shared_cache(place))
 
         def one(each: tuple[str, Mutant]) -> Verdict:
@@ -240,7 +248,7 @@ def run(
             give = partial(give_loops, loops, root, copy, tests, mutant.file) if own else None
             try:
                 verdict = judge(*each, copy, files, given, give)
-                found = confirmed([verdict], copy, given.seconds)[0]
+                found = confirmed([verdict], copy, given.seconds, good)[0]
             finally:
                 copies.put(copy)
             words = f"{found.outcome:9} {found.seconds:6.0f} s  {mutant.file}:{mutant.line}  {mutant.key}"

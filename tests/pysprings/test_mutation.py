@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
+import subprocess
 import sys
 from pathlib import Path
 from types import FrameType
@@ -190,12 +192,17 @@ def test_functions_that_were_called_have_their_names(tmp_path: Path) -> None:
     assert mutation_calls.called(seen, tmp_path / "elsewhere") == set()
 
 
-def test_calls_are_kept_by_the_digest_of_the_test_file(project: Path, tmp_path: Path) -> None:
+def test_calls_are_kept_by_the_digest_of_the_test_file(
+    project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mutation_calls, "FOLDERS", ("tests",))
     ran: list[str] = []
 
     def run(command: list[str], env: dict[str, str], **_: Any) -> None:
-        ran.append(command[-1])
-        Path(env[mutation_calls.VARIABLE]).write_text(json.dumps(["pack/deep/sum.py:add"]))
+        names = [word for word in command if word.endswith(".py")]
+        ran.extend(names)
+        entries = {name: {"seconds": 1.0, "functions": ["pack/deep/sum.py:add"]} for name in names}
+        Path(env[mutation_calls.VARIABLE]).write_text(json.dumps(entries))
 
     file = tmp_path / "out" / "calls.json"
     found = mutation_calls.record(project, file, run)
@@ -204,6 +211,28 @@ def test_calls_are_kept_by_the_digest_of_the_test_file(project: Path, tmp_path: 
     (project / "tests/test_late.py").write_text("# changed\n")
     mutation_calls.record(project, file, run)
     assert ran[4:] == ["tests/test_late.py"]
+    (project / "tests/test_late.py").unlink()
+    assert "tests/test_late.py" not in mutation_calls.record(project, file, run)
+
+
+def test_a_session_records_what_each_file_calls(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a process of its own, with a true pytest; what is called when a module is loaded is not counted."""
+    monkeypatch.setattr(mutation_calls, "FOLDERS", ("tests",))
+    monkeypatch.setenv("PYTHONPATH", str(mutation.ROOT))
+    (project / "tests/test_other.py").write_text("def test_nothing():\n    assert True\n")
+
+    def run(command: list[str], env: dict[str, str], **given: Any) -> None:
+        paths = os.pathsep.join([str(project), str(mutation.ROOT)])
+        done = subprocess.run(command, env={**env, "PYTHONPATH": paths}, **given)
+        assert done.returncode == 0, done.stdout
+
+    found = mutation_calls.record(project, project / "calls.json", run)
+    functions = {name.removeprefix("tests/"): entry["functions"] for name, entry in found.items()}
+    assert {name: "pack/deep/sum.py:add" in names for name, names in functions.items()} == {
+        "test_late.py": True, "test_other.py": False, "test_pack.py": True, "test_sum.py": True,
+    }  # fmt: skip
+    assert "pack/late.py:far" in functions["test_late.py"] and "pack/late.py:far" not in functions["test_sum.py"]
+    assert all(entry["seconds"] >= 0.0 for entry in found.values())
 
 
 def test_of_the_files_that_call_a_function_the_nearest_and_then_the_cheapest_come_first(project: Path) -> None:
@@ -218,7 +247,7 @@ def test_of_the_files_that_call_a_function_the_nearest_and_then_the_cheapest_com
     calls = {name: {"seconds": seconds, "functions": functions} for name, seconds in costs.items()}
     calls["tests/test_late.py"] = {"seconds": 0.1, "functions": ["pack/deep/sum.py:other"]}
     tests = TestMap(project, ("pack",))
-    expected = ["tests/test_sum.py", "tests/test_cheap.py", "tests/test_other.py", "tests/test_dear.py"]
+    expected = [f"tests/test_{name}.py" for name in ("sum", "cheap", "other", "dear", "pack", "late")]
     assert mutation.choose(mutant, tests, calls, 24) == expected
     assert mutation.choose(mutant, tests, calls, 2) == expected[:2]
     assert mutation.choose(mutant, tests, {}, 24) == tests.test_files("pack/deep/sum.py", "add")

@@ -43,9 +43,9 @@ def assess(paths: Paths) -> pd.DataFrame:
     for claim in CLAIMS:
         missing = [name for name in claim.needs if name not in paths]
         found = Finding(f"needs the run {', '.join(missing)}", (None,)) if missing else claim.measure(paths)
-        if found.verdict == UNKNOWN and not missing:
-            reached = re.sub(r"\bnan\b", "-", found.figure)
-            found = Finding(f"{reached} (-: a run stopped before it)", (None,), found.reason)
+        reached = re.sub(r"\bnan\b", "-", found.figure)
+        if reached != found.figure or (found.verdict == UNKNOWN and not missing):
+            found = Finding(f"{reached} (-: a run stopped before it)", found.holds, found.reason)
         rows.append({
             "number": claim.number, "claim": claim.words, "figure": found.figure, "verdict": found.verdict,
             "reason": found.reason, "criterion": claim.criterion,
