@@ -18,6 +18,7 @@ iterate are those of `coulomb`, of which this is the law with a = t = 0.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ PARAMETERS = ("kn", "kt", "mu", "adhesion", "tension")
 KN, KT, MU, ADHESION, TENSION = range(len(PARAMETERS))
 
 
-def pack(kn: float, kt: float, mu: float, adhesion: float, tension: float) -> np.ndarray:
+def pack(kn: Any, kt: Any, mu: Any, adhesion: Any, tension: Any) -> np.ndarray:
     """Return the packed parameters (n,), or (k, n) where any is an array (k,).
 
     Penalties in N/m3, the friction coefficient, adhesion and largest tension in Pa (``inf``: bonded).

@@ -94,6 +94,8 @@ _GROUND = {
     "depth_m": ("z [m]", 1.0), "effective_unit_weight_N_per_m3": ("unit weight [kN/m3]", 1e-3),
     "vertical_effective_stress_Pa": ("vertical stress [kPa]", 1e-3), "K0": ("K0", 1.0),
     "shear_modulus_Pa": ("G [MPa]", 1e-6), "friction_angle_deg": ("phi [deg]", 1.0), "cohesion_Pa": ("c [kPa]", 1e-3),
+    "undrained_shear_strength_Pa": ("su [kPa]", 1e-3), "adhesion_factor_outside": ("alpha outside", 1.0),
+    "adhesion_factor_inside": ("alpha inside", 1.0),
 }  # fmt: skip
 
 
@@ -101,9 +103,10 @@ def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
     """Print the ground by depth: a row for top and bottom of each layer."""
     if not rows:
         return
-    heads = ("layer", "law", *(head for head, _ in _GROUND.values()))
+    shown = {key: each for key, each in _GROUND.items() if any(key in row for row in rows)}
+    heads = ("layer", "law", *(head for head, _ in shown.values()))
     print("\nground:")
-    cells = [[number(row[key] * factor) if key in row else "" for key, (_, factor) in _GROUND.items()] for row in rows]
+    cells = [[number(row[key] * factor) if key in row else "" for key, (_, factor) in shown.items()] for row in rows]
     print_table(heads, [(row["layer"], row["law"], *each) for row, each in zip(rows, cells, strict=True)])
 
 

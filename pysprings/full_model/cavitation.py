@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-ATMOSPHERE = 101_325.0  # Pa, standard atmosphere (ISO 2533)
-VAPOUR = 2_339.0  # Pa, saturated vapour of water at 20 deg C (IAPWS)
+from pysprings.core.atmosphere import ATMOSPHERE, VAPOUR
 
 
 @dataclass(frozen=True)

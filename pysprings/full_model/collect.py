@@ -18,7 +18,8 @@ from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.full_model.cavitation import Margin, smallest_margin
 from pysprings.full_model.volume import Volume
-from pysprings.model.build import SURFACE, Built
+from pysprings.model.build import Built
+from pysprings.model.contact import SURFACE
 
 SIDES = {"outside": "outer", "inside": "inner"}
 

@@ -44,6 +44,7 @@ from pysprings.full_model.unit_time import factorise_and_solve_seconds
 from pysprings.full_model.work import Work
 from pysprings.model.discretise import build
 from pysprings.model.forecast.domain_effect import domain_effect
+from pysprings.model.forecast.profile import unusual_values
 from pysprings.model.forecast.resources import refuse_what_cannot_fit
 from pysprings.model.forecast.small_strain import large_motion
 from pysprings.model.penalty import penalty_of
@@ -217,7 +218,7 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
         except LinearSolverError as error:
             raise ResourceError(str(error)) from error
     progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {engine.system.pattern.n_unknowns} unknowns")
-    remarks = [*domain_effect(scene).remarks, *penalty_of(scene).remarks]
+    remarks = [*domain_effect(scene).remarks, *penalty_of(scene).remarks, *unusual_values(scene)]
     return Work(scene, built, engine.system, engine.newton, clock, progress, warnings=remarks)
 
 

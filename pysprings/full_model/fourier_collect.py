@@ -16,7 +16,7 @@ from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.full_model.collect import Collector
 from pysprings.full_model.fourier_volume import FourierVolume
-from pysprings.model.build import SURFACE
+from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import SIDES, BuiltFourier
 
 _SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0

@@ -19,6 +19,7 @@ from pysprings.full_model.run_record import CheckpointCost, Computed, MeshFigure
 from pysprings.full_model.work import Work
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.fourier import BuiltFourier
+from pysprings.scene.ground import drainage_of
 
 
 def record_of(work: Work, loaded: Loaded) -> RunRecord:
@@ -115,7 +116,7 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
         "n_elements": mesh.n_elements,
         "n_unknowns": record.mesh.unknowns,
         "status": str(record.status),
-        "drainage": scene.drainage.mode,
+        "drainage": drainage_of(scene),
         "outer_diameter_m": scene.caisson.outer_diameter,
         "skirt_length_m": scene.caisson.skirt_length,
         "skirt_thickness_m": scene.caisson.skirt_thickness,

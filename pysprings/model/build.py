@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fe_engine.contact import coulomb
 from fe_engine.elements import hex8, interface, rigid, solid_shell
 from fe_engine.elements.interface import Stations
 from fe_engine.errors import MeshError
 from fe_engine.mesh import Quality
 from fe_engine.model import Linear, Model
+from pysprings.model.contact import SURFACE, contact_of
 from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
-from pysprings.model.penalty import penalty_at
 from pysprings.model.soil_laws import soil_materials
 from pysprings.model.steel import SteelMesh, make_steel, with_steel
 from pysprings.model.water import beside_steel, make_water
@@ -23,8 +22,6 @@ from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
-
-SURFACE = {name: code for code, name in enumerate(SURFACES)}
 
 
 @dataclass(frozen=True)
@@ -88,6 +85,7 @@ def build_on(scene: Scene, caisson: CaissonMesh) -> Built:
     steel = None if scene.caisson.behaviour == "rigid" else make_steel(caisson, scene.caisson.lid_thickness)
     depth = hex8.gauss_positions(mesh.nodes, mesh.hexes)[:, :, 2]
     materials, material = soil_materials(scene, depth)
+    law, contact = contact_of(scene, stations, caisson.walls["inside"])
     model = Model(
         mesh=mesh,
         materials=materials,
@@ -98,7 +96,8 @@ def build_on(scene: Scene, caisson: CaissonMesh) -> Built:
         n_border=rigid.N_DOFS,
         border_scale=np.array([1.0, 1.0, geometry.outer_radius]),
         stations=stations,
-        contact=contact_parameters(scene, stations, caisson),
+        contact=contact,
+        contact_laws=(law,),
         initial_pressure=pressure,
         water=water,
     )
@@ -138,24 +137,6 @@ def _mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
     except ValueError as error:  # the growth of cell sizes has no solution
         message = "cells cannot be graded in this geometry; change mesh.refinement, the preset or the domain"
         raise MeshError(message) from error
-
-
-def contact_parameters(scene: Scene, stations: Stations, caisson: CaissonMesh) -> np.ndarray:
-    """Contact parameters (ns, 3): the same at every station, but smooth under the lid where it meets the skirt.
-
-    The skirt's station on the same node has friction already. With both, the stations alternate between stick and slip
-    at lift-off.
-    """
-    parameters = coulomb_rows(scene, stations.position[:, 2])
-    under_lid = stations.surface == SURFACE["lid"]
-    parameters[under_lid & np.isin(stations.nodes[:, 0], caisson.walls["inside"]), coulomb.MU] = 0.0
-    return parameters
-
-
-def coulomb_rows(scene: Scene, depth: np.ndarray) -> np.ndarray:
-    """Contact parameters (ns, 3) of stations at depths (ns,) in m."""
-    mu = scene.interface.friction_coefficient
-    return np.array([coulomb.pack(kn, kt, mu) for kn, kt in zip(*penalty_at(scene, depth), strict=True)])
 
 
 def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:

@@ -8,20 +8,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fe_engine.contact import coulomb
 from fe_engine.elements import fourier as elements
 from fe_engine.elements import interface, rigid
 from fe_engine.errors import MeshError
 from fe_engine.fourier_model import FourierModel, RingStations, SectionMesh
 from fe_engine.mesh import Quality
 from pysprings.model.build import (
-    SURFACE,
-    coulomb_rows,
     extra_load,
     geometry_of,
     initial_pressure,
     initial_stress,
 )
+from pysprings.model.contact import SURFACE, contact_of
 from pysprings.model.fourier_mesh import PRESETS, CaissonSection, SectionCounts, make_section, refine_section
 from pysprings.model.soil_laws import soil_materials
 
@@ -77,6 +75,7 @@ def build_on_section(scene: Scene, counts: SectionCounts) -> BuiltFourier:
     balanced = float(np.sum(pressure * stations.area * stations.frame[:, 0, 2]))
     depth = elements.gauss_positions(mesh.nodes, mesh.quads)[:, :, 1]
     materials, material = soil_materials(scene, depth)
+    law, contact = contact_of(scene, stations, section.walls["inside"])
     model = FourierModel(
         mesh=mesh,
         harmonics=harmonics,
@@ -88,7 +87,8 @@ def build_on_section(scene: Scene, counts: SectionCounts) -> BuiltFourier:
         n_border=rigid.N_DOFS,
         border_scale=np.array([1.0, 1.0, geometry_of(scene).outer_radius]),
         stations=stations,
-        contact=_contact_parameters(scene, stations, section),
+        contact=contact,
+        contact_laws=(law,),
         initial_pressure=pressure,
     )
     return BuiltFourier(model, section, azimuth, quality, balanced, extra_load(scene.caisson.vertical_load, balanced))
@@ -157,14 +157,6 @@ def nodal_rings(r: np.ndarray) -> np.ndarray:
     for first, (constant, slope) in enumerate([(1 / 6, 0.0), (2 / 3, 1 / 3), (1 / 6, 1 / 6)]):
         found[first : len(r) - 2 + first : 2] += step * (constant * start + slope * step)
     return found
-
-
-def _contact_parameters(scene: Scene, stations: RingStations, section: CaissonSection) -> np.ndarray:
-    """Contact parameters (ns, 3); smooth under the lid where it meets the skirt, see build.contact_parameters."""
-    parameters = coulomb_rows(scene, stations.position[:, 2])
-    shared = (stations.surface == SURFACE["lid"]) & np.isin(stations.nodes[:, 0], section.walls["inside"])
-    parameters[shared, coulomb.MU] = 0.0
-    return parameters
 
 
 def fixed_directions(scene: Scene, mesh: SectionMesh) -> np.ndarray:

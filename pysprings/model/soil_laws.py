@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fe_engine.material import Material
-from fe_engine.soil import elastic, plasol, van_eekelen
+from fe_engine.soil import elastic, mobilised, plasol, tresca, van_eekelen, von_mises
 from fe_engine.soil.law import SoilLaw
-from pysprings.scene.by_depth import ByDepth
-from pysprings.scene.ground import ground_of
+from pysprings.scene.clay_laws import TRESCA, VON_MISES
+from pysprings.scene.ground import Stratum, ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -44,10 +44,27 @@ def _elastic(soil: Any) -> np.ndarray:
     return elastic.pack(young=soil.young_modulus, poisson=soil.poisson_ratio)
 
 
+def _clay(measure: float) -> Callable[[Any], np.ndarray]:
+    """Make the packing of a clay law, which measures the initial shear stress by ``measure`` |1 - K0| s'_v0."""
+
+    def pack(soil: Any) -> np.ndarray:
+        young, poisson, strength = soil.young_modulus, soil.poisson_ratio, soil.undrained_shear_strength
+        half = getattr(soil, "strain_at_half_strength", None)
+        if half is None:
+            return mobilised.pack(young, poisson, strength)
+        scale = mobilised.scale_of(half, strength, young / (2.0 * (1.0 + poisson)))
+        shear = measure * np.abs(1.0 - soil.K0) * soil.vertical_effective_stress
+        return mobilised.pack(young, poisson, strength, np.maximum(scale, 0.0), shear / strength)
+
+    return pack
+
+
 ENGINE_LAWS = {
     "drucker-prager": EngineLaw(plasol.LAW, _friction),
     "van-eekelen": EngineLaw(van_eekelen.LAW, _friction),
     "elastic": EngineLaw(elastic.LAW, _elastic),
+    "tresca": EngineLaw(tresca.LAW, _clay(TRESCA)),
+    "von-mises": EngineLaw(von_mises.LAW, _clay(VON_MISES)),
 }
 
 
@@ -66,8 +83,14 @@ def soil_materials(scene: Scene, depth: np.ndarray) -> tuple[list[Material], np.
     found = []
     for k, stratum in enumerate(strata):
         chosen = ENGINE_LAWS[stratum.law]
-        values: dict[str, Any] = dict(stratum.values)
-        if any(isinstance(value, ByDepth) for value in values.values()):
-            values = {name: stratum.value(name, depth[number == k]) for name in values}
-        found.append(Material(chosen.law, chosen.pack(SimpleNamespace(**values))))
+        found.append(Material(chosen.law, chosen.pack(_values(stratum, depth[number == k]))))
     return found, np.asarray(number, dtype=np.int64)
+
+
+def _values(stratum: Stratum, depth: np.ndarray) -> SimpleNamespace:
+    """Return the values of a layer as numbers, or as arrays (k, np) of its points where one of them varies."""
+    names = [*stratum.values, "young_modulus"]
+    if stratum.varies or "strain_at_half_strength" in stratum.values:  # what is mobilised follows the stress
+        values: dict[str, Any] = {name: stratum.value(name, depth) for name in names}
+        return SimpleNamespace(**values, vertical_effective_stress=stratum.vertical_stress(depth))
+    return SimpleNamespace(**{name: float(stratum.value(name, np.array(0.0))) for name in names})

@@ -172,7 +172,8 @@ def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, flo
 def _first_strain(scene: Scene) -> float:
     """First step over the diameter: less where the soil is so stiff beside its stress that it would yield at once."""
     ground, depth = ground_of(scene), np.array(scene.caisson.skirt_length)
-    stress = float(ground.vertical_stress(depth) + ground.value("cohesion", depth))
+    strength = float(ground.strength(depth))
+    stress = strength if bool(ground.in_total_stress(depth)) else float(ground.vertical_stress(depth)) + strength
     return min(_FIRST_STEP, _FIRST_STRAIN * stress / float(ground.value("young_modulus", depth)))
 
 

@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from pysprings.core.path_kinds import PATH_KINDS, UNITS, VERTICAL
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
+from pysprings.scene.interface import drainage_clashes, interface_clashes
+from pysprings.scene.law_keys import key_clashes
 from pysprings.scene.layers import in_layer, layer_order, uniform_soils, values_inside
 from pysprings.scene.positions import KeyPath
 from pysprings.scene.sections import Caisson, Domain, Path, SceneSections, Soil, Solver
@@ -22,6 +24,9 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
     yield from _caisson(scene.caisson)
     yield from _domain(scene.domain, scene.caisson)
     yield from _ground(scene.soil, scene.domain)
+    yield from drainage_clashes(scene)
+    if not [*layer_order(scene.soil, scene.domain)]:
+        yield from interface_clashes(scene)
     yield from _series(scene)
     yield from _solver(scene.solver)
     yield from _paths(scene.paths)
@@ -77,8 +82,8 @@ def _series(scene: SceneSections) -> Iterator[Clash]:
 
 
 def _ground(soil: Soil, domain: Domain) -> Iterator[Clash]:
-    """Check the order of the layers; where it is right, the values of each."""
-    wrong = [*layer_order(soil, domain)] or [*values_inside(soil, domain)]
+    """Check keys and order of the layers; where they are right, the values of each."""
+    wrong = [*key_clashes(soil), *([*layer_order(soil, domain)] or values_inside(soil, domain))]
     yield from wrong
     if wrong:
         return

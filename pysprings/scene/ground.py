@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from pysprings.scene.by_depth import ByDepth, Value
+from pysprings.scene.law_defaults import STIFFNESSES
 from pysprings.scene.sections import BY_LAYER, Layer, SceneSections, Soil
-from pysprings.scene.soil_laws import SOIL_LAWS
+from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS
 
 _MERGED = 1.0e-9  # m: depths closer than that are one
 
@@ -34,11 +35,35 @@ class Stratum:
     values: dict[str, Value]
 
     def value(self, name: str, depth: np.ndarray) -> np.ndarray:
-        """Return a value of the soil at depths (...,) of this layer."""
+        """Return a value of the soil at depths (...,) of this layer; Young's modulus from what gives the stiffness."""
+        if name == "young_modulus" and name not in self.values:
+            return 2.0 * (1.0 + self.value("poisson_ratio", depth)) * self.shear_modulus(depth)
         given = self.values[name]
         if not isinstance(given, ByDepth):
             return np.full(np.shape(depth), given)
         return given.at(depth, self.top, self.bottom, self.mean_stress(depth))
+
+    def shear_modulus(self, depth: np.ndarray) -> np.ndarray:
+        """Return G (...,) in Pa at depths (...,) of this layer."""
+        if "shear_modulus" in self.values:
+            return self.value("shear_modulus", depth)
+        if "rigidity_ratio" in self.values:
+            return self.value("rigidity_ratio", depth) * self.value("undrained_shear_strength", depth)
+        return self.value("young_modulus", depth) / (2.0 * (1.0 + self.value("poisson_ratio", depth)))
+
+    def strength(self, depth: np.ndarray) -> np.ndarray:
+        """Return what an adhesion factor refers to (...,) in Pa: su of undrained clay, the cohesion of another soil."""
+        return self.value("undrained_shear_strength" if self.total_stress else "cohesion", depth)
+
+    @property
+    def total_stress(self) -> bool:
+        """Whether the layer is undrained clay in total stress."""
+        return SOIL_LAWS[self.law].total_stress
+
+    @property
+    def varies(self) -> bool:
+        """Whether any value differs from depth to depth."""
+        return any(isinstance(value, ByDepth) for value in self.values.values())
 
     def vertical_stress(self, depth: np.ndarray) -> np.ndarray:
         """Return the initial vertical effective stress (...,) in Pa, compression positive."""
@@ -53,7 +78,6 @@ class Stratum:
         """Return what an engineer checks at a depth (m) of this layer, in SI; angles in degrees."""
         z = np.array(depth)
         value = {name: float(self.value(name, z)) for name in self.values}
-        shear = value["young_modulus"] / (2.0 * (1.0 + value["poisson_ratio"]))
         found: dict[str, Any] = {
             "layer": self.name,
             "law": self.law,
@@ -61,9 +85,11 @@ class Stratum:
             "effective_unit_weight_N_per_m3": value["effective_unit_weight"],
             "vertical_effective_stress_Pa": float(self.vertical_stress(z)),
             "K0": value["K0"],
-            "shear_modulus_Pa": shear,
+            "shear_modulus_Pa": float(self.shear_modulus(z)),
         }
-        if SOIL_LAWS[self.law].yields:
+        if self.total_stress:
+            found["undrained_shear_strength_Pa"] = value["undrained_shear_strength"]
+        elif SOIL_LAWS[self.law].yields:
             found["friction_angle_deg"] = math.degrees(value["friction_angle_final"])
             found["cohesion_Pa"] = value["cohesion"]
         return found
@@ -89,7 +115,12 @@ class Ground:
     @property
     def is_uniform(self) -> bool:
         """Whether all values are the same at all depths."""
-        return len(self.strata) == 1 and not any(isinstance(each, ByDepth) for each in self.strata[0].values.values())
+        return len(self.strata) == 1 and not self.strata[0].varies
+
+    @property
+    def total_stress(self) -> bool:
+        """Whether all layers are undrained clay in total stress."""
+        return all(each.total_stress for each in self.strata)
 
     def number(self, depth: np.ndarray) -> np.ndarray:
         """Return the number (...,) of the layer at each depth; a boundary belongs to the layer above it."""
@@ -102,6 +133,14 @@ class Ground:
     def vertical_stress(self, depth: np.ndarray) -> np.ndarray:
         """Return the initial vertical effective stress (...,) in Pa, compression positive."""
         return self._by_layer(depth, Stratum.vertical_stress)
+
+    def strength(self, depth: np.ndarray) -> np.ndarray:
+        """Return what an adhesion factor refers to (...,) in Pa: su of undrained clay, the cohesion of another soil."""
+        return self._by_layer(depth, Stratum.strength)
+
+    def in_total_stress(self, depth: np.ndarray) -> np.ndarray:
+        """Return whether each depth (...,) lies in undrained clay in total stress."""
+        return np.array([each.total_stress for each in self.strata])[self.number(depth)]
 
     def _by_layer(self, depth: np.ndarray, of: Callable[[Stratum, np.ndarray], np.ndarray]) -> np.ndarray:
         depth = np.asarray(depth, dtype=float)
@@ -122,6 +161,12 @@ def ground_of(scene: SceneSections) -> Ground:
     return make_ground(scene.soil, scene.domain.depth)
 
 
+def drainage_of(scene: SceneSections) -> str:
+    """Return how the water takes part: the mode of the scene, "total-stress" for undrained clay, or both."""
+    kinds = {"total-stress" if each.total_stress else scene.drainage.mode for each in ground_of(scene).strata}
+    return ", ".join(sorted(kinds))
+
+
 def make_ground(soil: Soil, depth: float) -> Ground:
     """Return the ground of a soil down to a depth (m); its layers must stand in order."""
     layers = soil.layers
@@ -136,10 +181,22 @@ def make_ground(soil: Soil, depth: float) -> Ground:
 
 
 def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:
-    """Return the values of a layer, those of the soil where it gives none."""
+    """Return the values of a layer that its law uses, those of the soil where it gives none."""
     own = {name: getattr(layer, name, None) for name in BY_LAYER}
     found = {name: getattr(soil, name) if value is None else value for name, value in own.items()}
+    law = SOIL_LAWS[(layer.law if layer else None) or soil.yield_surface]
     if found["friction_angle_initial"] == "auto":
-        law = layer.law or soil.yield_surface if layer else soil.yield_surface
-        found["friction_angle_initial"] = SOIL_LAWS[law].least_friction(found["K0"])
-    return found
+        found["friction_angle_initial"] = law.least_friction(found["K0"])
+    dropped = [each for each in STIFFNESSES if each != _stiffness(soil, own, law.total_stress)]
+    dropped += FRICTION_KEYS if law.total_stress else CLAY_KEYS
+    return {name: value for name, value in found.items() if value is not None and name not in dropped}
+
+
+def _stiffness(soil: Soil, own: dict[str, Any], clay: bool) -> str:
+    """Return the key that gives the stiffness: the layer's own, else that of the soil, Young's modulus last."""
+    known = STIFFNESSES if clay else STIFFNESSES[:2]
+    for values in (own, {name: getattr(soil, name) for name in known[1:]}):
+        for name in known:
+            if values.get(name) is not None:
+                return name
+    return "young_modulus"

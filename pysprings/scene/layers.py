@@ -39,42 +39,48 @@ def uniform_soils(soil: Soil, domain: Domain) -> Iterator[tuple[Soil, tuple[floa
     With each come the vertical effective stresses (Pa) between which it stands, and the number of its layer.
     """
     ground = make_ground(soil, domain.depth)
-    if not soil.layers:
+    if not soil.layers and ground.is_uniform:
         bottom = soil.surcharge + soil.effective_unit_weight * domain.depth
-        yield soil.model_copy(update=ground.strata[0].values), (soil.surcharge, bottom), None
+        yield soil.model_copy(update=_at(ground.strata[0], domain.depth)), (soil.surcharge, bottom), None
         return
     for stratum in ground.strata:
-        varies = any(isinstance(value, ByDepth) for value in stratum.values.values())
-        for depth in (stratum.top, stratum.bottom) if varies else (stratum.bottom,):
-            values = {name: float(stratum.value(name, np.array(depth))) for name in stratum.values}
+        number = stratum.number if soil.layers else None
+        for depth in (stratum.top, stratum.bottom) if stratum.varies else (stratum.bottom,):
             end = float(stratum.vertical_stress(np.array(depth)))
-            stresses = (end, end) if varies else (stratum.above, end)
-            uniform = soil.model_copy(update={**values, "yield_surface": stratum.law, "layers": ()})
-            yield uniform, stresses, stratum.number
+            stresses = (end, end) if stratum.varies else (stratum.above, end)
+            uniform = soil.model_copy(update={**_at(stratum, depth), "yield_surface": stratum.law, "layers": ()})
+            yield uniform, stresses, number
+
+
+def _at(stratum: Stratum, depth: float) -> dict[str, float | None]:
+    """Return the values of a layer at a depth (m), Young's modulus among them; None for those it does not have."""
+    found = {name: float(stratum.value(name, np.array(depth))) for name in (*stratum.values, "young_modulus")}
+    return {"strain_at_half_strength": None, **found}
 
 
 def values_inside(soil: Soil, domain: Domain) -> Iterator[Clash]:
     """Check that values by depth stay within the range of their key all over the layer."""
-    if soil.layers:
-        for stratum in make_ground(soil, domain.depth).strata:
-            yield from _inside(soil, stratum)
+    for stratum in make_ground(soil, domain.depth).strata:
+        yield from _inside(soil, stratum)
 
 
 def _inside(soil: Soil, stratum: Stratum) -> Iterator[Clash]:
     depth = np.linspace(stratum.top, stratum.bottom, _STATIONS)
-    layer = soil.layers[stratum.number]
+    layer, here = (soil.layers[stratum.number], ("layer", stratum.number)) if soil.layers else (soil, ())
     for name, info in type(layer).model_fields.items():
         profile = next((each for each in info.metadata if isinstance(each, Profile)), None)
-        if profile is None or not isinstance(getattr(layer, name), ByDepth):
+        if profile is None or not isinstance(getattr(layer, name), ByDepth) or name not in stratum.values:
             continue
         value, quantity = stratum.value(name, depth), profile.quantity
         inside = depth > 0.0 if profile.powers else np.full(depth.shape, True)
         holds = [Interval(quantity.interval).holds(float(each), quantity.unit) for each in value]
         bad = np.flatnonzero(~np.array(holds) & inside)
+        where, text = ("soil", *here, name), f"is not in {quantity.interval} {quantity.unit}"
         if len(bad):
-            where = f"{show(float(value[bad[0]]), quantity.unit)} at a depth of {show(float(depth[bad[0]]), 'm')}"
-            text = f"{where} is not in {quantity.interval} {quantity.unit}"
-            yield Clash((("soil", "layer", stratum.number, name),), text)
+            at = f"{show(float(value[bad[0]]), quantity.unit)} at a depth of {show(float(depth[bad[0]]), 'm')}"
+            yield Clash((where,), f"{at} {text}")
+        elif not value.any():
+            yield Clash((where,), "0 at every depth: a soil without strength or stiffness")
 
 
 def in_layer(clash: Clash, soil: Soil, number: int | None) -> Clash:

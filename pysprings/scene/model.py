@@ -14,6 +14,9 @@ from pysprings.scene.fields import refuse
 from pysprings.scene.sections import SceneSections
 from pysprings.scene.toml import to_toml
 
+# keys of a soil that did not exist when folders of runs were first named by the number of a scene
+LATER_KEYS = ("shear_modulus", "undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", "drainage")
+
 
 class Scene(SceneSections):
     """Everything that decides a run: `pysprings.Scene(soil={"K0": 0.9})` changes one value."""
@@ -32,7 +35,7 @@ class Scene(SceneSections):
     def sha256(self) -> str:
         """SHA-256 (hex) of all values, whatever units and order the file wrote them in.
 
-        Keys of a series and layers count where there are some: other scenes have the number that they had before.
+        Keys of a series, of layers and of clay count where there are some: other scenes keep the number they had.
         """
         values = self.model_dump(mode="json")
         if self.mesh.discretisation == "hex8":
@@ -40,6 +43,14 @@ class Scene(SceneSections):
                 del values["mesh"][key]
         if not self.soil.layers:
             del values["soil"]["layers"]
+        for table in (values["soil"], *values["soil"].get("layers", ())):
+            for key in LATER_KEYS:
+                if table.get(key, 0) is None:
+                    del table[key]
+        if values["interface"]["adhesion_factor"] is None:
+            del values["interface"]["adhesion_factor"]
+        if values["interface"]["opening"] == "vented":
+            del values["interface"]["opening"]
         canonical = json.dumps(values, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()
 

@@ -11,13 +11,15 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
-from pydantic import BaseModel, ConfigDict, create_model
+from pydantic import BaseModel, ConfigDict, create_model, model_validator
 from pydantic import Field as Key
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.words import Discretisation, MeshPreset
 from pysprings.scene.by_depth import ByDepth, Profile
+from pysprings.scene.by_surface import BySurface
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
+from pysprings.scene.law_defaults import with_defaults_of_laws
 from pysprings.scene.soil_laws import SOIL_LAWS
 from pysprings.scene.then import Then, ThenList
 
@@ -46,6 +48,27 @@ _QUANTITIES = {
 }  # fmt: skip
 _IMPOSED = tuple((name, _QUANTITIES[kind.imposed]) for name, kind in PATH_KINDS.items())
 _FIRST_YIELD = 'friction angle at first yield; "auto" is the least that holds the initial stress'
+_SU = Quantity(
+    "kPa", "[0, 1e5]", "undrained shear strength: any test for tresca, plane strain or DSS for von-mises", "5 kPa",
+    optional=True,
+)  # fmt: skip
+_G = Quantity("MPa", "[1e-4, 1e6]", "shear modulus, instead of young_modulus", "5 MPa", optional=True)
+_RIGIDITY = Number("[1, 1e5]", "shear modulus over su, instead of young_modulus", 200.0, optional=True)
+_HALF = Number(
+    "[1e-6, 0.5]", "engineering shear strain at half of su (1.5 times eps50 of a triaxial test)", 0.01, optional=True
+)
+_ADHESION = BySurface(
+    Number("[0, 1]", "largest shear over su (or over the cohesion)", 0.65), ("api",),
+    "largest shear of the interface over su of the soil beside it",
+)  # fmt: skip
+_OPENING = BySurface(
+    None, ("vented", "sealed", "bonded"),
+    "tension of the contact: none (vented), suction down to cavitation (sealed), any (bonded)",
+)  # fmt: skip
+_DRAINED = Choice(
+    ("total-stress", "drained", "coupled", "undrained"),
+    "water of the layer: total-stress for undrained clay, that of [drainage] for the others", optional=True,
+)  # fmt: skip
 _SEA = "depth of the sea; where given, suction is checked for cavitation"
 _DEPTH = Quantity("m", "[0, 2e4]", _SEA, "30 m", optional=True)
 _VISCOSITY = Quantity("Pa s", "[1e-6, 1e3]", "dynamic viscosity of water", "0.001 Pa s")
@@ -90,7 +113,7 @@ class Domain(Section):
 
 
 class SoilValues(Section):
-    """A frictional soil that hardens, and its initial state."""
+    """A frictional soil that hardens, or undrained clay, and its initial state."""
 
     young_modulus: Annotated[float, Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa")] = 200e6
     poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio", 0.3)] = 0.3
@@ -116,6 +139,10 @@ class SoilValues(Section):
     hydraulic_conductivity: Annotated[
         float, Quantity("m/s", "[1e-20, 10]", "hydraulic conductivity; not used when drained", "1e-4 m/s")
     ] = 1e-4
+    shear_modulus: Annotated[float | ByDepth | None, Profile(_G, powers=True)] = None
+    undrained_shear_strength: Annotated[float | ByDepth | None, Profile(_SU)] = None
+    rigidity_ratio: Annotated[float | None, _RIGIDITY] = None
+    strain_at_half_strength: Annotated[float | None, _HALF] = None
 
 
 class LayerPlace(Section):
@@ -126,6 +153,7 @@ class LayerPlace(Section):
     law: Annotated[
         str | None, Choice(tuple(SOIL_LAWS), "constitutive law; by default that of [soil]", optional=True)
     ] = None
+    drainage: Annotated[str | None, _DRAINED] = None
 
 
 _NOT_BY_LAYER = ("yield_surface", "surcharge")
@@ -134,7 +162,10 @@ _BY_STRESS = ("young_modulus",)
 
 def _layer_field(name: str) -> Any:
     """Return the optional field of a layer for a value of the soil."""
-    field = next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, Quantity | Number))
+    known = Quantity | Number | Profile
+    field = next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, known))
+    if isinstance(field, Profile):
+        return Annotated[float | ByDepth | None, field], None
     if isinstance(field, Number):
         return Annotated[float | None, replace(field, optional=True)], None
     return Annotated[float | str | ByDepth | None, Profile(replace(field, optional=True), name in _BY_STRESS)], None
@@ -149,9 +180,15 @@ else:
 
 
 class Soil(SoilValues):
-    """A frictional soil that hardens, and its initial state; [[soil.layer]] tables divide it by depth."""
+    """A frictional soil that hardens, or undrained clay, and its initial state; [[soil.layer]] tables divide it."""
 
     layers: tuple[Layer, ...] = Key((), validation_alias="layer")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _defaults_of_laws(cls, data: Any) -> Any:
+        defaults = {name: info.default for name, info in SoilValues.model_fields.items()}
+        return with_defaults_of_laws(data, defaults) if isinstance(data, dict) else data
 
 
 class Interface(Section):
@@ -159,7 +196,11 @@ class Interface(Section):
 
     normal_stiffness: Annotated[float | str, _STIFFNESS] = "auto"
     shear_stiffness: Annotated[float | str, _STIFFNESS] = "auto"
-    friction_coefficient: Annotated[float, Number("[0, 5]", "Coulomb friction coefficient", 0.5)] = 0.5
+    friction_coefficient: Annotated[
+        float, Number("[0, 5]", "Coulomb friction coefficient; not used beside undrained clay", 0.5)
+    ] = 0.5
+    adhesion_factor: Annotated[float | str | dict[str, Any] | None, _ADHESION] = None
+    opening: Annotated[str | dict[str, Any], _OPENING] = "vented"
     transversal_conductivity: Annotated[
         float,
         Quantity("m/(Pa s)", "[1e-24, 1]", "transversal conductivity; not used when drained", "1e-8 m/(Pa s)"),

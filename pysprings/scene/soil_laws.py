@@ -7,13 +7,14 @@ The engine's law of the same name is found in `pysprings.model.soil_laws`. A new
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
 
 from fe_engine.soil import formulas
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
+from pysprings.scene.clay_laws import TRESCA, VON_MISES, initial_shear, strength_clashes
 
 MOST_FRICTION = math.radians(60.0)
 MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at constant volume
@@ -57,6 +58,8 @@ class SoilLaw:
     initial : give what is wrong with its initial state, between two vertical effective stresses (Pa).
     least_friction : K0 -> least initial friction angle (rad) that holds the geostatic stress without cohesion.
     yields : whether the soil can yield.
+    total_stress : whether it is undrained clay in total stress, which has no pore pressure as unknown.
+    defaults : values of keys that are not given, where they differ from those of [soil].
     """
 
     name: str
@@ -65,6 +68,8 @@ class SoilLaw:
     initial: Callable[[Soil, tuple[float, float]], Iterator[Clash]]
     least_friction: Callable[[float], float]
     yields: bool = True
+    total_stress: bool = False
+    defaults: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -220,14 +225,30 @@ def _nothing(*_: object) -> Iterator[Clash]:
     return iter(())
 
 
-_FRICTION = ("friction_angle_initial", "friction_angle_final", "hardening_parameter", "dilation_angle", "cohesion")
+FRICTION_KEYS = ("friction_angle_initial", "friction_angle_final", "hardening_parameter", "dilation_angle", "cohesion")
+CLAY_KEYS = ("undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength")
+_CLAY_POISSON = 0.495  # almost constant volume; quadratic and mean-dilatation elements do not lock there
+
+
+def _clay(name: str, measure: float) -> SoilLaw:
+    check = initial_shear(measure)
+    defaults = {"poisson_ratio": _CLAY_POISSON}
+    return SoilLaw(name, CLAY_KEYS, strength_clashes, check, lambda k0: 0.0, total_stress=True, defaults=defaults)
+
+
 SOIL_LAWS = {
     law.name: law
     for law in (
-        SoilLaw("drucker-prager", _FRICTION, _cone_clashes, _initial_state(CONE), _least_friction(CONE)),
+        SoilLaw("drucker-prager", FRICTION_KEYS, _cone_clashes, _initial_state(CONE), _least_friction(CONE)),
         SoilLaw(
-            "van-eekelen", _FRICTION, _van_eekelen_clashes, _initial_state(VAN_EEKELEN), _least_friction(VAN_EEKELEN)
+            "van-eekelen",
+            FRICTION_KEYS,
+            _van_eekelen_clashes,
+            _initial_state(VAN_EEKELEN),
+            _least_friction(VAN_EEKELEN),
         ),
         SoilLaw("elastic", (), _angles, _nothing, lambda k0: 0.0, yields=False),
+        _clay("tresca", TRESCA),
+        _clay("von-mises", VON_MISES),
     )
 }

@@ -12,7 +12,9 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from pysprings.scene.fields import Field, QuantityList
-from pysprings.scene.sections import SceneSections
+from pysprings.scene.law_defaults import STIFFNESSES, unused_keys
+from pysprings.scene.law_keys import given_keys, laws_of
+from pysprings.scene.sections import SceneSections, Soil
 
 
 def to_toml(scene: SceneSections) -> str:
@@ -51,10 +53,11 @@ def field_of(info: FieldInfo) -> Field:
 
 
 def _pairs(section: BaseModel) -> Iterator[tuple[str, Any]]:
-    """Yield key and value, as in TOML, of what is set in a section."""
+    """Yield key and value, as in TOML, of what is set in a section and in use."""
+    unused = unused_keys(laws_of(section), given_keys(section) & {*STIFFNESSES}) if isinstance(section, Soil) else ()
     for name, info in type(section).model_fields.items():
         value = getattr(section, name)
-        if value is not None and value != () and name != "layers":
+        if value is not None and value != () and name != "layers" and name not in unused:
             yield name, _in_toml(field_of(info), value, section)
 
 

@@ -80,7 +80,10 @@ class Springs:
 
     @property
     def drainage(self) -> str:
-        """ "drained", "coupled" or "undrained"; "from a table" where nothing is recorded of it."""
+        """ "drained", "coupled", "undrained" or "total-stress" (clay; with sand: "drained, total-stress").
+
+        "from a table" where nothing is recorded of it.
+        """
         return str(self.attrs.get("drainage", "from a table"))
 
     @property

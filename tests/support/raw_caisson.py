@@ -22,7 +22,8 @@ from fe_engine.state import Fields, State
 from pysprings.core import variables
 from pysprings.full_model.collect import Collector, section_dataset
 from pysprings.full_model.volume import volume_dataset
-from pysprings.model.build import SURFACE, Built, build_model
+from pysprings.model.build import Built, build_model
+from pysprings.model.contact import SURFACE
 from tests.support import tiny
 
 FACES = {code: name for name, code in SURFACE.items()}

@@ -19,7 +19,8 @@ from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import Fields, State
 from pysprings import Scene
 from pysprings.full_model.collect import Collector
-from pysprings.model.build import SURFACE, Built, build_model
+from pysprings.model.build import Built, build_model
+from pysprings.model.contact import SURFACE
 from pysprings.model.mesh import SURFACES
 from pysprings.model.stages import path_stages
 

@@ -15,7 +15,7 @@ import numpy as np
 from fe_engine.assembly.kernels_stations import station_jumps
 from fe_engine.contact import coulomb
 from fe_engine.state import Fields
-from pysprings.model.build import SURFACE
+from pysprings.model.contact import SURFACE
 from tests.verification.pushes import Push
 
 

@@ -11,6 +11,7 @@ from pysprings.model.build import Built
 from pysprings.model.discretise import build
 from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect
 from pysprings.model.forecast.omissions import left_out, symmetric_factors
+from pysprings.model.forecast.profile import profile, unusual_values
 from pysprings.model.forecast.resources import (
     gigabytes,
     model_bytes,
@@ -22,7 +23,6 @@ from pysprings.model.forecast.run_time import seconds
 from pysprings.model.forecast.small_strain import scene_warnings
 from pysprings.model.fourier import BuiltFourier
 from pysprings.model.penalty import penalty_of
-from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -42,6 +42,7 @@ def describe(scene: Scene) -> dict[str, Any]:
     memory = model_bytes(scene, symmetric) + steps
     effect = domain_effect(scene)
     warnings = [*_memory_warning(memory), *effect.remarks, *scene_warnings(scene), *penalty_of(scene).remarks]
+    warnings += unusual_values(scene)
     return {
         "mesh": {
             "nodes": mesh.n_nodes,
@@ -54,7 +55,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "unknowns": unknowns,
         "domain": _domain(effect),
         "contact": _contact(scene),
-        "ground": ground_of(scene).profile(),
+        "ground": profile(scene),
         "vertical_load_N": 2.0 * (built.balanced_load + built.extra_load),
         "memory_GB": memory / 1e9,
         "disk_GB": steps / 1e9,

@@ -16,7 +16,8 @@ from fe_engine.linear.backends import available_backends
 from pysprings.model.forecast.resources import memory_bytes, size_of, steps_bytes
 from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
 from pysprings.model.soil_laws import ENGINE_LAWS, engine_laws
-from pysprings.scene.ground import ground_of
+from pysprings.scene.ground import drainage_of, ground_of
+from pysprings.scene.interface import uses_adhesion
 from pysprings.scene.sections import Soil
 from pysprings.scene.soil_laws import SOIL_LAWS
 
@@ -100,7 +101,7 @@ def symmetric_factors(scene: Scene) -> bool:
 
 
 def _smooth(scene: Scene) -> bool:
-    return scene.interface.friction_coefficient == 0.0
+    return scene.interface.friction_coefficient == 0.0 and not uses_adhesion(scene)
 
 
 def _load(scene: Scene) -> _Load:
@@ -158,7 +159,11 @@ def _all_water(scene: Scene) -> list[Omission]:
     dry, wet = _load(scene), size_of(_with(scene, "drainage", mode="coupled"))
     pores = _Load(dry.unknowns + wet.pore_pressures, True, False)
     both = _Load(pores.unknowns + wet.film_pressures, True, False)
-    why = "drained: no excess pressure"
+    kinds = {
+        "drained": "drained: no excess pressure",
+        "total-stress": "undrained clay in total stress: its strength does not depend on the pore pressure",
+    }
+    why = "; ".join(kinds[each] for each in drainage_of(scene).split(", "))
     return [
         Omission(f"pore pressure of the soil ({', '.join(_PORE_KEYS)})", why, dry.saves(scene, pores)),
         Omission(f"film of water in the interface ({', '.join(_FILM_KEYS)})", why, pores.saves(scene, both)),

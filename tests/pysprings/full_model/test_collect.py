@@ -13,7 +13,8 @@ from fe_engine.assembly.system import System
 from fe_engine.state import Fields, State
 from pysprings.core import variables
 from pysprings.full_model.collect import Collector, section_dataset
-from pysprings.model.build import SURFACE, Built, build_model
+from pysprings.model.build import Built, build_model
+from pysprings.model.contact import SURFACE
 from tests.support import tiny
 
 MOTION = np.array([1e-3, -2e-4, 5e-5])

@@ -20,7 +20,7 @@ from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute, run
 from pysprings.full_model.discretise import make_engine
 from pysprings.full_model.fourier_collect import around, output_azimuths, slice_shares
-from pysprings.model.build import SURFACE
+from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import build_fourier, section_counts_of
 from pysprings.scene.load import Scene, parse_scene
 from pysprings.springs.extract import extract_springs

@@ -17,7 +17,8 @@ from fe_engine.soil import plasol
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.model import build, discretise
-from pysprings.model.build import SURFACE, Built, build_model
+from pysprings.model.build import Built, build_model
+from pysprings.model.contact import SURFACE
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.stages import path_stages
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
@@ -164,6 +165,11 @@ WATER = {
 # Fields with one value so far.
 SINGLE: set[tuple[str, str]] = set()
 # Another value, where a change by a tenth is not one.
+CLAY = {
+    "soil": {"yield_surface": "tresca", "undrained_shear_strength": 20e3, "rigidity_ratio": 200.0},
+    "interface": {"adhesion_factor": 0.5},
+}
+OF_CLAY = ("undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", "adhesion_factor")
 CHANGES: dict[tuple[str, str], Any] = {
     ("soil", "layers"): ({"top": 0.0, "cohesion": 3e3},),
     ("interface", "normal_stiffness"): 3e9,
@@ -174,6 +180,12 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("soil", "yield_surface"): "elastic",
     ("soil", "dilation_angle"): 0.05,
     ("soil", "cohesion"): 1e3,
+    ("soil", "shear_modulus"): 2e7,
+    ("soil", "undrained_shear_strength"): 30e3,
+    ("soil", "rigidity_ratio"): 100.0,
+    ("soil", "strain_at_half_strength"): 0.02,
+    ("interface", "adhesion_factor"): 0.6,
+    ("interface", "opening"): "bonded",
     ("mesh", "preset"): "medium",
     ("mesh", "azimuth"): 12,
     ("mesh", "discretisation"): "fourier",
@@ -269,6 +281,8 @@ def test_every_field_changes_some_output(section: str, name: str, base_outputs: 
         scene = scene.replace(paths=(path,))
     if (section, name) == ("mesh", "harmonics"):
         scene = scene.replace(mesh={"discretisation": "fourier"})
+    if name in OF_CLAY:
+        scene = scene.replace(**CLAY)
     if (section, name) == ("soil", "K0"):
         scene = scene.replace(soil={"cohesion": 50e3})
     before = base_outputs.setdefault(scene.sha256, outputs(scene))

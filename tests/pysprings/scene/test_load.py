@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from pysprings.scene.by_depth import Profile
+from pysprings.scene.by_surface import BySurface
 from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity
 from pysprings.scene.load import SECTIONS, Scene, load_scene, parse_scene
 from pysprings.scene.schema import scene_schema
@@ -190,6 +191,8 @@ def values_of(field: Field) -> st.SearchStrategy[object]:
         return _numbers_in(field.interval).map(lambda x: f"{x!r} {field.unit}")
     if isinstance(field, Number):
         return _numbers_in(field.interval)
+    if isinstance(field, BySurface):  # adhesion needs a soil that has some
+        return st.sampled_from(field.words) if field.number is None else st.none()
     return st.text(alphabet='abc "\\é#', min_size=1).filter(str.strip)
 
 
@@ -244,7 +247,7 @@ def test_schema_speaks_of_toml_values() -> None:
     assert modulus["description"] == "Young modulus (in [0.001, 1e6] MPa)"
     assert re.match(modulus["pattern"], "200 MPa")
     assert not re.match(modulus["pattern"], "200")
-    assert soil["yield_surface"]["enum"] == ["drucker-prager", "van-eekelen", "elastic"]
+    assert soil["yield_surface"]["enum"] == ["drucker-prager", "van-eekelen", "elastic", "tresca", "von-mises"]
     assert soil["poisson_ratio"] == {
         "description": "Poisson ratio (in [0, 0.5))",
         "type": "number",

@@ -29,7 +29,8 @@ from fe_engine.solve.newton import Newton
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.full_model.compute import run
-from pysprings.model.build import SURFACE, build_model
+from pysprings.model.build import build_model
+from pysprings.model.contact import SURFACE
 from tests.verification import axisymmetric
 from tests.verification.rows import Row
 

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: MIT
+"""The ground of a scene by depth as `check` prints it, and values that are outside common ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pysprings.core.units import show
+from pysprings.scene.ground import Stratum, ground_of
+from pysprings.scene.interface import adhesion_factor, uses_adhesion
+
+if TYPE_CHECKING:
+    from pysprings.scene.load import Scene
+
+# Common ranges of undrained clay. G/su: Eu/su of 200 to 1000 (Duncan & Buchignani 1976) is 65 to 350, small-strain
+# stiffness up to 2000. su/s'_v0: from normally consolidated (Jamiolkowski et al. 1985: 0.23 +- 0.04) to stiff clay.
+_RIGIDITY = (20.0, 2000.0)
+_NORMALISED = (0.15, 10.0)
+_STRENGTH = 300e3  # Pa; soils beyond are rocks
+_ALPHA = (0.2, 1.0)
+_POISSON = 0.48
+_STATIONS = 9
+
+
+def profile(scene: Scene) -> list[dict[str, Any]]:
+    """Return a row for top and bottom of each layer, in SI; adhesion factors where the interface has adhesion."""
+    rows, ground = [], ground_of(scene)
+    for stratum in ground.strata:
+        for depth in (stratum.top, stratum.bottom):
+            row = stratum.row(depth)
+            if uses_adhesion(scene) and stratum.top <= scene.caisson.skirt_length:
+                for side in ("outside", "inside"):
+                    factor = adhesion_factor(scene.interface, stratum, side, np.array(depth))
+                    row[f"adhesion_factor_{side}"] = float(factor)
+            rows.append(row)
+    return rows
+
+
+def unusual_values(scene: Scene) -> list[str]:
+    """Return a sentence for each value of undrained clay outside the common range."""
+    return [text for stratum in ground_of(scene).strata if stratum.total_stress for text in _unusual(scene, stratum)]
+
+
+def _unusual(scene: Scene, stratum: Stratum) -> Iterator[str]:
+    """Look at a layer at a few depths inside it."""
+    share = (np.arange(_STATIONS) + 0.5) / _STATIONS
+    depth = stratum.top + share * (stratum.bottom - stratum.top)
+    strength, stress = stratum.strength(depth), stratum.vertical_stress(depth)
+    where = f"layer '{stratum.name}'"
+    yield from _outside(where, "G/su", stratum.shear_modulus(depth) / strength, _RIGIDITY, depth)
+    if stress.min() > 0.0:
+        yield from _outside(where, "su over the vertical effective stress", strength / stress, _NORMALISED, depth)
+    if strength.max() > _STRENGTH:
+        yield f"{where}: su of {show(float(strength.max()), 'kPa')} is that of rock"
+    if float(stratum.value("poisson_ratio", depth).min()) < _POISSON:
+        yield f"{where}: poisson_ratio below {_POISSON:g} lets undrained clay change its volume"
+    beside = depth[depth <= scene.caisson.skirt_length]
+    for side in ("outside", "inside") if len(beside) else ():
+        factor = adhesion_factor(scene.interface, stratum, side, beside)
+        yield from _outside(where, f"adhesion factor {side}", factor, _ALPHA, beside)
+
+
+def _outside(where: str, what: str, value: np.ndarray, common: tuple[float, float], depth: np.ndarray) -> Iterator[str]:
+    """Name the value that is furthest outside the common range."""
+    low, high = common
+    for worst in sorted({int(np.argmin(value)), int(np.argmax(value))}):
+        if not low <= value[worst] <= high:
+            at = show(float(depth[worst]), "m")
+            yield f"{where}: {what} of {value[worst]:.3g} at {at} is outside the common range {low:g} to {high:g}"

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: MIT
+"""Checks of the keys of a soil: those that do not fit its law, that exclude each other, that are missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pysprings.scene.by_depth import ByDepth
+from pysprings.scene.clash import Clash
+from pysprings.scene.law_defaults import STIFFNESSES
+from pysprings.scene.positions import KeyPath
+from pysprings.scene.sections import Layer, Soil
+from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS
+
+
+def laws_of(soil: Soil) -> list[str]:
+    """Return the law of each layer, or that of the one soil."""
+    return [each.law or soil.yield_surface for each in soil.layers] or [soil.yield_surface]
+
+
+def given_keys(table: Soil | Layer) -> set[str]:
+    """Return the keys that a table gives itself."""
+    names = type(table).model_fields
+    return {name for name in names if name in table.model_fields_set and getattr(table, name) is not None}
+
+
+def key_clashes(soil: Soil) -> Iterator[Clash]:
+    """Check that [soil] and every layer have the keys of their law, each value once."""
+    laws = laws_of(soil)
+    kinds = {SOIL_LAWS[law].total_stress for law in laws}
+    if len(kinds) == 1:
+        yield from _foreign(("soil",), given_keys(soil), laws[0])
+    yield from _one_stiffness(("soil",), given_keys(soil))
+    for number, layer in enumerate(soil.layers):
+        here: KeyPath = ("soil", "layer", number)
+        yield from _foreign(here, given_keys(layer), laws[number])
+        yield from _one_stiffness(here, given_keys(layer))
+    if soil.layers:
+        for name in given_keys(soil):
+            if isinstance(getattr(soil, name), ByDepth):
+                yield Clash((("soil", name),), "a table by depth stands in a layer where there are layers")
+    yield from _missing(soil, laws)
+
+
+def _foreign(here: KeyPath, given: set[str], law: str) -> Iterator[Clash]:
+    """Give the keys that the law does not use: friction of a clay in total stress, strength su of another law."""
+    clay = SOIL_LAWS[law].total_stress
+    for name in FRICTION_KEYS if clay else CLAY_KEYS:
+        if name in given:
+            wanted = "its strength is undrained_shear_strength" if clay else 'su is that of "tresca" or "von-mises"'
+            yield Clash(((*here, name),), f'is not used by law "{law}": {wanted}')
+
+
+def _one_stiffness(here: KeyPath, given: set[str]) -> Iterator[Clash]:
+    several = [name for name in STIFFNESSES if name in given]
+    if len(several) > 1:
+        yield Clash(tuple((*here, name) for name in reversed(several)), f"give one of {', '.join(several)}")
+
+
+def _missing(soil: Soil, laws: list[str]) -> Iterator[Clash]:
+    """Give clay in total stress without a strength or a stiffness."""
+    stiff = given_keys(soil) & {*STIFFNESSES}
+    for number, law in enumerate(laws):
+        if not SOIL_LAWS[law].total_stress:
+            continue
+        layer = soil.layers[number] if soil.layers else None
+        here: KeyPath = ("soil", "layer", number) if layer else ("soil",)
+        given = given_keys(layer) if layer else given_keys(soil)
+        place = ((*here, "law" if layer else "yield_surface"), ("soil", "yield_surface"))
+        own = layer.undrained_shear_strength if layer else None  # type: ignore[attr-defined]
+        strength = soil.undrained_shear_strength if own is None else own
+        if strength is None or strength == 0.0:
+            text = f'missing; law "{law}" needs it' if strength is None else "0: a soil without strength"
+            yield Clash(((*here, "undrained_shear_strength"), ("soil", "undrained_shear_strength"), *place), text)
+        if not (stiff or given & {*STIFFNESSES}):
+            text = f'missing; law "{law}" needs it, or shear_modulus, or young_modulus'
+            yield Clash(((*here, "rigidity_ratio"), *place), text)

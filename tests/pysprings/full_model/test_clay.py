@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: MIT
+"""Runs in undrained clay, in both discretisations: springs that balance, capacities, sand over clay, opening."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pysprings import Scene
+from pysprings.full_model.compute import compute
+from pysprings.model.contact import SURFACE
+from pysprings.model.discretise import build
+from pysprings.model.forecast.omissions import left_out
+from pysprings.springs.extract import extract_springs
+from pysprings.springs.sums import balance
+from tests.support import tiny
+
+CLAY: dict[str, Any] = {
+    "yield_surface": "tresca", "undrained_shear_strength": {"top": 5e3, "gradient": 2e3}, "rigidity_ratio": 200.0,
+    "effective_unit_weight": 6e3, "surcharge": 0.0,
+}  # fmt: skip
+BONDED = {"adhesion_factor": 1.0, "opening": "bonded"}
+MESHES = ["hex8", "fourier"]
+
+
+def clay(discretisation: str = "fourier", soil: dict | None = None, **sections: Any) -> Scene:
+    mesh = {"discretisation": discretisation, "refinement": 0.4 if discretisation == "hex8" else 1.0}
+    given = {"interface": BONDED, "paths": (tiny.PULL,)} | sections
+    return Scene(**{**tiny.SECTIONS, "mesh": mesh, "soil": CLAY | (soil or {}), **given})
+
+
+@pytest.mark.parametrize("discretisation", MESHES)
+@pytest.mark.parametrize("law", ["tresca", "von-mises"])
+def test_a_pull_in_clay_has_springs_that_balance(discretisation, law):
+    pull = {**tiny.PULL, "lateral_displacement": 20e-3}
+    result = compute(clay(discretisation, {"yield_surface": law}, paths=(pull,))).recorded()
+    assert result.attrs["status"] == "complete"
+    assert result.attrs["drainage"] == "total-stress"
+    springs = extract_springs(result)
+    assert springs.attrs["drainage"] == "total-stress"
+    assert max(balance(springs["paths/pull"].to_dataset()).values()) < 1e-8
+    assert np.all(np.diff(result["paths/pull"]["H"]) > 0.0)
+
+
+def capacity(scene: Scene) -> float:
+    """Vertical load at the end of a path, N."""
+    return float(compute(scene).tree["paths/down"]["V"][-1])
+
+
+def test_adhesion_bounds_the_pull_out_of_a_vented_caisson():
+    """Lid and tip open, so that each wall carries alpha su, less the ends of the inner wall, which open."""
+    up = {"name": "down", "kind": "vertical", "vertical_displacement": -60e-3}
+    alpha = {"outside": 0.6, "inside": 0.3, "lid": 0.0, "tip": 0.0}
+    soil = {"surcharge": 20e3}  # no wall comes near to opening
+    scene = clay(soil=soil, interface={"adhesion_factor": alpha, "opening": "vented"}, paths=(up,))
+    c = scene.caisson
+    inner = c.outer_diameter - 2.0 * c.skirt_thickness
+    mean = 5e3 + 2e3 * 0.5 * c.skirt_length
+    wanted = np.pi * c.skirt_length * mean * (0.6 * c.outer_diameter + 0.3 * inner)
+    assert capacity(scene) == pytest.approx(-wanted, rel=0.02)
+
+
+def test_a_sealed_lid_carries_suction_and_a_vented_one_none():
+    up = {"name": "down", "kind": "vertical", "vertical_displacement": -60e-3}
+    lids = {}
+    for lid in ("vented", "sealed"):
+        opening = {"outside": "vented", "inside": "vented", "lid": lid, "tip": "vented"}
+        result = compute(clay(interface={"adhesion_factor": 0.6, "opening": opening}, paths=(up,))).tree
+        lids[lid] = float(result["paths/down"]["V_lid"][-1])
+    assert lids["vented"] == pytest.approx(0.0, abs=1.0)
+    assert lids["sealed"] < -0.5e6
+
+
+@pytest.mark.parametrize("discretisation", MESHES)
+def test_contact_follows_the_layers_and_surfaces(discretisation):
+    layers = [
+        {"top": 0.0, "law": "drucker-prager", "cohesion": 2e3, "young_modulus": 40e6},
+        {"top": 2.0, "undrained_shear_strength": {"top": 20e3, "bottom": 70e3}},
+    ]
+    opening = {"outside": "vented", "inside": "sealed", "lid": "bonded", "tip": "sealed"}
+    scene = clay(
+        discretisation, {"layers": layers, "undrained_shear_strength": 20e3},
+        interface={"adhesion_factor": 0.5, "opening": opening}, drainage={"water_depth": 10.0},
+    )  # fmt: skip
+    model = build(scene).model
+    law, stations = model.contact_laws[0], model.stations
+    at = {name: law.parameters.index(name) for name in ("mu", "adhesion", "tension")}
+    depth, wall = stations.position[:, 2], stations.surface != SURFACE["lid"]
+    sand, deep = (depth < 1.9) & wall, depth > 2.1
+    assert np.all(model.contact[sand, at["mu"]] == 0.5)
+    assert np.allclose(model.contact[sand, at["adhesion"]], 1e3)
+    assert np.all(model.contact[deep, at["mu"]] == 0.0)
+    assert np.allclose(model.contact[deep, at["adhesion"]], 0.5 * (20e3 + 5e3 * (depth[deep] - 2.0)))
+    tension = model.contact[:, at["tension"]]
+    assert np.all(tension[stations.surface == SURFACE["outer"]] == 0.0)
+    assert np.all(np.isinf(tension[stations.surface == SURFACE["lid"]]))
+    inside = stations.surface == SURFACE["inner"]
+    assert np.all(tension[inside & sand] == 0.0)  # drained sand holds no suction
+    assert np.allclose(tension[inside & deep], 101325.0 - 2339.0 + 9.81e3 * (10.0 + depth[inside & deep]))
+
+
+@pytest.mark.parametrize("discretisation", MESHES)
+def test_a_pull_in_sand_over_clay_has_springs_that_balance(discretisation):
+    layers = [
+        {"top": 0.0, "law": "drucker-prager", "young_modulus": 40e6, "friction_angle_initial": "auto"},
+        {"top": 2.0, "undrained_shear_strength": 30e3},
+    ]
+    soil = {"layers": layers, "undrained_shear_strength": 20e3, "surcharge": 5e3}
+    pull = {**tiny.PULL, "lateral_displacement": 5e-3}
+    result = compute(clay(discretisation, soil, interface={"adhesion_factor": 0.5}, paths=(pull,))).recorded()
+    assert result.attrs["status"] == "complete"
+    assert result.attrs["drainage"] == "drained, total-stress"
+    assert max(balance(extract_springs(result)["paths/pull"].to_dataset()).values()) < 1e-8
+
+
+def test_mobilisation_softens_the_first_part_of_a_pull():
+    loads = []
+    for half in (None, 0.01):
+        pull = {**tiny.PULL, "lateral_displacement": 5e-3}
+        result = compute(clay(soil={"strain_at_half_strength": half}, paths=(pull,))).tree["paths/pull"]
+        loads.append(float(result["H"][-1]))
+    assert 0.2 * loads[0] < loads[1] < 0.9 * loads[0]
+
+
+def test_a_load_beyond_the_capacity_stops_at_a_limit_load():
+    load = {"name": "storm", "kind": "load", "lateral_force": 5e6}
+    result = compute(clay(paths=(load,)))
+    assert [reason.value for reason in result.record.reasons] == ["limit load"]
+
+
+def test_omissions_tell_why_there_is_no_water():
+    texts = [f"{each.what}: {each.why}" for each in left_out(clay())]
+    assert any("pore pressure" in text and "total stress" in text for text in texts)

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: MIT
+"""Undrained clay in a scene: values by depth, what is refused, text and numbers of a scene, adhesion factors."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.model.forecast.profile import profile, unusual_values
+from pysprings.scene.ground import drainage_of, ground_of
+from pysprings.scene.interface import api_factor
+from pysprings.scene.load import Scene, parse_scene
+
+CLAY = """\
+[soil]
+yield_surface = "tresca"
+undrained_shear_strength = { top = "5 kPa", gradient = "2 kPa/m" }
+rigidity_ratio = 200
+effective_unit_weight = "6 kN/m^3"
+surcharge = "0 kPa"
+[interface]
+adhesion_factor = 0.65
+opening = { outside = "vented", inside = "sealed", lid = "sealed", tip = "bonded" }
+"""
+SAND_OVER_CLAY = """\
+[soil]
+K0 = 0.6
+friction_angle_initial = "auto"
+[interface]
+adhesion_factor = "api"
+[[soil.layer]]
+top = "0 m"
+name = "sand"
+young_modulus = "60 MPa"
+[[soil.layer]]
+top = "2 m"
+name = "clay"
+law = "von-mises"
+drainage = "total-stress"
+undrained_shear_strength = { top = "40 kPa", bottom = "60 kPa" }
+shear_modulus = { reference = "5 MPa", reference_depth = "2 m", exponent = 1 }
+strain_at_half_strength = 0.01
+"""
+
+
+def messages(text: str) -> list[str]:
+    with pytest.raises(UserInputError) as refused:
+        parse_scene(text)
+    return [str(problem) for problem in refused.value.problems]
+
+
+def test_strength_and_stiffness_follow_the_depth():
+    ground, depth = ground_of(parse_scene(CLAY)), np.array([0.0, 3.0, 12.0])
+    assert ground.strength(depth) == pytest.approx(5e3 + 2e3 * depth)
+    wanted = 2.0 * 1.495 * 200.0 * (5e3 + 2e3 * depth)
+    assert ground.value("young_modulus", depth) == pytest.approx(wanted, rel=1e-12)
+    assert not ground.is_uniform
+
+
+@pytest.mark.parametrize(
+    ("given", "young"),
+    [
+        ("rigidity_ratio = 100", 2.0 * 1.495 * 100.0 * 9e3),
+        ('shear_modulus = "2 MPa"', 2.0 * 1.495 * 2e6),
+        ('young_modulus = "7 MPa"', 7e6),
+        ('shear_modulus = { top = "1 MPa", gradient = "1 MPa/m" }', 2.0 * 1.495 * 3e6),
+    ],
+)
+def test_one_of_three_keys_gives_the_stiffness(given, young):
+    ground = ground_of(parse_scene(CLAY.replace("rigidity_ratio = 200", given)))
+    assert float(ground.value("young_modulus", np.array(2.0))) == pytest.approx(young, rel=1e-12)
+
+
+def test_clay_holds_its_volume_unless_a_ratio_is_given():
+    assert parse_scene(CLAY).soil.poisson_ratio == 0.495
+    assert parse_scene(CLAY.replace("[soil]", "[soil]\npoisson_ratio = 0.45")).soil.poisson_ratio == 0.45
+    scene = parse_scene(SAND_OVER_CLAY)
+    ground = ground_of(scene)
+    assert ground.value("poisson_ratio", np.array([1.0, 3.0])).tolist() == [0.3, 0.495]
+    one = parse_scene(SAND_OVER_CLAY.replace("[soil]", "[soil]\npoisson_ratio = 0.4"))
+    assert ground_of(one).value("poisson_ratio", np.array([1.0, 3.0])).tolist() == [0.4, 0.4]
+
+
+@pytest.mark.parametrize("text", [CLAY, SAND_OVER_CLAY])
+def test_scenes_of_clay_come_through_text_and_numbers(text):
+    scene = parse_scene(text)
+    for twin in (parse_scene(scene.to_toml()), scene.replace(title=scene.title), Scene(**scene.model_dump())):
+        assert twin == scene
+        assert twin.sha256 == scene.sha256
+
+
+def test_every_new_key_counts_in_the_number_of_a_scene():
+    numbers = {parse_scene(CLAY).sha256}
+    for old, new in (
+        ("2 kPa/m", "3 kPa/m"), ("200", "201"), ("0.65", "0.6"), ('lid = "sealed"', 'lid = "bonded"'),
+        ("tresca", "von-mises"), ("rigidity", "strain_at_half_strength = 0.01\nrigidity"),
+    ):  # fmt: skip
+        assert old in CLAY
+        numbers.add(parse_scene(CLAY.replace(old, new, 1)).sha256)
+    assert len(numbers) == 7
+
+
+def test_water_of_a_layer_is_that_of_its_law():
+    assert drainage_of(parse_scene(CLAY)) == "total-stress"
+    assert drainage_of(parse_scene(SAND_OVER_CLAY)) == "drained, total-stress"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("rigidity", 'friction_angle_final = "30 deg"\nrigidity', r"^4:24: soil.friction_angle_final: is not used by"),
+        ('yield_surface = "tresca"', "", r"soil.undrained_shear_strength: is not used by law"),
+        ("rigidity_ratio = 200", "", r"^2:17: soil.rigidity_ratio: missing; law \"tresca\" needs it, or shear_modulus"),
+        ("rigidity", 'shear_modulus = "2 MPa"\nrigidity', r"^5:18: soil.rigidity_ratio: give one of shear_modulus"),
+        ("2 kPa/m", "-2 kPa/m", r"^3:28: soil.undrained_shear_strength: -\S+ kPa at a depth of \S+ m"),
+        ('{ top = "5 kPa", gradient = "2 kPa/m" }', '"0 kPa"', r"^3:28: soil.undrained_shear_strength: 0: a soil"),
+        ("adhesion_factor = 0.65", "", r"^7:1: interface.adhesion_factor: missing; undrained clay beside the caisson"),
+        ("0.65", '"apii"', r'adhesion_factor: expected a number or "api", got "apii" \(did you mean \'api\'\?\)'),
+        ("0.65", "{ outside = 2, inside = 0.5, lid = 1 }", r"adhesion_factor: tip: missing .*; outside: 2 is not in"),
+        ('lid = "sealed"', 'lid = "open"', r'interface.opening: lid: expected one of "vented", "sealed", "bonded"'),
+        ("rigidity", "strain_at_half_strength = 0.002\nrigidity", r"strain_at_half_strength: 0.002 must be at"),
+        ("rigidity", "K0 = 0.1\nrigidity", r"soil.K0: 0.1 puts an initial shear stress of \S+ kPa into a soil of str"),
+        ('"6 kN/m^3"', '"0 kN/m^3"\n', None),
+    ],
+)  # fmt: skip
+def test_clay_that_cannot_be_is_refused_with_its_place(old, new, message):
+    assert old in CLAY
+    text = CLAY.replace(old, new, 1)
+    if message is None:
+        assert parse_scene(text)
+        text, message = text.replace("0.65", '"api"'), r'adhesion_factor: "api" needs a vertical effective stress'
+    found = messages(text)
+    assert any(re.search(message, each) for each in found), found
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"total-stress"', '"drained"', r'^14:12: soil.layer\[1\].drainage: must be "total-stress"'),
+        ("[interface]", '[drainage]\nmode = "undrained"\n[interface]', r'drainage.mode: must be "drained": undr'),
+        ('name = "clay"', 'friction_angle_final = "30 deg"', r"soil.layer\[1\].friction_angle_final: is not used"),
+        ('name = "sand"', "rigidity_ratio = 100", r"soil.layer\[0\].rigidity_ratio: is not used by"),
+        ("K0 = 0.6", 'K0 = 0.6\nundrained_shear_strength = { top = "1 kPa", gradient = "1 kPa/m" }',
+         r"soil.undrained_shear_strength: a table by depth stands in a layer where there are layers"),
+        ('law = "von-mises"\n', "", r"soil.layer\[1\].undrained_shear_strength: is not used"),
+    ],
+)  # fmt: skip
+def test_sand_over_clay_that_cannot_be_is_refused(old, new, message):
+    assert old in SAND_OVER_CLAY
+    found = messages(SAND_OVER_CLAY.replace(old, new, 1))
+    assert any(re.search(message, each) for each in found), found
+
+
+def test_all_problems_of_clay_come_at_once():
+    text = SAND_OVER_CLAY.replace('"total-stress"', '"drained"').replace(
+        'young_modulus = "60 MPa"', "rigidity_ratio = 100"
+    )
+    text = text.replace('name = "clay"', 'cohesion = "5 kPa"').replace('adhesion_factor = "api"', "")
+    keys = [re.search(r": (\S+): ", each)[1] for each in messages(text)]
+    assert keys == [
+        "interface.adhesion_factor", "soil.layer[0].rigidity_ratio", "soil.layer[1].cohesion", "soil.layer[1].drainage",
+    ]  # fmt: skip
+
+
+def test_adhesion_in_sand_refers_to_its_cohesion():
+    text = '[interface]\nadhesion_factor = 0.8\n[soil]\ncohesion = "5 kPa"\n'
+    assert parse_scene(text)
+    (message,) = messages(text.replace('cohesion = "5 kPa"', ""))
+    assert "refers to undrained_shear_strength or cohesion" in message
+    assert any("has neither" in each for each in messages(text.replace("0.8", '"api"')))
+
+
+def test_the_api_factor_has_its_published_values():
+    """API RP 2GEO (2011), section 8.1.3: alpha = 0.5 psi^-0.5 for psi <= 1, 0.5 psi^-0.25 beyond, at most 1."""
+    strength = np.array([25.0, 50.0, 100.0, 400.0, 10.0, 0.0, 5.0])
+    stress = np.array([100.0, 100.0, 100.0, 25.0, 100.0, 10.0, 0.0])
+    wanted = [1.0, 0.5**0.5, 0.5, 0.25, 1.0, 1.0, 0.0]
+    assert api_factor(strength, stress) == pytest.approx(wanted)
+
+
+def test_check_prints_strength_and_adhesion_by_depth():
+    top, bottom = profile(parse_scene(CLAY))
+    assert (top["undrained_shear_strength_Pa"], bottom["undrained_shear_strength_Pa"]) == pytest.approx((5e3, 29e3))
+    assert bottom["shear_modulus_Pa"] == pytest.approx(200 * 29e3)
+    assert top["adhesion_factor_outside"] == 0.65
+    assert "friction_angle_deg" not in top
+    sand = profile(Scene())[0]
+    assert "adhesion_factor_outside" not in sand
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("= 200", "= 5000", "G/su of 5e+03"),
+        ("rigidity", "poisson_ratio = 0.4\nrigidity", "poisson_ratio below 0.48"),
+        ("2 kPa/m", "0.1 kPa/m", "su over the vertical effective stress of"),
+        ("0.65", "0.05", "adhesion factor inside of 0.05"),
+        ("5 kPa", "5 MPa", "is that of rock"),
+    ],
+)
+def test_unusual_clay_is_named(old, new, words):
+    assert not [text for text in unusual_values(parse_scene(CLAY)) if words in text]
+    assert old in CLAY
+    assert [text for text in unusual_values(parse_scene(CLAY.replace(old, new, 1))) if words in text]
+    assert unusual_values(Scene()) == []
