@@ -54,13 +54,13 @@ def record(mesh: str, end: float, mode: str = "drained") -> dict[str, Any]:
     return record_of(scene(mesh, end, mode))
 
 
-def record_of(wanted: Any) -> dict[str, Any]:
+def record_of(chosen: Any) -> dict[str, Any]:
     """Record (run.json) of the run of a scene in a process of its own."""
     from pysprings.studies.accuracy.child import run_in_child
-    from pysprings.studies.kept_runs import read_record
+    from pysprings.studies.stored_runs import read_record
 
     with tempfile.TemporaryDirectory() as folder:
-        run_in_child(wanted, Path(folder) / "run", lambda *_: None)
+        run_in_child(chosen, Path(folder) / "run", lambda *_: None)
         return read_record(Path(folder) / "run")
 
 
@@ -167,13 +167,13 @@ def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
     from pysprings.full_model import compute
 
     _recycle(start=start)
-    wanted = scene(mesh, 1.0 * MM)
+    chosen = scene(mesh, 1.0 * MM)
     if load:
         path = {"name": "load", "kind": "load", "lateral_force": 1.0e6, "arm": 2.0}
-        wanted = wanted.replace(paths=(path,))
+        chosen = chosen.replace(paths=(path,))
     for _ in range(1 if load else 2):
         begun = time.perf_counter()
-        record = compute.compute(wanted).record
+        record = compute.compute(chosen).record
         wall = time.perf_counter() - begun
     return wall, record.solver.factorisations, record.mesh.unknowns
 

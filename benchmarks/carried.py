@@ -84,14 +84,14 @@ def difference(one: Pushed, other: Pushed, names: tuple[str, ...] = (), last: bo
     """
     mine, theirs = one.rows, other.rows
     beside = {"H": "H", "V": "H", "M": "H", "m": "p", "t": "p", "shear": "normal_effective_stress"}
-    found = {}
+    largest = {}
     for name in names or tuple(mine):
         a, b = (rows[name][-1:] if last else rows[name] for rows in (mine, theirs))
         assert a.shape == b.shape, name
         floor = mine[beside.get(name.split("_")[0], name)]
         size = max(np.abs(part).max() for part in (a, b, floor))
-        found[name] = float(np.abs(a - b).max() / size) if size > 0.0 else 0.0
-    return found
+        largest[name] = float(np.abs(a - b).max() / size) if size > 0.0 else 0.0
+    return largest
 
 
 # --- both halves ---

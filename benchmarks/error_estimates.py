@@ -95,16 +95,16 @@ def scene_of(name: str, reach: float) -> Scene:
 def result_of(scene: Scene, folder: Path) -> Any:
     """The result of a scene: kept in the folder by this version, or run and kept now; PyspringsError where it stops."""
     file = folder / f"{scene.sha256[:16]}.nc"
-    found = read_tree(file) if file.exists() else None
-    if found is None or found.attrs["pysprings_version"] != version.__version__:
+    tree = read_tree(file) if file.exists() else None
+    if tree is None or tree.attrs["pysprings_version"] != version.__version__:
         done = compute(scene)
         if done.interrupted:
             raise KeyboardInterrupt
-        found = done.recorded()
-        write_tree(found, file)
-    if found.attrs["status"] != "complete":
-        raise PyspringsError("; ".join(json.loads(found.attrs["run_json"])["failures"]))
-    return found
+        tree = done.recorded()
+        write_tree(tree, file)
+    if tree.attrs["status"] != "complete":
+        raise PyspringsError("; ".join(json.loads(tree.attrs["run_json"])["failures"]))
+    return tree
 
 
 def lines_of(name: str, at: Sequence[str], truth: Sequence[str], reach: float, folder: Path) -> list[dict[str, Any]]:
@@ -115,23 +115,23 @@ def lines_of(name: str, at: Sequence[str], truth: Sequence[str], reach: float, f
         results = {text: result_of(on[text], folder) for text in truth}
     except PyspringsError as error:
         return [{"scene": name, "mesh": text, "why": f"no truth: {error}"} for text in at]
-    found = []
+    lines = []
     for text in at:
         line: dict[str, Any] = {"scene": name, "mesh": text}
         try:
             run = result_of(on[text], folder)
             coarse = result_of(two_mesh.coarser(on[text]), folder)
         except PyspringsError as error:
-            found.append(line | {"why": str(error)})
+            lines.append(line | {"why": str(error)})
             continue
         estimate = two_mesh.estimate(run, coarse, presets.orders())
         if not estimate["estimate_pct"]:
-            found.append(line | {"why": estimate["why_not"]})
+            lines.append(line | {"why": estimate["why_not"]})
             continue
         true, doubt = true_errors(run, list(results.values()))
         line |= {"estimate_pct": estimate["estimate_pct"], "true_pct": true, "truth_uncertain_pct": doubt}
-        found.append(line)
-    return found
+        lines.append(line)
+    return lines
 
 
 def true_errors(run: Any, series: Sequence[Any]) -> tuple[dict[str, float], dict[str, float]]:
@@ -147,8 +147,8 @@ def true_errors(run: Any, series: Sequence[Any]) -> tuple[dict[str, float], dict
     return _estimated(measures.worst(errors)), _estimated(measures.worst(doubts))
 
 
-def _estimated(found: Mapping[str, float]) -> dict[str, float]:
-    return {name: found[name] for name in two_mesh.ESTIMATED}
+def _estimated(errors: Mapping[str, float]) -> dict[str, float]:
+    return {name: errors[name] for name in two_mesh.ESTIMATED}
 
 
 def needed_safety(estimate: float, true: float, safety: float) -> float:
@@ -164,7 +164,7 @@ def coverage(lines: Sequence[dict[str, Any]]) -> dict[str, Any]:
     The truth is taken as it is: what it is uncertain by stands in the lines.
     """
     good = [line for line in lines if "why" not in line]
-    found: dict[str, Any] = {"estimates": len(good), "safety": two_mesh.SAFETY}
+    summary: dict[str, Any] = {"estimates": len(good), "safety": two_mesh.SAFETY}
     for name in two_mesh.ESTIMATED:
         needed = sorted(
             needed_safety(line["estimate_pct"][name], line["true_pct"][name], two_mesh.SAFETY)
@@ -172,13 +172,13 @@ def coverage(lines: Sequence[dict[str, Any]]) -> dict[str, Any]:
             if name in line["estimate_pct"] and math.isfinite(line["true_pct"][name])
         )
         if needed:
-            found[name] = {
+            summary[name] = {
                 "covered": sum(factor <= two_mesh.SAFETY for factor in needed),
                 "of": len(needed),
                 "safety_needed": needed[math.ceil(ASKED * len(needed)) - 1],
                 "largest_needed": needed[-1],
             }
-    return found
+    return summary
 
 
 def report(lines: Sequence[dict[str, Any]]) -> None:

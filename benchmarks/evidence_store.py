@@ -54,15 +54,15 @@ def read_tables(name: str, source: Path) -> dict[str, str]:
     text = source.read_text(encoding="utf-8")
     if source.suffix == ".csv":
         return {name: text}
-    found: dict[str, str] = {}
+    tables: dict[str, str] = {}
     for section, table in tables_in(text):
         first = stem = "-".join(filter(None, (name, section)))
         count = 1
-        while stem in found:
+        while stem in tables:
             count += 1
             stem = f"{first}-{count}"
-        found[stem] = to_csv(table)
-    return found
+        tables[stem] = to_csv(table)
+    return tables
 
 
 def store(name: str, tables: Mapping[str, str], command: str, note: str = "", data: Path = DATA) -> list[Path]:

@@ -26,12 +26,12 @@ Graph = dict[str, set[str]]
 
 def sources(root: Path) -> dict[str, Path]:
     """Return the modules of both packages by dotted name."""
-    found = {}
+    modules = {}
     for package in PACKAGES:
         for file in sorted((root / package).rglob("*.py")):
             parts = file.relative_to(root).with_suffix("").parts
-            found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
-    return found
+            modules[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
+    return modules
 
 
 def import_graph(modules: Mapping[str, Path]) -> Graph:
@@ -62,7 +62,7 @@ def circles(graph: Graph) -> list[list[str]]:
     order: dict[str, int] = {}
     low: dict[str, int] = {}
     stack: list[str] = []
-    found: list[list[str]] = []
+    groups: list[list[str]] = []
 
     def visit(name: str) -> None:
         order[name] = low[name] = len(order)
@@ -77,7 +77,7 @@ def circles(graph: Graph) -> list[list[str]]:
             at = stack.index(name)
             group, stack[at:] = stack[at:], []
             if len(group) > 1:
-                found.append(sorted(group))
+                groups.append(sorted(group))
 
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, 10_000))
@@ -85,7 +85,7 @@ def circles(graph: Graph) -> list[list[str]]:
         if name not in order:
             visit(name)
     sys.setrecursionlimit(limit)
-    return found
+    return groups
 
 
 def room_graph(graph: Graph) -> Graph:
@@ -144,8 +144,8 @@ def _arguments(node: ast.FunctionDef) -> int:
 
 def files_that_name(modules: Mapping[str, Path], pattern: str, own: str) -> int:
     """Return how many modules mention a part, without the file of the part itself."""
-    found = re.compile(pattern, re.IGNORECASE)
-    return sum(file.name != own and bool(found.search(file.read_text(encoding="utf-8"))) for file in modules.values())
+    regex = re.compile(pattern, re.IGNORECASE)
+    return sum(file.name != own and bool(regex.search(file.read_text(encoding="utf-8"))) for file in modules.values())
 
 
 def _largest(parts: Iterator[tuple[int, str]]) -> str:

@@ -135,12 +135,12 @@ def main() -> None:
             shutil.rmtree(out)
             continue
         kills += n
-        found = max(difference(alone / name, out / name) for name in ("full_model.nc", "springs.nc"))
+        apart = max(difference(alone / name, out / name) for name in ("full_model.nc", "springs.nc"))
         resumed = json.loads((out / "run.json").read_text(encoding="utf-8"))["resumed"]
         at = ", ".join(f"{moment:.2f}" for moment in moments)
         went_on = "; ".join(part["from"] for part in resumed) or "anew"
-        print(f"{kind}, killed at {at} of its time; from {went_on}: {found:.1e}", flush=True)
-        number, resumes, worst, equal = number + 1, resumes + len(resumed), max(worst, found), equal + (found <= 1e-10)
+        print(f"{kind}, killed at {at} of its time; from {went_on}: {apart:.1e}", flush=True)
+        number, resumes, worst, equal = number + 1, resumes + len(resumed), max(worst, apart), equal + (apart <= 1e-10)
         shutil.rmtree(out)
     print(f"{given.runs} runs, {kills} kills, {resumes} resumes from a checkpoint of a path; ", end="")
     print(f"{equal} equal to the run left alone, largest difference {worst:.1e}")

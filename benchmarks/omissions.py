@@ -48,7 +48,7 @@ class Cost:
     unknowns: int
     factor_bytes: int
     field_bytes: int
-    kept_bytes: int
+    output_bytes: int
     factorisations: int
     push: float
     assembly: float
@@ -120,21 +120,21 @@ def _factor_bytes(built: Built, symmetric: bool | None) -> int:
     solver = LinearSolver("auto", system.pattern.n_free, equilibrate=wet, symmetric=half)
     solver.factorise(system.linearise(State(built.model), True)[2].matrix)
     inside: Any = getattr(solver.backend, "_solver", None)
-    found = 0 if inside is None else 1000 * int(inside.iparm[_FACTOR_KILOBYTES])
+    size = 0 if inside is None else 1000 * int(inside.iparm[_FACTOR_KILOBYTES])
     solver.close()
-    return found
+    return size
 
 
 def contact_seconds(preset: str) -> dict[str, float]:
     """Processor time (s) of one residual and tangent of the smooth interface, with and without shear; and of all."""
     scene = Scene(mesh={"preset": preset}, **carried.SMOOTH)
-    found = {}
+    seconds = {}
     for name, built in (("without", build_model(scene)), ("with", carried.with_shear(scene))):
         system, state = System(built.model), State(built.model)
         free, border = np.zeros(system.pattern.n_free), np.zeros(3)
-        found[name] = _least(lambda s=system, t=state, f=free, b=border: s._contact(t, f, b, 0.0))  # type: ignore[misc]
-        found[f"linearise, {name}"] = _least(lambda s=system, t=state: s.linearise(t, True))  # type: ignore[misc]
-    return found
+        seconds[name] = _least(lambda s=system, t=state, f=free, b=border: s._contact(t, f, b, 0.0))  # type: ignore[misc]
+        seconds[f"linearise, {name}"] = _least(lambda s=system, t=state: s.linearise(t, True))  # type: ignore[misc]
+    return seconds
 
 
 def _least(work: Callable[[], object], repeats: int = 20) -> float:
@@ -148,17 +148,17 @@ def _least(work: Callable[[], object], repeats: int = 20) -> float:
 
 
 _COLUMNS = {
-    "unknowns": "unknowns", "factor_bytes": "factors [MB]", "field_bytes": "fields [MB]", "kept_bytes": "kept [MB]",
+    "unknowns": "unknowns", "factor_bytes": "factors [MB]", "field_bytes": "fields [MB]", "output_bytes": "kept [MB]",
     "factorisations": "factorised", "push": "CPU [s]",
 }  # fmt: skip
 _RATIOS = {"push": "all", "assembly": "assembly", "factorisation": "factorise", "output": "output"}
 
 
-def table(found: dict[str, tuple[Cost, Cost]]) -> str:
+def table(costs: dict[str, tuple[Cost, Cost]]) -> str:
     """Each case: what it has and takes without and with it, and ratios with/without of the processor time."""
     head = f"{'left out':30}" + "".join(f"{title:>16}" for title in _COLUMNS.values())
     lines = [head + "".join(f"{'x ' + title:>12}" for title in _RATIOS.values())]
-    for what, (without, with_it) in found.items():
+    for what, (without, with_it) in costs.items():
         cells = [_pair(without, with_it, name) for name in _COLUMNS]
         ratios = [getattr(with_it, name) / max(getattr(without, name), 1e-9) for name in _RATIOS]
         lines.append(f"{what:30}" + "".join(f"{c:>16}" for c in cells) + "".join(f"{r:12.2f}" for r in ratios))

@@ -12,8 +12,8 @@ from pysprings.studies.paper import reference, runs
 
 def commit_date() -> str:
     """Date of the commit that the results come from; "unknown" outside a repository."""
-    asked = ["git", "log", "-1", "--format=%cI"]
-    done = subprocess.run(asked, capture_output=True, text=True, check=False)
+    command = ["git", "log", "-1", "--format=%cI"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     return done.stdout.strip() or "unknown"
 
 
@@ -23,9 +23,9 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help=f"folder of `{reference.COMMAND}`")
     parser.add_argument("--to", type=Path, default=Path("data/reference"), help="where the references are")
     given = parser.parse_args()
-    ended = runs.load_runs(given.folder, reference.MESH, reference.kept_cases())
+    ended = runs.load_runs(given.folder, reference.MESH, reference.reference_cases())
     origin = {"command": f"{reference.COMMAND}; python -m benchmarks.paper_reference", "commit_date": commit_date()}
-    for case in reference.kept_cases():
+    for case in reference.reference_cases():
         if case.name not in ended or not ended[case.name].complete:
             raise SystemExit(f"{given.folder}: the run {case.name} is not there, or not complete")
         print(reference.write(ended[case.name], given.to, origin))

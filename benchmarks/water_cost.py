@@ -28,14 +28,14 @@ def record(mode: str, preset: str, end: float) -> dict[str, Any]:
 def figures(run: dict[str, Any]) -> dict[str, float]:
     """What is compared."""
     path, solver = run["paths"]["pull"], run["solver"]
-    found = {
+    counts = {
         "unknowns": run["mesh"]["unknowns"],
         "increments": path["increments"],
         "factorisations": solver["factorisations"],
         "wall [s]": run["wall_s"],
         "CPU [s]": run["cpu_s"],
     }
-    return found | {f"{name}, CPU [s]": run["phases"][name]["cpu_s"] for name in PHASES}
+    return counts | {f"{name}, CPU [s]": run["phases"][name]["cpu_s"] for name in PHASES}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -62,13 +62,13 @@ def _digest_with(outside: tuple[Path, ...]) -> str:
 
 
 def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
-    """Compile a function of the engine at its first call, see `kept`; a decorator, with or without Numba's options."""
+    """Compile a function of the engine at its first call, see `cached`; a decorator, options of Numba are optional."""
     if function is None:
         return lambda decorated: njit(decorated, **options)
-    return kept(function, HOME, engine_digest(), **options)
+    return cached(function, HOME, engine_digest(), **options)
 
 
-def kept(function: Callable[..., Any], home: Path, sources: str, **options: Any) -> Any:
+def cached(function: Callable[..., Any], home: Path, sources: str, **options: Any) -> Any:
     """Compile a function at its first call, and keep the code for later processes where there is a place for it.
 
     Parameters
@@ -87,10 +87,10 @@ def kept(function: Callable[..., Any], home: Path, sources: str, **options: Any)
 @contextmanager
 def _numba_keeps_in(folder: Path) -> Iterator[None]:
     """Have functions that are decorated in the block keep their code in a folder; Numba chooses it there and then."""
-    wanted = {"CACHE_DIR": str(folder), "CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator"}
-    before = {name: getattr(numba.config, name, "") for name in wanted}
+    settings = {"CACHE_DIR": str(folder), "CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator"}
+    before = {name: getattr(numba.config, name, "") for name in settings}
     try:
-        for name, value in wanted.items():
+        for name, value in settings.items():
             setattr(numba.config, name, value)
         yield
     finally:

@@ -40,8 +40,8 @@ class SectionMesh:
     @property
     def on_axis(self) -> np.ndarray:
         """Whether each node (n,) lies on the axis of revolution."""
-        found: np.ndarray = self.nodes[:, 0] == 0.0
-        return found
+        at_zero: np.ndarray = self.nodes[:, 0] == 0.0
+        return at_zero
 
     def shortest_edge(self) -> float:
         """Length of the shortest edge, m."""
@@ -119,7 +119,7 @@ class FourierModel:
     def check(self) -> None:
         """Raise ModelError where the parts contradict each other."""
         ne, ns = self.mesh.n_elements, len(self.stations)
-        wanted = {
+        shapes = {
             "material": (self.material.shape, (ne,)),
             "initial_stress": (self.initial_stress.shape, (ne, elements.N_POINTS * self.azimuths, 6)),
             "fixed": (self.fixed.shape, (self.mesh.n_nodes, 3)),
@@ -128,9 +128,9 @@ class FourierModel:
             "stations.azimuth": (self.stations.azimuth.shape, (ns,)),
             "stations.nodes": (self.stations.nodes.shape, (ns, 1)),
         }
-        wanted |= material_shapes(self) | contact_shapes(self)
-        for name, (got, want) in wanted.items():
-            if got != want:
-                raise ModelError(f"{name} has shape {got}, expected {want}")
+        shapes |= material_shapes(self) | contact_shapes(self)
+        for name, (got, expected) in shapes.items():
+            if got != expected:
+                raise ModelError(f"{name} has shape {got}, expected {expected}")
         if self.azimuths <= self.harmonics:
             raise ModelError(f"{self.azimuths} azimuths cannot resolve {self.harmonics} harmonics: take more")

@@ -90,22 +90,22 @@ def history_size(model: HasSoil) -> int:
 
 def history_of(model: HasSoil, history: np.ndarray, name: str) -> np.ndarray:
     """Return a history variable (ne, np) by its name, 0 in elements whose law does not have it."""
-    found = np.zeros(history.shape[:2])
+    values = np.zeros(history.shape[:2])
     for number, each in enumerate(model.materials):
         if name in each.law.history:
             mine = model.material == number
-            found[mine] = history[mine, :, each.law.history.index(name)]
-    return found
+            values[mine] = history[mine, :, each.law.history.index(name)]
+    return values
 
 
 def material_shapes(model: HasSoil) -> Shapes:
     """Return the shapes of the materials' parameters beside those that they must have."""
-    found: Shapes = {}
+    shapes: Shapes = {}
     for number, each in enumerate(model.materials):
         shape, n = each.parameters.shape, len(each.law.parameters)
         rows = () if len(shape) == 1 else (int(np.count_nonzero(model.material == number)), *shape[1:-1][:1])
-        found[f"parameters of material {number} ({each.law.name})"] = shape, (*rows, n)
-    return found
+        shapes[f"parameters of material {number} ({each.law.name})"] = shape, (*rows, n)
+    return shapes
 
 
 def contact_rows(model: HasContact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -121,11 +121,11 @@ def contact_rows(model: HasContact) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 def contact_gaps(model: HasContact, normal_jump: np.ndarray) -> np.ndarray:
     """Return the openings (ns,) in m, 0 where stations are closed, from the normal jumps (ns,) since the start."""
-    found = np.zeros(len(normal_jump))
+    gaps = np.zeros(len(normal_jump))
     rows = np.broadcast_to(model.contact, (len(normal_jump), model.contact.shape[1]))
     for law, mine in _stations_by_law(model):
-        found[mine] = law.gap(rows[mine], model.initial_pressure[mine], normal_jump[mine])
-    return found
+        gaps[mine] = law.gap(rows[mine], model.initial_pressure[mine], normal_jump[mine])
+    return gaps
 
 
 def is_smooth(model: HasContact) -> bool:
@@ -137,10 +137,10 @@ def is_smooth(model: HasContact) -> bool:
 def contact_shapes(model: HasContact) -> Shapes:
     """Return the shapes of the contact's parameters and codes beside those that they must have."""
     ns, rows = len(model.initial_pressure), len(model.contact)
-    found: Shapes = {"contact": (model.contact.shape, (rows if rows == 1 else ns, _widest(model.contact_laws)))}
+    shapes: Shapes = {"contact": (model.contact.shape, (rows if rows == 1 else ns, _widest(model.contact_laws)))}
     if model.contact_law is not None:
-        found["contact_law"] = model.contact_law.shape, (ns,)
-    return found
+        shapes["contact_law"] = model.contact_law.shape, (ns,)
+    return shapes
 
 
 def _widest(laws: Sequence[ContactLaw]) -> int:

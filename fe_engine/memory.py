@@ -46,19 +46,19 @@ def require_for_blas(needed: float, threads: int, what: str) -> None:
 
 def cgroup_limits() -> list[float]:
     """Limits in bytes of the control groups of this process (Linux; versions 2 and 1), infinity where there is none."""
-    found = [math.inf]
+    limits = [math.inf]
     try:
         lines = _MY_GROUPS.read_text(encoding="ascii", errors="replace").splitlines()
     except OSError:
-        return found
+        return limits
     for line in lines:
         _, controllers, group = line.split(":", 2)
         if controllers not in ("", "memory"):
             continue
         base, name = (_CGROUP, "memory.max") if not controllers else (_CGROUP / "memory", "memory.limit_in_bytes")
         place = base / group.strip("/")
-        found += [_number_in(each / name) for each in (place, *place.parents) if each == base or base in each.parents]
-    return found
+        limits += [_number_in(each / name) for each in (place, *place.parents) if each == base or base in each.parents]
+    return limits
 
 
 def _number_in(file: Path) -> float:

@@ -138,28 +138,28 @@ class Model:
     def check(self) -> None:
         """Raise ModelError where the parts contradict each other."""
         ne, n = self.mesh.n_elements, self.mesh.n_nodes
-        wanted = {
+        shapes = {
             "material": (self.material.shape, (ne,)),
             "initial_stress": (self.initial_stress.shape, (ne, 8, 6)),
             "fixed": (self.fixed.shape, (n, 3)),
             "border_scale": (self.border_scale.shape, (self.n_border,)),
         }
         if self.stations is not None:
-            wanted["initial_pressure"] = (self.initial_pressure.shape, (len(self.stations),))
-            wanted |= contact_shapes(self)
+            shapes["initial_pressure"] = (self.initial_pressure.shape, (len(self.stations),))
+            shapes |= contact_shapes(self)
         if self.water is not None:
-            wanted["water.fixed"] = (self.water.fixed.shape, (n + self.n_film,))
-            wanted["water.initial"] = (self.water.initial.shape, (n + self.n_film,))
+            shapes["water.fixed"] = (self.water.fixed.shape, (n + self.n_film,))
+            shapes["water.initial"] = (self.water.initial.shape, (n + self.n_film,))
             if self.n_film and self.stations is None:
                 raise ModelError("a film needs the stations of an interface")
         if self.linear is not None:
             nl = len(self.linear.hexes)
-            wanted["linear.stiffness"] = (self.linear.stiffness.shape, (nl, 24, 24))
+            shapes["linear.stiffness"] = (self.linear.stiffness.shape, (nl, 24, 24))
             if skew := sorted(set(self.frames) & set(self.linear.hexes.ravel().tolist())):
                 raise ModelError(f"node {skew[0]} has axes of its own and a linear element; these have global axes")
-        wanted |= material_shapes(self)
-        for name, (got, want) in wanted.items():
-            if got != want:
-                raise ModelError(f"{name} has shape {got}, expected {want}")
+        shapes |= material_shapes(self)
+        for name, (got, expected) in shapes.items():
+            if got != expected:
+                raise ModelError(f"{name} has shape {got}, expected {expected}")
         if self.stations is not None and (skew := sorted(set(self.frames) & set(self.stations.nodes.ravel().tolist()))):
             raise ModelError(f"node {skew[0]} has axes of its own and a contact station; the stations read global axes")

@@ -65,11 +65,11 @@ def gather(nodes, new, old, out):
 
 
 @njit
-def soil_forces(soil, old, new, regime, want, tangent, force):
+def soil_forces(soil, old, new, regime, with_tangent, tangent, force):
     """Add the forces of the soil to force (n, 3, K); ``old`` and ``new`` are SoilState.
 
-    Where ``want``, tangent (ne, 4 M, 6, 6) gets what the points that are not elastic have beyond the elastic tangent,
-    times the volume of the point. Returns -1, or the number of an element whose law did not converge.
+    With ``with_tangent``, tangent (ne, 4 M, 6, 6) gets what the points that are not elastic have beyond the elastic
+    tangent, times the volume of the point. Returns -1, or the number of an element whose law did not converge.
     """
     n_azimuths, n_waves = soil.waves.shape[0], soil.waves.shape[1]
     move = np.empty((8, 3, n_waves))
@@ -89,14 +89,14 @@ def soil_forces(soil, old, new, regime, want, tangent, force):
                 strain_at(strains, soil.waves[j], strain)
                 before = Point(old.stress[e, point], old.history[e, point])
                 after = Point(new.stress[e, point], new.history[e, point])
-                status, what = update_soil(code, p, strain, before, after, c, want)
+                status, what = update_soil(code, p, strain, before, after, c, with_tangent)
                 if status != OK:
                     return e
                 regime[e, point] = what
                 for i in range(6):
                     change[i] = after.stress[i] - soil.initial_stress[e, point, i]
                 add_amplitudes(change, soil.waves[j], volume, stresses)
-                if want and what != REGIME_ELASTIC:
+                if with_tangent and what != REGIME_ELASTIC:
                     subtract_elastic_tangent(bulk, shear, c)
                     for i in range(6):
                         for m in range(6):
@@ -156,10 +156,10 @@ def soil_work(soil, old, new):
                 for i in range(6):
                     done += 0.5 * (old.stress[e, point, i] + new.stress[e, point, i]) * strain[i]
                     begun += soil.initial_stress[e, point, i] * strain[i]
-                kept = stored_density(bulk, shear, new.stress[e, point])
-                kept -= stored_density(bulk, shear, old.stress[e, point])
-                stored += volume * kept
-                dissipated += volume * (done - kept)
+                change = stored_density(bulk, shear, new.stress[e, point])
+                change -= stored_density(bulk, shear, old.stress[e, point])
+                stored += volume * change
+                dissipated += volume * (done - change)
                 initial += volume * begun
     return stored, dissipated, initial
 

@@ -30,14 +30,14 @@ from fe_engine.state import Fields, State
 class FourierPattern:
     """Equations of the coefficients: all of them, (n, 3, K) in a row, those that are held with nothing in theirs.
 
-    held : (n, 3, K) bool; n_unknowns : number of the others. kept, interface : (nk,) nodes with stations and (m,)
+    held : (n, 3, K) bool; n_unknowns : number of the others. retained, interface : (nk,) nodes with stations and (m,)
     equations of what they have free; ``place`` (n, 3, K) is where a coefficient stands among these, or -1.
     On the axis u_r = U cos(theta) and u_theta = -U sin(theta): V is held there, and follows U.
     """
 
     held: np.ndarray
     axis: np.ndarray
-    kept: np.ndarray
+    retained: np.ndarray
     interface: np.ndarray
     place: np.ndarray
 
@@ -117,17 +117,17 @@ class FourierSystem:
         waves = range(model.harmonics + 1)
         stiffness = np.array([elements.stiffness(gradient, volume, tangent, k) for k in waves])
         _hold(stiffness, p.held[model.mesh.quads], p.axis[model.mesh.quads])
-        return HarmonicFactors(model.mesh.quads, p.kept, stiffness, p.held)
+        return HarmonicFactors(model.mesh.quads, p.retained, stiffness, p.held)
 
     def _interface_stiffness(self) -> np.ndarray:
         """What the elimination of the soil at rest leaves to the interface (m, m)."""
-        place = self.pattern.place[self.pattern.kept]
-        found = np.zeros((len(self.pattern.interface),) * 2)
+        place = self.pattern.place[self.pattern.retained]
+        dense = np.zeros((len(self.pattern.interface),) * 2)
         for k, matrix in enumerate(self.factors.schur):
             at = place[..., k].ravel()
             free = at >= 0
-            found[np.ix_(at[free], at[free])] = matrix[np.ix_(free, free)]
-        return found
+            dense[np.ix_(at[free], at[free])] = matrix[np.ix_(free, free)]
+        return dense
 
     def apply(self, state: State, free: np.ndarray, border: np.ndarray) -> None:
         """Set the trial displacement to the committed one plus the increments (n_free,), (nb,)."""
@@ -154,11 +154,11 @@ class FourierSystem:
             linear = Residual(self.pattern.folded(forces), border, judged.contact_norm, *_counts(judged))
             return judged, linear, FourierTangent(self._iterate.tangent.copy(), self._plastic, self.regime.copy())
 
-    def _soil(self, state: State, want: bool) -> np.ndarray:
+    def _soil(self, state: State, with_tangent: bool) -> np.ndarray:
         """Forces (n, 3, K) of the soil; what yields goes into the tangent if wanted."""
         old, new = (SoilState(f.displacement, f.stress, f.history) for f in (state.committed, state.trial))
         force = np.zeros(self.model.displacement_shape)
-        bad = kernels.soil_forces(self.soil, old, new, self.regime, want, self._plastic, force)
+        bad = kernels.soil_forces(self.soil, old, new, self.regime, with_tangent, self._plastic, force)
         if bad >= 0:
             r, z = self.model.mesh.nodes[self.model.mesh.quads[bad]].mean(axis=0)
             raise LawError(f"soil law did not converge in element {bad} at r={r:.3f}, z={z:.3f} m")
@@ -206,8 +206,8 @@ class FourierSystem:
 
     def jumps(self, fields: Fields) -> np.ndarray:
         """Jumps (ns, 3) in m of all stations in their frames."""
-        found: np.ndarray = kernels.station_jumps(self.contact, fields.displacement, fields.border)
-        return found
+        jumps: np.ndarray = kernels.station_jumps(self.contact, fields.displacement, fields.border)
+        return jumps
 
     def gaps(self, fields: Fields) -> np.ndarray:
         """Openings (ns,) in m of all stations, 0 where they are closed."""
@@ -216,8 +216,8 @@ class FourierSystem:
     def solid_work(self, old: Fields, new: Fields) -> tuple[float, float, float]:
         """Work (J) of the soil from one state to the next: stored, dissipated, and of the initial stress."""
         states = (SoilState(f.displacement, f.stress, f.history) for f in (old, new))
-        found: tuple[float, float, float] = kernels.soil_work(self.soil, *states)
-        return found
+        work: tuple[float, float, float] = kernels.soil_work(self.soil, *states)
+        return work
 
     def elements_at(self, equations: np.ndarray) -> np.ndarray:
         """Elements that these equations belong to."""
@@ -268,14 +268,14 @@ def held_coefficients(mesh: SectionMesh, fixed: np.ndarray, harmonics: int) -> n
 def make_pattern(model: FourierModel) -> FourierPattern:
     """Number the equations."""
     axis, held = model.mesh.on_axis, held_coefficients(model.mesh, model.fixed, model.harmonics)
-    kept = np.unique(model.stations.nodes)
-    if axis[kept].any():
+    interface_nodes = np.unique(model.stations.nodes)
+    if axis[interface_nodes].any():
         raise ModelError("a station stands on the axis, where it has no area")
     place = np.full(held.shape, -1)
-    node, i, k = np.nonzero(~held[kept])
-    place[kept[node], i, k] = np.arange(len(node))
-    interface = np.ravel_multi_index((kept[node], i, k), held.shape)
-    return FourierPattern(held, axis, kept, interface, place)
+    node, i, k = np.nonzero(~held[interface_nodes])
+    place[interface_nodes[node], i, k] = np.arange(len(node))
+    interface = np.ravel_multi_index((interface_nodes[node], i, k), held.shape)
+    return FourierPattern(held, axis, interface_nodes, interface, place)
 
 
 def _hold(stiffness: np.ndarray, held: np.ndarray, axis: np.ndarray) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Factors of the matrices of all harmonics on one section, which have the same pattern of 3 x 3 blocks a pair of nodes.
 
-Each matrix is K = L D L^T with the kept nodes I last. All others are eliminated,
+Each matrix is K = L D L^T with the retained nodes I last. All others are eliminated,
 
     forward:  D^-1 L^-1 of the eliminated part, and the right-hand side that is left for I,
     backward: the eliminated unknowns from those of I,
@@ -28,27 +28,27 @@ class HarmonicFactors:
 
     Attributes
     ----------
-    kept : (nk,) nodes that are not eliminated; schur : (K, 3 nk, 3 nk), three rows a node.
+    retained : (nk,) nodes that are not eliminated; schur : (K, 3 nk, 3 nk), three rows a node.
     n_entries : numbers in the factors.
     """
 
-    def __init__(self, elements: np.ndarray, kept: np.ndarray, stiffness: np.ndarray, held: np.ndarray) -> None:
+    def __init__(self, elements: np.ndarray, retained: np.ndarray, stiffness: np.ndarray, held: np.ndarray) -> None:
         """Factorise.
 
         Parameters
         ----------
-        elements : (ne, nn) nodes; kept : (nk,) nodes that stay; stiffness : (K, ne, 3 nn, 3 nn) of each harmonic.
+        elements : (ne, nn) nodes; retained : (nk,) nodes that stay; stiffness : (K, ne, 3 nn, 3 nn) of each harmonic.
         held : (n, 3, K) bool, where a unit row and column stand; no stiffness may be there.
         """
         n_waves = len(stiffness)
         n = len(held)
-        self.kept, self.n_waves, self._n = kept, n_waves, n
-        self._node, self._pointer, self._row = _symbolic(elements, kept, n)
+        self.retained, self.n_waves, self._n = retained, n_waves, n
+        self._node, self._pointer, self._row = _symbolic(elements, retained, n)
         self._place = np.empty(n, dtype=np.int64)
         self._place[self._node] = np.arange(n)
-        self._n_eliminated = n - len(kept)
+        self._n_eliminated = n - len(retained)
         self._groups = []
-        self.schur = np.empty((n_waves, 3 * len(kept), 3 * len(kept)))
+        self.schur = np.empty((n_waves, 3 * len(retained), 3 * len(retained)))
         numbers = self._place[elements]
         for first in range(0, n_waves, LANES):
             ks = range(first, min(first + LANES, n_waves))
@@ -69,8 +69,8 @@ class HarmonicFactors:
         self.n_entries = sum(lower.size + inverse.size for _, _, lower, inverse in self._groups)
 
     def forward(self, rhs: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
-        """Eliminate rhs (n, 3, K): return what `backward` needs, and what is left (nk, 3, K) for the kept nodes."""
-        swept, left = [], np.empty((len(self.kept), 3, self.n_waves))
+        """Eliminate rhs (n, 3, K): return what `backward` needs, and what is left (nk, 3, K) for the retained nodes."""
+        swept, left = [], np.empty((len(self.retained), 3, self.n_waves))
         for first, count, lower, inverse in self._groups:
             x = np.zeros((self._n, 3, LANES))
             _put(self._node, rhs, first, count, x)
@@ -79,36 +79,36 @@ class HarmonicFactors:
             swept.append(x)
         return swept, left
 
-    def backward(self, swept: list[np.ndarray], kept: np.ndarray) -> np.ndarray:
-        """Return the unknowns (n, 3, K), those of the kept nodes (nk, 3, K) being known; uses up ``swept``."""
+    def backward(self, swept: list[np.ndarray], retained: np.ndarray) -> np.ndarray:
+        """Return the unknowns (n, 3, K), those of the retained nodes (nk, 3, K) being known; uses up ``swept``."""
         out = np.empty((self._n, 3, self.n_waves))
         for (first, count, lower, _), x in zip(self._groups, swept, strict=True):
-            x[self._n_eliminated :, :, :count] = kept[:, :, first : first + count]
+            x[self._n_eliminated :, :, :count] = retained[:, :, first : first + count]
             _backward(self._n_eliminated, self._pointer, self._row, lower, x)
             _take(self._node, x, first, count, out)
         return out
 
     def _dense(self, diagonal: np.ndarray, lower: np.ndarray) -> np.ndarray:
         """Schur complement (3 nk, 3 nk) of one lane."""
-        m, size = self._n_eliminated, len(self.kept)
-        found = np.zeros((size, 3, size, 3))
+        m, size = self._n_eliminated, len(self.retained)
+        dense = np.zeros((size, 3, size, 3))
         for j in range(size):
-            found[j, :, j] = diagonal[m + j]
+            dense[j, :, j] = diagonal[m + j]
             entries = slice(self._pointer[m + j], self._pointer[m + j + 1])
             rows = self._row[entries] - m
-            found[rows, :, j] = lower[entries]
-            found[j, :, rows] = lower[entries].transpose(0, 2, 1)
-        return found.reshape(3 * size, 3 * size)
+            dense[rows, :, j] = lower[entries]
+            dense[j, :, rows] = lower[entries].transpose(0, 2, 1)
+        return dense.reshape(3 * size, 3 * size)
 
 
-def _symbolic(elements: np.ndarray, kept: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _symbolic(elements: np.ndarray, retained: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Node at each place of the elimination, and the rows (CSC, strictly below the diagonal) of each column of L."""
     graph = _graph(elements, n)
     last = np.zeros(n, dtype=bool)
-    last[kept] = True
+    last[retained] = True
     inner = np.flatnonzero(~last)
     order = splu(graph[inner][:, inner], permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=_SYMMETRIC).perm_c
-    sequence = np.concatenate([inner[np.argsort(order)], kept])
+    sequence = np.concatenate([inner[np.argsort(order)], retained])
     factors = splu(graph[sequence][:, sequence], permc_spec="NATURAL", diag_pivot_thresh=0.0, options=_SYMMETRIC)
     # SuperLU numbers a natural order anew, along the tree in which columns depend on each other
     moved = np.argsort(factors.perm_c)

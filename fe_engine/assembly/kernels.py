@@ -87,7 +87,7 @@ def gather(nodes, new, old, frame_of, table, out):
 
 
 @njit
-def _to_nodal_axes(nodes, frame_of, table, force, stiffness, want):
+def _to_nodal_axes(nodes, frame_of, table, force, stiffness, with_tangent):
     """Turn force (24,) and stiffness (24, 24) into the nodal axes of skew nodes."""
     t = np.empty(3)
     for a in range(8):
@@ -98,7 +98,7 @@ def _to_nodal_axes(nodes, frame_of, table, force, stiffness, want):
             t[i] = table[f, i, 0] * force[3 * a] + table[f, i, 1] * force[3 * a + 1] + table[f, i, 2] * force[3 * a + 2]
         for i in range(3):
             force[3 * a + i] = t[i]
-        if not want:
+        if not with_tangent:
             continue
         for c in range(24):
             for i in range(3):
@@ -117,7 +117,7 @@ def _to_nodal_axes(nodes, frame_of, table, force, stiffness, want):
 
 
 @njit
-def _chunk(start, first, last, elements, old, new, want, blocks):
+def _chunk(start, first, last, elements, old, new, with_tangent, blocks):
     """Write forces and plastic stiffnesses of the elements ``start + first`` up to ``start + last`` into their slots.
 
     Updates their trial stress and history. One call for several elements: a call with so many arrays costs as much as
@@ -136,14 +136,14 @@ def _chunk(start, first, last, elements, old, new, want, blocks):
         e = start + slot
         gradient, mean_gradient, volume, initial_stress = gradients[e], mean_gradients[e], volumes[e], rest[e]
         stress_old, history_old, stress, history = old.stress[e], old.history[e], new.stress[e], new.history[e]
-        force, stiffness, regime, changed = forces[slot], stiffnesses[slot if want else 0], regimes[e], False
+        force, stiffness, regime, changed = forces[slot], stiffnesses[slot if with_tangent else 0], regimes[e], False
         gather(hexes[e], new.displacement, old.displacement, frame_of, frames, move)
         force[:] = 0.0
         for g in range(8):
             row = row_of(moduli, g)
             strain_at(gradient[g], mean_gradient, move, strain)
             before, after = Point(stress_old[g], history_old[g]), Point(stress[g], history[g])
-            status, what = update_soil(laws[e], parameters[e, row], strain, before, after, tangent, want)
+            status, what = update_soil(laws[e], parameters[e, row], strain, before, after, tangent, with_tangent)
             if status != OK:
                 statuses[e] = status
                 break
@@ -151,7 +151,7 @@ def _chunk(start, first, last, elements, old, new, want, blocks):
             for i in range(6):
                 change[i] = stress[g, i] - initial_stress[g, i]
             add_force(gradient[g], mean_gradient, volume[g], change, force)
-            if want and what != REGIME_ELASTIC:
+            if with_tangent and what != REGIME_ELASTIC:
                 if not changed:
                     stiffness[:, :] = 0.0
                     changed = True
@@ -186,10 +186,10 @@ def assemble_elements(elements, old, new, regime, scatter, offset, forces, targe
     stress and history are written, and regime (ne, 8). Returns -1, or the number of an element whose law did not
     converge.
     """
-    ne, want = elements.hexes.shape[0], targets.want
-    size = BATCH if want else ne
+    ne, with_tangent = elements.hexes.shape[0], targets.with_tangent
+    size = BATCH if with_tangent else ne
     force = np.empty((min(size, ne), 24))
-    stiffness = np.empty((BATCH if want else 1, 24, 24))
+    stiffness = np.empty((BATCH if with_tangent else 1, 24, 24))
     status = np.zeros(ne, dtype=np.int64)
     changed = np.zeros(min(size, ne), dtype=np.bool_)
     blocks = Blocks(force, stiffness, changed, status, regime)
@@ -197,11 +197,11 @@ def assemble_elements(elements, old, new, regime, scatter, offset, forces, targe
         count = min(size, ne - start)
         for k in nb.prange((count + CHUNK - 1) // CHUNK):
             first = CHUNK * np.int64(k)  # prange counts in uint64, which turns to float beside int64
-            _chunk(start, first, min(first + CHUNK, count), elements, old, new, want, blocks)
+            _chunk(start, first, min(first + CHUNK, count), elements, old, new, with_tangent, blocks)
         for k in range(count):
             e = start + k
             scatter_force(elements.hexes[e], scatter, force[k], forces)
-            if want and changed[k]:
+            if with_tangent and changed[k]:
                 scatter_stiffness(elements.hexes[e], scatter, offset[e], stiffness[k], targets)
     for e in range(ne):
         if status[e] != OK:
@@ -222,7 +222,7 @@ def linear_elements(hexes, stiffness, displacement, scatter, offset, forces, tar
             for c in range(24):
                 force[r] += stiffness[e, r, c] * move[c]
         scatter_force(hexes[e], scatter, force, forces)
-        if targets.want:
+        if targets.with_tangent:
             scatter_stiffness(hexes[e], scatter, offset[e], stiffness[e], targets)
 
 

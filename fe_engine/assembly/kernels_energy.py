@@ -26,8 +26,8 @@ def hex_work(elements, old, new):
             for i in range(6):
                 done += 0.5 * (old.stress[e, g, i] + new.stress[e, g, i]) * strain[i]
                 begun += elements.initial_stress[e, g, i] * strain[i]
-            kept = stored_density(bulk, shear, new.stress[e, g]) - stored_density(bulk, shear, old.stress[e, g])
-            stored += elements.volume[e, g] * kept
-            dissipated += elements.volume[e, g] * (done - kept)
+            change = stored_density(bulk, shear, new.stress[e, g]) - stored_density(bulk, shear, old.stress[e, g])
+            stored += elements.volume[e, g] * change
+            dissipated += elements.volume[e, g] * (done - change)
             initial += elements.volume[e, g] * begun
     return stored, dissipated, initial

@@ -160,7 +160,7 @@ def station_water(s, f, step, gaps, pressure, scatter, forces, targets):
             leaves = side_1[a] * to_film - side_2[a] * to_side_2 + film[a] * (stored - to_film + to_side_2)
             add_dof(scatter, f.station_nodes[k, a], _PRESSURE, -scale * s.area[k] * leaves, forces)
         _press(s, k, p3, scatter, forces)
-        if targets.want:
+        if targets.with_tangent:
             rates = transfer, second, scale
             _station_tangent(s, f, k, rates, gap[k] > 0.0, (side_1, side_2, film), scatter, targets)
     return square
@@ -236,7 +236,7 @@ def face_water(s, f, step, gap, pressure, scatter, forces, targets):
                 share = -scale * dt * f.area[k, g]
                 add_dof(scatter, row, _PRESSURE, share * mean * along, forces)
                 square += (share / scale * mean * along) ** 2
-                if not targets.want:
+                if not targets.with_tangent:
                     continue
                 for b in range(4):
                     product = 0.0

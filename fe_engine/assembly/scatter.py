@@ -20,10 +20,10 @@ class Forces(NamedTuple):
 class Targets(NamedTuple):
     """Arrays of a bordered tangent that kernels add to: entries, columns (n_free, nb), rows (nb, n_free), corner.
 
-    ``want`` is false where no tangent is wanted; the arrays are then empty.
+    ``with_tangent`` is false where no tangent is wanted; the arrays are then empty.
     """
 
-    want: bool
+    with_tangent: bool
     data: np.ndarray
     columns: np.ndarray
     rows: np.ndarray

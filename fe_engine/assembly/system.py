@@ -145,8 +145,8 @@ class System:
 
     def jumps(self, fields: Fields) -> np.ndarray:
         """Jumps (ns, 3) in m of all stations in their frames."""
-        found: np.ndarray = kernels_stations.station_jumps(self.stations, fields.displacement, fields.border)
-        return found
+        jumps: np.ndarray = kernels_stations.station_jumps(self.stations, fields.displacement, fields.border)
+        return jumps
 
     def gaps(self, fields: Fields) -> np.ndarray:
         """Openings (ns,) in m of all stations, 0 where they are closed."""
@@ -156,8 +156,8 @@ class System:
         """Work (J) of solids from one state to the next: stored, dissipated, and of the initial stress."""
         stored, dissipated, initial = kernels_energy.hex_work(self.elements, _soil_of(old), _soil_of(new))
         if self.model.linear is not None:
-            kept = [kernels.linear_energy(*self.linear, each.displacement) for each in (old, new)]
-            stored += kept[1] - kept[0]
+            energies = [kernels.linear_energy(*self.linear, each.displacement) for each in (old, new)]
+            stored += energies[1] - energies[0]
         return stored, dissipated, initial
 
     def elements_at(self, equations: np.ndarray) -> np.ndarray:

@@ -108,8 +108,8 @@ def penalties(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def smooth(p: np.ndarray) -> np.ndarray:
     """Whether packed parameters (..., 5) have neither friction nor adhesion."""
-    found: np.ndarray = (p[..., MU] == 0.0) & (p[..., ADHESION] == 0.0)
-    return found
+    frictionless: np.ndarray = (p[..., MU] == 0.0) & (p[..., ADHESION] == 0.0)
+    return frictionless
 
 
 LAW = ContactLaw("adhesion", PARAMETERS, pack, update, linearise, gap, penalties, smooth)

@@ -137,8 +137,8 @@ def penalties(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def smooth(p: np.ndarray) -> np.ndarray:
     """Whether packed parameters (..., 3) are without friction."""
-    found: np.ndarray = p[..., MU] == 0.0
-    return found
+    frictionless: np.ndarray = p[..., MU] == 0.0
+    return frictionless
 
 
 LAW = ContactLaw("coulomb", PARAMETERS, pack, update, linearise, gap, penalties, smooth)

@@ -98,8 +98,8 @@ def stiffness(gradient: np.ndarray, volume: np.ndarray, tangent: np.ndarray, k: 
     b = strain_operator(gradient, k)
     cosine, sine = (np.pi, 0.0) if k == 0 else (0.5 * np.pi, 0.5 * np.pi)
     weight = np.array([cosine, cosine, cosine, sine, sine, cosine])
-    found: np.ndarray = np.einsum("egir,i,egij,egjs,eg->ers", b, weight, tangent, b, volume, optimize=True)
-    return found
+    by_harmonic: np.ndarray = np.einsum("egir,i,egij,egjs,eg->ers", b, weight, tangent, b, volume, optimize=True)
+    return by_harmonic
 
 
 @njit

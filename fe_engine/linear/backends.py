@@ -85,13 +85,13 @@ class Pardiso:
         self._solver = pypardiso.PyPardisoSolver(mtype=self._MATRIX_TYPE)
         self._type = np.float32 if single else np.float64
         self._analysed = False
-        self._kept = np.zeros(0, dtype=np.int64)
+        self._remaining = np.zeros(0, dtype=np.int64)
         for index, value in (_IPARM | {_SINGLE: int(single)}).items():
             self._solver.set_iparm(index, value)
 
     def keep(self, equations: np.ndarray) -> None:
         """Eliminate all but these equations (m,) from now on: ``schur`` is what is left of the matrix then (m, m)."""
-        self._kept = np.asarray(equations, dtype=np.int64)
+        self._remaining = np.asarray(equations, dtype=np.int64)
         self._solver.set_iparm(_SCHUR, 2)  # 2: with the factors of the others, for `solve_with`
 
     def factorise(self, matrix: csr_matrix) -> None:
@@ -100,19 +100,19 @@ class Pardiso:
         self._values = np.ascontiguousarray(matrix.data, dtype=self._type)
         self._starts = np.ascontiguousarray(matrix.indptr, dtype=np.int32)
         self._columns = np.ascontiguousarray(matrix.indices, dtype=np.int32)
-        n, m = matrix.shape[0], len(self._kept)
+        n, m = matrix.shape[0], len(self._remaining)
         if m:
             self._solver.perm = np.zeros(n, dtype=np.int32)
-            self._solver.perm[self._kept] = 1
+            self._solver.perm[self._remaining] = 1
             require(float(m * m * np.dtype(self._type).itemsize), f"what is left of the matrix ({m:,} equations)")
         into, nothing = np.zeros((m, m), dtype=self._type) if m else None, np.zeros((n, 1))
         if not self._analysed:
             self._call(11, nothing, into)
             self._analysed = True  # `close` has something to release
             require(self._needed(), f"the factorisation of {n:,} unknowns")
-        found = self._call(22, nothing, into)
+        schur = self._call(22, nothing, into)
         if m:
-            self.schur = found
+            self.schur = schur
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """Solve for rhs (n,) or (n, k)."""
@@ -121,13 +121,13 @@ class Pardiso:
     def solve_with(self, middle: Callable[[np.ndarray], np.ndarray], rhs: np.ndarray) -> np.ndarray:
         """Solve for rhs (n,) or (n, k); ``middle`` solves for what is left of it (m,), (m, k) of the kept equations."""
         reduced = self._call(331, rhs)
-        reduced[self._kept] = middle(reduced[self._kept])
+        reduced[self._remaining] = middle(reduced[self._remaining])
         return self._call(333, reduced)
 
-    def _call(self, phase: int, rhs: np.ndarray, found: np.ndarray | None = None) -> np.ndarray:
+    def _call(self, phase: int, rhs: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
         """Call Pardiso itself: the call of the wrapper copies the pattern each time, half the cost of a solve."""
         rhs = np.asfortranarray(rhs, dtype=self._type)
-        x, error, solver = np.zeros_like(rhs) if found is None else found, ctypes.c_int32(0), self._solver
+        x, error, solver = np.zeros_like(rhs) if out is None else out, ctypes.c_int32(0), self._solver
         one, kind, what, n, n_rhs, silent = (
             ctypes.c_int32(v) for v in (1, self._MATRIX_TYPE, phase, len(rhs), rhs.size // len(rhs), 0)
         )
@@ -151,8 +151,8 @@ class Pardiso:
         """Version of MKL, as it names itself: "2026.2"."""
         text = ctypes.create_string_buffer(_TEXT)
         self._solver.libmkl.MKL_Get_Version_String(text, ctypes.c_int(_TEXT))
-        found = re.search(rb"[Vv]ersion\s+([0-9][0-9.]*)", text.value)
-        return found[1].decode("ascii") if found else "unknown"
+        match = re.search(rb"[Vv]ersion\s+([0-9][0-9.]*)", text.value)
+        return match[1].decode("ascii") if match else "unknown"
 
     def threads(self) -> int:
         """Largest number of threads that MKL takes."""
@@ -201,7 +201,7 @@ _IPARM = {1: 1, 2: 2, 8: 0, 10: 13, 11: 0, 13: 0, 24: 1, 25: 0, 35: 1}
 
 def _point_at_mkl() -> None:
     """Tell the wrapper where MKL stands in this environment; it would search the whole of it, for a second."""
-    libraries = sorted(Path(sys.prefix, "lib").glob("libmkl_rt.so*"), key=lambda found: len(found.name))
+    libraries = sorted(Path(sys.prefix, "lib").glob("libmkl_rt.so*"), key=lambda file: len(file.name))
     if libraries:
         os.environ.setdefault("PYPARDISO_MKL_RT", str(libraries[0]))
 
@@ -220,14 +220,14 @@ def make_backend(name: str, n_unknowns: int, symmetric: bool = False, single: bo
     ``symmetric`` promises symmetric positive definite matrices: Pardiso then does half the work. SuperLU has no such
     factorisation. ``single`` asks for factors in single precision, which SuperLU is not used for either.
     """
-    wanted = name
-    if wanted == "auto":
+    chosen = name
+    if chosen == "auto":
         name = available_backends()[0]
     if name == "pardiso":
         try:
             return SymmetricPardiso(single) if symmetric else Pardiso(single)
         except (ImportError, OSError) as error:
-            if wanted != "auto":
+            if chosen != "auto":
                 raise LinearSolverError(f"pardiso does not load here: {error}") from error
             name = "superlu"
     if name != "superlu":

@@ -84,7 +84,7 @@ class Factors(Protocol):
     def make(self, origin: Origin, pattern: csr_matrix) -> bool:
         """Factorise; return False where the factors are there still."""
 
-    def look_at(self, tangent: Tangent, control: Control) -> None:
+    def follow(self, tangent: Tangent, control: Control) -> None:
         """Take from the present tangent what the preconditioner can follow."""
 
     def apply(self, v: np.ndarray) -> np.ndarray:
@@ -120,7 +120,7 @@ class TangentFactors:
         self._stiffness = origin.corner - origin.rows @ self._shape
         return renewed
 
-    def look_at(self, tangent: Tangent, control: Control) -> None:
+    def follow(self, tangent: Tangent, control: Control) -> None:
         """Choose the motions that are free; of the tangent nothing is taken."""
         forces, motions = control.forces.T, control.motions
         self._now = self._shape @ motions, forces @ self.origin.rows, forces @ self._stiffness @ motions
@@ -198,7 +198,7 @@ class SoilFactors(TangentFactors):
         self.origin, self._changed = origin, np.zeros(0, dtype=np.int64)
         return renewed
 
-    def look_at(self, tangent: Tangent, control: Control) -> None:
+    def follow(self, tangent: Tangent, control: Control) -> None:
         """Correct the inverse for the contact that has changed, and eliminate the border."""
         assert tangent.contact is not None
         self._correct(tangent.contact)

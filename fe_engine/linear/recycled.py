@@ -126,7 +126,7 @@ class Recycled:
         tangent: Tangent,
         control: Control,
         unbalanced: np.ndarray,
-        wanted: float,
+        share: float,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Newton step (n,), (nb,); ``unbalanced`` (nb,) are the border's residuals, in its own units.
 
@@ -138,11 +138,11 @@ class Recycled:
         n, b = len(linear.free), control.imposed
         forces = -linear.free - tangent.columns @ b
         rhs = np.concatenate([forces, -control.forces.T @ (unbalanced + tangent.corner @ b)])
-        x = self._gmres(tangent, control, rhs, wanted) if self._valid else None
+        x = self._gmres(tangent, control, rhs, share) if self._valid else None
         if x is None:
             self.factorise(tangent)
             self._spent = []
-            x = self._gmres(tangent, control, rhs, min(wanted, _FRESH))
+            x = self._gmres(tangent, control, rhs, min(share, _FRESH))
         if x is None:
             self.forget()
             raise LinearSolverError("GMRES does not converge with factors in single precision")
@@ -176,7 +176,7 @@ class Recycled:
         b, longest = size * rhs, min(self._longest, len(rhs))
         with self.clock.phase("solve"):
             try:
-                self._factors.look_at(tangent, control)
+                self._factors.follow(tangent, control)
                 # one cycle, nothing carried over from system to system: flexible GMRES
                 x, _ = gcrotmk(operator, b, rtol=tolerance, atol=0.0, maxiter=1, M=inverse, m=longest, k=0)
             except (np.linalg.LinAlgError, LinearSolverError):

@@ -76,13 +76,13 @@ def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @njit
-def update(p, strain, old, new, tangent, want_tangent):
+def update(p, strain, old, new, tangent, with_tangent):
     """Add the elastic stress of a strain increment (6,), see law.SoilLaw; return (OK, REGIME_ELASTIC)."""
     stress_old, stress = old.stress, new.stress
     for i in range(6):
         stress[i] = stress_old[i]
     add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
-    if want_tangent:
+    if with_tangent:
         elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
     return OK, REGIME_ELASTIC
 

@@ -34,9 +34,9 @@ class SoilLaw:
     pack : keyword arguments (Pa, rad) -> packed parameters (n,), or (k, n) where an argument is an array (k,).
     moduli : packed parameters (..., n) -> (K, G), each (...,) in Pa, of the elastic tangent. Assembly adds that tangent
         once; a point that returns REGIME_ELASTIC adds nothing to it.
-    update : jitted function (p, strain, old, new, tangent, want_tangent) -> (status, regime). It advances a point by
+    update : jitted function (p, strain, old, new, tangent, with_tangent) -> (status, regime). It advances a point by
         the strain increment (6,): reads the parameters p (n,) and ``old`` (Point), writes the stress and the history of
-        ``new`` (Point), and if ``want_tangent`` the consistent tangent (6, 6). A status other than OK stops the
+        ``new`` (Point), and if ``with_tangent`` the consistent tangent (6, 6). A status other than OK stops the
         increment. It allocates nothing that can be avoided and calls jitted functions alone.
     symmetric : whether every tangent is symmetric and positive definite, so that half of the factors will do.
     yields : whether points can leave the elastic regime.

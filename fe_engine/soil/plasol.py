@@ -135,7 +135,7 @@ def second_invariant(stress, mean):
 
 
 @njit
-def update(p, strain, old, new, tangent, want_tangent):
+def update(p, strain, old, new, tangent, with_tangent):
     """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
     stress_old, history_old = old
     stress, history = new
@@ -148,19 +148,19 @@ def update(p, strain, old, new, tangent, want_tangent):
     m, k, _, _ = strength(p, kappa_old)
     if second + m * first - k <= 0.0:
         history[KAPPA] = kappa_old
-        if want_tangent:
+        if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
     if second <= 0.0 or _excess(p, kappa_old, first, second, second / p[SHEAR])[0] >= 0.0:
-        return_to_apex(p, kappa_old, (first, second), new, tangent, want_tangent)
+        return_to_apex(p, kappa_old, (first, second), new, tangent, with_tangent)
         return OK, REGIME_APEX
     dl, status = _multiplier(p, kappa_old, first, second)
-    _return_to_cone(p, kappa_old, (first, second), dl, new, tangent, want_tangent)
+    _return_to_cone(p, kappa_old, (first, second), dl, new, tangent, with_tangent)
     return status, REGIME_CONE
 
 
 @njit
-def _return_to_cone(p, kappa_old, trial, dl, new, tangent, want_tangent):
+def _return_to_cone(p, kappa_old, trial, dl, new, tangent, with_tangent):
     """Turn the trial stress, of invariants ``trial``, into the returned one; consistent tangent.
 
     The tangent is not symmetric unless psi = phi.
@@ -172,7 +172,7 @@ def _return_to_cone(p, kappa_old, trial, dl, new, tangent, want_tangent):
     ratio = 1.0 - shear * dl / second
     first_new = first - 9.0 * bulk * m_psi * dl
     history[KAPPA] = kappa
-    if want_tangent:
+    if with_tangent:
         _cone_tangent(p, kappa, trial, first_new, dl, stress, tangent)
     for i in range(3):
         stress[i] = ratio * (stress[i] - first / 3.0) + first_new / 3.0
@@ -203,7 +203,7 @@ def _cone_tangent(p, kappa, invariants, first_new, dl, trial, tangent):
 
 
 @njit
-def return_to_apex(p, kappa_old, trial, new, tangent, want_tangent):
+def return_to_apex(p, kappa_old, trial, new, tangent, with_tangent):
     """Put the point on the apex, plus the residual elastic fraction of the trial stress, of invariants ``trial``."""
     first, second = trial
     stress, history = new
@@ -211,7 +211,7 @@ def return_to_apex(p, kappa_old, trial, new, tangent, want_tangent):
     m, k, dm, dk = strength(p, kappa)
     mean = k / m / 3.0 if k > 0.0 else 0.0
     history[KAPPA] = kappa
-    if want_tangent:
+    if with_tangent:
         # the apex moves along the hydrostatic axis as friction hardens: d(k/m)/de
         drift = (dk - k / m * dm) / m / 3.0 if k > 0.0 else 0.0
         _apex_tangent(p, drift, first, second, stress, tangent)

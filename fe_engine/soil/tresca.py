@@ -51,7 +51,7 @@ def yield_function(p, stress, kappa):
 
 
 @njit
-def update(p, strain, old, new, tangent, want_tangent):
+def update(p, strain, old, new, tangent, with_tangent):
     """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
     stress_old, history_old = old
     stress, history = new
@@ -67,7 +67,7 @@ def update(p, strain, old, new, tangent, want_tangent):
     principal(deviator, trial, directions)
     if 0.5 * (trial[0] - trial[2]) <= radius(p, kappa):
         history[KAPPA] = kappa
-        if want_tangent:
+        if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
     values, slopes = np.empty(3), np.empty((3, 3))
@@ -75,7 +75,7 @@ def update(p, strain, old, new, tangent, want_tangent):
     compose(values, directions, stress)
     for i in range(3):
         stress[i] += mean
-    if want_tangent:
+    if with_tangent:
         _tangent(p, trial, values, slopes, directions, tangent)
     return OK, REGIME_CONE
 

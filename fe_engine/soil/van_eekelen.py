@@ -195,7 +195,7 @@ def yield_function(p, stress, kappa):
 
 
 @njit
-def update(p, strain, old, new, tangent, want_tangent):
+def update(p, strain, old, new, tangent, with_tangent):
     """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
     stress_old, history_old = old
     stress, history = new
@@ -205,22 +205,22 @@ def update(p, strain, old, new, tangent, want_tangent):
     kappa_old = history_old[KAPPA]
     if yield_function(p, stress, kappa_old) <= 0.0:
         history[KAPPA] = kappa_old
-        if want_tangent:
+        if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
     first = stress[0] + stress[1] + stress[2]
     second = second_invariant(stress, first / 3.0)
     if second <= 0.0:
-        return_to_apex(p, kappa_old, (first, second), new, tangent, want_tangent)
+        return_to_apex(p, kappa_old, (first, second), new, tangent, with_tangent)
         return OK, REGIME_APEX
     b_psi = shape_of_slope(p[M_PSI])
     trial = lode(stress, first, second)
     if _evaluate(p, b_psi, kappa_old, trial, 1.0, 0.0).f >= 0.0:
-        return_to_apex(p, kappa_old, (first, second), new, tangent, want_tangent)
+        return_to_apex(p, kappa_old, (first, second), new, tangent, with_tangent)
         return OK, REGIME_APEX
     at, status = _solve(p, b_psi, kappa_old, trial)
     _return(p, kappa_old, trial, at, stress, history)
-    if want_tangent:
+    if with_tangent:
         _tangent(p, trial, at, tangent)
     return status, REGIME_CONE
 

@@ -35,7 +35,7 @@ def yield_function(p, stress, kappa):
 
 
 @njit
-def update(p, strain, old, new, tangent, want_tangent):
+def update(p, strain, old, new, tangent, with_tangent):
     """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
     stress_old, history_old = old
     stress, history = new
@@ -47,13 +47,13 @@ def update(p, strain, old, new, tangent, want_tangent):
     trial = second_invariant(stress, mean)
     if trial <= radius(p, kappa):
         history[KAPPA] = kappa
-        if want_tangent:
+        if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
     shear, slope = returned(p, kappa, trial, p[SHEAR])
     ratio = shear / trial
     history[KAPPA] = kappa + (trial - shear) / (SQRT3 * p[SHEAR])
-    if want_tangent:
+    if with_tangent:
         elastic_tangent(0.0, p[SHEAR], ratio, tangent)
         factor = p[SHEAR] * (slope - ratio) / (trial * trial)
         for i in range(6):

@@ -97,12 +97,12 @@ class FourierStage:
     def border_stiffness(self, tangent: FourierTangent) -> np.ndarray:
         """Stiffness (nb, nb) of the border: its forces under unit motions."""
         nb, n = self.system.model.n_border, self.system.pattern.n_free
-        none, found = np.zeros((nb, 0)), np.empty((nb, nb))
+        none, stiffness = np.zeros((nb, 0)), np.empty((nb, nb))
         for j in range(nb):
             p = self._preconditioner(tangent, Control(np.eye(nb)[j], none, none))
             x = self._solve(p, tangent, p.right_hand_side(np.zeros(n), np.zeros(nb)), _EXACT, None)
-            found[:, j] = p.border_force(x)
-        return found
+            stiffness[:, j] = p.border_force(x)
+        return stiffness
 
     def _preconditioner(self, tangent: FourierTangent, control: Control) -> Preconditioner:
         with self.clock.phase("factorisation"):
@@ -149,8 +149,8 @@ class FourierStage:
             if not np.isfinite(rhs[k + 1]):
                 raise LinearSolverError("GMRES overflows")
             if abs(rhs[k + 1]) <= target or (k + 1 == most and not exact):
-                found: np.ndarray = solve_triangular(upper[: k + 1, : k + 1], rhs[: k + 1]) @ images[: k + 1]
-                return found
+                solution: np.ndarray = solve_triangular(upper[: k + 1, : k + 1], rhs[: k + 1]) @ images[: k + 1]
+                return solution
             basis[k + 1] = w / np.linalg.norm(w)
         raise LinearSolverError(f"GMRES leaves {abs(rhs[most]) / size:.1e} of the forces after {most} iterations")
 
@@ -163,9 +163,9 @@ class Preconditioner:
 
     def __init__(self, system: FourierSystem, tangent: FourierTangent, control: Control) -> None:
         self.factors, self.n, self.control = system.factors, system.pattern.n_free, control
-        self._kept, self._shape = system.pattern.interface, system.model.displacement_shape
-        self._inside = system.pattern.place[system.pattern.kept]
-        m = len(self._kept)
+        self._interface, self._shape = system.pattern.interface, system.model.displacement_shape
+        self._inside = system.pattern.place[system.pattern.retained]
+        m = len(self._interface)
         self._contact = contact = system.contact_matrix(tangent)
         k = control.motions.shape[1]
         self.size = self.n + k
@@ -180,21 +180,21 @@ class Preconditioner:
 
     def right_hand_side(self, free: np.ndarray, border: np.ndarray) -> np.ndarray:
         """Right-hand side (n + k,) of forces (n,), (nb,), less those of the imposed motions."""
-        kept, b = self._kept, self.control.imposed
-        imposed = self._contact[:, len(kept) :] @ b
-        rhs = np.concatenate([free, self.control.forces.T @ (border - imposed[len(kept) :])])
-        rhs[kept] -= imposed[: len(kept)]
+        at_interface, b = self._interface, self.control.imposed
+        imposed = self._contact[:, len(at_interface) :] @ b
+        rhs = np.concatenate([free, self.control.forces.T @ (border - imposed[len(at_interface) :])])
+        rhs[at_interface] -= imposed[: len(at_interface)]
         return rhs
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """Apply the inverse to rhs (n + k,)."""
         swept, left = self.factors.forward(rhs[: self.n].reshape(self._shape))
-        inside, m = self._inside, len(self._kept)
+        inside, m = self._inside, len(self._interface)
         free = inside >= 0
         middle, _ = lapack.dgetrs(self._lu, self._pivots, np.concatenate([left[free], rhs[self.n :]]))
-        kept = np.zeros(inside.shape)
-        kept[free] = middle[:m]
-        return np.concatenate([self.factors.backward(swept, kept).ravel(), middle[m:]])
+        values = np.zeros(inside.shape)
+        values[free] = middle[:m]
+        return np.concatenate([self.factors.backward(swept, values).ravel(), middle[m:]])
 
     def motions(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Motions (n,), (nb,) of a solution, the imposed ones included."""
@@ -203,9 +203,9 @@ class Preconditioner:
     def border_force(self, x: np.ndarray) -> np.ndarray:
         """Forces (nb,) on the border under a solution."""
         free, border = self.motions(x)
-        m = len(self._kept)
-        found: np.ndarray = self._contact[m:, :m] @ free[self._kept] + self._contact[m:, m:] @ border
-        return found
+        m = len(self._interface)
+        force: np.ndarray = self._contact[m:, :m] @ free[self._interface] + self._contact[m:, m:] @ border
+        return force
 
 
 def _turn(column: np.ndarray, turns: np.ndarray, rhs: np.ndarray, k: int) -> None:

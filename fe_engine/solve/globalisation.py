@@ -88,11 +88,11 @@ class Course:
             self._since, self._best = len(self.merits), best
         return len(self.merits) - self._since < _PATIENCE
 
-    def serves(self, merit: float) -> bool:
+    def accepts(self, merit: float) -> bool:
         """Whether the residual lets a step be taken. The first one always may: its guess knows nothing of contact."""
         return len(self.merits) == 1 or merit <= self.merits[-1]
 
-    def worth_a_look(self, error: float) -> bool:
+    def may_converge(self, error: float) -> bool:
         """Whether the correction that would follow from there may yet let a step be taken."""
         return error <= _ASTRAY
 
@@ -101,7 +101,7 @@ class Course:
         if self.far:
             return min(_FAR, self.bounds[1])
         before = self.errors if ahead else self.errors[:-1]
-        wanted = _FIRST
+        share = _FIRST
         if before:
-            wanted = _GAMMA * (min(error / before[-1], 1.0) if before[-1] > 0.0 else 1.0) ** _POWER
-        return min(max(wanted, self.bounds[0]), self.bounds[1])
+            share = _GAMMA * (min(error / before[-1], 1.0) if before[-1] > 0.0 else 1.0) ** _POWER
+        return min(max(share, self.bounds[0]), self.bounds[1])

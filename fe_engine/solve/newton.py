@@ -192,9 +192,9 @@ class Newton:
         try:
             evaluated = self._linearise(state, False, point(1.0), record)
             full, error, _ = self._merit(evaluated[0], loading)
-            if course.serves(full):
+            if course.accepts(full):
                 return 1.0, evaluated, None
-            if course.worth_a_look(error):
+            if course.may_converge(error):
                 ahead = self._direction(evaluated, state, loading, course.share(error, True), record)
                 if self._size(*ahead) <= course.sizes[-1]:
                     return 1.0, evaluated, ahead
@@ -216,7 +216,7 @@ class Newton:
             except LawError:
                 continue
             merit, _, _ = self._merit(residual, loading)
-            if course.serves(merit):
+            if course.accepts(merit):
                 return length
             if merit < best_merit:
                 best, best_merit = length, merit

@@ -123,10 +123,10 @@ class FactorStage:
     ) -> tuple[np.ndarray, np.ndarray]:
         """See `LinearStage`."""
         if self.recycled is not None:
-            wanted = min(_IMPOSED, self.bounds[0]) if imposed else share
+            target = min(_IMPOSED, self.bounds[0]) if imposed else share
             control = control_of(balance.control, balance.load, balance.violation, balance.scale)
             try:
-                return self.recycled.step(linear, tangent, control, balance.unbalanced, wanted)
+                return self.recycled.step(linear, tangent, control, balance.unbalanced, target)
             except LinearSolverError:  # single precision does not do here
                 self.recycled.close()  # not both factors at a time
         self.solver.factorise(tangent.matrix)
@@ -152,8 +152,8 @@ class FactorStage:
             except LinearSolverError:
                 self.recycled.forget()
         self.solver.factorise(tangent.matrix)
-        found: np.ndarray = tangent.corner - tangent.rows @ self.solver.solve(tangent.columns)
-        return found
+        stiffness: np.ndarray = tangent.corner - tangent.rows @ self.solver.solve(tangent.columns)
+        return stiffness
 
     @property
     def origin(self) -> Origin | None:

@@ -51,12 +51,12 @@ class StepSize:
         """Return the next size after an increment of ``step`` that took so many iterations."""
         now = self if step < self.failed else replace(self, wait=0, failed=math.inf, hold=_HOLD)
         if iterations > _HARD:
-            wanted, limit = 0.7 * step, "cut-back" if now.wait else "iterations"
+            proposed, limit = 0.7 * step, "cut-back" if now.wait else "iterations"
         elif now.wait:
-            wanted, limit = now.size, "cut-back"
+            proposed, limit = now.size, "cut-back"
         elif iterations > _EASY:
-            wanted, limit = step, "iterations"
+            proposed, limit = step, "iterations"
         else:
-            wanted, limit = GROWTH * step, "growth"
-        size, limit = (largest, "largest step") if wanted >= largest else (wanted, limit)
+            proposed, limit = GROWTH * step, "growth"
+        size, limit = (largest, "largest step") if proposed >= largest else (proposed, limit)
         return replace(now, size=size, limit=limit, wait=max(now.wait - 1, 0))

@@ -14,7 +14,7 @@ from pysprings.core.progress import reporter
 from pysprings.full_model.accuracy.settings import settings
 from pysprings.scene.load import Scene
 from pysprings.studies.accuracy import child, rows, study, text
-from pysprings.studies.accuracy.rows import Found
+from pysprings.studies.accuracy.rows import StudyResult
 
 
 def run(
@@ -24,23 +24,23 @@ def run(
     refuse_no_folder(out)
     if presets is not None and presets.is_dir():
         refuse("--write-presets", "is a folder, not a file", presets)
-    wanted = settings(meshes, quick, *_linear_solvers(scene))
+    chosen = settings(meshes, quick, *_linear_solvers(scene))
     try:
         with interruptible(), reporter(sys.stderr) as progress:
-            found = study.study(scene, out, wanted, progress, force, child.run_in_child)
+            outcome = study.study(scene, out, chosen, progress, force, child.run_in_child)
     except KeyboardInterrupt:
         to_stderr(f"what has run is kept in {out}; the same command goes on")
         raise
     if presets is not None:
-        to_stderr(f"presets: {study.write_presets(scene, found, presets)}")
+        to_stderr(f"presets: {study.write_presets(scene, outcome, presets)}")
     if as_json:
-        print_json({"folder": str(out), **study.to_json(scene, found)})
+        print_json({"folder": str(out), **study.to_json(scene, outcome)})
     else:
-        _print(out, found)
+        _print(out, outcome)
     # a variation that stops is a result of the study; without a mesh of the series there is no reference
     meshes_stopped = [
         f"{row['name']}: {row['why']}"
-        for row in rows.records(found.table)
+        for row in rows.records(outcome.table)
         if row["model"] == rows.FULL and row["series"] and row["why"]
     ]
     if meshes_stopped:
@@ -53,24 +53,24 @@ def _linear_solvers(scene: Scene) -> tuple[list[str], str]:
 
     from fe_engine.linear.backends import available_backends
 
-    found = []
+    solvers = []
     for name in available_backends():
         try:
             scene.replace(solver={"linear": name})
         except ValidationError:
             continue
-        found.append(name)
-    return found, found[0] if scene.solver.linear == "auto" else scene.solver.linear
+        solvers.append(name)
+    return solvers, solvers[0] if scene.solver.linear == "auto" else scene.solver.linear
 
 
-def _print(out: Path, found: Found) -> None:
+def _print(out: Path, outcome: StudyResult) -> None:
     for model in (rows.FULL, rows.MACRO):
-        heads, lines = text.cells(found.table, model)
+        heads, lines = text.cells(outcome.table, model)
         if lines:
             print_table(heads, lines)
             print()
-    print(f"reference: meshes {', '.join(found.series)}; h = unknowns^(-1/3)")
-    for line in [*text.reference_lines(found), *text.target_lines(found.table)]:
+    print(f"reference: meshes {', '.join(outcome.series)}; h = unknowns^(-1/3)")
+    for line in [*text.reference_lines(outcome), *text.target_lines(outcome.table)]:
         print(line)
     print()
     for note in text.NOTES:

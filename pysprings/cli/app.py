@@ -44,8 +44,8 @@ for command in (
     app.command()(guarded(command))
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+def _print_version(requested: bool) -> None:
+    if requested:
         from pysprings.core.licences import installed, text
 
         print(f"pysprings {__version__}")

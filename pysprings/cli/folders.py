@@ -48,15 +48,15 @@ def refuse_no_folder(out: Path) -> None:
 
 def _refuse_contents(out: Path, resume: bool) -> None:
     """Refuse a folder with an interrupted run or with results, and with `resume` one without either."""
-    found, unfinished = results_in(out), is_unfinished(out)
-    if resume and not unfinished and "run.json" not in found:
+    results, unfinished = results_in(out), is_unfinished(out)
+    if resume and not unfinished and "run.json" not in results:
         refuse("--resume", "nothing to resume: no interrupted run in this folder", out)
     if unfinished and not resume:
         refuse("--out", "holds an interrupted run; --resume goes on with it, --force begins anew", out)
-    if found and not resume:
+    if results and not resume:
         refuse(
             "--out",
-            f"holds results already ({', '.join(found)}); choose another folder, or --force to replace",
+            f"holds results already ({', '.join(results)}); choose another folder, or --force to replace",
             out,
         )
 

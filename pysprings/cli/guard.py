@@ -65,8 +65,8 @@ def _explained(error: BaseException) -> tuple[str, int]:
     if isinstance(error, UserInputError):
         return str(error), error.exit_code
     if isinstance(error, RunIncomplete):
-        kept = f"\nwhat converged is kept in {error.folder}" if error.folder else ""
-        return f"fatal: not converged: {error}{kept}", error.exit_code
+        where = f"\nwhat converged is kept in {error.folder}" if error.folder else ""
+        return f"fatal: not converged: {error}{where}", error.exit_code
     if isinstance(error, KeyboardInterrupt):
         return "interrupted", EXIT_INTERRUPTED
     if isinstance(error, MemoryError):

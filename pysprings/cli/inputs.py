@@ -28,7 +28,7 @@ def refuse_unfinished(result: Path, strict: bool = False) -> None:
     folder causes a warning only.
     """
     from pysprings.full_model.checkpoint import Checkpoints
-    from pysprings.studies.kept_runs import read_record
+    from pysprings.studies.stored_runs import read_record
 
     folder = result if result.is_dir() else result.parent
     unfinished, record = is_unfinished(folder), read_record(folder)

@@ -176,21 +176,23 @@ def answer(springs: AnySprings, question: Question, choice: Choice) -> xr.Datase
     """Return the states of a question: the last one of a load or motion, all of a curve or sequence."""
     from pysprings.macro import predict
 
-    asked = question
+    options = question
     common: dict[str, Any] = {"springs_kind": choice.spring_set, "path": choice.path, "strict": choice.strict}
-    if asked.sequence is not None:
+    if options.sequence is not None:
         from pysprings.results.tables.sequence import read_sequence
 
-        read = read_sequence(asked.sequence)
-        V = read.V if read.V is not None else asked.V
+        read = read_sequence(options.sequence)
+        V = read.V if read.V is not None else options.V
         return predict.sequence(springs, read.targets, control=read.control, arm=read.arm, V=V, **common)
-    if asked.u_max is not None:
-        return predict.curve(springs, u_max=asked.u_max, arm=asked.arm or 0.0, n=asked.points, V=asked.V, **common)
-    if asked.u is not None or asked.rotation is not None:
-        common |= {"u": asked.u, "rotation": asked.rotation}
-        states = predict.impose(springs, arm=asked.arm or 0.0, V=asked.V, **common)
+    if options.u_max is not None:
+        return predict.curve(
+            springs, u_max=options.u_max, arm=options.arm or 0.0, n=options.points, V=options.V, **common
+        )
+    if options.u is not None or options.rotation is not None:
+        common |= {"u": options.u, "rotation": options.rotation}
+        states = predict.impose(springs, arm=options.arm or 0.0, V=options.V, **common)
     else:
-        states = predict.predict(springs, H=asked.H, arm=asked.arm, M=asked.M, V=asked.V, **common)
+        states = predict.predict(springs, H=options.H, arm=options.arm, M=options.M, V=options.V, **common)
     return states.isel(step=[-1])
 
 

@@ -84,10 +84,10 @@ def _comparison(folder: Path, record: Mapping[str, Any]) -> pd.DataFrame:
 
 def _pictures(folder: Path) -> list[tuple[str, str]]:
     """Return the pictures of a folder, one line for the formats of each."""
-    found: dict[Path, list[str]] = {}
+    by_stem: dict[Path, list[str]] = {}
     for path in listed_pictures(folder):
-        found.setdefault(path.with_suffix(""), []).append(path.suffix.lstrip("."))
-    return [(str(stem), f"picture ({', '.join(formats)})") for stem, formats in found.items()]
+        by_stem.setdefault(path.with_suffix(""), []).append(path.suffix.lstrip("."))
+    return [(str(stem), f"picture ({', '.join(formats)})") for stem, formats in by_stem.items()]
 
 
 _NEWTON = {
@@ -142,11 +142,11 @@ def ring_text(rings: Mapping[str, Any] | None) -> str:
     """Return the contact measure of `pysprings.full_model.ring_measure` as text; empty where nothing was measured."""
     if not rings:
         return ""
-    found = [
+    parts = [
         f"{words} {rings[key]:.3g}" + (f" ({place})" if (place := rings[f"{key}_at"]) else "")
         for key, words in (("alternation", "alternation"), ("second_difference", "largest second difference"))
     ]
-    return f"{', '.join(found)} of the ring's mean; open stations between two loaded ones: {rings['isolated_open']}"
+    return f"{', '.join(parts)} of the ring's mean; open stations between two loaded ones: {rings['isolated_open']}"
 
 
 _WATER = {
@@ -216,10 +216,10 @@ def print_estimate(record: Mapping[str, Any]) -> None:
         from pysprings.full_model.accuracy.measures import MEASURES
 
         errors = target["error_in_study_pct"].items()
-        found = ", ".join(f"{MEASURES[name].head} {value:.2g} %" for name, value in errors)
+        parts = ", ".join(f"{MEASURES[name].head} {value:.2g} %" for name, value in errors)
         study = target["study"]
         print(
-            f"target error {target['target']}: setting {target['setting']}, in the study of '{study['scene']}' {found}"
+            f"target error {target['target']}: setting {target['setting']}, in the study of '{study['scene']}' {parts}"
         )
     if estimate := record.get("error_estimate"):
         from pysprings.full_model.accuracy.two_mesh import words

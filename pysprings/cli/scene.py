@@ -48,8 +48,8 @@ def init(
     written = write_scene(file, template, force)
     for path in written:
         print(path)
-    kept = "" if len(written) > 1 else "the schema that was there is kept; --force renews it\n"
-    to_stderr(f"{kept}next: pysprings check {file}")
+    note = "" if len(written) > 1 else "the schema that was there is kept; --force renews it\n"
+    to_stderr(f"{note}next: pysprings check {file}")
 
 
 def check(scene: SceneFile, mesh: Mesh = None, discretisation: Series = None, as_json: Json = False) -> None:

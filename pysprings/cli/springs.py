@@ -30,15 +30,15 @@ def springs(
     as_json: Json = False,
 ) -> None:
     """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
-    wanted = "json" if as_json else _format(form, out)
-    if wide and wanted not in ("csv", "wide"):
-        refuse("--wide", f"is a form of csv, not of {wanted}")
-    wanted = "wide" if wide else wanted
+    chosen = "json" if as_json else _format(form, out)
+    if wide and chosen not in ("csv", "wide"):
+        refuse("--wide", f"is a form of csv, not of {chosen}")
+    chosen = "wide" if wide else chosen
     tree = springs_of(result)
     if out is None:
-        print(exporters.text(tree, wanted), end="")
+        print(exporters.text(tree, chosen), end="")
     else:
-        for path in exporters.export(tree, wanted, out).files:
+        for path in exporters.export(tree, chosen, out).files:
             print(path)
 
 

@@ -23,10 +23,10 @@ def jitted(function: F) -> F:
     """
     if PLAIN["on"]:
         return function
-    from fe_engine.compiled import digest, kept
+    from fe_engine.compiled import cached, digest
 
     file = Path(function.__code__.co_filename)
-    return cast(F, kept(function, file.parent, digest(file.parent, [file])))
+    return cast(F, cached(function, file.parent, digest(file.parent, [file])))
 
 
 def choose_for_command(arguments: Sequence[str]) -> None:

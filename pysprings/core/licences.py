@@ -38,14 +38,14 @@ class Installed:
 def installed(folders: Iterable[str] | None = None) -> list[Installed]:
     """Return the packages of the tables above that lie in ``folders`` (default: where Python looks), by name."""
     known = PROPRIETARY | TESTS_ONLY
-    found: dict[str, Installed] = {}
+    packages: dict[str, Installed] = {}
     for folder in sys.path if folders is None else folders:
         for entry in _entries(folder):
             name, _, version = entry.removesuffix(".dist-info").partition("-")
             name = name.replace("_", "-").lower()
             if name in known:
-                found.setdefault(name, Installed(name, version, known[name]))
-    return [found[name] for name in sorted(found)]
+                packages.setdefault(name, Installed(name, version, known[name]))
+    return [packages[name] for name in sorted(packages)]
 
 
 def text(packages: Iterable[Installed]) -> str:

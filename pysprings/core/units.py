@@ -93,8 +93,8 @@ def read(text: str, si_unit: str, example: str = "") -> float:
         raise QuantityError(f"{quoted(text)}: {error}") from None
     if dimension != unit_of(si_unit)[1]:
         is_what = _meaning(dimension) or f"not {MEANING[si_unit]}"
-        wanted = f"expected {MEANING[si_unit]} such as {quoted(example or f'1 {si_unit}')}"
-        raise QuantityError(f"{quoted(text)} is {is_what}; {wanted}")
+        expected = f"expected {MEANING[si_unit]} such as {quoted(example or f'1 {si_unit}')}"
+        raise QuantityError(f"{quoted(text)} is {is_what}; {expected}")
     return _scaled(text, number, scale)
 
 

@@ -364,18 +364,18 @@ def _mismatches(data: Any, variable: Variable) -> Iterator[str]:
 
 def tree_problems(tree: xr.DataTree, kind: TreeKind) -> list[tuple[str, str]]:
     """Return (group/variable, message) for everything in a tree that the tables do not allow."""
-    found: list[tuple[str, str]] = []
+    listed: list[tuple[str, str]] = []
     for node in tree.subtree:
         group = group_of(node.path, kind)
         if group is not None:
             place = node.path.strip("/")
             dataset = node.to_dataset(inherit=False)
-            found += [("/".join(filter(None, (place, name))), text) for name, text in problems(dataset, group)]
-    return found
+            listed += [("/".join(filter(None, (place, name))), text) for name, text in problems(dataset, group)]
+    return listed
 
 
 def check_tree(tree: xr.DataTree, kind: TreeKind) -> None:
     """Raise ValueError, listing every fault, when a tree made by the tool does not agree with the tables."""
-    found = tree_problems(tree, kind)
-    if found:
-        raise ValueError("; ".join(f"{key}: {message}" for key, message in found))
+    listed = tree_problems(tree, kind)
+    if listed:
+        raise ValueError("; ".join(f"{key}: {message}" for key, message in listed))

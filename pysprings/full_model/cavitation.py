@@ -36,11 +36,11 @@ def smallest_margin(position: np.ndarray, pressure: np.ndarray, unit_weight: flo
     return Margin(float(margin[worst]), float(pressure[worst]), (x, y, z))
 
 
-def warning(path: str, u: float, found: Margin) -> str:
+def warning(path: str, u: float, margin: Margin) -> str:
     """Return one line on where and when water would cavitate."""
-    x, y, z = found.place
+    x, y, z = margin.place
     where = f"x={x:.3f}, y={y:.3f}, z={z:.3f} m"
     return (
         f"path '{path}': water would cavitate from u = {1e3 * u:.4g} mm on, first at {where}, where the excess "
-        f"pressure is {found.pressure / 1e3:.4g} kPa; the suction beyond is not there in reality"
+        f"pressure is {margin.pressure / 1e3:.4g} kPa; the suction beyond is not there in reality"
     )

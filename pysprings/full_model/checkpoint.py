@@ -61,8 +61,8 @@ class Loaded:
     @property
     def newest(self) -> Saved | None:
         """The checkpoint that was written last."""
-        found = [*self.paths.values(), *([] if self.state is None else [self.state])]
-        return max(found, key=lambda saved: saved.meta["cost"]["wall_s"], default=None)
+        saved_states = [*self.paths.values(), *([] if self.state is None else [self.state])]
+        return max(saved_states, key=lambda saved: saved.meta["cost"]["wall_s"], default=None)
 
     @property
     def place(self) -> str:
@@ -205,10 +205,10 @@ class Checkpoints:
     def are_of(self, scene_sha256: str) -> bool:
         """Return whether the checkpoints can be read and belong to a run of this scene."""
         try:
-            found = read(self.place / _START).meta["identity"]["scene"]
+            digests = read(self.place / _START).meta["identity"]["scene"]
         except (OSError, Damaged, LookupError, TypeError):
             return False
-        return bool(found == scene_identity(scene_sha256))
+        return bool(digests == scene_identity(scene_sha256))
 
 
 def scene_identity(sha256: str) -> str:

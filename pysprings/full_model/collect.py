@@ -134,10 +134,10 @@ class Collector:
         """Margin of the absolute pressure over vapour pressure; keeps the first state where it is gone."""
         if self.sea is None:
             return {}
-        found = smallest_margin(self.water_position, state.pressure[self.wet], *self.sea)
-        if found.margin < 0.0 and self.cavitation is None:
-            self.cavitation = float(state.border[0]), found
-        return {"cavitation_margin": found.margin}
+        smallest = smallest_margin(self.water_position, state.pressure[self.wet], *self.sea)
+        if smallest.margin < 0.0 and self.cavitation is None:
+            self.cavitation = float(state.border[0]), smallest
+        return {"cavitation_margin": smallest.margin}
 
     def _rings(self, state: Fields, force: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """p by depth, side and component; m and t by depth and side."""

@@ -85,8 +85,8 @@ def _around(system: System | FourierSystem, state: State) -> np.ndarray:
     if not np.all(np.isfinite(residual)):
         residual = np.nan_to_num(residual, nan=np.inf)
     worst = np.argsort(residual)[-_NODES:]
-    found = system.elements_at(worst)
-    return found if len(found) else np.arange(min(8, len(system.regime)))  # film nodes
+    touching = system.elements_at(worst)
+    return touching if len(touching) else np.arange(min(8, len(system.regime)))  # film nodes
 
 
 def _stiffness_left(driver: Driver, initial: np.ndarray) -> float:

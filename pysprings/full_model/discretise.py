@@ -60,8 +60,8 @@ def make_collector(
         assert isinstance(system, FourierSystem)
         return FourierCollector(built, system, output.interface_fields, output.section, output.paraview)
     assert isinstance(system, System)
-    kept = output.interface_fields, output.section
-    return Collector(built, system, *kept, balance, sea, volume=output.paraview)
+    requested = output.interface_fields, output.section
+    return Collector(built, system, *requested, balance, sea, volume=output.paraview)
 
 
 def section_of(built: Built | BuiltFourier) -> xr.Dataset:

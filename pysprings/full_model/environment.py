@@ -16,15 +16,15 @@ Environment = dict[str, str]
 
 def environment_of(backend: Backend) -> Environment:
     """Return versions and numbers of threads by name, as run.json and checkpoints hold them."""
-    found = {
+    versions = {
         "numpy": np.__version__,
         "scipy": scipy.__version__,
         "numba": numba.__version__,
         "threads of numba": str(numba.get_num_threads()),
     }
     if isinstance(backend, Pardiso):
-        found |= {"MKL": backend.version(), "threads of MKL": str(backend.threads())}
-    return found
+        versions |= {"MKL": backend.version(), "threads of MKL": str(backend.threads())}
+    return versions
 
 
 def differences(before: Iterable[Mapping[str, str]], now: Mapping[str, str]) -> list[str]:

@@ -47,19 +47,19 @@ class FourierCollector(Collector):
     def _ring_stations(self, side: str) -> np.ndarray:
         """Station number of each node of a wall, (na, nz)."""
         mine = np.flatnonzero(self.surface == SURFACE[SIDES[side]])
-        found: np.ndarray = mine.reshape(-1, len(self.built.azimuth)).T
-        return found
+        by_ring: np.ndarray = mine.reshape(-1, len(self.built.azimuth)).T
+        return by_ring
 
     def _by_slice(self, of_rings: np.ndarray) -> np.ndarray:
         """Forces of slices (nd,) from those of rings of nodes (nz,)."""
-        found: np.ndarray = self.shares @ of_rings
-        return found
+        by_slice: np.ndarray = self.shares @ of_rings
+        return by_slice
 
     def _turning(self, lateral: np.ndarray) -> np.ndarray:
         """Moment (nd,) of the lateral forces of rings (nz,) about the middle of their slice."""
         arm = self.built.section.depth[None] - self.depth[:, None]
-        found: np.ndarray = (self.shares * arm) @ lateral
-        return found
+        moment: np.ndarray = (self.shares * arm) @ lateral
+        return moment
 
     def _wall_fields(self, state: Fields, traction: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """Fields on both walls, (side, azimuth, depth): means of the slices."""
@@ -69,23 +69,23 @@ class FourierCollector(Collector):
         around_ring = sine * traction[:, 0] - cosine * traction[:, 1]  # along theta, of the caisson on the soil
         opening = self.system.jumps(state)[:, 0] - model.initial_pressure / self.system.stations.penalties[:, 0]
         lateral = -np.sin(self.azimuth)[:, None]
-        found = {
+        fields = {
             "normal_effective_stress": self._on_walls(even, -state.traction[:, 0]).clip(min=0.0),
             "shear_lateral": lateral * self._on_walls(odd, around_ring),
             "shear_vertical": self._on_walls(even, -traction[:, 2]),
             "pore_pressure": self._on_walls(even, water),
             "gap": self._on_walls(even, opening).clip(min=0.0),
         }
-        return found
+        return fields
 
     def _on_walls(self, operator: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Means of the slices (side, azimuth, depth) of values (ns,) at the stations."""
-        found = []
+        walls = []
         for ring in self.rings.values():
             at_nodes = operator @ values[ring]
             parts = at_nodes[:, :-2:2], at_nodes[:, 1::2], at_nodes[:, 2::2]
-            found.append(sum(share * part for share, part in zip(_SIMPSON, parts, strict=True)))
-        return np.stack(found)
+            walls.append(sum(share * part for share, part in zip(_SIMPSON, parts, strict=True)))
+        return np.stack(walls)
 
     def _section(self, state: Fields) -> dict[str, np.ndarray]:
         return self._plane.fields(state)
@@ -100,8 +100,8 @@ def slice_shares(line: np.ndarray) -> np.ndarray:
     shares = np.zeros((len(height), len(line)))
     for e, h in enumerate(height):
         shares[e, 2 * e : 2 * e + 3] = h
-    found: np.ndarray = shares / shares.sum(axis=0)
-    return found
+    normalised: np.ndarray = shares / shares.sum(axis=0)
+    return normalised
 
 
 def output_azimuths(harmonics: int) -> np.ndarray:

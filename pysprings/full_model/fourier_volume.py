@@ -30,19 +30,19 @@ class FourierVolume:
     def fields(self, state: Fields) -> dict[str, np.ndarray]:
         """Displacement, stress, plastic strain and gap; see `variables`."""
         u, stress = self.grid.displacement(state), self.grid.stress(state)
-        found = {f"volume_u{axis}": u[:, i] for i, axis in enumerate("xyz")}
-        found |= {f"volume_s{name}": stress[:, i] for i, name in enumerate(variables.STRESSES)}
-        found |= {"volume_plastic_strain": self.grid.plastic(state), "volume_gap": self._gap(state)}
-        return {name: values.astype(np.float32) for name, values in found.items()}
+        fields = {f"volume_u{axis}": u[:, i] for i, axis in enumerate("xyz")}
+        fields |= {f"volume_s{name}": stress[:, i] for i, name in enumerate(variables.STRESSES)}
+        fields |= {"volume_plastic_strain": self.grid.plastic(state), "volume_gap": self._gap(state)}
+        return {name: values.astype(np.float32) for name, values in fields.items()}
 
     def _gap(self, state: Fields) -> np.ndarray:
         """Largest opening (n,) of the stations of a node, those at the nearest azimuth."""
         node, corner, gap = self.system.contact.node, self.grid.corner, self.system.gaps(state)
-        found = np.zeros((len(self.grid.edges), self.built.section.mesh.n_nodes))
+        widest = np.zeros((len(self.grid.edges), self.built.section.mesh.n_nodes))
         for i, azimuth in enumerate(self._nearest):
             mine = self._station_azimuth == azimuth
-            np.maximum.at(found[i], node[mine], gap[mine])
-        return found[:, corner].ravel()
+            np.maximum.at(widest[i], node[mine], gap[mine])
+        return widest[:, corner].ravel()
 
 
 class Sectors:
@@ -85,8 +85,8 @@ class Sectors:
     def _mean(self, values: np.ndarray) -> np.ndarray:
         """Means (M, ne, nv) over the points of a section at each azimuth."""
         ne, _, nv = values.shape
-        found: np.ndarray = values.reshape(ne, elements.N_POINTS, -1, nv).mean(axis=1).transpose(1, 0, 2)
-        return found
+        mean: np.ndarray = values.reshape(ne, elements.N_POINTS, -1, nv).mean(axis=1).transpose(1, 0, 2)
+        return mean
 
 
 def fourier_volume_dataset(built: BuiltFourier) -> xr.Dataset:

@@ -131,8 +131,8 @@ class PathRun:
         if error.refused:
             return str(error), StopReason.DISPLACEMENT_LIMIT
         forced = self.driver.aim[0] == DEAD_LOAD or self.path.kind == "load"
-        found = diagnose(self.driver, forced, self.work.stiffness)
-        return f"{found} ({error})", found.reason
+        cause = diagnose(self.driver, forced, self.work.stiffness)
+        return f"{cause} ({error})", cause.reason
 
     def _failure(self, why: str) -> str:
         """One line: which path stopped, on its way to which part of the load, and why."""

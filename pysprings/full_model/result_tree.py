@@ -140,8 +140,8 @@ def raise_if_incomplete(result: Computed, folder: str | os.PathLike[str] | None 
     """
     record = result.record
     if record.stopped_by is StopReason.OUT_OF_MEMORY:
-        kept = "" if folder is None else f"; what converged is kept in {folder}, --resume goes on from there"
-        raise ResourceError(f"{record.failures[-1]}; try a smaller mesh (`pysprings check` estimates){kept}")
+        where = "" if folder is None else f"; what converged is kept in {folder}, --resume goes on from there"
+        raise ResourceError(f"{record.failures[-1]}; try a smaller mesh (`pysprings check` estimates){where}")
     if result.interrupted:
         raise KeyboardInterrupt
     if record.status is not Status.COMPLETE:

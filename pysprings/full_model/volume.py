@@ -30,12 +30,12 @@ class Volume:
         stress = np.vstack([state.stress.mean(axis=1), np.full((self.n_steel, 6), np.nan)])
         plastic = history_of(self.built.model, state.history, PLASTIC_STRAIN).mean(axis=1)
         strain = np.append(plastic, np.zeros(self.n_steel))
-        found = {f"volume_u{axis}": u[:, i] for i, axis in enumerate("xyz")}
-        found |= {f"volume_s{name}": stress[:, i] for i, name in enumerate(variables.STRESSES)}
-        found |= {"volume_plastic_strain": strain, "volume_gap": self._gap(state)}
+        fields = {f"volume_u{axis}": u[:, i] for i, axis in enumerate("xyz")}
+        fields |= {f"volume_s{name}": stress[:, i] for i, name in enumerate(variables.STRESSES)}
+        fields |= {"volume_plastic_strain": strain, "volume_gap": self._gap(state)}
         if self.built.model.water is not None:
-            found["volume_pore_pressure"] = state.pressure[:n]
-        return {name: values.astype(np.float32) for name, values in found.items()}
+            fields["volume_pore_pressure"] = state.pressure[:n]
+        return {name: values.astype(np.float32) for name, values in fields.items()}
 
     def _displacement(self, state: Fields) -> np.ndarray:
         """Displacement (n, 3) in the axes of the model."""
@@ -49,10 +49,10 @@ class Volume:
         """Largest opening (n,) of the stations that a node of the soil belongs to."""
         stations = self.system.stations
         gap = self.system.gaps(state)
-        found = np.zeros(self.built.model.mesh.n_nodes)
+        widest = np.zeros(self.built.model.mesh.n_nodes)
         station, place = np.nonzero(stations.weight > 0.0)
-        np.maximum.at(found, stations.nodes[station, place], gap[station])
-        return found
+        np.maximum.at(widest, stations.nodes[station, place], gap[station])
+        return widest
 
 
 def volume_dataset(built: Built) -> xr.Dataset:

@@ -72,12 +72,12 @@ class Way:
 def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     """Return the states and loads of a way as a dataset by step, with w, V, p, the stiffness, and marks."""
     states, u, rotation = way.states, *way.states.T
-    found = _supported(model, states)
-    down = vertical_answer(model, found.w, found.V, way.V, states)
+    support = _supported(model, states)
+    down = vertical_answer(model, support.w, support.V, way.V, states)
     depth = model.origin.depth
     nowhere = np.zeros(u.size, dtype=bool)
     turned = way.turned or Turns(nowhere, nowhere)
-    past, refusals = past_ends(model, states, found.used, way.loads, down.values.get("V"), way.aim)
+    past, refusals = past_ends(model, states, support.used, way.loads, down.values.get("V"), way.aim)
     values = {
         "u": u,
         "rotation": rotation,
@@ -85,36 +85,36 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         "M": way.loads[:, 1],
         "converged": np.ones(u.size, dtype=np.int8),
         "depth_bounds": model.origin["depth_bounds"],
-        "usable": found.usable,
+        "usable": support.usable,
         "y": u + rotation * depth[:, None],
-        "p": found.p,
-        "range_used": found.used,
-        "extrapolated": (np.fmax(found.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
+        "p": support.p,
+        "range_used": support.used,
+        "extrapolated": (np.fmax(support.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
     } | down.values
     values["turned_back"] = turned.back.astype(np.int8)
-    if found.distance is not None:
-        values["path_distance"] = found.distance
-    if found.distance is not None or turned.aside.any():
-        values["off_path"] = (found.off | turned.aside).astype(np.int8)
+    if support.distance is not None:
+        values["path_distance"] = support.distance
+    if support.distance is not None or turned.aside.any():
+        values["off_path"] = (support.off | turned.aside).astype(np.int8)
     values["beyond_end"] = (past | down.past).astype(np.int8)
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
     coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
     tangent = model.tangents(states, down.tangent)
     coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
-    attrs = _attributes(model, way, found, turned, down, refusals)
+    attrs = _attributes(model, way, support, turned, down, refusals)
     return xr.Dataset(data | {"stiffness": tangent.variable}, coords, attrs)
 
 
 def _attributes(
-    model: MacroModel, way: Way, found: _Support, turned: Turns, down: Down, refusals: list[str]
+    model: MacroModel, way: Way, support: _Support, turned: Turns, down: Down, refusals: list[str]
 ) -> dict[str, Any]:
     """Attributes of an answer: provenance, what was asked for, status, notes, remarks and refusals."""
     message = " ".join(filter(None, (way.message, down.message)))
-    beyond = np.flatnonzero(found.used > 1.0 + RANGE_SLACK)
+    beyond = np.flatnonzero(support.used > 1.0 + RANGE_SLACK)
     limit = way.limit(int(beyond[0])) if way.limit is not None and beyond.size else None
-    notes = [_beyond(model, found.used, limit)] if beyond.size else []
-    notes += found.notes + turned.notes() + down.notes
+    notes = [_beyond(model, support.used, limit)] if beyond.size else []
+    notes += support.notes + turned.notes() + down.notes
     carried = f"; {limit}" if limit else ""
     return (
         _provenance(model)
@@ -129,8 +129,8 @@ def _attributes(
 
 def _ends(model: MacroModel) -> str:
     """How the paths behind the lateral springs ended, in one text."""
-    found = {name: model.ends[name].how for name in model.sources}
-    return found[model.sources[0]] if len(found) == 1 else ", ".join(f"{name}: {how}" for name, how in found.items())
+    ends = {name: model.ends[name].how for name in model.sources}
+    return ends[model.sources[0]] if len(ends) == 1 else ", ".join(f"{name}: {how}" for name, how in ends.items())
 
 
 @dataclass(frozen=True, slots=True)
@@ -260,15 +260,15 @@ def _fan_notes(sector: Array, off: NDArray[np.bool_]) -> list[str]:
 
 
 def _provenance(model: MacroModel) -> dict[str, Any]:
-    kept = {name: model.attrs[name] for name in _KEPT if name in model.attrs} | {"springs": model.spring_set}
-    kept["curves"] = "monotonic backbone, odd, last slope beyond the calibrated range"
+    attrs = {name: model.attrs[name] for name in _KEPT if name in model.attrs} | {"springs": model.spring_set}
+    attrs["curves"] = "monotonic backbone, odd, last slope beyond the calibrated range"
     if isinstance(model.table, FanTable):
         rays = zip(model.table.path, np.degrees(model.table.angle), strict=True)
         rays_text = ", ".join(f"{name} ({angle:.1f} deg)" for name, angle in rays)
-        return kept | {"path": f"{len(model.table.path)} paths", "rays": rays_text}
+        return attrs | {"path": f"{len(model.table.path)} paths", "rays": rays_text}
     arm = float(model.origin.attrs.get("arm_m", np.nan))
-    kept |= {"calibration_arm_m": arm} if np.isfinite(arm) else {}
-    return kept | {
+    attrs |= {"calibration_arm_m": arm} if np.isfinite(arm) else {}
+    return attrs | {
         "path": model.origin.name,
         "kind": model.origin.kind,
         "n_other_carrier": int((~model.table.natural).sum()),

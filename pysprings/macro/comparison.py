@@ -243,5 +243,5 @@ def _along(path: SpringPath, model: MacroModel) -> xr.Dataset:
 
 def _at_load(path: SpringPath, model: MacroModel, n: int) -> Array:
     """Displacement u [m] of the macro-model under the loads of the full model, by state; NaN beyond what it carries."""
-    found, _, _ = model.solve("load", np.stack([path["H"][:n], path["M"][:n]], axis=1))
-    return np.append(found[:, 0], np.full(n - len(found), np.nan))
+    solved, _, _ = model.solve("load", np.stack([path["H"][:n], path["M"][:n]], axis=1))
+    return np.append(solved[:, 0], np.full(n - len(solved), np.nan))

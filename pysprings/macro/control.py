@@ -32,7 +32,7 @@ def equations(control: Control, targets: Array, arm: float, size: Array) -> tupl
     return Drive(G, C, np.array([motion[0], size[1] + abs(arm) * size[0]])), aims
 
 
-def ending(control: Control, reached: tuple[float, float], wanted: Array, states: Array, loads: Array) -> str:
+def ending(control: Control, reached: tuple[float, float], target: Array, states: Array, loads: Array) -> str:
     """Return words for where a way ended: what was held, what was aimed at next, the last state."""
     words = {
         "displacement": ("u = {:.6g} m",),
@@ -40,7 +40,7 @@ def ending(control: Control, reached: tuple[float, float], wanted: Array, states
         "load": ("H = {:.6g} N", "M = {:.6g} N m"),
         "state": ("u = {:.6g} m", "rotation = {:.6g} rad"),
     }[control]
-    got, aim = (", ".join(w.format(x) for w, x in zip(words, values, strict=False)) for values in (reached, wanted))
+    got, aim = (", ".join(w.format(x) for w, x in zip(words, values, strict=False)) for values in (reached, target))
     last = "no step was reached"
     if len(states):
         (u, rotation), (H, M) = states[-1], loads[-1]

@@ -187,13 +187,13 @@ def _rows(path: SpringPath) -> Array:
     return np.concatenate([odd - odd[:, :1], path.by_depth("t"), ends - ends[:, :1], vertical])
 
 
-def initial_slopes(secant: Array, b: Array, wanted: Array) -> Array:
+def initial_slopes(secant: Array, b: Array, target: Array) -> Array:
     """Return slopes (rows,) at the origin whose sums b.T @ slopes are those of the full model, `wanted`.
 
     They are the secants of the first step, changed in proportion to their size as little as the sums allow.
     """
     size = np.abs(secant)
-    missing = wanted - secant @ b
+    missing = target - secant @ b
     multiplier = np.linalg.lstsq((b * size[:, None]).T @ b, missing, rcond=None)[0]
     return secant + size * (b @ multiplier)
 

@@ -67,9 +67,9 @@ def range_limit(model: MacroModel, control: Control, targets: Array, arm: float,
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         aim = before + middle * (targets[-1] - before)
-        found, loads, message = model.solve(control, aim[None], arm, (state, before))
-        if not message and range_used(model.table, found)[0] <= 1.0 + RANGE_SLACK:
-            low, last, load = middle, found[0], loads[0]
+        reached, loads, message = model.solve(control, aim[None], arm, (state, before))
+        if not message and range_used(model.table, reached)[0] <= 1.0 + RANGE_SLACK:
+            low, last, load = middle, reached[0], loads[0]
         else:
             high = middle
     return Limit(float(last[0]), float(last[1]), float(load[0]), float(load[1]))

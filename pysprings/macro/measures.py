@@ -73,9 +73,9 @@ def errors(path: SpringPath, answer: xr.Dataset, x: Array, answers: tuple[str, .
     return out
 
 
-def between(found: Mapping[str, float]) -> dict[str, float]:
+def between(by_name: Mapping[str, float]) -> dict[str, float]:
     """Return the largest errors of springs with fewer states under names of their own; NaN where there are none."""
-    return {f"{label}_error_between_pct": found.get(f"{label}_error_max_pct", np.nan) for label in _ERRORS}
+    return {f"{label}_error_between_pct": by_name.get(f"{label}_error_max_pct", np.nan) for label in _ERRORS}
 
 
 def _relative_errors(x: Array, reference: Array, answer: Array) -> tuple[float, float]:

@@ -145,10 +145,10 @@ class MacroModel:
         if self.stiffness_initial is not None:
             matrix = np.zeros((len(states), 3, 3))
             matrix[:, ::2, ::2], matrix[:, 1, 1] = lateral, self.stiffness_initial[1, 1] if down is None else down
-        known_as = variables.GROUPS["prediction"]
-        coords = {name: (name, dofs, known_as[name].attributes()) for name in ("dof", "dof_conjugate")}
-        attrs = known_as["stiffness"].attributes() | {"springs": self.spring_set}
-        return xr.DataArray(matrix, coords, known_as["stiffness"].dims, attrs=attrs)
+        described = variables.GROUPS["prediction"]
+        coords = {name: (name, dofs, described[name].attributes()) for name in ("dof", "dof_conjugate")}
+        attrs = described["stiffness"].attributes() | {"springs": self.spring_set}
+        return xr.DataArray(matrix, coords, described["stiffness"].dims, attrs=attrs)
 
     def tangent_stiffness(self, u: float = 0.0, rotation: float = 0.0) -> xr.DataArray:
         """Return the tangent stiffness (3, 3) at mudline for (u, w, rotation) at a state: see `tangents`."""

@@ -44,7 +44,7 @@ class Down:
 
 
 def vertical_answer(
-    model: MacroModel, w: Array | None, V: Array | None, wanted: float | Array | None, states: Array
+    model: MacroModel, w: Array | None, V: Array | None, imposed: float | Array | None, states: Array
 ) -> Down:
     """Return what goes with lateral states (n, 2) = (u, rotation) under a vertical load.
 
@@ -56,13 +56,13 @@ def vertical_answer(
         Vertical load asked for [N], one number or one a step; None: that of the lateral springs.
     """
     if model.stiffness_initial is None or w is None or V is None:
-        if wanted is not None:
+        if imposed is not None:
             raise refused("V", "these springs come from a table without vertical paths (family tz): leave V out")
         return Down()
     w = w + model.settled
-    if wanted is None:
+    if imposed is None:
         return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
-    down = np.full_like(V, wanted)
+    down = np.full_like(V, imposed)
     other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
     moved = other & (states != 0.0).any(axis=1)
     marks = {"V": down, "off_load": moved.astype(np.int8)}
@@ -118,8 +118,8 @@ def _displacements(model: MacroModel, V: Array) -> Array:
     """w [m], dV/dw [N/m] and range used of the vertical springs, (3, n)."""
     assert model.vertical is not None
     values, place = np.unique(V, return_inverse=True)
-    found = np.array([model.vertical.displacement(float(value)) for value in values]).reshape(-1, 3)
-    return found[place].T
+    displacements = np.array([model.vertical.displacement(float(value)) for value in values]).reshape(-1, 3)
+    return displacements[place].T
 
 
 def _unknown(model: MacroModel, used: Array) -> list[str]:

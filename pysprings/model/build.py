@@ -40,9 +40,9 @@ class Built:
     film_mesh_node: np.ndarray
     steel: SteelMesh | None = None
 
-    def extra_load_of(self, wanted: float | str) -> float:
+    def extra_load_of(self, load: float | str) -> float:
         """What a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
-        return extra_load(wanted, self.balanced_load)
+        return extra_load(load, self.balanced_load)
 
 
 def geometry_of(scene: Scene) -> Geometry:
@@ -127,8 +127,8 @@ def _add_steel(scene: Scene, model: Model, steel: SteelMesh) -> Model:
     )
 
 
-def extra_load(wanted: float | str, balanced: float) -> float:
-    return 0.0 if wanted == "balanced" else 0.5 * float(wanted) - balanced
+def extra_load(load: float | str, balanced: float) -> float:
+    return 0.0 if load == "balanced" else 0.5 * float(load) - balanced
 
 
 def _mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
@@ -150,8 +150,8 @@ def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
     for name in SURFACES:
         faces = caisson.mesh.face_sets[name]
         at_wall = np.isin(faces, walls).any(axis=1) & (name == "tip")
-        found = [interface.central_stations(nodes, faces[at_wall]), _nodal(nodes, faces[~at_wall], name)]
-        parts += [(*columns, np.full(len(columns[0]), SURFACE[name])) for columns in found]
+        groups = [interface.central_stations(nodes, faces[at_wall]), _nodal(nodes, faces[~at_wall], name)]
+        parts += [(*columns, np.full(len(columns[0]), SURFACE[name])) for columns in groups]
     near, weight, normal, area, surface = (np.concatenate(column) for column in zip(*parts, strict=True))
     position = np.einsum("sa,sai->si", weight, nodes[near])
     return Stations(

@@ -44,9 +44,9 @@ class BuiltFourier:
     extra_load: float
     steel: None = None
 
-    def extra_load_of(self, wanted: float | str) -> float:
+    def extra_load_of(self, load: float | str) -> float:
         """What a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
-        return extra_load(wanted, self.balanced_load)
+        return extra_load(load, self.balanced_load)
 
 
 def section_counts_of(scene: Scene) -> SectionCounts:
@@ -145,18 +145,18 @@ def make_ring_stations(section: CaissonSection, azimuth: np.ndarray) -> RingStat
 
 def nodal_lengths(x: np.ndarray) -> np.ndarray:
     """Integrals of the quadratic shape functions of a line (Simpson) over nodes at x, three an element."""
-    found, step = np.zeros(len(x)), x[2::2] - x[:-2:2]
+    lengths, step = np.zeros(len(x)), x[2::2] - x[:-2:2]
     for first, share in zip((0, 1, 2), (1.0, 4.0, 1.0), strict=True):
-        found[first : len(x) - 2 + first : 2] += share * step / 6.0
-    return found
+        lengths[first : len(x) - 2 + first : 2] += share * step / 6.0
+    return lengths
 
 
 def nodal_rings(r: np.ndarray) -> np.ndarray:
     """Integrals of the quadratic shape functions times r, m2 per radian; they add up to that of r."""
-    found, start, step = np.zeros(len(r)), r[:-2:2], r[2::2] - r[:-2:2]
+    areas, start, step = np.zeros(len(r)), r[:-2:2], r[2::2] - r[:-2:2]
     for first, (constant, slope) in enumerate([(1 / 6, 0.0), (2 / 3, 1 / 3), (1 / 6, 1 / 6)]):
-        found[first : len(r) - 2 + first : 2] += step * (constant * start + slope * step)
-    return found
+        areas[first : len(r) - 2 + first : 2] += step * (constant * start + slope * step)
+    return areas
 
 
 def fixed_directions(scene: Scene, mesh: SectionMesh) -> np.ndarray:

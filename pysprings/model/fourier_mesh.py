@@ -77,8 +77,8 @@ def make_section(geometry: Geometry, counts: SectionCounts) -> CaissonSection:
     number[used] = np.arange(len(used))
 
     def line(p: np.ndarray | int, q: np.ndarray | int) -> np.ndarray:
-        found = number[np.asarray(p) * width + np.asarray(q)]
-        return np.asarray(found[found >= 0])
+        corners = number[np.asarray(p) * width + np.asarray(q)]
+        return np.asarray(corners[corners >= 0])
 
     down, whole = np.arange(toe + 1), np.arange(2 * len(r) - 1)
     sets = {"side": line(2 * len(r) - 2, np.arange(width)), "bottom": line(whole, width - 1)}
@@ -116,6 +116,6 @@ def _depths(geometry: Geometry, counts: SectionCounts) -> np.ndarray:
 
 def _halved(lines: np.ndarray) -> np.ndarray:
     """Lines with the middles between them."""
-    found = np.empty(2 * len(lines) - 1)
-    found[::2], found[1::2] = lines, 0.5 * (lines[1:] + lines[:-1])
-    return found
+    halved = np.empty(2 * len(lines) - 1)
+    halved[::2], halved[1::2] = lines, 0.5 * (lines[1:] + lines[:-1])
+    return halved

@@ -67,13 +67,13 @@ def penalty_at(scene: Scene, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
     "auto" follows the soil beside the station, and is no less than a share of the largest.
     """
-    found, penalty, local = [], penalty_of(scene), _young(scene, depth)
+    by_part, penalty, local = [], penalty_of(scene), _young(scene, depth)
     largest = np.max(_young(scene, _along_skirt(scene)))
     share = np.maximum(local / largest, _LEAST_SHARE)
     for name, value in (("normal_stiffness", penalty.normal), ("shear_stiffness", penalty.shear)):
         by_soil = getattr(scene.interface, name) == "auto"
-        found.append(value * (np.minimum(share, 1.0) if by_soil else np.ones(len(depth))))
-    return found[0], found[1]
+        by_part.append(value * (np.minimum(share, 1.0) if by_soil else np.ones(len(depth))))
+    return by_part[0], by_part[1]
 
 
 def _young(scene: Scene, depth: np.ndarray) -> np.ndarray:

@@ -80,11 +80,11 @@ def soil_materials(scene: Scene, depth: np.ndarray) -> tuple[list[Material], np.
     """
     strata = ground_of(scene).strata
     number = ground_of(scene).number(depth.mean(axis=1))
-    found = []
+    materials = []
     for k, stratum in enumerate(strata):
         chosen = ENGINE_LAWS[stratum.law]
-        found.append(Material(chosen.law, chosen.pack(_values(stratum, depth[number == k]))))
-    return found, np.asarray(number, dtype=np.int64)
+        materials.append(Material(chosen.law, chosen.pack(_values(stratum, depth[number == k]))))
+    return materials, np.asarray(number, dtype=np.int64)
 
 
 def _values(stratum: Stratum, depth: np.ndarray) -> SimpleNamespace:

@@ -88,15 +88,15 @@ def patch(radius: np.ndarray, inside: float) -> np.ndarray:
 
 def _partners(caisson: CaissonMesh, number: np.ndarray, copied: np.ndarray) -> dict[int, tuple[tuple[int, float], ...]]:
     """Steel nodes that each interface node of the soil goes with."""
-    found: dict[int, tuple[tuple[int, float], ...]] = {int(node): ((int(number[node]), 1.0),) for node in copied}
+    partners: dict[int, tuple[tuple[int, float], ...]] = {int(node): ((int(number[node]), 1.0),) for node in copied}
     nodes, inner, outer = caisson.mesh.nodes, caisson.walls["inside"][:, -1], caisson.walls["outside"][:, -1]
     azimuth = np.arctan2(nodes[inner, 1], nodes[inner, 0])
     for node in np.setdiff1d(caisson.mesh.face_sets["tip"], copied):
         i = int(np.argmin(np.abs(azimuth - np.arctan2(nodes[node, 1], nodes[node, 0]))))
         span = nodes[outer[i]] - nodes[inner[i]]
         share = float((nodes[node] - nodes[inner[i]]) @ span / (span @ span))
-        found[int(node)] = ((int(number[inner[i]]), 1.0 - share), (int(number[outer[i]]), share))
-    return found
+        partners[int(node)] = ((int(number[inner[i]]), 1.0 - share), (int(number[outer[i]]), share))
+    return partners
 
 
 def with_steel(stations: Stations, steel: SteelMesh) -> tuple[np.ndarray, np.ndarray]:

@@ -130,8 +130,8 @@ def _corners(faces: np.ndarray, surface: np.ndarray, stations: Stations) -> np.n
     central = stations.weight[:, 0] < 1.0
     of_face = {tuple(stations.nodes[k]): k for k in np.flatnonzero(central)}
     of_node = {(stations.surface[k], stations.nodes[k, 0]): k for k in np.flatnonzero(~central)}
-    found = []
+    corners = []
     for nodes, on in zip(faces, surface, strict=True):
         own = of_face.get(tuple(nodes))
-        found.append([own] * 4 if own is not None else [of_node[on, node] for node in nodes])
-    return np.array(found)
+        corners.append([own] * 4 if own is not None else [of_node[on, node] for node in nodes])
+    return np.array(corners)

@@ -119,5 +119,5 @@ class Profile(Field):
 
 def show(value: Value, quantity: Quantity) -> str:
     """Return a value as people write it, by depth included."""
-    found = Profile(quantity, powers=True).in_toml(value)
-    return str(found) if isinstance(found, str) else ", ".join(f"{name} {quoted(each)}" for name, each in found.items())
+    entry = Profile(quantity, powers=True).in_toml(value)
+    return str(entry) if isinstance(entry, str) else ", ".join(f"{name} {quoted(each)}" for name, each in entry.items())

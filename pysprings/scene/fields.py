@@ -112,8 +112,8 @@ class Quantity(Field):
         elif bare and _is_number(value):
             number, given = _as_float(value), f"{quoted(value)} {si_unit}"
         else:
-            wanted = f"expected a quantity with unit such as {quoted(self.example)}{self._or_word()}"
-            raise refuse(f"{wanted}, got {quoted(value)}")
+            expected = f"expected a quantity with unit such as {quoted(self.example)}{self._or_word()}"
+            raise refuse(f"{expected}, got {quoted(value)}")
         if not Interval(self.interval).holds(number, self.unit):
             raise refuse(f"{given} is not in {self.interval} {self.unit}")
         return number
@@ -122,13 +122,13 @@ class Quantity(Field):
         return f" (or {quoted(self.word)})" if self.word else ""
 
     def schema(self) -> dict[str, Any]:
-        found: dict[str, Any] = {"type": "string", "pattern": QUANTITY_PATTERN}
+        schema: dict[str, Any] = {"type": "string", "pattern": QUANTITY_PATTERN}
         if self.word:
-            found = {"anyOf": [{"const": self.word}, found]}
+            schema = {"anyOf": [{"const": self.word}, schema]}
         return {
             "description": f"{self.text} (in {self.interval} {self.unit})",
             "examples": [self.example],
-            **found,
+            **schema,
         }
 
     def in_toml(self, value: Any) -> Any:
@@ -197,8 +197,8 @@ class Count(Field):
         return count
 
     def schema(self) -> dict[str, Any]:
-        found = {"description": self.text, "type": "integer", "minimum": self.low, "maximum": self.high}
-        return found if self.multiple_of == 1 else {**found, "multipleOf": self.multiple_of}
+        schema = {"description": self.text, "type": "integer", "minimum": self.low, "maximum": self.high}
+        return schema if self.multiple_of == 1 else {**schema, "multipleOf": self.multiple_of}
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ class Stratum:
         """Return what an engineer checks at a depth (m) of this layer, in SI; angles in degrees."""
         z = np.array(depth)
         value = {name: float(self.value(name, z)) for name in self.values}
-        found: dict[str, Any] = {
+        row: dict[str, Any] = {
             "layer": self.name,
             "law": self.law,
             "depth_m": depth,
@@ -88,11 +88,11 @@ class Stratum:
             "shear_modulus_Pa": float(self.shear_modulus(z)),
         }
         if self.total_stress:
-            found["undrained_shear_strength_Pa"] = value["undrained_shear_strength"]
+            row["undrained_shear_strength_Pa"] = value["undrained_shear_strength"]
         elif SOIL_LAWS[self.law].yields:
-            found["friction_angle_deg"] = math.degrees(value["friction_angle_final"])
-            found["cohesion_Pa"] = value["cohesion"]
-        return found
+            row["friction_angle_deg"] = math.degrees(value["friction_angle_final"])
+            row["cohesion_Pa"] = value["cohesion"]
+        return row
 
     def mean_stress(self, depth: np.ndarray) -> np.ndarray:
         """Return the initial mean effective stress (...,) in Pa, compression positive."""
@@ -146,10 +146,10 @@ class Ground:
         depth = np.asarray(depth, dtype=float)
         if len(self.strata) == 1:
             return of(self.strata[0], depth)
-        number, found = self.number(depth), np.empty(depth.shape)
+        number, values = self.number(depth), np.empty(depth.shape)
         for k, stratum in enumerate(self.strata):
-            found[number == k] = of(stratum, depth[number == k])
-        return found
+            values[number == k] = of(stratum, depth[number == k])
+        return values
 
     def profile(self) -> list[dict[str, Any]]:
         """Return a row for top and bottom of each layer."""
@@ -183,13 +183,13 @@ def make_ground(soil: Soil, depth: float) -> Ground:
 def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:
     """Return the values of a layer that its law uses, those of the soil where it gives none."""
     own = {name: getattr(layer, name, None) for name in BY_LAYER}
-    found = {name: getattr(soil, name) if value is None else value for name, value in own.items()}
+    values = {name: getattr(soil, name) if value is None else value for name, value in own.items()}
     law = SOIL_LAWS[(layer.law if layer else None) or soil.yield_surface]
-    if found["friction_angle_initial"] == "auto":
-        found["friction_angle_initial"] = law.least_friction(found["K0"])
+    if values["friction_angle_initial"] == "auto":
+        values["friction_angle_initial"] = law.least_friction(values["K0"])
     dropped = [each for each in STIFFNESSES if each != _stiffness(soil, own, law.total_stress)]
     dropped += FRICTION_KEYS if law.total_stress else CLAY_KEYS
-    return {name: value for name, value in found.items() if value is not None and name not in dropped}
+    return {name: value for name, value in values.items() if value is not None and name not in dropped}
 
 
 def _stiffness(soil: Soil, own: dict[str, Any], clay: bool) -> str:

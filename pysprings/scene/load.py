@@ -159,12 +159,12 @@ def _parse_toml(text: str, file: str | None) -> dict[str, Any]:
         return tomllib.loads(text)
     except ValueError as error:  # TOMLDecodeError, and what int() says to thousands of digits
         message = str(error)
-    found = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)
-    if found is None:
+    match = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)
+    if match is None:
         _refuse(file, f"not valid TOML: {message.split(';')[0]}", 1, 1)
     lines = text.split("\n")
-    line, col = (int(found[1]), int(found[2])) if found[1] else (len(lines), len(lines[-1]) + 1)
-    _refuse(file, f"not valid TOML: {message[: found.start()]}{_quotes_hint(lines[line - 1])}", line, col)
+    line, col = (int(match[1]), int(match[2])) if match[1] else (len(lines), len(lines[-1]) + 1)
+    _refuse(file, f"not valid TOML: {message[: match.start()]}{_quotes_hint(lines[line - 1])}", line, col)
 
 
 def _quotes_hint(line: str) -> str:
@@ -208,8 +208,8 @@ def _faults(error: ValidationError) -> Iterator[Fault]:
             yield Fault((path,), context["message"])
         else:
             lists: dict[KeyPath, str] = {("path",): "[[path]]", ("soil", "layer"): "[[soil.layer]]"}
-            wanted = f"{lists[path]} sections (double brackets)" if path in lists else f"a table {_header(path)}"
-            yield Fault((path,), f"expected {wanted}")
+            expected = f"{lists[path]} sections (double brackets)" if path in lists else f"a table {_header(path)}"
+            yield Fault((path,), f"expected {expected}")
 
 
 def _header(path: KeyPath) -> str:

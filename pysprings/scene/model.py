@@ -25,10 +25,10 @@ class Scene(SceneSections):
 
     @model_validator(mode="after")
     def _refuse_clashes(self) -> Scene:
-        found = list(clashes(self))
-        if found:
-            lines = "; ".join(f"{dotted(clash.keys[0])}: {clash.message}" for clash in found)
-            raise refuse(lines, clashes=found)
+        problems = list(clashes(self))
+        if problems:
+            lines = "; ".join(f"{dotted(clash.keys[0])}: {clash.message}" for clash in problems)
+            raise refuse(lines, clashes=problems)
         return self
 
     @property

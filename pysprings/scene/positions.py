@@ -43,7 +43,7 @@ def locate(text: str) -> dict[KeyPath, Place]:
     """Return the place of every table, key and list entry of a valid TOML text."""
     scanner = _Scanner(text)
     scanner.document()
-    return {path: Place(scanner.place(key), scanner.place(value)) for path, (key, value) in scanner.found.items()}
+    return {path: Place(scanner.place(key), scanner.place(value)) for path, (key, value) in scanner.places.items()}
 
 
 def refuse_depth(text: str) -> None:
@@ -72,13 +72,13 @@ def nearest(places: dict[KeyPath, Place], path: KeyPath) -> Place:
 
 
 class _Scanner:
-    """Walks through a text once; `found` maps key paths to the offsets of key and value."""
+    """Walks through a text once; `places` maps key paths to the offsets of key and value."""
 
     def __init__(self, text: str, bounded: bool = False) -> None:
         self.text = text
         self.bounded = bounded  # TooDeep beyond MOST_PARTS and MOST_LEVELS
         self.at = 0
-        self.found: dict[KeyPath, tuple[int, int]] = {}
+        self.places: dict[KeyPath, tuple[int, int]] = {}
         self.lengths: dict[KeyPath, int] = {}  # of arrays of tables
         self.starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
@@ -91,9 +91,9 @@ class _Scanner:
 
     def take(self, mark: str) -> bool:
         """Step over a mark if it stands here."""
-        found = self.text.startswith(mark, self.at)
-        self.at += len(mark) if found else 0
-        return found
+        matches = self.text.startswith(mark, self.at)
+        self.at += len(mark) if matches else 0
+        return matches
 
     def document(self) -> None:
         table: KeyPath = ()
@@ -115,13 +115,13 @@ class _Scanner:
         names = self.names()
         for name, _ in names[:-1]:
             path = self.latest((*path, name))
-            self.found.setdefault(path, (start, start))
+            self.places.setdefault(path, (start, start))
         path = (*path, names[-1][0])
         if array:
-            self.found.setdefault(path, (start, start))
+            self.places.setdefault(path, (start, start))
             self.lengths[path] = self.lengths.get(path, 0) + 1
         path = self.latest(path)
-        self.found[path] = (start, start)
+        self.places[path] = (start, start)
         self.take("]]" if array else "]")
         return path
 
@@ -165,10 +165,10 @@ class _Scanner:
         start = self.at
         for name, start in self.names():
             path = (*path, name)
-            self.found.setdefault(path, (start, start))
+            self.places.setdefault(path, (start, start))
         self.take("=")
         self.skip()
-        self.found[path] = (start, self.at)
+        self.places[path] = (start, self.at)
         self.value(path)
 
     def value(self, path: KeyPath) -> None:
@@ -187,7 +187,7 @@ class _Scanner:
         index = 0
         self.skip(_BLANK)
         while not self.take("]"):
-            self.found[(*path, index)] = (self.at, self.at)
+            self.places[(*path, index)] = (self.at, self.at)
             self.value((*path, index))
             index += 1
             self.skip(_BLANK)

@@ -103,7 +103,7 @@ def _workbook(file: Path) -> list[list[str]]:
 
 def _columns(heads: Sequence[str], file: str) -> tuple[list[tuple[str, str, str]], list[Problem]]:
     """Return (key, "from", "to" or "", unit) of each column, and what is wrong with the headings."""
-    found, wrong = [], []
+    columns, wrong = [], []
     for head in heads:
         match = _HEADING.fullmatch(head)
         name = " ".join(match["name"].split()).lower().replace("_", " ") if match else ""
@@ -116,10 +116,10 @@ def _columns(heads: Sequence[str], file: str) -> tuple[list[tuple[str, str, str]
             known = [*NAMES, *(each.replace("_", " ") for each in BY_LAYER)]
             wrong.append(Problem(file, 1, key=head, message=f"unknown column{suggestion(name, known)}"))
             key = ""
-        found.append((key or "", end, (match["unit"] or "").strip() if match else ""))
-    if "top" not in [key for key, _, _ in found]:
+        columns.append((key or "", end, (match["unit"] or "").strip() if match else ""))
+    if "top" not in [key for key, _, _ in columns]:
         wrong.append(Problem(file, 1, message='no column "Depth from [m]" (or "top [m]")'))
-    return found, wrong
+    return columns, wrong
 
 
 def _layer(

@@ -203,11 +203,11 @@ def _least_friction(surface: Surface) -> Callable[[float], float]:
 
     def least(k0: float) -> float:
         low, high = 0.0, MOST_FRICTION
-        wanted = abs(1.0 - k0) / math.sqrt(3.0) / (1.0 + 2.0 * k0)
+        required = abs(1.0 - k0) / math.sqrt(3.0) / (1.0 + 2.0 * k0)
         for _ in range(60):
             middle = 0.5 * (low + high)
             less = surface.section(middle, math.pi / 3.0)[0] if k0 > 1.0 else 1.0
-            low, high = (middle, high) if less * formulas.cone_slope(math.sin(middle)) < wanted else (low, middle)
+            low, high = (middle, high) if less * formulas.cone_slope(math.sin(middle)) < required else (low, middle)
         return high
 
     return least

@@ -8,5 +8,5 @@ from importlib.resources import files
 
 def template_names() -> list[str]:
     """Return the names of the templates, sorted."""
-    found = files("pysprings.scene").joinpath("templates").iterdir()
-    return sorted(item.name.removesuffix(".toml") for item in found if item.name.endswith(".toml"))
+    entries = files("pysprings.scene").joinpath("templates").iterdir()
+    return sorted(item.name.removesuffix(".toml") for item in entries if item.name.endswith(".toml"))

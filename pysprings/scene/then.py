@@ -44,15 +44,15 @@ class ThenList(QuantityList):
         quantity = dict(self.quantities).get(kind)
         if quantity is None:
             return ()
-        found, wrong = [], []
+        entries, wrong = [], []
         for index, entry in enumerate(value):
             try:
-                found.append(entry if isinstance(entry, Then) else self._read(entry, kind, quantity, info))
+                entries.append(entry if isinstance(entry, Then) else self._read(entry, kind, quantity, info))
             except PydanticCustomError as error:
                 wrong.append((index, error.message()))
         if wrong:
             raise refuse("; ".join(message for _, message in wrong), entries=wrong)
-        return tuple(found)
+        return tuple(entries)
 
     def _read(self, entry: Any, kind: str, quantity: Quantity, info: ValidationInfo) -> Then:
         if isinstance(entry, list | tuple) and len(entry) == 3:  # a scene of Python, dumped and validated again
@@ -64,13 +64,13 @@ class ThenList(QuantityList):
             raise refuse(f"a rest needs its time: {quoted(_EXAMPLES[0])}")
         if words.startswith("rest "):
             return Then(None, None, _TIME.validate(words[5:], info))
-        found = _THEN.fullmatch(words)
-        if found is None:
+        match = _THEN.fullmatch(words)
+        if match is None:
             raise refuse(f"expected a text such as {quoted(_EXAMPLES[0])}, got {quoted(entry)}")
-        value, pace = quantity.validate(found["value"], info), found["pace"]
-        if found["how"] == "in":
+        value, pace = quantity.validate(match["value"], info), match["pace"]
+        if match["how"] == "in":
             return Then(value, None, _TIME.validate(pace, info))
-        if found["how"] == "at" and kind not in _RATES:
+        if match["how"] == "at" and kind not in _RATES:
             raise refuse(f'a path of kind "{kind}" has no velocity: say "... in 10 min"')
         return Then(value, None if pace is None else _RATES[kind].validate(pace, info), None)
 

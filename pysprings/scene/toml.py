@@ -27,13 +27,13 @@ def to_toml(scene: SceneSections) -> str:
 
 def sections(scene: SceneSections) -> list[tuple[str, list[tuple[str, Any]]]]:
     """Return (title, keys and values) of every section of a scene, values as in TOML; paths are numbered from 1."""
-    found: list[tuple[str, list[tuple[str, Any]]]] = [("scene", [("title", scene.title)])]
+    listed: list[tuple[str, list[tuple[str, Any]]]] = [("scene", [("title", scene.title)])]
     count = Counter[str]()
     for heading, section in _tables(scene):
         name = heading.strip("[]")
         count[name] += 1
-        found.append((f"{name} {count[name]}" if heading.startswith("[[") else name, list(_pairs(section))))
-    return found
+        listed.append((f"{name} {count[name]}" if heading.startswith("[[") else name, list(_pairs(section))))
+    return listed
 
 
 def _tables(scene: SceneSections) -> Iterator[tuple[str, BaseModel]]:

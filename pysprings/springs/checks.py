@@ -31,17 +31,17 @@ def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = No
     schema = tree.attrs.get("schema")
     if text_of(schema) != SCHEMA:
         raise refused("schema", _foreign(tree, schema), file)
-    found = [*_root_faults(tree), *variables.tree_problems(tree, "springs")] or list(_type_faults(tree))
-    found = found or [fault for name in path_names(tree) for fault in _path_faults(tree, name)]
-    found = found or [
+    problems = [*_root_faults(tree), *variables.tree_problems(tree, "springs")] or list(_type_faults(tree))
+    problems = problems or [fault for name in path_names(tree) for fault in _path_faults(tree, name)]
+    problems = problems or [
         (f"paths/{name}/{key}", text)
         for name in path_names(tree)
         if balanced
         for key, text in balance_faults(path_dataset(tree, name))
     ]
-    if found:
+    if problems:
         name = None if file is None else str(file)
-        raise UserInputError([Problem(file=name, key=key, message=message) for key, message in found])
+        raise UserInputError([Problem(file=name, key=key, message=message) for key, message in problems])
 
 
 def _foreign(tree: xr.DataTree, schema: object) -> str:
@@ -82,8 +82,8 @@ def _type_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
     for name in path_names(tree):
         if wrong := name_fault(name):
             yield f"paths/{quoted(name)}", wrong
-        found = number_faults(path_dataset(tree, name), "springs_path")
-        yield from ((f"paths/{name}/{key}", text) for key, text in found)
+        problems = number_faults(path_dataset(tree, name), "springs_path")
+        yield from ((f"paths/{name}/{key}", text) for key, text in problems)
 
 
 def _resists(stiffness: np.ndarray) -> bool:

@@ -45,8 +45,8 @@ def get_path(tree: xr.DataTree, name: str | None = None) -> xr.Dataset:
         raise refused("path", f"no path '{name}'; the springs have: {', '.join(names) or 'none'}")
     dataset = path_dataset(tree, name)
     good = np.flatnonzero(dataset["converged"].values == 1)
-    kept = dataset if good.size == dataset.sizes["step"] else dataset.isel(step=good)
-    return kept.assign_attrs(path=name)
+    usable = dataset if good.size == dataset.sizes["step"] else dataset.isel(step=good)
+    return usable.assign_attrs(path=name)
 
 
 def is_vertical(tree: xr.DataTree, name: str) -> bool:

@@ -42,12 +42,12 @@ def ray_of(path: SpringPath) -> tuple[float, float] | None:
 
 def rays(paths: Iterable[SpringPath]) -> dict[str, float]:
     """Return the paths that are rays by increasing angle [rad]; of rays in one direction the longest alone."""
-    found = [(ray[1], ray[0], path.name) for path in paths if (ray := ray_of(path)) is not None]
-    kept: list[tuple[float, str]] = []
-    for _, angle, name in sorted(found, key=lambda each: -each[0]):
-        if all(min(abs(angle - other), np.pi - abs(angle - other)) > SAME_DIRECTION for other, _ in kept):
-            kept.append((angle, name))
-    return {name: angle for angle, name in sorted(kept)}
+    candidates = [(ray[1], ray[0], path.name) for path in paths if (ray := ray_of(path)) is not None]
+    distinct: list[tuple[float, str]] = []
+    for _, angle, name in sorted(candidates, key=lambda each: -each[0]):
+        if all(min(abs(angle - other), np.pi - abs(angle - other)) > SAME_DIRECTION for other, _ in distinct):
+            distinct.append((angle, name))
+    return {name: angle for angle, name in sorted(distinct)}
 
 
 def pure(angles: Mapping[str, float]) -> tuple[str, str] | None:

@@ -54,11 +54,11 @@ def end_attrs(reason: StopReason | None, why: str, path: xr.Dataset) -> dict[str
     return {"end": how, "end_reason": why} | _last_loads(path)
 
 
-def earlier_end(kept: xr.Dataset, whole: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
+def earlier_end(shorter: xr.Dataset, whole: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
     """Return the attributes of a path made of two, which goes as far as the shorter one; kept is what is left of it."""
-    source = whole if kept.sizes["step"] == whole.sizes["step"] else other
-    found = {key: source.attrs[key] for key in ("end", "end_reason") if key in source.attrs}
-    return found | _last_loads(kept) if found else {}
+    source = whole if shorter.sizes["step"] == whole.sizes["step"] else other
+    attrs = {key: source.attrs[key] for key in ("end", "end_reason") if key in source.attrs}
+    return attrs | _last_loads(shorter) if attrs else {}
 
 
 def _last_loads(path: xr.Dataset) -> dict[str, float]:

@@ -66,11 +66,11 @@ def at_rate(paths: Mapping[str, SpringPath], sets: Sequence[RateSet], rate: floa
     above = next(k for k, each in enumerate(sets) if each.rate > rate)
     slow, fast = sets[above - 1], sets[above]
     share = float(np.log(rate / slow.rate) / np.log(fast.rate / slow.rate))
-    found = pairs([paths[name] for name in slow.paths], [paths[name] for name in fast.paths], one_load)
-    if not found:
+    matches = pairs([paths[name] for name in slow.paths], [paths[name] for name in fast.paths], one_load)
+    if not matches:
         between = f"{1e3 * slow.rate:.4g} and {1e3 * fast.rate:.4g} mm/s"
         raise refused("rate", f"the paths at {between} go in different directions: nothing to interpolate between")
-    return {a.name: blend(a, b, share) for a, b in found}
+    return {a.name: blend(a, b, share) for a, b in matches}
 
 
 def blend(slow: SpringPath, fast: SpringPath, share: float) -> SpringPath:
@@ -103,14 +103,14 @@ def pairs(
     first: Sequence[SpringPath], second: Sequence[SpringPath], agree: Agree
 ) -> list[tuple[SpringPath, SpringPath]]:
     """Return the paths of two sets that go the same way and agree in something else, each once."""
-    found, free = [], list(second)
+    matches, free = [], list(second)
     for path in first:
         for other in free:
             if same_way(path, other) and agree(path, other):
-                found.append((path, other))
+                matches.append((path, other))
                 free.remove(other)
                 break
-    return found
+    return matches
 
 
 def one_load(a: SpringPath, b: SpringPath) -> bool:

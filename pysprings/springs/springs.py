@@ -194,13 +194,13 @@ class Springs:
         """Return the springs at a rate [m/s, of rho], at all their vertical loads. Raises as `at` does."""
         if not self.rate_sets:
             raise refused("rate", f"the springs are {self.drainage}: they do not depend on a rate")
-        return self._kept(("rate", rate), lambda: self._made_at_rate(rate))
+        return self._cached(("rate", rate), lambda: self._made_at_rate(rate))
 
     def at_load(self, V: float) -> Springs:
         """Return the springs at a vertical load [N], as one set of lateral paths."""
         if len(self.load_sets) < 2:
             return self
-        return self._kept(("load", V), lambda: self._made_at_load(V))
+        return self._cached(("load", V), lambda: self._made_at_load(V))
 
     def answering(self, path: SpringPath) -> Springs:
         """Return the springs that answer one of their paths: at its rate and vertical load, as far as these are known.
@@ -208,11 +208,11 @@ class Springs:
         Of several rates a calibration path is answered at that of its own set, any other at its own, or at the nearest
         one of the sets. A calibration path alone at its load is held back there: it is answered by itself.
         """
-        found = self._at_rate_of(path).at_load(path.load)
-        if path.name in found.paths:
-            return found
+        springs = self._at_rate_of(path).at_load(path.load)
+        if path.name in springs.paths:
+            return springs
         own = SpringPath(path.name, path.dataset.assign_attrs(role="held-back"), path.length)
-        return found._kept(("beside", path.name), lambda: found.with_paths([*found.paths.values(), own]))
+        return springs._cached(("beside", path.name), lambda: springs.with_paths([*springs.paths.values(), own]))
 
     def with_paths(self, paths: Iterable[SpringPath], **attrs: Any) -> Springs:
         """Return springs with other paths, and some attributes of the root changed."""
@@ -230,9 +230,9 @@ class Springs:
     def _made_at_rate(self, rate: float) -> Springs:
         lateral = rates.at_rate(self.paths, self.rate_sets, rate)
         vertical = [path for path in self.vertical if path.name not in lateral]  # at the rate of their own
-        found = self.with_paths([*lateral.values(), *vertical], rate_m_per_s=rate)
-        validate_springs(found.tree, balanced=False)  # as balanced as what they are made of
-        return found
+        springs = self.with_paths([*lateral.values(), *vertical], rate_m_per_s=rate)
+        validate_springs(springs.tree, balanced=False)  # as balanced as what they are made of
+        return springs
 
     def _made_at_load(self, V: float) -> Springs:
         main = dead_loads.nearest(self.load_sets, self.rest_load)
@@ -242,7 +242,7 @@ class Springs:
         attrs = {} if between is None else {"blended_loads_N": list(between), "vertical_load_N": V}
         return self.with_paths(paths, **attrs)
 
-    def _kept(self, key: Hashable, make: Callable[[], Springs]) -> Springs:
+    def _cached(self, key: Hashable, make: Callable[[], Springs]) -> Springs:
         """Return derived springs, made at the first call."""
         if key not in self._derived:
             self._derived[key] = make()

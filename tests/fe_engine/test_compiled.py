@@ -20,11 +20,11 @@ ROOT = Path(__file__).parents[2]
 # A package as the engine is one: a loop in one file, the law that is compiled into it in another.
 LAW = """
 from pathlib import Path
-from fe_engine.compiled import digest, kept
+from fe_engine.compiled import digest, cached
 HOME = Path(__file__).parent
 
 def njit(function):
-    return kept(function, HOME, digest(HOME, HOME.rglob("*.py")))
+    return cached(function, HOME, digest(HOME, HOME.rglob("*.py")))
 
 @njit
 def law(x):

@@ -144,11 +144,11 @@ def states(c: Caisson, path: Path) -> list[tuple[float, float]]:
         lateral, moment = loads(c, u, rotation)
         return moment + lateral * path.arm
 
-    found = [(0.0, 0.0)]
+    solved = [(0.0, 0.0)]
     for u in ramp[1:]:
         ends = -4.0 * u / c.length, 2.0 * u / c.length
-        found.append((float(u), float(brentq(unbalance, *ends, args=(u,), xtol=1e-16, rtol=1e-14))))
-    return found
+        solved.append((float(u), float(brentq(unbalance, *ends, args=(u,), xtol=1e-16, rtol=1e-14))))
+    return solved
 
 
 def stiffness(c: Caisson) -> np.ndarray:

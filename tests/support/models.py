@@ -88,8 +88,8 @@ def soil(law: SoilLaw = plasol.LAW, **changes: float) -> Material:
     """Material of SAND with some parameters changed; those that the law has."""
     names = ("young", "poisson", "phi_i", "phi_f", "b_phi", "psi", "cohesion")
     values = dict(zip(names, SAND, strict=True)) | {"strength": 2.0e4} | changes
-    wanted = inspect.signature(law.pack).parameters
-    return Material(law, law.pack(**{name: value for name, value in values.items() if name in wanted}))
+    accepted = inspect.signature(law.pack).parameters
+    return Material(law, law.pack(**{name: value for name, value in values.items() if name in accepted}))
 
 
 def body_stations(mesh: Mesh, faces: np.ndarray, reference: np.ndarray, rule: str = "nodal") -> Stations:

@@ -23,7 +23,7 @@ HISTORY = ("e_xx", "e_yy", "e_zz", "g_xy", "g_yz", "g_zx", "length", "updates")
 
 
 @njit
-def recorded(p, strain, old, new, tangent, want_tangent):
+def recorded(p, strain, old, new, tangent, with_tangent):
     """Elasticity whose history keeps the strain, its length and the number of increments."""
     square = 0.0
     for i in range(6):
@@ -33,7 +33,7 @@ def recorded(p, strain, old, new, tangent, want_tangent):
     new.history[6] = old.history[6] + square**0.5
     new.history[7] = old.history[7] + 1.0
     add_elastic_stress(p[0], p[1], strain, new.stress)
-    if want_tangent:
+    if with_tangent:
         elastic_tangent(p[0], p[1], 1.0, tangent)
     return OK, REGIME_ELASTIC
 
@@ -80,14 +80,14 @@ def main() -> None:
     # pulled up further than the initial penetration: contact of the package would open
     run = models.run(model, models.stage({0: 1e-3, 1: -2e-3, 2: 0.0}))
     fields = run.state.committed
-    found = {
+    results = {
         "force": run.steps[-1].multipliers.tolist(),
         "history": fields.history.tolist(),
         "change": (fields.stress - model.initial_stress).tolist(),
         "steps": len(run.steps),
         "open": int(run.steps[-1].increment.residual.n_open),
     }
-    print(json.dumps(found))
+    print(json.dumps(results))
 
 
 if __name__ == "__main__":

@@ -60,7 +60,7 @@ def states(name: str) -> list[Fields]:
     strain = random.uniform(0.0, 1e-3, start.history.shape)
     share = np.array([SHARE[FACES[int(code)]] for code in stations.surface])
     share = share * (1.0 + 0.2 * np.sin(np.arange(len(share))))
-    found = []
+    reached = []
     for factor in GROWTH:
         state = deepcopy(start)
         state.border[...] = factor * end
@@ -69,10 +69,10 @@ def states(name: str) -> list[Fields]:
         state.traction[...] = start.traction - stiffness * motion / (1.0 + np.abs(motion) / 5e-3)
         state.displacement[...], state.pressure[...] = factor * displacement, start.pressure + factor * pressure
         state.stress[...], state.history[...] = start.stress + factor * stress, factor * strain
-        found.append(state)
-    for state in found[1:] if PATHS[name][1] != "vertical" else ():  # the lid carries what the others do not
-        state.traction[stations.surface == SURFACE["lid"], 0] += (vertical(state) - vertical(found[0])) / lid_area()
-    return found
+        reached.append(state)
+    for state in reached[1:] if PATHS[name][1] != "vertical" else ():  # the lid carries what the others do not
+        state.traction[stations.surface == SURFACE["lid"], 0] += (vertical(state) - vertical(reached[0])) / lid_area()
+    return reached
 
 
 def vertical(state: Fields) -> float:
@@ -150,7 +150,7 @@ class Raw:
 
     def stations(self) -> list[tuple[str, np.ndarray, dict[str, np.ndarray]]]:
         """Face, position (m) and force vectors of each station: its normal, shear and water parts."""
-        found, model = [], built().model
+        rows, model = [], built().model
         all_of, film = model.stations, model.water.film  # type: ignore[union-attr]
         assert all_of is not None and film is not None
         for k in range(len(all_of.area)):
@@ -159,8 +159,8 @@ class Raw:
             twice = 2.0 * float(all_of.area[k])
             parts = {"normal": -twice * n * normal, "shear": -twice * (s1 * first + s2 * second)}
             parts["water"] = twice * self.water(k) * normal
-            found.append((FACES[int(all_of.surface[k])], all_of.position[k], parts))
-        return found
+            rows.append((FACES[int(all_of.surface[k])], all_of.position[k], parts))
+        return rows
 
     def water(self, k: int) -> float:
         """Excess pressure (Pa) in the film at a station."""

@@ -41,7 +41,7 @@ class _Watch:
 
     def __init__(self) -> None:
         self.allowed: str | None = None
-        self.found: list[str] = []
+        self.seen: list[str] = []
 
     def __call__(self, event: str, args: tuple[Any, ...]) -> None:
         if self.allowed is None or event not in _EVENTS:
@@ -56,14 +56,14 @@ class _Watch:
         if event == "pickle.find_class" and str(args[0]).split(".")[0] in _NUMBA_CACHE:
             return
         if event in ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "pickle.find_class"):
-            self.found.append(f"{event} {args!r:.200}")
+            self.seen.append(f"{event} {args!r:.200}")
             return
         for path in args[:2] if event == "os.rename" else args[:1]:
             place = os.path.abspath(os.fsdecode(path)) if isinstance(path, str | bytes | os.PathLike) else ""
             inside = f"{place}{os.sep}".startswith((self.allowed + os.sep, "/dev/")) or "__pycache__" in place
             there_already = event == "os.mkdir" and os.path.isdir(place)
             if place and not inside and not there_already:
-                self.found.append(f"{event} {place}")
+                self.seen.append(f"{event} {place}")
 
 
 _EVENTS = {
@@ -79,9 +79,9 @@ sys.addaudithook(_WATCH)
 @contextmanager
 def watched(folder: Path) -> Iterator[None]:
     """Fail when anything is written outside a folder, or another program is started, inside the block."""
-    _WATCH.allowed, _WATCH.found = str(folder.resolve()), []
+    _WATCH.allowed, _WATCH.seen = str(folder.resolve()), []
     try:
         yield
     finally:
         _WATCH.allowed = None
-    assert not _WATCH.found, _WATCH.found
+    assert not _WATCH.seen, _WATCH.seen

@@ -76,7 +76,7 @@ def exclusive(folder: Path) -> Iterator[None]:
 def _holder(folder: Path) -> str:
     """Say who writes into a folder, as far as that is known."""
     try:
-        told = json.loads((folder / HOLDER).read_text(encoding="utf-8"))
-        return printable(f"another run (process {told['pid']} on {told['host']}) writes into this folder")
+        holder = json.loads((folder / HOLDER).read_text(encoding="utf-8"))
+        return printable(f"another run (process {holder['pid']} on {holder['host']}) writes into this folder")
     except (OSError, ValueError, LookupError, TypeError):
         return "another run writes into this folder"

@@ -59,18 +59,18 @@ def _content(file: Any) -> str:
     """SHA-256 (hexadecimal) of the content of an open file."""
     file.set_auto_maskandscale(False)
     file.set_auto_chartostring(False)
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for group in _groups(file):
-        _add(found, "group", group.path)
+        _add(digest, "group", group.path)
         for name in sorted(group.dimensions):
-            _add(found, name, len(group.dimensions[name]))
-        _add_attributes(found, group, but=ATTRIBUTE if group.path == "/" else "")
+            _add(digest, name, len(group.dimensions[name]))
+        _add_attributes(digest, group, but=ATTRIBUTE if group.path == "/" else "")
         for name in sorted(group.variables):
             variable = group.variables[name]
-            _add(found, "variable", name, *variable.dimensions)
-            _add_attributes(found, variable)
-            _add_value(found, variable[...])
-    return found.hexdigest()
+            _add(digest, "variable", name, *variable.dimensions)
+            _add_attributes(digest, variable)
+            _add_value(digest, variable[...])
+    return digest.hexdigest()
 
 
 def _groups(group: Any) -> Iterator[Any]:
@@ -79,26 +79,26 @@ def _groups(group: Any) -> Iterator[Any]:
         yield from _groups(group.groups[name])
 
 
-def _add_attributes(found: Any, of: Any, but: str = "") -> None:
+def _add_attributes(digest: Any, of: Any, but: str = "") -> None:
     for name in sorted(of.ncattrs()):
         if name != but:
-            _add(found, "attribute", name)
-            _add_value(found, of.getncattr(name))
+            _add(digest, "attribute", name)
+            _add_value(digest, of.getncattr(name))
 
 
-def _add_value(found: Any, value: Any) -> None:
+def _add_value(digest: Any, value: Any) -> None:
     """Add text, numbers or arrays of them: type, shape and bytes, the least significant byte first."""
     array = np.asarray(value)
     if array.dtype.kind in "OUST":
-        _add(found, "text", array.shape, *array.ravel().tolist())
+        _add(digest, "text", array.shape, *array.ravel().tolist())
         return
     plain = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
-    _add(found, plain.dtype.str, plain.shape)
-    found.update(plain.tobytes())
+    _add(digest, plain.dtype.str, plain.shape)
+    digest.update(plain.tobytes())
 
 
-def _add(found: Any, *words: object) -> None:
+def _add(digest: Any, *words: object) -> None:
     """Add words, each with its length, so that no two lists of words look alike."""
     for word in words:
         text = str(word).encode("utf-8", "surrogateescape")
-        found.update(f"{len(text)}:".encode() + text)
+        digest.update(f"{len(text)}:".encode() + text)

@@ -158,15 +158,15 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
             raise refused(None, _CHANGED[fault], path)
         # seconds stay numbers: a duration is not a date
         with xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as tree:
-            found = _with_bounds_units(tree.load())
+            result = _with_bounds_units(tree.load())
     except (UserInputError, ResourceError):
         raise
     except Exception as error:  # the C libraries below raise many types on a damaged file
         raise refused(None, f"broken or incomplete NetCDF file ({error})", path) from error
-    found.attrs.pop(ATTRIBUTE, None)
+    result.attrs.pop(ATTRIBUTE, None)
     if fault:
         warnings.warn(f"{path}: no {ATTRIBUTE}: written by another program, taken as it is", stacklevel=3)
-    return found
+    return result
 
 
 def _with_bounds_units(tree: xr.DataTree) -> xr.DataTree:

@@ -57,8 +57,8 @@ def noted(folder: Path) -> list[str]:
 
 def listed(folder: Path, folders: tuple[str, ...]) -> list[Path]:
     """Return the files in these folders that the runs of a result folder have written, by both lists."""
-    found = {str(entry) for entry in [*_recorded(folder), *noted(folder)]}
-    ours = sorted(entry for entry in found if _ENTRY.fullmatch(entry) and entry.split("/")[0] in folders)
+    names = {str(entry) for entry in [*_recorded(folder), *noted(folder)]}
+    ours = sorted(entry for entry in names if _ENTRY.fullmatch(entry) and entry.split("/")[0] in folders)
     return [folder / entry for entry in ours if entry.split("/")[1] not in (".", "..")]
 
 
@@ -73,5 +73,5 @@ def _recorded(folder: Path) -> list[object]:
         record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return []
-    found = record.get(KEY) if isinstance(record, dict) else None
-    return found if isinstance(found, list) else []
+    names = record.get(KEY) if isinstance(record, dict) else None
+    return names if isinstance(names, list) else []

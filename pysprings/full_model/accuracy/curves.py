@@ -61,24 +61,24 @@ Sample = dict[str, Array]
 
 def curves_of(result: xr.DataTree) -> dict[str, Curve]:
     """Return the curves of a full-model result, by path; paths without two states that move on are left out."""
-    found = {}
+    curves = {}
     for name in path_names(result):
         path = get_path(result, name)
         length = float(result.attrs["skirt_length_m"])
         x = quantities.driver(path, length)
-        kept = leading(x)
-        if kept.size < 2:
+        rising = leading(x)
+        if rising.size < 2:
             continue
         y, p = quantities.slice_curves(path, length, SLICES)
         by_x = {LOAD: quantities.load(path), OTHER: quantities.other(path), PRESSURE: quantities.pressure(path, length)}
-        found[name] = Curve(
-            x[kept],
-            {key: values[kept] for key, values in by_x.items() if values is not None},
-            y[:, kept],
-            p[:, kept],
+        curves[name] = Curve(
+            x[rising],
+            {key: values[rising] for key, values in by_x.items() if values is not None},
+            y[:, rising],
+            p[:, rising],
             quantities.initial_stiffness(result.dataset["stiffness_initial"].values, path),
         )
-    return found
+    return curves
 
 
 def leading(x: Array) -> NDArray[np.int_]:
@@ -87,13 +87,13 @@ def leading(x: Array) -> NDArray[np.int_]:
     >>> leading(np.array([0.0, 1.0, 1.0, 2.0, 1.5, 3.0])).tolist()
     [0, 1, 3]
     """
-    kept = [0]
+    rising = [0]
     for k in range(1, x.size):
-        if x[k] > x[kept[-1]]:
-            kept.append(k)
-        elif x[k] < x[kept[-1]]:
+        if x[k] > x[rising[-1]]:
+            rising.append(k)
+        elif x[k] < x[rising[-1]]:
             break
-    return np.array(kept, dtype=int)
+    return np.array(rising, dtype=int)
 
 
 def common_grid(curves: Sequence[Curve]) -> Grid:
@@ -115,8 +115,8 @@ def sampled(curve: Curve, grid: Grid) -> Sample:
     for k, y in enumerate(grid.y):
         if np.isfinite(y).all():
             sign = np.sign(y[-1])
-            kept = leading(sign * curve.y[k])
-            values[PY][k] = _between(sign * curve.y[k, kept], curve.p[k, kept], sign * y)
+            rising = leading(sign * curve.y[k])
+            values[PY][k] = _between(sign * curve.y[k, rising], curve.p[k, rising], sign * y)
     values[STIFFNESS] = np.array([curve.stiffness])
     return values
 

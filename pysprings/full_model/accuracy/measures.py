@@ -70,12 +70,12 @@ MEASURES = {
 
 def errors(answer: Sample, reference: Mapping[str, Array]) -> dict[str, float]:
     """Return the errors [%] of a sample beside the values of a reference on the same grid; NaN of what is not there."""
-    found = {}
+    percent = {}
     for name, measure in MEASURES.items():
         known = measure.quantity in answer and measure.quantity in reference
         value = measure.value(answer[measure.quantity], reference[measure.quantity]) if known else float("nan")
-        found[name] = 100.0 * value
-    return found
+        percent[name] = 100.0 * value
+    return percent
 
 
 def reference_of(series: Sequence[Sample], h: Sequence[float]) -> dict[str, Reference]:
@@ -92,8 +92,8 @@ def uncertainty(reference: Mapping[str, Reference]) -> dict[str, float]:
 
 def worst(by_path: Sequence[Mapping[str, float]]) -> dict[str, float]:
     """Return the largest of each measure over paths; NaN where no path has it."""
-    found = {}
+    largest = {}
     for name in MEASURES:
         values = [each[name] for each in by_path if np.isfinite(each[name])]
-        found[name] = max(values, default=float("nan"))
-    return found
+        largest[name] = max(values, default=float("nan"))
+    return largest

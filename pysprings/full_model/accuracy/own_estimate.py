@@ -47,7 +47,7 @@ def _estimate(scene: Scene, result: Computed, compute: Compute, progress: Progre
         return two_mesh.missing(f"the run on the coarser mesh failed: {error}")
     if coarse.record.stopped_by is not None:
         return two_mesh.missing(coarse.record.stopped_by)
-    found = two_mesh.estimate(result.tree, coarse.tree, presets.orders())
+    estimate = two_mesh.estimate(result.tree, coarse.tree, presets.orders())
     if coarse.record.status is not Status.COMPLETE:
-        found["coarser_run"] = str(coarse.record.status)
-    return found
+        estimate["coarser_run"] = str(coarse.record.status)
+    return estimate

@@ -30,8 +30,8 @@ JUDGED = ("load_max", "py_rms")  # a setting meets a target where both errors do
 @cache
 def shipped() -> dict[str, Any]:
     """Return the study that comes with the package."""
-    found: dict[str, Any] = json.loads((files(__package__) / "presets.json").read_text(encoding="utf-8"))
-    return found
+    study: dict[str, Any] = json.loads((files(__package__) / "presets.json").read_text(encoding="utf-8"))
+    return study
 
 
 def orders(study: dict[str, Any] | None = None) -> dict[str, float | None]:
@@ -61,7 +61,7 @@ def cheapest_within(limit: float, rows: Iterable[Mapping[str, Any]]) -> Mapping[
     Other programs on the machine of a study disturb processor time less than wall time.
     """
     errors = [(row, [row[f"{name}_pct"] for name in JUDGED]) for row in rows]
-    good = [row for row, found in errors if all(value is not None and value <= limit for value in found)]
+    good = [row for row, own in errors if all(value is not None and value <= limit for value in own)]
     return min(good, key=lambda row: float(row["cpu_s"]), default=None)
 
 

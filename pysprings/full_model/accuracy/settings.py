@@ -101,12 +101,12 @@ def _unknowns(setting: Setting) -> int:
 
 def read_mesh(text: str, series: bool = False) -> Setting:
     """Return the setting of a mesh as the command line names it: "medium", or "medium:0.7"."""
-    found = re.fullmatch(r"([a-z]+)(?::([0-9]*\.?[0-9]+))?", text)
-    if not found or found[1] not in PRESETS:
+    match = re.fullmatch(r"([a-z]+)(?::([0-9]*\.?[0-9]+))?", text)
+    if not match or match[1] not in PRESETS:
         known = ", ".join(PRESETS)
         raise refused("--mesh", f"'{text[:40]}' is no mesh; give {known}, or one with a factor: coarse:0.7")
-    factor = float(found[2] or 1.0)
+    factor = float(match[2] or 1.0)
     if not COARSEST_FACTOR <= factor <= FINEST_FACTOR:
         raise refused("--mesh", f"the factor {factor:g} is not in [{COARSEST_FACTOR:g}, {FINEST_FACTOR:g}]")
-    name = found[1] if factor == 1.0 else f"{found[1]}-{factor:g}"
-    return Setting(name, MESH, found[1], factor, series=series)
+    name = match[1] if factor == 1.0 else f"{match[1]}-{factor:g}"
+    return Setting(name, MESH, match[1], factor, series=series)

@@ -45,9 +45,9 @@ def coarser(scene: Scene) -> Scene:
     if azimuth is not None:
         changed["azimuth"] = max(8, 4 * round(FACTOR * azimuth / 4))
     output = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
-    found = scene.replace(mesh=changed, output=output)
-    same = counts_of(found) == counts_of(scene)
-    return scene if same else found
+    coarse = scene.replace(mesh=changed, output=output)
+    same = counts_of(coarse) == counts_of(scene)
+    return scene if same else coarse
 
 
 def estimate(fine: xr.DataTree, coarse: xr.DataTree, orders: Mapping[str, float | None]) -> dict[str, Any]:
@@ -63,17 +63,17 @@ def estimate(fine: xr.DataTree, coarse: xr.DataTree, orders: Mapping[str, float 
     if not by_path:
         return missing("the runs have no path in common")
     difference = measures.worst([measures.errors(each["coarse"], each["fine"]) for each in by_path.values()])
-    found: dict[str, Any] = {
+    result: dict[str, Any] = {
         "method": "two meshes", "refinement_factor": FACTOR, "unknowns": unknowns, "cell_ratio": round(ratio, 4),
         "safety": SAFETY, "order": {}, "difference_pct": {}, "estimate_pct": {},
     }  # fmt: skip
     for name, quantity in ESTIMATED.items():
         order = orders.get(quantity) or USUAL_ORDER
-        found["order"][name] = order
+        result["order"][name] = order
         if np.isfinite(difference[name]):
-            found["difference_pct"][name] = difference[name]
-            found["estimate_pct"][name] = SAFETY * difference[name] / (ratio**order - 1.0)
-    return found if found["estimate_pct"] else missing("the difference of both meshes has no finite value")
+            result["difference_pct"][name] = difference[name]
+            result["estimate_pct"][name] = SAFETY * difference[name] / (ratio**order - 1.0)
+    return result if result["estimate_pct"] else missing("the difference of both meshes has no finite value")
 
 
 def missing(why: str) -> dict[str, Any]:
@@ -81,12 +81,12 @@ def missing(why: str) -> dict[str, Any]:
     return {"method": "two meshes", "estimate_pct": {}, "why_not": why}
 
 
-def words(found: Mapping[str, Any]) -> str:
+def words(estimated: Mapping[str, Any]) -> str:
     """Return an estimate in words, one line."""
-    if not found["estimate_pct"]:
-        return f"no estimate of the discretisation error: {found['why_not']}"
-    parts = [f"{measures.MEASURES[name].head} {value:.2g} %" for name, value in found["estimate_pct"].items()]
+    if not estimated["estimate_pct"]:
+        return f"no estimate of the discretisation error: {estimated['why_not']}"
+    parts = [f"{measures.MEASURES[name].head} {value:.2g} %" for name, value in estimated["estimate_pct"].items()]
     return (
-        f"estimated discretisation error: {', '.join(parts)} (two meshes, {found['unknowns'][1]:,} and "
-        f"{found['unknowns'][0]:,} unknowns; safety factor {found['safety']:g} included)"
+        f"estimated discretisation error: {', '.join(parts)} (two meshes, {estimated['unknowns'][1]:,} and "
+        f"{estimated['unknowns'][0]:,} unknowns; safety factor {estimated['safety']:g} included)"
     )

@@ -203,11 +203,11 @@ def _outputs(scene: Scene) -> list[Omission]:
     output, out = scene.output, []
     if not output.interface_fields:
         fields = "contact stresses and gaps of the skirt by azimuth and depth, their pictures, the check of rings"
-        out.append(_not_kept(scene, fields, "interface_fields"))
+        out.append(_output_omission(scene, fields, "interface_fields"))
     if not output.section:
-        out.append(_not_kept(scene, "displacements of the symmetry plane and their pictures", "section"))
+        out.append(_output_omission(scene, "displacements of the symmetry plane and their pictures", "section"))
     if not output.paraview:
-        out.append(_not_kept(scene, "the whole model at every step, and its ParaView files", "paraview"))
+        out.append(_output_omission(scene, "the whole model at every step, and its ParaView files", "paraview"))
     if not output.figures:
         time = PICTURE_SECONDS * len(scene.paths)
         now = _load(scene)
@@ -217,9 +217,9 @@ def _outputs(scene: Scene) -> list[Omission]:
     return out
 
 
-def _not_kept(scene: Scene, what: str, key: str) -> Omission:
-    kept = _with(scene, "output", **{key: True})
-    more = steps_bytes(kept, size_of(kept))[1] - steps_bytes(scene, size_of(scene))[1]
+def _output_omission(scene: Scene, what: str, key: str) -> Omission:
+    with_output = _with(scene, "output", **{key: True})
+    more = steps_bytes(with_output, size_of(with_output))[1] - steps_bytes(scene, size_of(scene))[1]
     return Omission(what, f"output.{key} = false", Saved(COUNTS, memory_bytes=round(more), disk_bytes=round(more)))
 
 

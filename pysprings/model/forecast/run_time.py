@@ -54,11 +54,11 @@ def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: b
     wet = scene.drainage.mode != "drained" if water is None else water
     each = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2
     each *= (_WATER if wet else 1.0) * (_SYMMETRIC if symmetric else 1.0)
-    found = _START + (PICTURE_SECONDS * len(scene.paths) if scene.output.figures else 0.0)
+    total = _START + (PICTURE_SECONDS * len(scene.paths) if scene.output.figures else 0.0)
     for path, number in zip(scene.paths, least_increments(scene), strict=True):
         lifted = _lifted(scene, path)
-        found += number * (1.0 - lifted + _LIFT_OFF_TIME * lifted) * each
-    return found
+        total += number * (1.0 - lifted + _LIFT_OFF_TIME * lifted) * each
+    return total
 
 
 def _lifted(scene: Scene, path: Path) -> float:

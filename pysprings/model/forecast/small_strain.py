@@ -19,22 +19,22 @@ LARGEST_ROTATION = 0.1
 
 def large_motion(path: str, displacement: float, rotation: float, length: float) -> str:
     """Return a sentence where a displacement (m) or rotation (rad) of a path is large beside the skirt; else ""."""
-    found = []
+    parts = []
     if abs(displacement) > LARGEST_SHARE * length:
         share = abs(displacement) / length
-        found.append(f"a displacement of {abs(displacement):.3g} m, {share:.0%} of the skirt length")
+        parts.append(f"a displacement of {abs(displacement):.3g} m, {share:.0%} of the skirt length")
     if abs(rotation) > LARGEST_ROTATION:
-        found.append(f"a rotation of {abs(rotation):.3g} rad")
-    if not found:
+        parts.append(f"a rotation of {abs(rotation):.3g} rad")
+    if not parts:
         return ""
     limit = f"limit {LARGEST_SHARE:.0%} of the skirt length, {LARGEST_ROTATION:g} rad"
-    return f"path '{path}': {' and '.join(found)} is beyond small strains ({limit}): the answer is a guess there"
+    return f"path '{path}': {' and '.join(parts)} is beyond small strains ({limit}): the answer is a guess there"
 
 
 def scene_warnings(scene: Scene) -> list[str]:
     """Return a sentence for each path of a scene that imposes a large motion."""
-    found = (large_motion(path.name, *imposed_motion(path), scene.caisson.skirt_length) for path in scene.paths)
-    return [text for text in found if text]
+    texts = (large_motion(path.name, *imposed_motion(path), scene.caisson.skirt_length) for path in scene.paths)
+    return [text for text in texts if text]
 
 
 def imposed_motion(path: Path) -> tuple[float, float]:

@@ -32,11 +32,11 @@ class Opening:
 
 def openings(path: xr.Dataset, step: int) -> list[Opening]:
     """Return the widest opening [m] of each surface of the caisson at a step, with its place."""
-    found = [_skirt_opening(path, step, str(side)) for side in path["side"].values]
+    widest = [_skirt_opening(path, step, str(side)) for side in path["side"].values]
     for surface, name in (("lid", "under the lid"), ("tip", "under the tip")):
         if f"{surface}_gap" in path:
-            found.append(_plan_opening(path, step, surface, name))
-    return found
+            widest.append(_plan_opening(path, step, surface, name))
+    return widest
 
 
 def skirt_gap(path: xr.Dataset, step: int, side: str) -> NDArray[np.float64]:

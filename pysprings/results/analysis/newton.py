@@ -46,10 +46,10 @@ def attempts(record: xr.Dataset, failed_steps: tuple[int, ...] = ()) -> list[Att
     step, number = record["increment"].values, record["attempt"].values
     changes = np.flatnonzero((np.diff(step) != 0) | (np.diff(number) != 0)) + 1
     blocks = [rows for rows in np.split(np.arange(step.size), changes) if rows.size]
-    found = []
+    tries = []
     for k, rows in enumerate(blocks):
         this = int(step[rows[0]])
         last = k + 1 == len(blocks) or int(step[blocks[k + 1][0]]) != this
         taken = int(record["iteration"].values[rows].max())
-        found.append(Attempt(this, int(number[rows[0]]), rows, taken, last and this not in failed_steps))
-    return found
+        tries.append(Attempt(this, int(number[rows[0]]), rows, taken, last and this not in failed_steps))
+    return tries

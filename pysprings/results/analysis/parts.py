@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 def node(tree: xr.DataTree, path: str) -> xr.DataTree:
     """Return a group of a tree; the path of a variable is an error."""
-    found = tree[path]
-    if not isinstance(found, xr.DataTree):
+    part = tree[path]
+    if not isinstance(part, xr.DataTree):
         raise KeyError(f"{path} is not a group")
-    return found
+    return part
 
 
 def path_data(tree: xr.DataTree, name: str) -> xr.Dataset:
@@ -77,9 +77,9 @@ SETTINGS = (
 def settings(tree: xr.DataTree) -> dict[str, Any]:
     """Collect drainage, caisson size [m], mesh counts and solver tolerance of a run from its attrs."""
     attrs = tree.root.attrs
-    found: dict[str, Any] = {key: attrs[key] for key in SETTINGS if key in attrs}
+    values: dict[str, Any] = {key: attrs[key] for key in SETTINGS if key in attrs}
     tolerance = json.loads(attrs.get("run_json", "{}")).get("solver", {}).get("tolerance")
-    return found if tolerance is None else {**found, "tolerance": float(tolerance)}
+    return values if tolerance is None else {**values, "tolerance": float(tolerance)}
 
 
 def converged(path: xr.Dataset) -> NDArray[np.bool_]:

@@ -38,7 +38,7 @@ def linear_errors(springs: Springs) -> list[str]:
     H and M of the matrix at the recorded motion (u, rotation), relative to the largest size of each load on the path
     up to there, at `SHARES` of the range.
     """
-    found = []
+    lines = []
     for name, path in springs.paths.items():
         if path.is_vertical:
             continue
@@ -56,5 +56,5 @@ def linear_errors(springs: Springs) -> list[str]:
             ]
             words = ", ".join(f"{load} {100.0 * e + 0.0:+.1f} %" for load, e in zip("HM", errors, strict=False))
             parts.append(f"at u = {1e3 * motion[0, step]:.3g} mm, rotation = {1e3 * motion[1, step]:.3g} mrad: {words}")
-        found.append(f"path {name} ({path.dataset.attrs['role']}): {'; '.join(parts)}")
-    return found
+        lines.append(f"path {name} ({path.dataset.attrs['role']}): {'; '.join(parts)}")
+    return lines

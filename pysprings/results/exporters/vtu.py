@@ -68,7 +68,7 @@ def _steps_listed(folder: Path, name: str) -> list[Path]:
         text = (folder / f"{name}.pvd").read_text(encoding="utf-8")
     except (OSError, ValueError):
         return []
-    return [folder / found for found in re.findall(rf'file="({re.escape(name)}_\d{{4,}}\.vtu)"', text)]
+    return [folder / name_of_step for name_of_step in re.findall(rf'file="({re.escape(name)}_\d{{4,}}\.vtu)"', text)]
 
 
 def _wrapped(kind: str, body: str) -> str:

@@ -36,8 +36,8 @@ def heading(name: str, depth: float, bounds: np.ndarray) -> str:
 
 def parse(text: str) -> tuple[str, tuple[str, str, str]] | None:
     """Return quantity and (depth, top, bottom) as they stand in a heading; None for any other text."""
-    found = _HEADING.fullmatch(text.strip())
-    return None if found is None else (found["name"], (found["depth"], found["top"], found["bottom"]))
+    match = _HEADING.fullmatch(text.strip())
+    return None if match is None else (match["name"], (match["depth"], match["top"], match["bottom"]))
 
 
 def py_wide(springs: xr.DataTree) -> pd.DataFrame:

@@ -83,7 +83,7 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
     return figure
 
 
-def _look(kind: str) -> dict[str, Any]:
+def _line_style(kind: str) -> dict[str, Any]:
     colour, dash, marker = LOOKS.get(kind, (GREEN, "-.", "^"))
     return {"color": colour, "linestyle": dash, "marker": marker, "markersize": 4.5}
 
@@ -96,7 +96,7 @@ def _draw_error_at_load(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Da
         u = full["u"].values[converged(full)][: curve.sizes["step"]]  # a curve holds the converged steps
         shown = np.abs(u) > SMALLEST * np.abs(u).max()
         error = 100.0 * (curve["u_at_load"].values[shown] / u[shown] - 1.0)
-        axes.plot(u[shown] * MM, error, markevery=max(1, shown.sum() // 12), **_look(kind))
+        axes.plot(u[shown] * MM, error, markevery=max(1, shown.sum() // 12), **_line_style(kind))
     axes.set_yscale("symlog", linthresh=10.0)
     axes.axhline(0.0, color=INK, linewidth=2.6)
     axes.set_xlabel("lateral displacement u of the full model [mm]")
@@ -110,7 +110,7 @@ def _draw_point(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset]) 
     axes.plot(full["u"].values * MM, depths[0], color=INK, linewidth=2.6)
     for kind, curve in curves.items():
         depth = _point(curve)
-        axes.plot(curve["u"].values * MM, depth, markevery=max(1, depth.size // 12), **_look(kind))
+        axes.plot(curve["u"].values * MM, depth, markevery=max(1, depth.size // 12), **_line_style(kind))
     known = depths[0][np.isfinite(depths[0])]
     if known.size:
         low, high = np.percentile(known, [5, 95])

@@ -22,8 +22,8 @@ DEPTH_FRACTIONS = (1 / 16, 5 / 16, 9 / 16, 13 / 16)
 def pick_depths(path: xr.Dataset, depths: Iterable[float] | None = None) -> list[int]:
     """Choose rings: the nearest to the given depths [m], else to 1/16, 5/16, 9/16 and 13/16 of the skirt."""
     rings = path["depth"].values
-    wanted = list(depths) if depths is not None else [f * skirt_length(path) for f in DEPTH_FRACTIONS]
-    return sorted({int(np.argmin(np.abs(rings - depth))) for depth in wanted})
+    targets = list(depths) if depths is not None else [f * skirt_length(path) for f in DEPTH_FRACTIONS]
+    return sorted({int(np.argmin(np.abs(rings - depth))) for depth in targets})
 
 
 def spread_depths(path: xr.Dataset, most: int) -> list[int]:

@@ -37,17 +37,17 @@ def gap_map(path: xr.Dataset, step: int | None = None, displacement: float | Non
         A step, or the lateral displacement [m] it should be nearest to; default the last converged step.
     """
     step = pick_step(path, step, displacement)
-    found = {each.surface: each for each in openings(path, step)}
+    by_surface = {each.surface: each for each in openings(path, step)}
     figure = new_figure(10.0, 7.6)
     outside, inside, lid, tip = figure.subplots(2, 2).ravel()
     norm = _skirt_norm(path, step)
     for axes, side in ((outside, "outside"), (inside, "inside")):
-        if side in found:
+        if side in by_surface:
             _draw_skirt(axes, path, step, side, norm)
-            axes.set_title(found[side].text())
-    _draw_lid(lid, path, step, found.get("under the lid"))
-    _draw_tip(tip, path, step, found.get("under the tip"))
-    widest = max(found.values(), key=lambda each: each.width)
+            axes.set_title(by_surface[side].text())
+    _draw_lid(lid, path, step, by_surface.get("under the lid"))
+    _draw_tip(tip, path, step, by_surface.get("under the tip"))
+    widest = max(by_surface.values(), key=lambda each: each.width)
     summary = "closed everywhere"
     if widest.width > 0:
         summary = f"max {widest.width * MM:.3g} mm: {widest.surface}, {widest.place}"

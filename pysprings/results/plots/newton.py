@@ -37,9 +37,9 @@ def newton_record(record: xr.Dataset, failed_steps: tuple[int, ...] = ()) -> Fig
     above, below = figure.subplots(2, 1)
     _bars(above, tries)
     _residuals(below, record, tries)
-    kept = [each.iterations for each in tries if each.accepted]
+    accepted = [each.iterations for each in tries if each.accepted]
     given_up = sum(not each.accepted for each in tries)
-    median = f"median {np.median(kept):g}, most {max(kept)} per increment; " if kept else ""
+    median = f"median {np.median(accepted):g}, most {max(accepted)} per increment; " if accepted else ""
     worst = [float(record["residual"].values[each.rows[-1]]) for each in tries if each.accepted]
     reached = f"; worst accepted residual {max(worst):.1e}" if worst else ""
     set_title(figure, "Newton iterations", record.attrs, f"{median}attempts given up: {given_up}{reached}")

@@ -72,8 +72,8 @@ class View:
 
     def with_settings(self, data: xr.Dataset) -> xr.Dataset:
         """Return data whose attrs also hold the settings of the springs."""
-        found = settings(self.springs) if self.springs is not None else {}
-        return data.assign_attrs({**found, **data.attrs})
+        attrs = settings(self.springs) if self.springs is not None else {}
+        return data.assign_attrs({**attrs, **data.attrs})
 
 
 def _always(_view: View) -> bool:

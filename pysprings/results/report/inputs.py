@@ -51,14 +51,14 @@ def _plain_sections(scene_toml: str) -> list[tuple[str, list[tuple[str, Any]]]]:
         scene = tomllib.loads(scene_toml)
     except tomllib.TOMLDecodeError:
         return []
-    found = [("scene", [(key, value) for key, value in scene.items() if not isinstance(value, dict | list)])]
+    sections = [("scene", [(key, value) for key, value in scene.items() if not isinstance(value, dict | list)])]
     for key, value in scene.items():
         if isinstance(value, dict):
-            found.append((key, list(value.items())))
+            sections.append((key, list(value.items())))
         elif isinstance(value, list):
             tables = [item for item in value if isinstance(item, dict)]
-            found += [(f"{key} {k}", list(item.items())) for k, item in enumerate(tables, 1)]
-    return found
+            sections += [(f"{key} {k}", list(item.items())) for k, item in enumerate(tables, 1)]
+    return sections
 
 
 def mesh_table(attrs: Mapping[Any, Any], run: Mapping[str, Any] | None = None) -> Table:

@@ -45,13 +45,13 @@ def _convergence_row(path: Any, summary: Mapping[str, Any]) -> list[str]:
 
     record = path["convergence"].to_dataset(inherit=False)
     tries = attempts(record, failed_steps(path.to_dataset(), record))
-    kept = [each for each in tries if each.accepted]
+    accepted = [each for each in tries if each.accepted]
     lost = [each for each in tries if not each.accepted]
-    counts = [each.iterations for each in kept] or [0]
+    counts = [each.iterations for each in accepted] or [0]
     residual, fraction = record["residual"].values, record["load_fraction"].values
-    worst = max((float(residual[each.rows[-1]]) for each in kept), default=float("nan"))
+    worst = max((float(residual[each.rows[-1]]) for each in accepted), default=float("nan"))
     return [
-        number(len(kept)),
+        number(len(accepted)),
         number(float(np.median(counts))),
         number(max(counts)),
         number(sum(each.iterations for each in tries)),
@@ -86,16 +86,16 @@ def ring_table(paths: Mapping[str, Any]) -> Table:
     """State, path by path, whether contact pressure and opening alternate around the rings of the skirt."""
     rows = []
     for name, path in paths.items():
-        found = contact_alternation(path.to_dataset())
-        if found is None:
+        alternation = contact_alternation(path.to_dataset())
+        if alternation is None:
             rows.append((name, *["not measured: interface fields were not kept"] * 3))
             continue
         rows.append(
             (
                 name,
-                number(found["alternation"], 3) + _at(found["alternation_at"]),
-                number(found["second_difference"], 3) + _at(found["second_difference_at"]),
-                f"{found['isolated_open']} of {found['stations']} stations",
+                number(alternation["alternation"], 3) + _at(alternation["alternation_at"]),
+                number(alternation["second_difference"], 3) + _at(alternation["second_difference_at"]),
+                f"{alternation['isolated_open']} of {alternation['stations']} stations",
             )
         )
     columns = ("path", "alternation", "largest second difference", "open stations between two loaded ones")

@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
     """Return sentences on the range of the numbers: calibrated paths, displacements, effects that are not included."""
-    found = []
+    sentences = []
     behaviour = result.attrs.get("caisson_behaviour", "rigid")
     length = float((springs.attrs if springs is not None else {}).get("skirt_length_m", np.nan))
     for name, path in result["paths"].children.items() if "paths" in result.children else ():
-        found.append(_range_sentence(name, path, length))
+        sentences.append(_range_sentence(name, path, length))
     return [
-        *found,
+        *sentences,
         "Springs from one path hold on paths with nearly the same ratio of rotation to displacement. "
         "p(z)/y(z) is not a property of the soil: check other load heights against the full model.",
         f"Monotonic loading; small displacements; the caisson is {behaviour} and wished in place, without "
@@ -107,19 +107,19 @@ def _fixed(value: Any, decimals: int) -> str:
 
 def estimate_table(run: Mapping[str, Any]) -> Table | None:
     """Return the table of the estimated discretisation error; None where no estimate was requested."""
-    found = run.get("error_estimate")
-    if not found:
+    estimate = run.get("error_estimate")
+    if not estimate:
         return None
-    if not found["estimate_pct"]:
-        return Table("Discretisation error", ("",), [(f"no estimate: {found['why_not']}",)])
+    if not estimate["estimate_pct"]:
+        return Table("Discretisation error", ("",), [(f"no estimate: {estimate['why_not']}",)])
     words = {"load_max": "load, largest difference / largest load", "py_rms": "p(y), root mean square / largest p"}
     rows = [
-        (words[name], number(found["difference_pct"][name], 3), number(found["order"][name], 3), number(value, 2))
-        for name, value in found["estimate_pct"].items()
+        (words[name], number(estimate["difference_pct"][name], 3), number(estimate["order"][name], 3), number(value, 2))
+        for name, value in estimate["estimate_pct"].items()
     ]
     note = (
-        f"From the same scene on a coarser mesh ({found['unknowns'][1]} beside {found['unknowns'][0]} unknowns, "
-        f"ratio of cell sizes r = {found['cell_ratio']:.3g}): safety factor {found['safety']:g} times "
+        f"From the same scene on a coarser mesh ({estimate['unknowns'][1]} beside {estimate['unknowns'][0]} unknowns, "
+        f"ratio of cell sizes r = {estimate['cell_ratio']:.3g}): safety factor {estimate['safety']:g} times "
         "difference / (r^order - 1)."
     )
     return Table("Discretisation error", ("", "difference [%]", "order", "estimate [%]"), rows, note)

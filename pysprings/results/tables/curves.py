@@ -29,7 +29,7 @@ def build_curves(rows: pd.DataFrame, skirt_length: float | None, faults: Faults)
 
     Curves are given for one direction; the other is their odd reflection. A missing origin is added.
     """
-    found = dict[str, CurveSet]()
+    sets = dict[str, CurveSet]()
     for name, own in rows[rows["converged"] != 0].groupby("path", sort=False):
         parts = {str(family): net_rows(part, faults) for family, part in own.groupby("family", sort=False)}
         if "py" not in parts:
@@ -38,9 +38,9 @@ def build_curves(rows: pd.DataFrame, skirt_length: float | None, faults: Faults)
         depth, bounds, note = slices(parts["py"], skirt_length, faults)
         curves = [curve for family, part in parts.items() for curve in _curves(family, part, faults)]
         if not faults.problems:
-            found[str(name) or "table"] = CurveSet(depth, bounds, _on_depths(curves, depth, parts, faults), note)
+            sets[str(name) or "table"] = CurveSet(depth, bounds, _on_depths(curves, depth, parts, faults), note)
     faults.stop()
-    return CurveSprings(str(rows["file"].iloc[0]), found)
+    return CurveSprings(str(rows["file"].iloc[0]), sets)
 
 
 def _curves(family: str, part: pd.DataFrame, faults: Faults) -> Iterator[Curve]:

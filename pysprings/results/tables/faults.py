@@ -34,8 +34,8 @@ class Faults:
         """Raise UserInputError when there is any problem."""
         if not self.problems:
             return
-        found = sorted(self.problems, key=lambda each: (each.file or "", each.line or 0))
-        raise UserInputError(found)
+        problems = sorted(self.problems, key=lambda each: (each.file or "", each.line or 0))
+        raise UserInputError(problems)
 
 
 def numbers(place: str, name: str, given: list[Any], lines: np.ndarray, faults: Faults) -> np.ndarray:

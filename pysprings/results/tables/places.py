@@ -24,13 +24,13 @@ def place_of(rows: pd.DataFrame) -> tuple[str, int | None]:
 
 def net_rows(rows: pd.DataFrame, faults: Faults) -> pd.DataFrame:
     """Return the rows of both sides and all components together (side net, component total, or blank)."""
-    kept = rows
+    chosen = rows
     for column, labels in _NET.items():
-        kept = kept[kept[column].isin(labels)]
-    if kept.empty and len(rows):
+        chosen = chosen[chosen[column].isin(labels)]
+    if chosen.empty and len(rows):
         message = "only parts are given: side 'net' and component 'total' (or blanks) are needed"
         faults.add(place_of(rows), "side", message)
-    return kept
+    return chosen
 
 
 def slices(rows: pd.DataFrame, skirt_length: float | None, faults: Faults) -> tuple[Array, Array, str]:

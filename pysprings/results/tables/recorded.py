@@ -168,8 +168,8 @@ def _assembled(
     for family, grid in grids.items():
         rows = depth.size if family in ("py", "mtheta") else 1
         if grid["step"].shape != (rows, n):
-            wanted = f"{rows} depths and {n} steps"
-            faults.add(place_of(families[family]), "family", f"{family} does not have the {wanted} of p")
+            expected = f"{rows} depths and {n} steps"
+            faults.add(place_of(families[family]), "family", f"{family} does not have the {expected} of p")
     if len(faults.problems) > before:
         return None
     zero = np.zeros(n)

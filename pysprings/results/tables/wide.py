@@ -17,15 +17,15 @@ _OF_LATERAL = ("y_m", "p_N_per_m", "m_Nm_per_m")  # blank on a vertical path
 
 def is_wide(head: list[str]) -> bool:
     """Return whether a heading is that of a wide table."""
-    return any((found := parse(name)) is not None and found[0] in PAIRS[0] for name in head)
+    return any((heading := parse(name)) is not None and heading[0] in PAIRS[0] for name in head)
 
 
 def unfold(head: list[str], lines: Lines) -> tuple[list[str], Lines]:
     """Return heading and lines of the long format; columns that a wide table does not have stay for the checks."""
     by_depth: dict[Place, dict[str, int]] = {}  # depth and slice -> quantity -> column
     for column, text in enumerate(head):
-        if (found := parse(text)) is not None and any(found[0] in pair for pair in PAIRS):
-            by_depth.setdefault(found[1], {})[found[0]] = column
+        if (heading := parse(text)) is not None and any(heading[0] in pair for pair in PAIRS):
+            by_depth.setdefault(heading[1], {})[heading[0]] = column
     ends = {wide: head.index(wide) for columns in ENDS.values() for wide in columns.values() if wide in head}
     used = {column for own in by_depth.values() for column in own.values()} | set(ends.values())
     others = [column for column in range(len(head)) if column not in used]
@@ -40,7 +40,7 @@ def unfold(head: list[str], lines: Lines) -> tuple[list[str], Lines]:
 
 def _depth_rows(row: list[Any], by_depth: dict[Place, dict[str, int]], quantities: list[str]) -> list[list[Any]]:
     """Return rows of the families by depth of one wide row: y and p, then m and t; t alone on a vertical path."""
-    found = []
+    filled = []
     lateral = [column for own in by_depth.values() for name, column in own.items() if name in _OF_LATERAL]
     if all(_cell(row, column) in (None, "") for column in lateral):
         ends: list[Any] = [None] * len(ENDS["base"])
@@ -51,8 +51,8 @@ def _depth_rows(row: list[Any], by_depth: dict[Place, dict[str, int]], quantitie
             if not any(name in columns for name in pair):
                 continue
             cells = [_cell(row, columns.get(name)) if name in pair else None for name in quantities]
-            found.append([family, *place, *cells, *[None] * len(ENDS["base"])])
-    return found
+            filled.append([family, *place, *cells, *[None] * len(ENDS["base"])])
+    return filled
 
 
 def _end_rows(
@@ -60,13 +60,13 @@ def _end_rows(
 ) -> list[list[Any]]:
     """Return rows of tip (at the bottom of the deepest slice) and lid (depth 0) of one wide row."""
     bottom = max((place[2] for place in by_depth), key=_size)
-    found: list[list[Any]] = []
+    filled: list[list[Any]] = []
     for family, columns in ENDS.items():
         if any(wide in ends for wide in columns.values()):
             at = bottom if family == "base" else "0"
             forces = [_cell(row, ends.get(wide)) for wide in columns.values()]
-            found.append([family, at, at, at, *[None] * len(quantities), *forces])
-    return found
+            filled.append([family, at, at, at, *[None] * len(quantities), *forces])
+    return filled
 
 
 def _cell(row: list[Any], column: int | None) -> Any:

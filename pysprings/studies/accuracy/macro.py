@@ -22,12 +22,12 @@ from pysprings.springs.springs import Springs
 class Answer:
     """What one spring set with so many depth slices answers along each path; seconds of a curve of 50 points.
 
-    ``paths`` are those of the lateral paths ``asked`` along which there is an answer.
+    ``paths`` are those of the lateral paths ``lateral`` along which there is an answer.
     """
 
     springs: str
     slices: int
-    asked: list[str]
+    lateral: list[str]
     paths: Mapping[str, Curve]
     seconds: float
 
@@ -44,16 +44,16 @@ def answers(springs: xr.DataTree) -> Iterator[Answer]:
         return
     for n in slices.slice_counts(given):
         merged = slices.merge_slices(given, n)
-        found = {name: _curve(merged.paths[name], trace) for name, trace in _traces(merged, names, kind)}
-        whole = {name: curve for name, curve in found.items() if curve is not None}
+        traced = {name: _curve(merged.paths[name], trace) for name, trace in _traces(merged, names, kind)}
+        whole = {name: curve for name, curve in traced.items() if curve is not None}
         yield Answer(kind, n, names, whole, slices.curve_seconds(merged, kind))
 
 
 def _traces(springs: Springs, names: list[str], kind: str) -> Iterator[tuple[str, xr.Dataset]]:
     for name in names:
-        found = curves(springs, name, kind)
-        if kind in found:
-            yield name, found[kind]
+        by_kind = curves(springs, name, kind)
+        if kind in by_kind:
+            yield name, by_kind[kind]
 
 
 def _curve(path: SpringPath, trace: xr.Dataset) -> Curve | None:
@@ -63,9 +63,9 @@ def _curve(path: SpringPath, trace: xr.Dataset) -> Curve | None:
     if path.kind == "rotation":  # what is imposed is the full model's
         states = states.assign(rotation=("step", full["rotation"].values[:n]))
     x = quantities.driver(states, path.length)
-    kept = leading(x) if n else np.zeros(0, dtype=int)
-    if kept.size < 2:
+    rising = leading(x) if n else np.zeros(0, dtype=int)
+    if rising.size < 2:
         return None
     by_x = {LOAD: quantities.load(states), OTHER: quantities.other(states)}
-    none = np.zeros((0, kept.size))
-    return Curve(x[kept], {name: v[kept] for name, v in by_x.items() if v is not None}, none, none, float("nan"))
+    none = np.zeros((0, rising.size))
+    return Curve(x[rising], {name: v[rising] for name, v in by_x.items() if v is not None}, none, none, float("nan"))

@@ -16,9 +16,9 @@ def front(cost: Sequence[float], error: Sequence[float]) -> list[int]:
     """
     costs, errors = np.asarray(cost, dtype=float), np.asarray(error, dtype=float)
     counted = np.flatnonzero(np.isfinite(costs) & np.isfinite(errors))
-    best, kept = np.inf, []
+    best, best_ones = np.inf, []
     for k in counted[np.lexsort((errors[counted], costs[counted]))]:
         if errors[k] < best:
             best = errors[k]
-            kept.append(int(k))
-    return kept
+            best_ones.append(int(k))
+    return best_ones

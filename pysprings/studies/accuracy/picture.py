@@ -100,7 +100,7 @@ def _marks(axes: Axes, part: pd.DataFrame, column: str, mark: str, colour: str, 
 
 def _front(axes: Axes, shown: pd.DataFrame, column: str) -> None:
     """Draw the Pareto front by steps: any time between two runs of it gives the error of the cheaper one."""
-    kept = shown.iloc[front(shown["time"].tolist(), shown[column].tolist())]
-    if len(kept) > 1:
-        errors = kept[column].clip(lower=LEAST)
-        axes.step(kept["time"], errors, where="post", linewidth=1.2, zorder=2, label="Pareto front", color=INK)
+    best = shown.iloc[front(shown["time"].tolist(), shown[column].tolist())]
+    if len(best) > 1:
+        errors = best[column].clip(lower=LEAST)
+        axes.step(best["time"], errors, where="post", linewidth=1.2, zorder=2, label="Pareto front", color=INK)

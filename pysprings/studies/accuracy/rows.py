@@ -36,7 +36,7 @@ REFERENCE = "reference"  # column: the error is that of the reference itself
 
 
 @dataclass(frozen=True)
-class Found:
+class StudyResult:
     """What a study has found: the table, and the reference by path and quantity with its uncertainty by measure [%].
 
     ``series`` names the meshes of the reference, the finest last; ``settings`` are those that were run.
@@ -74,19 +74,19 @@ class Truth:
     def _errors(self, path: str, sample: Sample, name: str) -> dict[str, float]:
         """Return errors [%] by measure; for a finest mesh that is the reference, at least its uncertainty."""
         references = self.references[path]
-        found = measures.errors(sample, {quantity: one.values for quantity, one in references.items()})
+        errors = measures.errors(sample, {quantity: one.values for quantity, one in references.items()})
         for key, measure in measures.MEASURES.items():
             if measure.quantity not in references or references[measure.quantity].extrapolated:
                 continue
             doubt = self.uncertainty[path][key]
             if np.isnan(doubt):  # one mesh gives no estimate of its own error, nor of that of others
-                found[key] = doubt
+                errors[key] = doubt
             elif name == self.finest:
-                found[key] = max(found[key], doubt)
-        return found
+                errors[key] = max(errors[key], doubt)
+        return errors
 
 
-def assess(runs: Sequence[Ended]) -> Found:
+def assess(runs: Sequence[Ended]) -> StudyResult:
     """Return errors and costs of the runs that reached their end, and costs of the others.
 
     The reference is extrapolated from the complete runs of the series. The finest of them is its own reference in what
@@ -101,7 +101,7 @@ def assess(runs: Sequence[Ended]) -> Found:
     rows = []
     for each in runs:
         name = each.setting.name
-        own = {path: found[name] for path, found in by_path.items() if name in found}
+        own = {path: mine[name] for path, mine in by_path.items() if name in mine}
         rows.append(_costs(each) | truth.columns(name, own))
     for each in complete:
         if each.setting.group == MESH and by_path:
@@ -109,7 +109,7 @@ def assess(runs: Sequence[Ended]) -> Found:
     table = pd.DataFrame(rows)
     table["pareto"] = _on_front(table)
     table = table.assign(from_mesh_pct=table["name"].map(_changes_alone(curves, complete)).astype(float))
-    return Found(
+    return StudyResult(
         table, truth.references, truth.uncertainty, [each.setting.name for each in series],
         [each.setting for each in runs],
     )  # fmt: skip
@@ -135,25 +135,25 @@ def _truth(
 
 def _on_front(table: pd.DataFrame) -> pd.Series:
     """Return the rows that no other of the same model beats in wall time and one of the errors of the targets."""
-    kept = pd.Series(False, index=table.index)
+    on_front = pd.Series(False, index=table.index)
     for model in (FULL, MACRO):
         part = table[(table["model"] == model) & (table["status"] == "complete")]
         for measure in JUDGED:
-            kept[part.index[front(part["wall_s"].tolist(), part[f"{measure}_pct"].tolist())]] = True
-    return kept
+            on_front[part.index[front(part["wall_s"].tolist(), part[f"{measure}_pct"].tolist())]] = True
+    return on_front
 
 
 def _changes_alone(curves: Mapping[str, Mapping[str, Curve]], complete: Sequence[Ended]) -> dict[str, float]:
     """Return the largest load difference [%] of a variation from the run on the same mesh with the scene's settings."""
     plain = {(e.setting.mesh, e.setting.refinement): e.setting.name for e in complete if e.setting.group == MESH}
-    found = {}
+    changes = {}
     for each in complete:
         base = plain.get((each.setting.mesh, each.setting.refinement))
         if each.setting.group != MESH and base is not None:
             both = samples({"own": curves[each.setting.name], "base": curves[base]})
             differences = [measures.errors(one["own"], one["base"]) for one in both.values()]
-            found[each.setting.name] = measures.worst(differences)["load_max"]
-    return found
+            changes[each.setting.name] = measures.worst(differences)["load_max"]
+    return changes
 
 
 def _unknowns(each: Ended) -> int:
@@ -184,13 +184,13 @@ def _macro_rows(each: Ended, truth: Truth) -> list[dict[str, Any]]:
     springs: xr.DataTree = read_tree(each.folder / "springs.nc")
     setting, unit, rows = each.setting, each.record["solver"].get("unit_s"), []
     for answer in macro.answers(springs):
-        asked, found = [path for path in answer.asked if path in truth.grids], {}
-        for path in asked:
+        lateral, compared = [path for path in answer.lateral if path in truth.grids], {}
+        for path in lateral:
             curve, x = answer.paths.get(path), truth.grids[path].x
             if curve is not None and curve.x[-1] >= x[-1] * (1.0 - 1e-9):  # else it did not get as far
                 answers = sampled(curve, Grid(x, np.zeros((0, x.size))))
-                found[path] = {name: answers[name] for name in (LOAD, OTHER) if name in answers}
-        complete = 0 < len(found) == len(asked)
+                compared[path] = {name: answers[name] for name in (LOAD, OTHER) if name in answers}
+        complete = 0 < len(compared) == len(lateral)
         rows.append({
             "model": MACRO, "name": f"{setting.name}, {answer.springs}, {answer.slices} slices",
             "group": "macro-model", "mesh": setting.mesh, "refinement": setting.refinement,
@@ -198,6 +198,6 @@ def _macro_rows(each: Ended, truth: Truth) -> list[dict[str, Any]]:
             "why": "" if complete else "the springs do not carry all paths to their ends",
             "unknowns": each.record["mesh"]["unknowns"], "wall_s": answer.seconds, "cpu_s": answer.seconds,
             "unit_s": unit, "units": answer.seconds / unit if unit else None,
-            **truth.columns(setting.name, found if complete else {}),
+            **truth.columns(setting.name, compared if complete else {}),
         })  # fmt: skip
     return rows

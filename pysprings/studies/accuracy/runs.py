@@ -14,7 +14,7 @@ from pysprings.full_model.accuracy.settings import Setting
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.forecast.run_time import seconds
 from pysprings.studies.accuracy.child import Run
-from pysprings.studies.kept_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
+from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
 
 if TYPE_CHECKING:
     from pysprings.core.progress import Progress
@@ -56,15 +56,15 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
     if missing:  # compiled code is kept on disk: no run of the table pays for it
         _warm_up(scene, run_folder(out, WARM_UP), report, run)
     whole = Whole(weights, report, paths=tuple(path.name for path in scene.paths))
-    found = []
+    finished = []
     for setting in settings:
         folder, why = run_folder(out, setting.name), ""
         if setting.name in missing:
             why = _run(scenes[setting.name], folder, whole.of(setting.name), run)
         whole.ended(setting.name, setting.name in missing)
         record = record_of(folder, scenes[setting.name])
-        found.append(Ended(setting, folder, record, why or _kept_outcome(record)))
-    return found
+        finished.append(Ended(setting, folder, record, why or _stored_outcome(record)))
+    return finished
 
 
 def forget_all(settings: Sequence[Setting], out: Path) -> None:
@@ -88,7 +88,7 @@ def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:
     return ""
 
 
-def _kept_outcome(record: dict[str, Any]) -> str:
+def _stored_outcome(record: dict[str, Any]) -> str:
     """Return the outcome of a kept run as `_run` has returned it."""
     why = why_stopped(record)
     return f"{_NOT_CONVERGED}{why}" if why else ""

@@ -22,8 +22,8 @@ from pysprings.full_model.accuracy.presets import JUDGED, SCHEMA, TARGETS
 from pysprings.full_model.accuracy.settings import Setting
 from pysprings.studies.accuracy import rows, runs, text
 from pysprings.studies.accuracy.child import Run, run_in_child
-from pysprings.studies.accuracy.rows import Found
-from pysprings.studies.kept_runs import RUNS
+from pysprings.studies.accuracy.rows import StudyResult
+from pysprings.studies.stored_runs import RUNS
 
 if TYPE_CHECKING:
     from pysprings.core.progress import Progress
@@ -42,7 +42,7 @@ FILES = {
 def study(
     scene: Scene, out: Path, settings: Sequence[Setting], report: Progress, force: bool = False,
     run: Run = run_in_child,
-) -> Found:  # fmt: skip
+) -> StudyResult:  # fmt: skip
     """Run what has not ended yet, assess it and write everything; return what was found.
 
     force : have every run made again. run : how one is run (in a process of its own).
@@ -52,54 +52,54 @@ def study(
         if force:
             runs.forget_all(settings, out)
         ended = runs.run_all(scene, settings, out, report, run)
-        found = rows.assess(ended)
-        _write(out, scene, found)
-    return found
+        outcome = rows.assess(ended)
+        _write(out, scene, outcome)
+    return outcome
 
 
-def to_json(scene: Scene, found: Found) -> dict[str, Any]:
+def to_json(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
     """Return everything that was found, in SI and percent; numbers that are not there are null."""
     return {
         "schema": SCHEMA,
         **_origin(scene),
-        "series": list(found.series),
+        "series": list(outcome.series),
         "cell_size": "unknowns^(-1/3)",
         "measures": {name: measure.words for name, measure in MEASURES.items()},
         "reference": {
             path: {
                 name: {"order": each.order, "note": each.note}
                 for name, each in references.items()
-            } | {"uncertainty_pct": dict(found.uncertainty[path])}
-            for path, references in found.references.items()
+            } | {"uncertainty_pct": dict(outcome.uncertainty[path])}
+            for path, references in outcome.references.items()
         },
-        "rows": rows.records(found.table),
+        "rows": rows.records(outcome.table),
     }  # fmt: skip
 
 
-def presets(scene: Scene, found: Found) -> dict[str, Any]:
+def presets(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
     """Return what `--target-error` needs: the complete settings with error and cost, and the orders.
 
     Of several paths the smallest order counts: it gives the larger estimate.
     """
-    table = found.table
+    table = outcome.table
     names = [f"{name}_pct" for name in JUDGED]
     usable = table[(table["model"] == rows.FULL) & (table["status"] == "complete")].dropna(subset=names)
     if usable.empty:
         raise UserInputError([Problem(key="--write-presets", message="no run of the study has an error to offer")])
-    solvers = {each.name: dict(each.solver) for each in found.settings}
-    kept = ["name", "mesh", "refinement", "unknowns", "wall_s", "cpu_s", "units", *names]
-    lines = [row | {"solver": solvers[row["name"]]} for row in rows.records(usable[kept])]
-    return {"schema": SCHEMA, "origin": _origin(scene), "orders": _orders(found), "settings": lines}
+    solvers = {each.name: dict(each.solver) for each in outcome.settings}
+    columns = ["name", "mesh", "refinement", "unknowns", "wall_s", "cpu_s", "units", *names]
+    lines = [row | {"solver": solvers[row["name"]]} for row in rows.records(usable[columns])]
+    return {"schema": SCHEMA, "origin": _origin(scene), "orders": _orders(outcome), "settings": lines}
 
 
-def write_presets(scene: Scene, found: Found, file: Path) -> Path:
+def write_presets(scene: Scene, outcome: StudyResult, file: Path) -> Path:
     """Write the presets as JSON; return the path."""
-    return write_text(json_text(presets(scene, found), indent=1) + "\n", file)
+    return write_text(json_text(presets(scene, outcome), indent=1) + "\n", file)
 
 
-def _orders(found: Found) -> dict[str, float | None]:
-    names = dict.fromkeys(name for each in found.references.values() for name in each)
-    known = {name: [each[name].order for each in found.references.values() if name in each] for name in names}
+def _orders(outcome: StudyResult) -> dict[str, float | None]:
+    names = dict.fromkeys(name for each in outcome.references.values() for name in each)
+    known = {name: [each[name].order for each in outcome.references.values() if name in each] for name in names}
     return {name: min((order for order in orders if order is not None), default=None) for name, orders in known.items()}
 
 
@@ -119,17 +119,17 @@ def _machine() -> str:
     return f"{platform.machine()}, {sys.platform}, {os.cpu_count()} processors, Python {platform.python_version()}"
 
 
-def _write(out: Path, scene: Scene, found: Found) -> None:
+def _write(out: Path, scene: Scene, outcome: StudyResult) -> None:
     from pysprings.results.plots.files import save
     from pysprings.studies.accuracy.picture import error_against_time
 
-    write_text(found.table.to_csv(index=False), out / "accuracy.csv")
-    write_text(json_text(to_json(scene, found), indent=1) + "\n", out / "accuracy.json")
+    write_text(outcome.table.to_csv(index=False), out / "accuracy.csv")
+    write_text(json_text(to_json(scene, outcome), indent=1) + "\n", out / "accuracy.json")
     head = {
         "scene": scene.title,
         "sha256": scene.sha256,
         "made by": f"`pysprings accuracy`, version {version.__version__}",
         "seconds on": _machine(),
     }
-    write_text(text.to_markdown(found, head, "accuracy.png"), out / "accuracy.md")
-    save(error_against_time(found.table, scene.title, TARGETS.values()), out / "accuracy", dpi=110)
+    write_text(text.to_markdown(outcome, head, "accuracy.png"), out / "accuracy.md")
+    save(error_against_time(outcome.table, scene.title, TARGETS.values()), out / "accuracy", dpi=110)

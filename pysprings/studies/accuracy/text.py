@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pysprings.core.text import markdown_table
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.presets import TARGETS, cheapest_within
-from pysprings.studies.accuracy.rows import FULL, MACRO, Found, records
+from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult, records
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,9 +32,9 @@ _MACRO_ERRORS = ("load_max", "load_area", "rotation_max")
 def columns(model: str) -> dict[str, tuple[str, str]]:
     """Return column -> (head, format) of the table of a model, FULL or MACRO."""
     costs = _COSTS if model == FULL else _MACRO_COSTS
-    wanted = tuple(MEASURES) if model == FULL else _MACRO_ERRORS
-    found = costs | {f"{name}_pct": (f"{MEASURES[name].head} [%]", ".2g") for name in wanted}
-    return found | ({"from_mesh_pct": ("alone [%]", ".2g")} if model == FULL else {}) | {"mark": ("", "s")}
+    measured = tuple(MEASURES) if model == FULL else _MACRO_ERRORS
+    headings = costs | {f"{name}_pct": (f"{MEASURES[name].head} [%]", ".2g") for name in measured}
+    return headings | ({"from_mesh_pct": ("alone [%]", ".2g")} if model == FULL else {}) | {"mark": ("", "s")}
 
 
 def cells(table: pd.DataFrame, model: str) -> tuple[list[str], list[list[str]]]:
@@ -45,14 +45,14 @@ def cells(table: pd.DataFrame, model: str) -> tuple[list[str], list[list[str]]]:
     return [head for head, _ in shown.values()], rows
 
 
-def reference_lines(found: Found) -> Iterator[str]:
+def reference_lines(outcome: StudyResult) -> Iterator[str]:
     """Yield one line a path and quantity: how the reference was made, and its uncertainty."""
-    for path, references in found.references.items():
+    for path, references in outcome.references.items():
         for name, reference in references.items():
             doubts = [
                 f"{measure.head} {doubt:.2g} %"
                 for key, measure in MEASURES.items()
-                if measure.quantity == name and math.isfinite(doubt := found.uncertainty[path][key])
+                if measure.quantity == name and math.isfinite(doubt := outcome.uncertainty[path][key])
             ]
             yield f"{path}, {name}: {reference.note}" + (f"; uncertain by {', '.join(doubts)}" if doubts else "")
 
@@ -82,24 +82,24 @@ NOTES = (
 )
 
 
-def to_markdown(found: Found, head: Mapping[str, Any], picture: str) -> str:
+def to_markdown(outcome: StudyResult, head: Mapping[str, Any], picture: str) -> str:
     """Return the study as a document; ``head`` names scene, command and version."""
     lines = ["# Error against time", "", *(f"- {name}: {value}" for name, value in head.items()), ""]
-    lines += [f"![Error against time]({picture})", "", "## Full model", "", *_table(found, FULL)]
+    lines += [f"![Error against time]({picture})", "", "## Full model", "", *_table(outcome, FULL)]
     lines += ["", *(text for note in NOTES for text in (note, "")), "## Reference", ""]
-    lines += [f"Meshes {', '.join(found.series)}; h = unknowns^(-1/3).", ""]
-    lines += [f"- {line}" for line in reference_lines(found)]
-    lines += ["", "## Cheapest settings", "", *(f"- {line}" for line in target_lines(found.table))]
-    lines += ["", "## Macro-model", "", *_table(found, MACRO), ""]
+    lines += [f"Meshes {', '.join(outcome.series)}; h = unknowns^(-1/3).", ""]
+    lines += [f"- {line}" for line in reference_lines(outcome)]
+    lines += ["", "## Cheapest settings", "", *(f"- {line}" for line in target_lines(outcome.table))]
+    lines += ["", "## Macro-model", "", *_table(outcome, MACRO), ""]
     lines += [
         "Springs of each mesh, with all its depth slices and with fewer; the time is that of a curve of 50 points."
     ]
-    stopped = [f"- {row['name']}: {row['why']}" for row in records(found.table) if row["why"]]
+    stopped = [f"- {row['name']}: {row['why']}" for row in records(outcome.table) if row["why"]]
     return "\n".join(lines + (["", "## Stopped", "", *stopped] if stopped else [])) + "\n"
 
 
-def _table(found: Found, model: str) -> list[str]:
-    heads, rows = cells(found.table, model)
+def _table(outcome: StudyResult, model: str) -> list[str]:
+    heads, rows = cells(outcome.table, model)
     return markdown_table(heads, rows, numbers=True).splitlines()
 
 

@@ -42,13 +42,13 @@ def assess(paths: Paths) -> pd.DataFrame:
     rows = []
     for claim in CLAIMS:
         missing = [name for name in claim.needs if name not in paths]
-        found = Finding(f"needs the run {', '.join(missing)}", (None,)) if missing else claim.measure(paths)
-        reached = re.sub(r"\bnan\b", "-", found.figure)
-        if reached != found.figure or (found.verdict == UNKNOWN and not missing):
-            found = Finding(f"{reached} (-: a run stopped before it)", found.holds, found.reason)
+        finding = Finding(f"needs the run {', '.join(missing)}", (None,)) if missing else claim.measure(paths)
+        reached = re.sub(r"\bnan\b", "-", finding.figure)
+        if reached != finding.figure or (finding.verdict == UNKNOWN and not missing):
+            finding = Finding(f"{reached} (-: a run stopped before it)", finding.holds, finding.reason)
         rows.append({
-            "number": claim.number, "claim": claim.words, "figure": found.figure, "verdict": found.verdict,
-            "reason": found.reason, "criterion": claim.criterion,
+            "number": claim.number, "claim": claim.words, "figure": finding.figure, "verdict": finding.verdict,
+            "reason": finding.reason, "criterion": claim.criterion,
         })  # fmt: skip
     return pd.DataFrame(rows)
 

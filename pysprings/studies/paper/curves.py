@@ -123,8 +123,8 @@ def _rate(path: xr.Dataset) -> str:
 
 def _spaced(x: NDArray[np.float64], n: int = 11) -> list[int]:
     """Choose steps for markers, about evenly over the range of x, the last one included."""
-    wanted = np.linspace(x[0], x[-1], n)[1:]
-    return sorted({int(np.argmin(np.abs(x - value))) for value in wanted})
+    positions = np.linspace(x[0], x[-1], n)[1:]
+    return sorted({int(np.argmin(np.abs(x - value))) for value in positions})
 
 
 @styled

@@ -58,9 +58,9 @@ def _rings(runs: Runs, name: str) -> xr.Dataset:
 
 
 def _plane(runs: Runs, name: str) -> xr.Dataset:
-    found = section_data(runs[name].result)
-    assert found is not None
-    return found
+    section = section_data(runs[name].result)
+    assert section is not None
+    return section
 
 
 def _sections(name: str, u: float) -> Callable[[Runs], Figure]:

@@ -30,13 +30,13 @@ def compare(paths: Mapping[str, xr.Dataset]) -> pd.DataFrame:
     """Return quantity, unit, its value in the drained run, and for each other run its value and difference in %."""
     import pandas as pd
 
-    found = {name: _figures(paths[name]) for name in ("drained", *BESIDE) if name in paths}
+    figures = {name: _figures(paths[name]) for name in ("drained", *BESIDE) if name in paths}
     rows = []
-    for quantity, unit in next(iter(found.values()), {}):
-        base = found.get("drained", {}).get((quantity, unit), math.nan)
+    for quantity, unit in next(iter(figures.values()), {}):
+        base = figures.get("drained", {}).get((quantity, unit), math.nan)
         row: dict[str, Any] = {"quantity": quantity, "unit": unit, "drained": base}
         for name in BESIDE:
-            row[name] = found.get(name, {}).get((quantity, unit), math.nan)
+            row[name] = figures.get(name, {}).get((quantity, unit), math.nan)
             row[f"{name}_difference_percent"] = 100.0 * (row[name] / base - 1.0) if base else math.nan
         rows.append(row)
     columns = ["quantity", "unit", "drained", *(c for name in BESIDE for c in (name, f"{name}_difference_percent"))]

@@ -91,9 +91,9 @@ def load_bend(path: xr.Dataset) -> tuple[float, float]:
     return sharpest_bend(path["u"].values, path["H"].values)
 
 
-def by_depth(depths: Array, values: Array, wanted: Sequence[float]) -> Array:
+def by_depth(depths: Array, values: Array, at_depths: Sequence[float]) -> Array:
     """Read values at depths [m], linear between the rings."""
-    return np.array([np.interp(depth, depths, values) for depth in wanted])
+    return np.array([np.interp(depth, depths, values) for depth in at_depths])
 
 
 def field(path: xr.Dataset, name: str, u: float, azimuth: float, side: str = "outside") -> Array:

@@ -46,18 +46,18 @@ def reduced(path: xr.Dataset) -> xr.Dataset:
         "u": ("u", 1e-3 * np.array(STATES_MM), attrs), "u_field": ("u_field", 1e-3 * np.array(FIELDS_MM), attrs),
         **{name: path[name] for name in ("depth", "azimuth", "side") if name in path},
     }  # fmt: skip
-    kept = xr.Dataset(data, coords=coords)
-    kept["depth"].attrs.pop("bounds", None)  # they are not kept
-    return kept
+    small = xr.Dataset(data, coords=coords)
+    small["depth"].attrs.pop("bounds", None)  # they are not kept
+    return small
 
 
 def write(run: Run, folder: Path, origin: Mapping[str, str]) -> Path:
     """Write the reference file of a run; origin: attributes such as the command and the date of the commit."""
-    kept = reduced(run.path)
+    small = reduced(run.path)
     attrs = {key: run.result.attrs[key] for key in ("pysprings_version", "scene_sha256", "mesh_preset", "solver",
                                                     "n_nodes", "n_elements", "scene_toml")}  # fmt: skip
-    kept.attrs = {"title": run.case.words, "case": run.case.name, "tolerance": TOLERANCE, **attrs, **origin}
-    return write_tree(xr.DataTree(kept), file_of(run.case, folder))
+    small.attrs = {"title": run.case.words, "case": run.case.name, "tolerance": TOLERANCE, **attrs, **origin}
+    return write_tree(xr.DataTree(small), file_of(run.case, folder))
 
 
 def file_of(case: Case, folder: Path) -> Path:
@@ -70,17 +70,17 @@ def read(case: Case, folder: Path) -> xr.Dataset:
     return read_tree(file_of(case, folder)).to_dataset()
 
 
-def kept_cases() -> list[Case]:
+def reference_cases() -> list[Case]:
     """Return the cases that have a reference."""
     return [case for case in CASES if case.name in KEPT]
 
 
 def deviations(path: xr.Dataset, reference: xr.Dataset) -> dict[str, float]:
     """Return the largest deviation of a path from a reference, by variable, over the largest value of the variable."""
-    found = reduced(path)
+    data = reduced(path)
     out = {}
     for name in reference.data_vars:
         largest = float(np.abs(reference[name].values).max())
-        apart = float(np.abs(found[name].values - reference[name].values).max())
+        apart = float(np.abs(data[name].values - reference[name].values).max())
         out[str(name)] = apart / largest if largest else apart
     return out

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core.errors import RunIncomplete
-from pysprings.studies import kept_runs
-from pysprings.studies.kept_runs import Whole, has_ended, record_of, run_folder, why_stopped
+from pysprings.studies import stored_runs
 from pysprings.studies.paper.cases import CASES, PATH, Case
+from pysprings.studies.stored_runs import Whole, has_ended, record_of, run_folder, why_stopped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,7 +71,7 @@ def run_all(out: Path, mesh: str, report: Progress, cases: Sequence[Case] = CASE
 def forget(out: Path, cases: Sequence[Case] = CASES) -> None:
     """Mark every run below a folder to be repeated; results stay until there are new ones."""
     for case in cases:
-        kept_runs.forget(run_folder(out, case.name))
+        stored_runs.forget(run_folder(out, case.name))
 
 
 def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, Run]:

@@ -57,7 +57,7 @@ def run_variants(
     """
     import pandas as pd
 
-    found: dict[str, dict[str, Any]] = {}
+    figures: dict[str, dict[str, Any]] = {}
     rows: list[dict[str, Any]] = []
     began, worked = time.monotonic(), 0
     for number, variant in enumerate(variants):
@@ -67,26 +67,26 @@ def run_variants(
         progress("sensitivity", number / len(variants), f"{number + 1} of {len(variants)}: {variant.words}{left}")
         new = False
         for case in filter(None, (variant.case(), variant.smooth_case())):
-            found[case.name], ran = _figures_of(folder, mesh, case)
+            figures[case.name], ran = _figures_of(folder, mesh, case)
             new = new or ran
         worked += new
-        rows.append(row(variant, found))
+        rows.append(row(variant, figures))
         yield pd.DataFrame(rows).assign(mesh=mesh, variants=len(variants))
     progress("sensitivity", 1.0, f"{len(variants)} variants")
 
 
-def row(variant: Variant, found: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+def row(variant: Variant, by_case: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """Return the line of a variant from the figures of all runs, by name of the case."""
-    own = found[variant.name]
+    own = by_case[variant.name]
     words = {"group": variant.group, "variant": variant.name, "what": variant.words, "standing": variant.standing}
     out: dict[str, Any] = words | {"status": own["status"], "detail": own["detail"]}
     if own["status"] == "refused":
         return out
     figures = {key: value for key, value in own.items() if key not in ("status", "detail")}
-    smooth = found.get(f"{variant.name}-smooth", {})
+    smooth = by_case.get(f"{variant.name}-smooth", {})
     figures["smooth_2.5mm"] = _over(smooth.get("H_2.5mm_kN"), own.get("H_2.5mm_kN"))
     if variant.water:
-        drained = found.get(variant.beside, {})
+        drained = by_case.get(variant.beside, {})
         for key in ("H_1mm_kN", "H_2.5mm_kN", "H_10mm_kN", "H_20mm_kN"):
             figures[f"over_drained_{key[2:-3]}"] = _over(own.get(key), drained.get(key))
     return out | figures | verdicts(figures)
@@ -94,14 +94,14 @@ def row(variant: Variant, found: Mapping[str, Mapping[str, Any]]) -> dict[str, A
 
 def verdicts(figures: Mapping[str, Any]) -> dict[str, Any]:
     """Return which of the paper's four figures a run gives (True, False, None: unknown), and whether all."""
-    found: dict[str, Any] = {
+    answers: dict[str, Any] = {
         "is_front": _within(figures.get("front_mean_2.5mm"), FRONT_RANGE),
         "is_gap": _within(figures.get("back_0.25m_2.5mm"), (-1.0, 1e-9)),
         "is_break": _is_break(figures.get("bend_mm"), figures.get("bend_sharpness")),
         "is_half": _within(figures.get("smooth_2.5mm"), HALF_RANGE),
     }
-    asked = [value for value in found.values() if value is not None]
-    return found | {"of_four": sum(asked)}
+    judged = [value for value in answers.values() if value is not None]
+    return answers | {"of_four": sum(judged)}
 
 
 def _is_break(place: float | None, sharpness: float | None) -> bool | None:
@@ -151,8 +151,8 @@ def _figures_of(folder: Path, mesh: str, case: Case) -> tuple[dict[str, Any], bo
         return {"status": "refused", "detail": _first_line(error)}, False
     key = hashlib.sha256(f"{scene.sha256} {version.__version__}".encode()).hexdigest()[:16]
     file = own_folder(folder, FOLDER) / f"{case.name}-{key}.json"
-    if (kept := _read(file)) is not None:
-        return kept, False
+    if (stored := _read(file)) is not None:
+        return stored, False
     figures = _run(scene)
     write_text(json_text(figures, indent=1) + "\n", file)
     return figures, True
@@ -187,10 +187,10 @@ def forget(folder: Path) -> None:
 def _read(file: Path) -> dict[str, Any] | None:
     """Return what a file holds; None where it is not there or broken: the run is then made again."""
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        record = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    return found if isinstance(found, dict) and "status" in found else None
+    return record if isinstance(record, dict) and "status" in record else None
 
 
 def _first_line(error: Exception) -> str:

@@ -93,8 +93,8 @@ def sensitivity_markdown(table: pd.DataFrame) -> str:
 def conclusion(table: pd.DataFrame) -> str:
     """Return one or two sentences: whether any reading gives all four figures, and which readings come nearest."""
     drained, _ = split(table)
-    wanted = int(table["variants"].iloc[0]) if "variants" in table else len(table)
-    part = f" Only {len(table)} of {wanted} readings have run so far." if len(table) < wanted else ""
+    readings = int(table["variants"].iloc[0]) if "variants" in table else len(table)
+    part = f" Only {len(table)} of {readings} readings have run so far." if len(table) < readings else ""
     return _conclusion(drained) + part
 
 

@@ -57,8 +57,8 @@ def cases_named(names: Sequence[str]) -> list[Case]:
         groups = ", ".join(dict.fromkeys(case.group for case in CASES))
         text = f"no such case; there are {', '.join(case.name for case in CASES)}; and the groups {groups}, hard"
         raise UserInputError([Problem(key=f"--case {name}", message=text) for name in unknown])
-    wanted = set(names)
-    return [c for c in CASES if not wanted or {c.name, c.group} & wanted or (c.hard and "hard" in wanted)]
+    requested = set(names)
+    return [c for c in CASES if not requested or {c.name, c.group} & requested or (c.hard and "hard" in requested)]
 
 
 def run_case(case: Case, mesh: str = "coarse", refinement: float = 1.0, reach: float = REACH) -> Outcome:
@@ -107,8 +107,10 @@ def summary(table: pd.DataFrame) -> dict[str, Any]:
 
 def _refusal(error: UserInputError | ValidationError) -> str:
     if isinstance(error, ValidationError):
-        found = error.errors(include_url=False, include_context=False, include_input=False)
-        return "; ".join(f"{'.'.join(str(part) for part in each['loc'])}: {each['msg']}".lstrip(": ") for each in found)
+        errors = error.errors(include_url=False, include_context=False, include_input=False)
+        return "; ".join(
+            f"{'.'.join(str(part) for part in each['loc'])}: {each['msg']}".lstrip(": ") for each in errors
+        )
     return "\n".join(error.lines)
 
 

@@ -45,7 +45,7 @@ def left(factors, tangent, control=ALL_FREE):
     n, k = tangent.matrix.shape[0], control.motions.shape[1]
     d = factors.origin.scale
     rhs = np.random.default_rng(3).normal(size=n + k) / np.concatenate([d, np.full(k, np.median(d))])
-    factors.look_at(tangent, control)
+    factors.follow(tangent, control)
     x = factors.apply(rhs)
     forces, border = control.forces.T, control.motions @ x[n:]
     residual = rhs - np.concatenate(
@@ -93,10 +93,10 @@ def test_factors_made_again_from_their_origin_are_the_same():
     one, two = soil_factors(system, many=0.0), soil_factors(system)
     rest, now = (copied(moved(system, at)) for at in (np.zeros(3), SLIDES))
     one.make(one.origin_of(rest), rest.matrix)
-    one.look_at(now, ALL_FREE)
+    one.follow(now, ALL_FREE)
     assert not np.array_equal(one.origin.contact, rest.contact)
     two.make(one.origin, rest.matrix)
-    two.look_at(now, ALL_FREE)
+    two.follow(now, ALL_FREE)
     v = np.random.default_rng(1).normal(size=system.pattern.n_free + 3)
     np.testing.assert_array_equal(two.apply(v), one.apply(v))
 

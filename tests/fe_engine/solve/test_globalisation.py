@@ -20,17 +20,17 @@ def course(merits, sizes=(), scale=1.0):
 def test_the_first_step_serves_whatever_comes_of_it_and_later_ones_where_the_residual_does_not_grow():
     first, _ = course([1.0])
     later, _ = course([1.0, 0.1])
-    assert first.serves(5.0)
-    assert later.serves(0.1)
-    assert not later.serves(0.11)
-    assert not later.serves(float("nan"))
+    assert first.accepts(5.0)
+    assert later.accepts(0.1)
+    assert not later.accepts(0.11)
+    assert not later.accepts(float("nan"))
 
 
 def test_a_residual_as_large_as_the_forces_is_not_worth_another_solve():
     made, _ = course([1.0])
-    assert made.worth_a_look(0.1)
-    assert not made.worth_a_look(0.5)
-    assert not made.worth_a_look(float("inf"))
+    assert made.may_converge(0.1)
+    assert not made.may_converge(0.5)
+    assert not made.may_converge(float("inf"))
 
 
 def test_corrections_that_shrink_go_on_though_the_residual_grows():

@@ -20,7 +20,7 @@ from pysprings.results import plots
 from pysprings.results.exporters.vtu import write_paraview
 from pysprings.results.folder import run_or_go_on, run_to_folder
 from pysprings.results.layout import FIGURES, PARAVIEW, run_files
-from pysprings.studies import kept_runs
+from pysprings.studies import stored_runs
 from pysprings.studies.accuracy import runs as accuracy_runs
 from pysprings.studies.paper import sensitivity, study
 from tests.support import tiny
@@ -104,7 +104,7 @@ def test_python_calls_refuse_it_too(tmp_path: Path, elsewhere: Path, name: str) 
             lambda: pysprings.run(tiny.scene(), checkpoint=out),
             Checkpoints(out).remove,
             Checkpoints(out).load,
-            lambda: kept_runs.forget(out),
+            lambda: stored_runs.forget(out),
         )
         for call in calls:
             with pytest.raises(UserInputError, match="is a link to"):
@@ -121,7 +121,7 @@ def test_studies_refuse_links_in_their_folders(tmp_path: Path, elsewhere: Path) 
         (out / name).symlink_to(elsewhere)
         with pytest.raises(UserInputError, match="is a link to"):
             study.study(out, "coarse", lambda *_: None, cases=[], variants=[], force=True)
-    for call in (kept_runs.forget, lambda folder: run_or_go_on(tiny.scene(), folder)):
+    for call in (stored_runs.forget, lambda folder: run_or_go_on(tiny.scene(), folder)):
         with pytest.raises(UserInputError, match="is a link to"):
             call(tmp_path / "runs" / "runs")
     with pytest.raises(UserInputError, match="is a link to"):
@@ -187,7 +187,7 @@ def test_a_run_removes_what_it_wrote_and_nothing_else(tmp_path: Path, one_pictur
 
 def test_a_study_that_forgets_a_run_has_its_pictures_removed_by_the_next(tmp_path: Path, one_picture: None) -> None:
     run_to_folder(tiny.scene(output={"figures": True}), tmp_path)
-    kept_runs.forget(tmp_path)
+    stored_runs.forget(tmp_path)
     assert (tmp_path / FIGURES / "pull_py.png").exists()
     run_to_folder(tiny.scene(), tmp_path)
     assert set(contents(tmp_path)) == set(run_files())

@@ -25,7 +25,7 @@ from pysprings.model.forecast.resources import size_of
 from pysprings.springs.dataset import get_path
 from pysprings.studies.accuracy import child, rows, runs, study, text
 from pysprings.studies.accuracy.picture import error_against_time
-from pysprings.studies.kept_runs import RUNS, Whole, read_record
+from pysprings.studies.stored_runs import RUNS, Whole, read_record
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.synthetic import Path as Pull
@@ -84,7 +84,7 @@ def kept(done: Any, out: Path, but: tuple[str, ...] = ()) -> None:
             (out / RUNS / each.name).symlink_to(done.out / RUNS / each.name)
 
 
-def full(found: rows.Found) -> pd.DataFrame:
+def full(found: rows.StudyResult) -> pd.DataFrame:
     return found.table[found.table["model"] == rows.FULL].set_index("name")
 
 

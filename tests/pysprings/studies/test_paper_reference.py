@@ -15,7 +15,7 @@ from tests.support import synthetic
 from tests.support.place import ROOT
 
 FOLDER = ROOT / "data" / "reference"
-CASES = reference.kept_cases()
+CASES = reference.reference_cases()
 NAMES = [case.name for case in CASES]
 
 

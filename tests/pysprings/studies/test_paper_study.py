@@ -16,7 +16,7 @@ from fe_engine.solve.newton import Newton
 from pysprings.core.files.layout import is_unfinished
 from pysprings.core.files.storage import read_tree
 from pysprings.results import folder
-from pysprings.studies import kept_runs
+from pysprings.studies import stored_runs
 from pysprings.studies.paper import cases, claims, figures, idealisations, page, runs, sensitivity, study, text
 from pysprings.studies.paper.cases import Case, Variant
 from pysprings.studies.paper.findings import UNKNOWN
@@ -73,18 +73,18 @@ def test_another_version_or_scene_is_run_anew(
     done: Path, two: tuple[Case, ...], changed: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     case = two[0]
-    place = done / kept_runs.RUNS / case.name
-    assert kept_runs.has_ended(place, case.scene("coarse"))
+    place = done / stored_runs.RUNS / case.name
+    assert stored_runs.has_ended(place, case.scene("coarse"))
     if changed == "version":
         monkeypatch.setattr("pysprings.core.version.__version__", "99")
-        assert not kept_runs.has_ended(place, case.scene("coarse"))
+        assert not stored_runs.has_ended(place, case.scene("coarse"))
     elif changed == "scene":
-        assert not kept_runs.has_ended(place, replace(case, friction=0.4).scene("coarse"))
+        assert not stored_runs.has_ended(place, replace(case, friction=0.4).scene("coarse"))
     else:
         (tmp_path / "run.json").write_bytes((place / "run.json").read_bytes())
-        assert not kept_runs.has_ended(tmp_path, case.scene("coarse"))
+        assert not stored_runs.has_ended(tmp_path, case.scene("coarse"))
         (tmp_path / "run.json").write_text("{", encoding="utf-8")
-        assert kept_runs.read_record(tmp_path) == {}
+        assert stored_runs.read_record(tmp_path) == {}
 
 
 def test_an_interrupted_run_goes_on(
@@ -102,11 +102,11 @@ def test_an_interrupted_run_goes_on(
         patch.setattr(Newton, "solve", stop)
         with pytest.raises(KeyboardInterrupt):
             runs.run_all(tmp_path, "coarse", lambda *_: None, [case])
-    place = tmp_path / kept_runs.RUNS / case.name
+    place = tmp_path / stored_runs.RUNS / case.name
     assert is_unfinished(place)
     assert runs.run_all(tmp_path, "coarse", lambda *_: None, [case]) == []
-    assert kept_runs.read_record(place)["resumed"]
-    once = read_tree(done / kept_runs.RUNS / case.name / "full_model.nc")["paths/pull/H"].values
+    assert stored_runs.read_record(place)["resumed"]
+    once = read_tree(done / stored_runs.RUNS / case.name / "full_model.nc")["paths/pull/H"].values
     assert read_tree(place / "full_model.nc")["paths/pull/H"].values == pytest.approx(once, rel=1e-12)
 
 
@@ -120,9 +120,9 @@ def test_checkpoints_of_another_scene_are_no_hindrance(
         patch.setattr(Newton, "solve", stop)
         with pytest.raises(KeyboardInterrupt):
             runs.run_all(tmp_path, "coarse", lambda *_: None, [replace(two[0], friction=0.4)])
-    assert is_unfinished(tmp_path / kept_runs.RUNS / two[0].name)
+    assert is_unfinished(tmp_path / stored_runs.RUNS / two[0].name)
     assert runs.run_all(tmp_path, "coarse", lambda *_: None, [two[0]]) == []
-    assert kept_runs.has_ended(tmp_path / kept_runs.RUNS / two[0].name, two[0].scene("coarse"))
+    assert stored_runs.has_ended(tmp_path / stored_runs.RUNS / two[0].name, two[0].scene("coarse"))
 
 
 def test_a_run_that_stops_early_keeps_its_part_and_everything_says_so(
@@ -142,7 +142,7 @@ def test_a_run_that_stops_early_keeps_its_part_and_everything_says_so(
 
 
 def test_a_study_writes_what_it_names(done: Path) -> None:
-    for name in ("report.html", "claims.csv", "claims.md", figures.FOLDER, kept_runs.RUNS):
+    for name in ("report.html", "claims.csv", "claims.md", figures.FOLDER, stored_runs.RUNS):
         assert (done / name).exists(), name
     drawn = {file.stem for file in (done / figures.FOLDER).glob("*.png")}
     ran = {"drained", "slow"}
@@ -180,22 +180,22 @@ def test_the_command(done: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 
 def test_begin_anew(done: Path, two: tuple[Case, ...], tmp_path: Path) -> None:
     for name in ("run.json", "full_model.nc", "springs.nc"):
-        place = tmp_path / kept_runs.RUNS / "drained" / name
+        place = tmp_path / stored_runs.RUNS / "drained" / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_bytes((done / kept_runs.RUNS / "drained" / name).read_bytes())
+        place.write_bytes((done / stored_runs.RUNS / "drained" / name).read_bytes())
     (tmp_path / sensitivity.FOLDER).mkdir()
     (tmp_path / sensitivity.FOLDER / "a-0123456789abcdef.json").touch()
-    assert kept_runs.has_ended(place.parent, two[0].scene("coarse"))
+    assert stored_runs.has_ended(place.parent, two[0].scene("coarse"))
     runs.forget(tmp_path, two)
     sensitivity.forget(tmp_path)
-    assert not kept_runs.has_ended(place.parent, two[0].scene("coarse"))
+    assert not stored_runs.has_ended(place.parent, two[0].scene("coarse"))
     assert not list((tmp_path / sensitivity.FOLDER).iterdir())
     assert place.exists()
 
 
 def test_progress_of_the_whole_and_the_time_left() -> None:
     now, told = [0.0], []
-    whole = kept_runs.Whole({"a": 1.0, "b": 3.0}, lambda *args: told.append(args), clock=lambda: now[0])
+    whole = stored_runs.Whole({"a": 1.0, "b": 3.0}, lambda *args: told.append(args), clock=lambda: now[0])
     whole.ended("a", worked=False)  # by an earlier call: takes part in the whole, not in the pace
     now[0] = 30.0
     whole.of("b")(cases.PATH, 0.1, "step 1")

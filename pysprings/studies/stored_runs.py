@@ -53,7 +53,7 @@ class Whole:
             fraction = (self.paths.index(path) + fraction) / len(self.paths)
             start = self._skipped.setdefault(name, fraction if fraction > _TAKEN_UP else 0.0)
             self.report(name, fraction, message)
-            self._tell(self.weights[name] * fraction, self.weights[name] * (fraction - start))
+            self._report(self.weights[name] * fraction, self.weights[name] * (fraction - start))
 
         return progress
 
@@ -62,9 +62,9 @@ class Whole:
         self.done += self.weights[name]
         if worked:
             self._worked += self.weights[name] * (1.0 - self._skipped.get(name, 0.0))
-        self._tell(0.0, 0.0)
+        self._report(0.0, 0.0)
 
-    def _tell(self, now: float, worked: float) -> None:
+    def _report(self, now: float, worked: float) -> None:
         total = sum(self.weights.values())
         whole = min((self.done + now) / total, 1.0)
         pace = self._worked + worked
@@ -119,7 +119,7 @@ def record_of(folder: Path, scene: Scene) -> dict[str, Any]:
 def read_record(folder: Path) -> dict[str, Any]:
     """Return run.json of a folder; empty where there is none or it is broken."""
     try:
-        found = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        data = json.loads((folder / "run.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return data if isinstance(data, dict) else {}
