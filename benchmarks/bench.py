@@ -38,7 +38,7 @@ AT_REST_ALONE = {"longest": 150, "comfortable": 1.0e9}  # settings.Recycling: th
 
 
 def scene(mesh: str, end: float, mode: str = "drained") -> Any:
-    """The paper's pull to an end (m) on a preset, with a factor if wanted ("medium:1.4"); no pictures."""
+    """The paper's pull to an end (m) on a preset, with an optional factor ("medium:1.4"); no pictures."""
     from pysprings import Scene
     from pysprings.full_model.accuracy.settings import read_mesh
 

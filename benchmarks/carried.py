@@ -60,7 +60,7 @@ OWN = Recycling(start=10**9)  # every model factorises its own tangents, however
 def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None) -> Pushed:
     """Run the first path of a scene on a model (the scene's own unless given).
 
-    ``symmetric`` decides whether half of each factorisation is left out (None: as the model says).
+    ``symmetric`` decides whether half of each factorisation is left out (None: as in the model).
     """
     built = build_model(scene) if built is None else built
     start, clock = time.process_time(), Clock()

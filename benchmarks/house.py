@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 PACKAGES = ("pysprings", "fe_engine")
-# a part that exists stands for a new one of its kind: files that name it, beside its own
+# an existing part represents a new one of its kind: files that name it, beside its own
 EXAMPLES = {
     "soil law (van Eekelen)": (r"van.?eekelen", "van_eekelen.py"),
     "exporter (VTU)": (r"\bvtu\b|paraview", "vtu.py"),
@@ -182,7 +182,7 @@ def measure(root: Path) -> dict[str, str]:
 
 
 def _is_command(node: ast.FunctionDef) -> bool:
-    """Tell a command of typer by its annotations: its arguments are the options of the command line."""
+    """Return True for a command of typer: its annotated arguments are the options of the command line."""
     text = " ".join(ast.unparse(a.annotation) for a in [*node.args.args, *node.args.kwonlyargs] if a.annotation)
     return "typer.Option" in text or "typer.Argument" in text
 

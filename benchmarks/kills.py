@@ -49,7 +49,7 @@ def scenes(refinement: float) -> dict[str, Scene]:
 
 
 def start(file: Path, out: Path, *options: str) -> int:
-    """Start `pysprings run` in a process of its own; return its number. What it says goes to a file beside `out`."""
+    """Start `pysprings run` in a process of its own; return its number. Its streams go to a file beside `out`."""
     if child := os.fork():
         return child
     log = os.open(out.with_suffix(".log"), os.O_WRONLY | os.O_CREAT | os.O_TRUNC)

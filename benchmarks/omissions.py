@@ -5,7 +5,7 @@
 
 Ratios of one run are what to read: seconds depend on the machine and on what else it does. Time is processor time, and
 the least of all rounds; threads that wait count, so take one (MKL_NUM_THREADS=1 NUMBA_NUM_THREADS=1). Peak memory is
-not a thing of one model in a process that runs many: what is told is the memory of the factors, counted by Pardiso
+not a thing of one model in a process that runs many: what is printed is the memory of the factors, counted by Pardiso
 itself, and that of the fields that evolve.
 """
 
@@ -38,7 +38,7 @@ class Case:
     scene: Scene
     built: Callable[[], Built] | None = None  # None: the scene itself with `other`
     other: Scene | None = None
-    symmetric: tuple[bool | None, bool | None] = (None, None)  # factors without and with; None: as the model says
+    symmetric: tuple[bool | None, bool | None] = (None, None)  # factors without and with; None: as in the model
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def _cost(runs: list[Pushed], built: Built, symmetric: bool | None) -> Cost:
 
 
 def _factor_bytes(built: Built, symmetric: bool | None) -> int:
-    """Memory of one factorisation; 0 where Pardiso does not say."""
+    """Memory of one factorisation; 0 if Pardiso reports none."""
     system, half = System(built.model), built.model.symmetric if symmetric is None else symmetric
     system.time_step = 1.0
     wet = built.model.water is not None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Finite elements for soil-structure interaction; knows nothing of caissons or files."""
+"""Finite elements for soil-structure interaction, without caissons or files."""
 
 from fe_engine.settings import refuse_bad_settings
 

@@ -2,7 +2,7 @@
 """Compiled loops, kept between processes in a folder for each state of all sources that they are compiled from.
 
 Numba renews a kept loop when the file of its function changes. A function of another file may be compiled into the
-loop, too, and Numba does not look at that file. So the folder's name is a digest of the contents of all sources: loops
+loop, too, and Numba does not check that file. So the folder's name is a digest of the contents of all sources: loops
 of other laws stand in another folder, wherever the folder lies, and dates of files do not matter.
 """
 

@@ -74,7 +74,7 @@ class RingStations(Stations):
     """Stations on circles through nodes of the section.
 
     position, frame, area, body and surface as in interface.Stations (global axes, half the circle); ``nodes`` (ns, 1)
-    are nodes of the section, ``weight`` (ns, 1) is 1, and ``azimuth`` (ns,) rad says where on the circle they stand.
+    are nodes of the section, ``weight`` (ns, 1) is 1, and ``azimuth`` (ns,) rad is their position on the circle.
     """
 
     azimuth: np.ndarray = field(default_factory=lambda: np.zeros(0))

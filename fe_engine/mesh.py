@@ -22,7 +22,7 @@ FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3,
 
 @dataclass(frozen=True)
 class Quality:
-    """Figures that say whether a mesh is fit for use.
+    """Quality figures of a mesh.
 
     ``min_jacobian`` is the smallest corner Jacobian divided by the product of the three edge lengths that
     meet there (1 for a brick, <= 0 for an inverted corner); ``max_aspect`` is the largest ratio of the

@@ -23,7 +23,7 @@ from fe_engine.soil.law import Point
 
 
 class Soil(NamedTuple):
-    """Section elements (ne, 8), see elements.fourier; waves (M, K, 2), weight: radians an azimuth stands for.
+    """Section elements (ne, 8), see elements.fourier; waves (M, K, 2), weight: radians of one azimuth.
 
     law (ne,) codes, parameters (ne, r, n), moduli (ne, r, 2) K and G in Pa: see material.soil_rows.
     """

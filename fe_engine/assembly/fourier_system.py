@@ -155,7 +155,7 @@ class FourierSystem:
             return judged, linear, FourierTangent(self._iterate.tangent.copy(), self._plastic, self.regime.copy())
 
     def _soil(self, state: State, with_tangent: bool) -> np.ndarray:
-        """Forces (n, 3, K) of the soil; what yields goes into the tangent if wanted."""
+        """Return forces (n, 3, K) of the soil; ``with_tangent`` adds yielding points to the tangent."""
         old, new = (SoilState(f.displacement, f.stress, f.history) for f in (state.committed, state.trial))
         force = np.zeros(self.model.displacement_shape)
         bad = kernels.soil_forces(self.soil, old, new, self.regime, with_tangent, self._plastic, force)

@@ -228,7 +228,7 @@ def _take(node, x, first, count, out):
 
 @njit
 def _forward(n_eliminated, pointer, row, lower, inverse, x):
-    """Lanes are written out: the compiler cannot know that x and the factors share no memory."""
+    """Solve with lanes written out: the compiler must assume that x and the factors share memory."""
     for j in range(n_eliminated):
         u0, u1, u2, u3 = x[j, 0, 0], x[j, 0, 1], x[j, 0, 2], x[j, 0, 3]
         v0, v1, v2, v3 = x[j, 1, 0], x[j, 1, 1], x[j, 1, 2], x[j, 1, 3]

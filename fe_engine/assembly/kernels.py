@@ -180,7 +180,7 @@ def elastic_stiffness(elements, scatter, offset, targets):
 
 @njit(parallel=True)
 def assemble_elements(elements, old, new, regime, scatter, offset, forces, targets):
-    """Add the forces of all elements and, if wanted, their plastic part to the tangent's arrays.
+    """Add the forces of all elements and, with ``with_tangent``, their plastic part to the tangent's arrays.
 
     The elastic part of the tangent never changes: see `elastic_stiffness`. ``old`` and ``new`` are SoilState; trial
     stress and history are written, and regime (ne, 8). Returns -1, or the number of an element whose law did not
@@ -211,7 +211,7 @@ def assemble_elements(elements, old, new, regime, scatter, offset, forces, targe
 
 @njit
 def linear_elements(hexes, stiffness, displacement, scatter, offset, forces, targets):
-    """Add the forces of elements of constant stiffness (nl, 24, 24), and their tangent if wanted."""
+    """Add the forces of elements of constant stiffness (nl, 24, 24), and their tangent on request."""
     force, move = np.empty(24), np.empty(24)
     for e in range(hexes.shape[0]):
         for a in range(8):

@@ -20,7 +20,7 @@ class Forces(NamedTuple):
 class Targets(NamedTuple):
     """Arrays of a bordered tangent that kernels add to: entries, columns (n_free, nb), rows (nb, n_free), corner.
 
-    ``with_tangent`` is false where no tangent is wanted; the arrays are then empty.
+    Without ``with_tangent`` the arrays are empty.
     """
 
     with_tangent: bool

@@ -189,7 +189,7 @@ class SymmetricPardiso(Pardiso):
 
 _TEXT = 200  # letters of MKL's version, at most
 _NO_MEMORY = -2  # Pardiso's error code
-_SINGLE = 28  # iparm: 1 says that the numbers handed over have 4 bytes
+_SINGLE = 28  # iparm: 1: the numbers handed over have 4 bytes
 _FACTORS_KB = 17  # iparm: memory of the numerical factorisation and of solving
 _SCHUR = 36  # iparm: equations marked in perm are not eliminated
 
@@ -200,7 +200,7 @@ _IPARM = {1: 1, 2: 2, 8: 0, 10: 13, 11: 0, 13: 0, 24: 1, 25: 0, 35: 1}
 
 
 def _point_at_mkl() -> None:
-    """Tell the wrapper where MKL stands in this environment; it would search the whole of it, for a second."""
+    """Set the place of MKL for the wrapper, which would search the whole environment for a second."""
     libraries = sorted(Path(sys.prefix, "lib").glob("libmkl_rt.so*"), key=lambda file: len(file.name))
     if libraries:
         os.environ.setdefault("PYPARDISO_MKL_RT", str(libraries[0]))

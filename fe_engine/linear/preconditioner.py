@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Preconditioners of the bordered system, made from an earlier tangent in single precision.
 
-`SoilFactors` keeps the soil of the earlier tangent and has the contact of the present one: what makes old factors serve
+`SoilFactors` keeps the soil of the earlier tangent and has the contact of the present one: so that old factors serve
 badly is stations that have opened, closed or begun to slip since, much more than soil that has yielded. All but the
 equations of the interface are eliminated once; what is left is their soil's stiffness S (m, m), dense and small, and
 

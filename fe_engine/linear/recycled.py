@@ -50,7 +50,7 @@ def control_of(control: np.ndarray, load: np.ndarray, violation: np.ndarray, sca
 
 
 class Recycled:
-    """Solves for Newton steps with factors that serve as long as they do.
+    """Solves for Newton steps with factors of earlier tangents as long as they are efficient.
 
     Factorisations and solves are added to those of ``counts``.
 
@@ -82,7 +82,7 @@ class Recycled:
         self._valid = self.worn = False
 
     def begin_increment(self) -> None:
-        """Start to count: an attempt that was given up says nothing of the factors."""
+        """Start to count: an abandoned attempt is no measure of the factors."""
         self._spent = []
 
     def end_increment(self) -> None:
@@ -90,7 +90,7 @@ class Recycled:
         self.worn = bool(self._spent) and float(np.mean(self._spent)) > self._comfortable
 
     def factorise(self, tangent: Tangent) -> None:
-        """Factorise a tangent; it serves until the factors are renewed."""
+        """Factorise a tangent, for use until the factors are renewed."""
         self.counts.n_factorisations += self.restore(self._factors.origin_of(tangent), tangent.matrix)
         self.counts.n_solves += 1
 
@@ -130,7 +130,7 @@ class Recycled:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Newton step (n,), (nb,); ``unbalanced`` (nb,) are the border's residuals, in its own units.
 
-        ``wanted`` is the share of the residual that earlier factors may leave.
+        ``share`` of the residual may remain with earlier factors.
         Raises LinearSolverError.
         """
         if self.worn:

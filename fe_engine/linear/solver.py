@@ -73,7 +73,7 @@ class LinearSolver:
         return None if matrix is None else condition_estimate(lambda v: matrix @ v, self.backend.solve, matrix.shape[0])
 
     def close(self) -> None:
-        """Release the factors; there is no matrix then whose condition could be told."""
+        """Release the factors; a condition estimate is no longer available."""
         self._matrix = None
         self.backend.close()
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""What the iterations of an increment say of its next step: how long, how exact, and whether to go on.
+"""Choose the next step of an increment from its iterations: length, accuracy, and whether to continue.
 
 Friction makes the residual a poor judge. Where a station slips past its stick range the residual jumps by the whole
 friction force, and the next iteration, which lets that station stick (see contact.coulomb), takes it away again. The
-corrections, displacements, tell such a jump from an iteration that goes astray: a full step is taken where the residual
+corrections, displacements, separate such a jump from a diverging iteration: a full step is taken where the residual
 does not grow, or where the correction that would follow is no larger than this one (natural monotonicity, Deuflhard
 2004); it is then the next step, and has cost nothing. Else the step is halved.
 """
@@ -89,11 +89,11 @@ class Course:
         return len(self.merits) - self._since < _PATIENCE
 
     def accepts(self, merit: float) -> bool:
-        """Whether the residual lets a step be taken. The first one always may: its guess knows nothing of contact."""
+        """Accept a step if the residual does not grow; always accept the first step of an increment."""
         return len(self.merits) == 1 or merit <= self.merits[-1]
 
     def may_converge(self, error: float) -> bool:
-        """Whether the correction that would follow from there may yet let a step be taken."""
+        """Return True if the next correction may still accept the step."""
         return error <= _ASTRAY
 
     def share(self, error: float, ahead: bool) -> float:

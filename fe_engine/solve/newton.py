@@ -206,7 +206,7 @@ class Newton:
         return length, self._linearise(state, False, point(length), record), None
 
     def _search(self, state: State, loading: Loading, point: Callable, full: float, course: Course) -> float:
-        """Step length by halving, from residuals alone: the first that serves, else the best; ``full`` is that of 1."""
+        """Return a step length by halving, from residuals: the first accepted, else the best; ``full`` is that of 1."""
         best, best_merit, length = 1.0, full if np.isfinite(full) else np.inf, 1.0
         for _ in range(HALVINGS):
             length *= 0.5

@@ -72,7 +72,7 @@ class LinearStage(Protocol):
     def step(self, linear: Residual, tangent: Any, balance: Balance, share: float, imposed: bool) -> tuple[Any, Any]:
         """Return the Newton step (n,), (nb,), leaving a ``share`` of the residual; raise LinearSolverError.
 
-        ``imposed`` says that motions are imposed anew by this very system.
+        ``imposed``: this very system imposes motions anew.
         """
 
     def border_stiffness(self, tangent: Any) -> np.ndarray:

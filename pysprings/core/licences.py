@@ -2,7 +2,7 @@
 """Packages beside pysprings whose licences are not open: which of them are installed, and what they allow.
 
 Found by the names of their folders, as fast as `pysprings --version` has to be; a test compares the table with what the
-packages say of themselves. THIRD-PARTY.md has the whole list.
+metadata of the packages states. THIRD-PARTY.md has the whole list.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ def unit_of_column(name: str) -> str:
 
 
 def fault(value: float, unit: str) -> str:
-    """Say what is wrong with the size of a number in a unit of `LARGEST`; empty where nothing is."""
+    """Return the fault in the size of a number in a unit of `LARGEST`; empty if there is none."""
     if not math.isfinite(value):
         return "is not a finite number"
     if abs(value) > LARGEST[unit]:

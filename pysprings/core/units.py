@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Quantities with units: `"200 MPa"` -> 200e6.
 
-A quantity is `<number> <unit>`. pint knows the units; the grammar is ours, so that no text is ever evaluated:
+A quantity is `<number> <unit>`. pint has the units; the grammar is ours, so that no text is ever evaluated:
 
 - number: decimal with a point, optional exponent; finite;
 - unit: names joined by a space or `*`, powers `m^3`, `m**3`, `m3`, `m³`, `m-1` (one digit), divisors by `/`;
@@ -60,7 +60,7 @@ Dimension = tuple[tuple[str, float], ...]
 _METRE: Dimension = (("meter", 1.0),)
 _NEWTON: Dimension = (("kilogram", 1.0), ("meter", 1.0), ("second", -2.0))
 _RADIAN: Dimension = (("radian", 1.0),)
-# What a command line is written in: pint takes 0.3 s to load, and would say the same (a test asks it).
+# What a command line is written in: pint takes 0.3 s to load, and gives the same values (a test compares them).
 COMMON: dict[str, tuple[float, Dimension]] = {
     "m": (1.0, _METRE), "cm": (1e-2, _METRE), "mm": (1e-3, _METRE),
     "N": (1.0, _NEWTON), "kN": (1e3, _NEWTON), "MN": (1e6, _NEWTON),
@@ -146,7 +146,7 @@ def _shortened(text: str, limit: int) -> str:
 
 
 def _split(text: str, example: str) -> tuple[str, str]:
-    """Cut `<number> <unit>` in two, or say what is wrong with it."""
+    """Cut `<number> <unit>` in two. Raises QuantityError."""
     if len(text) > MAX_LENGTH:
         raise QuantityError(f"{quoted(text)} is too long for a quantity (at most {MAX_LENGTH} characters)")
     match = _NUMBER.fullmatch(text.translate(_SIGNS).strip())
@@ -221,7 +221,7 @@ def _named(name: str) -> tuple[float, Dimension]:
     try:
         scale, base = registry.get_base_units(registry.parse_units(name))
         dimension = tuple((str(unit), float(power)) for unit, power in base._units.items())
-    except Exception as error:  # pint raises many types on what it does not know
+    except Exception as error:  # pint raises many types for unknown units
         raise QuantityError(f"unknown unit {quoted(name)}{_suggestion(name)}") from error
     if not dimension:
         raise QuantityError(f"{quoted(name)} has no dimension; write the number out")
@@ -235,6 +235,6 @@ def _suggestion(name: str) -> str:
 
 
 def _meaning(dimension: Dimension) -> str:
-    """Say what a dimension measures; empty for one that the tool does not use."""
+    """Return the quantity of a dimension; empty for one that the tool does not use."""
     known = (meaning for unit, meaning in MEANING.items() if unit_of(unit)[1] == dimension)
     return next(known, "" if dimension else "a pure number")

@@ -4,7 +4,7 @@
 Axes (right-handed): x = loading direction, z = down from the mudline (depth), y = out of the symmetry plane.
 Reference point of the rigid body: lid centre at the mudline. Loads and reactions are those of the whole
 caisson. Soil reactions oppose positive displacements: their sum is the applied load. Units are UDUNITS text,
-as the CF conventions want.
+as the CF conventions require.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ _WATER = (
       "suction is negative", required=False),
     V("pressure_max", "highest excess pore pressure in the soil", "Pa", ("step",), required=False),
     V("cavitation_margin", "lowest absolute water pressure over vapour pressure", "Pa", ("step",),
-      "below zero the water would cavitate, which the model does not know", required=False),
+      "below zero the water would cavitate, which the model does not include", required=False),
     V("section_pore_pressure", "excess pore pressure in the symmetry plane", "Pa", ("step", "section_node"),
       "compression positive, over hydrostatic", required=False),
 )
@@ -257,14 +257,14 @@ _SPRINGS_PATH = (
     )
 )
 
-# springs from a table know nothing of the vertical direction, and curves of their own no path
+# springs from a table have no vertical direction, and user curves no path
 _PREDICTED = (replace(v, required=False) if v.name in ("w", "V") else v for v in _BODY.values())
 _TANGENT = (
     "mixed units: N m-1 for u and w; N radian-1 between u and rotation; N m radian-1 for rotation; "
     "w: slope of the vertical springs under the V asked for, else elastic stiffness of the full model; uncoupled"
 )
 _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RESULT_PATH["p"]) | _table(
-    V("usable", "1 where the p-y curve of the depth serves over the whole path", "1", ("depth",),
+    V("usable", "1 where the p-y curve of the depth is usable over the whole path", "1", ("depth",),
       "0: y turns back, changes sign or stays small; p is read from another displacement, or in part"),
     V("range_used", "largest spring displacement over its calibrated range", "1", ("step",),
       "above 1 is extrapolation"),

@@ -80,7 +80,7 @@ def _around(system: System | FourierSystem, state: State) -> np.ndarray:
     """Elements of the nodes with the largest residuals of the last attempt."""
     try:
         residual = np.abs(system.residual(state).free)
-    except FEError:  # the law itself failed: look at the elements where it does
+    except FEError:  # the law itself failed: take the elements where it does
         return np.flatnonzero((system.regime == REGIME_CONE).any(axis=1))[:8]
     if not np.all(np.isfinite(residual)):
         residual = np.nan_to_num(residual, nan=np.inf)

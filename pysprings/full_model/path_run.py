@@ -143,7 +143,7 @@ class PathRun:
     # --- saving ---
 
     def _checkpoint(self) -> None:
-        """Remember where the path stands, and write it where that is due."""
+        """Store the state of the path, and write a checkpoint if one is due."""
         checkpoints = self.work.checkpoints
         if checkpoints is None:
             return

@@ -8,7 +8,7 @@ one depth, one step), on p'_N at the stations 0..pi of the half model and their 
     d_i = (p_{i-1} - 2 p_i + p_{i+1}) / mean        second difference
 
 over the mean of the ring's p now, or in the first step where that is larger (a ring that is all but open has no
-mean to speak of).
+significant mean).
 
 - ``second_difference``: the largest |d_i|. It also sees real curvature: a pressure that follows 1 + a cos(theta)
   gives a (azimuth step)^2, and the edge of an open zone gives the pressure beside it.

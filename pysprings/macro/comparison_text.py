@@ -133,7 +133,7 @@ def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
         "skip_below": SKIP_BELOW,
         "V_error": "V at equal w, (macro - full) over the change of V from rest, in percent",
         "w_error_max": "largest distance of the vertical displacements, macro - full",
-        "off_load_states": "states under a vertical load that no lateral springs know",
+        "off_load_states": "states under a vertical load without lateral springs",
     }
     return {str(name): value for name, value in frame.attrs.items()} | {
         "definitions": definitions,

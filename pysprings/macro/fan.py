@@ -188,7 +188,7 @@ def _rows(path: SpringPath) -> Array:
 
 
 def initial_slopes(secant: Array, b: Array, target: Array) -> Array:
-    """Return slopes (rows,) at the origin whose sums b.T @ slopes are those of the full model, `wanted`.
+    """Return slopes (rows,) at the origin whose sums b.T @ slopes are those of the full model, `target`.
 
     They are the secants of the first step, changed in proportion to their size as little as the sums allow.
     """

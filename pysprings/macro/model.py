@@ -135,7 +135,7 @@ class MacroModel:
         """Return the tangent stiffness at mudline at states (n, 2) = (u, rotation), with dimension step.
 
         u and rotation come from the springs; w, uncoupled, is `down` (n,) where it is given, else the elastic stiffness
-        of the full model; springs from a table do not know it, and the matrix is (2, 2) for (u, rotation). Units: N/m
+        of the full model; springs from a table have none, and the matrix is (2, 2) for (u, rotation). Units: N/m
         for displacements, N m/rad for rotation, N/rad = N m/m between them.
         """
         lateral = np.zeros((len(states), 2, 2))
@@ -174,7 +174,7 @@ class MacroModel:
         Returns
         -------
         tuple
-            States (k, 2) = (u, rotation), loads (k, 2) = (H, M), and a message that says where it ended
+            States (k, 2) = (u, rotation), loads (k, 2) = (H, M), and a message with the place where it ended
             when k < n.
         """
         state, first = start or (np.zeros(2), np.zeros(2))

@@ -27,7 +27,7 @@ def stiffness_six(springs: AnySprings | MacroModel) -> xr.DataArray:
     """Return the initial stiffness (6, 6) at the lid centre for (x, y, z, rx, ry, rz), symmetric.
 
     It is the full model's, `stiffness_initial` of the spring file, whatever spring set predicts; a table with a
-    vertical path has that of its first recorded steps instead, and `long_name` says which. Axes are those of the
+    vertical path has that of its first recorded steps instead, and `long_name` names the source. Axes are those of the
     springs: x along the load, z down, y completing a right-handed set; rotations right-hand. Units: N/m for
     displacements, N/rad = N m/m between x and ry (y and rx), N m/rad for rotations. The caisson at rest is
     axisymmetric: what holds for (x, ry) holds for (y, -rx). A state under load is not, and has no such matrix: see

@@ -21,7 +21,7 @@ def trace(
 ) -> xr.Dataset:
     """Return the answer of `MacroModel.solve` as a dataset by step, marked where the springs do not support it.
 
-    A way that ends early holds the steps reached; `status` is then "partial" and `message` tells where.
+    A way that ends early holds the steps reached; `status` is then "partial" and `message` has the place.
     V [N] is one number, or one a target.
     """
     targets = np.asarray(targets, dtype=float)

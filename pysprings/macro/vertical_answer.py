@@ -30,7 +30,7 @@ SLACK = 1e-6
 class Down:
     """w, V and marks by step (none for springs from a table), tangent dV/dw and range used (n,), words.
 
-    past (n,) marks V beyond what is known, refusals are sentences on them; message tells that no w carries V: w is
+    past (n,) marks V beyond the calibrated range, refusals are sentences on them; message: no w carries V, and w is
     that of the end of the curve then.
     """
 
@@ -51,9 +51,9 @@ def vertical_answer(
     Parameters
     ----------
     w, V
-        Vertical displacement [m] and load [N] of the lateral springs by step; None where a table does not know them.
-    wanted
-        Vertical load asked for [N], one number or one a step; None: that of the lateral springs.
+        Vertical displacement [m] and load [N] of the lateral springs by step; None if a table has none.
+    imposed
+        Imposed vertical load [N], one number or one a step; None: that of the lateral springs.
     """
     if model.stiffness_initial is None or w is None or V is None:
         if imposed is not None:

@@ -59,7 +59,7 @@ def geometry_of(scene: Scene) -> Geometry:
 
 
 def counts_of(scene: Scene) -> Counts:
-    """Cell counts of the scene's preset, refined and overridden as the scene says."""
+    """Cell counts of the scene's preset, refined and overridden by the scene."""
     counts = PRESETS[scene.mesh.preset]
     if scene.mesh.refinement != 1.0:
         counts = refine(counts, scene.mesh.refinement)

@@ -73,7 +73,7 @@ def refine(counts: Counts, factor: float) -> Counts:
 
 @dataclass(frozen=True)
 class CaissonMesh:
-    """The mesh and what the extraction needs to know about its order.
+    """The mesh and the order of its nodes, for the extraction.
 
     ``azimuth`` (na,) rad and ``depth`` (nz,) m are the coordinates of the interface nodes on both walls;
     ``walls`` maps side -> (na, nz) node numbers. ``section`` are the quads (k, 4) of the symmetry plane.

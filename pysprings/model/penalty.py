@@ -8,7 +8,7 @@ is x/(1 + x) with x = 1.9 E/(K D) within a tenth. "auto" is K = 390 E/D: the pap
 Beyond ten times that nothing is gained (5e-4 of the stiffness), and the tractions at tip and lid edges, where wall and
 base hold the same nodes, hang on differences of displacements that no longer decide anything: Newton then cycles among
 them (a hundred times that took 78 increments, 19 of them cut, where ten times takes 23 and none, on the `paper` mesh to
-2.5 mm). A stiffer penalty is therefore replaced by the limit, and the run says so.
+2.5 mm). A stiffer penalty is therefore replaced by the limit, and the run reports it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _LOSS = 1.9
 
 @dataclass(frozen=True)
 class Penalty:
-    """Stiffness (N/m3) that the model uses; what it costs; ``remarks`` say where it is not the scene's.
+    """Stiffness (N/m3) that the model uses; what it costs; ``remarks`` list where it is not the scene's.
 
     ``penetration`` (m) is that of the largest initial contact pressure, ``stiffness_loss`` (-) the share of the bonded
     stiffness of a free-head pull that the penalty takes away, about.

@@ -128,7 +128,7 @@ def _stage(
 
 
 def _time(path: Path, rate: float | None, time: float | None, start: float, end: float) -> float:
-    """Time in s that a part of a path takes; 0 where nothing says so (drained)."""
+    """Time in s that a part of a path takes; 0 if none is imposed (drained)."""
     if time is not None:
         return time
     return 0.0 if rate is None else abs(end - start) / rate

@@ -106,7 +106,7 @@ def _solver(solver: Solver) -> Iterator[Clash]:
 
 def _paths(paths: tuple[Path, ...]) -> Iterator[Clash]:
     if not paths:
-        yield Clash((("path",),), "at least one [[path]] is needed: it says how the caisson is moved")
+        yield Clash((("path",),), "at least one [[path]] is needed: it defines how the caisson is moved")
     seen: dict[str, int] = {}
     for index, path in enumerate(paths):
         first = seen.setdefault(path.name.lower(), index)

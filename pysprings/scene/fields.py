@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Types of the scene's fields: what each accepts, what it says when it refuses, its JSON schema.
+"""Types of the scene's fields: accepted values, message for others, JSON schema.
 
 Each is a pydantic annotation, `radius: Annotated[float, Quantity("m", "(0, 1e4]", "...", "24 m")]`. From TOML
 a dimensional value must be a text with its unit; from Python an SI number will do as well.
@@ -50,7 +50,7 @@ class Interval:
         return low.strip(), high.strip()
 
     def holds(self, value: float, unit: str = "1") -> bool:
-        """Tell whether an SI value lies inside; the bounds are in `unit`."""
+        """Return True if an SI value lies inside; the bounds are in `unit`."""
         low, high = (float(b) if unit == "1" else units.read(f"{b} {unit}", units.si_of(unit)) for b in self.bounds)
         above = value > low or (value == low and self.text[0] == "[")
         return above and (value < high or (value == high and self.text[-1] == "]"))
@@ -243,7 +243,7 @@ class Flag(Field):
 
 @dataclass(frozen=True)
 class Text(Field):
-    """A text on one line; `pattern` and `meaning` say which; with `names_files` none that a system refuses."""
+    """A text on one line; restricted by `pattern`, described by `meaning`; with `names_files` none that a system refuses."""
 
     text: str
     pattern: str = r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{1,200}"

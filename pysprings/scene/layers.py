@@ -84,7 +84,7 @@ def _inside(soil: Soil, stratum: Stratum) -> Iterator[Clash]:
 
 
 def in_layer(clash: Clash, soil: Soil, number: int | None) -> Clash:
-    """Return a clash of a uniform soil with the keys of the layer that it stands for."""
+    """Return a clash of a uniform soil with the keys of its layer."""
     if number is None:
         return clash
 

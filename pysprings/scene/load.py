@@ -129,7 +129,7 @@ def _refuse(file: str | None, message: str, line: int | None = None, col: int | 
 
 
 def _read_text(path: FilePath) -> str:
-    """Read a small regular UTF-8 file, or say what it is instead."""
+    """Read a small regular UTF-8 file; raise UserInputError for any other."""
     name = str(path)
     try:
         status = path.stat()
@@ -157,7 +157,7 @@ def _read_text(path: FilePath) -> str:
 def _parse_toml(text: str, file: str | None) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except ValueError as error:  # TOMLDecodeError, and what int() says to thousands of digits
+    except ValueError as error:  # TOMLDecodeError, and that of int() for thousands of digits
         message = str(error)
     match = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)
     if match is None:
@@ -224,7 +224,7 @@ def _keys(section: type[Section]) -> list[str]:
 
 
 def _unknown_key(path: KeyPath) -> Fault:
-    """Say that a key is unknown, and which one was probably meant."""
+    """Return the message on an unknown key, with the most similar valid one."""
     name = str(path[-1])
     section = Layer if path[:2] == ("soil", "layer") else SECTIONS.get(str(path[0]))
     known = _keys(section) if len(path) > 1 and section else ["title", *SECTIONS]

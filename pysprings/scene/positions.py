@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Where keys and values stand in a TOML text: key path -> line and column (tomllib does not tell).
+"""Where keys and values stand in a TOML text: key path -> line and column (tomllib has no positions).
 
 A key path is a tuple of names and list indices: `("path", 0, "report_at", 1)` is the second entry of
 `report_at` in the first `[[path]]`. The text must be valid TOML (read it with tomllib first); all forms of

@@ -214,7 +214,7 @@ def _least_friction(surface: Surface) -> Callable[[float], float]:
 
 
 def _range(compression: float, extension: float, soil: Soil) -> str:
-    """Tell which K0 a cohesionless soil allows; sqrt(3) m in compression and in extension."""
+    """Return the K0 that a cohesionless soil allows; sqrt(3) m in compression and in extension."""
     if soil.cohesion:
         return f", cohesion {show(soil.cohesion, 'kPa')}"
     low, high = (1.0 - compression) / (1.0 + 2.0 * compression), (1.0 + extension) / (1.0 - 2.0 * extension)

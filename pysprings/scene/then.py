@@ -71,7 +71,7 @@ class ThenList(QuantityList):
         if match["how"] == "in":
             return Then(value, None, _TIME.validate(pace, info))
         if match["how"] == "at" and kind not in _RATES:
-            raise refuse(f'a path of kind "{kind}" has no velocity: say "... in 10 min"')
+            raise refuse(f'a path of kind "{kind}" has no velocity: write "... in 10 min"')
         return Then(value, None if pace is None else _RATES[kind].validate(pace, info), None)
 
     def entries_in_toml(self, kind: str, values: Sequence[Any]) -> list[str]:

@@ -2,7 +2,7 @@
 """How the paths of a full model ended, as springs keep it: the end of what they can answer for.
 
 Attributes of a path: `end` is "reached" (the path came to its aim), "limit load" (the soil carries no more) or
-"stopped" (`end_reason` says why); `end_H_N` and `end_M_Nm` are the loads of its last converged step. Spring files of
+"stopped" (`end_reason` is the cause); `end_H_N` and `end_M_Nm` are the loads of its last converged step. Spring files of
 earlier versions and tables do not have them: the end is "not known", unless the path is marked as partial.
 """
 

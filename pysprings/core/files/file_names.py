@@ -8,5 +8,5 @@ _DEVICES |= {f"{kind}{number}" for kind in ("COM", "LPT") for number in "0123456
 
 
 def is_device(name: str) -> bool:
-    """Tell whether Windows takes a file of this name, with any ending, for a device."""
+    """Return True if Windows takes a file of this name, with any ending, for a device."""
     return name.split(".")[0].rstrip(" ").upper() in _DEVICES

@@ -2,7 +2,7 @@
 """One run at a time writes into a result folder (light: imports nothing heavy before a lock is asked for).
 
 The lock is the operating system's, on a file in the folder: it dies with its process, however that ends. A second file
-says who holds it, for the message that the next run gets.
+names its holder, for the message of the next run.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def exclusive(folder: Path) -> Iterator[None]:
         _held.discard(mine)
         with suppress(OSError):  # they may stay: the next run takes them over
             (folder / HOLDER).unlink(missing_ok=True)
-            if os.name != "nt":  # removed while it is held, so that whoever has opened this very file looks again
+            if os.name != "nt":  # removed while it is held: a process that has opened this file opens a new one
                 (folder / LOCK).unlink(missing_ok=True)
         lock.release()
         if os.name == "nt":  # where an open file cannot be removed
@@ -74,7 +74,7 @@ def exclusive(folder: Path) -> Iterator[None]:
 
 
 def _holder(folder: Path) -> str:
-    """Say who writes into a folder, as far as that is known."""
+    """Return a sentence on the process that writes into a folder."""
     try:
         holder = json.loads((folder / HOLDER).read_text(encoding="utf-8"))
         return printable(f"another run (process {holder['pid']} on {holder['host']}) writes into this folder")

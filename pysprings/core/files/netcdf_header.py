@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the header of a NetCDF file says of its content: refused before a number is loaded where it is too much.
+"""Check the header of a NetCDF file: content that is too large is rejected before a number is loaded.
 
 Arrays that were never written take no room on a disk, whatever their size: a file of 100 kB can ask for any memory.
 """

@@ -82,7 +82,7 @@ def write_tree(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     ResourceError
-        The file cannot be written, say because the disk is full.
+        The file cannot be written; the disk may be full.
     """
     groups = {node.path: _storable(node.to_dataset(inherit=False)) for node in tree.subtree}
     clean = xr.DataTree.from_dict(groups)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Settings by target error: what the shipped study (`presets.json`) supports, and the orders it has found.
 
-The file is written by `pysprings accuracy SCENE --write-presets FILE`; its `origin` says of which scene, by which
+The file is written by `pysprings accuracy SCENE --write-presets FILE`; its `origin` has the scene, and by which
 version and when. It is the error on that scene: a run made with a target estimates its own beside it.
 """
 
@@ -68,7 +68,7 @@ def cheapest_within(limit: float, rows: Iterable[Mapping[str, Any]]) -> Mapping[
 def applied(setting: Setting, scene: Scene) -> Scene:
     """Return a scene with a setting of the study and, in what else it varies, as the study ran: by default.
 
-    Its own mesh, tolerance and steps go: the study says nothing of them.
+    Its own mesh, tolerance and steps go: the study does not cover them.
     """
     plain = {key: getattr(type(scene.solver)(), key) for key in _VARIED}
     return setting.scene(scene.replace(mesh={"refinement": 1.0}, solver=plain))

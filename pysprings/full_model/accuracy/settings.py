@@ -72,7 +72,7 @@ def settings(
 
     Parameters
     ----------
-    meshes : presets, with a factor if wanted ("medium:0.7"), in any order; the series of the extrapolation.
+    meshes : presets, with an optional factor ("medium:0.7"), in any order; the series of the extrapolation.
         Empty: SERIES, and BETWEEN.
     quick : a smaller series (where no meshes are given) and fewer variations.
     linear : linear solvers to try beside ``base_linear``, the one that the other runs use.

@@ -37,7 +37,7 @@ ESTIMATED = {"load_max": LOAD, "py_rms": PY}
 
 
 def coarser(scene: Scene) -> Scene:
-    """Return the scene on the coarser mesh, without what only people look at."""
+    """Return the scene on the coarser mesh, without pictures and fields."""
     from pysprings.model.build import counts_of
 
     azimuth = scene.mesh.azimuth

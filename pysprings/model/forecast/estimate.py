@@ -94,7 +94,7 @@ def _contact(scene: Scene) -> dict[str, Any]:
 
 
 def _memory_warning(memory: float) -> list[str]:
-    """Say when other programs leave too little memory now."""
+    """Return a warning if other programs leave too little memory now."""
     free = memory_available()
     if memory <= free:
         return []

@@ -34,7 +34,7 @@ _SHEAR_SHARE = 0.001  # of the time of a run without friction that shear of the 
 class Saved:
     """What an omission saves: unknowns, bytes of memory and disk, share of the time it would take with it.
 
-    0 is what is not affected, or not known; ``basis`` says where the figures come from.
+    0 is what is not affected, or unknown; ``basis`` is the source of the figures.
     """
 
     basis: str
@@ -224,5 +224,5 @@ def _output_omission(scene: Scene, what: str, key: str) -> Omission:
 
 
 def _share(value: float) -> float:
-    """A share of the time to two digits: the laws know no more."""
+    """Round a share of the time to two digits, the accuracy of the laws."""
     return float(f"{value:.2g}")

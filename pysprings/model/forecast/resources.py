@@ -2,7 +2,7 @@
 """What a scene needs of the machine, from its counts alone: memory and disk; refused before anything is built.
 
 The laws of memory are fitted (see the constants); the refusal compares them with what this process may ever have: the
-machine's memory, or less where a control group or a limit of the shell says so.
+machine's memory, or less under a control group or a limit of the shell.
 """
 
 from __future__ import annotations
@@ -229,7 +229,7 @@ def refuse_full_disk(scene: Scene, folder: str | os.PathLike[str]) -> None:
         place = place.parent
     try:
         free = shutil.disk_usage(place).free
-    except OSError:  # a file system that does not say
+    except OSError:  # a file system without this figure
         return
     if least > free:
         raise ResourceError(

@@ -47,9 +47,9 @@ def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: b
     Each increment takes a N + b N^2 for N unknowns. Fitted on the default scene without pictures, drained, to 2.5 mm:
     `coarse` 2.4 s, `medium` 5.2 s, `paper` 21 to 23 s, `fine` 264 s; to 20 mm `paper` 80 s. The law gives 2.4, 5.4,
     21.7, 265 and 77 s. Coupled: `medium` 13.7 s, `paper` to 1 mm 53 s; law 12.7 and 56 s. `coarse` to 20 mm takes 45
-    increments, as the law says. The motion under a given force is not known: no lid lifts off there.
+    increments, as in the law. The motion under an imposed force is unknown: lift-off of the lid is not counted.
 
-    ``water`` says whether there are pressures among the unknowns (the scene's own answer where it is None).
+    ``water``: pressures are among the unknowns (None: as in the scene).
     """
     wet = scene.drainage.mode != "drained" if water is None else water
     each = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2
