@@ -38,7 +38,7 @@ AT_REST_ALONE = {"longest": 150, "comfortable": 1.0e9}  # settings.Recycling: th
 
 
 def scene(mesh: str, end: float, mode: str = "drained") -> Any:
-    """The paper's pull to an end (m) on a preset, with an optional factor ("medium:1.4"); no pictures."""
+    """Return the paper's pull to an end (m) on a preset, with an optional factor ("medium:1.4"); no pictures."""
     from pysprings import Scene
     from pysprings.full_model.accuracy.settings import read_mesh
 
@@ -65,7 +65,7 @@ def record_of(chosen: Any) -> dict[str, Any]:
 
 
 def text_of(name: str, run: dict[str, Any]) -> str:
-    """A run in two lines: size, increments, wall time [s], unit [s], their ratio, memory [GB]; profile [% of wall]."""
+    """Return two lines on a run: size, increments, wall [s], unit [s], ratio, memory [GB]; profile [% of wall]."""
     solver, wall, unit = run["solver"], run["wall_s"], run["solver"]["unit_s"]
     shares = sorted(((cost["wall_s"] / wall, phase) for phase, cost in run["phases"].items()), reverse=True)
     return (
@@ -77,25 +77,25 @@ def text_of(name: str, run: dict[str, Any]) -> str:
 
 
 def exponents(n: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
-    """Exponents p of values ~ n^p: fitted to all of them (least squares of the logarithms), and of the last two."""
+    """Return exponents p of values ~ n^p: fitted to all (least squares of the logarithms), and of the last two."""
     x, y = np.log(n), np.log(values)
     return float(np.polyfit(x, y, 1)[0]), float((y[-1] - y[-2]) / (x[-1] - x[-2]))
 
 
 def cost_per_unknown(run: dict[str, Any], beside: dict[str, Any]) -> float:
-    """Wall time by unknown of a run, over that of another."""
+    """Return the wall time by unknown of a run, over that of another."""
     each = [one["wall_s"] / one["mesh"]["unknowns"] for one in (run, beside)]
     return float(each[0] / each[1])
 
 
 def units() -> None:
-    """Wall time to 2.5 and 20 mm in units of the tangent's own factorisation and solve."""
+    """Print wall time to 2.5 and 20 mm in units of the tangent's own factorisation and solve."""
     for end in (2.5 * MM, 20.0 * MM):
         print(text_of(f"paper, to {end / MM:g} mm", record("paper", end)), flush=True)
 
 
 def targets() -> None:
-    """Cheapest settings of the shipped study for 5 % and 2 %, run again: wall time beside the study's errors."""
+    """Run the cheapest settings of the shipped study for 5 % and 2 % again: wall time beside the study's errors."""
     from pysprings.full_model.accuracy import presets
 
     for target in ("5%", "2%"):
@@ -106,7 +106,7 @@ def targets() -> None:
 
 
 def growth() -> None:
-    """Exponents of cost and memory over unknowns, to 1 mm."""
+    """Print exponents of cost and memory over unknowns, to 1 mm."""
     for mode, meshes in GROWTH.items():
         runs = []
         for mesh in meshes:
@@ -123,7 +123,7 @@ def growth() -> None:
 
 
 def fine() -> None:
-    """The paper's pull to 2.5 mm on `fine`, and its cost per unknown beside that of `paper`."""
+    """Print the cost of the paper's pull to 2.5 mm on `fine`, and its cost per unknown beside that of `paper`."""
     runs = {mesh: record(mesh, 2.5 * MM) for mesh in ("paper", FINE)}
     for mesh, run in runs.items():
         print(text_of(f"{mesh}, {run['mesh']['nodes']:,} nodes", run), flush=True)
@@ -131,7 +131,7 @@ def fine() -> None:
 
 
 def solvers() -> None:
-    """Every tangent factorised, or factors of earlier ones: wall time of a pull to 1 mm, and of a load of 1 MN."""
+    """Compare own factors with those of earlier tangents: wall time of a pull to 1 mm, and of a load of 1 MN."""
     for mesh, load in [(mesh, False) for mesh in SOLVERS] + [("paper", True)]:
         (own, n_own, n), (earlier, n_earlier, _) = (_in_child(_wall, (mesh, start, load)) for start in (10**9, 0))
         print(
@@ -142,7 +142,7 @@ def solvers() -> None:
 
 
 def rest() -> None:
-    """Factors at rest alone, beside renewed ones: an exact Fourier solve could take the place of those solves."""
+    """Compare factors at rest with renewed ones: an exact Fourier solve could take the place of those solves."""
     for mesh in ("medium", "paper"):
         for end in (1.0 * MM, 2.5 * MM):
             print(f"{mesh} to {end / MM:g} mm", flush=True)
@@ -156,14 +156,14 @@ def rest() -> None:
 
 
 def omitted() -> None:
-    """What each omission saves."""
+    """Print what each omission saves."""
     from benchmarks import omissions
 
     omissions.main([])
 
 
 def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
-    """Wall time of the second of two runs (s), its factorisations, and the unknowns."""
+    """Return the wall time of the second of two runs (s), its factorisations, and the unknowns."""
     from pysprings.full_model import compute
 
     _recycle(start=start)

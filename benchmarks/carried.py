@@ -77,7 +77,7 @@ def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None
 
 
 def difference(one: Pushed, other: Pushed, names: tuple[str, ...] = (), last: bool = False) -> dict[str, float]:
-    """Largest difference of each quantity over all steps, or at the last one, over the largest value it has.
+    """Return the largest difference of each quantity over all steps, or at the last one, over the largest value it has.
 
     Loads of any part count beside the load H, reactions by depth beside p, shear beside the normal stress, moments with
     an arm of 1 m: where there are none, they are rounding alone.
@@ -98,7 +98,7 @@ def difference(one: Pushed, other: Pushed, names: tuple[str, ...] = (), last: bo
 
 
 def whole_model(scene: Scene) -> Built:
-    """The model of the whole domain; its border forces are those of the whole caisson.
+    """Return the model of the whole domain; its border forces are those of the whole caisson.
 
     Of an elastic caisson it has all nodes and unknowns, but no steel where the ring closes: to be counted, not run.
     """
@@ -111,7 +111,7 @@ def whole_model(scene: Scene) -> Built:
 
 
 def mirrored(half: CaissonMesh) -> CaissonMesh:
-    """A half mesh with its mirror image in y = 0 beside it; nodes of the plane are shared, and free."""
+    """Return a half mesh with its mirror image in y = 0 beside it; nodes of the plane are shared, and free."""
     mesh, n = half.mesh, half.mesh.n_nodes
     off = np.flatnonzero(np.abs(mesh.nodes[:, 1]) > 1e-12)
     image = np.arange(n)
@@ -131,7 +131,7 @@ def mirrored(half: CaissonMesh) -> CaissonMesh:
 
 
 def with_history(scene: Scene) -> Built:
-    """A model of elastoplastic soil that is too strong to yield, in place of an elastic one."""
+    """Return a model of elastoplastic soil that is too strong to yield, in place of an elastic one."""
     built, soil = build_model(scene), scene.soil
     strong = plasol.pack(
         young=soil.young_modulus, poisson=soil.poisson_ratio, phi_i=soil.friction_angle_initial,
@@ -141,7 +141,7 @@ def with_history(scene: Scene) -> Built:
 
 
 def with_shear(scene: Scene, friction: float = 1e-9) -> Built:
-    """A model whose stations have friction, though next to none, in place of a smooth one."""
+    """Return a model whose stations have friction, though next to none, in place of a smooth one."""
     built = build_model(scene)
     contact = built.model.contact.copy()
     contact[:, coulomb.MU] = friction
@@ -149,7 +149,7 @@ def with_shear(scene: Scene, friction: float = 1e-9) -> Built:
 
 
 def with_water_in_steel(scene: Scene) -> Built:
-    """A model of an elastic caisson with a pressure of its own on the caisson's side of the film.
+    """Return a model of an elastic caisson with a pressure of its own on the caisson's side of the film.
 
     Steel does not conduct: what the film presses across the transfer T_w into its face has nowhere to go.
     """

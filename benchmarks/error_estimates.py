@@ -37,12 +37,12 @@ OUTPUT = {"interface_fields": False, "section": False, "figures": False}
 
 
 def pull(mm: float, arm: float = 0.0, **more: Any) -> list[dict[str, Any]]:
-    """A pull to a displacement, at a height of load (m)."""
+    """Return a pull to a displacement, at a height of load (m)."""
     return [{"name": "pull", "kind": "pull", "lateral_displacement": 1e-3 * mm, "arm": arm, **more}]
 
 
 def caisson(diameter: float, ratio: float, wide: float = 3.1, deep: float = 3.0) -> dict[str, Any]:
-    """Caisson of a diameter and L/D, in a domain of so many diameters across (radius) and skirts deep."""
+    """Return the caisson of a diameter and L/D, in a domain of so many diameters across (radius) and skirts deep."""
     length = ratio * diameter
     return {
         "caisson": {"outer_diameter": diameter, "skirt_length": length, "skirt_thickness": diameter / 78.0},
@@ -51,7 +51,7 @@ def caisson(diameter: float, ratio: float, wide: float = 3.1, deep: float = 3.0)
 
 
 def soil(phi: float, young: float, k0: float, cohesion: float = 0.0, **more: Any) -> dict[str, Any]:
-    """Soil of final friction angle (deg), Young modulus (MPa), K0 and cohesion (kPa)."""
+    """Return the soil of final friction angle (deg), Young modulus (MPa), K0 and cohesion (kPa)."""
     values = {"friction_angle_final": phi * DEG, "young_modulus": 1e6 * young, "K0": k0, "cohesion": 1e3 * cohesion}
     return {"soil": values | more}
 
@@ -82,7 +82,7 @@ SCENES: dict[str, dict[str, Any]] = {
 
 
 def scene_of(name: str, reach: float) -> Scene:
-    """The scene of a name, pushed to ``reach`` times its end value."""
+    """Return the scene of a name, pushed to ``reach`` times its end value."""
     values = SCENES[name]
     paths = [dict(path) for path in values["path"]]
     for path in paths:
@@ -93,7 +93,7 @@ def scene_of(name: str, reach: float) -> Scene:
 
 
 def result_of(scene: Scene, folder: Path) -> Any:
-    """The result of a scene: kept in the folder by this version, or run and kept now; PyspringsError where it stops."""
+    """Return the result of a scene, stored by this version or run now. Raises PyspringsError if the run stops."""
     file = folder / f"{scene.sha256[:16]}.nc"
     tree = read_tree(file) if file.exists() else None
     if tree is None or tree.attrs["pysprings_version"] != version.__version__:
@@ -108,7 +108,7 @@ def result_of(scene: Scene, folder: Path) -> Any:
 
 
 def lines_of(name: str, at: Sequence[str], truth: Sequence[str], reach: float, folder: Path) -> list[dict[str, Any]]:
-    """One line a mesh: estimate and true error of each measure that is estimated, or why there is none."""
+    """Return one line a mesh: estimate and true error of each measure that is estimated, or why there is none."""
     scene = scene_of(name, reach)
     on = {text: read_mesh(text).scene(scene) for text in dict.fromkeys([*truth, *at])}
     try:
@@ -135,7 +135,7 @@ def lines_of(name: str, at: Sequence[str], truth: Sequence[str], reach: float, f
 
 
 def true_errors(run: Any, series: Sequence[Any]) -> tuple[dict[str, float], dict[str, float]]:
-    """Errors [%] of a run, worst path, and the uncertainty of the truth from a series of ever finer meshes."""
+    """Return errors [%] of a run, worst path, and the uncertainty of the truth from a series of ever finer meshes."""
     names = [f"truth {k}" for k in range(len(series))]
     by_path = samples({"run": curves_of(run)} | {n: curves_of(tree) for n, tree in zip(names, series, strict=True)})
     h = [cell_size(tree.attrs["n_unknowns"]) for tree in series]
@@ -152,14 +152,14 @@ def _estimated(errors: Mapping[str, float]) -> dict[str, float]:
 
 
 def needed_safety(estimate: float, true: float, safety: float) -> float:
-    """The safety factor with which an estimate made with ``safety`` would just be the true error (both in %)."""
+    """Return the safety factor with which an estimate made with ``safety`` would just be the true error (both in %)."""
     if true == 0.0:
         return 0.0
     return safety * true / estimate if estimate else math.inf
 
 
 def coverage(lines: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """How often estimates cover, by measure, and the safety factor with which they would in nine of ten.
+    """Return how often estimates cover, by measure, and the safety factor with which they would in nine of ten.
 
     The truth is taken as it is: what it is uncertain by stands in the lines.
     """

@@ -38,7 +38,7 @@ HEAD = "mesh             unknowns steps cuts Newton GMRES   u mm     H MN  rot m
 
 
 def scene_of(end: float, tolerance: float, **mesh: Any) -> Scene:
-    """The paper's drained pull to ``end`` (m)."""
+    """Return the paper's drained pull to ``end`` (m)."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end}
     return Scene(paths=(path,), mesh=mesh, solver={"tolerance": tolerance})
 

@@ -36,7 +36,7 @@ from pysprings.results.folder import run_to_folder
 
 
 def scenes(refinement: float) -> dict[str, Scene]:
-    """A dead load and two paths; the coupled one has a rest."""
+    """Return a dead load and two paths; the coupled one has a rest."""
     pull = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3, "rate": 1e-4}
     turn = {"name": "turn", "kind": "translation", "lateral_displacement": 5e-4, "rate": 1e-3}
     common = {
@@ -71,7 +71,7 @@ def ended(child: int) -> int:
 
 
 def difference(one: Path, other: Path) -> float:
-    """Largest difference of two NetCDF files, relative to the largest value of each variable."""
+    """Return the largest difference of two NetCDF files, relative to the largest value of each variable."""
     a, b = read_tree(one), read_tree(other)
     assert a.groups == b.groups, "other groups"
     return max((_of_datasets(a[group], b[group]) for group in a.groups), default=0.0)

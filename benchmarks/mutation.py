@@ -262,12 +262,12 @@ def run(
 
 
 def _name(root: Path, mutant: Mutant) -> str:
-    """What names a mutant of the present state of its file."""
+    """Return what names a mutant of the present state of its file."""
     return f"{mutant.key} {hashlib.sha256((root / mutant.file).read_bytes()).hexdigest()[:16]}"
 
 
 def _kept(file: Path) -> dict[str, list[str]]:
-    """Name -> (outcome, what killed it) of earlier calls."""
+    """Return the name -> (outcome, what killed it) of earlier calls."""
     found: dict[str, list[str]] = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
     return found
 
@@ -286,7 +286,7 @@ def _keep(file: Path, name: str, verdict: Verdict) -> None:
 
 
 def score(verdicts: list[Verdict]) -> float:
-    """Killed of those that could be killed [%]; NaN of none."""
+    """Return the killed of those that could be killed [%]; NaN of none."""
     killed, survived = (sum(each.outcome == kind for each in verdicts) for kind in (KILLED, SURVIVED))
     return 100.0 * killed / (killed + survived) if killed + survived else float("nan")
 

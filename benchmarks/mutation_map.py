@@ -101,7 +101,7 @@ def _module(path: Path) -> str:
 
 
 def _imported(tree: ast.Module) -> list[tuple[str, str, bool]]:
-    """Module, name ("" of a whole module) and whether for type checkers alone, of every import."""
+    """Return the module, name ("" of a whole module) and whether for type checkers alone, of every import."""
     found: list[tuple[str, str, bool]] = []
     typing = {id(n) for block in ast.walk(tree) if _is_typing(block) for n in ast.walk(block)}
     for node in ast.walk(tree):

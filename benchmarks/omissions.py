@@ -57,7 +57,7 @@ class Cost:
 
 
 def cases(preset: str, end: float) -> list[Case]:
-    """The omissions, each on the scene that has it."""
+    """Return the omissions, each on the scene that has it."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": 0.05e-3}
 
     def scene(**sections: Any) -> Scene:
@@ -91,7 +91,7 @@ def models(case: Case) -> tuple[Built, Built]:
 
 
 def measure(case: Case, rounds: int) -> tuple[Cost, Cost]:
-    """Cost without and with what is left out; the rounds go to the one and the other by turns."""
+    """Return the cost without and with what is left out; the rounds go to the one and the other by turns."""
     built = models(case)
     pair = tuple(zip((case.scene, case.other or case.scene), built, case.symmetric, strict=True))
     runs = [[push(*each) for each in pair] for _ in range(rounds)]
@@ -113,7 +113,7 @@ def _cost(runs: list[Pushed], built: Built, symmetric: bool | None) -> Cost:
 
 
 def _factor_bytes(built: Built, symmetric: bool | None) -> int:
-    """Memory of one factorisation; 0 if Pardiso reports none."""
+    """Return the memory of one factorisation; 0 if Pardiso reports none."""
     system, half = System(built.model), built.model.symmetric if symmetric is None else symmetric
     system.time_step = 1.0
     wet = built.model.water is not None
@@ -126,7 +126,7 @@ def _factor_bytes(built: Built, symmetric: bool | None) -> int:
 
 
 def contact_seconds(preset: str) -> dict[str, float]:
-    """Processor time (s) of one residual and tangent of the smooth interface, with and without shear; and of all."""
+    """Return processor time (s) of one residual and tangent of the smooth interface, with and without shear."""
     scene = Scene(mesh={"preset": preset}, **carried.SMOOTH)
     seconds = {}
     for name, built in (("without", build_model(scene)), ("with", carried.with_shear(scene))):
@@ -155,7 +155,7 @@ _RATIOS = {"push": "all", "assembly": "assembly", "factorisation": "factorise", 
 
 
 def table(costs: dict[str, tuple[Cost, Cost]]) -> str:
-    """Each case: what it has and takes without and with it, and ratios with/without of the processor time."""
+    """Return each case: what it has and takes without and with it, and ratios with/without of the processor time."""
     head = f"{'left out':30}" + "".join(f"{title:>16}" for title in _COLUMNS.values())
     lines = [head + "".join(f"{'x ' + title:>12}" for title in _RATIOS.values())]
     for what, (without, with_it) in costs.items():

@@ -11,7 +11,7 @@ from pysprings.studies.paper import reference, runs
 
 
 def commit_date() -> str:
-    """Date of the commit that the results come from; "unknown" outside a repository."""
+    """Return the date of the commit that the results come from; "unknown" outside a repository."""
     command = ["git", "log", "-1", "--format=%cI"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     return done.stdout.strip() or "unknown"

@@ -53,7 +53,7 @@ def run(preset: str, mode: str, rate: float, sections: dict) -> xr.DataTree:
 
 
 def row(name: str, path: xr.Dataset, drained: xr.Dataset) -> tuple[str, ...]:
-    """Figures of a run beside its drained one."""
+    """Return the figures of a run beside its drained one."""
     reached = float(path["u"][-1])
     ratios = [np.interp(u, path["u"], path["H"]) / np.interp(u, drained["u"], drained["H"]) for u in (*STOPS, END)]
     ratios = [ratio if u < 1.001 * reached else np.nan for u, ratio in zip((*STOPS, END), ratios, strict=True)]

@@ -19,14 +19,14 @@ PHASES = ("assembly", "factorisation", "solve")
 
 
 def record(mode: str, preset: str, end: float) -> dict[str, Any]:
-    """run.json of a pull to ``end`` (m) at the paper's rate."""
+    """Return the run.json of a pull to ``end`` (m) at the paper's rate."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": 0.05e-3}
     scene = Scene(mesh={"preset": preset}, drainage={"mode": mode}, paths=[path], output={"figures": False})
     return compute(scene).record.as_dict()
 
 
 def figures(run: dict[str, Any]) -> dict[str, float]:
-    """What is compared."""
+    """Return what is compared."""
     path, solver = run["paths"]["pull"], run["solver"]
     counts = {
         "unknowns": run["mesh"]["unknowns"],

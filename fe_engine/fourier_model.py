@@ -44,7 +44,7 @@ class SectionMesh:
         return at_zero
 
     def shortest_edge(self) -> float:
-        """Length of the shortest edge, m."""
+        """Return the length of the shortest edge, m."""
         return float(self._edges().min())
 
     def check(self) -> Quality:

@@ -78,7 +78,7 @@ def soil_rows(model: HasSoil) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _by_point(material: Material) -> np.ndarray:
-    """Parameters (1, n), (k, 1, n) or (k, np, n)."""
+    """Return the parameters (1, n), (k, 1, n) or (k, np, n)."""
     p = material.parameters
     return p[:, None] if p.ndim == 2 else p[None] if p.ndim == 1 else p
 
@@ -129,7 +129,7 @@ def contact_gaps(model: HasContact, normal_jump: np.ndarray) -> np.ndarray:
 
 
 def is_smooth(model: HasContact) -> bool:
-    """Whether the tangent of every station is symmetric."""
+    """Return whether the tangent of every station is symmetric."""
     rows = np.broadcast_to(model.contact, (len(model.initial_pressure), model.contact.shape[1]))
     return all(bool(np.all(law.smooth(rows[mine]))) for law, mine in _stations_by_law(model))
 

@@ -16,14 +16,14 @@ _MAPPED = {"threads": 0}  # of OpenBLAS that have it: they keep it
 
 
 def limit() -> float:
-    """Memory in bytes that this process may ever have: of the machine, its control groups, and its address space."""
+    """Return the upper limit of memory (bytes) of this process: machine, control groups and address space."""
     import psutil
 
     return min(float(psutil.virtual_memory().total), *cgroup_limits(), address_space())
 
 
 def left() -> float:
-    """Memory in bytes that this process can still have: free on the machine, and not yet used up of its limits."""
+    """Return the memory (bytes) available to this process: free on the machine and within its limits."""
     import psutil
 
     about, machine = psutil.Process().memory_info(), psutil.virtual_memory()
@@ -45,7 +45,7 @@ def require_for_blas(needed: float, threads: int, what: str) -> None:
 
 
 def cgroup_limits() -> list[float]:
-    """Limits in bytes of the control groups of this process (Linux; versions 2 and 1), infinity where there is none."""
+    """Return limits (bytes) of the control groups of this process (Linux; versions 2 and 1); infinity: none."""
     limits = [math.inf]
     try:
         lines = _MY_GROUPS.read_text(encoding="ascii", errors="replace").splitlines()
@@ -70,7 +70,7 @@ def _number_in(file: Path) -> float:
 
 
 def address_space() -> float:
-    """Limit of the address space in bytes (`ulimit -v`), infinity where there is none."""
+    """Return the limit of the address space in bytes (`ulimit -v`), infinity where there is none."""
     try:
         import resource
     except ImportError:  # Windows

@@ -62,7 +62,7 @@ class Mesh:
         return len(self.hexes)
 
     def shortest_edge(self) -> float:
-        """Length of the shortest edge, m."""
+        """Return the length of the shortest edge, m."""
         return float(_edge_lengths(self.nodes[self.hexes]).min())
 
     def check(self) -> Quality:
@@ -89,13 +89,13 @@ def measure_quality(nodes: np.ndarray, hexes: np.ndarray) -> Quality:
 
 
 def _edge_lengths(corner: np.ndarray) -> np.ndarray:
-    """Lengths (ne, 12) of the edges of elements with corners (ne, 8, 3), m."""
+    """Return the lengths (ne, 12) of the edges of elements with corners (ne, 8, 3), m."""
     lengths: np.ndarray = np.linalg.norm(corner[:, EDGES[:, 1]] - corner[:, EDGES[:, 0]], axis=2)
     return lengths
 
 
 def _corner_jacobian(corner: np.ndarray, k: int) -> np.ndarray:
-    """Scaled Jacobian (ne,) at corner k: triple product of the three edges over their lengths."""
+    """Return the scaled Jacobian (ne,) at corner k: triple product of the three edges over their lengths."""
     neighbours = [int(np.flatnonzero((CORNERS[k] * flip == CORNERS).all(axis=1))[0]) for flip in _FLIPS]
     edges = [(corner[:, n] - corner[:, k]) * -CORNERS[k, axis] for axis, n in enumerate(neighbours)]
     volume = np.einsum("ei,ei->e", edges[0], np.cross(edges[1], edges[2]))

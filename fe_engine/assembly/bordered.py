@@ -49,7 +49,7 @@ class Tangent:
 def summary(
     free: np.ndarray, border: np.ndarray, contact: float, volume: float, regime: np.ndarray, contact_state: np.ndarray
 ) -> Residual:
-    """Residual with its norms, and the numbers of points and stations in each regime."""
+    """Return the residual with its norms, and the numbers of points and stations in each regime."""
     return Residual(
         free, border, contact,
         n_plastic=int(np.count_nonzero(regime == REGIME_CONE)),

@@ -57,13 +57,13 @@ class FourierPattern:
         return np.arange(self.n_free).reshape(self.held.shape)
 
     def folded(self, force: np.ndarray) -> np.ndarray:
-        """Forces (n, 3, K) on the coefficients that are free, in place, in a row (n_free,)."""
+        """Return the forces (n, 3, K) on the coefficients that are free, in place, in a row (n_free,)."""
         force[self.axis, 0, 1:2] -= force[self.axis, 1, 1:2]
         force[self.held] = 0.0
         return force.ravel()
 
     def unfolded(self, x: np.ndarray) -> np.ndarray:
-        """All coefficients (n, 3, K) from those that are free (n_free,)."""
+        """Return all coefficients (n, 3, K) from those that are free (n_free,)."""
         move = x.reshape(self.held.shape).copy()
         move[self.axis, 1, 1:2] = -move[self.axis, 0, 1:2]
         return move
@@ -120,7 +120,7 @@ class FourierSystem:
         return HarmonicFactors(model.mesh.quads, p.retained, stiffness, p.held)
 
     def _interface_stiffness(self) -> np.ndarray:
-        """What the elimination of the soil at rest leaves to the interface (m, m)."""
+        """Return what the elimination of the soil at rest leaves to the interface (m, m)."""
         place = self.pattern.place[self.pattern.retained]
         dense = np.zeros((len(self.pattern.interface),) * 2)
         for k, matrix in enumerate(self.factors.schur):
@@ -173,7 +173,7 @@ class FourierSystem:
         return summary(self.pattern.folded(force), border, norm, 0.0, self.regime, self.contact_state)
 
     def _contact_norm(self, traction: np.ndarray) -> float:
-        """2-norm of the change of the interface's forces on the coefficients, N."""
+        """Return the 2-norm of the change of the interface's forces on the coefficients, N."""
         force, border = np.zeros(self.model.displacement_shape), np.zeros(self.model.n_border)
         kernels.add_tractions(self.contact, traction, force, border)
         return float(np.linalg.norm(self.pattern.folded(force)))
@@ -190,13 +190,13 @@ class FourierSystem:
     # --- tangent ---
 
     def plastic_product(self, tangent: FourierTangent, x: np.ndarray) -> np.ndarray:
-        """What the tangent of the soil has beyond the elastic one, times x (n_free,)."""
+        """Return what the tangent of the soil has beyond the elastic one, times x (n_free,)."""
         out = np.zeros(self.model.displacement_shape)
         kernels.plastic_product(self.soil, tangent.regime, tangent.plastic, self.pattern.unfolded(x), out)
         return self.pattern.folded(out)
 
     def contact_matrix(self, tangent: FourierTangent) -> np.ndarray:
-        """Tangent (m + nb, m + nb) of the contact: equations of the interface, then the border."""
+        """Return the tangent (m + nb, m + nb) of the contact: equations of the interface, then the border."""
         size = len(self.pattern.interface) + self.model.n_border
         out = np.zeros((size, size))
         kernels.contact_matrix(self.contact, tangent.contact, self.pattern.place[self.contact.node], out)
@@ -205,35 +205,35 @@ class FourierSystem:
     # --- what others ask ---
 
     def jumps(self, fields: Fields) -> np.ndarray:
-        """Jumps (ns, 3) in m of all stations in their frames."""
+        """Return the jumps (ns, 3) in m of all stations in their frames."""
         jumps: np.ndarray = kernels.station_jumps(self.contact, fields.displacement, fields.border)
         return jumps
 
     def gaps(self, fields: Fields) -> np.ndarray:
-        """Openings (ns,) in m of all stations, 0 where they are closed."""
+        """Return the openings (ns,) in m of all stations, 0 where they are closed."""
         return contact_gaps(self.model, self.jumps(fields)[:, 0])
 
     def solid_work(self, old: Fields, new: Fields) -> tuple[float, float, float]:
-        """Work (J) of the soil from one state to the next: stored, dissipated, and of the initial stress."""
+        """Return the work (J) of the soil from one state to the next: stored, dissipated, and of the initial stress."""
         states = (SoilState(f.displacement, f.stress, f.history) for f in (old, new))
         work: tuple[float, float, float] = kernels.soil_work(self.soil, *states)
         return work
 
     def elements_at(self, equations: np.ndarray) -> np.ndarray:
-        """Elements that these equations belong to."""
+        """Return the elements that these equations belong to."""
         nodes = np.unravel_index(equations, self.model.displacement_shape)[0]
         return np.flatnonzero(np.isin(self.model.mesh.quads, nodes).any(axis=1))
 
     def stations_on(self, numbers: np.ndarray) -> np.ndarray:
-        """Whether each station (ns,) stands on one of these elements."""
+        """Return whether each station (ns,) stands on one of these elements."""
         return np.isin(self.contact.node, self.model.mesh.quads[numbers])
 
     def strain_step(self, state: State, element: int, point: int) -> np.ndarray:
-        """Strain increment (6,) of a point of an element, in cylindrical axes."""
+        """Return the strain increment (6,) of a point of an element, in cylindrical axes."""
         return kernels.strain_step(self.soil, element, point, state.committed.displacement, state.trial.displacement)
 
     def place_of_equation(self, equation: int) -> str:
-        """Node, harmonic, direction and coordinates of a free equation, for messages."""
+        """Return the node, harmonic, direction and coordinates of a free equation, for messages."""
         node, component, k = np.unravel_index(equation, self.model.displacement_shape)
         r, z = self.model.mesh.nodes[node]
         element = int(np.argmax((self.model.mesh.quads == node).any(axis=1)))
@@ -266,7 +266,7 @@ def held_coefficients(mesh: SectionMesh, fixed: np.ndarray, harmonics: int) -> n
 
 
 def make_pattern(model: FourierModel) -> FourierPattern:
-    """Number the equations."""
+    """Give numbers to the equations."""
     axis, held = model.mesh.on_axis, held_coefficients(model.mesh, model.fixed, model.harmonics)
     interface_nodes = np.unique(model.stations.nodes)
     if axis[interface_nodes].any():
@@ -294,7 +294,7 @@ def _hold(stiffness: np.ndarray, held: np.ndarray, axis: np.ndarray) -> None:
 
 
 def _contact(model: FourierModel, packed: PackedStations) -> kernels.Contact:
-    """Stations with their operators on the coefficients of their nodes."""
+    """Return the stations with their operators on the coefficients of their nodes."""
     s = model.stations
     wave = elements.waves(s.azimuth, model.harmonics)
     c, d = np.cos(s.azimuth), np.sin(s.azimuth)

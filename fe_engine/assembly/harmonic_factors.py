@@ -89,7 +89,7 @@ class HarmonicFactors:
         return out
 
     def _dense(self, diagonal: np.ndarray, lower: np.ndarray) -> np.ndarray:
-        """Schur complement (3 nk, 3 nk) of one lane."""
+        """Return the Schur complement (3 nk, 3 nk) of one lane."""
         m, size = self._n_eliminated, len(self.retained)
         dense = np.zeros((size, 3, size, 3))
         for j in range(size):
@@ -102,7 +102,7 @@ class HarmonicFactors:
 
 
 def _symbolic(elements: np.ndarray, retained: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Node at each place of the elimination, and the rows (CSC, strictly below the diagonal) of each column of L."""
+    """Return the node at each place of the elimination, and the rows (CSC, below the diagonal) of columns of L."""
     graph = _graph(elements, n)
     last = np.zeros(n, dtype=bool)
     last[retained] = True
@@ -121,7 +121,7 @@ def _symbolic(elements: np.ndarray, retained: np.ndarray, n: int) -> tuple[np.nd
 
 
 def _graph(elements: np.ndarray, n: int) -> csc_matrix:
-    """Matrix (n, n) with entries where two nodes share an element, diagonally dominant: no entry of L cancels."""
+    """Return a matrix (n, n) with entries for nodes that share an element; its dominance avoids cancellation."""
     nn = elements.shape[1]
     row, column = np.repeat(elements, nn, axis=1).ravel(), np.tile(elements, (1, nn)).ravel()
     pairs = coo_matrix((np.ones(len(row)), (row, column)), shape=(n, n)).tocsc()

@@ -74,7 +74,7 @@ def row_of(rows, g):
 
 @njit
 def gather(nodes, new, old, frame_of, table, out):
-    """Increment of displacement (8, 3) of an element in global axes."""
+    """Write the displacement increment (8, 3) of an element in global axes."""
     for a in range(8):
         n = nodes[a]
         f = frame_of[n]
@@ -228,7 +228,7 @@ def linear_elements(hexes, stiffness, displacement, scatter, offset, forces, tar
 
 @njit
 def linear_energy(hexes, stiffness, displacement):
-    """Energy (J) stored in elements of constant stiffness."""
+    """Return the energy (J) stored in elements of constant stiffness."""
     total = 0.0
     for e in range(hexes.shape[0]):
         for r in range(24):

@@ -71,7 +71,7 @@ def no_iterate(ns: int) -> Iterate:
 
 @njit
 def _jump(s, k, displacement, border, out):
-    """Jump (3,) of station k in its frame: side 1 minus the motion of side 2."""
+    """Write the jump (3,) of station k in its frame: side 1 minus the motion of side 2."""
     x = np.zeros(3)
     for a in range(s.nodes.shape[1]):
         for i in range(3):
@@ -85,7 +85,7 @@ def _jump(s, k, displacement, border, out):
 
 @njit
 def station_jumps(s, displacement, border):
-    """Jumps (ns, 3) in m of all stations in their frames."""
+    """Return the jumps (ns, 3) in m of all stations in their frames."""
     out = np.empty((len(s.area), 3))
     for k in range(len(s.area)):
         _jump(s, k, displacement, border, out[k])
@@ -159,7 +159,7 @@ def _scatter_traction(s, k, traction, scatter, forces):
 
 @njit
 def _rotate(frame, tangent, area, out):
-    """area * frame^T tangent frame."""
+    """Write area * frame^T tangent frame."""
     for i in range(3):
         for j in range(3):
             total = 0.0

@@ -109,7 +109,7 @@ def soil_water_tangent(hexes, pores, shares, scale, scatter, offset, targets):
 
 @njit
 def _pressures(s, f, k, pressure):
-    """Pressure on side 1, in the film and on side 2 of a station, and whether side 2 holds water."""
+    """Return the pressure on side 1, in the film and on side 2 of a station, and whether side 2 holds water."""
     nn = s.nodes.shape[1]
     p1, p2, p3, porous = 0.0, 0.0, 0.0, False
     for a in range(nn):

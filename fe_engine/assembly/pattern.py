@@ -63,7 +63,7 @@ class Pattern:
 
 
 def make_pattern(model: Model) -> Pattern:
-    """Number the equations and lay out the matrix."""
+    """Count the equations and lay out the matrix."""
     equation, weight = _number(model)
     stations = np.zeros((0, 1), dtype=np.int64) if model.stations is None else model.stations.nodes
     station_film, face_nodes = _film_groups(model, stations)
@@ -80,7 +80,7 @@ def make_pattern(model: Model) -> Pattern:
 
 
 def _film_groups(model: Model, stations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes (of mesh and film) that meet in a station and in a face of the film."""
+    """Return the nodes (of mesh and film) that meet in a station and in a face of the film."""
     if model.water is None or model.water.film is None:
         return np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1), dtype=np.int64)
     film, n = model.water.film, model.mesh.n_nodes
@@ -109,7 +109,7 @@ def _number(model: Model) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _node_graph(n: int, groups: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Sorted neighbour lists (start, neighbours) of the nodes that share an element or a station."""
+    """Return sorted neighbour lists (start, neighbours) of the nodes that share an element or a station."""
     width = np.concatenate([np.full(len(group), group.shape[1]) for group in groups])
     starts = np.concatenate([[0], np.cumsum(width)])
     nodes = np.concatenate([group.ravel() for group in groups])
@@ -121,7 +121,7 @@ def _node_graph(n: int, groups: list[np.ndarray]) -> tuple[np.ndarray, np.ndarra
 
 @njit
 def _csr(start, neighbours, equation, count):
-    """Row offsets of each node pair and the CSR arrays of the free equations."""
+    """Return the row offsets of each node pair and the CSR arrays of the free equations."""
     n = len(count)
     offset = np.zeros(len(neighbours), dtype=np.int32)
     n_free = 0

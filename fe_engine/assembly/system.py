@@ -83,7 +83,7 @@ class System:
         self._soil_water = self._soil_water_tangent(1.0, 0.0), self._soil_water_tangent(0.0, 1.0)
 
     def _elastic_tangent(self) -> Targets:
-        """Constant part of the tangent: the soil at rest, where every point is elastic, and linear elements."""
+        """Return constant part of the tangent: the soil at rest, where every point is elastic, and linear elements."""
         out = self._no_tangent()
         kernels.elastic_stiffness(self.elements, self._scatter, self.pattern.element_offset, out)
         if self.model.linear is not None:
@@ -99,7 +99,7 @@ class System:
         return Forces(np.zeros(self.pattern.n_free), np.zeros(self.model.n_border))
 
     def _soil_water_tangent(self, still: float, flowing: float) -> Targets:
-        """Constant parts of the tangent: storage and coupling, and seepage in one second."""
+        """Return the constant parts of the tangent: storage and coupling, and seepage in one second."""
         assert self.model.water is not None
         out = self._no_tangent()
         kernels_water.soil_water_tangent(
@@ -144,16 +144,16 @@ class System:
             return self._linearise(state, fresh)
 
     def jumps(self, fields: Fields) -> np.ndarray:
-        """Jumps (ns, 3) in m of all stations in their frames."""
+        """Return the jumps (ns, 3) in m of all stations in their frames."""
         jumps: np.ndarray = kernels_stations.station_jumps(self.stations, fields.displacement, fields.border)
         return jumps
 
     def gaps(self, fields: Fields) -> np.ndarray:
-        """Openings (ns,) in m of all stations, 0 where they are closed."""
+        """Return the openings (ns,) in m of all stations, 0 where they are closed."""
         return contact_gaps(self.model, self.jumps(fields)[:, 0])
 
     def solid_work(self, old: Fields, new: Fields) -> tuple[float, float, float]:
-        """Work (J) of solids from one state to the next: stored, dissipated, and of the initial stress."""
+        """Return the work (J) of solids from one state to the next: stored, dissipated, and of the initial stress."""
         stored, dissipated, initial = kernels_energy.hex_work(self.elements, _soil_of(old), _soil_of(new))
         if self.model.linear is not None:
             energies = [kernels.linear_energy(*self.linear, each.displacement) for each in (old, new)]
@@ -161,16 +161,16 @@ class System:
         return stored, dissipated, initial
 
     def elements_at(self, equations: np.ndarray) -> np.ndarray:
-        """Elements that these equations belong to; none where they are those of film nodes alone."""
+        """Return the elements that these equations belong to; none where they are those of film nodes alone."""
         nodes = np.unique(np.nonzero(np.isin(self.pattern.equation, equations))[0])
         return np.flatnonzero(np.isin(self.hexes, nodes).any(axis=1))
 
     def stations_on(self, elements: np.ndarray) -> np.ndarray:
-        """Whether each station (ns,) stands on one of these elements."""
+        """Return whether each station (ns,) stands on one of these elements."""
         return np.asarray(np.isin(self.stations.nodes, np.unique(self.hexes[elements])).any(axis=1))
 
     def strain_step(self, state: State, element: int, point: int) -> np.ndarray:
-        """Strain increment (6,) of a point of an element."""
+        """Return the strain increment (6,) of a point of an element."""
         old, new = state.committed.displacement, state.trial.displacement
         move, strain = np.empty((8, 3)), np.empty(6)
         kernels.gather(self.hexes[element], new, old, self.frame_of, self.frames, move)
@@ -207,7 +207,7 @@ class System:
         return judged, replace(judged, free=linear.free, border=linear.border), tangent
 
     def _soil(self, state: State, tangent: Tangent | None) -> Forces:
-        """Forces of soil and linear elements; adds to the tangent if one is given."""
+        """Return the forces of soil and linear elements; adds to the tangent if one is given."""
         forces, targets = self._no_forces(), _targets(tangent)
         bad = kernels.assemble_elements(
             self.elements, _soil_of(state.committed), _soil_of(state.trial), self.regime, self._scatter,
@@ -260,7 +260,7 @@ class System:
         return f"{what} in element {element} at x={centre[0]:.3f}, y={centre[1]:.3f}, z={centre[2]:.3f} m"
 
     def place_of_equation(self, equation: int) -> str:
-        """Node, an element of it, direction and coordinates of a free equation, for messages."""
+        """Return the node, an element of it, direction and coordinates of a free equation, for messages."""
         node, component = np.argwhere(self.pattern.equation == equation)[0]
         n = self.model.mesh.n_nodes
         if node >= n:
@@ -295,7 +295,7 @@ def _in_nodal_axes(gradient: np.ndarray, hexes: np.ndarray, frame_of: np.ndarray
 
 
 def _frame_table(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Index of each node's frame (-1: global axes) and the frames (k, 3, 3)."""
+    """Return the index of each node's frame (-1: global axes) and the frames (k, 3, 3)."""
     frame_of = np.full(model.mesh.n_nodes, -1, dtype=np.int64)
     frame_of[list(model.frames)] = np.arange(len(model.frames))
     frames = np.array(list(model.frames.values())).reshape(-1, 3, 3)

@@ -92,7 +92,7 @@ class EnergyBalance:
         return Energy(*(float(value) for value in self.terms))
 
     def _contact(self, old: Fields, new: Fields) -> tuple[float, float, float]:
-        """Stored, dissipated and initial work of the contact tractions."""
+        """Return the stored, dissipated and initial work of the contact tractions."""
         s = self.system.stations
         if not len(s.area):
             return 0.0, 0.0, 0.0
@@ -105,7 +105,7 @@ class EnergyBalance:
         return float(stored), float(done - stored), float(initial)
 
     def _water(self, old: Fields, new: Fields) -> float:
-        """Work done against the pore pressures, by soil and gaps."""
+        """Return the work done against the pore pressures, by soil and gaps."""
         s = self.system
         if isinstance(s, FourierSystem) or s.model.water is None:
             return 0.0

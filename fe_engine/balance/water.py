@@ -85,7 +85,7 @@ class WaterBalance:
         return self.system.gaps(state)
 
     def _leaving(self, old: Fields, new: Fields, time_step: float) -> np.ndarray:
-        """Volume (n + nf,) in m3 that leaves each node between two states: by change of volume, and by flow."""
+        """Return volume (n + nf,) in m3 that leaves each node between two states: by change of volume, and by flow."""
         s, step = self.system, kernels_water.Step(time_step, -1.0)
         out = Forces(np.zeros(self.system.pattern.n_nodes), np.zeros(0))
         fields = (old.displacement, old.pressure), (new.displacement, new.pressure)
@@ -98,7 +98,7 @@ class WaterBalance:
 
 
 def _boundary_area_vectors(system: System) -> np.ndarray:
-    """Integrals (n, 3) of N_a n dA over the boundary of the soil, in the nodal axes; exact for bilinear faces."""
+    """Return integrals (n, 3) of N_a n dA over the soil boundary, in nodal axes; exact for bilinear faces."""
     mesh = system.model.mesh
     faces = mesh.hexes[:, FACES].reshape(-1, 4)
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)

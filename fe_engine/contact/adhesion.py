@@ -42,7 +42,7 @@ def pack(kn: Any, kt: Any, mu: Any, adhesion: Any, tension: Any) -> np.ndarray:
 
 @njit
 def shear_limit(p, pressure):
-    """Largest shear in Pa at a contact pressure above -t, and its derivative by the pressure."""
+    """Return the largest shear in Pa at a contact pressure above -t, and its derivative by the pressure."""
     limit, slope, above = p[ADHESION], 0.0, pressure + p[TENSION]
     if above < limit:
         limit, slope = above, 1.0
@@ -97,17 +97,17 @@ def linearise(p, slide, guess, traction, tangent):
 
 
 def gap(p: np.ndarray, initial_pressure: np.ndarray, normal_jump: np.ndarray) -> np.ndarray:
-    """Opening in m (>= 0) from the normal jump since the initial state; arrays broadcast."""
+    """Return the opening in m (>= 0) from the normal jump since the initial state; arrays broadcast."""
     return np.maximum(normal_jump - (initial_pressure + p[..., TENSION]) / p[..., KN], 0.0)
 
 
 def penalties(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Penalties K_N and K_T in N/m3 of packed parameters (..., 5)."""
+    """Return the penalties K_N and K_T in N/m3 of packed parameters (..., 5)."""
     return p[..., KN], p[..., KT]
 
 
 def smooth(p: np.ndarray) -> np.ndarray:
-    """Whether packed parameters (..., 5) have neither friction nor adhesion."""
+    """Return whether packed parameters (..., 5) have neither friction nor adhesion."""
     frictionless: np.ndarray = (p[..., MU] == 0.0) & (p[..., ADHESION] == 0.0)
     return frictionless
 

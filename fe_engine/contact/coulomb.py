@@ -126,17 +126,17 @@ def linearise_shear(kt, limit, fall, slide, guess, traction, tangent):
 
 
 def gap(p: np.ndarray, initial_pressure: np.ndarray, normal_jump: np.ndarray) -> np.ndarray:
-    """Opening in m (>= 0) from the normal jump since the initial state; arrays broadcast."""
+    """Return the opening in m (>= 0) from the normal jump since the initial state; arrays broadcast."""
     return np.maximum(normal_jump - initial_pressure / p[..., KN], 0.0)
 
 
 def penalties(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Penalties K_N and K_T in N/m3 of packed parameters (..., 3)."""
+    """Return the penalties K_N and K_T in N/m3 of packed parameters (..., 3)."""
     return p[..., KN], p[..., KT]
 
 
 def smooth(p: np.ndarray) -> np.ndarray:
-    """Whether packed parameters (..., 3) are without friction."""
+    """Return whether packed parameters (..., 3) are without friction."""
     frictionless: np.ndarray = p[..., MU] == 0.0
     return frictionless
 

@@ -17,6 +17,6 @@ from fe_engine.compiled import njit
 
 @njit
 def transmissivity(residual_aperture, gap, viscosity):
-    """h^3/(12 mu_w) in m3/(Pa s), and its derivative with respect to an open gap."""
+    """Return the h^3/(12 mu_w) in m3/(Pa s), and its derivative with respect to an open gap."""
     h = residual_aperture + gap
     return h * h * h / (12.0 * viscosity), (h * h / (4.0 * viscosity) if gap > 0.0 else 0.0)

@@ -23,12 +23,12 @@ GAUSS = _CORNERS * _G
 
 
 def shape(xi: np.ndarray) -> np.ndarray:
-    """Trilinear shape functions (8,) at the local point xi (3,)."""
+    """Return the trilinear shape functions (8,) at the local point xi (3,)."""
     return np.prod(1.0 + _CORNERS * xi, axis=1) / 8.0
 
 
 def shape_gradient(xi: np.ndarray) -> np.ndarray:
-    """Local gradient (8, 3) of the shape functions at the local point xi (3,)."""
+    """Return the local gradient (8, 3) of the shape functions at the local point xi (3,)."""
     factors = 1.0 + _CORNERS * xi
     gradient = np.empty((8, 3))
     for axis in range(3):
@@ -63,7 +63,7 @@ def geometry(nodes: np.ndarray, hexes: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def gauss_positions(nodes: np.ndarray, hexes: np.ndarray) -> np.ndarray:
-    """Coordinates (ne, 8, 3) in m of the Gauss points."""
+    """Return the coordinates (ne, 8, 3) in m of the Gauss points."""
     return np.einsum("ga,eai->egi", GAUSS_SHAPES, nodes[hexes])
 
 

@@ -84,7 +84,7 @@ class Film:
 
 
 def film_geometry(nodes: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Surface gradients (m, 4 gauss, 4 nodes, 3) of bilinear faces in 1/m, and areas (m, 4) in m2.
+    """Return the surface gradients (m, 4 gauss, 4 nodes, 3) of bilinear faces in 1/m, and areas (m, 4) in m2.
 
     With the tangents t_a = dx/dxi_a and the metric g_ab = t_a.t_b, grad N = t_a g^ab dN/dxi_b.
     """
@@ -121,7 +121,7 @@ def nodal_stations(
 
 
 def nodal_area_vectors(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Integrals (n, 3) of N_a n dA over bilinear faces (nf, 4), in m2."""
+    """Return the integrals (n, 3) of N_a n dA over bilinear faces (nf, 4), in m2."""
     vectors = np.zeros((len(nodes), 3))
     for _, shape, area_vector in _face_points(nodes[faces]):
         for a in range(4):
@@ -150,7 +150,7 @@ def central_stations(nodes: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, 
 
 
 def _face_points(corner: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Position, shape values and area vector (nf, 3) of the four Gauss points of each face."""
+    """Return the position, shape values and area vector (nf, 3) of the four Gauss points of each face."""
     points = []
     for xi, eta in _GAUSS:
         shape = _shape(xi, eta)
@@ -164,7 +164,7 @@ def _shape(xi: float, eta: float) -> np.ndarray:
 
 
 def _shape_gradient(xi: float, eta: float) -> np.ndarray:
-    """Local gradient (4, 2) of the bilinear shape functions."""
+    """Return the local gradient (4, 2) of the bilinear shape functions."""
     return _CORNERS * (1.0 + _CORNERS[:, ::-1] * [eta, xi]) / 4.0
 
 

@@ -28,7 +28,7 @@ _CORNERS = tuple(np.array([x, y, 0.0]) for x, y in ((-1.0, -1.0), (1.0, -1.0), (
 
 
 def stiffness(nodes: np.ndarray, hexes: np.ndarray, young: float, poisson: float) -> np.ndarray:
-    """Stiffness matrices (ne, 24, 24) in N/m; Young's modulus in Pa.
+    """Return the stiffness matrices (ne, 24, 24) in N/m; Young's modulus in Pa.
 
     ``hexes`` (ne, 8) have the corner order of `hex8`; corners 0-3 and 4-7 are on the two faces of the wall.
     """
@@ -53,12 +53,12 @@ def stiffness(nodes: np.ndarray, hexes: np.ndarray, young: float, poisson: float
 
 
 def _base(corner: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """Covariant base vectors (ne, 3, 3), rows G_i = dX/dxi_i."""
+    """Return the covariant base vectors (ne, 3, 3), rows G_i = dX/dxi_i."""
     return np.asarray(np.einsum("ai,eak->eik", shape_gradient(point), corner))
 
 
 def _covariant(corner: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """Covariant strains (ne, 6, 24) of nodal displacements at a local point."""
+    """Return the covariant strains (ne, 6, 24) of nodal displacements at a local point."""
     gradient, base = shape_gradient(point), _base(corner, point)
     b = np.zeros((len(corner), 6, 8, 3))
     for row, (i, j) in enumerate(_PAIRS):
@@ -69,7 +69,7 @@ def _covariant(corner: np.ndarray, point: np.ndarray) -> np.ndarray:
 
 
 def _sampled(corner: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
-    """Strains (ne, 24) at the points where they are taken: 33 at the corners, 23 and 31 at the edges."""
+    """Return the strains (ne, 24) at the points where they are taken: 33 at the corners, 23 and 31 at the edges."""
     return (
         [_covariant(corner, point)[:, 2] for point in _CORNERS],
         [_covariant(corner, point)[:, 4] for point in _SHEAR_23],
@@ -90,7 +90,7 @@ def _assumed(b: np.ndarray, sampled: tuple, point: np.ndarray) -> np.ndarray:
 
 
 def _modes(point: np.ndarray) -> np.ndarray:
-    """Incompatible strains (6, 7) in covariant components; their means over the element vanish."""
+    """Return the incompatible strains (6, 7) in covariant components; their means over the element vanish."""
     x, y, z = point
     modes = np.zeros((6, 7))
     modes[0, 0], modes[1, 1], modes[3, 2], modes[3, 3] = x, y, x, y

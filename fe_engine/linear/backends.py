@@ -148,18 +148,18 @@ class Pardiso:
         return np.ascontiguousarray(x)
 
     def version(self) -> str:
-        """Version of MKL, as it names itself: "2026.2"."""
+        """Return the version of MKL, as it names itself: "2026.2"."""
         text = ctypes.create_string_buffer(_TEXT)
         self._solver.libmkl.MKL_Get_Version_String(text, ctypes.c_int(_TEXT))
         match = re.search(rb"[Vv]ersion\s+([0-9][0-9.]*)", text.value)
         return match[1].decode("ascii") if match else "unknown"
 
     def threads(self) -> int:
-        """Largest number of threads that MKL takes."""
+        """Return the largest number of threads that MKL takes."""
         return int(self._solver.libmkl.MKL_Get_Max_Threads())
 
     def _needed(self) -> float:
-        """Bytes of the factors and of the work on them, by Pardiso's own account after the analysis (in kB)."""
+        """Return bytes of the factors and of the work on them, by Pardiso's own account after the analysis (in kB)."""
         return 1024.0 * float(self._solver.get_iparm(_FACTORS_KB))
 
     def close(self) -> None:
@@ -207,7 +207,7 @@ def _point_at_mkl() -> None:
 
 
 def available_backends() -> list[str]:
-    """Names of the backends that can be used here, best first."""
+    """Return the names of the backends that can be used here, best first."""
     names = ["superlu"]
     if importlib.util.find_spec("pypardiso") is not None:
         names.insert(0, "pardiso")

@@ -94,7 +94,7 @@ class Factors(Protocol):
         """Solve for rhs (n,) or (n, k) with the border at rest, roughly."""
 
     def condition_estimate(self, pattern: csr_matrix, equilibrated_too: bool) -> float | None:
-        """Condition of the matrix that the factors are of; of D K D if ``equilibrated_too``."""
+        """Return the condition of the matrix that the factors are of; of D K D if ``equilibrated_too``."""
 
     def close(self) -> None:
         """Release the factors."""
@@ -237,7 +237,7 @@ class SoilFactors(TangentFactors):
         return self._d[self._block.row] * contact * self._d[self._block.column]
 
     def _invert(self, contact: np.ndarray) -> None:
-        """W of a contact."""
+        """Form W of a contact."""
         self._inverted = None
         size = len(self._backend.schur)
         threads = get_num_threads() if size > _LARGE else 1
@@ -254,7 +254,7 @@ class SoilFactors(TangentFactors):
             self._inverse, self._inverted = lapack.sgetrs(factors, pivots, unit, overwrite_b=True)[0], contact
 
     def _correct(self, contact: np.ndarray) -> None:
-        """T, for the equations whose contact has changed."""
+        """Form T for the equations whose contact has changed."""
         block = self._block
         change = self._scaled_contact(contact - self.origin.contact)
         felt, hit = np.abs(change) > _FELT, np.zeros(len(block.equations), dtype=bool)
@@ -273,7 +273,7 @@ class SoilFactors(TangentFactors):
             self._t = np.ascontiguousarray(np.linalg.solve(among.T, delta.T).T)
 
     def _threads(self, size: int) -> AbstractContextManager[object]:
-        """All threads for a large matrix; after a small one they would spin for longer than it took."""
+        """Return all threads for a large matrix; after a small one they would spin for longer than it took."""
         return self._blas.limit(limits=get_num_threads()) if size > _LARGE else nullcontext()
 
     def _of_contact(self, rhs: np.ndarray) -> np.ndarray:

@@ -107,7 +107,7 @@ class Recycled:
         return renewed
 
     def border_stiffness(self, tangent: Tangent) -> np.ndarray:
-        """Stiffness (nb, nb) of the border, with the factors of this very tangent. Raises LinearSolverError."""
+        """Return stiffness (nb, nb) of the border, with the factors of this very tangent. Raises LinearSolverError."""
         self.factorise(tangent)
         shape = self._factors.solve(tangent.columns)
         for _ in range(self._refinements):
@@ -128,7 +128,7 @@ class Recycled:
         unbalanced: np.ndarray,
         share: float,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Newton step (n,), (nb,); ``unbalanced`` (nb,) are the border's residuals, in its own units.
+        """Return the Newton step (n,), (nb,); ``unbalanced`` (nb,) are the border's residuals, in its own units.
 
         ``share`` of the residual may remain with earlier factors.
         Raises LinearSolverError.
@@ -193,7 +193,7 @@ class Recycled:
         return x
 
     def condition_estimate(self, pattern: csr_matrix) -> float | None:
-        """Condition of the tangent that the factors are of, see LinearSolver.condition_estimate."""
+        """Return the condition of the tangent that the factors are of, see LinearSolver.condition_estimate."""
         return self._factors.condition_estimate(pattern, self.counts.equilibrate) if self._valid else None
 
     def close(self) -> None:

@@ -65,7 +65,7 @@ class LinearSolver:
         return d * x
 
     def condition_estimate(self) -> float | None:
-        """Largest over smallest modulus of the eigenvalues of the last matrix, from below, by power iterations.
+        """Return largest over smallest modulus of the eigenvalues of the last matrix, from below, by power iterations.
 
         None where nothing has been factorised yet, or the factors give no answer.
         """
@@ -78,7 +78,7 @@ class LinearSolver:
         self.backend.close()
 
     def _relative_residual(self, x: np.ndarray, rhs: np.ndarray) -> float:
-        """Largest residual over right-hand side, column by column."""
+        """Return the largest residual over right-hand side, column by column."""
         residual = np.linalg.norm(rhs - self._matrix @ x, axis=0)
         scale = np.linalg.norm(rhs, axis=0)
         return float(np.max(residual / np.where(scale > 0.0, scale, 1.0)))
@@ -106,7 +106,7 @@ def condition_estimate(
 
 
 def _growth(apply: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> float:
-    """Modulus of the largest eigenvalue of a linear map, from below."""
+    """Return the modulus of the largest eigenvalue of a linear map, from below."""
     v, size = start / np.linalg.norm(start), 0.0
     for _ in range(_POWER_ITERATIONS):
         v = apply(v).reshape(start.shape)

@@ -14,14 +14,14 @@ from fe_engine.compiled import njit
 
 
 def times(matrix: csr_matrix, vector: np.ndarray) -> np.ndarray:
-    """Product (n,) of a matrix (n, n) and a vector (n,): SciPy's has one thread, and waits for memory."""
+    """Return the product (n,) of a matrix (n, n) and a vector (n,): SciPy's has one thread, and waits for memory."""
     out = np.empty(matrix.shape[0])
     _times(matrix.data, matrix.indices, matrix.indptr, vector, out)
     return out
 
 
 def scaled_entries(matrix: csr_matrix, scale: np.ndarray, kind: type = np.float64) -> np.ndarray:
-    """Entries (nnz,) of D A D in the precision ``kind``, with D (n,) on the diagonal; on the pattern of A."""
+    """Return entries (nnz,) of D A D in the precision ``kind``, with D (n,) on the diagonal; on the pattern of A."""
     out = np.empty(matrix.nnz, dtype=kind)
     _scaled_entries(matrix.data, matrix.indices, matrix.indptr, scale, out)
     return out

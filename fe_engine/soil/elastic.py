@@ -16,7 +16,7 @@ BULK, SHEAR = range(len(PARAMETERS))
 
 
 def moduli(young: Any, poisson: Any) -> tuple[Any, Any]:
-    """Bulk modulus K and shear modulus G in the unit of Young's modulus."""
+    """Return the bulk modulus K and shear modulus G in the unit of Young's modulus."""
     return young / (3.0 * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))
 
 
@@ -57,7 +57,7 @@ def subtract_elastic_tangent(bulk, shear, tangent):
 
 @njit
 def stored_density(bulk, shear, stress):
-    """Elastic energy density s:C^-1:s/2 = I^2/(18 K) + II^2/(2 G) of a stress (6,), in J/m3."""
+    """Return the elastic energy density s:C^-1:s/2 = I^2/(18 K) + II^2/(2 G) of a stress (6,), in J/m3."""
     first = stress[0] + stress[1] + stress[2]
     square = 0.0
     for i in range(3):
@@ -71,7 +71,7 @@ def pack(young: float, poisson: float) -> np.ndarray:
 
 
 def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bulk and shear modulus in Pa of packed parameters (..., 2)."""
+    """Return the bulk and shear modulus in Pa of packed parameters (..., 2)."""
     return p[..., BULK], p[..., SHEAR]
 
 
@@ -88,7 +88,7 @@ def update(p, strain, old, new, tangent, with_tangent):
 
 
 def elastic_matrix(young: float, poisson: float) -> np.ndarray:
-    """Elastic stiffness (6, 6) in Pa, engineering shear strains."""
+    """Return the elastic stiffness (6, 6) in Pa, engineering shear strains."""
     tangent = np.empty((6, 6))
     elastic_tangent(*moduli(young, poisson), 1.0, tangent)
     return tangent

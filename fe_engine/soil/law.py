@@ -18,7 +18,7 @@ class Point(NamedTuple):
 
 
 def rows(*columns: Any) -> np.ndarray:
-    """Packed parameters (n,) of n numbers, or (..., n) where any of them is an array (...,)."""
+    """Return the packed parameters (n,) of n numbers, or (..., n) where any of them is an array (...,)."""
     return np.ascontiguousarray(np.stack(np.broadcast_arrays(*columns), axis=-1), dtype=float)
 
 

@@ -30,7 +30,7 @@ shape_of_slope, turn_of = njit(formulas.shape_of_slope), njit(formulas.turn)
 
 @njit
 def lode(stress, first, second):
-    """Lode angle and directions of a stress (6,) that has a deviator."""
+    """Return the Lode angle and directions of a stress (6,) that has a deviator."""
     scale = 1.0 / (math.sqrt(2.0) * second)
     mean = first / 3.0
     x, y, z = (stress[0] - mean) * scale, (stress[1] - mean) * scale, (stress[2] - mean) * scale
@@ -52,6 +52,6 @@ def lode(stress, first, second):
 
 @njit
 def rotated(trial, delta):
-    """Cos and sin of 3 (theta_t - delta)."""
+    """Return the cos and sin of 3 (theta_t - delta)."""
     c, s = math.cos(3.0 * delta), math.sin(3.0 * delta)
     return trial.cos3 * c + trial.sin3 * s, trial.sin3 * c - trial.cos3 * s

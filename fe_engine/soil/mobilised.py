@@ -51,13 +51,13 @@ def scale_of(half_strain: float, strength: float, shear: float) -> float:
 
 
 def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bulk and shear modulus in Pa of packed parameters (..., 5)."""
+    """Return the bulk and shear modulus in Pa of packed parameters (..., 5)."""
     return p[..., BULK], p[..., SHEAR]
 
 
 @njit
 def radius(p, kappa):
-    """Shear stress in Pa at which a point yields again, after the plastic strain kappa."""
+    """Return the shear stress in Pa at which a point yields again, after the plastic strain kappa."""
     if p[STRAIN] == 0.0:
         return p[STRENGTH]
     x = p[MOBILISED]
@@ -67,7 +67,7 @@ def radius(p, kappa):
 
 @njit
 def returned(p, kappa, trial, stiffness):
-    """Shear stress after the return from ``trial`` (Pa) against a stiffness (Pa), and its derivative by the trial."""
+    """Return the shear stress (Pa) returned from ``trial`` (Pa) with a stiffness (Pa), and its derivative."""
     strength, strain, x = p[STRENGTH], p[STRAIN], p[MOBILISED]
     if strain == 0.0:
         return strength, 0.0

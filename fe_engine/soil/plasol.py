@@ -56,7 +56,7 @@ def pack(
 
 
 def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bulk and shear modulus in Pa of packed parameters (..., 7)."""
+    """Return the bulk and shear modulus in Pa of packed parameters (..., 7)."""
     return p[..., BULK], p[..., SHEAR]
 
 
@@ -65,13 +65,13 @@ _slope, _cohesion = njit(formulas.cone_slope), njit(formulas.cone_cohesion)
 
 @njit
 def cone_slope(phi):
-    """Slope m(phi) of the compression cone in the I-II plane."""
+    """Return the slope m(phi) of the compression cone in the I-II plane."""
     return _slope(math.sin(phi))
 
 
 @njit
 def mobilised(p, kappa):
-    """Friction angle (rad) after the equivalent plastic strain kappa, and its derivative."""
+    """Return the friction angle (rad) after the equivalent plastic strain kappa, and its derivative."""
     phi = p[PHI_I] + (p[PHI_F] - p[PHI_I]) * kappa / (p[B_PHI] + kappa)
     return phi, (p[PHI_F] - p[PHI_I]) * p[B_PHI] / (p[B_PHI] + kappa) ** 2
 
@@ -100,7 +100,7 @@ def _excess(p, kappa_old, first, second, dl):
 
 @njit
 def _multiplier(p, kappa_old, first, second):
-    """Root dl of the yield function on [0, II_tr/G] by Newton kept inside a shrinking bracket."""
+    """Return the root dl of the yield function on [0, II_tr/G] by Newton kept inside a shrinking bracket."""
     low, high = 0.0, second / p[SHEAR]
     scale = second + abs(first) * cone_slope(p[PHI_F]) + p[COHESION]
     dl = 0.0
@@ -127,7 +127,7 @@ def yield_function(p, stress, kappa):
 
 @njit
 def second_invariant(stress, mean):
-    """II = sqrt(s:s/2) of a stress (6,) with the given mean."""
+    """Return II = sqrt(s:s/2) of a stress (6,) with the given mean."""
     square = 0.0
     for i in range(3):
         square += 0.5 * (stress[i] - mean) ** 2 + stress[i + 3] ** 2
@@ -181,7 +181,7 @@ def _return_to_cone(p, kappa_old, trial, dl, new, tangent, with_tangent):
 
 @njit
 def _cone_tangent(p, kappa, invariants, first_new, dl, trial, tangent):
-    """Consistent tangent (6, 6) on the cone; trial is the elastic trial stress, of these invariants."""
+    """Write the consistent tangent (6, 6) on the cone; trial is the elastic trial stress, of these invariants."""
     first, second = invariants
     bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
     m, _, dm, dk = strength(p, kappa)
@@ -222,7 +222,7 @@ def return_to_apex(p, kappa_old, trial, new, tangent, with_tangent):
 
 @njit
 def _apex_tangent(p, drift, first, second, trial, tangent):
-    """Tangent (6, 6) at the apex; drift is d(mean stress at the apex)/d(kappa)."""
+    """Write the tangent (6, 6) at the apex; drift is d(mean stress at the apex)/d(kappa)."""
     elastic_tangent(p[BULK], p[SHEAR], APEX_STIFFNESS, tangent)
     if second <= 0.0 or drift == 0.0:
         return

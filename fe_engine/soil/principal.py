@@ -46,7 +46,7 @@ def principal(stress, values, directions):
 
 @njit
 def _angle(first, second, beside):
-    """Cosine and sine of the rotation that removes the entry beside two diagonal ones."""
+    """Return the cosine and sine of the rotation that removes the entry beside two diagonal ones."""
     if beside == 0.0:
         return 1.0, 0.0
     tau = (second - first) / (2.0 * beside)
@@ -59,7 +59,7 @@ def _angle(first, second, beside):
 
 @njit
 def _rotated(first, second, beside, c, s):
-    """Diagonal entries after the rotation."""
+    """Return the diagonal entries after the rotation."""
     change = beside * s / c
     return first - change, second + change
 
@@ -123,7 +123,7 @@ def spectral_tangent(directions, normal, shear, tangent):
 
 @njit
 def _product(directions, a, b, i):
-    """Component i of the symmetric part of n_a n_b."""
+    """Return the component i of the symmetric part of n_a n_b."""
     if i < 3:
         return directions[a, i] * directions[b, i]
     j, k = i - 3, (i - 2) % 3

@@ -119,7 +119,7 @@ def _return(p, kappa, trial, values, slopes):
 
 @njit
 def _tangent(p, trial, values, slopes, directions, tangent):
-    """Consistent tangent (6, 6) from the slopes (3, 3) of principal stresses by the deviatoric trial ones."""
+    """Write the consistent tangent (6, 6) from slopes (3, 3) of principal stresses by deviatoric trial ones."""
     bulk, shear = p[BULK], p[SHEAR]
     normal, between = np.empty((3, 3)), np.empty(3)
     for i in range(3):

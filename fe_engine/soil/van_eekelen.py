@@ -87,7 +87,7 @@ class _Point(NamedTuple):
 
 @njit
 def _section_change(p, kappa, cos3, sin3):
-    """Radius rho of the yield surface, and its derivatives with respect to theta and to kappa."""
+    """Return the radius rho of the yield surface, and its derivatives with respect to theta and to kappa."""
     phi, dphi = mobilised(p, kappa)
     b = shape(phi)
     rho = section(b, cos3)
@@ -101,7 +101,7 @@ def _section_change(p, kappa, cos3, sin3):
 
 @njit
 def _deflection(trial, b_psi, w, delta):
-    """Root delta of tan(delta) = w T(theta_t - delta), from a first guess."""
+    """Return the root delta of tan(delta) = w T(theta_t - delta), from a first guess."""
     if b_psi == 0.0 or w == 0.0:
         return 0.0
     theta = math.atan2(trial.sin3, trial.cos3) / 3.0
@@ -164,7 +164,7 @@ def _change(p, trial, at, dw, d_second, d_theta, d_first):
 
 @njit
 def _solve(p, b_psi, kappa_old, trial):
-    """Point on the yield surface: Newton for w kept inside a shrinking bracket."""
+    """Return the point on the yield surface: Newton for w kept inside a shrinking bracket."""
     low, high = 0.0, 1.0
     scale = trial.second + abs(trial.first) * cone_slope(p[PHI_F]) + p[COHESION]
     at = _evaluate(p, b_psi, kappa_old, trial, 0.0, 0.0)
@@ -237,7 +237,7 @@ def _return(p, kappa_old, trial, at, stress, history):
 
 @njit
 def _tangent(p, trial, at, tangent):
-    """Consistent tangent (6, 6), column by column: the change of the returned stress with each strain.
+    """Write the consistent tangent (6, 6) by columns: the change of the returned stress with each strain.
 
     The deviator is sqrt2 II (cos(delta) n - sin(delta) t), t across the meridian plane. Near the meridians t turns
     fast, but it then comes with sin(delta) = u sin(3 theta_t), where u is smooth and so is sin(3 theta) t.
@@ -275,7 +275,7 @@ def _tangent(p, trial, at, tangent):
 
 @njit
 def _unit(j, i, shear, along, n, second):
-    """Component i of the change of n with the strain j; ``along`` is n : ds."""
+    """Return the component i of the change of n with the strain j; ``along`` is n : ds."""
     change = -along * n[i]
     if i == j:
         change += 2.0 * shear if i < 3 else shear
@@ -286,7 +286,7 @@ def _unit(j, i, shear, along, n, second):
 
 @njit
 def _symmetric_product(a, b):
-    """a.b + b.a of two symmetric tensors (6,)."""
+    """Return a.b + b.a of two symmetric tensors (6,)."""
     return (
         2.0 * (a[0] * b[0] + a[3] * b[3] + a[5] * b[5]),
         2.0 * (a[1] * b[1] + a[3] * b[3] + a[4] * b[4]),

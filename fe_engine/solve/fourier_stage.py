@@ -61,13 +61,13 @@ class FourierStage:
     # --- Newton's questions ---
 
     def begin_increment(self) -> None:
-        """Nothing is kept from increment to increment."""
+        """Do nothing: no state is kept between increments."""
 
     def end_increment(self) -> None:
-        """Nothing is kept from increment to increment."""
+        """Do nothing: no state is kept between increments."""
 
     def forget(self) -> None:
-        """Nothing is kept from increment to increment."""
+        """Do nothing: no state is kept between increments."""
 
     @property
     def origin(self) -> Origin | None:
@@ -75,14 +75,14 @@ class FourierStage:
         return None
 
     def restore(self, origin: Origin) -> None:
-        """Nothing has to be taken up."""
+        """Do nothing: there is no state to restore."""
 
     def condition_estimate(self) -> float | None:
-        """None: no tangent is ever assembled."""
+        """Return None: no tangent is ever assembled."""
         return None
 
     def close(self) -> None:
-        """Nothing has to be released."""
+        """Do nothing: there is nothing to release."""
 
     def step(
         self, linear: Residual, tangent: FourierTangent, balance: Balance, share: float, imposed: bool
@@ -95,7 +95,7 @@ class FourierStage:
         return p.motions(x)
 
     def border_stiffness(self, tangent: FourierTangent) -> np.ndarray:
-        """Stiffness (nb, nb) of the border: its forces under unit motions."""
+        """Return the stiffness (nb, nb) of the border: its forces under unit motions."""
         nb, n = self.system.model.n_border, self.system.pattern.n_free
         none, stiffness = np.zeros((nb, 0)), np.empty((nb, nb))
         for j in range(nb):
@@ -179,7 +179,7 @@ class Preconditioner:
             raise LinearSolverError("the interface is singular")
 
     def right_hand_side(self, free: np.ndarray, border: np.ndarray) -> np.ndarray:
-        """Right-hand side (n + k,) of forces (n,), (nb,), less those of the imposed motions."""
+        """Return the right-hand side (n + k,) of forces (n,), (nb,), less those of the imposed motions."""
         at_interface, b = self._interface, self.control.imposed
         imposed = self._contact[:, len(at_interface) :] @ b
         rhs = np.concatenate([free, self.control.forces.T @ (border - imposed[len(at_interface) :])])
@@ -197,11 +197,11 @@ class Preconditioner:
         return np.concatenate([self.factors.backward(swept, values).ravel(), middle[m:]])
 
     def motions(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Motions (n,), (nb,) of a solution, the imposed ones included."""
+        """Return the motions (n,), (nb,) of a solution, the imposed ones included."""
         return x[: self.n], self.control.imposed + self.control.motions @ x[self.n :]
 
     def border_force(self, x: np.ndarray) -> np.ndarray:
-        """Forces (nb,) on the border under a solution."""
+        """Return the forces (nb,) on the border under a solution."""
         free, border = self.motions(x)
         m = len(self._interface)
         force: np.ndarray = self._contact[m:, :m] @ free[self._interface] + self._contact[m:, m:] @ border

@@ -35,7 +35,7 @@ _FAR = 1.0e-4
 
 
 def bounds(n_unknowns: int) -> tuple[float, float]:
-    """Shares of its residual within which a linear system of so many unknowns is solved."""
+    """Return the shares of its residual within which a linear system of so many unknowns is solved."""
     if n_unknowns < _SMALL:
         return EXACT, EXACT
     size = min(n_unknowns / _OF_UNKNOWNS, 1.0)
@@ -97,7 +97,7 @@ class Course:
         return error <= _ASTRAY
 
     def share(self, error: float, ahead: bool) -> float:
-        """Share of its residual to which a system is solved: of the last iterate, or of one that lies ``ahead``."""
+        """Return the relative residual of the linear solve at the last iterate, or at one that lies ``ahead``."""
         if self.far:
             return min(_FAR, self.bounds[1])
         before = self.errors if ahead else self.errors[:-1]

@@ -51,13 +51,13 @@ class Loading:
     time_step: float = 0.0
 
     def multipliers(self, border: np.ndarray) -> np.ndarray:
-        """Sizes (nc,) of the unknown forces that balance the controlled combinations."""
+        """Return the sizes (nc,) of the unknown forces that balance the controlled combinations."""
         if not len(self.target):
             return np.zeros(0)
         return np.linalg.solve(self.control @ self.load, self.control @ (border - self.force))
 
     def unbalanced(self, border: np.ndarray) -> np.ndarray:
-        """Border residual (nb,) that no unknown force takes up."""
+        """Return the border residual (nb,) that no unknown force takes up."""
         return border - self.force - self.load @ self.multipliers(border)
 
 
@@ -128,7 +128,7 @@ class Newton:
         raise NotConverged(f"no convergence in {self.settings.max_iterations} iterations", self._worst(judged), record)
 
     def border_stiffness(self, state: State) -> np.ndarray:
-        """Consistent tangent stiffness (nb, nb) of the border dofs at the committed state."""
+        """Return the consistent tangent stiffness (nb, nb) of the border dofs at the committed state."""
         state.reset_trial()
         _, _, tangent = self.system.linearise(state, True)
         return self.stage.border_stiffness(tangent)
@@ -147,7 +147,7 @@ class Newton:
         self.stage.restore(origin)
 
     def condition_estimate(self) -> float | None:
-        """Condition of the last tangent that was factorised, from below; None where there is none."""
+        """Return the condition of the last tangent that was factorised, from below; None where there is none."""
         return self.stage.condition_estimate()
 
     def close(self) -> None:
@@ -166,7 +166,7 @@ class Newton:
     def _direction(
         self, evaluated: tuple[Residual, Residual, Any], state: State, loading: Loading, share: float, record: list
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Newton step (n,), (nb,) of the bordered system at the trial state; which may leave a ``share``."""
+        """Return the Newton step (n,), (nb,) of the bordered system at the trial state; which may leave a ``share``."""
         judged, linear, tangent = evaluated
         violation = loading.target - loading.control @ state.trial.border
         balance = Balance(loading.control, loading.load, violation, loading.unbalanced(linear.border), self.scale)
@@ -223,7 +223,7 @@ class Newton:
         return best
 
     def _merit(self, residual: Residual, loading: Loading) -> tuple[float, float, float]:
-        """Residual norm in N, the worse of its relative errors, and the error that the tolerance is held against.
+        """Return the residual norm in N, the worse relative error, and the error compared with the tolerance.
 
         Forces count relative to the contact forces (or the border's reactions or loads), volumes of water relative to
         the volumes that have changed or flowed. The last of the three is strict with the border and the water.
@@ -245,7 +245,7 @@ class Newton:
         return float(np.sqrt(forces + volumes)), error, strict
 
     def _size(self, free: np.ndarray, border: np.ndarray) -> float:
-        """Root mean square displacement of a step in m."""
+        """Return the root mean square displacement of a step in m."""
         with np.errstate(over="ignore"):  # of an iterate that diverges
             return float(np.sqrt(np.mean(np.concatenate([free, border * self.scale]) ** 2)))
 
@@ -256,7 +256,7 @@ class Newton:
 
 
 def _ratio(part: float, whole: float) -> float:
-    """part/whole, 0 of nothing being 0."""
+    """Return the part/whole, 0 of nothing being 0."""
     return float(part) / float(whole) if whole > 0.0 else (0.0 if part == 0.0 else np.inf)
 
 

@@ -134,7 +134,7 @@ class Driver:
         return increment
 
     def _stiffness(self, force: np.ndarray, border: np.ndarray) -> float | None:
-        """Stiffness (N/m) beside a change of the given force (nb,) and the motion (nb,) that it caused."""
+        """Return the stiffness (N/m) beside a change of the given force (nb,) and the motion (nb,) that it caused."""
         square = float(np.sum((border * self.newton.scale) ** 2))
         return float(force @ border) / square if np.any(force) and square > 0.0 else None
 
@@ -148,7 +148,7 @@ class Driver:
 
 
 def fewest_increments(stage: Stage) -> int:
-    """Number of increments of a stage whose every one converges at once: steps grow as fast as they may."""
+    """Return the number of increments of a stage whose every one converges at once: steps grow as fast as they may."""
     size, done, number = min(stage.first_fraction, 1.0), 0.0, 0
     while size < stage.max_fraction and done < 1.0:
         done, size, number = done + size, GROWTH * size, number + 1

@@ -27,7 +27,7 @@ def _raise(faults: dict[str, str]) -> None:
 
 
 def _number_fault(value: Any, arrays: bool) -> str:
-    """Why a value is no finite number in SI units; empty where it is one, or None."""
+    """Return why a value is no finite number in SI units; empty where it is one, or None."""
     if value is None:
         return ""
     if isinstance(value, str):

@@ -67,7 +67,7 @@ def _line(package: Installed) -> str:
 
 
 def _entries(folder: str) -> list[str]:
-    """Names of the packages' folders in a folder; none where it cannot be read."""
+    """Return the names of the packages' folders in a folder; none where it cannot be read."""
     try:
         return [name for name in os.listdir(folder or os.curdir) if name.endswith(".dist-info")]
     except OSError:  # an archive, or gone

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager
 
 
 def blas_on_one_thread() -> AbstractContextManager[object]:
-    """Context in which NumPy's OpenBLAS has one thread.
+    """Return the context in which NumPy's OpenBLAS has one thread.
 
     Its threads wait by spinning after every product of vectors; beside those of Pardiso and Numba on two cores they
     took half the time of a linear solve. Pardiso's own BLAS keeps its threads.

@@ -112,7 +112,7 @@ class Checkpoints:
         return self.spent + self._last_cost <= SHARE * self.elapsed()["wall_s"]
 
     def elapsed(self) -> dict[str, float]:
-        """Wall and CPU seconds of the run, its earlier parts included."""
+        """Return the wall and CPU seconds of the run, its earlier parts included."""
         return {"wall_s": time.perf_counter() - self._since[0], "cpu_s": time.process_time() - self._since[1]}
 
     def go_on_from(self, wall: float, cpu: float, written: int, spent: float) -> None:

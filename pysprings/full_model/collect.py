@@ -52,7 +52,7 @@ class Collector:
         self.rows: list[dict[str, Any]] = []
 
     def _ring_stations(self, side: str) -> np.ndarray:
-        """Station number of each wall node, (na, nz)."""
+        """Return the station number of each wall node, (na, nz)."""
         mine = np.flatnonzero(self.surface == SURFACE[SIDES[side]])
         number = np.full(self.built.caisson.mesh.n_nodes, -1)
         number[self.system.stations.nodes[mine, 0]] = mine
@@ -80,7 +80,7 @@ class Collector:
         self.rows.append(row)
 
     def _shape(self, state: Fields, rigid: np.ndarray) -> dict[str, np.ndarray]:
-        """Mean-fibre displacement of each section, and how the section's diameters have changed where it is elastic."""
+        """Return the mean-fibre displacement of each section, and the changes of its diameters if it is elastic."""
         steel = self.built.steel
         if steel is None:
             return {"y": rigid}
@@ -96,7 +96,7 @@ class Collector:
         }
 
     def _resultants(self, force: np.ndarray) -> dict[str, float]:
-        """H, V, M of each surface and in total; the tip's moment is about the axis point at its own depth."""
+        """Return H, V, M of each surface and in total; the tip's moment is about the axis point at its own depth."""
         x, z = self.position[:, 0], self.position[:, 2]
         row: dict[str, float] = {}
         total = {"H": force[:, 0], "V": force[:, 2], "M": force[:, 0] * z - force[:, 2] * x}
@@ -108,7 +108,7 @@ class Collector:
         return row
 
     def _film_pressure(self, state: Fields) -> np.ndarray:
-        """Excess pressure (ns,) of the water between soil and caisson, Pa; 0 when drained."""
+        """Return the excess pressure (ns,) of the water between soil and caisson, Pa; 0 when drained."""
         water = self.built.model.water
         if water is None or water.film is None:
             return np.zeros(len(self.surface))
@@ -116,7 +116,7 @@ class Collector:
         return np.einsum("sc,sc->s", water.film.weight, film[water.film.nodes])
 
     def _water(self, state: Fields, water: np.ndarray) -> dict[str, float]:
-        """Water force under the lid, the balance of the water and its lowest pressure (whole caisson)."""
+        """Return the water force under the lid, the balance of the water and its lowest pressure (whole caisson)."""
         lid = self.surface == SURFACE["lid"]
         stations = self.system.stations
         row = {"F_pw": 2.0 * float(np.sum((stations.area * stations.frame[:, 0, 2] * water)[lid]))}
@@ -131,7 +131,7 @@ class Collector:
         return row | self._cavitation(state)
 
     def _cavitation(self, state: Fields) -> dict[str, float]:
-        """Margin of the absolute pressure over vapour pressure; keeps the first state where it is gone."""
+        """Return the margin of the absolute pressure over vapour pressure; keeps the first state where it is gone."""
         if self.sea is None:
             return {}
         smallest = smallest_margin(self.water_position, state.pressure[self.wet], *self.sea)
@@ -140,7 +140,7 @@ class Collector:
         return {"cavitation_margin": smallest.margin}
 
     def _rings(self, state: Fields, force: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
-        """p by depth, side and component; m and t by depth and side."""
+        """Return the p by depth, side and component; m and t by depth and side."""
         height = np.diff(self.bounds, axis=1)[:, 0]
         stations = self.system.stations
         toward_x = 2.0 * stations.area * stations.frame[:, 0, 0]
@@ -158,18 +158,18 @@ class Collector:
         return {"p_component": p, "m": m, "t": t, "p": p.sum(axis=(1, 2))}
 
     def _by_slice(self, of_rings: np.ndarray) -> np.ndarray:
-        """Forces of slices (nz,) from those of rings of nodes: each ring has its slice."""
+        """Return the forces of slices (nz,) from those of rings of nodes: each ring has its slice."""
         return of_rings
 
     def _turning(self, lateral: np.ndarray) -> np.ndarray:
-        """Moment (nz,) of the lateral forces of rings (nz,) about the depth of their slice: they act there."""
+        """Return moment (nz,) of the lateral forces of rings (nz,) about the depth of their slice: they act there."""
         return np.zeros_like(lateral)
 
     def _gap(self, state: Fields) -> np.ndarray:
         return self.system.gaps(state)
 
     def _patches(self, state: Fields, water: np.ndarray) -> dict[str, np.ndarray]:
-        """Normal stress, water pressure and gap under the lid and the tip."""
+        """Return the normal stress, water pressure and gap under the lid and the tip."""
         gap, row = self._gap(state), {}
         for name in ("lid", "tip"):
             mine = self.surface == SURFACE[name]
@@ -180,7 +180,7 @@ class Collector:
         return row
 
     def _wall_fields(self, state: Fields, traction: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
-        """Fields on both walls, (side, azimuth, depth); shear is the traction of the caisson on the soil."""
+        """Return the fields on both walls, (side, azimuth, depth); shear is the traction of the caisson on the soil."""
         shear = -traction + self.system.stations.frame[:, 0] * state.traction[:, :1]
         by_station = {
             "normal_effective_stress": -state.traction[:, 0],
@@ -197,7 +197,7 @@ class Collector:
         return row if self.balance is None else row | {"section_pore_pressure": state.pressure[node]}
 
     def dataset(self) -> xr.Dataset:
-        """All rows as a Dataset with the variables of `variables.GROUPS["result_path"]`."""
+        """Return all rows as a Dataset with the variables of `variables.GROUPS["result_path"]`."""
         names = variables.GROUPS["result_path"]
         data: dict[str, Any] = {}
         for name in self.rows[0]:
@@ -220,7 +220,7 @@ class Collector:
 
 
 def section_dataset(built: Built) -> xr.Dataset:
-    """The symmetry plane of the mesh."""
+    """Return the symmetry plane of the mesh."""
     node, quad = np.unique(built.caisson.section, return_inverse=True)
     position = built.model.mesh.nodes[node]
     data = {
@@ -232,6 +232,6 @@ def section_dataset(built: Built) -> xr.Dataset:
 
 
 def _depth_bounds(depth: np.ndarray) -> np.ndarray:
-    """Top and bottom (nz, 2) of the slice of each ring: half way to its neighbours."""
+    """Return the top and bottom (nz, 2) of the slice of each ring: half way to its neighbours."""
     middle = 0.5 * (depth[1:] + depth[:-1])
     return np.stack([np.concatenate([depth[:1], middle]), np.concatenate([middle, depth[-1:]])], axis=1)

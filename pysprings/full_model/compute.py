@@ -223,7 +223,7 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
 
 
 def _initial_stiffness(work: Work) -> np.ndarray:
-    """Tangent stiffness (3, 3) of half the caisson at the initial state; undrained where there is water."""
+    """Return the tangent stiffness (3, 3) of half the caisson at the initial state; undrained where there is water."""
     work.system.time_step = undrained_time(work.scene, work.built.model.mesh)
     try:
         return work.newton.border_stiffness(State(work.built.model))

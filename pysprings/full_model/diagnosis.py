@@ -77,7 +77,7 @@ def _left(share: float) -> str:
 
 
 def _around(system: System | FourierSystem, state: State) -> np.ndarray:
-    """Elements of the nodes with the largest residuals of the last attempt."""
+    """Return the elements of the nodes with the largest residuals of the last attempt."""
     try:
         residual = np.abs(system.residual(state).free)
     except FEError:  # the law itself failed: take the elements where it does
@@ -90,7 +90,7 @@ def _around(system: System | FourierSystem, state: State) -> np.ndarray:
 
 
 def _stiffness_left(driver: Driver, initial: np.ndarray) -> float:
-    """Stiffness of the last increment beside the smallest eigenvalue of the initial one, in displacements."""
+    """Return stiffness of the last increment beside the smallest eigenvalue of the initial one, in displacements."""
     if driver.stiffness is None:
         return 1.0
     scale = driver.newton.scale
@@ -98,13 +98,13 @@ def _stiffness_left(driver: Driver, initial: np.ndarray) -> float:
 
 
 def _least_residual(driver: Driver) -> float:
-    """Least relative residual that the iterations of the last attempt came to, its predictor aside."""
+    """Return the least relative residual that the iterations of the last attempt came to, its predictor aside."""
     _, _, error = driver.given_up[-1]
     return min((float(row["residual"]) for row in error.history[1:]), default=0.0)
 
 
 def _ellipticity(system: System | FourierSystem, state: State, elements: np.ndarray) -> float:
-    """Least det(n.C.n) over its elastic value, of the yielding points of these elements over directions n."""
+    """Return least det(n.C.n) over its elastic value, of the yielding points of these elements over directions n."""
     directions = _directions()
     worst = 1.0
     old, tangent = state.committed, np.empty((6, 6))
@@ -122,7 +122,7 @@ def _ellipticity(system: System | FourierSystem, state: State, elements: np.ndar
 
 
 def _directions() -> np.ndarray:
-    """Unit vectors (k, 3) over half a sphere, evenly (Fibonacci)."""
+    """Return the unit vectors (k, 3) over half a sphere, evenly (Fibonacci)."""
     k = np.arange(400)
     z, turn = (k + 0.5) / 400, np.pi * (1.0 + np.sqrt(5.0)) * k
     flat = np.sqrt(1.0 - z * z)
@@ -130,13 +130,13 @@ def _directions() -> np.ndarray:
 
 
 def _acoustic(tangent: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """det(n.C.n) (k,) of a tangent (6, 6) in Voigt order."""
+    """Return the det(n.C.n) (k,) of a tangent (6, 6) in Voigt order."""
     c = tangent[_VOIGT[:, :, None, None], _VOIGT[None, None, :, :]]
     return np.linalg.det(np.einsum("ni,ijkl,nl->njk", directions, c, directions))
 
 
 def _elastic(bulk: float, shear: float) -> float:
-    """det(n.C.n) of the elastic tangent: (K + 4G/3) G^2, in Pa3."""
+    """Return the det(n.C.n) of the elastic tangent: (K + 4G/3) G^2, in Pa3."""
     return float((bulk + 4.0 / 3.0 * shear) * shear * shear)
 
 

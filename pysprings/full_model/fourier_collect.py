@@ -45,24 +45,24 @@ class FourierCollector(Collector):
         self.rows = []
 
     def _ring_stations(self, side: str) -> np.ndarray:
-        """Station number of each node of a wall, (na, nz)."""
+        """Return the station number of each node of a wall, (na, nz)."""
         mine = np.flatnonzero(self.surface == SURFACE[SIDES[side]])
         by_ring: np.ndarray = mine.reshape(-1, len(self.built.azimuth)).T
         return by_ring
 
     def _by_slice(self, of_rings: np.ndarray) -> np.ndarray:
-        """Forces of slices (nd,) from those of rings of nodes (nz,)."""
+        """Return the forces of slices (nd,) from those of rings of nodes (nz,)."""
         by_slice: np.ndarray = self.shares @ of_rings
         return by_slice
 
     def _turning(self, lateral: np.ndarray) -> np.ndarray:
-        """Moment (nd,) of the lateral forces of rings (nz,) about the middle of their slice."""
+        """Return the moment (nd,) of the lateral forces of rings (nz,) about the middle of their slice."""
         arm = self.built.section.depth[None] - self.depth[:, None]
         moment: np.ndarray = (self.shares * arm) @ lateral
         return moment
 
     def _wall_fields(self, state: Fields, traction: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
-        """Fields on both walls, (side, azimuth, depth): means of the slices."""
+        """Return the fields on both walls, (side, azimuth, depth): means of the slices."""
         model, stations = self.built.model, self.built.model.stations
         sine, cosine = np.sin(stations.azimuth), np.cos(stations.azimuth)
         even, odd = self._around
@@ -79,7 +79,7 @@ class FourierCollector(Collector):
         return fields
 
     def _on_walls(self, operator: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Means of the slices (side, azimuth, depth) of values (ns,) at the stations."""
+        """Return the means of the slices (side, azimuth, depth) of values (ns,) at the stations."""
         walls = []
         for ring in self.rings.values():
             at_nodes = operator @ values[ring]
@@ -95,7 +95,7 @@ class FourierCollector(Collector):
 
 
 def slice_shares(line: np.ndarray) -> np.ndarray:
-    """Share (nd, nz) of each node's force that belongs to each slice, for nodes at depths (nz,), three a slice."""
+    """Return the shares (nd, nz) of nodal forces in each slice, for nodes at depths (nz,), three a slice."""
     height = line[2::2] - line[:-2:2]
     shares = np.zeros((len(height), len(line)))
     for e, h in enumerate(height):
@@ -105,7 +105,7 @@ def slice_shares(line: np.ndarray) -> np.ndarray:
 
 
 def output_azimuths(harmonics: int) -> np.ndarray:
-    """Azimuths of fields, from front to back: those of the stations and the middles between them."""
+    """Return the azimuths of fields, from front to back: those of the stations and the middles between them."""
     return np.linspace(0.0, np.pi, 2 * (harmonics + 1) + 1)
 
 
@@ -140,13 +140,13 @@ class _Plane:
         self._wave = side[:, None] ** np.arange(built.model.harmonics + 1)
 
     def fields(self, state: Fields) -> dict[str, np.ndarray]:
-        """Displacements in the plane."""
+        """Return the displacements in the plane."""
         move = np.einsum("nik,nk->ni", state.displacement[self.node], self._wave)
         return {"section_ux": self._side * move[:, 0], "section_uz": move[:, 2]}
 
 
 def fourier_section_dataset(built: BuiltFourier) -> xr.Dataset:
-    """The symmetry plane of the section's elements, by their corners."""
+    """Return the symmetry plane of the section's elements, by their corners."""
     plane = _Plane(built)
     data = {
         "section_x": ("section_node", plane.x),

@@ -28,7 +28,7 @@ class FourierVolume:
         self._station_azimuth = stations.azimuth
 
     def fields(self, state: Fields) -> dict[str, np.ndarray]:
-        """Displacement, stress, plastic strain and gap; see `variables`."""
+        """Return the displacement, stress, plastic strain and gap; see `variables`."""
         u, stress = self.grid.displacement(state), self.grid.stress(state)
         fields = {f"volume_u{axis}": u[:, i] for i, axis in enumerate("xyz")}
         fields |= {f"volume_s{name}": stress[:, i] for i, name in enumerate(variables.STRESSES)}
@@ -36,7 +36,7 @@ class FourierVolume:
         return {name: values.astype(np.float32) for name, values in fields.items()}
 
     def _gap(self, state: Fields) -> np.ndarray:
-        """Largest opening (n,) of the stations of a node, those at the nearest azimuth."""
+        """Return the largest opening (n,) of the stations of a node, those at the nearest azimuth."""
         node, corner, gap = self.system.contact.node, self.grid.corner, self.system.gaps(state)
         widest = np.zeros((len(self.grid.edges), self.built.section.mesh.n_nodes))
         for i, azimuth in enumerate(self._nearest):
@@ -62,14 +62,14 @@ class Sectors:
         self._wave = elements.waves(self.edges, built.model.harmonics)
 
     def displacement(self, state: Fields) -> np.ndarray:
-        """Displacement (nodes, 3) in global axes."""
+        """Return the displacement (nodes, 3) in global axes."""
         move = state.displacement[self.corner]
         r, t, z = (np.einsum("jk,nk->jn", self._wave[..., w], move[:, i]) for i, w in enumerate((0, 1, 0)))
         c, s = np.cos(self.edges)[:, None], np.sin(self.edges)[:, None]
         return np.stack([c * r - s * t, s * r + c * t, z], axis=-1).reshape(-1, 3)
 
     def stress(self, state: Fields) -> np.ndarray:
-        """Mean stress (cells, 6) in global axes."""
+        """Return the mean stress (cells, 6) in global axes."""
         rr, tt, zz, rt, tz, zr = np.moveaxis(self._mean(state.stress), -1, 0)
         angle = elements.azimuths(self.built.model.azimuths)[:, None]
         c, s = np.cos(angle), np.sin(angle)
@@ -78,19 +78,19 @@ class Sectors:
         return np.stack([xx, yy, zz, xy, s * zr + c * tz, c * zr - s * tz], axis=-1).reshape(-1, 6)
 
     def plastic(self, state: Fields) -> np.ndarray:
-        """Mean equivalent plastic strain (cells,)."""
+        """Return the mean equivalent plastic strain (cells,)."""
         plastic = history_of(self.built.model, state.history, PLASTIC_STRAIN)
         return self._mean(plastic[..., None]).ravel()
 
     def _mean(self, values: np.ndarray) -> np.ndarray:
-        """Means (M, ne, nv) over the points of a section at each azimuth."""
+        """Return the means (M, ne, nv) over the points of a section at each azimuth."""
         ne, _, nv = values.shape
         mean: np.ndarray = values.reshape(ne, elements.N_POINTS, -1, nv).mean(axis=1).transpose(1, 0, 2)
         return mean
 
 
 def fourier_volume_dataset(built: BuiltFourier) -> xr.Dataset:
-    """Nodes and cells of the whole half model."""
+    """Return the nodes and cells of the whole half model."""
     grid = Sectors(built)
     data = {f"volume_{axis}": ("volume_node", grid.nodes[:, i]) for i, axis in enumerate("xyz")}
     flag = np.zeros(len(grid.hexes), dtype=np.int8)

@@ -146,7 +146,7 @@ class Standing:
 
 
 def _part(saved: Saved, prefix: str) -> dict[str, np.ndarray]:
-    """Arrays of a file whose names have a prefix, without it."""
+    """Return the arrays of a file whose names have a prefix, without it."""
     return {name.removeprefix(prefix): values for name, values in saved.arrays.items() if name.startswith(prefix)}
 
 

@@ -91,7 +91,7 @@ class PathRun:
         self.stage += 1
 
     def _path_stages(self, rest: float) -> list[Stage]:
-        """Stages after the dead load, which has moved the caisson by ``rest`` (m, down)."""
+        """Return the stages after the dead load, which has moved the caisson by ``rest`` (m, down)."""
         scene = self.work.scene
         fast = undrained_time(scene, self.work.built.model.mesh)
         return path_stages(scene, self.path, self.extra, fast, rest=rest)
@@ -135,7 +135,7 @@ class PathRun:
         return f"{cause} ({error})", cause.reason
 
     def _failure(self, why: str) -> str:
-        """One line: which path stopped, on its way to which part of the load, and why."""
+        """Return one line: which path stopped, on its way to which part of the load, and why."""
         stage, target = self.driver.aim
         of = " of its dead load" if stage == DEAD_LOAD else ""
         return f"path '{self.path.name}' stopped on its way to {100 * target:.4g} %{of}: {why}"
@@ -216,6 +216,6 @@ class _MovedTooFar(NotConverged):
 
 
 def _sea(scene: Scene) -> tuple[float, float] | None:
-    """Unit weight (N/m3) and depth (m) of the sea, where suction is checked against cavitation."""
+    """Return the unit weight (N/m3) and depth (m) of the sea, where suction is checked against cavitation."""
     drainage = scene.drainage
     return None if drainage.water_depth is None else (drainage.water_unit_weight, drainage.water_depth)

@@ -30,7 +30,7 @@ _INTEGERS = {"increment", "attempt", "iteration", "n_open", "n_slip", "n_plastic
 
 
 def with_attempts(record: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Number the increments of the path from 1, and the attempts at each: 1, and one more after each cut-back.
+    """Count the increments of the path from 1, and the attempts at each: 1, and one more after each cut-back.
 
     The increments of the dead load, which come first, get the numbers up to 0.
     """
@@ -45,7 +45,7 @@ def with_attempts(record: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def convergence_dataset(record: list[dict[str, Any]]) -> xr.Dataset:
-    """The record of every iteration, failed attempts included, as a Dataset along ``iteration``."""
+    """Return the record of every iteration, failed attempts included, as a Dataset along ``iteration``."""
     rows = with_attempts(record)
     data = {
         name: (("iteration",), np.array([row[name] for row in rows], dtype=np.int32 if name in _INTEGERS else float))
@@ -106,7 +106,7 @@ def _water(path: xr.Dataset) -> dict[str, float] | None:
 
 
 def energy_summary(energy: Energy) -> dict[str, float]:
-    """Terms of the energy balance of the whole caisson at the end of a path, J, and what they leave."""
+    """Return the terms of the energy balance of the whole caisson at the end of a path, J, and what they leave."""
     terms = {f"{name}_J": 2.0 * getattr(energy, name) for name in (*TERMS, "imbalance")}
     return terms | {"imbalance_over_largest_term": abs(energy.imbalance) / energy.moved if energy.moved else 0.0}
 
@@ -156,7 +156,7 @@ class Meter:
 
 
 def _order(good: list[list[dict[str, Any]]]) -> float | None:
-    """Median order log(e2/e1)/log(e1/e0) of the last three residuals of increments (2 is quadratic)."""
+    """Return the median order log(e2/e1)/log(e1/e0) of the last three residuals of increments (2 is quadratic)."""
     orders = []
     for rows in good:
         e = [row["residual"] for row in rows[-3:]]
@@ -166,13 +166,13 @@ def _order(good: list[list[dict[str, Any]]]) -> float | None:
 
 
 def _last_ratio(good: list[list[dict[str, Any]]]) -> float | None:
-    """Median of the last residual over the one before it."""
+    """Return the median of the last residual over the one before it."""
     pairs = [(rows[-2]["residual"], rows[-1]["residual"]) for rows in good if len(rows) > 2]
     return float(np.median([b / a for a, b in pairs if a > 0.0])) if pairs else None
 
 
 def peak_memory_bytes() -> int:
-    """Largest resident memory of this process so far, in bytes."""
+    """Return the largest resident memory of this process so far, in bytes."""
     try:
         import resource
     except ImportError:  # Windows

@@ -86,7 +86,7 @@ def _solver(work: Work) -> SolverFigures:
 
 
 def _checkpoints(work: Work) -> CheckpointCost | None:
-    """Cost of the checkpoints of all parts of the run; None where there are none."""
+    """Return the cost of the checkpoints of all parts of the run; None where there are none."""
     if work.checkpoints is None:
         return None
     spent, wall = work.checkpoints.spent, work.checkpoints.elapsed()["wall_s"]

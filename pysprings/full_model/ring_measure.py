@@ -60,12 +60,12 @@ def contact_alternation(path: xr.Dataset) -> dict[str, Any] | None:
 
 
 def _mirrored(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values (..., azimuth) with a mirror image beyond each end: the ring is symmetric about the loading plane."""
+    """Return values (..., azimuth) with a mirror image beyond each end: the loading plane is a symmetry plane."""
     return np.concatenate([values[..., 1:2], values, values[..., -2:-1]], axis=-1)
 
 
 def _second_difference(pressure: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Second difference around each ring over the ring's mean pressure, see above; 0 without any pressure."""
+    """Return second difference around each ring over the ring's mean pressure, see above; 0 without any pressure."""
     ring = _mirrored(pressure)
     share = np.ones(pressure.shape[-1])
     share[[0, -1]] = 0.5  # the stations in the symmetry plane count once on the whole ring, the others twice
@@ -75,7 +75,7 @@ def _second_difference(pressure: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _swing(difference: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Smallest size of three second differences that follow each other, where their signs alternate, else 0."""
+    """Return smallest size of three second differences that follow each other, where their signs alternate, else 0."""
     ring = _mirrored(difference)
     before, here, after = ring[..., :-2], difference, ring[..., 2:]
     size = np.minimum(np.minimum(np.abs(before), np.abs(here)), np.abs(after))
@@ -83,13 +83,13 @@ def _swing(difference: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _isolated_open(pressure: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """True where a station carries nothing and both neighbours in its ring do."""
+    """Return True where a station carries nothing and both neighbours in its ring do."""
     loaded = _mirrored(pressure) > 0.0
     return ~loaded[..., 1:-1] & loaded[..., :-2] & loaded[..., 2:]
 
 
 def _place(path: xr.Dataset, measure: NDArray[np.float64]) -> str:
-    """Words for the place of the largest value; empty where all are 0."""
+    """Return words for the place of the largest value; empty where all are 0."""
     if not measure.any():
         return ""
     step, side, depth, azimuth = np.unravel_index(int(np.argmax(measure)), measure.shape)

@@ -25,7 +25,7 @@ class Volume:
         self.n_steel = 0 if built.steel is None else len(built.steel.hexes)
 
     def fields(self, state: Fields) -> dict[str, np.ndarray]:
-        """Displacement, stress, plastic strain, pore pressure and gap; see `variables`."""
+        """Return the displacement, stress, plastic strain, pore pressure and gap; see `variables`."""
         u, n = self._displacement(state), self.built.model.mesh.n_nodes
         stress = np.vstack([state.stress.mean(axis=1), np.full((self.n_steel, 6), np.nan)])
         plastic = history_of(self.built.model, state.history, PLASTIC_STRAIN).mean(axis=1)
@@ -38,7 +38,7 @@ class Volume:
         return {name: values.astype(np.float32) for name, values in fields.items()}
 
     def _displacement(self, state: Fields) -> np.ndarray:
-        """Displacement (n, 3) in the axes of the model."""
+        """Return the displacement (n, 3) in the axes of the model."""
         u = state.displacement.copy()
         for node, axes in self.built.model.frames.items():
             u[node] = axes.T @ u[node]
@@ -46,7 +46,7 @@ class Volume:
         return u
 
     def _gap(self, state: Fields) -> np.ndarray:
-        """Largest opening (n,) of the stations that a node of the soil belongs to."""
+        """Return the largest opening (n,) of the stations that a node of the soil belongs to."""
         stations = self.system.stations
         gap = self.system.gaps(state)
         widest = np.zeros(self.built.model.mesh.n_nodes)
@@ -56,7 +56,7 @@ class Volume:
 
 
 def volume_dataset(built: Built) -> xr.Dataset:
-    """Nodes and cells of the whole half model."""
+    """Return the nodes and cells of the whole half model."""
     nodes = built.model.mesh.nodes
     soil = built.model.mesh.hexes
     steel = np.zeros((0, 8), dtype=soil.dtype) if built.steel is None else built.steel.hexes

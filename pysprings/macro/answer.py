@@ -109,7 +109,7 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
 def _attributes(
     model: MacroModel, way: Way, support: _Support, turned: Turns, down: Down, refusals: list[str]
 ) -> dict[str, Any]:
-    """Attributes of an answer: provenance, what was asked for, status, notes, remarks and refusals."""
+    """Return the attributes of an answer: provenance, what was asked for, status, notes, remarks and refusals."""
     message = " ".join(filter(None, (way.message, down.message)))
     beyond = np.flatnonzero(support.used > 1.0 + RANGE_SLACK)
     limit = way.limit(int(beyond[0])) if way.limit is not None and beyond.size else None
@@ -128,7 +128,7 @@ def _attributes(
 
 
 def _ends(model: MacroModel) -> str:
-    """How the paths behind the lateral springs ended, in one text."""
+    """Return how the paths behind the lateral springs ended, in one text."""
     ends = {name: model.ends[name].how for name in model.sources}
     return ends[model.sources[0]] if len(ends) == 1 else ", ".join(f"{name}: {how}" for name, how in ends.items())
 
@@ -156,7 +156,7 @@ def _supported(model: MacroModel, states: Array) -> _Support:
 
 
 def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
-    """Springs of one path."""
+    """Return the springs of one path."""
     depth, used = model.origin.depth, range_used(table, states)
     p, usable = _lateral(table, depth, states), _usable(table, depth)
     if "u" not in model.origin:
@@ -170,7 +170,7 @@ def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
 
 
 def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Support:
-    """Springs of a fan of rays."""
+    """Return the springs of a fan of rays."""
     rows, places = table.rows(states)
     used, sector, nearest = table.support(states, places)
     off = (sector > WIDEST + RANGE_SLACK) & (states != 0.0).any(axis=1)
@@ -182,12 +182,12 @@ def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Support:
 
 
 def _track(model: MacroModel) -> Array:
-    """States (u, rotation*L) [m] of the path the springs come from."""
+    """Return the states (u, rotation*L) [m] of the path the springs come from."""
     return np.stack([model.origin.u, model.origin.turn], axis=1)
 
 
 def _lateral(t: SpringTable, depth: Array, states: Array) -> Array:
-    """Net p (depth, step) [N/m] that the springs give; 0 where the set has no spring."""
+    """Return the net p (depth, step) [N/m] that the springs give; 0 where the set has no spring."""
     rows = np.flatnonzero(np.array(t.name) == "p")
     p = np.zeros((depth.size, len(states)))
     p[np.searchsorted(depth, t.depth[rows])] = row_values(
@@ -197,13 +197,13 @@ def _lateral(t: SpringTable, depth: Array, states: Array) -> Array:
 
 
 def _usable(t: SpringTable, depth: Array) -> NDArray[np.int8]:
-    """1 at depths whose p is read from y over the whole path, else 0."""
+    """Return 1 at depths whose p is read from y over the whole path, else 0."""
     own = (np.array(t.name) == "p") & t.natural & ~t.cut
     return np.isin(depth, t.depth[own]).astype(np.int8)
 
 
 def _path_vertical(model: MacroModel, u: Array, rotation: Array) -> tuple[Array, Array]:
-    """w [m] and V [N] by step: functions of |u| (of |rotation| where that is the larger motion), flat beyond."""
+    """Return w [m] and V [N] by step: functions of |u| (of |rotation| where that is the larger motion), flat beyond."""
     track = np.abs(_track(model))
     lead = int(np.argmax(track[-1] * [1.0, 0.999]))
     motion = np.abs(u) if lead == 0 else np.abs(rotation) * model.length
@@ -212,7 +212,7 @@ def _path_vertical(model: MacroModel, u: Array, rotation: Array) -> tuple[Array,
 
 
 def _distance(track: Array, states: Array) -> Array:
-    """Distance of states (n, 2) from a polyline or its mirror image, over their size; last piece open."""
+    """Return the distance of states (n, 2) from a polyline or its mirror image, over their size; last piece open."""
     start, piece = track[:-1], np.diff(track, axis=0)
     length2 = np.maximum((piece**2).sum(axis=1), 1e-300)
     ahead = np.append(np.ones(len(piece) - 1), np.inf)
@@ -227,7 +227,7 @@ def _distance(track: Array, states: Array) -> Array:
 
 
 def _beyond(model: MacroModel, used: Array, limit: Limit | None) -> str:
-    """A sentence on states beyond the range of the springs, with what they carry within it where that was found."""
+    """Return a sentence on states beyond the range of the springs, with the load within it if one was computed."""
     n, table = int((used > 1.0 + RANGE_SLACK).sum()), model.table
     if isinstance(table, FanTable):
         where, what = f"the fan of {len(table.path)} paths: they reach", "the"
@@ -239,7 +239,7 @@ def _beyond(model: MacroModel, used: Array, limit: Limit | None) -> str:
 
 
 def _path_notes(model: MacroModel, distance: Array, off: NDArray[np.bool_]) -> list[str]:
-    """A sentence on states that are far from the one path the springs come from."""
+    """Return a sentence on states that are far from the one path the springs come from."""
     arm = model.origin.arm
     height = f" (load height {arm:g} m)" if np.isfinite(arm) else ""
     text = (
@@ -251,7 +251,7 @@ def _path_notes(model: MacroModel, distance: Array, off: NDArray[np.bool_]) -> l
 
 
 def _fan_notes(sector: Array, off: NDArray[np.bool_]) -> list[str]:
-    """A sentence on states between rays too far apart."""
+    """Return a sentence on states between rays too far apart."""
     text = (
         f"{off.sum()} of {off.size} states are between calibration paths {np.degrees(sector.max(initial=0.0)):.3g} "
         f"degrees apart in (u, rotation*skirt_length) (limit {np.degrees(WIDEST):.3g}): add a path between them"

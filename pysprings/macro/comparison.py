@@ -112,7 +112,7 @@ class Comparison:
         return {kind: _along(path, self._model(springs, kind, _source(path, kind))) for kind in kinds}
 
     def _model(self, springs: Springs, kind: str, source: str | None) -> MacroModel:
-        """The model of a spring set; paths that share springs share it."""
+        """Return the model of a spring set; paths that share springs share it."""
         key = springs, kind, source
         if key not in self._models:
             self._models[key] = MacroModel.from_springs(springs, kind, source)
@@ -152,7 +152,7 @@ class Comparison:
         }
 
     def _between(self, path: SpringPath, spring_set: str) -> dict[str, float]:
-        """Largest error [%] on a calibration path when every second state is left out of its own springs."""
+        """Return the largest error [%] on a calibration path when every second state is left out of its own springs."""
         springs = self.springs.answering(path)
         if path.n <= FEWEST_THINNED or not _reproduces(springs, path, spring_set):
             return measures.between({})
@@ -216,7 +216,7 @@ def _springs_of(model: Springs | xr.DataTree) -> Springs:
 
 
 def _source(path: SpringPath, spring_set: str) -> str | None:
-    """Path whose springs answer a path of the full model: its own when it calibrates; None for the usual ones."""
+    """Return the path whose springs answer a full-model path: its own if it calibrates; None: the usual ones."""
     return path.name if path.calibrates and not SPRING_SETS[spring_set].several else None
 
 
@@ -226,7 +226,7 @@ def _reproduces(springs: Springs, path: SpringPath, spring_set: str) -> bool:
 
 
 def _thinned(springs: Springs, name: str) -> Springs:
-    """Springs without every second recorded state of one path; its ends stay."""
+    """Return the springs without every second recorded state of one path; its ends stay."""
     last = springs.paths[name].n - 1
     steps = sorted({*range(0, last + 1, 2), last})
     paths = {each: path.at_steps(steps) if each == name else path for each, path in springs.paths.items()}
@@ -242,6 +242,6 @@ def _along(path: SpringPath, model: MacroModel) -> xr.Dataset:
 
 
 def _at_load(path: SpringPath, model: MacroModel, n: int) -> Array:
-    """Displacement u [m] of the macro-model under the loads of the full model, by state; NaN beyond what it carries."""
+    """Return u [m] of the macro-model under the loads of the full model, by state; NaN beyond what it carries."""
     solved, _, _ = model.solve("load", np.stack([path["H"][:n], path["M"][:n]], axis=1))
     return np.append(solved[:, 0], np.full(n - len(solved), np.nan))

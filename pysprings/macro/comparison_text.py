@@ -77,7 +77,7 @@ def several_loads(frame: pd.DataFrame) -> bool:
 
 
 def _marked(frame: pd.DataFrame) -> list[str]:
-    """One line for each answer of the fan that it supports only in part."""
+    """Return one line for each answer of the fan that it supports only in part."""
     off_load = [
         f"{r['path']}, fan: no calibration paths cover its vertical load ({r['V_N'] * 1e-6:.4g} MN)"
         for r in frame.to_dict("records")

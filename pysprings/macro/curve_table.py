@@ -150,7 +150,7 @@ class _Recorded:
         return cls(path.depth, path.heights, length, *moves, change(path.p), change(m), ends)
 
     def slice(self, k: int) -> Slice:
-        """Depth and height [m] of a slice by number."""
+        """Return the depth and height [m] of a slice by number."""
         return float(self.z[k]), float(self.dz[k])
 
     @property
@@ -159,7 +159,7 @@ class _Recorded:
         return float(np.abs([self.u, self.u + self.rotation * self.length]).max())
 
     def carriers(self, depth: float) -> dict[str, tuple[tuple[float, float], Array, float]]:
-        """Displacements a row may read: name -> (a, history, size that counts as full range)."""
+        """Return the displacements a row may read: name -> (a, history, size that counts as full range)."""
         reach = self.reach
         return {
             "y": ((1.0, depth), self.u + self.rotation * depth, reach),
@@ -184,7 +184,7 @@ class Row:
 
 
 def _leading(q: Array, r: Array, size: float, resists: bool = True) -> int:
-    """Number of leading points where |q| grows, keeps its sign and meets resistance; 0 for a small range."""
+    """Count leading points where |q| grows, keeps its sign and meets resistance; 0 for a small range."""
     good = (np.diff(np.abs(q)) > MIN_GROWTH * size) & (np.sign(q[1:]) == np.sign(q[1]))
     if resists:
         good &= np.sign(q[1:]) * r[1:] >= -MAX_NEGATIVE * np.abs(r).max()
@@ -193,7 +193,7 @@ def _leading(q: Array, r: Array, size: float, resists: bool = True) -> int:
 
 
 def _carried(rec: _Recorded, name: str, place: Slice, r: Array, order: tuple[str, ...]) -> Row | None:
-    """Row of reaction r, read from the first displacement in the given order that is usable over the whole path.
+    """Return row of reaction r, read from the first displacement in the given order that is usable over the whole path.
 
     Where r resists none of them, growth alone must do; its own displacement, the first, comes last then.
     """
@@ -208,7 +208,7 @@ def _carried(rec: _Recorded, name: str, place: Slice, r: Array, order: tuple[str
 
 
 def _cut(rec: _Recorded, name: str, place: Slice, r: Array, carrier: str) -> Row | None:
-    """Row of the first usable part of a curve (at best all of it); None where there is none."""
+    """Return the row of the first usable part of a curve (at best all of it); None where there is none."""
     depth, b = place[0], action(name, *place, rec.length)
     a, q, size = rec.carriers(depth)[carrier]
     n = _leading(q, r, size)
@@ -227,7 +227,7 @@ def _moment_row(rec: _Recorded, k: int) -> Row | None:
 
 
 def _end_rows(rec: _Recorded) -> list[Row | None]:
-    """Rows of the tip (reading the displacement and rotation there) and of the lid; forces and moments in turn."""
+    """Return the rows of the tip (its displacement and rotation) and of the lid; forces and moments in turn."""
     tip, lid, ends = (rec.length, 0.0), (0.0, 0.0), rec.ends
     return [
         _carried(rec, "H_tip", tip, ends["H_tip"], ("y", "u", "rotation")),
@@ -285,7 +285,7 @@ def pchip_slopes(q: Array, r: Array) -> Array:
 
 
 def _end_slope(h0: Array, h1: Array, s0: Array, s1: Array) -> Array:
-    """Three-point slope at an end, limited so that the curve stays monotonic."""
+    """Return the three-point slope at an end, limited so that the curve stays monotonic."""
     slope = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1)
     slope = np.where((s0 * s1 < 0.0) & (np.abs(slope) > 3.0 * np.abs(s0)), 3.0 * s0, slope)
     return np.where(slope * s0 <= 0.0, 0.0, slope)

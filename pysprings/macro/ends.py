@@ -46,7 +46,7 @@ def past_ends(
 
 
 def _ranges(model: MacroModel, states: Array, used: Array) -> Iterator[tuple[PathEnd, Marks]]:
-    """Ends of failed paths that the springs come from, and the states beyond the range of each."""
+    """Yield the ends of failed paths that the springs come from, and the states beyond the range of each."""
     over = used > 1.0 + RANGE_SLACK
     failed = [end for name in model.sources if (end := model.ends[name]).failed]
     if not failed or not over.any():
@@ -65,7 +65,7 @@ def _ranges(model: MacroModel, states: Array, used: Array) -> Iterator[tuple[Pat
 
 
 def _capacities(model: MacroModel, loads: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
-    """Limit loads that any path met, and the loads beyond each, in its direction (or the opposite) and at its V."""
+    """Yield limit loads of paths, and the loads beyond each, in its direction (or the opposite) and at its V."""
     plane = loads / [1.0, model.length]
     for end in model.ends.values():
         if end.how != LIMIT_LOAD:

@@ -168,7 +168,7 @@ def build_fan(springs: Springs) -> FanTable:
 
 
 def _layout(depth: Array, dz: Array, length: float) -> tuple[NDArray[np.str_], Array, NDArray[np.bool_], Array]:
-    """Name, depth, parity and action on (H, M) of the rows, in the order of `_rows`."""
+    """Return the name, depth, parity and action on (H, M) of the rows, in the order of `_rows`."""
     n = depth.size
     name = np.array(["p"] * n + ["m"] * n + ["t"] * n + [*_ENDS, *_VERTICAL])
     place = np.concatenate([np.tile(depth, 3), [length, length, 0.0, 0.0, length, 0.0, 0.0, 0.0]])
@@ -180,7 +180,7 @@ def _layout(depth: Array, dz: Array, length: float) -> tuple[NDArray[np.str_], A
 
 
 def _rows(path: SpringPath) -> Array:
-    """Reactions (rows, step); odd ones as changes from the initial state."""
+    """Return the reactions (rows, step); odd ones as changes from the initial state."""
     ends = np.stack([path[name] for name in _ENDS])
     odd = np.concatenate([path.p, path.m])
     vertical = np.stack([path[name] for name in _VERTICAL])

@@ -30,7 +30,7 @@ class Turns:
     back: Marks
 
     def notes(self) -> list[str]:
-        """Sentences on the marked states; none where nothing is marked."""
+        """Return the sentences on the marked states; none where nothing is marked."""
         degrees = f"{np.degrees(SAME_DIRECTION):g} degree"
         words = (
             (self.aside, f"after the sequence left its first direction (by more than {degrees}): "
@@ -61,7 +61,7 @@ def turns(control: Control, targets: Array, length: float, V: float | Array | No
 
 
 def _leaves(plane: Array) -> tuple[Marks, Marks]:
-    """Marks from the first point (n, 2) on that is off the first direction, and that is nearer than one before it."""
+    """Return marks from the first point (n, 2) on that is off the first direction, or nearer than one before."""
     size = np.hypot(*plane.T)
     largest = float(size.max(initial=0.0))
     moved = np.flatnonzero(size > ROUNDING * largest)

@@ -79,7 +79,7 @@ def between(by_name: Mapping[str, float]) -> dict[str, float]:
 
 
 def _relative_errors(x: Array, reference: Array, answer: Array) -> tuple[float, float]:
-    """Largest (signed) and last error [%] over the states that count: large enough, reference not zero."""
+    """Return the largest (signed) and last error [%] over the states that count: large enough, reference not zero."""
     counted = (np.abs(x) >= SKIP_BELOW * np.abs(x).max(initial=0.0)) & (x != 0.0) & (reference != 0.0)
     if not counted.any():
         return np.nan, np.nan
@@ -115,7 +115,7 @@ def distances(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:
 
 
 def _point_error(path: SpringPath, answer: xr.Dataset, n: int) -> float:
-    """Largest distance [m] between both points of rotation; NaN: none to follow."""
+    """Return the largest distance [m] between both points of rotation; NaN: none to follow."""
     u, rotation = path.u[:n], path.rotation[:n]
     near = (np.abs(rotation) * path.length * FAR > np.abs(u)) & (np.abs(u) >= SKIP_BELOW * np.abs(u).max(initial=0.0))
     near &= (u != 0.0) & (answer["rotation"].values != 0.0)
@@ -133,7 +133,7 @@ def rotation_points(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:
 
 
 def _rotation_point(u: Array, rotation: Array, n: int, length: float) -> float:
-    """Depth [m] of the point of the axis at rest in state n, -u/rotation; NaN for a translation."""
+    """Return the depth [m] of the point of the axis at rest in state n, -u/rotation; NaN for a translation."""
     x, turn = (float(u[n - 1]), float(rotation[n - 1])) if n else (0.0, 0.0)
     # an imposed rotation of 0 is met to rounding only
     turns = abs(turn) * length > max(1e-9 * abs(x), NO_TURN * length)

@@ -206,6 +206,6 @@ def _remarks(springs: Springs, chosen: SpringSet, built: Built, ends: Mapping[st
 
 
 def _elastic_loads(springs: Springs) -> tuple[float, float]:
-    """Vertical loads [N] that an elastic vertical stiffness may answer (`pysprings.macro.ends`)."""
+    """Return the vertical loads [N] that an elastic vertical stiffness may answer (`pysprings.macro.ends`)."""
     loads = [each.V for each in springs.load_sets] or [springs.path().load]
     return min(loads) - abs(min(loads)), max(loads) + abs(max(loads))

@@ -226,7 +226,7 @@ def predict_batch(
 
 
 def _without_motion_beyond(answer: xr.Dataset) -> xr.Dataset:
-    """Answers of a batch without the motions of cases beyond the loads that the full model carried."""
+    """Return the answers of a batch without the motions of cases beyond the loads that the full model carried."""
     past = answer["beyond_end"].values == 1
     for name in ("u", "w", "rotation"):
         if name in answer:
@@ -277,7 +277,7 @@ def model_of(
 
 
 def _loads(H: float | Array | None, arm: float | Array | None, M: float | Array | None) -> tuple[Array, Array]:
-    """Lateral load [N] and moment [N m] from the arguments, as arrays; arguments that contradict each other raise."""
+    """Return lateral load [N] and moment [N m] as arrays. Raises UserInputError for contradicting arguments."""
     if arm is not None and M is not None:
         raise refused("arm", "give the height of the load or its moment, not both")
     if H is None and M is None:

@@ -74,7 +74,7 @@ class Drive(NamedTuple):
 
 @jitted
 def spring_row(knots, values, slopes, count, q):
-    """Reaction and stiffness dr/dq of one odd curve at q: cubic Hermite, last slope beyond the end."""
+    """Return the reaction and stiffness dr/dq of one odd curve at q: cubic Hermite, last slope beyond the end."""
     x = abs(q)
     last = count - 1
     if x >= knots[last]:
@@ -98,7 +98,7 @@ def spring_row(knots, values, slopes, count, q):
 
 @jitted
 def row_values(knots, values, slopes, count, q):
-    """Reactions (n, states) of rows at their displacements q (n, states)."""
+    """Return the reactions (n, states) of rows at their displacements q (n, states)."""
     out = np.empty_like(q)
     for j in range(q.shape[0]):
         for i in range(q.shape[1]):
@@ -222,7 +222,7 @@ def fan_rows(angles, knots, values, slopes, count, even, rho, phi):
 
 @jitted
 def _merit(drive, F, x0, x1, c0, c1):
-    """Residual of both equations over their sizes, and the largest of them."""
+    """Return the residual of both equations over their sizes, and the largest of them."""
     G, C, scale = drive
     g0 = (G[0, 0] * x0 + G[0, 1] * x1 + C[0, 0] * F[0] + C[0, 1] * F[1] - c0) / scale[0]
     g1 = (G[1, 0] * x0 + G[1, 1] * x1 + C[1, 0] * F[0] + C[1, 1] * F[1] - c1) / scale[1]

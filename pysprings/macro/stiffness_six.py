@@ -58,7 +58,7 @@ def has_six(springs: AnySprings | MacroModel) -> bool:
 
 
 def _initial(springs: AnySprings | MacroModel) -> tuple[Array | None, str]:
-    """Initial stiffness (3, 3) that springs hold, None where they have no vertical one; and whose it is."""
+    """Return the initial stiffness (3, 3) that springs hold, None where they have no vertical one; and whose it is."""
     if isinstance(springs, MacroModel):
         return springs.stiffness_initial, FIRST_STEPS if "first_steps" in springs.attrs else FULL_MODEL
     if isinstance(springs, CurveSprings):

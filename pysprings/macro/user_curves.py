@@ -45,7 +45,7 @@ class CurveSet:
         return float(self.bounds[-1, 1])
 
     def missing(self) -> list[str]:
-        """Companion families that the full set needs and the table does not have."""
+        """Return the companion families that the full set needs and the table does not have."""
         there = {curve.name for curve in self.curves}
         return [family for family, names in FAMILIES.items() if not set(names) <= there]
 

@@ -115,7 +115,7 @@ def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
 
 
 def _displacements(model: MacroModel, V: Array) -> Array:
-    """w [m], dV/dw [N/m] and range used of the vertical springs, (3, n)."""
+    """Return the w [m], dV/dw [N/m] and range used of the vertical springs, (3, n)."""
     assert model.vertical is not None
     values, place = np.unique(V, return_inverse=True)
     displacements = np.array([model.vertical.displacement(float(value)) for value in values]).reshape(-1, 3)
@@ -123,7 +123,7 @@ def _displacements(model: MacroModel, V: Array) -> Array:
 
 
 def _unknown(model: MacroModel, used: Array) -> list[str]:
-    """Sentences on vertical loads beyond the vertical springs."""
+    """Return the sentences on vertical loads beyond the vertical springs."""
     assert model.vertical is not None
     notes = []
     if np.isinf(used).any():
@@ -139,7 +139,7 @@ def _unknown(model: MacroModel, used: Array) -> list[str]:
 
 
 def _stopped(model: MacroModel, V: Array, used: Array) -> tuple[NDArray[np.bool_], list[str]]:
-    """Vertical loads beyond the end of a vertical path that stopped, as marks and sentences."""
+    """Return the vertical loads beyond the end of a vertical path that stopped, as marks and sentences."""
     assert model.vertical is not None
     marks, sentences = np.zeros(V.size, dtype=bool), []
     for branch in model.vertical.branches:

@@ -41,12 +41,12 @@ class Built:
     steel: SteelMesh | None = None
 
     def extra_load_of(self, load: float | str) -> float:
-        """What a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
+        """Return what a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
         return extra_load(load, self.balanced_load)
 
 
 def geometry_of(scene: Scene) -> Geometry:
-    """Radii and depths of the scene, in m."""
+    """Return the radii and depths of the scene, in m."""
     outer = 0.5 * scene.caisson.outer_diameter
     return Geometry(
         inner_radius=outer - scene.caisson.skirt_thickness,
@@ -59,7 +59,7 @@ def geometry_of(scene: Scene) -> Geometry:
 
 
 def counts_of(scene: Scene) -> Counts:
-    """Cell counts of the scene's preset, refined and overridden by the scene."""
+    """Return the cell counts of the scene's preset, refined and overridden by the scene."""
     counts = PRESETS[scene.mesh.preset]
     if scene.mesh.refinement != 1.0:
         counts = refine(counts, scene.mesh.refinement)
@@ -140,7 +140,7 @@ def _mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
 
 
 def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
-    """Stations on the skirt (outside, inside), under the lid and under the tip.
+    """Return the stations on the skirt (outside, inside), under the lid and under the tip.
 
     Nodal, but central on the faces of the tip that meet a wall: the nodes there carry the wall's stations.
     """
@@ -166,14 +166,14 @@ def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
 
 
 def _nodal(nodes: np.ndarray, faces: np.ndarray, surface: str) -> tuple[np.ndarray, ...]:
-    """Nodal stations in the shape of central ones: four times the same node, all weight on the first."""
+    """Return the nodal stations in the shape of central ones: four times the same node, all weight on the first."""
     node, normal, area = interface.nodal_stations(nodes, faces, _exact_normals(nodes, surface))
     weight = np.tile([1.0, 0.0, 0.0, 0.0], (len(node), 1))
     return np.repeat(node[:, None], 4, axis=1), weight, normal, area
 
 
 def _exact_normals(nodes: np.ndarray, surface: str) -> np.ndarray:
-    """Unit normals (n, 3) from the caisson into the soil, as if every node stood on the surface."""
+    """Return the unit normals (n, 3) from the caisson into the soil, as if every node stood on the surface."""
     normal = np.zeros_like(nodes)
     if surface in ("lid", "tip"):
         normal[:, 2] = 1.0
@@ -185,7 +185,7 @@ def _exact_normals(nodes: np.ndarray, surface: str) -> np.ndarray:
 
 
 def initial_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
-    """Geostatic stress (..., 6), tension positive."""
+    """Return the geostatic stress (..., 6), tension positive."""
     ground = ground_of(scene)
     vertical = ground.vertical_stress(depth)
     stress = np.zeros((*depth.shape, 6))
@@ -195,14 +195,14 @@ def initial_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
 
 
 def initial_pressure(scene: Scene, stations: Stations) -> np.ndarray:
-    """Contact pressure (ns,) that the geostatic stress puts on each station, in Pa."""
+    """Return the contact pressure (ns,) that the geostatic stress puts on each station, in Pa."""
     ground, depth = ground_of(scene), stations.position[:, 2]
     upright = stations.frame[:, 0, 2] ** 2
     return ground.vertical_stress(depth) * (upright + ground.value("K0", depth) * (1.0 - upright))
 
 
 def _constraints(scene: Scene, caisson: CaissonMesh) -> tuple[np.ndarray, dict[int, np.ndarray]]:
-    """Fixed dofs (n, 3) and the radial frames of the side's nodes."""
+    """Return the fixed dofs (n, 3) and the radial frames of the side's nodes."""
     mesh = caisson.mesh
     fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
     frames: dict[int, np.ndarray] = {}

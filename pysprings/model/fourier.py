@@ -45,12 +45,12 @@ class BuiltFourier:
     steel: None = None
 
     def extra_load_of(self, load: float | str) -> float:
-        """What a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
+        """Return what a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
         return extra_load(load, self.balanced_load)
 
 
 def section_counts_of(scene: Scene) -> SectionCounts:
-    """Numbers of elements and harmonics of the scene's preset, as the scene overrides them."""
+    """Return the numbers of elements and harmonics of the scene's preset, as the scene overrides them."""
     counts = PRESETS[scene.mesh.preset]
     if scene.mesh.refinement != 1.0:
         counts = refine_section(counts, scene.mesh.refinement)
@@ -104,7 +104,7 @@ def section_of(scene: Scene, counts: SectionCounts) -> CaissonSection:
 
 
 def make_ring_stations(section: CaissonSection, azimuth: np.ndarray) -> RingStations:
-    """Stations at every azimuth on the nodes of the skirt, the lid and the tip.
+    """Return the stations at every azimuth on the nodes of the skirt, the lid and the tip.
 
     The corners of the tip carry the stations of the walls; their share of the tip's area is that of its other nodes.
     """
@@ -144,7 +144,7 @@ def make_ring_stations(section: CaissonSection, azimuth: np.ndarray) -> RingStat
 
 
 def nodal_lengths(x: np.ndarray) -> np.ndarray:
-    """Integrals of the quadratic shape functions of a line (Simpson) over nodes at x, three an element."""
+    """Return the integrals of the quadratic shape functions of a line (Simpson) over nodes at x, three an element."""
     lengths, step = np.zeros(len(x)), x[2::2] - x[:-2:2]
     for first, share in zip((0, 1, 2), (1.0, 4.0, 1.0), strict=True):
         lengths[first : len(x) - 2 + first : 2] += share * step / 6.0
@@ -152,7 +152,7 @@ def nodal_lengths(x: np.ndarray) -> np.ndarray:
 
 
 def nodal_rings(r: np.ndarray) -> np.ndarray:
-    """Integrals of the quadratic shape functions times r, m2 per radian; they add up to that of r."""
+    """Return the integrals of the quadratic shape functions times r, m2 per radian; they add up to that of r."""
     areas, start, step = np.zeros(len(r)), r[:-2:2], r[2::2] - r[:-2:2]
     for first, (constant, slope) in enumerate([(1 / 6, 0.0), (2 / 3, 1 / 3), (1 / 6, 1 / 6)]):
         areas[first : len(r) - 2 + first : 2] += step * (constant * start + slope * step)
@@ -160,7 +160,7 @@ def nodal_rings(r: np.ndarray) -> np.ndarray:
 
 
 def fixed_directions(scene: Scene, mesh: SectionMesh) -> np.ndarray:
-    """Fixed directions (n, 3) of the side and the bottom."""
+    """Return the fixed directions (n, 3) of the side and the bottom."""
     fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
     side = mesh.node_sets["side"]
     fixed[side, 0] = True

@@ -115,7 +115,7 @@ def _depths(geometry: Geometry, counts: SectionCounts) -> np.ndarray:
 
 
 def _halved(lines: np.ndarray) -> np.ndarray:
-    """Lines with the middles between them."""
+    """Return the lines with the middles between them."""
     halved = np.empty(2 * len(lines) - 1)
     halved[::2], halved[1::2] = lines, 0.5 * (lines[1:] + lines[:-1])
     return halved

@@ -31,5 +31,5 @@ def through(levels: np.ndarray, lines: Sequence[float]) -> np.ndarray:
 
 
 def _nearest(levels: np.ndarray, lines: Sequence[float], room: float) -> np.ndarray:
-    """Levels on which a line stands already."""
+    """Return the levels on which a line stands already."""
     return np.array([x for x in levels if any(abs(x - line) <= room for line in lines)])

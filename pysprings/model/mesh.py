@@ -91,7 +91,7 @@ _MOST_SHRINKING = 2.0
 
 
 def graded(start: float, stop: float, n: int, first: float) -> np.ndarray:
-    """Levels (n + 1,) from start to stop, the first cell of the given size, growing geometrically.
+    """Return the levels (n + 1,) from start to stop, the first cell of the given size, growing geometrically.
 
     Where there is hardly room for the first cell, all cells are the same: they would shrink to needles otherwise.
     """
@@ -107,7 +107,7 @@ def graded(start: float, stop: float, n: int, first: float) -> np.ndarray:
 
 
 def graded_both(length: float, n: int, first: float, last: float) -> np.ndarray:
-    """Levels (n + 1,) from 0 to length; the end cells have the given sizes, and grow geometrically inwards."""
+    """Return levels (n + 1,) from 0 to length; the end cells have the given sizes, and grow geometrically inwards."""
 
     def sizes(ratio: float) -> np.ndarray:
         rank = np.arange(n)
@@ -156,7 +156,7 @@ class _Plan:
 
 
 def _levels(geometry: Geometry, counts: Counts) -> np.ndarray:
-    """Depth levels of the nodes, in m."""
+    """Return the depth levels of the nodes, in m."""
     length = geometry.skirt_length
     skirt = graded_both(length, counts.skirt, counts.mudline * length, counts.toe * length)
     below = graded(length, geometry.domain_depth, counts.below, skirt[-1] - skirt[-2])
@@ -203,7 +203,7 @@ def _plan(geometry: Geometry, counts: Counts) -> _Plan:
 
 
 def core_square(n: int, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Half square with rounded sides: points, quads and the rim nodes ordered by azimuth."""
+    """Return a half square with rounded sides: points, quads and the rim nodes ordered by azimuth."""
     nx, ny = n // 2, n // 4
     xi, eta = np.meshgrid(np.linspace(-1.0, 1.0, nx + 1), np.linspace(0.0, 1.0, ny + 1), indexing="ij")
     disc = np.stack([xi * np.sqrt(1.0 - eta**2 / 2.0), eta * np.sqrt(1.0 - xi**2 / 2.0)], axis=-1)
@@ -216,13 +216,13 @@ def core_square(n: int, half_width: float) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def _wall_faces(wall: np.ndarray) -> np.ndarray:
-    """Faces (k, 4) of a wall of nodes (na, nz) with the normal away from the axis."""
+    """Return the faces (k, 4) of a wall of nodes (na, nz) with the normal away from the axis."""
     corners = [wall[:-1, :-1], wall[1:, :-1], wall[1:, 1:], wall[:-1, 1:]]
     return np.stack([c.ravel() for c in corners], axis=1)
 
 
 def _node_sets(plan: _Plan, n_levels: int) -> dict[str, np.ndarray]:
-    """Symmetry plane, side and bottom of the domain."""
+    """Return the symmetry plane, side and bottom of the domain."""
     n_plan = len(plan.points)
     offset = n_plan * np.arange(n_levels)[:, None]
     plane = np.flatnonzero(np.abs(plan.points[:, 1]) < 1e-12)
@@ -245,7 +245,7 @@ def _compact(
 
 
 def _section(mesh: Mesh) -> np.ndarray:
-    """Quads (k, 4) of the element faces that lie in the symmetry plane y = 0."""
+    """Return the quads (k, 4) of the element faces that lie in the symmetry plane y = 0."""
     local = np.array([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
     quads = mesh.hexes[:, local].reshape(-1, 4)
     return quads[(np.abs(mesh.nodes[quads, 1]) < 1e-9).all(axis=1)]

@@ -81,7 +81,7 @@ def _young(scene: Scene, depth: np.ndarray) -> np.ndarray:
 
 
 def _along_skirt(scene: Scene) -> np.ndarray:
-    """Depths (n,) m from mudline to tip, one just below each boundary of layers among them."""
+    """Return the depths (n,) m from mudline to tip, one just below each boundary of layers among them."""
     length = scene.caisson.skirt_length
     below = [line + 1e-6 * length for line in ground_of(scene).lines if line < length]
     return np.concatenate([np.linspace(0.0, length, 33), below])
@@ -92,6 +92,6 @@ def _loss(ratio: float) -> float:
 
 
 def _pressure(scene: Scene) -> float:
-    """Largest initial contact pressure in Pa, at the tip."""
+    """Return the largest initial contact pressure in Pa, at the tip."""
     ground, depth = ground_of(scene), np.array(scene.caisson.skirt_length)
     return float(np.maximum(ground.value("K0", depth), 1.0) * ground.vertical_stress(depth))

@@ -30,7 +30,7 @@ _LONG_AGO = 1.0e12
 
 
 def dead_load_stage(extra_load: float) -> Stage:
-    """Vertical load (N, half caisson) beyond the one that balances the initial contact stresses; drained."""
+    """Return the vertical load (N, half caisson) beyond the one that balances the initial contact stresses; drained."""
     return Stage(
         name="dead load",
         control=np.zeros((0, 3)),
@@ -46,7 +46,7 @@ def dead_load_stage(extra_load: float) -> Stage:
 def path_stages(
     scene: Scene, path: Path, extra_load: float, undrained_time: float = 0.0, rest: float = 0.0
 ) -> list[Stage]:
-    """The stages of a path, one after the other: what is imposed at the lid centre, by which forces, in which time.
+    """Return the stages of a path in sequence: quantities imposed at the lid centre, their forces, their time.
 
     Every stage of an undrained path takes ``undrained_time`` (s), in which nothing flows. ``rest`` is the vertical
     displacement (m) under the dead load: what is imposed vertically counts from there.
@@ -56,7 +56,7 @@ def path_stages(
 
 
 def _stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
-    """The stages of a path that starts at w = 0."""
+    """Return the stages of a path that starts at w = 0."""
     if path.kind == "swipe":
         return _swipe_stages(scene, path, extra_load, undrained_time)
     if path.arm_from is not None:
@@ -76,7 +76,7 @@ def _stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) 
 
 
 def _swipe_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
-    """A translation, and a rotation at the displacement that it has reached; the tip turns at the rate of the lid."""
+    """Return a translation, then a rotation at its displacement; the tip turns at the rate of the lid."""
     u, turn, length = imposed_end(path), _need(path.rotation), scene.caisson.skirt_length
     times = [0.0, 0.0] if path.rate is None else [abs(u) / path.rate, abs(turn) * length / path.rate]
     if scene.drainage.mode == "undrained":
@@ -91,7 +91,7 @@ def _swipe_stages(scene: Scene, path: Path, extra_load: float, undrained_time: f
 
 
 def _climbing_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
-    """A load that grows at its first height, and then climbs to its last one: M grows under constant H and V."""
+    """Return a load that grows at its first height, and then climbs to its last one: M grows under constant H and V."""
     grows = path.model_copy(update={"arm": path.arm_from, "arm_from": None})
     (first,) = _stages(scene, grows, extra_load, undrained_time)
     moment = -0.5 * imposed_end(path) * (path.arm - _need(path.arm_from))
@@ -103,7 +103,7 @@ def _stage(
     scene: Scene, path: Path, name: str, ends: tuple[float, float],
     report_at: tuple[float, ...], extra_load: float, duration: float,
 ) -> Stage:  # fmt: skip
-    """One stage, which leads the imposed quantity of the path from the first to the second of its ``ends``."""
+    """Return one stage, which leads the imposed quantity of the path from the first to the second of its ``ends``."""
     rows, patterns = _imposed(path)
     targets = _targets(path, ends[1])
     force = np.array([0.0, extra_load, 0.0])
@@ -140,7 +140,7 @@ def imposed_end(path: Path) -> float:
 
 
 def _imposed(path: Path) -> tuple[list, list]:
-    """Rows of the control and the force patterns that impose them, in (u, w, rotation)."""
+    """Return the rows of the control and the force patterns that impose them, in (u, w, rotation)."""
     kind = PATH_KINDS[path.kind]
     rows = [np.eye(3)[DOFS.index(dof)].tolist() for dof in kind.holds]
     return rows, [[1.0, 0.0, -path.arm]] if kind.free_head and rows else [list(row) for row in rows]
@@ -156,7 +156,7 @@ def _targets(path: Path, end: float) -> list[float]:
 
 
 def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, float]:
-    """First and largest step as fractions of a stage that moves on by ``travel``."""
+    """Return the first and largest step as fractions of a stage that moves on by ``travel``."""
     if travel == 0.0:  # a rest: water moves fast at first, and ever more slowly
         return _FIRST_OF_REST, _LARGEST_OF_REST
     largest = scene.solver.max_step_fraction or _LARGEST_STEP
@@ -170,7 +170,7 @@ def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, flo
 
 
 def _first_strain(scene: Scene) -> float:
-    """First step over the diameter: less where the soil is so stiff beside its stress that it would yield at once."""
+    """Return the first step over the diameter, reduced for soil that would yield at once (stiff at low stress)."""
     ground, depth = ground_of(scene), np.array(scene.caisson.skirt_length)
     strength = float(ground.strength(depth))
     stress = strength if bool(ground.in_total_stress(depth)) else float(ground.vertical_stress(depth)) + strength
@@ -178,6 +178,6 @@ def _first_strain(scene: Scene) -> float:
 
 
 def _need(value: float | None) -> float:
-    """The scene's checks guarantee that the value is there."""
+    """Return the scene's checks guarantee that the value is there."""
     assert value is not None
     return value

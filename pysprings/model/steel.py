@@ -72,7 +72,7 @@ def make_steel(caisson: CaissonMesh, lid_thickness: float) -> SteelMesh:
 
 
 def _skirt(walls: dict[str, np.ndarray]) -> np.ndarray:
-    """Elements (k, 8) between the walls: around, down, outwards."""
+    """Return the elements (k, 8) between the walls: around, down, outwards."""
 
     def face(wall: np.ndarray) -> np.ndarray:
         return np.stack([c.ravel() for c in (wall[:-1, :-1], wall[1:, :-1], wall[1:, 1:], wall[:-1, 1:])], axis=1)
@@ -81,13 +81,13 @@ def _skirt(walls: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def patch(radius: np.ndarray, inside: float) -> np.ndarray:
-    """Nodes (k,) bool of the lid's centre, from their radii (m) and that of the skirt's inside."""
+    """Return the nodes (k,) bool of the lid's centre, from their radii (m) and that of the skirt's inside."""
     ring = float(radius[radius > 1e-9 * inside].min())
     return radius <= max(PATCH * inside, ring) * _ROUNDING
 
 
 def _partners(caisson: CaissonMesh, number: np.ndarray, copied: np.ndarray) -> dict[int, tuple[tuple[int, float], ...]]:
-    """Steel nodes that each interface node of the soil goes with."""
+    """Return the steel nodes that each interface node of the soil goes with."""
     partners: dict[int, tuple[tuple[int, float], ...]] = {int(node): ((int(number[node]), 1.0),) for node in copied}
     nodes, inner, outer = caisson.mesh.nodes, caisson.walls["inside"][:, -1], caisson.walls["outside"][:, -1]
     azimuth = np.arctan2(nodes[inner, 1], nodes[inner, 0])
@@ -100,7 +100,7 @@ def _partners(caisson: CaissonMesh, number: np.ndarray, copied: np.ndarray) -> d
 
 
 def with_steel(stations: Stations, steel: SteelMesh) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes (ns, 8) and weights (ns, 8) of stations between soil (first four, as they are) and steel (negative)."""
+    """Return nodes and weights (ns, 8) of stations between soil (first four) and steel (negative weights)."""
     width = stations.nodes.shape[1]
     nodes = np.repeat(stations.nodes[:, :1], 2 * width, axis=1)
     weight = np.zeros(nodes.shape)

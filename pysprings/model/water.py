@@ -25,7 +25,7 @@ _UNDRAINED = 1.0e-6
 
 
 def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> tuple[Water | None, np.ndarray]:
-    """Water of the scene, and the mesh node of each film node; None and no film where it is drained."""
+    """Return the water of the scene, and the mesh node of each film node; None and no film where it is drained."""
     if scene.drainage.mode == "drained":
         return None, np.zeros(0, dtype=np.int64)
     mesh, drainage = caisson.mesh, scene.drainage
@@ -47,7 +47,7 @@ def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> tuple[
 
 
 def beside_steel(water: Water, n: int, k: int) -> Water:
-    """Water of a model whose n nodes are followed by k of impervious steel, which hold no pressure."""
+    """Return the water of a model whose n nodes are followed by k of impervious steel, which hold no pressure."""
     return replace(
         water,
         fixed=np.insert(water.fixed, n, np.ones(k, dtype=bool)),
@@ -62,14 +62,14 @@ def mobility(scene: Scene, depth: np.ndarray) -> np.ndarray:
 
 
 def _depths(scene: Scene, mesh: Mesh) -> np.ndarray:
-    """Depths (ne,) m of the centres of the elements; one depth, (), where the ground is the same everywhere."""
+    """Return depths (ne,) m of the centres of the elements; one depth, (), where the ground is the same everywhere."""
     if ground_of(scene).is_uniform:
         return np.array(0.0)
     return np.asarray(mesh.nodes[mesh.hexes].mean(axis=1)[:, 2])
 
 
 def _moduli(scene: Scene, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """K and G in Pa at depths (...,) in m."""
+    """Return K and G in Pa at depths (...,) in m."""
     ground = ground_of(scene)
     bulk, shear = moduli(ground.value("young_modulus", depth), ground.value("poisson_ratio", depth))
     return np.asarray(bulk), np.asarray(shear)
@@ -87,12 +87,12 @@ def undrained_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
 
 
 def _cell_size(mesh: Mesh) -> float:
-    """Typical edge of the cells, m: most of them are near the caisson."""
+    """Return the typical edge of the cells, m: most of them are near the caisson."""
     return float(np.median(np.linalg.norm(mesh.nodes[mesh.hexes[:, 6]] - mesh.nodes[mesh.hexes[:, 0]], axis=1)))
 
 
 def _drained_nodes(scene: Scene, caisson: CaissonMesh) -> np.ndarray:
-    """Mesh nodes (n,) bool at hydrostatic pressure: mudline outside the caisson, and the side where it drains."""
+    """Return nodes (n,) bool at hydrostatic pressure: mudline outside the caisson, and a side that drains."""
     mesh = caisson.mesh
     radius = np.hypot(mesh.nodes[:, 0], mesh.nodes[:, 1])
     rim = radius[caisson.walls["outside"][:, 0]].min()
@@ -103,7 +103,7 @@ def _drained_nodes(scene: Scene, caisson: CaissonMesh) -> np.ndarray:
 
 
 def _film(scene: Scene, mesh: Mesh, stations: Stations) -> tuple[np.ndarray, Film]:
-    """One film from mudline outside round the tip to the lid: mesh node of each film node, and the film."""
+    """Return one film from mudline outside round the tip to the lid: mesh node of each film node, and the film."""
     faces = np.concatenate([mesh.face_sets[name] for name in SURFACES])
     surface = np.repeat(np.arange(len(SURFACES)), [len(mesh.face_sets[name]) for name in SURFACES])
     node = np.unique(faces)
@@ -126,7 +126,7 @@ def _film(scene: Scene, mesh: Mesh, stations: Stations) -> tuple[np.ndarray, Fil
 
 
 def _corners(faces: np.ndarray, surface: np.ndarray, stations: Stations) -> np.ndarray:
-    """Station (m, 4) whose gap holds at each corner of each face: the face's own central one, else the node's."""
+    """Return the station (m, 4) of the gap at each corner of each face: the central one of the face or the node's."""
     central = stations.weight[:, 0] < 1.0
     of_face = {tuple(stations.nodes[k]): k for k in np.flatnonzero(central)}
     of_node = {(stations.surface[k], stations.nodes[k, 0]): k for k in np.flatnonzero(~central)}

@@ -243,7 +243,7 @@ class Flag(Field):
 
 @dataclass(frozen=True)
 class Text(Field):
-    """A text on one line; restricted by `pattern`, described by `meaning`; with `names_files` none that a system refuses."""
+    """A text on one line; restricted by `pattern`, described by `meaning`; with `names_files` a valid file name."""
 
     text: str
     pattern: str = r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{1,200}"

@@ -333,5 +333,5 @@ class SceneSections(Section):
     output: Output = Output()
 
     def vertical_load_of(self, path: Path) -> float | str:
-        """Vertical load of a path: its own, or the caisson's (N, positive down, or "balanced")."""
+        """Return the vertical load of a path: its own, or the caisson's (N, positive down, or "balanced")."""
         return self.caisson.vertical_load if path.vertical_load is None else path.vertical_load

@@ -149,7 +149,7 @@ def _contraction(soil: Soil, surface: Surface) -> Iterator[Clash]:
 
 
 def _lost(soil: Soil, psi: float, surface: Surface) -> float:
-    """Share of the shear modulus that plastic flow with this dilation angle (rad) takes at constant volume.
+    """Return the share of the shear modulus that plastic flow with this dilation angle (rad) takes at constant volume.
 
     -9 (K/G) m m_psi on the cone; on Van Eekelen's surface, where both slopes shrink by their sections, with -T T_psi of
     the flow across the meridian plane, at the worst Lode angle (`fe_engine.soil.van_eekelen`).

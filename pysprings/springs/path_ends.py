@@ -2,7 +2,7 @@
 """How the paths of a full model ended, as springs keep it: the end of what they can answer for.
 
 Attributes of a path: `end` is "reached" (the path came to its aim), "limit load" (the soil carries no more) or
-"stopped" (`end_reason` is the cause); `end_H_N` and `end_M_Nm` are the loads of its last converged step. Spring files of
+"stopped" (`end_reason` is the cause); `end_H_N` and `end_M_Nm` are the loads of its last converged step. Files of
 earlier versions and tables do not have them: the end is "not known", unless the path is marked as partial.
 """
 
@@ -55,7 +55,7 @@ def end_attrs(reason: StopReason | None, why: str, path: xr.Dataset) -> dict[str
 
 
 def earlier_end(shorter: xr.Dataset, whole: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
-    """Return the attributes of a path made of two, which goes as far as the shorter one; kept is what is left of it."""
+    """Return the attributes of a path made of two, which goes as far as the shorter one."""
     source = whole if shorter.sizes["step"] == whole.sizes["step"] else other
     attrs = {key: source.attrs[key] for key in ("end", "end_reason") if key in source.attrs}
     return attrs | _last_loads(shorter) if attrs else {}

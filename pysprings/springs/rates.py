@@ -95,7 +95,7 @@ def blend(slow: SpringPath, fast: SpringPath, share: float) -> SpringPath:
 
 
 def _way(path: SpringPath) -> NDArray[np.float64]:
-    """Distance (n,) that each step has come [m]: rho, or |u| where the rotation is free."""
+    """Return the distance (n,) that each step has come [m]: rho, or |u| where the rotation is free."""
     return np.hypot(path.u, path.turn) if path.is_straight else np.abs(path.u)
 
 

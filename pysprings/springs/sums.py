@@ -67,7 +67,7 @@ def balance(dataset: xr.Dataset) -> dict[str, float]:
 
 
 def _terms(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, ...]]:
-    """Terms by step of H, V [N] and M [N m]."""
+    """Return the terms by step of H, V [N] and M [N m]."""
     dz, z = slice_heights(dataset), dataset["depth"].values
     p, m = net_p(dataset).values, net_m(dataset).values
     t = dataset["t"].sum("side").transpose("depth", "step").values
@@ -81,7 +81,7 @@ def _terms(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, ...]]:
 
 
 def _sums(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, float]]:
-    """Sums of the reactions by step for H, V [N] and M [N m], each with the size beside which its error counts."""
+    """Return sums of the reactions by step for H, V [N] and M [N m], each with the reference size of its error."""
     terms, length = _terms(dataset), float(dataset["depth_bounds"].values[-1, 1])
     least = 1.0e-3 * max(_largest(terms["H"]), _largest(terms["V"]))
     least_of = {"H": least, "V": least, "M": least * length}

@@ -16,7 +16,7 @@ HEIGHT = np.diff(EDGES)
 
 
 def springs_of(p, m, ends, u, rotation, stiffness=None) -> xr.DataTree:
-    """Springs of one pull from p, m (depth, step), ends and states; all of p is outside and normal."""
+    """Return the springs of one pull from p, m (depth, step), ends and states; all of p is outside and normal."""
     tree = make_springs((Path(steps=len(u) - 1),), Caisson(rings=RINGS, sectors=4))
     data = tree["paths/pull"].to_dataset(inherit=False).copy(deep=True)
     zero = np.zeros(len(u))
@@ -49,7 +49,7 @@ def linear_springs() -> xr.DataTree:
 
 
 def linear_stiffness(spring_set: str) -> np.ndarray:
-    """K of H = K_uu u + K_ur rotation, M = K_ru u + K_rr rotation, by the balance sums."""
+    """Return K of H = K_uu u + K_ur rotation, M = K_ru u + K_rr rotation, by the balance sums."""
     k = np.array([[np.sum(HEIGHT), np.sum(HEIGHT * DEPTH)], [np.sum(HEIGHT * DEPTH), np.sum(HEIGHT * DEPTH**2)]]) * K_P
     if spring_set == "full":
         k += K_TIP * np.array([[1.0, LENGTH], [LENGTH, LENGTH**2]])
@@ -58,7 +58,7 @@ def linear_stiffness(spring_set: str) -> np.ndarray:
 
 
 def bilinear_springs() -> xr.DataTree:
-    """Springs that yield at 1 mm: translation alone, so that all curves turn at the same state."""
+    """Return the springs that yield at 1 mm: translation alone, so that all curves turn at the same state."""
     u = np.array([0.0, 1e-3, 2e-3, 3e-3])
     p = np.tile([0.0, 3e5, 4e5, 5e5], (RINGS, 1))
     return springs_of(p, np.zeros((RINGS, 1)), {}, u, 0.0 * u)

@@ -25,7 +25,7 @@ def linear(z, y, rotation):
 
 
 def potential(z, y, rotation):
-    """p and m from the potential W = k e^2 (1 + z/L) sqrt(1 + q/e^2), q = quadratic form of (y, rotation): coupled."""
+    """Return p, m of potential W = k e^2 (1 + z/L) sqrt(1 + q/e^2), q = quadratic form of (y, rotation): coupled."""
     e = 2e-3
     stress = np.array(linear(z, y, rotation))
     q = (stress[0] * y + stress[1] * rotation) / A
@@ -38,7 +38,7 @@ def loads(law, u, rotation):
 
 
 def fan_springs(law, angles=ANGLES, rho=RHO, held_back=()) -> xr.DataTree:
-    """Springs of rays (and held-back pulls at the arms given) of a caisson whose p and m follow a law."""
+    """Return the springs of rays (and held-back pulls at the arms given) of a caisson whose p and m follow a law."""
     names = {f"ray_{k}": a for k, a in enumerate(angles)}
     paths = [Path(name, "translation", steps=rho.size - 1) for name in names]
     paths += [Path(f"pull_{arm:g}", arm=arm, role="held-back", steps=rho.size - 1) for arm in held_back]
@@ -86,7 +86,7 @@ def _replace(tree, name, law, u, rotation):
 
 
 def scattered(n=200, size=7e-3, seed=3):
-    """States (n, 2) = (u, rotation) all over the plane."""
+    """Return the states (n, 2) = (u, rotation) all over the plane."""
     random = np.random.default_rng(seed)
     rho, phi = size * random.random(n), 2 * np.pi * random.random(n)
     return np.stack([rho * np.cos(phi), rho * np.sin(phi) / LENGTH], axis=1)

@@ -22,7 +22,7 @@ from tests.support.models import CONTACT, Run, rotation_matrix, soil
 
 
 def section(r: np.ndarray, z: np.ndarray) -> SectionMesh:
-    """Rectangles between lines; sets: side, bottom, top."""
+    """Return the rectangles between lines; sets: side, bottom, top."""
     grid_r, grid_z = (np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])])) for x in (r, z))
     points = np.stack(np.meshgrid(grid_r, grid_z, indexing="ij"), axis=-1).reshape(-1, 2)
     number = np.arange(len(points)).reshape(len(grid_r), len(grid_z))
@@ -40,7 +40,7 @@ def disc(
     harmonics: int = 2, law: SoilLaw = plasol.LAW, contact: tuple = CONTACT, skew: bool = False,
     pressure: float = 2.0e4, **changes: float,
 ) -> FourierModel:  # fmt: skip
-    """A cylinder of soil (radius 3 m, depth 2 m, roller, fixed base) under a rigid disc of radius 1 m.
+    """Return a cylinder of soil (radius 3 m, depth 2 m, roller, fixed base) under a rigid disc of radius 1 m.
 
     ``skew`` turns the frames of the stations at random, and puts an elastic soil into some elements.
     """

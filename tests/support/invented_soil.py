@@ -71,12 +71,12 @@ class Caisson:
 
 
 def hyperbola(x, stiffness, limit):
-    """Odd curve of initial slope `stiffness` that tends to +-limit."""
+    """Return the odd curve of initial slope `stiffness` that tends to +-limit."""
     return stiffness * x / (1.0 + np.abs(stiffness * x / limit))
 
 
 def fields(c: Caisson, u: float, rotation: float) -> dict[str, np.ndarray]:
-    """Contact fields (side, azimuth, depth) at a state (m, rad): stresses in Pa, gap in m."""
+    """Return the contact fields (side, azimuth, depth) at a state (m, rad): stresses in Pa, gap in m."""
     z, theta = c.depth, c.azimuth[:, None]
     confinement = c.unit_weight * z + c.surcharge
     felt = u + rotation * z + c.coupling * rotation * c.length
@@ -97,7 +97,7 @@ def fields(c: Caisson, u: float, rotation: float) -> dict[str, np.ndarray]:
 
 
 def rings(c: Caisson, field: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Integrals of the fields ring by ring: p (depth, side, component), m and t (depth, side)."""
+    """Return the integrals of the fields ring by ring: p (depth, side, component), m and t (depth, side)."""
     outward = np.array([1.0, -1.0])[:, None, None]  # normal of the contact, caisson towards soil
     cos = np.cos(c.azimuth)[None, :, None]
     arc = (c.radii[:, None] * c.arc[None, :])[:, :, None]
@@ -111,7 +111,7 @@ def rings(c: Caisson, field: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def base(c: Caisson, u: float, rotation: float) -> dict[str, float]:
-    """Tip and lid terms (N, N m) at a state."""
+    """Return the tip and lid terms (N, N m) at a state."""
     tip = u + rotation * c.length
     return {
         "H_tip": float(hyperbola(tip, 1.2e8, 1.5e5)),
@@ -122,7 +122,7 @@ def base(c: Caisson, u: float, rotation: float) -> dict[str, float]:
 
 
 def loads(c: Caisson, u: float, rotation: float) -> tuple[float, float]:
-    """Total H (N) and M (N m) that hold the caisson at a state."""
+    """Return the total H (N) and M (N m) that hold the caisson at a state."""
     ring, b = rings(c, fields(c, u, rotation)), base(c, u, rotation)
     dz = np.diff(c.bounds)[:, 0]
     p, m = ring["p"].sum(axis=(1, 2)), ring["m"].sum(axis=1)
@@ -133,7 +133,7 @@ def loads(c: Caisson, u: float, rotation: float) -> tuple[float, float]:
 
 @cache
 def states(c: Caisson, path: Path) -> list[tuple[float, float]]:
-    """Equilibrium states (u, rotation) of a path; denser at its start, as a solver's steps are."""
+    """Return the equilibrium states (u, rotation) of a path; denser at its start, as a solver's steps are."""
     ramp = path.size * np.linspace(0.0, 1.0, path.steps + 1) ** 1.5
     if path.kind == "rotation":
         return [(0.0, float(a)) for a in ramp]
@@ -152,7 +152,7 @@ def states(c: Caisson, path: Path) -> list[tuple[float, float]]:
 
 
 def stiffness(c: Caisson) -> np.ndarray:
-    """Initial tangent (u, w, rotation) by differences."""
+    """Return the initial tangent (u, w, rotation) by differences."""
     h = 1e-9
     k = np.zeros((3, 3))
     k[np.ix_([0, 2], [0])] = (np.array(loads(c, h, 0.0)) / h)[:, None]

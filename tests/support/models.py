@@ -47,27 +47,27 @@ def taylor_slope(f: Callable, slope: np.ndarray, x: np.ndarray, step: np.ndarray
 
 
 def rotation_matrix(axis: tuple[float, float, float], angle: float) -> np.ndarray:
-    """Rotation (3, 3) about an axis by the right-hand rule (Rodrigues)."""
+    """Return the rotation (3, 3) about an axis by the right-hand rule (Rodrigues)."""
     x, y, z = np.asarray(axis) / np.linalg.norm(axis)
     skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.eye(3) + np.sin(angle) * skew + (1.0 - np.cos(angle)) * skew @ skew
 
 
 def to_matrix(voigt: np.ndarray, shear: float = 1.0) -> np.ndarray:
-    """Tensor (3, 3) of a Voigt vector xx yy zz xy yz zx; shear = 0.5 for engineering strains."""
+    """Return the tensor (3, 3) of a Voigt vector xx yy zz xy yz zx; shear = 0.5 for engineering strains."""
     xx, yy, zz = voigt[:3]
     xy, yz, zx = shear * voigt[3:]
     return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
 
 
 def to_voigt(tensor: np.ndarray, shear: float = 1.0) -> np.ndarray:
-    """Voigt vector of a symmetric tensor; shear = 2 for engineering strains."""
+    """Return the Voigt vector of a symmetric tensor; shear = 2 for engineering strains."""
     t = tensor
     return np.array([t[0, 0], t[1, 1], t[2, 2], shear * t[0, 1], shear * t[1, 2], shear * t[2, 0]])
 
 
 def box(counts: tuple[int, int, int], size: tuple[float, float, float], distort: float = 0.0) -> Mesh:
-    """Brick mesh with a corner at the origin; distort moves every node by up to that share of a cell."""
+    """Return the brick mesh with a corner at the origin; distort moves every node by up to that share of a cell."""
     axes = [np.linspace(0.0, length, n + 1) for n, length in zip(counts, size, strict=True)]
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     number = np.arange(len(nodes)).reshape([n + 1 for n in counts])
@@ -80,12 +80,12 @@ def box(counts: tuple[int, int, int], size: tuple[float, float, float], distort:
 
 
 def all_of(mesh: Mesh, axis: int, value: float) -> np.ndarray:
-    """Nodes (n,) bool on the plane where a coordinate has a value."""
+    """Return the nodes (n,) bool on the plane where a coordinate has a value."""
     return np.abs(mesh.nodes[:, axis] - value) < 1.0e-9
 
 
 def soil(law: SoilLaw = plasol.LAW, **changes: float) -> Material:
-    """Material of SAND with some parameters changed; those that the law has."""
+    """Return the material of SAND with some parameters changed; those that the law has."""
     names = ("young", "poisson", "phi_i", "phi_f", "b_phi", "psi", "cohesion")
     values = dict(zip(names, SAND, strict=True)) | {"strength": 2.0e4} | changes
     accepted = inspect.signature(law.pack).parameters
@@ -93,7 +93,7 @@ def soil(law: SoilLaw = plasol.LAW, **changes: float) -> Material:
 
 
 def body_stations(mesh: Mesh, faces: np.ndarray, reference: np.ndarray, rule: str = "nodal") -> Stations:
-    """Stations of a rigid body on faces whose normals point into the soil."""
+    """Return the stations of a rigid body on faces whose normals point into the soil."""
     if rule == "nodal":
         node, normal, area = nodal_stations(mesh.nodes, faces)
         nodes, weight = node[:, None], np.ones((len(node), 1))
@@ -105,14 +105,14 @@ def body_stations(mesh: Mesh, faces: np.ndarray, reference: np.ndarray, rule: st
 
 
 def geostatic(mesh: Mesh, surcharge: float, weight: float, k0: float = 1.0) -> np.ndarray:
-    """Initial stress (ne, 8, 6): vertical -(surcharge + weight z), horizontal k0 times that."""
+    """Return the initial stress (ne, 8, 6): vertical -(surcharge + weight z), horizontal k0 times that."""
     vertical = -(surcharge + weight * hex8.gauss_positions(mesh.nodes, mesh.hexes)[:, :, 2])
     zero = np.zeros_like(vertical)
     return np.stack([k0 * vertical, k0 * vertical, vertical, zero, zero, zero], axis=-1)
 
 
 def footing(material: Material | None = None, contact: tuple = CONTACT, pressure: float = 2.0e4) -> Model:
-    """A block of soil 3 x 0.5 x 1.5 m (rollers, fixed base) under a rigid footing on x = 1 .. 2 m."""
+    """Return a block of soil 3 x 0.5 x 1.5 m (rollers, fixed base) under a rigid footing on x = 1 .. 2 m."""
     mesh = box((6, 1, 3), (3.0, 0.5, 1.5))
     fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
     fixed[all_of(mesh, 0, 0.0) | all_of(mesh, 0, 3.0), 0] = True
@@ -129,7 +129,7 @@ def footing(material: Material | None = None, contact: tuple = CONTACT, pressure
 
 
 def mixed(rule: str = "nodal", skew_stations: bool = False) -> Model:
-    """Distorted block with everything at once: two laws, skew nodes, followers, fixed dofs, a body, stations.
+    """Return a distorted block with everything at once: two laws, skew nodes, followers, fixed dofs, a body, stations.
 
     Border dofs are the body's (u, w, rotation) and one more that some nodes follow. ``rule`` is nodal, gauss, or
     pairs (a deformable side 2: stations between pairs of nodes).
@@ -164,7 +164,7 @@ def mixed(rule: str = "nodal", skew_stations: bool = False) -> Model:
 
 
 def stage(controls: dict[int, float], force: tuple = (0.0, 0.0, 0.0), arm: float = 0.0, **options) -> Stage:
-    """Stage that imposes end values on border dofs, by forces on the same dofs; arm (m) lifts the lateral one."""
+    """Return a stage with end values of border dofs, by forces on the same dofs; arm (m) lifts the lateral one."""
     control = np.array([np.eye(3)[i] for i in controls]).reshape(-1, 3)
     load = control.copy()
     load[control[:, 0] == 1.0, 2] = -arm
@@ -197,7 +197,7 @@ def run(model: Model, *stages: Stage, linear: str = "superlu", **settings) -> Ru
 
 
 def wet(rule: str = "nodal", storage: float = 2.0e-10) -> Model:
-    """The mixed model with pore water: a film on the stations, some pressures held, at values that are not zero.
+    """Return the mixed model with pore water: a film on the stations, some pressures held, at values that are not zero.
 
     ``rule`` as in mixed; between pairs of nodes both sides are porous, and the film has no faces to flow along.
     """

@@ -24,7 +24,7 @@ HISTORY = ("e_xx", "e_yy", "e_zz", "g_xy", "g_yz", "g_zx", "length", "updates")
 
 @njit
 def recorded(p, strain, old, new, tangent, with_tangent):
-    """Elasticity whose history keeps the strain, its length and the number of increments."""
+    """Return the elasticity whose history keeps the strain, its length and the number of increments."""
     square = 0.0
     for i in range(6):
         new.stress[i] = old.stress[i]
@@ -40,7 +40,7 @@ def recorded(p, strain, old, new, tangent, with_tangent):
 
 @njit
 def bonded(p, slide, traction):
-    """Springs in all directions that neither open nor slip."""
+    """Return the springs in all directions that neither open nor slip."""
     traction[0] = -slide.initial_pressure + p[0] * slide.jump[0]
     for i in range(1, 3):
         traction[i] = slide.traction_old[i] + p[1] * (slide.jump[i] - slide.jump_old[i])
@@ -49,7 +49,7 @@ def bonded(p, slide, traction):
 
 @njit
 def bonded_linear(p, slide, guess, traction, tangent):
-    """The same with its tangent."""
+    """Return the same with its tangent."""
     for i in range(3):
         for j in range(3):
             tangent[i, j] = 0.0

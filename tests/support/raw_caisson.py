@@ -43,14 +43,14 @@ SHARE = {"outer": 1.0, "inner": 0.3, "lid": 0.5, "tip": 0.8}
 
 @cache
 def built() -> Built:
-    """The tiny caisson with water, where the film joins skirt and lid."""
+    """Return the tiny caisson with water, where the film joins skirt and lid."""
     path = tiny.PULL | {"rate": 1e-4}
     return build_model(tiny.scene(drainage={"mode": "coupled"}, paths=(path,)))
 
 
 @cache
 def states(name: str) -> list[Fields]:
-    """The states of a path: all fields of a model filled in."""
+    """Return the states of a path: all fields of a model filled in."""
     model, end = built().model, np.array(PATHS[name][0])
     stations, start = model.stations, State(model).committed
     assert stations is not None
@@ -76,7 +76,7 @@ def states(name: str) -> list[Fields]:
 
 
 def vertical(state: Fields) -> float:
-    """Vertical force (N) of the whole caisson on the soil."""
+    """Return the vertical force (N) of the whole caisson on the soil."""
     stations, film = built().model.stations, built().model.water.film  # type: ignore[union-attr]
     assert stations is not None and film is not None
     pressure = state.pressure[built().model.mesh.n_nodes :]
@@ -88,7 +88,7 @@ def vertical(state: Fields) -> float:
 
 
 def lid_area() -> float:
-    """Area (m2) under the whole lid; its normal points down."""
+    """Return the area (m2) under the whole lid; its normal points down."""
     stations = built().model.stations
     assert stations is not None
     lid = stations.surface == SURFACE["lid"]
@@ -102,7 +102,7 @@ def times() -> np.ndarray:
 
 @cache
 def result() -> xr.DataTree:
-    """A result of these paths, by the collector; the last step of `slide` did not converge."""
+    """Return a result of these paths, by the collector; the last step of `slide` did not converge."""
     made, groups = built(), dict[str, xr.Dataset]()
     system = System(made.model)
     for name, (_, kind, role) in PATHS.items():
@@ -149,7 +149,7 @@ class Raw:
         return GROWTH[self.step] * u, GROWTH[self.step] * w, GROWTH[self.step] * rotation
 
     def stations(self) -> list[tuple[str, np.ndarray, dict[str, np.ndarray]]]:
-        """Face, position (m) and force vectors of each station: its normal, shear and water parts."""
+        """Return the face, position (m) and force vectors of each station: its normal, shear and water parts."""
         rows, model = [], built().model
         all_of, film = model.stations, model.water.film  # type: ignore[union-attr]
         assert all_of is not None and film is not None
@@ -163,7 +163,7 @@ class Raw:
         return rows
 
     def water(self, k: int) -> float:
-        """Excess pressure (Pa) in the film at a station."""
+        """Return the excess pressure (Pa) in the film at a station."""
         model = built().model
         film = model.water.film  # type: ignore[union-attr]
         assert film is not None
@@ -172,7 +172,7 @@ class Raw:
         return sum(float(weight) * float(self.state.pressure[first + node]) for weight, node in pairs)
 
     def gap(self, k: int) -> float:
-        """Opening (m) at a station: how far soil and caisson are apart, less the penetration that it began with."""
+        """Return the opening (m) of a station: distance of soil and caisson less the initial penetration."""
         model = built().model
         stations = model.stations
         assert stations is not None
@@ -184,7 +184,7 @@ class Raw:
         return max(apart - float(model.initial_pressure[k]) / float(model.contact[k][0]), 0.0)
 
     def on(self, face: str) -> dict[str, float]:
-        """H, V, M (about the lid centre; of the tip about the axis point at its own depth) on a face."""
+        """Return H, V, M (about the lid centre; of the tip about the axis point at its own depth) on a face."""
         out, about = {"H": 0.0, "V": 0.0, "M": 0.0}, LENGTH if face == "tip" else 0.0
         for name, (x, _, z), parts in self.stations():
             if name == face:
@@ -193,7 +193,7 @@ class Raw:
         return out
 
     def total(self) -> dict[str, float]:
-        """H, V, M about the lid centre."""
+        """Return H, V, M about the lid centre."""
         out = {"H": 0.0, "V": 0.0, "M": 0.0}
         for _, (x, _, z), parts in self.stations():
             fx, _, fz = sum(parts.values())
@@ -201,7 +201,7 @@ class Raw:
         return out
 
     def ring(self, side: str, depth: float) -> dict[str, float]:
-        """Reactions per metre of a ring on one side: p by component, m and t."""
+        """Return the reactions per metre of a ring on one side: p by component, m and t."""
         top, bottom = slice_of(depth)
         out = dict.fromkeys(("normal", "shear", "water", "m", "t"), 0.0)
         count = 0
@@ -217,14 +217,14 @@ class Raw:
         return out
 
     def net(self, depth: float) -> dict[str, float]:
-        """p, m and t of both sides."""
+        """Return the p, m and t of both sides."""
         both = [self.ring(side, depth) for side in SIDE]
         out = {key: sum(one[key] for one in both) for key in ("m", "t")}
         return out | {"p": sum(one[part] for one in both for part in ("normal", "shear", "water"))}
 
 
 def depths() -> list[float]:
-    """Depths (m) of the rings, from the places of the stations."""
+    """Return the depths (m) of the rings, from the places of the stations."""
     stations = built().model.stations
     assert stations is not None
     outer = stations.position[stations.surface == SURFACE["outer"], 2]
@@ -232,7 +232,7 @@ def depths() -> list[float]:
 
 
 def slice_of(depth: float) -> tuple[float, float]:
-    """Top and bottom (m) of the slice of a ring: half way to its neighbours."""
+    """Return the top and bottom (m) of the slice of a ring: half way to its neighbours."""
     z = depths()
     k = min(range(len(z)), key=lambda i: abs(z[i] - depth))
     return (0.0 if k == 0 else 0.5 * (z[k - 1] + z[k])), (LENGTH if k == len(z) - 1 else 0.5 * (z[k] + z[k + 1]))
@@ -240,7 +240,7 @@ def slice_of(depth: float) -> tuple[float, float]:
 
 @cache
 def raw(path: str, step: int) -> dict[str, dict]:
-    """Everything of one state, summed once: motion, total, on (face), ring (side, depth), net (depth), F_pw."""
+    """Return everything of one state, summed once: motion, total, on (face), ring (side, depth), net (depth), F_pw."""
     one = Raw(path, step)
     u, w, rotation = one.motion
     lid = sum(float(parts["water"][2]) for face, _, parts in one.stations() if face == "lid")
@@ -254,5 +254,5 @@ def raw(path: str, step: int) -> dict[str, dict]:
 
 
 def strain_of(state: Fields, cell: int) -> float:
-    """Equivalent plastic strain of a cell: the mean of its eight points."""
+    """Return the equivalent plastic strain of a cell: the mean of its eight points."""
     return sum(float(state.history[cell, point, KAPPA]) for point in range(8)) / 8.0

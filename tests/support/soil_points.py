@@ -32,7 +32,7 @@ SYMMETRY = (
 
 
 def make(phi_i=5.0, phi_f=30.0, psi=0.0, cohesion=0.0, b_phi=0.005, young=YOUNG, poisson=POISSON):
-    """Packed parameters; angles in degrees."""
+    """Return the packed parameters; angles in degrees."""
     return plasol.pack(young, poisson, phi_i * DEGREE, phi_f * DEGREE, b_phi, psi * DEGREE, cohesion)
 
 
@@ -48,21 +48,21 @@ class Answer:
 
 
 def update_by(law: Callable, p, strain, stress=START, kappa=0.0) -> Answer:
-    """One update by a law from a stress and an equivalent plastic strain."""
+    """Return one update by a law from a stress and an equivalent plastic strain."""
     new, history, tangent = np.full(6, np.nan), np.full(1, np.nan), np.full((6, 6), np.nan)
     status, regime = law(p, strain, Point(stress, np.array([kappa])), Point(new, history), tangent, True)
     return Answer(new, history[0], tangent, status, regime)
 
 
 def invariants(stress):
-    """I = tr sigma and II = sqrt(s:s/2)."""
+    """Return I = tr sigma and II = sqrt(s:s/2)."""
     first = stress[:3].sum()
     deviator = to_matrix(stress) - first / 3.0 * np.eye(3)
     return first, np.sqrt(0.5 * np.sum(deviator**2))
 
 
 def elastic(p):
-    """Elastic stiffness (6, 6) of packed parameters."""
+    """Return the elastic stiffness (6, 6) of packed parameters."""
     bulk, shear = p[plasol.BULK], p[plasol.SHEAR]
     return elastic_matrix(
         9.0 * bulk * shear / (3.0 * bulk + shear), (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)
@@ -77,14 +77,14 @@ def trial_excess(yield_function: Callable, p, strain, stress, kappa):
 
 
 def dissipation(p, strain, stress, answer):
-    """Plastic work of the step, J/m3."""
+    """Return the plastic work of the step, J/m3."""
     plastic = strain - np.linalg.solve(elastic(p), answer.stress - stress)
     return answer.stress @ plastic
 
 
 @st.composite
 def soils(draw):
-    """Parameters far apart, within what a scene may hold."""
+    """Return the parameters far apart, within what a scene may hold."""
     phi_f = draw(st.floats(0.5, 45.0))
     return make(
         phi_i=draw(st.sampled_from([0.0, 1.0e-6, 0.1, 0.5, 1.0])) * phi_f,
@@ -99,6 +99,6 @@ def soils(draw):
 
 @st.composite
 def strains(draw):
-    """Increments of strain from rounding to a tenth."""
+    """Return the increments of strain from rounding to a tenth."""
     direction = np.array(draw(st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6)))
     return 10.0 ** draw(st.floats(-9.0, -1.0)) * direction

@@ -19,7 +19,7 @@ DEAD_LOAD = 2.0e6
 
 
 def path_dataset(c: Caisson, path: Path) -> xr.Dataset:
-    """The `/paths/<name>` dataset of the result schema."""
+    """Return the `/paths/<name>` dataset of the result schema."""
     track = states(c, path)
     n = len(track)
     u, rotation = np.array(track).T
@@ -76,7 +76,7 @@ def path_dataset(c: Caisson, path: Path) -> xr.Dataset:
 
 
 def _under(part: str, c: Caisson, u: np.ndarray, rotation: np.ndarray, depth: float) -> dict[str, tuple]:
-    """Stations under the lid (half disc) or the tip (half ring): places, effective normal stress, opening."""
+    """Return stations under the lid (half disc) or the tip (half ring): places, effective normal stress, opening."""
     radius = np.array([0.95, 2.0, 3.1]) if part == "lid" else np.array([c.radius - 0.5 * c.thickness])
     r, a = (v.ravel() for v in np.meshgrid(radius, c.azimuth))
     x, point = r * np.cos(a), f"{part}_point"
@@ -91,7 +91,7 @@ def _under(part: str, c: Caisson, u: np.ndarray, rotation: np.ndarray, depth: fl
 
 
 def section_mesh(c: Caisson) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes x, depth (m) and quads (cell, 4) of a plain grid over the symmetry plane, 24 m by 12 m."""
+    """Return the nodes x, depth (m) and quads (cell, 4) of a plain grid over the symmetry plane, 24 m by 12 m."""
     lines = (-24.0, -c.radius, c.radius, 24.0)
     xs = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in pairwise(lines)]))
     zs = np.unique(np.concatenate([np.linspace(0, c.length, 7), np.linspace(c.length, 12, 7)]))
@@ -101,7 +101,7 @@ def section_mesh(c: Caisson) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def convergence_dataset(steps: int) -> xr.Dataset:
-    """An invented record: four iterations a step, one cut-back at step 2."""
+    """Return an invented record: four iterations a step, one cut-back at step 2."""
     attempts = [(s, a) for s in range(1, steps + 1) for a in ((0, 1) if s == 2 else (0,))]
     rows = [
         (s, a, i, s / steps, 10.0 ** (-1.0 - 0.7 * i * i), 10.0 ** (-2.0 - i), 1.0, 4 * s, 20 * s, 90 * s, s)
@@ -126,7 +126,7 @@ def convergence_dataset(steps: int) -> xr.Dataset:
 
 
 def make_result(paths: tuple[Path, ...] = (Path(),), caisson: Caisson | None = None) -> xr.DataTree:
-    """A result tree of the true schema."""
+    """Return a result tree of the true schema."""
     c = caisson or Caisson()
     x, depth, quads = section_mesh(c)
     section = xr.Dataset(
@@ -168,7 +168,7 @@ SPRING_VARIABLES = (
 
 
 def make_springs(paths: tuple[Path, ...] = (Path(),), caisson: Caisson | None = None) -> xr.DataTree:
-    """A springs tree of the true schema, from the same reactions as `make_result`."""
+    """Return a springs tree of the true schema, from the same reactions as `make_result`."""
     c = caisson or Caisson()
     result = make_result(paths, c)
     keep = (

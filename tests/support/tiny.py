@@ -23,24 +23,24 @@ SECTIONS: dict[str, Any] = {
 
 
 def scene(**sections: Any) -> Scene:
-    """The tiny scene with some values changed."""
+    """Return the tiny scene with some values changed."""
     return Scene(**SECTIONS).replace(**sections)
 
 
 def wet(mode: str = "coupled", rate: float = 1e-4, drainage: dict | None = None, **path: object) -> Scene:
-    """The tiny scene with water, pulled at a rate (m/s)."""
+    """Return the tiny scene with water, pulled at a rate (m/s)."""
     pull = {**PULL, "rate": rate, **path}
     return scene(drainage={"mode": mode, **(drainage or {})}, paths=(pull,))
 
 
 def overloaded_scene(**sections: Any) -> Scene:
-    """A load that the soil does not carry: its first steps converge."""
+    """Return a load that the soil does not carry: its first steps converge."""
     path = {"name": "storm", "kind": "load", "lateral_force": 2e7}
     return scene(interface={"friction_coefficient": 0.0}, paths=(path,), **sections)
 
 
 def stuck_scene(**sections: Any) -> Scene:
-    """A scene that cannot converge from its first step on: rounding is above the tolerance."""
+    """Return a scene that cannot converge from its first step on: rounding is above the tolerance."""
     return scene(solver={"tolerance": 1e-12, "max_iterations": 2, "first_step_fraction": 1e-5}, **sections)
 
 
@@ -52,5 +52,5 @@ def write(scene: Scene, file: Path) -> Path:
 
 @cache
 def result() -> xr.DataTree:
-    """A run of the tiny scene; not to be changed by a test."""
+    """Return a run of the tiny scene; not to be changed by a test."""
     return run(scene())

@@ -19,12 +19,12 @@ RAYS = [
 
 
 def down_curve(w: np.ndarray) -> np.ndarray:
-    """V(w) - V0 of the invented soil: a hyperbola, weaker upwards, with a limit of 3 MN there."""
+    """Return V(w) - V0 of the invented soil: a hyperbola, weaker upwards, with a limit of 3 MN there."""
     return K * w / (1.0 + np.where(w > 0.0, w / 5e-3, -K * w / 3e6))
 
 
 def vertical_path(base: xr.Dataset, end: float, steps: int = 25) -> xr.Dataset:
-    """A vertical path to w = end [m]: half of the change of V on the skirt, evenly, a quarter on tip and lid each."""
+    """Return a vertical path to w = end [m]: half of the change of V on the skirt, a quarter on tip and lid each."""
     w = end * np.linspace(0.0, 1.0, steps) ** 2
     change, dz = down_curve(w), np.diff(base["depth_bounds"].values, axis=1)[:, 0]
     out = base.isel(step=[0] * steps).assign_coords(step=np.arange(steps)).copy(deep=True)
@@ -37,7 +37,7 @@ def vertical_path(base: xr.Dataset, end: float, steps: int = 25) -> xr.Dataset:
 
 
 def vertical_springs(ends: tuple[float, ...] = (1e-2, -1e-2), heavier: tuple[float, ...] = ()) -> xr.DataTree:
-    """Two rays, vertical paths to w = ends, and the rays again under more V, with reactions stronger by it."""
+    """Return two rays, vertical paths to w = ends, and the rays again under more V, with reactions stronger by it."""
     base = synthetic.make_springs(RAYS)
     groups = {"/": base.to_dataset(inherit=False)}
     K_zz = groups["/"]["stiffness_initial"].copy(deep=True)
@@ -55,7 +55,7 @@ def vertical_springs(ends: tuple[float, ...] = (1e-2, -1e-2), heavier: tuple[flo
 
 
 def pressed(path: xr.Dataset, V: float) -> xr.Dataset:
-    """The path again under a vertical load V: lid carries the rest of V, lateral reactions grow in proportion to V."""
+    """Return the path under a vertical load V: the lid carries the rest, lateral reactions are proportional to V."""
     out = path.copy(deep=True)
     for name in ("p", "m", "H", "M", "H_tip", "M_tip", "H_lid", "M_lid"):
         start = path[name].isel(step=0)

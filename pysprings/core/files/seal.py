@@ -56,7 +56,7 @@ def content_fault(path: str | os.PathLike[str]) -> str | None:
 
 
 def _content(file: Any) -> str:
-    """SHA-256 (hexadecimal) of the content of an open file."""
+    """Return the SHA-256 (hexadecimal) of the content of an open file."""
     file.set_auto_maskandscale(False)
     file.set_auto_chartostring(False)
     digest = hashlib.sha256()

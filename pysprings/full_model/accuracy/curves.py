@@ -82,7 +82,7 @@ def curves_of(result: xr.DataTree) -> dict[str, Curve]:
 
 
 def leading(x: Array) -> NDArray[np.int_]:
-    """Numbers of the states that lead on from the first one; states that repeat a value are skipped.
+    """Return the numbers of the states that lead on from the first one; states that repeat a value are skipped.
 
     >>> leading(np.array([0.0, 1.0, 1.0, 2.0, 1.5, 3.0])).tolist()
     [0, 1, 3]
@@ -147,5 +147,5 @@ def _y_ends(curve: Curve) -> Array:
 
 
 def _between(x: Array, values: Array, at: Array) -> Array:
-    """Monotone cubic through (x, values) at points within their range (rounding beyond it is cut)."""
+    """Return the monotone cubic through (x, values) at points within their range (rounding beyond it is cut)."""
     return np.asarray(PchipInterpolator(x, values)(np.clip(at, x[0], x[-1])), dtype=float)

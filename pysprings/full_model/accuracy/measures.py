@@ -17,21 +17,21 @@ Array = NDArray[np.float64]
 
 
 def _largest(answer: Array, reference: Array) -> float:
-    """Largest difference over the largest size of the reference; NaN on either side is left out."""
+    """Return the largest difference over the largest size of the reference; NaN on either side is left out."""
     counted = np.isfinite(answer) & np.isfinite(reference)
     size = np.abs(reference[counted]).max(initial=0.0)
     return float(np.abs(answer - reference)[counted].max() / size) if size else float("nan")
 
 
 def _rms(answer: Array, reference: Array) -> float:
-    """Root mean square of the differences over the largest size of the reference; NaN is left out."""
+    """Return the root mean square of the differences over the largest size of the reference; NaN is left out."""
     counted = np.isfinite(answer) & np.isfinite(reference)
     size = np.abs(reference[counted]).max(initial=0.0)
     return float(np.sqrt(np.mean((answer - reference)[counted] ** 2)) / size) if size else float("nan")
 
 
 def _area(answer: Array, reference: Array) -> float:
-    """1 - eta of curves on equally spaced displacements that start at 0."""
+    """Return 1 - eta of curves on equally spaced displacements that start at 0."""
     start = [0.0]
     return 1.0 - eta(np.arange(reference.size + 1.0), np.append(start, reference), np.append(start, answer))
 

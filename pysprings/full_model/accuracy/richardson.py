@@ -28,7 +28,7 @@ NEEDED = 3  # meshes
 class Reference:
     """Limit of a quantity on ever finer meshes: values, and ``beside``, whose distance from them is their uncertainty.
 
-    ``order`` is None where the finest mesh is taken as it is; ``note`` is the cause. ``beside`` is the finest mesh where
+    ``order`` is None where the finest mesh is taken as it is; ``note`` is the cause. ``beside`` is the finest mesh if
     the values are extrapolated from it, else the mesh before it.
     """
 

@@ -92,7 +92,7 @@ def settings(
 
 
 def _unknowns(setting: Setting) -> int:
-    """Unknowns of a mesh, by which presets and factors are ordered; of the default scene."""
+    """Return the unknowns of a mesh, by which presets and factors are ordered; of the default scene."""
     from pysprings.model.forecast.resources import size_of
     from pysprings.scene.load import Scene
 

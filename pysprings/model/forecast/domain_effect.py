@@ -70,7 +70,7 @@ def domain_effect(scene: Scene) -> DomainEffect:
 
 
 def _poisson(scene: Scene) -> float:
-    """Poisson's ratio of the soil as it answers at once: water that has no time to flow holds its volume."""
+    """Return Poisson's ratio of the soil as it answers at once: water that has no time to flow holds its volume."""
     return _MOST_POISSON if scene.drainage.mode == "undrained" else min(_at_tip(scene), _MOST_POISSON)
 
 
@@ -79,7 +79,7 @@ def _at_tip(scene: Scene) -> float:
 
 
 def _stiffening(slenderness: float, radius: float, below: float, poisson: float) -> float:
-    """K_H over that of the half-space; lengths over the diameter (see the head of this file)."""
+    """Return K_H over that of the half-space; lengths over the diameter (see the head of this file)."""
     held = (1.0 - poisson) / (1.0 - 2.0 * poisson)
     side = 0.759 * slenderness**0.637 * held**0.362 / (radius - 0.5) ** 0.969
     bottom = 0.33 * slenderness**-0.098 * held**-0.067 / (below + 0.082)

@@ -66,7 +66,7 @@ def describe(scene: Scene) -> dict[str, Any]:
 
 
 def _domain(effect: DomainEffect) -> dict[str, float]:
-    """How far the domain reaches around the caisson, and how much it stiffens it."""
+    """Return how far the domain reaches around the caisson, and how much it stiffens it."""
     return {
         "domain_radius_over_diameter": effect.radius,
         "soil_below_tip_over_diameter": effect.below_tip,
@@ -83,7 +83,7 @@ def _unknowns(built: Built | BuiltFourier) -> int:
 
 
 def _contact(scene: Scene) -> dict[str, Any]:
-    """Penalty stiffness that the model uses, and what it costs."""
+    """Return the penalty stiffness that the model uses, and what it costs."""
     penalty = penalty_of(scene)
     return {
         "normal_stiffness_N_per_m3": penalty.normal,

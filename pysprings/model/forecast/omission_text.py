@@ -25,7 +25,7 @@ def saved_text(saved: Any) -> str:
 
 
 def _positive(value: Any) -> float:
-    """A finite number above 0, else 0."""
+    """Return a finite number above 0, else 0."""
     plain = isinstance(value, int | float) and not isinstance(value, bool)
     return float(value) if plain and abs(value) < 1e300 and math.isfinite(value) and value > 0 else 0.0
 

@@ -53,7 +53,7 @@ class Omission:
     saved: Saved | None = None
 
     def record(self) -> dict[str, Any]:
-        """What, why and saved as `check` and run.json have it; an idealisation has an empty ``saved``."""
+        """Return what, why and saved as `check` and run.json have it; an idealisation has an empty ``saved``."""
         return {"what": self.what, "why": self.why, "saved": {} if self.saved is None else asdict(self.saved)}
 
 
@@ -66,7 +66,7 @@ class _Load:
     symmetric: bool
 
     def saves(self, scene: Scene, other: _Load) -> Saved:
-        """What this load saves beside another one that carries more."""
+        """Return the saving of this load beside another one that carries more."""
         memory = memory_bytes(other.unknowns, other.water, other.symmetric)
         time = seconds(scene, other.unknowns, other.water, other.symmetric)
         return Saved(
@@ -94,7 +94,7 @@ def left_out(scene: Scene) -> list[Omission]:
 
 
 def symmetric_factors(scene: Scene) -> bool:
-    """Whether half of each factorisation is left out: see `Model.symmetric`; only Pardiso can."""
+    """Return whether half of each factorisation is left out: see `Model.symmetric`; only Pardiso can."""
     soil = all(law.symmetric for law in engine_laws(scene)) and scene.mesh.discretisation == "hex8"
     symmetric = soil and scene.drainage.mode == "drained" and _smooth(scene)
     return symmetric and scene.solver.linear in ("auto", "pardiso") and "pardiso" in available_backends()
@@ -105,12 +105,12 @@ def _smooth(scene: Scene) -> bool:
 
 
 def _load(scene: Scene) -> _Load:
-    """The load of the model as it runs."""
+    """Return the load of the model as it runs."""
     return _Load(size_of(scene).unknowns, scene.drainage.mode != "drained", symmetric_factors(scene))
 
 
 def _with(scene: Scene, table: str, **values: Any) -> Scene:
-    """The scene with other values, not validated: it is counted, not run."""
+    """Return the scene with other values, not validated: it is counted, not run."""
     return scene.model_copy(update={table: getattr(scene, table).model_copy(update=values)})
 
 
@@ -155,7 +155,7 @@ def _water(scene: Scene) -> list[Omission]:
 
 
 def _all_water(scene: Scene) -> list[Omission]:
-    """Pressures of soil and film; those of the film count beside a model that has the soil's."""
+    """Return the pressures of soil and film; those of the film count beside a model that has the soil's."""
     dry, wet = _load(scene), size_of(_with(scene, "drainage", mode="coupled"))
     pores = _Load(dry.unknowns + wet.pore_pressures, True, False)
     both = _Load(pores.unknowns + wet.film_pressures, True, False)
@@ -199,7 +199,7 @@ def _symmetry_of_factors(scene: Scene) -> list[Omission]:
 
 
 def _outputs(scene: Scene) -> list[Omission]:
-    """What is computed but not kept, with the pictures that need it."""
+    """Return what is computed but not kept, with the pictures that need it."""
     output, out = scene.output, []
     if not output.interface_fields:
         fields = "contact stresses and gaps of the skirt by azimuth and depth, their pictures, the check of rings"

@@ -93,7 +93,7 @@ def size_of(scene: Scene, whole: bool = False) -> Size:
 
 
 def _series_size(scene: Scene) -> Size:
-    """Counts of a Fourier model; nodes and elements are those of its section, which is small enough to be made."""
+    """Return the counts of a Fourier model; nodes and elements are those of its section, which is built."""
     counts = section_counts_of(scene)
     try:
         mesh, waves = section_of(scene, counts).mesh, counts.harmonics + 1
@@ -112,7 +112,7 @@ def _series_size(scene: Scene) -> Size:
 
 
 def model_bytes(scene: Scene, symmetric: bool = False) -> float:
-    """Estimated peak memory of a run of this scene, in bytes, without its recorded steps."""
+    """Return the estimated peak memory of a run of this scene, in bytes, without its recorded steps."""
     size = size_of(scene)
     if scene.mesh.discretisation != "fourier":
         return memory_bytes(size.unknowns, scene.drainage.mode != "drained", symmetric)
@@ -127,12 +127,12 @@ def model_bytes(scene: Scene, symmetric: bool = False) -> float:
 
 
 def _plan(n: int, whole: bool) -> tuple[int, int, int]:
-    """Nodes of a ring and of the square core, and number of halves, for n cells around half of the caisson."""
+    """Return nodes of a ring and of the square core, and number of halves, for n cells around half of the caisson."""
     return (2 * n, (n // 2 + 1) ** 2, 2) if whole else (n + 1, (n // 2 + 1) * (n // 4 + 1), 1)
 
 
 def _steel(counts: Counts, whole: bool) -> tuple[int, int]:
-    """Nodes and unknowns of an elastic caisson."""
+    """Return the nodes and unknowns of an elastic caisson."""
     n = counts.azimuth
     around, core, halves = _plan(n, whole)
     lid = core + (counts.plug + 1) * around  # out to the skirt's outer edge
@@ -147,7 +147,7 @@ def _steel(counts: Counts, whole: bool) -> tuple[int, int]:
 
 
 def _step_bytes(scene: Scene, counts: Counts, plane: int) -> int:
-    """Bytes of what a path keeps of one step: scalars, reactions by depth, lid and tip, fields, section."""
+    """Return the bytes of what a path keeps of one step: scalars, reactions by depth, lid and tip, fields, section."""
     n, depths = counts.azimuth + 1, counts.skirt + 1
     by_depth = 14 if scene.caisson.behaviour == "elastic" else 12
     values = 60 + by_depth * depths + 2 * (counts.azimuth**2 // 8 + n * (counts.plug + counts.tip + 1))
@@ -159,7 +159,7 @@ def _step_bytes(scene: Scene, counts: Counts, plane: int) -> int:
 
 
 def memory_bytes(unknowns: int, water: bool = False, symmetric: bool = False) -> float:
-    """Estimated peak memory of a run, in bytes, without its recorded steps."""
+    """Return the estimated peak memory of a run, in bytes, without its recorded steps."""
     entries = _FACTOR_ENTRIES * float(unknowns) ** _FACTOR_EXPONENT
     entries *= (_WATER_FACTOR if water else 1.0) * (_SYMMETRIC_ENTRIES if symmetric else 1.0)
     per_unknown = _WATER_BYTES_PER_UNKNOWN if water else _BYTES_PER_UNKNOWN
@@ -167,7 +167,7 @@ def memory_bytes(unknowns: int, water: bool = False, symmetric: bool = False) ->
 
 
 def steps_bytes(scene: Scene, size: Size) -> tuple[float, float]:
-    """Bytes of all recorded steps of a run: the least, and what is likely."""
+    """Return the bytes of all recorded steps of a run: the least, and what is likely."""
     return size.step_bytes * float(sum(least_increments(scene))), size.step_bytes * sum(likely_increments(scene))
 
 

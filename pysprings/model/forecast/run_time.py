@@ -42,7 +42,7 @@ def likely_increments(scene: Scene) -> list[float]:
 
 
 def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: bool = False) -> float:
-    """Estimated wall time of a run on two cores with compiled code at hand, in s: an order of magnitude.
+    """Return the estimated wall time of a run on two cores with compiled code at hand, in s: an order of magnitude.
 
     Each increment takes a N + b N^2 for N unknowns. Fitted on the default scene without pictures, drained, to 2.5 mm:
     `coarse` 2.4 s, `medium` 5.2 s, `paper` 21 to 23 s, `fine` 264 s; to 20 mm `paper` 80 s. The law gives 2.4, 5.4,
@@ -62,7 +62,7 @@ def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: b
 
 
 def _lifted(scene: Scene, path: Path) -> float:
-    """Share of the motion of a path in which the lid lifts off; elastic soil has no trouble with that."""
+    """Return the share of the motion of a path in which the lid lifts off; elastic soil has no trouble with that."""
     displacement, rotation = imposed_motion(path)
     reach = max(displacement, rotation * scene.caisson.skirt_length)
     limit = _LIFT_OFF * scene.caisson.outer_diameter
