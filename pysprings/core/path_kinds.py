@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 Dof = Literal["u", "w", "rotation"]
 VERTICAL = "vertical"
@@ -32,6 +32,7 @@ class PathKind:
     force : the path is driven by a given force.
     free_head : the load acts at a height (`arm`), and the rotation is free.
     straight : rotation/u is constant along the path, so that it can be a ray of a fan.
+    in_turn : the imposed quantity comes first, then the rotation at its end value.
     bends : H and M do not keep their ratio; such a path cannot calibrate springs.
     """
 
@@ -47,6 +48,7 @@ class PathKind:
     force: bool = False
     free_head: bool = False
     straight: bool = False
+    in_turn: bool = False
     bends: bool = False
 
     @property
@@ -69,7 +71,7 @@ PATH_KINDS: Mapping[str, PathKind] = {
     ),
     "swipe": PathKind(
         "lateral_displacement", "u", "H", "M", ("H", "M"), ("u", "rotation"), frozenset({"rotation", "rate"}),
-        needs=("rotation",), paces=("rate",), bends=True,
+        needs=("rotation",), paces=("rate",), in_turn=True, bends=True,
     ),
     "load": PathKind(
         "lateral_force", "u", "H", "rotation", ("H", "rotation"), (), frozenset({"arm", "arm_from"}),
@@ -90,6 +92,12 @@ def kind_of(attrs: Mapping[object, object]) -> PathKind:
     """Return the kind of a path with these attributes; a load that climbs answers as a swipe does."""
     kind = PATH_KINDS[str(attrs["kind"])]
     return PATH_KINDS["swipe"] if bends(attrs) else kind
+
+
+def driven(attrs: Mapping[Any, Any]) -> Dof:
+    """Return the degree of freedom that grows along a path with these attributes; u of lateral paths from a table."""
+    kind = PATH_KINDS.get(str(attrs.get("kind")))
+    return kind.drives if kind else "u"
 
 
 def is_straight(attrs: Mapping[object, object]) -> bool:

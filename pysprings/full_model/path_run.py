@@ -14,6 +14,7 @@ from fe_engine.errors import NotConverged
 from fe_engine.model import Stage
 from fe_engine.solve.stepping import Driver, Position, Step
 from fe_engine.state import FIELDS, State, initial_fields
+from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.stop_reasons import Diagnosis, StopReason
 from pysprings.full_model.checkpoint import Saved
 from pysprings.full_model.diagnosis import diagnose, too_far
@@ -78,7 +79,7 @@ class PathRun:
             self._collect()
         rest = float(self.collector.rows[0]["w"])
         stages = self._path_stages(rest)
-        if self.path.kind == "load":
+        if PATH_KINDS[self.path.kind].force:
             caisson = self.work.scene.caisson
             self.reach = DisplacementLimit(caisson.outer_diameter, caisson.skirt_length, rest)
             self.driver.refusal = self.reach.refusal
@@ -130,7 +131,7 @@ class PathRun:
             return str(error.diagnosis), error.diagnosis.reason
         if error.refused:
             return str(error), StopReason.DISPLACEMENT_LIMIT
-        forced = self.driver.aim[0] == DEAD_LOAD or self.path.kind == "load"
+        forced = self.driver.aim[0] == DEAD_LOAD or PATH_KINDS[self.path.kind].force
         cause = diagnose(self.driver, forced, self.work.stiffness)
         return f"{cause} ({error})", cause.reason
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pysprings.core.path_kinds import VERTICAL
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
 from pysprings.springs.alike import same_load
 from pysprings.springs.dataset import ROLES
@@ -73,7 +74,7 @@ def to_text(frame: pd.DataFrame) -> str:
 def several_loads(frame: pd.DataFrame) -> bool:
     """Return whether a comparison has vertical paths, or paths at several vertical loads."""
     load = frame["V_N"]
-    return bool((frame["kind"] == "vertical").any() or not all(same_load(V, load.iloc[0]) for V in load))
+    return bool((frame["kind"] == VERTICAL).any() or not all(same_load(V, load.iloc[0]) for V in load))
 
 
 def _marked(frame: pd.DataFrame) -> list[str]:

@@ -57,8 +57,8 @@ def path_stages(
 
 def _stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
     """Return the stages of a path that starts at w = 0."""
-    if path.kind == "swipe":
-        return _swipe_stages(scene, path, extra_load, undrained_time)
+    if PATH_KINDS[path.kind].in_turn:
+        return _stages_in_turn(scene, path, extra_load, undrained_time)
     if path.arm_from is not None:
         return _climbing_stages(scene, path, extra_load, undrained_time)
     ends = [(imposed_end(path), _time(path, path.rate, path.duration, 0.0, imposed_end(path)), path.report_at)]
@@ -75,7 +75,7 @@ def _stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) 
     return stages
 
 
-def _swipe_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
+def _stages_in_turn(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
     """Return a translation, then a rotation at its displacement; the tip turns at the rate of the lid."""
     u, turn, length = imposed_end(path), _need(path.rotation), scene.caisson.skirt_length
     times = [0.0, 0.0] if path.rate is None else [abs(u) / path.rate, abs(turn) * length / path.rate]
@@ -128,14 +128,14 @@ def _stage(
 
 
 def _time(path: Path, rate: float | None, time: float | None, start: float, end: float) -> float:
-    """Time in s that a part of a path takes; 0 if none is imposed (drained)."""
+    """Return the time (s) of a part of a path; 0 if none is imposed (drained)."""
     if time is not None:
         return time
     return 0.0 if rate is None else abs(end - start) / rate
 
 
 def imposed_end(path: Path) -> float:
-    """End value of the imposed quantity: displacement (m), rotation (rad) or lateral force (N)."""
+    """Return the end value of the imposed quantity: displacement (m), rotation (rad) or lateral force (N)."""
     return _need(getattr(path, PATH_KINDS[path.kind].imposed))
 
 
@@ -147,7 +147,7 @@ def _imposed(path: Path) -> tuple[list, list]:
 
 
 def _targets(path: Path, end: float) -> list[float]:
-    """End values of what `_imposed` controls, when the imposed quantity of the path is at ``end``."""
+    """Return the end values of what `_imposed` controls, when the imposed quantity of the path is at ``end``."""
     kind = PATH_KINDS[path.kind]
     targets = {dof: end if dof == kind.drives else 0.0 for dof in kind.holds}
     if kind.straight and kind.drives == "u":
@@ -178,6 +178,6 @@ def _first_strain(scene: Scene) -> float:
 
 
 def _need(value: float | None) -> float:
-    """Return the scene's checks guarantee that the value is there."""
+    """Return a value that the checks of the scene guarantee."""
     assert value is not None
     return value

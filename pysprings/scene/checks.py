@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pysprings.core.path_kinds import PATH_KINDS, UNITS, VERTICAL
+from pysprings.core.path_kinds import PATH_KINDS, UNITS
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
 from pysprings.scene.interface import drainage_clashes, interface_clashes
@@ -124,8 +124,8 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
         given = path.arm_from is not None if name == "arm_from" else getattr(path, name)
         if given and name != imposed and name not in kind.uses:
             yield Clash(((*here, name), (*here, "kind")), f'a path of kind "{path.kind}" does not use it')
-    if path.kind == VERTICAL and path.heave == "fixed":
-        yield Clash(((*here, "heave"), (*here, "kind")), 'a path of kind "vertical" moves the caisson up or down')
+    if kind.drives == "w" and path.heave == "fixed":
+        yield Clash(((*here, "heave"), (*here, "kind")), f'a path of kind "{path.kind}" moves the caisson up or down')
     if path.rate is not None and path.duration is not None:
         yield Clash(((*here, "duration"), (*here, "rate")), "give rate or duration, not both")
     if path.then and path.role == "calibration":

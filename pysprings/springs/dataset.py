@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.errors import refused
-from pysprings.core.path_kinds import VERTICAL
+from pysprings.core.path_kinds import driven
 
 SCHEMA = "pysprings-springs-2"
 ROLES = ("calibration", "held-back")
@@ -51,7 +51,7 @@ def get_path(tree: xr.DataTree, name: str | None = None) -> xr.Dataset:
 
 def is_vertical(tree: xr.DataTree, name: str) -> bool:
     """Return whether a path moves the caisson vertically only."""
-    return bool(tree.children["paths"].children[name].attrs.get("kind") == VERTICAL)
+    return driven(tree.children["paths"].children[name].attrs) == "w"
 
 
 def path_load(path: xr.Dataset) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.path_kinds import VERTICAL, PathKind, bends, is_straight, kind_of
+from pysprings.core.path_kinds import PathKind, bends, driven, is_straight, kind_of
 from pysprings.springs.path_ends import PathEnd, end_of
 from pysprings.springs.sums import net_m, net_p, slice_heights
 
@@ -73,7 +73,7 @@ class SpringPath:
     @property
     def is_vertical(self) -> bool:
         """True where the path moves the caisson vertically only."""
-        return self.attrs.get("kind") == VERTICAL
+        return driven(self.attrs) == "w"
 
     @property
     def is_straight(self) -> bool:

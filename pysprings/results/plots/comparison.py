@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import PATH_KINDS, driven
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.data import unit_text
@@ -55,7 +55,7 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
         Predictions by spring set (``"fan"``, ``"full"``, ``"py"``, or any name), with the same variables by step; with
         ``u_at_load`` [m] the displacement error at equal load is drawn, too. A free head shows its point of rotation.
     """
-    rotates = full.attrs.get("kind") == "rotation"
+    rotates = driven(full.attrs) == "rotation"
     load = "M" if rotates else "H"
     driver, label = ("rotation", "rotation [mrad]") if rotates else ("u", "lateral displacement u of the lid [mm]")
     answer, reply = ("u", "u [mm]") if rotates else ("rotation", "rotation [mrad]")

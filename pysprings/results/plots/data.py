@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.style import KN, MM, MN, MRAD
 
@@ -17,6 +18,12 @@ if TYPE_CHECKING:
 
 # Rings nearest to these parts of the skirt length: 0.25, 1.25, 2.25 and 3.25 m on the paper's 4 m skirt.
 DEPTH_FRACTIONS = (1 / 16, 5 / 16, 9 / 16, 13 / 16)
+# degree of freedom that grows along a path -> factor and label of its axis
+_AXES = {
+    "u": (MM, "lateral displacement u of the lid centre [mm]"),
+    "w": (MM, "vertical displacement w [mm], down +"),
+    "rotation": (MRAD, "rotation of the caisson [mrad]"),
+}
 
 
 def pick_depths(path: xr.Dataset, depths: Iterable[float] | None = None) -> list[int]:
@@ -41,7 +48,7 @@ def step_text(path: xr.Dataset, step: int) -> str:
     """Describe the state of a step in words: lid displacement [mm] and rotation [mrad]."""
     u, rotation = float(path["u"][step]) * MM, float(path["rotation"][step]) * MRAD
     text = f"u = {u:.3g} mm, rotation = {rotation:.3g} mrad"
-    if path.attrs.get("kind") == "vertical":
+    if driven(path.attrs) == "w":
         text = f"w = {float(path['w'][step]) * MM:.3g} mm"
     text = text.replace("-", "\N{MINUS SIGN}")
     return text if converged(path)[step] else text + " (NOT CONVERGED)"
@@ -49,11 +56,9 @@ def step_text(path: xr.Dataset, step: int) -> str:
 
 def abscissa(path: xr.Dataset) -> tuple[NDArray[np.float64], str]:
     """Return what the path drives, with its axis label: u [mm], or the rotation [mrad] on a pure rotation."""
-    if path.attrs.get("kind") == "rotation":
-        return path["rotation"].values * MRAD, "rotation of the caisson [mrad]"
-    if path.attrs.get("kind") == "vertical":
-        return path["w"].values * MM, "vertical displacement w [mm], down +"
-    return path["u"].values * MM, "lateral displacement u of the lid centre [mm]"
+    name = driven(path.attrs)
+    factor, label = _AXES[name]
+    return path[name].values * factor, label
 
 
 def lateral_reaction(path: xr.Dataset) -> dict[str, NDArray[np.float64]]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.data import abscissa, unit_text
 from pysprings.results.plots.labels import label_beside
@@ -67,7 +68,7 @@ def load_displacement(path: xr.Dataset) -> Figure:
 
 
 def _components(axes: Axes, path: xr.Dataset) -> None:
-    letter, unit_end = ("M", " m") if path.attrs.get("kind") == "rotation" else ("H", "")
+    letter, unit_end = ("M", " m") if driven(path.attrs) == "rotation" else ("H", "")
     good, (x, _) = converged(path), abscissa(path)
     factor, unit = unit_text(path[letter].values)
     plot_path(axes, x, path[letter].values * factor, good, color=INK, linewidth=2.4, label=f"total {letter}")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import xarray as xr
 
+from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import convergence_data, path_data, settings
 from pysprings.springs.dataset import path_names
 
@@ -47,7 +48,7 @@ class View:
     @property
     def is_vertical(self) -> bool:
         """Whether the path is a vertical one."""
-        return bool(self.path.attrs.get("kind") == "vertical")
+        return driven(self.path.attrs) == "w"
 
     @cached_property
     def plane(self) -> xr.Dataset:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pysprings.core.path_kinds import driven
 from pysprings.core.text import number
 from pysprings.results.report.table import ReportTable, Table
 
@@ -41,7 +42,7 @@ def _range_sentence(name: str, path: Any, length: float) -> str:
     text = f"Path {name} ({path.attrs.get('kind', '')}, {path.attrs.get('role', '')}): "
     if not good.any():
         return text + "no converged step."
-    if path.attrs.get("kind") == "vertical":
+    if driven(path.attrs) == "w":
         w, V = path["w"].values[good] * 1e3, path["V"].values[good] / 1e3
         return f"{text}w from {w[0]:.3g} to {w[-1]:.3g} mm, V from {V[0]:.4g} to {V[-1]:.4g} kN."
     text += f"u from {u.min() * 1e3:.3g} to {u.max() * 1e3:.3g} mm, "

@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from pysprings.core.path_kinds import VERTICAL
 from pysprings.macro.vertical import build_vertical
 from pysprings.results.tables.faults import Faults
 from pysprings.results.tables.places import ROUNDING, net_rows, place_of, slices
@@ -123,7 +124,7 @@ def _vertical_path(families: dict[str, pd.DataFrame], faults: Faults) -> xr.Data
     data |= {"w": (("step",), w), "V_tip": (("step",), tip), "V_lid": (("step",), lid)}
     data |= {"V": (("step",), (bounds[:, 1] - bounds[:, 0]) @ t + tip + lid), "converged": (("step",), np.ones(n))}
     data |= {"t": (("depth", "side", "step"), t[:, None, :]), "depth_bounds": (("depth", "bound"), bounds)}
-    attrs = {"role": "calibration", "kind": "vertical", "arm_m": np.nan, "down": True}
+    attrs = {"role": "calibration", "kind": VERTICAL, "arm_m": np.nan, "down": True}
     return xr.Dataset(data, {"depth": depth, "side": ["net"], "step": np.arange(n)}, attrs)
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from pysprings.core.path_kinds import driven
 from pysprings.full_model.accuracy import quantities
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, Curve, leading
 from pysprings.macro import slices
@@ -60,7 +61,7 @@ def _curve(path: SpringPath, trace: xr.Dataset) -> Curve | None:
     """Return the curve of a macro-model in the form of the full model's, without p(y), which belongs to the springs."""
     n, full = trace.sizes["step"], path.dataset
     states = full.isel(step=slice(0, n)).assign({name: ("step", trace[name].values) for name in ("H", "M", "rotation")})
-    if path.kind == "rotation":  # what is imposed is the full model's
+    if driven(path.attrs) == "rotation":  # what is imposed is the full model's
         states = states.assign(rotation=("step", full["rotation"].values[:n]))
     x = quantities.driver(states, path.length)
     rising = leading(x) if n else np.zeros(0, dtype=int)
