@@ -10,17 +10,36 @@ from __future__ import annotations
 import ast
 import re
 import sys
+import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 PACKAGES = ("pysprings", "fe_engine")
-# an existing part represents a new one of its kind: files that name it, beside its own
+
+
+class Example(NamedTuple):
+    """An existing part that represents a new one of its kind: its words in code, its own files, those not counted."""
+
+    words: str
+    own: str
+    others: str
+
+
+_NONE = r"(?!)"  # matches nothing
+_USES = r"paper|stability|accuracy_study|studies"  # studies that use a part as a case
+_SHOWN = r"plots/(__init__|files|pictures)|result_files|folder|cli"  # elsewhere `gap` is a variable of results
 EXAMPLES = {
-    "soil law (van Eekelen)": (r"van.?eekelen", "van_eekelen.py"),
-    "exporter (VTU)": (r"\bvtu\b|paraview", "vtu.py"),
-    "picture (gap)": (r"plots[. ]+(import )?gap\b|\bgap_figure\b|\"gap\b|'gap\b", "gap.py"),
-    "load-path kind (swipe)": (r"\bswipe", ""),
+    "soil law (van Eekelen)": Example(r".*van.?eekelen.*", r"van_eekelen|lode", _USES),
+    "exporter (Excel)": Example(r"(springs\.)?xlsx", r"xlsx", rf"{_USES}|tables|profile_table"),  # readers of Excel
+    "picture (gap)": Example(r"gap|gap_map", r"/gap", rf"^(?!.*({_SHOWN}))"),
+    "kind of path (swipe, translation)": Example(
+        r"swipe|translation", _NONE, "curve_table|macro_tables|pisa|directions"
+    ),
 }
+# a comparison of a kind of path with a name is a branch that a new kind may have to join
+_KIND = re.compile(r"""(\bkind|\[.kind.\]|\.get\(.kind.\))$""")
+_KINDS = {"pull", "translation", "rotation", "swipe", "load", "vertical"}
 Graph = dict[str, set[str]]
 
 
@@ -100,6 +119,15 @@ def _room(name: str) -> str:
     return ".".join(name.split(".")[:2])
 
 
+def layers(root: Path, package: str) -> int:
+    """Return the number of layers that the import contract of a package has; 0 without a contract."""
+    file = root / "pyproject.toml"
+    settings = tomllib.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    contracts = settings.get("tool", {}).get("importlinter", {}).get("contracts", [])
+    own = [len(each["layers"]) for each in contracts if package in each.get("containers", [])]
+    return max(own, default=0)
+
+
 def floors(graph: Graph) -> int:
     """Return the height of a graph: the number of nodes on its longest way down, a circle counting as one node."""
     group = {name: number for number, names in enumerate(circles(graph)) for name in names}
@@ -142,15 +170,44 @@ def _arguments(node: ast.FunctionDef) -> int:
     return len([x for x in [*a.posonlyargs, *a.args, *a.kwonlyargs] if x.arg not in ("self", "cls")])
 
 
-def files_that_name(modules: Mapping[str, Path], pattern: str, own: str) -> int:
-    """Return how many modules mention a part, without the file of the part itself."""
-    regex = re.compile(pattern, re.IGNORECASE)
-    return sum(file.name != own and bool(regex.search(file.read_text(encoding="utf-8"))) for file in modules.values())
+def files_to_edit(root: Path, modules: Mapping[str, Path], part: Example) -> list[str]:
+    """Return the files whose code names a part, without its own; comments and docstrings do not count."""
+    words, own, others = (re.compile(each, re.IGNORECASE) for each in part)
+    files = {file.relative_to(root).with_suffix("").as_posix(): file for file in modules.values()}
+    return [
+        name for name, file in files.items()
+        if not own.search(name) and not others.search(name) and any(words.fullmatch(w) for w in _code_words(file))
+    ]  # fmt: skip
+
+
+def _code_words(file: Path) -> Iterator[str]:
+    """Yield the names and the texts without blanks in the code of a file, and "swipe" for each branch on a kind."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " not in node.value:
+            yield node.value
+        elif isinstance(node, ast.Name):
+            yield node.id
+        elif isinstance(node, ast.Attribute):
+            yield node.attr
+        elif isinstance(node, ast.alias):
+            yield node.name.split(".")[-1]
+        elif isinstance(node, ast.Compare) and _is_branch(node):
+            yield "swipe"
+
+
+def _is_branch(node: ast.Compare) -> bool:
+    texts = {each.value for each in ast.walk(node) if isinstance(each, ast.Constant) and isinstance(each.value, str)}
+    return bool(_KIND.search(ast.unparse(node.left)) and texts & _KINDS)
 
 
 def _largest(parts: Iterator[tuple[int, str]]) -> str:
     size, place = max(parts)
     return f"{size} ({place})"
+
+
+def _counted(names: list[str]) -> str:
+    return f"{len(names)} ({', '.join(names)})" if len(names) <= 4 else str(len(names))
 
 
 def measure(root: Path) -> dict[str, str]:
@@ -168,6 +225,7 @@ def measure(root: Path) -> dict[str, str]:
     return {
         "files, lines": f"{len(modules)}, {sum(lines.values()):,}",
         "entries on the top level of pysprings, fe_engine": ", ".join(entries),
+        "layers of the import contracts of pysprings, fe_engine": ", ".join(str(layers(root, p)) for p in PACKAGES),
         "floors between entries of pysprings, fe_engine": ", ".join(str(floors(_only(rooms, p))) for p in PACKAGES),
         "floors between modules": str(floors(inner)),
         "circles of modules": str(len(circles(graph))),
@@ -176,8 +234,8 @@ def measure(root: Path) -> dict[str, str]:
         "longest function body": _largest((_body_lines(node), place) for place, node, _ in parts),
         "most arguments outside kernels and commands": _largest((_arguments(node), place) for place, node in plain),
         "most arguments": _largest((_arguments(node), place) for place, node, _ in parts),
-        **{f"files that name a {kind}, beside its own": str(files_that_name(modules, pattern, own))
-           for kind, (pattern, own) in EXAMPLES.items()},
+        **{f"files to edit for a new {kind}, beside its own": _counted(files_to_edit(root, modules, part))
+           for kind, part in EXAMPLES.items()},
     }  # fmt: skip
 
 

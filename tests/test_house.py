@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from benchmarks.house import circles, floors, import_graph, measure, room_graph, sources
+from benchmarks.house import EXAMPLES, circles, files_to_edit, floors, import_graph, measure, room_graph, sources
 
 ROOT = Path(__file__).parents[1]
 
@@ -41,11 +41,30 @@ def test_figures(tmp_path: Path) -> None:
     assert figures["circles of modules"] == "1"
 
 
+def test_files_to_edit_count_code_and_branches_but_no_texts(tmp_path: Path) -> None:
+    root = small(tmp_path)
+    (root / "pysprings/room/high.py").write_text('"""On a swipe."""\n\n# swipe\nTEXT = "a swipe or two"\n', "utf-8")
+    (root / "pysprings/room/other.py").write_text('def f(path):\n    return path.kind == "load"\n', "utf-8")
+    (root / "pysprings/low.py").write_text('KINDS = ("swipe",)\n', "utf-8")
+    assert files_to_edit(root, sources(root), EXAMPLES["kind of path (swipe, translation)"]) == [
+        "pysprings/low", "pysprings/room/other",
+    ]  # fmt: skip
+
+
+def test_a_new_part_is_few_files() -> None:
+    modules = sources(ROOT)
+    most = {"soil law": 3, "exporter": 1, "picture": 2, "kind of path": 2}
+    for kind, part in EXAMPLES.items():
+        assert 1 <= len(files_to_edit(ROOT, modules, part)) <= most[kind.split(" (")[0]]
+
+
 def test_the_house_has_few_rooms_and_no_circle_between_them() -> None:
     figures = measure(ROOT)
     inside, engine = map(int, figures["entries on the top level of pysprings, fe_engine"].split(", "))
     assert inside <= 10 and engine <= 19
     assert figures["circles of entries"] == "0"
+    tool, engine = map(int, figures["layers of the import contracts of pysprings, fe_engine"].split(", "))
+    assert 0 < tool <= 9 and 0 < engine <= 9
 
 
 def test_modules_make_no_circle_and_functions_take_eight_arguments_at_most() -> None:

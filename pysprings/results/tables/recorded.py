@@ -152,28 +152,47 @@ def _grid(part: pd.DataFrame, family: str, faults: Faults, columns: tuple[str, .
 def _assembled(
     depth: Array, bounds: Array, grids: dict[str, Grid], families: dict[str, pd.DataFrame], faults: Faults
 ) -> xr.Dataset | None:
-    py, file = grids["py"], str(families["py"]["file"].iloc[0])
-    before, n = len(faults.problems), py["step"].shape[1]
+    """Return the path of the grids (depth, step) of each family; None with faults, which are added."""
+    before = len(faults.problems)
+    _check_motion(depth, bounds[-1, 1], grids["py"], families, faults)
+    _check_sizes(depth.size, grids, families, faults)
+    return None if len(faults.problems) > before else _dataset(depth, bounds, grids)
+
+
+def _motion(depth: Array, py: Grid) -> tuple[Array, Array]:
+    """Return u [m] and rotation [rad] by step, of a rigid body through the first ring."""
     rotation = py["rotation_rad"][0]
-    u = (py["y_m"] - rotation * depth[:, None])[0]
+    return (py["y_m"] - rotation * depth[:, None])[0], rotation
+
+
+def _check_motion(depth: Array, length: float, py: Grid, families: dict[str, pd.DataFrame], faults: Faults) -> None:
+    """Add a fault for each row of p that does not move with the rigid body; depth and length in m."""
+    u, rotation = _motion(depth, py)
     size = max(np.abs(py["y_m"]).max(), np.abs(rotation).max() * depth[-1], 1e-300)
     wrong = np.abs(py["y_m"] - u - rotation * depth[:, None]) > ROUNDING * size
-    wrong |= np.abs(py["rotation_rad"] - rotation) * bounds[-1, 1] > ROUNDING * size
+    wrong |= np.abs(py["rotation_rad"] - rotation) * length > ROUNDING * size
+    text = "is not u + rotation_rad*depth_m with one u and rotation a step; for free curves leave rotation_rad out"
+    file = str(families["py"]["file"].iloc[0])
     for line in py["line"][wrong]:
-        message = (
-            "is not u + rotation_rad*depth_m with one u and rotation a step; for free curves leave rotation_rad out"
-        )
-        faults.add((file, int(line)), "y_m", message)
-    if n < 2:
+        faults.add((file, int(line)), "y_m", text)
+    if py["step"].shape[1] < 2:
         faults.add((file, int(py["line"][0, 0])), "step", "the initial state and at least one more step are needed")
+
+
+def _check_sizes(n_depths: int, grids: dict[str, Grid], families: dict[str, pd.DataFrame], faults: Faults) -> None:
+    """Add a fault for each family whose depths or steps are not those of p."""
+    n = grids["py"]["step"].shape[1]
     for family, grid in grids.items():
-        rows = depth.size if family in ("py", "mtheta") else 1
+        rows = n_depths if family in ("py", "mtheta") else 1
         if grid["step"].shape != (rows, n):
-            expected = f"{rows} depths and {n} steps"
-            faults.add(place_of(families[family]), "family", f"{family} does not have the {expected} of p")
-    if len(faults.problems) > before:
-        return None
-    zero = np.zeros(n)
+            text = f"{family} does not have the {rows} depths and {n} steps of p"
+            faults.add(place_of(families[family]), "family", text)
+
+
+def _dataset(depth: Array, bounds: Array, grids: dict[str, Grid]) -> xr.Dataset:
+    """Return the path of checked grids (depth, step); ``down``: the table has the vertical direction."""
+    (u, rotation), py = _motion(depth, grids["py"]), grids["py"]
+    n = u.size
     data: dict[str, tuple[tuple[str, ...], Array]] = {
         "u": (("step",), u),
         "rotation": (("step",), rotation),
@@ -182,24 +201,30 @@ def _assembled(
         "converged": (("step",), np.ones(n)),
     }
     down = False
-    if "mtheta" in grids:  # missing vertical columns count as zero, and are not shown
-        w, tip, lid = grids["py"]["w_m"][0], grids["base"]["V_N"][0], grids["lid"]["V_N"][0]
-        t = grids["mtheta"]["t_N_per_m"]
-        down = all(np.isfinite(values).all() for values in (w, tip, lid, t))
-        V = (bounds[:, 1] - bounds[:, 0]) @ t + tip + lid
-        known = {"w": w, "V": V, "V_tip": tip, "V_lid": lid}
-        data |= {name: (("step",), values if down else zero) for name, values in known.items()}
+    if "mtheta" in grids:
         data |= {"m": (("depth", "side", "step"), grids["mtheta"]["m_Nm_per_m"][:, None, :])}
-        data |= {"t": (("depth", "side", "step"), t[:, None, :] if down else np.zeros((depth.size, 1, n)))}
         for family, part in (("base", "tip"), ("lid", "lid")):
-            data |= {
-                f"H_{part}": (("step",), grids[family]["H_N"][0]),
-                f"M_{part}": (("step",), grids[family]["M_Nm"][0]),
-            }
+            data |= {f"H_{part}": (("step",), grids[family]["H_N"][0])}
+            data |= {f"M_{part}": (("step",), grids[family]["M_Nm"][0])}
+        vertical, down = _vertical(bounds, grids)
+        data |= vertical
     attrs = {"role": "calibration", "kind": "table", "arm_m": np.nan, "down": down}
     attrs["straight"] = keeps_direction(u, rotation * bounds[-1, 1])
     coords = {"depth": depth, "side": ["net"], "component": ["total"], "step": np.arange(n)}
     return xr.Dataset(data, coords, attrs)
+
+
+def _vertical(bounds: Array, grids: dict[str, Grid]) -> tuple[dict[str, tuple[tuple[str, ...], Array]], bool]:
+    """Return the vertical motion and reactions, and whether the table has them; missing columns count as zero."""
+    w, tip, lid = grids["py"]["w_m"][0], grids["base"]["V_N"][0], grids["lid"]["V_N"][0]
+    t = grids["mtheta"]["t_N_per_m"]
+    down = all(bool(np.isfinite(values).all()) for values in (w, tip, lid, t))
+    if not down:
+        w, tip, lid, t = (np.zeros(values.shape) for values in (w, tip, lid, t))
+    V = (bounds[:, 1] - bounds[:, 0]) @ t + tip + lid
+    by_step = {"w": w, "V": V, "V_tip": tip, "V_lid": lid}
+    steps = {name: (("step",), values) for name, values in by_step.items()}
+    return {**steps, "t": (("depth", "side", "step"), t[:, None, :])}, down
 
 
 def _first_stiffness(springs: Springs) -> Array:
