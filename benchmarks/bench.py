@@ -27,6 +27,8 @@ from typing import Any
 
 import numpy as np
 
+from pysprings.full_model.run_record import RunRecord
+
 MM = 1.0e-3
 FINE = "fine"
 GROWTH = {
@@ -49,29 +51,31 @@ def scene(mesh: str, end: float, mode: str = "drained") -> Any:
     return read_mesh(mesh).scene(Scene.model_validate({"path": [path], "drainage": {"mode": mode}, "output": output}))
 
 
-def record(mesh: str, end: float, mode: str = "drained") -> dict[str, Any]:
-    """Record of the paper's pull to an end (m), see `scene`; its unit timed."""
+def record(mesh: str, end: float, mode: str = "drained") -> RunRecord:
+    """Return the record of the paper's pull to an end (m), see `scene`; its unit timed."""
     return record_of(scene(mesh, end, mode))
 
 
-def record_of(chosen: Any) -> dict[str, Any]:
-    """Record (run.json) of the run of a scene in a process of its own."""
+def record_of(chosen: Any) -> RunRecord:
+    """Return the record of the run of a scene in a process of its own."""
     from pysprings.studies.accuracy.child import run_in_child
-    from pysprings.studies.stored_runs import read_record
 
     with tempfile.TemporaryDirectory() as folder:
         run_in_child(chosen, Path(folder) / "run", lambda *_: None)
-        return read_record(Path(folder) / "run")
+        ended = RunRecord.read(Path(folder) / "run")
+    assert ended is not None
+    return ended
 
 
-def text_of(name: str, run: dict[str, Any]) -> str:
+def text_of(name: str, run: RunRecord) -> str:
     """Return two lines on a run: size, increments, wall [s], unit [s], ratio, memory [GB]; profile [% of wall]."""
-    solver, wall, unit = run["solver"], run["wall_s"], run["solver"]["unit_s"]
-    shares = sorted(((cost["wall_s"] / wall, phase) for phase, cost in run["phases"].items()), reverse=True)
+    solver, wall, unit, peak = run.solver, run.wall_s, run.solver.unit_s, run.solver.peak_before_unit_bytes
+    assert unit is not None and peak is not None  # both are measured on demand
+    shares = sorted(((cost["wall_s"] / wall, phase) for phase, cost in run.phases.items()), reverse=True)
     return (
-        f"{name:22} {run['mesh']['unknowns']:8,} unknowns  {run['paths']['pull']['increments']:3} increments  "
-        f"{solver['factorisations']:4} factorisations  {solver['solves']:6} solves  {wall:7.1f} s  "
-        f"unit {unit:.3f} s  {wall / unit:6.1f} units  {solver['peak_before_unit_bytes'] / 1e9:5.2f} GB\n"
+        f"{name:22} {run.mesh.unknowns:8,} unknowns  {run.paths['pull'].increments:3} increments  "
+        f"{solver.factorisations:4} factorisations  {solver.solves:6} solves  {wall:7.1f} s  "
+        f"unit {unit:.3f} s  {wall / unit:6.1f} units  {peak / 1e9:5.2f} GB\n"
         f"{'':22}  {', '.join(f'{phase} {100 * share:.0f} %' for share, phase in shares)}"
     )
 
@@ -82,9 +86,9 @@ def exponents(n: Sequence[float], values: Sequence[float]) -> tuple[float, float
     return float(np.polyfit(x, y, 1)[0]), float((y[-1] - y[-2]) / (x[-1] - x[-2]))
 
 
-def cost_per_unknown(run: dict[str, Any], beside: dict[str, Any]) -> float:
+def cost_per_unknown(run: RunRecord, beside: RunRecord) -> float:
     """Return the wall time by unknown of a run, over that of another."""
-    each = [one["wall_s"] / one["mesh"]["unknowns"] for one in (run, beside)]
+    each = [one.wall_s / one.mesh.unknowns for one in (run, beside)]
     return float(each[0] / each[1])
 
 
@@ -101,7 +105,7 @@ def targets() -> None:
     for target in ("5%", "2%"):
         setting = presets.cheapest(target)
         errors = presets.note(target, setting)["error_in_study_pct"]
-        wall = record_of(setting.scene(scene("coarse", 2.5 * MM)))["wall_s"]
+        wall = record_of(setting.scene(scene("coarse", 2.5 * MM))).wall_s
         print(f"within {target}: {setting.name}, {wall:.1f} s; errors in the study {errors}", flush=True)
 
 
@@ -112,11 +116,11 @@ def growth() -> None:
         for mesh in meshes:
             runs.append(record(mesh, 1.0 * MM, mode))
             print(text_of(f"{mesh}, {mode}", runs[-1]), flush=True)
-        n = [run["mesh"]["unknowns"] for run in runs]
+        n = [run.mesh.unknowns for run in runs]
         for what, values in (
-            ("unit", [run["solver"]["unit_s"] for run in runs]),
-            ("wall", [run["wall_s"] for run in runs]),
-            ("memory", [run["solver"]["peak_before_unit_bytes"] for run in runs]),
+            ("unit", [run.solver.unit_s for run in runs]),
+            ("wall", [run.wall_s for run in runs]),
+            ("memory", [run.solver.peak_before_unit_bytes for run in runs]),
         ):
             slope, last = exponents(n, values)
             print(f"{mode}: {what} grows with unknowns to the power {slope:.2f} (last two meshes {last:.2f})")

@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
 
 from pysprings.cli.support import refuse
-from pysprings.core.files.layout import WRITING, is_unfinished
+from pysprings.core.files.layout import is_unfinished
 from pysprings.core.files.lock import exclusive, new_folder
+from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.results.layout import refuse_linked_folders, results_in
 
 
@@ -61,11 +61,11 @@ def _refuse_contents(out: Path, resume: bool) -> None:
         )
 
 
-def refuse_other_run(folder: Path, record: Mapping[str, Any], scene_sha256: str) -> None:
+def refuse_other_run(folder: Path, record: RunRecord, scene_sha256: str) -> None:
     """Refuse to resume in a folder whose results belong to another scene or mesh, or are interrupted."""
-    if record.get("scene_sha256") != scene_sha256:
+    if record.scene_sha256 != scene_sha256:
         refuse("--resume", "the results here are those of another scene or mesh; --force begins anew", folder)
-    if record.get("status") in ("interrupted", WRITING):
+    if record.status in (Status.INTERRUPTED, Status.WRITING):
         message = "nothing to resume: the run here was interrupted, and its checkpoints are gone; --force begins anew"
         refuse("--resume", message, folder)
 

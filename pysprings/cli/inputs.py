@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.cli.support import refuse, to_stderr
-from pysprings.core.files.layout import WRITING, is_unfinished
+from pysprings.core.files.layout import is_unfinished
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,18 +28,18 @@ def refuse_unfinished(result: Path, strict: bool = False) -> None:
     folder causes a warning only.
     """
     from pysprings.full_model.checkpoint import Checkpoints
-    from pysprings.studies.stored_runs import read_record
+    from pysprings.full_model.run_record import RunRecord, Status
 
     folder = result if result.is_dir() else result.parent
-    unfinished, record = is_unfinished(folder), read_record(folder)
-    saved = not unfinished or Checkpoints(folder).are_of(str(record.get("scene_sha256")))
+    unfinished, record = is_unfinished(folder), RunRecord.read(folder)
+    saved = not unfinished or Checkpoints(folder).are_of(record.scene_sha256 if record else "")
     onward = "`pysprings run SCENE --out DIR --resume` goes on with it"
-    if record.get("status") == "interrupted" and saved:
+    if record and record.status is Status.INTERRUPTED and saved:
         message = f"the run was interrupted: what is here is what had converged until then; {onward}"
         if strict:
             refuse("--strict", message, folder)
         to_stderr(f"warning: {folder}: {message}")
-    elif unfinished or record.get("status") == WRITING:
+    elif unfinished or (record and record.status is Status.WRITING):
         message = "holds a run that has not ended (killed, or still running)"
         if result.is_dir():
             refuse(None, f"{message}: files here may be of a run before it, or not all there; {onward}", folder)

@@ -3,16 +3,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.cli.inputs import read_springs
-from pysprings.cli.support import print_table
+from pysprings.cli.support import print_table, refuse
 from pysprings.core.errors import printable
 from pysprings.core.files.layout import WRITING
 from pysprings.core.text import number
+from pysprings.full_model.run_record import FILE, CutBack, PathFigures, RunRecord
 from pysprings.results.layout import listed_pictures, run_files
 
 if TYPE_CHECKING:
@@ -28,18 +28,18 @@ def results(folder: Path) -> dict[str, Any]:
     record = read_record(folder)
     files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
     comparison = to_dict(_comparison(folder, record)) if _has_springs(folder, record) else None
-    return {"folder": str(folder), "files": files, "run": record, "compare": comparison}
+    return {"folder": str(folder), "files": files, "run": record.as_dict(), "compare": comparison}
 
 
-def read_record(folder: Path) -> dict[str, Any]:
-    """Return the run.json of a folder."""
-    record: dict[str, Any] = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-    return record
+def read_record(folder: Path) -> RunRecord:
+    """Return the record of a folder; end the program where it has none."""
+    record = RunRecord.read(folder)
+    return refuse(None, f"{FILE} is missing or broken", folder) if record is None else record
 
 
-def _has_springs(folder: Path, record: Mapping[str, Any]) -> bool:
+def _has_springs(folder: Path, record: RunRecord) -> bool:
     """Return whether this run, not an earlier one in the same folder, has written springs."""
-    return "balance" in record and (folder / "springs.nc").exists()
+    return record.balance is not None and (folder / "springs.nc").exists()
 
 
 def print_results(folder: Path) -> None:
@@ -47,13 +47,13 @@ def print_results(folder: Path) -> None:
     from pysprings.macro.comparison_text import to_text
 
     record = read_record(folder)
-    print(f"results in {folder} ({STATUS_WORDS.get(record['status'], record['status'])})")
+    print(f"results in {folder} ({STATUS_WORDS.get(record.status, record.status)})")
     rows = [(str(folder / name), text) for name, text in run_files().items() if (folder / name).exists()]
     rows += _pictures(folder)
     width = max((len(name) for name, _ in rows), default=0)
     for name, text in rows:
         print(f"  {name.ljust(width)}  {text}")
-    for text in record.get("warnings", ()):
+    for text in record.warnings:
         print(printable(f"warning: {text}"))
     print_paths(record)
     print_water(record)
@@ -65,7 +65,7 @@ def print_results(folder: Path) -> None:
         print(to_text(_comparison(folder, record)), end="")
 
 
-def _comparison(folder: Path, record: Mapping[str, Any]) -> pd.DataFrame:
+def _comparison(folder: Path, record: RunRecord) -> pd.DataFrame:
     """Return the comparison that a run has written; compute it where the file was removed."""
     if not (folder / "compare.csv").exists():
         from pysprings.macro.comparison import compare
@@ -76,9 +76,8 @@ def _comparison(folder: Path, record: Mapping[str, Any]) -> pd.DataFrame:
     from pysprings.results.exporters.csv import read_comparison
 
     frame = read_comparison(folder / "compare.csv")
-    title = tomllib.loads(record.get("scene_toml", "")).get("title", "")
-    names = {"pysprings_version": "version", "scene_sha256": "scene_sha256"}
-    frame.attrs = {"title": title} | {name: record.get(key, "") for name, key in names.items()}
+    title = tomllib.loads(record.scene_toml).get("title", "")
+    frame.attrs = {"title": title, "pysprings_version": record.version, "scene_sha256": record.scene_sha256}
     return frame
 
 
@@ -104,26 +103,26 @@ _NEWTON = {
 MOST_LINES = 12
 
 
-def print_paths(record: Mapping[str, Any]) -> None:
+def print_paths(record: RunRecord) -> None:
     """Print Newton iterations by path, the place of each cut-back, and whether the contact pressure alternates."""
-    paths = record.get("paths", {})
+    paths = record.paths
     if not paths:
         return
     print()
-    rows = [(name, *(number(path.get(key)) for key in _NEWTON)) for name, path in paths.items()]
+    rows = [(name, *(number(getattr(path, key)) for key in _NEWTON)) for name, path in paths.items()]
     print_table(("path", *_NEWTON.values()), rows)
     print("iterations: of accepted increments; median, max: per increment; last ratio: residual of the last iteration")
     print("over the one before; order: of the last three residuals (2 is quadratic); both are medians over increments")
     _print_cut_backs(paths)
-    rings = [f"{name}: {text}" for name, path in paths.items() if (text := ring_text(path.get("contact_rings")))]
+    rings = [f"{name}: {text}" for name, path in paths.items() if (text := ring_text(path.contact_rings))]
     if rings:
         print("\ncontact pressure from station to station around the rings of the skirt:")
         print("\n".join(rings))
 
 
-def _print_cut_backs(paths: Mapping[str, Any]) -> None:
+def _print_cut_backs(paths: Mapping[str, PathFigures]) -> None:
     """Print place and reason of each attempt that was given up; at most `MOST_LINES`."""
-    lines = [f"{name}: {_cut_back(each)}" for name, path in paths.items() for each in path.get("cut_backs_at", ())]
+    lines = [f"{name}: {_cut_back(each)}" for name, path in paths.items() for each in path.cut_backs_at]
     if not lines:
         return
     print("\nattempts given up (cut-backs):")
@@ -132,10 +131,10 @@ def _print_cut_backs(paths: Mapping[str, Any]) -> None:
         print(f"... and {len(lines) - MOST_LINES} more in run.json")
 
 
-def _cut_back(each: Mapping[str, Any]) -> str:
-    place = f" ({each['place']})" if each["place"] else ""
-    at = f"at {100 * each['load_fraction']:.4g} % of the {each['stage']}"
-    return f"{at} after {each['iterations']} iterations: {each['reason']}{place}"
+def _cut_back(each: CutBack) -> str:
+    place = f" ({each.place})" if each.place else ""
+    at = f"at {100 * each.load_fraction:.4g} % of the {each.stage}"
+    return f"{at} after {each.iterations} iterations: {each.reason}{place}"
 
 
 def ring_text(rings: Mapping[str, Any] | None) -> str:
@@ -161,9 +160,9 @@ _WATER = {
 }
 
 
-def print_water(record: Mapping[str, Any]) -> None:
+def print_water(record: RunRecord) -> None:
     """Print the balance of the water at the end of each path, and the range of its pressures."""
-    paths = {name: path["water"] for name, path in record.get("paths", {}).items() if "water" in path}
+    paths = {name: path.water for name, path in record.paths.items() if path.water}
     if not paths:
         return
     print("\nwater, m3 since the initial state (expelled = compressed + in gaps + outflow):")
@@ -174,9 +173,9 @@ def print_water(record: Mapping[str, Any]) -> None:
 _ENERGY = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water", "imbalance")
 
 
-def print_energy(record: Mapping[str, Any]) -> None:
+def print_energy(record: RunRecord) -> None:
     """Print the balance of energy at the end of each path."""
-    paths = {name: path["energy"] for name, path in record.get("paths", {}).items() if "energy" in path}
+    paths = {name: path.energy for name, path in record.paths.items() if path.energy}
     if not paths:
         return
     print("\nenergy, kJ since the initial state (work + initial = elastic + plastic + penalty + friction + water):")
@@ -184,35 +183,33 @@ def print_energy(record: Mapping[str, Any]) -> None:
     print_table(("path", *_ENERGY), rows)
 
 
-def print_cost(record: Mapping[str, Any]) -> None:
+def print_cost(record: RunRecord) -> None:
     """Print wall and CPU time by phase, factorisations, iterations and peak memory."""
-    phases = record.get("phases", {})
+    phases = record.phases
     if not phases:
         return
-    total = ("total", {"wall_s": record.get("wall_s"), "cpu_s": record.get("cpu_s")})
+    total = ("total", {"wall_s": record.wall_s, "cpu_s": record.cpu_s})
     rows = [
         (name, _seconds(time.get("wall_s")), _seconds(time.get("cpu_s"))) for name, time in [*phases.items(), total]
     ]
     print()
     print_table(("phase", "wall [s]", "CPU [s]"), rows)
-    solver, mesh, paths = record.get("solver", {}), record.get("mesh", {}), record.get("paths", {}).values()
-    spent = sum(path.get("iterations", 0) + path.get("iterations_in_cut_backs", 0) for path in paths)
-    print(f"{number(mesh.get('nodes'))} nodes, {number(mesh.get('unknowns'))} unknowns; ", end="")
+    solver, mesh = record.solver, record.mesh
+    spent = sum(path.iterations + path.iterations_in_cut_backs for path in record.paths.values())
+    print(f"{number(mesh.nodes)} nodes, {number(mesh.unknowns)} unknowns; ", end="")
     print(f"{number(spent)} Newton iterations, those in cut-backs included; ", end="")
-    print(f"{number(solver.get('factorisations'))} factorisations ({solver.get('linear')}); ", end="")
-    print(f"peak memory {number((record.get('peak_memory_bytes') or 0) / 1e6)} MB")
-    if saved := record.get("checkpoints"):
-        share = 100.0 * saved["share_of_wall"]
-        print(
-            f"checkpoints: {saved['written']} of steps, {saved['wall_s']:.2f} s, {share:.1f} % of the time of the paths"
-        )
-    for part in record.get("resumed", ()):
+    print(f"{number(solver.factorisations)} factorisations ({solver.linear}); ", end="")
+    print(f"peak memory {number(record.peak_memory_bytes / 1e6)} MB")
+    if saved := record.checkpoints:
+        share = 100.0 * saved.share_of_wall
+        print(f"checkpoints: {saved.written} of steps, {saved.wall_s:.2f} s, {share:.1f} % of the time of the paths")
+    for part in record.resumed:
         print(f"resumed {part['at_utc']} from {part['from']}")
 
 
-def print_estimate(record: Mapping[str, Any]) -> None:
+def print_estimate(record: RunRecord) -> None:
     """Print the setting of a target error, and the error estimate of the run."""
-    if target := record.get("target_error"):
+    if target := record.target_error:
         from pysprings.full_model.accuracy.measures import MEASURES
 
         errors = target["error_in_study_pct"].items()
@@ -221,7 +218,7 @@ def print_estimate(record: Mapping[str, Any]) -> None:
         print(
             f"target error {target['target']}: setting {target['setting']}, in the study of '{study['scene']}' {parts}"
         )
-    if estimate := record.get("error_estimate"):
+    if estimate := record.error_estimate:
         from pysprings.full_model.accuracy.two_mesh import words
 
         print(words(estimate))

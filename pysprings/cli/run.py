@@ -119,5 +119,5 @@ def _ended_run(folder: Path, scene: Scene) -> Stopped:
 
     record = read_record(folder)
     refuse_other_run(folder, record, scene.sha256)
-    to_stderr(f"the run in {folder} has ended ({record['status']}): nothing is left to do")
-    return None if record["status"] == "complete" else RunIncomplete("; ".join(record["failures"]), folder)
+    to_stderr(f"the run in {folder} has ended ({record.status}): nothing is left to do")
+    return None if record.complete else RunIncomplete("; ".join(record.failures), folder)

@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 import sys
-import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from fe_engine.balance.energy import TERMS, Energy
-from fe_engine.clock import Clock
+from fe_engine.clock import Clock, seconds
 from fe_engine.errors import NotConverged
 from pysprings.core import variables
 from pysprings.full_model.ring_measure import contact_alternation
@@ -130,9 +129,9 @@ def cut_back(stage: str, fraction: float, error: NotConverged) -> CutBack:
 class Meter:
     """Measures what a piece of work costs: its phases by a clock, and wall and CPU seconds in all."""
 
-    def __init__(self) -> None:
-        self.clock = Clock()
-        self._since = time.perf_counter(), time.process_time()
+    def __init__(self, now: Callable[[], tuple[float, float]] = seconds) -> None:
+        self.clock = Clock(now)
+        self._since = now()
 
     def charge(self, record: RunRecord) -> None:
         """Add the cost since the last charge to a record, and start anew.
@@ -143,7 +142,7 @@ class Meter:
         phases.pop("other", None)
         for name, wall in self.clock.wall.items():
             phases[name] = {"wall_s": round(wall, 3), "cpu_s": round(self.clock.cpu[name], 3)}
-        wall, cpu = time.perf_counter(), time.process_time()
+        wall, cpu = self.clock.now()
         record.wall_s = round(record.wall_s + wall - self._since[0], 3)
         record.cpu_s = round(record.cpu_s + cpu - self._since[1], 3)
         counted = {key: sum(phase[key] for phase in phases.values()) for key in ("wall_s", "cpu_s")}
@@ -152,7 +151,7 @@ class Meter:
             "cpu_s": round(max(record.cpu_s - counted["cpu_s"], 0.0), 3),
         }
         record.peak_memory_bytes = peak_memory_bytes()
-        self.clock, self._since = Clock(), (wall, cpu)
+        self.clock, self._since = Clock(self.clock.now), (wall, cpu)
 
 
 def _order(good: list[list[dict[str, Any]]]) -> float | None:

@@ -8,18 +8,21 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from pysprings.core.files.layout import WRITING
 from pysprings.core.stop_reasons import StopReason
 
 if TYPE_CHECKING:
     import xarray as xr
 
 ATTRIBUTE = "run_json"  # of the root of a full-model result
+FILE = "run.json"  # in the folder of a run
 
 
 class Status(StrEnum):
@@ -28,6 +31,7 @@ class Status(StrEnum):
     COMPLETE = "complete"
     PARTIAL = "partial"
     INTERRUPTED = "interrupted"
+    WRITING = WRITING  # until every file of the run is written
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +57,23 @@ OPTIONAL = MappingProxyType({"optional": True})  # metadata of a field that JSON
 
 
 class _Part:
-    """A dataclass that JSON objects are made of."""
+    """A dataclass that JSON objects are made of; ``_typed`` makes the fields that are more than numbers and texts."""
+
+    _typed: ClassVar[Mapping[str, Callable[[Any], Any]]] = {}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """Return the part of plain data; keys of other versions are left out, missing ones have their default.
+
+        Raises
+        ------
+        ValueError, TypeError, AttributeError
+            The data are not those of such a part.
+        """
+        names = [each.name for each in dataclasses.fields(cls)]  # type: ignore[arg-type]
+        values = {name: data[name] for name in names if name in data}
+        typed = {name: read(values[name]) for name, read in cls._typed.items() if values.get(name) is not None}
+        return cls(**values | typed)
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain data, in the order of the fields."""
@@ -116,7 +136,7 @@ class CutBack(_Part):
     reason: str
     place: str
     iterations: int
-    last_residuals: list[float]
+    last_residuals: list[float] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +154,7 @@ class PathFigures(_Part):
     energy : terms of the balance [J].
     """
 
-    status: Status
+    status: Status = Status.INTERRUPTED
     reason: StopReason | None = field(default=None, metadata=OPTIONAL)
     increments: int = 0
     increments_of_dead_load: int | None = field(default=None, metadata=OPTIONAL)
@@ -152,6 +172,11 @@ class PathFigures(_Part):
     contact_rings: dict[str, Any] | None = None
     water: dict[str, float] | None = field(default=None, metadata=OPTIONAL)
     energy: dict[str, float] = field(default_factory=dict)
+    _typed: ClassVar[Mapping[str, Callable[[Any], Any]]] = {
+        "status": Status,
+        "reason": StopReason,
+        "cut_backs_at": lambda cuts: [CutBack.from_dict(each) for each in cuts],
+    }
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,7 +203,7 @@ class RunRecord(_Part):
     error_estimate, target_error, balance, files : what was asked for, or written, beside the computation.
     """
 
-    status: Status
+    status: Status = Status.INTERRUPTED
     stopped_by: StopReason | None = None
     failures: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
@@ -203,6 +228,33 @@ class RunRecord(_Part):
     target_error: dict[str, Any] | None = field(default=None, metadata=OPTIONAL)
     balance: dict[str, dict[str, float]] | None = field(default=None, metadata=OPTIONAL)
     files: list[str] | None = field(default=None, metadata=OPTIONAL)
+    _typed: ClassVar[Mapping[str, Callable[[Any], Any]]] = {
+        "status": Status,
+        "stopped_by": StopReason,
+        "mesh": MeshFigures.from_dict,
+        "solver": SolverFigures.from_dict,
+        "paths": lambda paths: {name: PathFigures.from_dict(path) for name, path in paths.items()},
+        "checkpoints": CheckpointCost.from_dict,
+    }
+
+    @classmethod
+    def read(cls, folder: Path) -> RunRecord | None:
+        """Return the record of `run.json` in a folder; None if there is none or it is broken."""
+        try:
+            return cls.from_dict(json.loads((folder / FILE).read_text(encoding="utf-8")))
+        except (OSError, ValueError, TypeError, AttributeError):
+            return None
+
+    @classmethod
+    def of(cls, result: xr.DataTree) -> RunRecord | None:
+        """Return the record that a full-model result carries; None without one."""
+        text = result.root.attrs.get(ATTRIBUTE)
+        return None if text is None else cls.from_dict(json.loads(text))
+
+    @property
+    def complete(self) -> bool:
+        """True if all paths came to their ends and every file is written."""
+        return self.status is Status.COMPLETE
 
     @property
     def reasons(self) -> list[StopReason]:

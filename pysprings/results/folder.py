@@ -105,7 +105,7 @@ def _write_all(folder: Path, scene: Scene, computed: Computed) -> None:
     meter.charge(record)  # the report shows the cost of everything but itself
     with meter.clock.phase("output: report"):
         compared = None if springs is None else source.comparison
-        write_report(folder, result, springs, compared, run=record.as_dict(), figures=figures)
+        write_report(folder, result, springs, compared, run=record, figures=figures)
     meter.charge(record)
     record.files = noted(folder)
     _write_record(folder, record.as_dict())

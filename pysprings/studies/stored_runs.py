@@ -3,17 +3,17 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pysprings.core import version
 from pysprings.core.files.layout import is_unfinished
 from pysprings.core.files.written import keep, own_folder
 from pysprings.core.progress import duration
+from pysprings.full_model.run_record import RunRecord, Status
 
 if TYPE_CHECKING:
     from pysprings.core.progress import Progress
@@ -87,16 +87,19 @@ def has_ended(folder: Path, scene: Scene) -> bool:
     """Return whether a folder holds the ended run (complete, or stopped by itself) of this scene and version."""
     record = record_of(folder, scene)
     return (
-        record.get("status") in ("complete", "partial")
-        and not record.get("stopped_by")
+        record is not None
+        and record.status in (Status.COMPLETE, Status.PARTIAL)
+        and record.stopped_by is None
         and all((folder / name).exists() for name in NEEDED)
         and not is_unfinished(folder)
     )
 
 
-def why_stopped(record: Mapping[str, Any]) -> str:
+def why_stopped(record: RunRecord | None) -> str:
     """Return why an ended run did not reach its end; empty where it did."""
-    return "" if record.get("status") == "complete" else "; ".join(record.get("failures", ["no run"]))
+    if record is None:
+        return "no run"
+    return "" if record.complete else "; ".join(record.failures)
 
 
 def forget(folder: Path) -> None:
@@ -109,17 +112,9 @@ def forget(folder: Path) -> None:
     Checkpoints(folder).remove()
 
 
-def record_of(folder: Path, scene: Scene) -> dict[str, Any]:
-    """Return the record of a folder if it belongs to this scene and version, else {}."""
-    record = read_record(folder)
-    own = record.get("scene_sha256") == scene.sha256 and record.get("version") == version.__version__
-    return record if own else {}
-
-
-def read_record(folder: Path) -> dict[str, Any]:
-    """Return run.json of a folder; empty where there is none or it is broken."""
-    try:
-        data = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return data if isinstance(data, dict) else {}
+def record_of(folder: Path, scene: Scene) -> RunRecord | None:
+    """Return the record of a folder if it belongs to this scene and version, else None."""
+    record = RunRecord.read(folder)
+    if record is None or record.scene_sha256 != scene.sha256 or record.version != version.__version__:
+        return None
+    return record

@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
+from pysprings.full_model.run_record import RunRecord
 from pysprings.springs.dataset import path_dataset
 
 if TYPE_CHECKING:
@@ -78,7 +78,8 @@ def settings(tree: xr.DataTree) -> dict[str, Any]:
     """Collect drainage, caisson size [m], mesh counts and solver tolerance of a run from its attrs."""
     attrs = tree.root.attrs
     values: dict[str, Any] = {key: attrs[key] for key in SETTINGS if key in attrs}
-    tolerance = json.loads(attrs.get("run_json", "{}")).get("solver", {}).get("tolerance")
+    record = RunRecord.of(tree)
+    tolerance = record.solver.tolerance if record else None
     return values if tolerance is None else {**values, "tolerance": float(tolerance)}
 
 

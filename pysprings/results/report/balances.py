@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from pysprings.results.report.table import ReportTable, Table
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from pysprings.full_model.run_record import PathFigures
 
 
 def equilibrium_table(tree: xr.DataTree) -> Table:
@@ -38,9 +40,9 @@ def equilibrium_table(tree: xr.DataTree) -> Table:
     return Table("Equilibrium check", ("path", "load", "largest load", "missing (relative)"), rows, note)
 
 
-def water_table(run: Mapping[str, Any]) -> Table | None:
+def water_table(figures: Mapping[str, PathFigures]) -> Table | None:
     """Return the table of the balance of the water at the end of each path; None for a drained run."""
-    paths = {name: path["water"] for name, path in run.get("paths", {}).items() if "water" in path}
+    paths = {name: path.water for name, path in figures.items() if path.water}
     if not paths:
         return None
     columns = ("path", "expelled [m\u00b3]", "compressed [m\u00b3]", "in gaps [m\u00b3]", "outflow [m\u00b3]",
@@ -62,9 +64,9 @@ def water_table(run: Mapping[str, Any]) -> Table | None:
     return Table("Balance of the water", columns, rows, note, wide=True)
 
 
-def energy_table(run: Mapping[str, Any]) -> Table | None:
+def energy_table(figures: Mapping[str, PathFigures]) -> Table | None:
     """Return the table of the balance of energy at the end of each path; None where it was not computed."""
-    paths = {name: path["energy"] for name, path in run.get("paths", {}).items() if "energy" in path}
+    paths = {name: path.energy for name, path in figures.items() if path.energy}
     if not paths:
         return None
     terms = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water")
@@ -88,5 +90,5 @@ def energy_table(run: Mapping[str, Any]) -> Table | None:
 EQUILIBRIUM = ReportTable(
     "equilibrium", "checks", lambda data: [equilibrium_table(data.result if data.springs is None else data.springs)]
 )
-WATER = ReportTable("water", "checks", lambda data: [water_table(data.run)])
-ENERGY = ReportTable("energy", "checks", lambda data: [energy_table(data.run)])
+WATER = ReportTable("water", "checks", lambda data: [water_table(data.figures)])
+ENERGY = ReportTable("energy", "checks", lambda data: [energy_table(data.figures)])

@@ -9,6 +9,7 @@ from typing import Any
 
 from pysprings.core.errors import UserInputError
 from pysprings.core.text import number
+from pysprings.full_model.run_record import MeshFigures
 from pysprings.model.forecast.omission_text import saved_text
 from pysprings.results.report.table import ReportTable, Table
 
@@ -61,8 +62,8 @@ def _plain_sections(scene_toml: str) -> list[tuple[str, list[tuple[str, Any]]]]:
     return sections
 
 
-def mesh_table(attrs: Mapping[Any, Any], run: Mapping[str, Any] | None = None) -> Table:
-    """Return the table of mesh counts, quality and solver from the attrs of a result and its run.json."""
+def mesh_table(attrs: Mapping[Any, Any], mesh: MeshFigures | None = None) -> Table:
+    """Return the table of mesh counts, quality and solver from the attrs of a result and the record of its mesh."""
     names = {
         "mesh_preset": "preset",
         "n_nodes": "nodes",
@@ -73,7 +74,7 @@ def mesh_table(attrs: Mapping[Any, Any], run: Mapping[str, Any] | None = None) -
         "max_aspect": "largest aspect ratio",
         "solver": "linear solver",
     }
-    known = {**dict((run or {}).get("mesh") or {}), **attrs}
+    known = {**(mesh.as_dict() if mesh else {}), **attrs}
     rows = [(text, number(known[key])) for key, text in names.items() if key in known]
     return Table("", ("", ""), rows, head=False)
 
@@ -86,5 +87,5 @@ def omission_table(left_out: Any) -> Table | None:
 
 
 INPUTS = ReportTable("inputs", "inputs", lambda data: input_tables(str(data.result.attrs.get("scene_toml", ""))))
-OMISSIONS = ReportTable("omissions", "limits", lambda data: [omission_table(data.run.get("left_out"))])
-MESH = ReportTable("mesh", "mesh", lambda data: [mesh_table(data.result.attrs, data.run)])
+OMISSIONS = ReportTable("omissions", "limits", lambda data: [omission_table(data.run.left_out if data.run else [])])
+MESH = ReportTable("mesh", "mesh", lambda data: [mesh_table(data.result.attrs, data.run.mesh if data.run else None)])

@@ -8,13 +8,13 @@ a scene or a file is escaped by the template engine.
 from __future__ import annotations
 
 import base64
-import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from pysprings.full_model.run_record import RunRecord
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import picture_kind, pictures_in
@@ -54,7 +54,7 @@ def write_report(
     result: xr.DataTree | None = None,
     springs: xr.DataTree | None = None,
     compare: pd.DataFrame | None = None,
-    run: Mapping[str, Any] | None = None,
+    run: RunRecord | None = None,
     figures: Sequence[str | os.PathLike[str]] | None = None,
 ) -> Path:
     """Write ``report.html`` into the folder of a run, whole or not at all; return its path.
@@ -70,8 +70,7 @@ def write_report(
         springs = read_tree(place / "springs.nc")
     if compare is None and (place / "compare.csv").exists():
         compare = read_comparison(place / "compare.csv")
-    if run is None and (place / "run.json").exists():
-        run = json.loads((place / "run.json").read_text(encoding="utf-8"))
+    run = RunRecord.read(place) if run is None else run
     files = [Path(file) for file in figures] if figures is not None else pictures_in(place)
     return write_text(render(result, springs, compare, run, files), place / "report.html")
 
@@ -80,7 +79,7 @@ def render(
     result: xr.DataTree,
     springs: xr.DataTree | None = None,
     compare: pd.DataFrame | None = None,
-    run: Mapping[str, Any] | None = None,
+    run: RunRecord | None = None,
     figures: Sequence[Path] = (),
 ) -> str:
     """Return the report as HTML text.
@@ -94,11 +93,10 @@ def render(
     compare
         Table of `pysprings.macro.comparison.compare`, one row per path and spring set.
     run
-        Content of run.json: cost by phase, what was left out.
+        Record of the run: cost by phase, what was left out.
     figures
         Picture files, named as `pysprings.results.plots.save_all` names them.
     """
-    run = run or {}
     data = ReportData(result, springs, compare, run)
     sections: tuple[Section, ...] = ("inputs", "limits", "mesh", "checks", "springs", "comparison", "cost")
     return (
@@ -106,10 +104,10 @@ def render(
         .get_template("report.html.j2")
         .render(
             attrs={key: result.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")},
-            status=str(run.get("status") or result.attrs.get("status", "")),
-            started=str(run.get("started_utc") or ""),
-            failures=[str(failure) for failure in run.get("failures", ())],
-            warnings=[str(text) for text in run.get("warnings", ())],
+            status=str(run.status if run else result.attrs.get("status", "")),
+            started=run.started_utc if run else "",
+            failures=run.failures if run else [],
+            warnings=run.warnings if run else [],
             sketch=picture_uri(axes_svg().encode(), ".svg"),
             validity=validity(result, springs),
             tables={section: tables_of(section, data) for section in sections},

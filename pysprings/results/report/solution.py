@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,13 +15,12 @@ from pysprings.results.analysis.newton import attempts, failed_steps
 from pysprings.results.report.table import ReportTable, Table
 
 if TYPE_CHECKING:
-    pass
+    from pysprings.full_model.run_record import PathFigures
 
 
-def convergence_table(paths: Mapping[str, Any], run: Mapping[str, Any] | None = None) -> Table:
+def convergence_table(paths: Mapping[str, Any], figures: Mapping[str, PathFigures] = MappingProxyType({})) -> Table:
     """Count increments, iterations and cut-backs by path, with the worst residual that was accepted."""
-    summaries = (run or {}).get("paths") or {}
-    rows = [(name, *_convergence_row(path, summaries.get(name) or {})) for name, path in paths.items()]
+    rows = [(name, *_convergence_row(path, figures.get(name))) for name, path in paths.items()]
     columns = (
         "path",
         "increments",
@@ -39,7 +39,7 @@ def convergence_table(paths: Mapping[str, Any], run: Mapping[str, Any] | None = 
     return Table("Convergence", columns, rows, note, wide=True)
 
 
-def _convergence_row(path: Any, summary: Mapping[str, Any]) -> list[str]:
+def _convergence_row(path: Any, summary: PathFigures | None) -> list[str]:
     if "convergence" not in path.children or not path["convergence"].sizes.get("iteration", 0):
         return ["not recorded"] * 8
 
@@ -58,7 +58,7 @@ def _convergence_row(path: Any, summary: Mapping[str, Any]) -> list[str]:
         number(len(lost)),
         ", ".join(f"{100 * float(fraction[each.rows[-1]]):.3g}" for each in lost) or "-",
         number(worst, 2),
-        number(summary.get("order_of_last_iterations") or "-", 3),
+        number((summary and summary.order_of_last_iterations) or "-", 3),
     ]
 
 
@@ -66,16 +66,16 @@ def _at(place: str) -> str:
     return f" ({place})" if place else ""
 
 
-def cut_back_table(run: Mapping[str, Any]) -> Table | None:
+def cut_back_table(figures: Mapping[str, PathFigures]) -> Table | None:
     """List the attempts that were given up: path, place in the load and in the model, reason; None without any."""
     rows = [
         (
-            str(name), f"{100 * each['load_fraction']:.4g} % of the {each['stage']}", number(each["iterations"]),
-            str(each["reason"]), str(each["place"]) or "-",
-            ", ".join(number(value, 2) for value in each["last_residuals"]) or "-",
+            name, f"{100 * each.load_fraction:.4g} % of the {each.stage}", number(each.iterations),
+            each.reason, each.place or "-",
+            ", ".join(number(value, 2) for value in each.last_residuals) or "-",
         )
-        for name, path in dict(run.get("paths") or {}).items()
-        for each in path.get("cut_backs_at", ())
+        for name, path in figures.items()
+        for each in path.cut_backs_at
     ]  # fmt: skip
     columns = ("path", "at", "iterations", "reason", "largest residual at", "last residuals")
     note = "The load step was halved after each of these attempts and taken again."
@@ -148,7 +148,7 @@ def _opening(opening: Any) -> str:
     return f"{opening.width * 1e3:.3g} mm at {opening.place}" if opening.width > 0 else "closed"
 
 
-CONVERGENCE = ReportTable("convergence", "checks", lambda data: [convergence_table(data.paths, data.run)])
-CUT_BACKS = ReportTable("cut-backs", "checks", lambda data: [cut_back_table(data.run)])
+CONVERGENCE = ReportTable("convergence", "checks", lambda data: [convergence_table(data.paths, data.figures)])
+CUT_BACKS = ReportTable("cut-backs", "checks", lambda data: [cut_back_table(data.figures)])
 RINGS = ReportTable("rings", "checks", lambda data: [ring_table(data.paths)])
 END = ReportTable("end", "path", lambda data: [end_table(data.paths[data.path])])

@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+    from pysprings.full_model.run_record import PathFigures, RunRecord
 
 # Parts of the page in their order; "path" is repeated for each path.
 Section = Literal["inputs", "limits", "mesh", "checks", "springs", "comparison", "path", "cost"]
@@ -66,7 +68,7 @@ class ReportData:
     comparison
         Errors of the macro-model by path and spring set; None without springs.
     run
-        Content of run.json; empty where it is not there.
+        Record of the run; None where there is none.
     path
         Name of the path, for tables of the section "path".
     """
@@ -74,8 +76,13 @@ class ReportData:
     result: xr.DataTree
     springs: xr.DataTree | None = None
     comparison: pd.DataFrame | None = None
-    run: Mapping[str, Any] = field(default_factory=dict)
+    run: RunRecord | None = None
     path: str = ""
+
+    @property
+    def figures(self) -> Mapping[str, PathFigures]:
+        """Figures of the paths by name; none without a record."""
+        return {} if self.run is None else self.run.paths
 
     @property
     def paths(self) -> dict[str, Any]:

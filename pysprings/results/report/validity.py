@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +14,8 @@ from pysprings.results.report.table import ReportTable, Table
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+    from pysprings.full_model.run_record import RunRecord
 
 
 def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
@@ -106,9 +107,9 @@ def _fixed(value: Any, decimals: int) -> str:
     return number(value)
 
 
-def estimate_table(run: Mapping[str, Any]) -> Table | None:
+def estimate_table(run: RunRecord | None) -> Table | None:
     """Return the table of the estimated discretisation error; None where no estimate was requested."""
-    estimate = run.get("error_estimate")
+    estimate = None if run is None else run.error_estimate
     if not estimate:
         return None
     if not estimate["estimate_pct"]:

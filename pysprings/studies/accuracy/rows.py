@@ -27,6 +27,7 @@ from pysprings.full_model.accuracy.curves import (
 from pysprings.full_model.accuracy.presets import JUDGED
 from pysprings.full_model.accuracy.richardson import Reference, cell_size
 from pysprings.full_model.accuracy.settings import MESH, Setting
+from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.studies.accuracy import macro
 from pysprings.studies.accuracy.pareto import front
 from pysprings.studies.accuracy.runs import Ended
@@ -157,32 +158,46 @@ def _changes_alone(curves: Mapping[str, Mapping[str, Curve]], complete: Sequence
 
 
 def _unknowns(each: Ended) -> int:
-    return int(each.record["mesh"]["unknowns"])
+    return _record(each).mesh.unknowns
+
+
+def _record(each: Ended) -> RunRecord:
+    """Return the record of a run that has one: it reached its end."""
+    assert each.record is not None
+    return each.record
 
 
 def _costs(each: Ended) -> dict[str, Any]:
-    record, setting = each.record, each.setting
-    solver, mesh = record.get("solver", {}), record.get("mesh", {})
-    paths = record.get("paths", {}).values()
-    unit, wall = solver.get("unit_s"), record.get("wall_s")
-    peak = solver.get("peak_before_unit_bytes", record.get("peak_memory_bytes", 0))
+    setting = each.setting
     return {
         "model": FULL, "name": setting.name, "group": setting.group, "mesh": setting.mesh,
         "refinement": setting.refinement, "series": setting.series, "slices": None,
         "status": "complete" if each.complete else "stopped", "why": each.why,
-        "unknowns": mesh.get("unknowns"), "linear": solver.get("linear"),
-        "increments": sum(path["increments"] for path in paths),
-        "iterations": sum(path["iterations"] + path["iterations_in_cut_backs"] for path in paths),
-        "factorisations": solver.get("factorisations"),
-        "wall_s": wall, "cpu_s": record.get("cpu_s"), "unit_s": unit, "units": wall / unit if unit and wall else None,
+    } | (_NO_FIGURES if each.record is None else _figures(each.record))  # fmt: skip
+
+
+def _figures(record: RunRecord) -> dict[str, Any]:
+    """Return size, work and cost of a run."""
+    solver, paths = record.solver, record.paths.values()
+    unit, wall, peak = solver.unit_s, record.wall_s, solver.peak_before_unit_bytes
+    peak = record.peak_memory_bytes if peak is None else peak
+    return {
+        "unknowns": record.mesh.unknowns, "linear": solver.linear,
+        "increments": sum(path.increments for path in paths),
+        "iterations": sum(path.iterations + path.iterations_in_cut_backs for path in paths),
+        "factorisations": solver.factorisations,
+        "wall_s": wall, "cpu_s": record.cpu_s, "unit_s": unit, "units": wall / unit if unit and wall else None,
         "memory_MB": peak / 1e6 or None,
     }  # fmt: skip
+
+
+_NO_FIGURES = {name: None for name in _figures(RunRecord(Status.PARTIAL))} | {"increments": 0, "iterations": 0}
 
 
 def _macro_rows(each: Ended, truth: Truth) -> list[dict[str, Any]]:
     """Return rows of the macro-models whose springs come from a run, by number of depth slices."""
     springs: xr.DataTree = read_tree(each.folder / "springs.nc")
-    setting, unit, rows = each.setting, each.record["solver"].get("unit_s"), []
+    setting, unit, rows = each.setting, _record(each).solver.unit_s, []
     for answer in macro.answers(springs):
         lateral, compared = [path for path in answer.lateral if path in truth.grids], {}
         for path in lateral:
@@ -196,7 +211,7 @@ def _macro_rows(each: Ended, truth: Truth) -> list[dict[str, Any]]:
             "group": "macro-model", "mesh": setting.mesh, "refinement": setting.refinement,
             "series": setting.series, "slices": answer.slices, "status": "complete" if complete else "stopped",
             "why": "" if complete else "the springs do not carry all paths to their ends",
-            "unknowns": each.record["mesh"]["unknowns"], "wall_s": answer.seconds, "cpu_s": answer.seconds,
+            "unknowns": _unknowns(each), "wall_s": answer.seconds, "cpu_s": answer.seconds,
             "unit_s": unit, "units": answer.seconds / unit if unit else None,
             **truth.columns(setting.name, compared if complete else {}),
         })  # fmt: skip

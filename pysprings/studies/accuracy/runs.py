@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
 from pysprings.full_model.accuracy.settings import Setting
@@ -18,6 +18,7 @@ from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, r
 
 if TYPE_CHECKING:
     from pysprings.core.progress import Progress
+    from pysprings.full_model.run_record import RunRecord
     from pysprings.scene.load import Scene
 
 WARM_UP = "warm-up"
@@ -30,13 +31,13 @@ class Ended:
 
     setting: Setting
     folder: Path
-    record: dict[str, Any]
+    record: RunRecord | None
     why: str = ""
 
     @property
     def complete(self) -> bool:
         """Whether the run reached its end."""
-        return not self.why and self.record.get("status") == "complete"
+        return not self.why and self.record is not None and self.record.complete
 
 
 def study_scene(scene: Scene) -> Scene:
@@ -88,7 +89,7 @@ def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:
     return ""
 
 
-def _stored_outcome(record: dict[str, Any]) -> str:
+def _stored_outcome(record: RunRecord | None) -> str:
     """Return the outcome of a kept run as `_run` has returned it."""
     why = why_stopped(record)
     return f"{_NOT_CONVERGED}{why}" if why else ""

@@ -43,7 +43,7 @@ def write(
         runs=run_table(runs),
         balances=[table for table in _balances(runs) if table is not None],
         inputs=input_tables(str(attrs.get("scene_toml", ""))),
-        mesh_table=mesh_table(attrs, first.record if first else None),
+        mesh_table=mesh_table(attrs, first.record.mesh if first else None),
         sketch=picture_uri(axes_svg().encode(), ".svg"),
         claims=claims.to_dict(orient="records"),
         counts={str(name): int(n) for name, n in claims["verdict"].value_counts().items()},
@@ -60,13 +60,13 @@ def run_table(runs: Mapping[str, Run]) -> Table:
         (
             name,
             run.case.words,
-            str(run.record.get("status", "")),
+            str(run.record.status),
             number(1e-3 * load(run.path, SHOWN)),
             number(1e-3 * load(run.path, END)),
-            number(sum(path.get("iterations", 0) for path in run.record.get("paths", {}).values())),
-            number(run.record.get("wall_s", "-")),
-            str(run.record.get("version", "")),
-            str(run.record.get("scene_sha256", ""))[:12],
+            number(sum(path.iterations for path in run.record.paths.values())),
+            number(run.record.wall_s),
+            run.record.version,
+            run.record.scene_sha256[:12],
         )
         for name, run in runs.items()
     ]
@@ -76,8 +76,8 @@ def run_table(runs: Mapping[str, Run]) -> Table:
 
 
 def _balances(runs: Mapping[str, Run]) -> list[Table | None]:
-    record = {"paths": {name: path for name, run in runs.items() for path in run.record.get("paths", {}).values()}}
-    return [energy_table(record), water_table(record)]
+    paths = {name: path for name, run in runs.items() for path in run.record.paths.values()}
+    return [energy_table(paths), water_table(paths)]
 
 
 def _picture(drawing: Drawing, file: Path) -> Picture:

@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pysprings.core.errors import RunIncomplete
 from pysprings.studies import stored_runs
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.core.progress import Progress
+    from pysprings.full_model.run_record import RunRecord
 
 _COUPLED = 1.6  # cost of a run with water over that of a drained one
 
@@ -29,12 +30,12 @@ class Run:
     folder: Path
     result: xr.DataTree
     path: xr.Dataset
-    record: Mapping[str, Any]
+    record: RunRecord
 
     @property
     def complete(self) -> bool:
         """Whether the run reached its end."""
-        return self.record.get("status") == "complete"
+        return self.record.complete
 
     @property
     def remark(self) -> str:
@@ -83,7 +84,7 @@ def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, 
     for case in cases:
         folder = run_folder(out, case.name)
         record = record_of(folder, case.scene(mesh))
-        if not record or not (folder / "full_model.nc").exists():
+        if record is None or not (folder / "full_model.nc").exists():
             continue
         result = read_tree(folder / "full_model.nc")
         if PATH in path_names(result) and int(result[f"paths/{PATH}"]["converged"].sum()) > 1:

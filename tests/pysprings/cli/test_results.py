@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from pysprings.cli import results
+from pysprings.full_model.run_record import RunRecord
 
 PATHS: dict[str, Any] = {
     "pull": {
@@ -47,12 +48,12 @@ def lines(capsys: pytest.CaptureFixture[str]) -> list[str]:
 
 
 def test_paths(capsys: pytest.CaptureFixture[str]) -> None:
-    results.print_paths(RECORD)
+    results.print_paths(RunRecord.from_dict(RECORD))
     found = lines(capsys)
     assert found[:2] == ["", "path status increments iterations median max cut-backs worst residual last ratio order"]
     assert found[3:] == [
         "pull complete 12 50 4 7 1 9.5e-06 0.0123 1.96",
-        "turn partial 1 5 - - - - - -",
+        "turn partial 1 5 0 0 0 0 - -",
         "iterations: of accepted increments; median, max: per increment; last ratio: residual of the last iteration",
         "over the one before; order: of the last three residuals (2 is quadratic); both are medians over increments",
         "",
@@ -64,21 +65,21 @@ def test_paths(capsys: pytest.CaptureFixture[str]) -> None:
         "open stations between two loaded ones: 3",
         "",
     ]
-    results.print_paths({"paths": {"turn": PATHS["turn"]}})
+    results.print_paths(RunRecord.from_dict({"paths": {"turn": PATHS["turn"]}}))
     assert len(lines(capsys)) == 7  # neither cut-backs nor rings
 
 
 def test_many_cut_backs_are_cut_short(capsys: pytest.CaptureFixture[str]) -> None:
     one = {"place": "", "load_fraction": 1.0, "stage": "path", "iterations": 2, "reason": "no"}
     for count in (12, 15):
-        results.print_paths({"paths": {"a": {"cut_backs_at": [one] * count}}})
+        results.print_paths(RunRecord.from_dict({"paths": {"a": {"cut_backs_at": [one] * count}}}))
         found = lines(capsys)
         assert found.count("a: at 100 % of the path after 2 iterations: no") == 12
         assert [line for line in found if line.startswith("...")] == ["... and 3 more in run.json"] * (count == 15)
 
 
 def test_water_and_energy(capsys: pytest.CaptureFixture[str]) -> None:
-    results.print_water(RECORD)
+    results.print_water(RunRecord.from_dict(RECORD))
     found = lines(capsys)
     assert found[:3] == [
         "",
@@ -86,7 +87,7 @@ def test_water_and_energy(capsys: pytest.CaptureFixture[str]) -> None:
         "path expelled compressed in gaps outflow imbalance worst over exchanged lowest p [Pa] highest p [Pa]",
     ]
     assert found[4:] == ["pull 0.1 0.2 0.3 0.4 5e-09 6e-09 -7000 80,000", ""]
-    results.print_energy(RECORD)
+    results.print_energy(RunRecord.from_dict(RECORD))
     found = lines(capsys)
     assert found[:3] == [
         "",
@@ -97,7 +98,7 @@ def test_water_and_energy(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
-    results.print_cost(RECORD)
+    results.print_cost(RunRecord.from_dict(RECORD))
     found = lines(capsys)
     assert found[:2] == ["", "phase wall [s] CPU [s]"]
     assert found[3:] == [
@@ -114,5 +115,5 @@ def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("show", ["paths", "water", "energy", "cost", "estimate"])
 def test_nothing_is_printed_of_what_is_not_there(show: str, capsys: pytest.CaptureFixture[str]) -> None:
-    getattr(results, f"print_{show}")({"paths": {}})
+    getattr(results, f"print_{show}")(RunRecord())
     assert capsys.readouterr().out == ""

@@ -19,12 +19,12 @@ from tests.support.synthetic import Path as Pull
 from tests.support.synthetic import make_result
 
 
-def run(unknowns: int, wall: float, unit: float) -> dict[str, Any]:
-    return {
+def run(unknowns: int, wall: float, unit: float) -> RunRecord:
+    return RunRecord.from_dict({
         "mesh": {"unknowns": unknowns}, "wall_s": wall, "paths": {"pull": {"increments": 23}},
         "solver": {"factorisations": 15, "solves": 820, "unit_s": unit, "peak_before_unit_bytes": 0.94e9},
         "phases": {"assembly": {"wall_s": 0.25 * wall}, "solve": {"wall_s": 0.75 * wall}},
-    }  # fmt: skip
+    })  # fmt: skip
 
 
 def test_exponents_of_a_power_law_and_of_its_end() -> None:

@@ -8,6 +8,7 @@ import json
 import re
 import tomllib
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ import pytest
 import xarray as xr
 
 from pysprings.core.text import number
+from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 from pysprings.results import axes
 from pysprings.results.report import balances, inputs, solution, validity
 from pysprings.results.report import page as report
@@ -30,19 +32,25 @@ from tests.support.place import ROOT
 
 PATHS = (synthetic.Path("pull", size=2e-2), synthetic.Path("turn", "rotation", size=4e-3))
 HOSTILE = "<script>alert('x')</script> & \"quoted\" <img src=x onerror=y>"
-RUN = {
-    "status": "complete",
-    "phases": {"mesh": {"wall_s": 0.2, "cpu_s": 0.3}, "factorisation": {"wall_s": 12.5, "cpu_s": 24.0}},
-    "wall_s": 33.25,
-    "peak_memory_bytes": 512_000_000,
-    "solver": {"linear": "superlu", "factorisations": 77},
-    "mesh": {"min_scaled_jacobian": 0.31},
-    "failures": [],
-    "left_out": [
-        {"what": "installation", "why": "the caisson is wished in place", "saved": {}},
-        {"what": "half", "why": "symmetry", "saved": {"basis": "counts", "unknowns": 4251, "memory_bytes": 40118655}},
-    ],
-}
+RUN = RunRecord.from_dict(
+    {
+        "status": "complete",
+        "phases": {"mesh": {"wall_s": 0.2, "cpu_s": 0.3}, "factorisation": {"wall_s": 12.5, "cpu_s": 24.0}},
+        "wall_s": 33.25,
+        "peak_memory_bytes": 512_000_000,
+        "solver": {"linear": "superlu", "factorisations": 77},
+        "mesh": {"min_scaled_jacobian": 0.31},
+        "failures": [],
+        "left_out": [
+            {"what": "installation", "why": "the caisson is wished in place", "saved": {}},
+            {
+                "what": "half",
+                "why": "symmetry",
+                "saved": {"basis": "counts", "unknowns": 4251, "memory_bytes": 40118655},
+            },
+        ],
+    }
+)
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg=="
 )
@@ -91,12 +99,15 @@ def hostile(result: xr.DataTree) -> xr.DataTree:
 
 
 def test_hostile_text_is_escaped_everywhere(result: xr.DataTree, springs: xr.DataTree) -> None:
-    run = {
-        "status": HOSTILE,
-        "phases": {HOSTILE: {HOSTILE: 1.0}},
-        HOSTILE: HOSTILE,
-        "left_out": [{"what": HOSTILE, "why": HOSTILE, "saved": {"unknowns": 1, "basis": HOSTILE}}],
-    }
+    run = RunRecord(
+        Status.PARTIAL,
+        failures=[HOSTILE],
+        warnings=[HOSTILE],
+        python=HOSTILE,
+        environment={HOSTILE: HOSTILE},
+        phases={HOSTILE: {HOSTILE: 1.0}},
+        left_out=[{"what": HOSTILE, "why": HOSTILE, "saved": {"unknowns": 1, "basis": HOSTILE}}],
+    )
     compare = pd.DataFrame([{"path": HOSTILE, "springs": HOSTILE, "status": HOSTILE}])
     text = report.render(hostile(result), springs, compare, run)
     page = Page(text)
@@ -215,8 +226,8 @@ def test_a_table_from_outside(result: xr.DataTree, springs: xr.DataTree) -> None
 def test_convergence_counts(result: xr.DataTree) -> None:
     tree = result.copy(deep=True)
     tree["paths/pull"].attrs["status"] = "partial"
-    run = {"paths": {"turn": {"order_of_last_iterations": 1.98}}}
-    table = solution.convergence_table(dict(tree["paths"].children), run)
+    figures = {"turn": PathFigures(order_of_last_iterations=1.98)}
+    table = solution.convergence_table(dict(tree["paths"].children), figures)
     rows = {row[0]: list(row[1:]) for row in table.rows}
     assert rows["turn"] == ["20", "3", "3", "63", "1", "10", "5e-08", "1.98"]
     assert rows["pull"] == ["19", "3", "3", "63", "2", "10, 100", "5e-08", "-"]
@@ -280,13 +291,13 @@ def test_the_estimated_error_is_printed_with_what_it_comes_from() -> None:
         "unknowns": [4000, 1500], "cell_ratio": 1.3867, "safety": 1.5, "order": {"load_max": 1.7, "py_rms": 1.2},
         "difference_pct": {"load_max": 4.0}, "estimate_pct": {"load_max": 8.12},
     }  # fmt: skip
-    table = validity.estimate_table({"error_estimate": found})
+    table = validity.estimate_table(RunRecord(error_estimate=found))
     assert table is not None
     assert table.rows == [("load, largest difference / largest load", "4", "1.7", "8.1")]
     assert "(1500 beside 4000 unknowns, ratio of cell sizes r = 1.39): safety factor 1.5 times" in table.note
-    none = validity.estimate_table({"error_estimate": {"estimate_pct": {}, "why_not": "no path in common"}})
+    none = validity.estimate_table(RunRecord(error_estimate={"estimate_pct": {}, "why_not": "no path in common"}))
     assert none is not None and none.rows == [("no estimate: no path in common",)]
-    assert validity.estimate_table({}) is None
+    assert validity.estimate_table(RunRecord()) is None and validity.estimate_table(None) is None
 
 
 def test_cost_left_out_and_status_are_printed(result: xr.DataTree) -> None:
@@ -299,22 +310,20 @@ def test_cost_left_out_and_status_are_printed(result: xr.DataTree) -> None:
     assert page.row("half") == "halfsymmetry4,251 unknowns, 40 MB of memory (counts)"
     assert page.row("Statuscomplete")
     assert "not complete" not in page.text
-    partial = Page(report.render(result, run={**RUN, "status": "partial", "failures": ["stopped at 12 %"]}))
+    partial = Page(report.render(result, run=RUN.replace(status=Status.PARTIAL, failures=["stopped at 12 %"])))
     assert "This run is not complete (status: partial)" in partial.text
     assert "stopped at 12 %" in partial.text
 
 
 def test_cut_backs_are_listed_with_place_and_reason(result: xr.DataTree) -> None:
-    cut_back = {
-        "stage": "dead load", "load_fraction": 0.0625, "reason": "the residual stalls", "place": "node 7, direction z",
-        "iterations": 9, "last_residuals": [0.0123, 0.5],
-    }  # fmt: skip
-    table = solution.cut_back_table({"paths": {"pull": {"cut_backs_at": [cut_back]}, "turn": {}}})
+    cut_back = CutBack("dead load", 0.0625, "the residual stalls", "node 7, direction z", 9, [0.0123, 0.5])
+    table = solution.cut_back_table({"pull": PathFigures(cut_backs_at=[cut_back]), "turn": PathFigures()})
     assert table is not None
     assert table.rows == [
         ("pull", "6.25 % of the dead load", "9", "the residual stalls", "node 7, direction z", "0.012, 0.5")
     ]
-    page = Page(report.render(result, run={"paths": {"pull": {"cut_backs_at": [cut_back | {"place": HOSTILE}]}}}))
+    figures = PathFigures(cut_backs_at=[replace(cut_back, place=HOSTILE)])
+    page = Page(report.render(result, run=RunRecord(paths={"pull": figures})))
     assert HOSTILE in page.text
     assert "script" not in {tag for tag, _ in page.tags}
     assert solution.cut_back_table({}) is None
@@ -340,7 +349,7 @@ def test_write_report_reads_the_folder_of_a_run(result: xr.DataTree, springs: xr
 
     write_tree(result, tmp_path / "full_model.nc")
     save_springs(springs, tmp_path / "springs.nc")
-    (tmp_path / "run.json").write_text(json.dumps(RUN), encoding="utf-8")
+    (tmp_path / "run.json").write_text(RUN.as_json(), encoding="utf-8")
     pd.DataFrame([{"path": "pull", "springs": "py", "eta_large": 0.25}]).to_csv(tmp_path / "compare.csv", index=False)
     (tmp_path / "figures").mkdir()
     (tmp_path / "figures" / "mesh.png").write_bytes(PIXEL)
@@ -413,19 +422,19 @@ def test_text_sketch_fits_a_page_and_states_the_signs() -> None:
 def test_the_balance_of_energy_is_reported() -> None:
     names = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water")
     energy = {f"{name}_J": 1e3 * (k + 2) for k, name in enumerate(names)} | {"imbalance_over_largest_term": 4e-9}
-    text = report.render(synthetic.make_result(), run={"paths": {"pull": {"energy": energy}}})
+    text = report.render(synthetic.make_result(), run=RunRecord(paths={"pull": PathFigures(energy=energy)}))
     assert "Balance of energy" in text and "4.0e-09" in text
-    assert "Balance of energy" not in report.render(synthetic.make_result(), run={})
+    assert "Balance of energy" not in report.render(synthetic.make_result(), run=RunRecord())
 
 
 def test_a_wet_run_reports_the_balance_of_its_water_and_its_warnings() -> None:
     water = {"expelled_m3": 2e-3, "compressed_m3": 1e-4, "film_m3": 4e-4, "outflow_m3": 1.5e-3,
              "worst_imbalance_over_exchanged": 3e-12, "pressure_min_Pa": -7.9e3, "pressure_max_Pa": 1e2}  # fmt: skip
-    run = {"paths": {"pull": {"water": water}}, "warnings": ["water would <b>cavitate</b>"]}
+    run = RunRecord(paths={"pull": PathFigures(water=water)}, warnings=["water would <b>cavitate</b>"])
     text = report.render(synthetic.make_result(), run=run)
     assert "Balance of the water" in text and "3.0e-12" in text and "-7.9 to 0.1" in text
     assert "water would &lt;b&gt;cavitate" in text  # shown, and never taken for HTML
-    assert "Balance of the water" not in report.render(synthetic.make_result(), run={})
+    assert "Balance of the water" not in report.render(synthetic.make_result(), run=RunRecord())
 
 
 def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.DataTree) -> None:

@@ -25,9 +25,10 @@ from pysprings.model.forecast.resources import size_of
 from pysprings.springs.dataset import get_path
 from pysprings.studies.accuracy import child, rows, runs, study, text
 from pysprings.studies.accuracy.picture import error_against_time
-from pysprings.studies.stored_runs import RUNS, Whole, read_record
+from pysprings.studies.stored_runs import RUNS, Whole
 from tests.support import tiny
 from tests.support.commands import command
+from tests.support.files import read_record
 from tests.support.synthetic import Path as Pull
 from tests.support.synthetic import make_result, make_springs
 

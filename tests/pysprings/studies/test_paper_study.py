@@ -15,6 +15,7 @@ from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
 from pysprings.core.files.layout import is_unfinished
 from pysprings.core.files.storage import read_tree
+from pysprings.full_model.run_record import RunRecord
 from pysprings.results import folder
 from pysprings.studies import stored_runs
 from pysprings.studies.paper import cases, claims, figures, idealisations, page, runs, sensitivity, study, text
@@ -84,7 +85,7 @@ def test_another_version_or_scene_is_run_anew(
         (tmp_path / "run.json").write_bytes((place / "run.json").read_bytes())
         assert not stored_runs.has_ended(tmp_path, case.scene("coarse"))
         (tmp_path / "run.json").write_text("{", encoding="utf-8")
-        assert stored_runs.read_record(tmp_path) == {}
+        assert RunRecord.read(tmp_path) is None
 
 
 def test_an_interrupted_run_goes_on(
@@ -105,7 +106,8 @@ def test_an_interrupted_run_goes_on(
     place = tmp_path / stored_runs.RUNS / case.name
     assert is_unfinished(place)
     assert runs.run_all(tmp_path, "coarse", lambda *_: None, [case]) == []
-    assert stored_runs.read_record(place)["resumed"]
+    record = RunRecord.read(place)
+    assert record is not None and record.resumed
     once = read_tree(done / stored_runs.RUNS / case.name / "full_model.nc")["paths/pull/H"].values
     assert read_tree(place / "full_model.nc")["paths/pull/H"].values == pytest.approx(once, rel=1e-12)
 
