@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-_CGROUP, _MY_GROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
+CGROUP, MY_GROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
 # Working memory of OpenBLAS, mapped by each thread at its first product: 34 MB measured (x86-64, NumPy's and SciPy's).
 _BLAS_BYTES_PER_THREAD = 0.04e9
 _MAPPED = {"threads": 0}  # of OpenBLAS that have it: they keep it
@@ -44,18 +44,21 @@ def require_for_blas(needed: float, threads: int, what: str) -> None:
     _MAPPED["threads"] = max(threads, _MAPPED["threads"])
 
 
-def cgroup_limits() -> list[float]:
-    """Return limits (bytes) of the control groups of this process (Linux; versions 2 and 1); infinity: none."""
+def cgroup_limits(root: Path = CGROUP, groups: Path = MY_GROUPS) -> list[float]:
+    """Return limits (bytes) of the control groups of this process (Linux; versions 2 and 1); infinity: none.
+
+    ``root`` is where they are mounted, ``groups`` the file that lists those of the process.
+    """
     limits = [math.inf]
     try:
-        lines = _MY_GROUPS.read_text(encoding="ascii", errors="replace").splitlines()
+        lines = groups.read_text(encoding="ascii", errors="replace").splitlines()
     except OSError:
         return limits
     for line in lines:
         _, controllers, group = line.split(":", 2)
         if controllers not in ("", "memory"):
             continue
-        base, name = (_CGROUP, "memory.max") if not controllers else (_CGROUP / "memory", "memory.limit_in_bytes")
+        base, name = (root, "memory.max") if not controllers else (root / "memory", "memory.limit_in_bytes")
         place = base / group.strip("/")
         limits += [_number_in(each / name) for each in (place, *place.parents) if each == base or base in each.parents]
     return limits

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,19 @@ def test_benchmarks_do_not_import_tests() -> None:
 def test_only_tests_of_benchmarks_import_them() -> None:
     found = {file for file, names in imports_of("tests").items() if any(n.split(".")[0] == "benchmarks" for n in names)}
     assert found == OF_BENCHMARKS
+
+
+def test_no_test_replaces_a_private_name() -> None:
+    """Settings are handed in, or the name is public."""
+    patches = [
+        (file.relative_to(ROOT).as_posix(), ast.unparse(node))
+        for file in sorted((ROOT / "tests").rglob("*.py"))
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "setattr"
+    ]
+    assert len(patches) > 20
+    private = re.compile(r"""setattr\(.*?["'](?:[\w.]*\.)?_(?!_)""")
+    assert [each for each in patches if private.match(each[1].partition(".")[2])] == []
 
 
 def test_every_test_has_a_time_limit(request: pytest.FixtureRequest) -> None:

@@ -83,6 +83,7 @@ class Pardiso:
         import pypardiso
 
         self._solver = pypardiso.PyPardisoSolver(mtype=self._MATRIX_TYPE)
+        self.pardiso = self._solver._mkl_pardiso  # the C function
         self._type = np.float32 if single else np.float64
         self._analysed = False
         self._remaining = np.zeros(0, dtype=np.int64)
@@ -107,25 +108,25 @@ class Pardiso:
             require(float(m * m * np.dtype(self._type).itemsize), f"what is left of the matrix ({m:,} equations)")
         into, nothing = np.zeros((m, m), dtype=self._type) if m else None, np.zeros((n, 1))
         if not self._analysed:
-            self._call(11, nothing, into)
+            self.call(11, nothing, into)
             self._analysed = True  # `close` has something to release
             require(self._needed(), f"the factorisation of {n:,} unknowns")
-        schur = self._call(22, nothing, into)
+        schur = self.call(22, nothing, into)
         if m:
             self.schur = schur
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """Solve for rhs (n,) or (n, k)."""
-        return self._call(33, rhs)
+        return self.call(33, rhs)
 
     def solve_with(self, middle: Callable[[np.ndarray], np.ndarray], rhs: np.ndarray) -> np.ndarray:
         """Solve for rhs (n,) or (n, k); ``middle`` solves for what is left of it (m,), (m, k) of the kept equations."""
-        reduced = self._call(331, rhs)
+        reduced = self.call(331, rhs)
         reduced[self._remaining] = middle(reduced[self._remaining])
-        return self._call(333, reduced)
+        return self.call(333, reduced)
 
-    def _call(self, phase: int, rhs: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
-        """Call Pardiso itself: the call of the wrapper copies the pattern each time, half the cost of a solve."""
+    def call(self, phase: int, rhs: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
+        """Call a phase of Pardiso itself: the wrapper copies the pattern each time, half the cost of a solve."""
         rhs = np.asfortranarray(rhs, dtype=self._type)
         x, error, solver = np.zeros_like(rhs) if out is None else out, ctypes.c_int32(0), self._solver
         one, kind, what, n, n_rhs, silent = (
@@ -137,7 +138,7 @@ class Pardiso:
         )
         values, given, into = (a.ctypes.data_as(ctypes.c_void_p) for a in (self._values, rhs, x))
         handle = solver.pt.ctypes.data_as(ctypes.POINTER(solver._pt_type[0]))
-        solver._mkl_pardiso(
+        self.pardiso(
             handle, one, one, kind, what, n, values, starts, columns, order, n_rhs, settings, silent, given, into,
             error,
         )  # fmt: skip

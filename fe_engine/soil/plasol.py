@@ -37,7 +37,7 @@ KAPPA = 0
 
 APEX_STIFFNESS = 1.0e-5
 _SQRT3 = math.sqrt(3.0)
-_MAX_ITERATIONS = 60
+MAX_ITERATIONS = 60
 
 
 _sine = np.vectorize(math.sin, otypes=[float])
@@ -99,12 +99,12 @@ def _excess(p, kappa_old, first, second, dl):
 
 
 @njit
-def _multiplier(p, kappa_old, first, second):
+def multiplier(p, kappa_old, first, second):
     """Return the root dl of the yield function on [0, II_tr/G] by Newton kept inside a shrinking bracket."""
     low, high = 0.0, second / p[SHEAR]
     scale = second + abs(first) * cone_slope(p[PHI_F]) + p[COHESION]
     dl = 0.0
-    for _ in range(_MAX_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         f, slope = _excess(p, kappa_old, first, second, dl)
         if f > 0.0:
             low = dl
@@ -154,7 +154,7 @@ def update(p, strain, old, new, tangent, with_tangent):
     if second <= 0.0 or _excess(p, kappa_old, first, second, second / p[SHEAR])[0] >= 0.0:
         return_to_apex(p, kappa_old, (first, second), new, tangent, with_tangent)
         return OK, REGIME_APEX
-    dl, status = _multiplier(p, kappa_old, first, second)
+    dl, status = multiplier(p, kappa_old, first, second)
     _return_to_cone(p, kappa_old, (first, second), dl, new, tangent, with_tangent)
     return status, REGIME_CONE
 

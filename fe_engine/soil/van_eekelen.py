@@ -63,7 +63,7 @@ from fe_engine.soil.plasol import (
 )
 
 _SQRT3, _SQRT6 = math.sqrt(3.0), math.sqrt(6.0)
-_MAX_ITERATIONS = 80
+MAX_ITERATIONS = 80
 
 
 class _Point(NamedTuple):
@@ -107,7 +107,7 @@ def _deflection(trial, b_psi, w, delta):
     theta = math.atan2(trial.sin3, trial.cos3) / 3.0
     low, high = (0.0, theta) if b_psi < 0.0 else (theta - math.pi / 3.0, 0.0)
     delta = min(max(delta, low), high)
-    for _ in range(_MAX_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         cos3, sin3 = rotated(trial, delta)
         turn, slope = turn_of(b_psi, cos3, sin3)
         excess = delta - math.atan(w * turn)
@@ -163,12 +163,12 @@ def _change(p, trial, at, dw, d_second, d_theta, d_first):
 
 
 @njit
-def _solve(p, b_psi, kappa_old, trial):
+def solve(p, b_psi, kappa_old, trial):
     """Return the point on the yield surface: Newton for w kept inside a shrinking bracket."""
     low, high = 0.0, 1.0
     scale = trial.second + abs(trial.first) * cone_slope(p[PHI_F]) + p[COHESION]
     at = _evaluate(p, b_psi, kappa_old, trial, 0.0, 0.0)
-    for _ in range(_MAX_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         if at.f > 0.0:
             low = at.w
         else:
@@ -218,7 +218,7 @@ def update(p, strain, old, new, tangent, with_tangent):
     if _evaluate(p, b_psi, kappa_old, trial, 1.0, 0.0).f >= 0.0:
         return_to_apex(p, kappa_old, (first, second), new, tangent, with_tangent)
         return OK, REGIME_APEX
-    at, status = _solve(p, b_psi, kappa_old, trial)
+    at, status = solve(p, b_psi, kappa_old, trial)
     _return(p, kappa_old, trial, at, stress, history)
     if with_tangent:
         _tangent(p, trial, at, tangent)

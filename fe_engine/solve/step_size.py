@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 GROWTH, _EASY, _HARD = 1.5, 6, 10
 _CUT = 0.5
-_SMALLEST = 1.0e-7
+SMALLEST = 1.0e-7  # fraction of a stage below which a step is given up
 _HOLD, _LONGEST_HOLD = 8, 16
 # What can limit a step: it opens a stage; it may only grow by a factor; it is the largest allowed; it must land on a
 # stop; Newton needed many iterations on the last one; an attempt at a larger one failed
@@ -38,7 +38,7 @@ class StepSize:
     @property
     def exhausted(self) -> bool:
         """Whether it is too small to go on with."""
-        return self.size < _SMALLEST
+        return self.size < SMALLEST
 
     def after_failure(self, step: float, again: bool) -> StepSize:
         """Return the size to try after an attempt at ``step`` has failed, ``again`` for the same increment."""

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fe_engine.soil import plasol
 from fe_engine.soil.elastic import elastic_matrix
 from fe_engine.soil.law import Point
-from tests.support.models import DEGREE, SAND, to_matrix
+from tests.support.models import DEGREE, SAND, taylor_slope, to_matrix
 
 YOUNG, POISSON = SAND[:2]
 PRESSURE = 1.0e5
@@ -22,6 +22,9 @@ PUSH = 1.0e-3 * np.array([1.0, -0.4, -0.7, 0.5, -0.3, 0.8])
 OTHER = 1.0e-3 * np.array([0.3, 0.5, -0.6, -0.9, 0.4, 0.7])
 OPENING = 1.0e-3 * np.array([1.5, 0.8, 0.7, 0.5, -0.3, 0.2])
 SIZES = np.geomspace(3.0e-2, 1.0e-3, 5)
+# strains of a triaxial test that compresses or extends, and in between
+COMPRESSION = 1.0e-3 * np.array([0.5, 0.5, -1.0, 0.0, 0.0, 0.0])
+MERIDIANS = {"compression": COMPRESSION, "extension": -COMPRESSION, "pure shear": 1.0e-3 * np.eye(6)[3]}
 # changes of the parameters, and whether the law is then associated with a tangent that is symmetric
 SYMMETRY = (
     ({"phi_i": 30.0, "psi": 30.0}, True),
@@ -52,6 +55,14 @@ def update_by(law: Callable, p, strain, stress=START, kappa=0.0) -> Answer:
     new, history, tangent = np.full(6, np.nan), np.full(1, np.nan), np.full((6, 6), np.nan)
     status, regime = law(p, strain, Point(stress, np.array([kappa])), Point(new, history), tangent, True)
     return Answer(new, history[0], tangent, status, regime)
+
+
+def slope_of(update: Callable, p, strain, stress=START, kappa=0.0):
+    """Return the order of the error of the tangent (2: it is the derivative) in a direction that keeps the regime."""
+    answer = update(p, strain, stress, kappa)
+    for size in SIZES:
+        assert update(p, strain + size * OTHER, stress, kappa).regime == answer.regime
+    return taylor_slope(lambda e: update(p, e, stress, kappa).stress, answer.tangent, strain, OTHER, SIZES)
 
 
 def invariants(stress):

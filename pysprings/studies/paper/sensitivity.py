@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from pysprings import Scene
+
 FOLDER = "sensitivity"
 _KEPT = re.compile(r".+-[0-9a-f]{16}\.json")  # as `_figures_of` names them
 # What counts as the paper's: stated with the table.
@@ -49,11 +51,13 @@ Report = Callable[[str, float, str], None]
 
 
 def run_variants(
-    folder: Path, mesh: str, progress: Report, variants: Sequence[Variant] = VARIANTS
+    folder: Path, mesh: str, progress: Report, variants: Sequence[Variant] = VARIANTS,
+    run: Callable[[Scene], dict[str, Any]] | None = None,
 ) -> Iterator[pd.DataFrame]:  # fmt: skip
     """Run the variants that the folder has no figures of; yield the table of those that have been, after each.
 
-    Each run leaves a small file of its own, named by scene and version, so that an interrupted study goes on.
+    Each run leaves a small file of its own, named by scene and version, so that an interrupted study goes on. ``run``
+    makes the figures of a scene (None: `run_scene`).
     """
     import pandas as pd
 
@@ -67,7 +71,7 @@ def run_variants(
         progress("sensitivity", number / len(variants), f"{number + 1} of {len(variants)}: {variant.words}{left}")
         new = False
         for case in filter(None, (variant.case(), variant.smooth_case())):
-            figures[case.name], ran = _figures_of(folder, mesh, case)
+            figures[case.name], ran = _figures_of(folder, mesh, case, run or run_scene)
             new = new or ran
         worked += new
         rows.append(row(variant, figures))
@@ -143,7 +147,9 @@ def figures_of_path(path: xr.Dataset) -> dict[str, Any]:
     return {key: round(value, 6) for key, value in figures.items()}
 
 
-def _figures_of(folder: Path, mesh: str, case: Case) -> tuple[dict[str, Any], bool]:
+def _figures_of(
+    folder: Path, mesh: str, case: Case, run: Callable[[Scene], dict[str, Any]]
+) -> tuple[dict[str, Any], bool]:
     """Return the figures of a case, kept ones of this very scene and version or those of a run, and which it was."""
     try:
         scene = case.scene(mesh, fields_only=True)
@@ -153,12 +159,12 @@ def _figures_of(folder: Path, mesh: str, case: Case) -> tuple[dict[str, Any], bo
     file = own_folder(folder, FOLDER) / f"{case.name}-{key}.json"
     if (stored := _read(file)) is not None:
         return stored, False
-    figures = _run(scene)
+    figures = run(scene)
     write_text(json_text(figures, indent=1) + "\n", file)
     return figures, True
 
 
-def _run(scene: Any) -> dict[str, Any]:
+def run_scene(scene: Scene) -> dict[str, Any]:
     """Run a scene; return how it ended, with the figures of the converged steps."""
     from pysprings.full_model.compute import compute
     from pysprings.springs.dataset import get_path

@@ -92,8 +92,8 @@ def test_new_values_on_the_old_pattern(name):
 @needs_pardiso
 def test_pardiso_analyses_the_pattern_once(monkeypatch):
     backend, phases = make_backend("pardiso", 10), []
-    call = backend._call
-    monkeypatch.setattr(backend, "_call", lambda phase, *given: phases.append(phase) or call(phase, *given))
+    call = backend.call
+    monkeypatch.setattr(backend, "call", lambda phase, *given: phases.append(phase) or call(phase, *given))
     for seed in (1, 2, 3):
         backend.factorise(unsymmetric(seed))
         backend.solve(rhs_of(laplacian()))
@@ -240,7 +240,7 @@ def test_pardiso_without_memory_says_so(monkeypatch):
     def fail(*arguments):
         arguments[-1].value = -2
 
-    monkeypatch.setattr(solver.backend._solver, "_mkl_pardiso", fail)
+    monkeypatch.setattr(solver.backend, "pardiso", fail)
     with pytest.raises(MemoryError, match="not enough memory"):
         solver.factorise(laplacian())
 

@@ -212,7 +212,7 @@ def test_progress_is_told_by_path() -> None:
 
 def test_a_path_that_cannot_converge_is_kept_up_to_there(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its message has the part of the path, the reason, the place and the last residuals."""
-    monkeypatch.setattr(step_size, "_SMALLEST", 0.02)  # no endless halving
+    monkeypatch.setattr(step_size, "SMALLEST", 0.02)  # no endless halving
     scene = tiny.scene(solver={"max_iterations": 2, "tolerance": 1e-8, "max_step_fraction": 0.3})
     with pytest.warns(UserWarning, match="path 'pull' stopped on its way to"):
         result = run(scene)

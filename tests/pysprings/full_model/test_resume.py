@@ -163,7 +163,7 @@ def test_what_is_not_in_a_checkpoint_is_computed_again(tmp_path: Path, monkeypat
 
 @pytest.mark.slow
 def test_a_path_that_did_not_converge_stays_as_it_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(step_size, "_SMALLEST", 0.02)  # no endless halving
+    monkeypatch.setattr(step_size, "SMALLEST", 0.02)  # no endless halving
     hasty = {"max_iterations": 2, "tolerance": 1e-8, "max_step_fraction": 0.3}
     scene = tiny.scene(solver=hasty, paths=(tiny.PULL, SECOND))
     whole = compute(scene).recorded()

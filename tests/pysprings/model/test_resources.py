@@ -122,16 +122,12 @@ def test_check_names_warnings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         ("0::/../..", {}, math.inf),
     ],
 )
-def test_limits_of_control_groups_are_found(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str, files: dict[str, str], limit: float
-) -> None:
+def test_limits_of_control_groups_are_found(tmp_path: Path, line: str, files: dict[str, str], limit: float) -> None:
     for name, text in files.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
     (tmp_path / "self").write_text(line + "\n")
-    monkeypatch.setattr(memory, "_CGROUP", tmp_path)
-    monkeypatch.setattr(memory, "_MY_GROUPS", tmp_path / "self")
-    assert min(memory.cgroup_limits()) == limit
+    assert min(memory.cgroup_limits(tmp_path, tmp_path / "self")) == limit
 
 
 def test_the_limit_is_no_more_than_the_machine() -> None:

@@ -47,7 +47,7 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def no_run(*_: Any, **__: Any) -> None:
+def no_run(*_: Any, **__: Any) -> Any:
     raise AssertionError("a run that has ended was run again")
 
 
@@ -130,7 +130,7 @@ def test_checkpoints_of_another_scene_are_no_hindrance(
 def test_a_run_that_stops_early_keeps_its_part_and_everything_says_so(
     two: tuple[Case, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(step_size, "_SMALLEST", 0.02)  # no endless halving
+    monkeypatch.setattr(step_size, "SMALLEST", 0.02)  # no endless halving
     hasty = {"max_iterations": 4, "tolerance": 1e-9, "first_step_fraction": 0.02, "max_step_fraction": 1.0}
     case = replace(two[0], changes={**TINY, "solver": hasty})
     stopped = study.study(tmp_path, "coarse", lambda *_: None, cases=[case])
@@ -244,8 +244,7 @@ def test_variants_are_run_once_and_refusals_are_rows(tmp_path: Path, monkeypatch
         Variant("water", "slow", "0.05 mm/s", small, smooth=False, water=True),
     ]
     *_, table = sensitivity.run_variants(tmp_path, "coarse", lambda *_: None, variants)
-    monkeypatch.setattr(sensitivity, "_run", no_run)
-    first, *_, again = sensitivity.run_variants(tmp_path, "coarse", lambda *_: None, variants)
+    first, *_, again = sensitivity.run_variants(tmp_path, "coarse", lambda *_: None, variants, no_run)
     assert len(first) == 1
     assert "Only 1 of 3 readings have run so far." in text.sensitivity_markdown(first)
     assert again.equals(table)
