@@ -70,6 +70,8 @@ class _Part:
         ValueError, TypeError, AttributeError
             The data are not those of such a part.
         """
+        if not isinstance(data, Mapping):
+            raise TypeError(f"{cls.__name__} is made of an object, not of {type(data).__name__}")
         names = [each.name for each in dataclasses.fields(cls)]  # type: ignore[arg-type]
         values = {name: data[name] for name in names if name in data}
         typed = {name: read(values[name]) for name, read in cls._typed.items() if values.get(name) is not None}
