@@ -39,7 +39,7 @@ def adhesion_factor(interface: Interface, stratum: Stratum, surface: str, depth:
 
 
 def uses_adhesion(scene: SceneSections) -> bool:
-    """Whether the contact has more than friction and free opening: adhesion, tension, or clay beside it."""
+    """Return whether the contact has more than friction and free opening: adhesion, tension, or clay beside it."""
     interface, ground = scene.interface, ground_of(scene)
     opens = all(of_surface(interface.opening, each) == "vented" for each in SURFACES)
     return interface.adhesion_factor is not None or not opens or any(each.total_stress for each in ground.strata)
@@ -80,10 +80,10 @@ def drainage_clashes(scene: SceneSections) -> Iterator[Clash]:
     """Check that the drainage of each layer is that of its law and of the scene."""
     mode, clay = scene.drainage.mode, [SOIL_LAWS[law].total_stress for law in laws_of(scene.soil)]
     for number, (layer, undrained) in enumerate(zip(scene.soil.layers, clay, strict=False)):
-        wanted = "total-stress" if undrained else mode
-        if layer.drainage not in (None, wanted):
+        expected = "total-stress" if undrained else mode
+        if layer.drainage not in (None, expected):
             why = "undrained clay has no pore pressure as unknown" if undrained else f'drainage.mode is "{mode}"'
-            yield Clash((("soil", "layer", number, "drainage"), ("drainage", "mode")), f'must be "{wanted}": {why}')
+            yield Clash((("soil", "layer", number, "drainage"), ("drainage", "mode")), f'must be "{expected}": {why}')
     if mode != "drained" and any(clay):
         text = 'must be "drained": undrained clay in total stress has no pore pressure, and the model has no water then'
         yield Clash((("drainage", "mode"), ("soil", "yield_surface")), text)

@@ -47,8 +47,8 @@ def _foreign(here: KeyPath, given: set[str], law: str) -> Iterator[Clash]:
     clay = SOIL_LAWS[law].total_stress
     for name in FRICTION_KEYS if clay else CLAY_KEYS:
         if name in given:
-            wanted = "its strength is undrained_shear_strength" if clay else 'su is that of "tresca" or "von-mises"'
-            yield Clash(((*here, name),), f'is not used by law "{law}": {wanted}')
+            expected = "its strength is undrained_shear_strength" if clay else 'su is that of "tresca" or "von-mises"'
+            yield Clash(((*here, name),), f'is not used by law "{law}": {expected}')
 
 
 def _one_stiffness(here: KeyPath, given: set[str]) -> Iterator[Clash]:

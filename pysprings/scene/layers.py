@@ -54,8 +54,8 @@ def uniform_soils(soil: Soil, domain: Domain) -> Iterator[tuple[Soil, tuple[floa
 
 def _at(stratum: Stratum, depth: float) -> dict[str, float | None]:
     """Return the values of a layer at a depth (m), Young's modulus among them; None for those it does not have."""
-    found = {name: float(stratum.value(name, np.array(depth))) for name in (*stratum.values, "young_modulus")}
-    return {"strain_at_half_strength": None, **found}
+    values = {name: float(stratum.value(name, np.array(depth))) for name in (*stratum.values, "young_modulus")}
+    return {"strain_at_half_strength": None, **values}
 
 
 def values_inside(soil: Soil, domain: Domain) -> Iterator[Clash]:
