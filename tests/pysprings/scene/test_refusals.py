@@ -58,7 +58,7 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
         ("path = 3\n", "1:8: path: expected [[path]] sections (double brackets)"),
         ('[path]\nname = "a"\n', "1:1: path: expected [[path]] sections (double brackets)"),
         ("path = [3]\n", "1:9: path[0]: expected a table [[path]]"),
-        ("path = []\n", "1:8: path: at least one [[path]] is needed: it says how the caisson is moved"),
+        ("path = []\n", "1:8: path: at least one [[path]] is needed: it defines how the caisson is moved"),
         # quantities
         ("[soil]\nyoung_modulus = 200\n",
          '2:17: soil.young_modulus: expected a quantity with unit such as "200 MPa", got 200'),
@@ -148,7 +148,7 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
         (PULL + 'then = "rest 1 s"\n',
          """5:8: path[0].then: expected a list such as ["rest 2 hour", "20 mm at 0.5 mm/s"], got "rest 1 s\""""),
         ('[[path]]\nname = "a"\nkind = "rotation"\nrotation = "1 deg"\nrole = "held-back"\nthen = ["2 deg at 1 mm/s"]\n',
-         '6:9: path[0].then[0]: a path of kind "rotation" has no velocity: say "... in 10 min"'),
+         '6:9: path[0].then[0]: a path of kind "rotation" has no velocity: write "... in 10 min"'),
         ('[drainage]\nmode = "coupled"\n[[path]]\nname = "a"\nkind = "swipe"\nlateral_displacement = "5 mm"\n'
          'rotation = "1 mrad"\nrole = "held-back"\n',
          '3:1: path[0]: drainage.mode = "coupled" needs rate here'),
