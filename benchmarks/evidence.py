@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import csv
 import json
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -84,14 +85,14 @@ def pages(data: Path = DATA) -> dict[str, str]:
     return {file.name: render(file.name, data) for file in sorted(TEMPLATES.glob("*.md"))}
 
 
-def main() -> None:
-    """Write the pages."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=PAGES, help="folder of the pages")
+def write_pages(text: str, folder: Path, make: Callable[[], Mapping[str, str]]) -> None:
+    """Write the pages of a command that takes an output folder; print the file names."""
+    parser = argparse.ArgumentParser(description=text)
+    parser.add_argument("--out", type=Path, default=folder, help="folder of the pages")
     given = parser.parse_args()
-    for name, text in pages().items():
-        print(write_text(text, given.out / name))
+    for name, page in make().items():
+        print(write_text(page, given.out / name))
 
 
 if __name__ == "__main__":
-    main()
+    write_pages(__doc__, PAGES, pages)

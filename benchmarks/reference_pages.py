@@ -7,7 +7,6 @@ from `pysprings.core.variables`.
 
 from __future__ import annotations
 
-import argparse
 import inspect
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from typer.models import ArgumentInfo, OptionInfo
 
-from pysprings.core.files.storage import write_text
+from benchmarks.evidence import write_pages
 from pysprings.core.text import markdown_table
 from pysprings.core.variables import GROUPS
 from pysprings.core.version import __version__
@@ -223,14 +222,5 @@ def pages() -> dict[str, str]:
     }
 
 
-def main() -> None:
-    """Write the pages."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, default=PAGES, help="folder of the pages")
-    given = parser.parse_args()
-    for name, text in pages().items():
-        print(write_text(text, given.out / name))
-
-
 if __name__ == "__main__":
-    main()
+    write_pages(__doc__, PAGES, pages)

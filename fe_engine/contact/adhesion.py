@@ -17,15 +17,14 @@ iterate are those of `coulomb`, of which this is the law with a = t = 0.
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from fe_engine.compiled import njit
-from fe_engine.contact.coulomb import linearise_shear
+from fe_engine.contact.coulomb import linearise_shear, return_shear
 from fe_engine.contact.law import ContactLaw
-from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, CONTACT_STICK
+from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP
 
 PARAMETERS = ("kn", "kt", "mu", "adhesion", "tension")
 KN, KT, MU, ADHESION, TENSION = range(len(PARAMETERS))
@@ -57,24 +56,13 @@ def update(p, slide, traction):
 
     A station that was open has no committed shear and sticks where it closes again.
     """
-    jump, jump_old, traction_old, initial_pressure = slide
-    pressure = initial_pressure - p[KN] * jump[0]
+    pressure = slide.initial_pressure - p[KN] * slide.jump[0]
     if pressure <= -p[TENSION]:
         traction[0] = p[TENSION]
         traction[1] = traction[2] = 0.0
         return CONTACT_OPEN
     traction[0] = -pressure
-    traction[1] = traction_old[1] + p[KT] * (jump[1] - jump_old[1])
-    traction[2] = traction_old[2] + p[KT] * (jump[2] - jump_old[2])
-    size = math.sqrt(traction[1] ** 2 + traction[2] ** 2)
-    limit = shear_limit(p, pressure)[0]
-    if size <= limit and limit > 0.0:
-        return CONTACT_STICK
-    if size == 0.0:
-        return CONTACT_SLIP
-    traction[1] *= limit / size
-    traction[2] *= limit / size
-    return CONTACT_SLIP
+    return return_shear(p[KT], shear_limit(p, pressure)[0], slide, traction)
 
 
 @njit

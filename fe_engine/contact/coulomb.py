@@ -51,18 +51,22 @@ def update(p, slide, traction):
 
     A station that was open has no committed shear and sticks where it closes again.
     """
-    jump, jump_old, traction_old, initial_pressure = slide
-    pressure = initial_pressure - p[KN] * jump[0]
+    pressure = slide.initial_pressure - p[KN] * slide.jump[0]
     if pressure <= 0.0:
         for i in range(3):
             traction[i] = 0.0
         return CONTACT_OPEN
     traction[0] = -pressure
-    traction[1] = traction_old[1] + p[KT] * (jump[1] - jump_old[1])
-    traction[2] = traction_old[2] + p[KT] * (jump[2] - jump_old[2])
+    return return_shear(p[KT], p[MU] * pressure, slide, traction)
+
+
+@njit
+def return_shear(kt, limit, slide, traction):
+    """Write the shear traction of a closed station, at most ``limit`` (Pa, >= 0); return the contact state."""
+    traction[1] = slide.traction_old[1] + kt * (slide.jump[1] - slide.jump_old[1])
+    traction[2] = slide.traction_old[2] + kt * (slide.jump[2] - slide.jump_old[2])
     size = math.sqrt(traction[1] ** 2 + traction[2] ** 2)
-    limit = p[MU] * pressure
-    if size <= limit and p[MU] > 0.0:
+    if size <= limit and limit > 0.0:
         return CONTACT_STICK
     if size == 0.0:
         return CONTACT_SLIP

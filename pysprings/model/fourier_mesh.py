@@ -13,24 +13,16 @@ import numpy as np
 
 from fe_engine.fourier_model import SectionMesh
 from pysprings.model.levels import through
-from pysprings.model.mesh import Geometry, graded, graded_both, skirt_cells
+from pysprings.model.mesh import Geometry, PlaneCounts, graded, graded_both, skirt_cells
 
 
 @dataclass(frozen=True)
-class SectionCounts:
-    """Numbers of elements and relative sizes of the smallest ones, as in caisson_mesh.Counts, and of the series.
+class SectionCounts(PlaneCounts):
+    """Counts with the highest harmonic N of the series.
 
-    ``harmonics`` is N; the soil law is evaluated at N + 3 azimuths of the half circle, contact at N + 1.
+    The soil law is evaluated at N + 3 azimuths of the half circle, contact at N + 1.
     """
 
-    plug: int
-    outer: int
-    tip: int
-    skirt: int
-    below: int
-    wall: float
-    mudline: float
-    toe: float
     harmonics: int
 
 

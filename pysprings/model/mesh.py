@@ -34,17 +34,16 @@ class Geometry:
 
 
 @dataclass(frozen=True)
-class Counts:
-    """Numbers of cells and relative sizes of the smallest ones.
+class PlaneCounts:
+    """Numbers of cells in a plane through the axis, and relative sizes of the smallest ones.
 
-    ``azimuth`` cells over the half ring (a multiple of 4); ``plug`` and ``outer`` rings inside and outside;
+    ``plug`` and ``outer`` cells inside and outside;
     ``tip`` cells across the skirt's thickness below the tip; ``skirt`` and ``below`` layers; ``wall`` is the
     first cell size next to the skirt as a fraction of the outer radius, ``mudline`` and ``toe`` those below
     mudline and beside the tip as fractions of the skirt length. The singular stresses are at the tip; a thin
     layer below mudline has almost no confining stress once the lid lifts, and is not finer than it needs to be.
     """
 
-    azimuth: int
     plug: int
     outer: int
     tip: int
@@ -53,6 +52,13 @@ class Counts:
     wall: float
     mudline: float
     toe: float
+
+
+@dataclass(frozen=True)
+class Counts(PlaneCounts):
+    """Counts with those of the ``azimuth``: cells over the half ring (a multiple of 4)."""
+
+    azimuth: int
 
 
 PRESETS = {

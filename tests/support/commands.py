@@ -34,8 +34,8 @@ def command(*args: object, **options: Any) -> Result:
 
 
 def environment(**more: str) -> dict[str, str]:
-    """Return the environment in which a fresh interpreter finds the source tree."""
-    return {**os.environ, "PYTHONPATH": str(ROOT), **more}
+    """Return the environment in which a fresh interpreter finds the source tree, and runs on one thread."""
+    return {"NUMBA_NUM_THREADS": "1", **os.environ, "PYTHONPATH": str(ROOT), **more}
 
 
 def run_python(*args: object, limit: float = 60.0, **options: Any) -> subprocess.CompletedProcess[str]:

@@ -20,7 +20,7 @@ from pysprings.full_model.accuracy.richardson import Reference
 from pysprings.full_model.accuracy.settings import settings
 from pysprings.studies.accuracy import study
 from pysprings.studies.accuracy.picture import error_against_time
-from pysprings.studies.accuracy.rows import FULL, MACRO, Found
+from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
 from pysprings.studies.accuracy.text import to_markdown
 from pysprings.studies.paper import claims, figures, idealisations, page, sensitivity, text
 from pysprings.studies.paper import runs as paper_runs
@@ -184,7 +184,7 @@ def test_table_and_picture_of_the_stiff_cases(capsys: pytest.CaptureFixture[str]
 # --- error against time ---
 
 
-def studied() -> Found:
+def studied() -> StudyResult:
     """What a study may find: three meshes, two variations one of which stopped, macro-models; two paths."""
     wanted = settings(["coarse:0.75", "coarse", "coarse:1.35"], quick=True)
     rows = []
@@ -213,7 +213,7 @@ def studied() -> Found:
     }
     doubts = {name: 0.5 * (k + 1) if k != 1 else np.nan for k, name in enumerate(MEASURES)}
     slower = known | {PY: replace(known[PY], order=None)}
-    return Found(
+    return StudyResult(
         pd.DataFrame(rows), {"pull": known, "turn": slower}, {"pull": doubts, "turn": doubts},
         [each.name for each in wanted if each.series], wanted,
     )  # fmt: skip
