@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.comparison import compare
 from pysprings.results.report.page import render
 from tests.support import stored, synthetic, vertical
@@ -28,7 +29,7 @@ CUT_BACK = {
     "stage": "dead load", "load_fraction": 0.0625, "reason": "the residual stalls", "place": "node 7, direction z",
     "iterations": 9, "last_residuals": [0.0123, 0.5],
 }  # fmt: skip
-RUN = {
+RUN = RunRecord.from_dict({
     "status": "partial",
     "started_utc": "2020-01-02T03:04:05Z",
     "failures": ["pull: stopped at 12 %"],
@@ -58,7 +59,7 @@ RUN = {
         "unknowns": [4000, 1500], "cell_ratio": 1.3867, "safety": 1.5, "order": {"load_max": 1.7, "py_rms": 1.2},
         "difference_pct": {"load_max": 4.0, "py_rms": 3.0}, "estimate_pct": {"load_max": 8.12, "py_rms": 9.5},
     },
-}  # fmt: skip
+})  # fmt: skip
 
 
 def stopped() -> tuple[xr.DataTree, xr.DataTree]:
@@ -83,7 +84,7 @@ def down() -> tuple[xr.DataTree, xr.DataTree]:
 
 
 ROUNDING = re.compile(r"-?\d\.?\d*e-(1[2-9]|[2-9]\d)|0\.0e\+00")
-NONE = {"error_estimate": {"estimate_pct": {}, "why_not": "no path in common"}}
+NONE = RunRecord(Status.COMPLETE, error_estimate={"estimate_pct": {}, "why_not": "no path in common"})
 
 
 @pytest.mark.parametrize(("made", "run"), [(stopped, RUN), (down, NONE)])

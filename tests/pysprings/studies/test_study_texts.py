@@ -18,6 +18,7 @@ from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.richardson import Reference
 from pysprings.full_model.accuracy.settings import settings
+from pysprings.full_model.run_record import RunRecord
 from pysprings.studies.accuracy import study
 from pysprings.studies.accuracy.picture import error_against_time
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
@@ -108,11 +109,11 @@ def ran(name: str) -> paper_runs.Run:
     complete = name != "slow-smooth"
     water = {"expelled_m3": 2e-3, "compressed_m3": 1e-4, "film_m3": 4e-4, "outflow_m3": 1.5e-3,
              "worst_imbalance_over_exchanged": 3e-9, "pressure_min_Pa": -7.9e3, "pressure_max_Pa": 1e2}  # fmt: skip
-    record = {
+    record = RunRecord.from_dict({
         "status": "complete" if complete else "partial", "wall_s": 12.5, "version": "9.9",
         "scene_sha256": "0123456789abcdef", "mesh": {"max_aspect": 12.3},
         "paths": {"pull": {"iterations": 81} | ({} if case.drained else {"water": water})},
-    }  # fmt: skip
+    })  # fmt: skip
     return paper_runs.Run(case, File(), tree, paper_runs.path_of(tree), record)
 
 
