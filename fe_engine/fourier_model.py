@@ -43,6 +43,17 @@ class SectionMesh:
         at_zero: np.ndarray = self.nodes[:, 0] == 0.0
         return at_zero
 
+    @property
+    def corners(self) -> np.ndarray:
+        """Nodes (nc,) at corners of elements, ascending: those that have a pressure where there is water."""
+        nodes: np.ndarray = np.unique(self.quads[:, :4])
+        return nodes
+
+    def corner_numbers(self, nodes: np.ndarray) -> np.ndarray:
+        """Return the number of each node (...) among the corners; of corners only."""
+        numbers: np.ndarray = np.searchsorted(self.corners, nodes)
+        return numbers
+
     def shortest_edge(self) -> float:
         """Return the length of the shortest edge, m."""
         return float(self._edges().min())
@@ -80,6 +91,61 @@ class RingStations(Stations):
     azimuth: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
+@dataclass(frozen=True)
+class RingFilm:
+    """Water between the soil and a rigid, impervious body: cos(k theta) around, linear along the line of its nodes.
+
+    Flow along the film is integrated at points, each on the azimuth of a station whose gap holds there.
+
+    Attributes
+    ----------
+    soil : (nf,) pressure node of the soil that each film node lies on.
+    nodes : (ns, 2) film nodes of every station, weight : (ns, 2) their shares (sum 1).
+    station : (m,) station whose gap holds at each point; ends : (m, 2) film nodes of its piece of the line.
+    slope : (m, 2) derivatives along the line, over_radius : (m, 2) values over the radius, 1/m; area : (m,) m2.
+    residual_aperture : D_0, m; transfer : T_w, m/(Pa s); viscosity : Pa s.
+    """
+
+    soil: np.ndarray
+    nodes: np.ndarray
+    weight: np.ndarray
+    station: np.ndarray
+    ends: np.ndarray
+    slope: np.ndarray
+    over_radius: np.ndarray
+    area: np.ndarray
+    residual_aperture: float
+    transfer: float
+    viscosity: float
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of film nodes."""
+        return len(self.soil)
+
+
+@dataclass(frozen=True)
+class SeriesWater:
+    """Pore water of the soil, and of the interface where there is a film; see model.Water.
+
+    Pressures are excess pressures, Pa: coefficients of cos(k theta) at the corners of the elements, then at film nodes.
+
+    Attributes
+    ----------
+    mobility, storage, scale : see model.Water.
+    fixed : (nc + nf,) bool, where the pressure keeps its initial value.
+    initial : (nc + nf, N + 1) Pa, at the start.
+    film : water in the interface, None where the interface holds none.
+    """
+
+    mobility: float | np.ndarray
+    storage: float
+    fixed: np.ndarray
+    initial: np.ndarray
+    scale: float
+    film: RingFilm | None = None
+
+
 @dataclass
 class FourierModel:
     """Everything the engine needs to compute on a Fourier series.
@@ -93,6 +159,7 @@ class FourierModel:
     fixed : (n, 3) bool, directions r, theta, z held at zero in all harmonics; the axis takes care of itself.
     n_border, border_scale, contact, contact_laws, contact_law, initial_pressure : see model.Model.
     stations : interface stations on circles.
+    water : pore water; None leaves every pressure unknown out (drained).
     """
 
     mesh: SectionMesh
@@ -107,7 +174,7 @@ class FourierModel:
     stations: RingStations
     contact: np.ndarray
     initial_pressure: np.ndarray
-    water: None = None
+    water: SeriesWater | None = None
     contact_laws: tuple[ContactLaw, ...] = (coulomb.LAW,)
     contact_law: np.ndarray | None = None
 
@@ -115,6 +182,19 @@ class FourierModel:
     def displacement_shape(self) -> tuple[int, int, int]:
         """Shape (n, 3, N + 1) of the coefficients of the displacement along r, theta and z."""
         return self.mesh.n_nodes, 3, self.harmonics + 1
+
+    @property
+    def n_pressures(self) -> int:
+        """Number of pressure nodes of soil and film; 0 when drained."""
+        return 0 if self.water is None else len(self.water.fixed)
+
+    @property
+    def pressure_nodes(self) -> np.ndarray:
+        """Node (np,) of the section on which each pressure stands: the soil's, then the film's; none when drained."""
+        corners = self.mesh.corners
+        if self.water is None:
+            return corners[:0]
+        return corners if self.water.film is None else np.concatenate([corners, corners[self.water.film.soil]])
 
     def check(self) -> None:
         """Raise ModelError where the parts contradict each other."""
@@ -129,6 +209,11 @@ class FourierModel:
             "stations.nodes": (self.stations.nodes.shape, (ns, 1)),
         }
         shapes |= material_shapes(self) | contact_shapes(self)
+        if self.water is not None:
+            film = self.water.film
+            pressures = len(self.mesh.corners) + (0 if film is None else film.n_nodes)
+            shapes["water.fixed"] = (self.water.fixed.shape, (pressures,))
+            shapes["water.initial"] = (self.water.initial.shape, (pressures, self.harmonics + 1))
         for name, (got, expected) in shapes.items():
             if got != expected:
                 raise ModelError(f"{name} has shape {got}, expected {expected}")

@@ -8,65 +8,26 @@ have beyond the elastic tangent, which is applied point by point (see fourier_li
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fe_engine.assembly import fourier_kernels as kernels
 from fe_engine.assembly.bordered import Residual, summary
+from fe_engine.assembly.fourier_film import FilmState
+from fe_engine.assembly.fourier_pattern import make_pattern
+from fe_engine.assembly.fourier_rest import AtRest, SoilAtRest, WetAtRest, WetSoil
+from fe_engine.assembly.fourier_water import FourierWater
 from fe_engine.assembly.harmonic_factors import HarmonicFactors
 from fe_engine.assembly.kernels import SoilState
 from fe_engine.assembly.kernels_stations import ContactState, PackedStations, no_iterate, pack_stations
 from fe_engine.clock import Clock
 from fe_engine.elements import fourier as elements
-from fe_engine.errors import LawError, ModelError
-from fe_engine.fourier_model import FourierModel, SectionMesh
+from fe_engine.errors import LawError
+from fe_engine.fourier_model import FourierModel
 from fe_engine.material import contact_gaps, soil_rows
 from fe_engine.soil.elastic import elastic_tangent
 from fe_engine.state import Fields, State
-
-
-@dataclass(frozen=True)
-class FourierPattern:
-    """Equations of the coefficients: all of them, (n, 3, K) in a row, those that are held with nothing in theirs.
-
-    held : (n, 3, K) bool; n_unknowns : number of the others. retained, interface : (nk,) nodes with stations and (m,)
-    equations of what they have free; ``place`` (n, 3, K) is where a coefficient stands among these, or -1.
-    On the axis u_r = U cos(theta) and u_theta = -U sin(theta): V is held there, and follows U.
-    """
-
-    held: np.ndarray
-    axis: np.ndarray
-    retained: np.ndarray
-    interface: np.ndarray
-    place: np.ndarray
-
-    @property
-    def n_free(self) -> int:
-        """Number of equations, those that are held included."""
-        return int(self.held.size)
-
-    @property
-    def n_unknowns(self) -> int:
-        """Number of coefficients that are not held."""
-        return int(np.count_nonzero(~self.held))
-
-    @property
-    def equation(self) -> np.ndarray:
-        """Equation (n, 3, K) of each coefficient."""
-        return np.arange(self.n_free).reshape(self.held.shape)
-
-    def folded(self, force: np.ndarray) -> np.ndarray:
-        """Return the forces (n, 3, K) on the coefficients that are free, in place, in a row (n_free,)."""
-        force[self.axis, 0, 1:2] -= force[self.axis, 1, 1:2]
-        force[self.held] = 0.0
-        return force.ravel()
-
-    def unfolded(self, x: np.ndarray) -> np.ndarray:
-        """Return all coefficients (n, 3, K) from those that are free (n_free,)."""
-        move = x.reshape(self.held.shape).copy()
-        move[self.axis, 1, 1:2] = -move[self.axis, 0, 1:2]
-        return move
 
 
 @dataclass
@@ -74,21 +35,31 @@ class FourierTangent:
     """Tangent: elastic soil, contact (ns, 3, 3) of the stations in Pa/m, and what the soil's points have beyond.
 
     plastic : (ne, 4 M, 6, 6), times the volume of the point, N m; regime : (ne, 4 M), where elastic it has none.
+    time_step : s; film : state of the film, None without water.
     """
 
     contact: np.ndarray
     plastic: np.ndarray
     regime: np.ndarray
+    time_step: float = 0.0
+    film: FilmState | None = None
 
 
 class FourierSystem:
-    """A Fourier model made ready for evaluation: element geometry, equation numbers, factors of the soil at rest."""
+    """A Fourier model made ready for evaluation: element geometry, equation numbers, factors of the soil at rest.
+
+    Attributes
+    ----------
+    time_step : s, of the present increment; only water asks for it.
+    sealed : whether linear systems leave fixed pressures of the soil free, as in a time in which nothing flows: the
+        stiffness of the initial state would otherwise have a first layer that drains, however short the time.
+    """
 
     def __init__(self, model: FourierModel, clock: Clock | None = None) -> None:
         model.check()
         self.clock = clock or Clock()
         self.model = model
-        self.time_step = 0.0
+        self.time_step, self.sealed = 0.0, False
         gradient, volume = elements.geometry(model.mesh.nodes, model.mesh.quads)
         waves = elements.waves(elements.azimuths(model.azimuths), model.harmonics)
         self.soil = kernels.Soil(
@@ -97,10 +68,14 @@ class FourierSystem:
         )  # fmt: skip
         self.pattern = make_pattern(model)
         self.factors = self._factorise(gradient, volume)
-        self.schur = self._interface_stiffness()
         self.stations = pack_stations(model)
         self.contact = _contact(model, self.stations)
+        self.water = None if model.water is None else FourierWater(model, self.contact)
+        self._soil_rest = SoilAtRest(self.factors, self.pattern)
+        self._wet_soil = None if self.water is None else WetSoil(self._soil_rest, self.water, self.pattern)
+        self._wet_rest: WetAtRest | None = None
         self.is_pressure = np.zeros(self.pattern.n_free, dtype=bool)
+        self.is_pressure[self.pattern.n_moving :] = True
         shape, ns = model.initial_stress.shape[:2], len(model.stations)
         self.regime = np.zeros(shape, dtype=np.int8)
         self.contact_state = np.zeros(ns, dtype=np.int8)
@@ -119,40 +94,57 @@ class FourierSystem:
         _hold(stiffness, p.held[model.mesh.quads], p.axis[model.mesh.quads])
         return HarmonicFactors(model.mesh.quads, p.retained, stiffness, p.held)
 
-    def _interface_stiffness(self) -> np.ndarray:
-        """Return what the elimination of the soil at rest leaves to the interface (m, m)."""
-        place = self.pattern.place[self.pattern.retained]
-        dense = np.zeros((len(self.pattern.interface),) * 2)
-        for k, matrix in enumerate(self.factors.schur):
-            at = place[..., k].ravel()
-            free = at >= 0
-            dense[np.ix_(at[free], at[free])] = matrix[np.ix_(free, free)]
-        return dense
+    def at_rest(self, time_step: float) -> AtRest:
+        """Return the linear system with the soil at rest; with water it is made anew for each new time step (s)."""
+        if self._wet_soil is None:
+            return self._soil_rest
+        if self._wet_rest is None or self._wet_rest.made_for != (time_step, self.sealed):
+            self._wet_rest = WetAtRest(self._wet_soil, time_step, self.sealed)
+        return self._wet_rest
 
     def apply(self, state: State, free: np.ndarray, border: np.ndarray) -> None:
         """Set the trial displacement to the committed one plus the increments (n_free,), (nb,)."""
-        state.trial.displacement[...] = state.committed.displacement + self.pattern.unfolded(free)
+        n = self.pattern.n_moving
+        state.trial.displacement[...] = state.committed.displacement + self.pattern.unfolded(free[:n])
         state.trial.border[...] = state.committed.border + border
+        if self.model.water is not None:
+            change = self.model.water.scale * free[n:].reshape(state.trial.pressure.shape)
+            state.trial.pressure[...] = state.committed.pressure + change
 
     # --- evaluation ---
 
     def residual(self, state: State) -> Residual:
         """Evaluate the residual of the laws at the trial displacement; the committed copy is only read."""
         with self.clock.phase("assembly"):
-            return self._contact(state, self._soil(state, False))
+            force, border = self._soil(state, False), np.zeros(self.model.n_border)
+            rows, square = self._water(state, force, border)
+            return self._contact(state, (force, border, rows), square)
 
     def linearise(self, state: State, fresh: bool) -> tuple[Residual, Residual, FourierTangent]:
         """Evaluate the residual of the laws, and the linear model that Newton solves next; see `assembly.System`."""
         with self.clock.phase("assembly"):
-            forces = self._soil(state, True)
-            judged = self._contact(state, forces.copy())
-            border = np.zeros(self.model.n_border)
+            force, border = self._soil(state, True), np.zeros(self.model.n_border)
+            rows, square = self._water(state, force, border)
+            judged = self._contact(state, (force.copy(), border.copy(), rows), square)
             if fresh:
                 self._iterate.traction[:] = 0.0
             old, new = (ContactState(f.displacement, f.border, f.traction) for f in (state.committed, state.trial))
-            kernels.linear_contact(self.contact, old, new, self._iterate, forces, border)
-            linear = Residual(self.pattern.folded(forces), border, judged.contact_norm, *_counts(judged))
-            return judged, linear, FourierTangent(self._iterate.tangent.copy(), self._plastic, self.regime.copy())
+            kernels.linear_contact(self.contact, old, new, self._iterate, force, border)
+            linear = replace(judged, free=self._row(force, rows), border=border)
+            film = None
+            if self.water is not None:
+                step = self.water.step(self.time_step)
+                film = FilmState(self.gaps(state.trial), state.trial.pressure.copy(), step)
+            contact = self._iterate.tangent.copy()
+            tangent = FourierTangent(contact, self._plastic, self.regime.copy(), self.time_step, film)
+            return judged, linear, tangent
+
+    def _row(self, force: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Return forces (n, 3, K) and rows of the water (np, K) in one row, nothing in those that are held."""
+        free = self.pattern.folded(force)
+        if self.water is None:
+            return free
+        return np.concatenate([free, np.where(self.pattern.pressure_held, 0.0, rows).ravel()])
 
     def _soil(self, state: State, with_tangent: bool) -> np.ndarray:
         """Return forces (n, 3, K) of the soil; ``with_tangent`` adds yielding points to the tangent."""
@@ -164,13 +156,24 @@ class FourierSystem:
             raise LawError(f"soil law did not converge in element {bad} at r={r:.3f}, z={z:.3f} m")
         return force
 
-    def _contact(self, state: State, force: np.ndarray) -> Residual:
-        """Add the contact forces of the law and sum up."""
+    def _water(self, state: State, force: np.ndarray, border: np.ndarray) -> tuple[np.ndarray, float]:
+        """Add the forces of the water; return its rows (np, K) and the sum of squares of its volumes, m6."""
+        if self.water is None:
+            return np.zeros((0, self.model.harmonics + 1)), 0.0
+        gaps, step = (self.gaps(state.committed), self.gaps(state.trial)), self.water.step(self.time_step)
+        return self.water.add(step, state.committed, state.trial, gaps, (force, border))
+
+    def _contact(self, state: State, forces: tuple, volume: float) -> Residual:
+        """Add the contact forces of the law and sum up.
+
+        forces : (n, 3, K), (nb,) and the rows (np, K) of the water, whose volumes have the sum of squares ``volume``.
+        """
         old, new = (ContactState(f.displacement, f.border, f.traction) for f in (state.committed, state.trial))
-        border = np.zeros(self.model.n_border)
+        force, border, rows = forces
         kernels.contact_forces(self.contact, old, new, self.contact_state, force, border)
         norm = self._contact_norm(new.traction)
-        return summary(self.pattern.folded(force), border, norm, 0.0, self.regime, self.contact_state)
+        free = self._row(force, rows)
+        return summary(free, border, norm, float(np.sqrt(volume)), self.regime, self.contact_state)
 
     def _contact_norm(self, traction: np.ndarray) -> float:
         """Return the 2-norm of the change of the interface's forces on the coefficients, N."""
@@ -190,16 +193,19 @@ class FourierSystem:
     # --- tangent ---
 
     def plastic_product(self, tangent: FourierTangent, x: np.ndarray) -> np.ndarray:
-        """Return what the tangent of the soil has beyond the elastic one, times x (n_free,)."""
+        """Return what the tangent of the soil has beyond the elastic one, times x (n_moving,)."""
         out = np.zeros(self.model.displacement_shape)
         kernels.plastic_product(self.soil, tangent.regime, tangent.plastic, self.pattern.unfolded(x), out)
         return self.pattern.folded(out)
 
     def contact_matrix(self, tangent: FourierTangent) -> np.ndarray:
-        """Return the tangent (m + nb, m + nb) of the contact: equations of the interface, then the border."""
+        """Return the tangent (m + nb, m + nb) of contact and film: equations of the interface, then the border."""
         size = len(self.pattern.interface) + self.model.n_border
         out = np.zeros((size, size))
-        kernels.contact_matrix(self.contact, tangent.contact, self.pattern.place[self.contact.node], out)
+        place = self.pattern.place[self.contact.node]
+        kernels.contact_matrix(self.contact, tangent.contact, place, out)
+        if self.water is not None and tangent.film is not None:
+            self.water.film_matrix(tangent.film, place, self.pattern.film_place, out)
         return out
 
     # --- what others ask ---
@@ -219,9 +225,15 @@ class FourierSystem:
         work: tuple[float, float, float] = kernels.soil_work(self.soil, *states)
         return work
 
+    def water_work(self, old: Fields, new: Fields) -> float:
+        """Return the work (J) done against the pore pressures, by soil and gaps."""
+        if self.water is None:
+            return 0.0
+        return self.water.work(old, new, self.jumps(new)[:, 0] - self.jumps(old)[:, 0])
+
     def elements_at(self, equations: np.ndarray) -> np.ndarray:
-        """Return the elements that these equations belong to."""
-        nodes = np.unravel_index(equations, self.model.displacement_shape)[0]
+        """Return the elements that these equations belong to; none where they are those of the film alone."""
+        nodes = self._nodes_of(np.asarray(equations))
         return np.flatnonzero(np.isin(self.model.mesh.quads, nodes).any(axis=1))
 
     def stations_on(self, numbers: np.ndarray) -> np.ndarray:
@@ -234,48 +246,38 @@ class FourierSystem:
 
     def place_of_equation(self, equation: int) -> str:
         """Return the node, harmonic, direction and coordinates of a free equation, for messages."""
-        node, component, k = np.unravel_index(equation, self.model.displacement_shape)
+        n = self.pattern.n_moving
+        node = int(self._nodes_of(np.array([equation]))[0]) if equation < n + self._n_soil_water else -1
+        if node < 0:
+            film, k = divmod(equation - n - self._n_soil_water, self.model.harmonics + 1)
+            return f"film node {film}, harmonic {k}"
         r, z = self.model.mesh.nodes[node]
         element = int(np.argmax((self.model.mesh.quads == node).any(axis=1)))
-        direction = ("r", "theta", "z")[component]
-        return f"node {node} of element {element}, harmonic {k}, direction {direction}, at r={r:.3f}, z={z:.3f} m"
+        if equation >= n:
+            k, what = (equation - n) % (self.model.harmonics + 1), "pore pressure"
+        else:
+            _, component, k = (int(i) for i in np.unravel_index(equation, self.model.displacement_shape))
+            what = f"direction {('r', 'theta', 'z')[component]}"
+        return f"node {node} of element {element}, harmonic {k}, {what}, at r={r:.3f}, z={z:.3f} m"
 
+    @property
+    def _n_soil_water(self) -> int:
+        """Number of equations of the soil's pressures."""
+        return 0 if self.water is None else self.water.n_soil * (self.model.harmonics + 1)
 
-def _counts(residual: Residual) -> tuple[int, int, int, int]:
-    return residual.n_plastic, residual.n_apex, residual.n_slip, residual.n_open
+    def _nodes_of(self, equations: np.ndarray) -> np.ndarray:
+        """Return nodes of the section that equations of displacements and of the soil's pressures belong to."""
+        n, shape = self.pattern.n_moving, self.model.displacement_shape
+        moving = equations[equations < n]
+        corner = (equations[(equations >= n) & (equations < n + self._n_soil_water)] - n) // shape[2]
+        nodes: np.ndarray = np.concatenate([np.unravel_index(moving, shape)[0], self.model.mesh.corners[corner]])
+        return nodes
 
 
 def _elastic(bulk: float, shear: float) -> np.ndarray:
     tangent = np.empty((6, 6))
     elastic_tangent(bulk, shear, 1.0, tangent)
     return tangent
-
-
-def held_coefficients(mesh: SectionMesh, fixed: np.ndarray, harmonics: int) -> np.ndarray:
-    """Return whether each coefficient (n, 3, K) is held, for fixed directions (n, 3).
-
-    On the axis the motion is one of the whole cross-section: along z for k = 0, along x for k = 1, none for others.
-    """
-    axis, held = mesh.on_axis, np.zeros((mesh.n_nodes, 3, harmonics + 1), dtype=bool)
-    held[fixed] = True
-    held[:, 1, 0] = True
-    held[axis, 0, 0] = True
-    held[axis, :, 1:] = True
-    held[axis, 0, 1:2] = fixed[axis, :1]
-    return held
-
-
-def make_pattern(model: FourierModel) -> FourierPattern:
-    """Give numbers to the equations."""
-    axis, held = model.mesh.on_axis, held_coefficients(model.mesh, model.fixed, model.harmonics)
-    interface_nodes = np.unique(model.stations.nodes)
-    if axis[interface_nodes].any():
-        raise ModelError("a station stands on the axis, where it has no area")
-    place = np.full(held.shape, -1)
-    node, i, k = np.nonzero(~held[interface_nodes])
-    place[interface_nodes[node], i, k] = np.arange(len(node))
-    interface = np.ravel_multi_index((interface_nodes[node], i, k), held.shape)
-    return FourierPattern(held, axis, interface_nodes, interface, place)
 
 
 def _hold(stiffness: np.ndarray, held: np.ndarray, axis: np.ndarray) -> None:

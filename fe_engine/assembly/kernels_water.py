@@ -18,7 +18,7 @@ from fe_engine.contact import flow
 from fe_engine.elements.interface import GAUSS_SHAPES
 from fe_engine.model import Model
 
-_transmissivity = flow.transmissivity
+_transmissivity, _exchange = flow.transmissivity, flow.exchange
 _PRESSURE = 3  # the fourth dof of a node
 
 
@@ -153,8 +153,7 @@ def station_water(s, f, step, gaps, pressure, scatter, forces, targets):
         _station_shares(s, f, k, side_1, side_2, film)
         transfer = step.time * f.law[1]
         second = transfer if porous else 0.0
-        to_film, to_side_2 = transfer * (p1 - p3), second * (p3 - p2)
-        stored = gap[k] - gap_old[k]
+        to_film, to_side_2, stored = _exchange(transfer, second, (p1, p3, p2), gap_old[k], gap[k])
         square += s.area[k] ** 2 * (gap[k] ** 2 + to_film**2 + to_side_2**2)
         for a in range(size):
             leaves = side_1[a] * to_film - side_2[a] * to_side_2 + film[a] * (stored - to_film + to_side_2)

@@ -39,6 +39,7 @@ class System:
             self.frame_of, self.frames,
         )  # fmt: skip
         self.time_step = 0.0  # s, of the present increment; only water asks for it
+        self.sealed = False  # see fourier_system: bricks hold fixed pressures at any time
         self.stations = kernels_stations.pack_stations(model)
         self.regime = np.zeros((model.mesh.n_elements, 8), dtype=np.int8)
         self.contact_state = np.zeros(len(self.stations.area), dtype=np.int8)
@@ -159,6 +160,24 @@ class System:
             energies = [kernels.linear_energy(*self.linear, each.displacement) for each in (old, new)]
             stored += energies[1] - energies[0]
         return stored, dissipated, initial
+
+    def water_work(self, old: Fields, new: Fields) -> float:
+        """Return the work (J) done against the pore pressures, by soil and gaps."""
+        wet = self.model.water
+        if wet is None:
+            return 0.0
+        pressure = 0.5 * (old.pressure + new.pressure)
+        n = self.model.mesh.n_nodes
+        move = (new.displacement - old.displacement)[self.hexes]
+        _, _, volume, coupling = self.pores.arrays
+        mean = np.einsum("eb,eb->e", volume, pressure[:n][self.hexes])
+        soil = -float(np.einsum("e,eai,eai->", mean, coupling, move))
+        film = wet.film
+        if film is None:
+            return soil
+        p = self.stations.area * np.einsum("sc,sc->s", film.weight, pressure[n:][film.nodes])
+        opened = [self.jumps(each)[:, 0] for each in (old, new)]
+        return soil - float(p @ (opened[1] - opened[0]))
 
     def elements_at(self, equations: np.ndarray) -> np.ndarray:
         """Return the elements that these equations belong to; none where they are those of film nodes alone."""

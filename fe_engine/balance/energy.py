@@ -65,7 +65,7 @@ class EnergyBalance:
         s, t = self.system, self.terms
         soil = s.solid_work(old, new)
         contact = self._contact(old, new)
-        water = self._water(old, new)
+        water = s.water_work(old, new)
         t[ELASTIC] += soil[0]
         t[PLASTIC] += soil[1]
         t[PENALTY] += contact[0]
@@ -103,22 +103,3 @@ class EnergyBalance:
         stored = np.einsum("s,si,si->", area, 0.5 / penalty, new.traction**2 - old.traction**2)
         initial = np.einsum("s,si,si->", area, self.initial.traction, slide)
         return float(stored), float(done - stored), float(initial)
-
-    def _water(self, old: Fields, new: Fields) -> float:
-        """Return the work done against the pore pressures, by soil and gaps."""
-        s = self.system
-        if isinstance(s, FourierSystem) or s.model.water is None:
-            return 0.0
-        model, wet = s.model, s.model.water
-        pressure = 0.5 * (old.pressure + new.pressure)
-        n = model.mesh.n_nodes
-        move = (new.displacement - old.displacement)[s.hexes]
-        _, _, volume, coupling = s.pores.arrays
-        mean = np.einsum("eb,eb->e", volume, pressure[:n][s.hexes])
-        soil = -float(np.einsum("e,eai,eai->", mean, coupling, move))
-        film = wet.film
-        if film is None:
-            return soil
-        p = s.stations.area * np.einsum("sc,sc->s", film.weight, pressure[n:][film.nodes])
-        opened = [s.jumps(each)[:, 0] for each in (old, new)]
-        return soil - float(p @ (opened[1] - opened[0]))

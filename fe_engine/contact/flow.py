@@ -20,3 +20,13 @@ def transmissivity(residual_aperture, gap, viscosity):
     """Return the h^3/(12 mu_w) in m3/(Pa s), and its derivative with respect to an open gap."""
     h = residual_aperture + gap
     return h * h * h / (12.0 * viscosity), (h * h / (4.0 * viscosity) if gap > 0.0 else 0.0)
+
+
+@njit
+def exchange(transfer, second, pressures, gap_old, gap):
+    """Volumes for each area over a time step, m: from side 1 into the film, on to side 2, and what the gap stores.
+
+    transfer, second : conductivities T_w of side 1 and side 2 times the time step; pressures : (p1, p3, p2).
+    """
+    p1, p3, p2 = pressures
+    return transfer * (p1 - p3), second * (p3 - p2), gap - gap_old

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Newton steps of a Fourier model by GMRES, preconditioned with elastic soil and the contact of the present tangent.
 
-The tangent is P + D: P has the soil at rest, the contact of the stations and the border, D what the soil that yields
-has beyond the elastic tangent. The series takes the soil at rest apart into one matrix a harmonic, factorised once with
-the equations of the interface left over (see `harmonic_factors`): their Schur complement S, the contact and the border
-make a dense matrix, which is factorised at each step. So P is inverted exactly. With x = P^-1 (rhs + v) there is
+The tangent is P + D: P has the soil at rest with its water, contact and film of the stations and the border, D what the
+soil that yields has beyond the elastic tangent. The series takes the soil at rest apart into one matrix a harmonic, and
+all but the equations of the interface are eliminated (see `fourier_rest`): what that leaves, contact and border make a
+dense matrix, which is factorised at each step. So P is inverted exactly. With x = P^-1 (rhs + v) there is
 
     (1 + D P^-1) v = -D P^-1 rhs,
 
@@ -114,7 +114,7 @@ class FourierStage:
     ) -> np.ndarray:
         """Solve for rhs (n + k,), up to a share of ``size`` (N), or of what P alone leaves where that is None."""
         with self.clock.phase("solve"):
-            x, n = p.solve(rhs), self.system.pattern.n_free
+            x, n = p.solve(rhs), self.system.pattern.n_moving
             self.n_solves += 1
             v = -self.system.plastic_product(tangent, x[:n])
             left = float(np.linalg.norm(v))
@@ -125,7 +125,7 @@ class FourierStage:
     def _gmres(
         self, p: Preconditioner, tangent: FourierTangent, v: np.ndarray, size: float, target: float, exact: bool
     ) -> np.ndarray:
-        """Solve (P + D) x = v (n,) from x = 0, with the norm ``size`` of v, until ``target`` is left.
+        """Solve (P + D) x = v (n_moving,) from x = 0, with the norm ``size`` of v, until ``target`` is left.
 
         Stop after a few iterations where that is not to be ``exact``; raise LinearSolverError where it is and fails.
         """
@@ -162,18 +162,20 @@ class Preconditioner:
     """
 
     def __init__(self, system: FourierSystem, tangent: FourierTangent, control: Control) -> None:
-        self.factors, self.n, self.control = system.factors, system.pattern.n_free, control
-        self._interface, self._shape = system.pattern.interface, system.model.displacement_shape
-        self._inside = system.pattern.place[system.pattern.retained]
+        self.n, self.control = system.pattern.n_free, control
+        self._interface, self._rest = system.pattern.interface, system.at_rest(tangent.time_step)
         m = len(self._interface)
         self._contact = contact = system.contact_matrix(tangent)
         k = control.motions.shape[1]
         self.size = self.n + k
         matrix = np.empty((m + k, m + k), order="F")
-        matrix[:m, :m] = system.schur + contact[:m, :m]
+        matrix[:m, :m] = self._rest.matrix + contact[:m, :m]
         matrix[:m, m:] = contact[:m, m:] @ control.motions
         matrix[m:, :m] = control.forces.T @ contact[m:, :m]
         matrix[m:, m:] = control.forces.T @ contact[m:, m:] @ control.motions
+        self._row = 1.0 / np.abs(matrix).max(axis=1) if self._rest.uneven else None
+        if self._row is not None:
+            matrix *= self._row[:, None]
         self._lu, self._pivots, wrong = lapack.dgetrf(matrix, overwrite_a=True)
         if wrong:
             raise LinearSolverError("the interface is singular")
@@ -188,13 +190,12 @@ class Preconditioner:
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """Apply the inverse to rhs (n + k,)."""
-        swept, left = self.factors.forward(rhs[: self.n].reshape(self._shape))
-        inside, m = self._inside, len(self._interface)
-        free = inside >= 0
-        middle, _ = lapack.dgetrs(self._lu, self._pivots, np.concatenate([left[free], rhs[self.n :]]))
-        values = np.zeros(inside.shape)
-        values[free] = middle[:m]
-        return np.concatenate([self.factors.backward(swept, values).ravel(), middle[m:]])
+        swept, left = self._rest.forward(rhs[: self.n])
+        m, middle = len(self._interface), np.concatenate([left, rhs[self.n :]])
+        if self._row is not None:
+            middle *= self._row
+        middle, _ = lapack.dgetrs(self._lu, self._pivots, middle)
+        return np.concatenate([self._rest.backward(swept, middle[:m]), middle[m:]])
 
     def motions(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the motions (n,), (nb,) of a solution, the imposed ones included."""

@@ -125,16 +125,23 @@ class Collector:
         now = self.balance.now(state)
         volumes = {"expelled": now.expelled, "compressed": now.compressed, "film": now.film, "outflow": now.outflow,
                    "moved": now.moved, "imbalance": now.imbalance}  # fmt: skip
-        n = self.built.model.mesh.n_nodes
         row |= {f"water_{name}": 2.0 * volume for name, volume in volumes.items()}
-        row |= {"pressure_min": float(state.pressure.min()), "pressure_max": float(state.pressure[:n].max())}
-        return row | self._cavitation(state)
+        return row | self._pressure_range(state) | self._cavitation(state)
+
+    def _pressure_range(self, state: Fields) -> dict[str, float]:
+        """Return lowest pressure of soil and film, and highest of the soil."""
+        n = self.built.model.mesh.n_nodes
+        return {"pressure_min": float(state.pressure.min()), "pressure_max": float(state.pressure[:n].max())}
+
+    def _wet_pressures(self, state: Fields) -> np.ndarray:
+        """Return pressures at the places of `water_position`."""
+        return state.pressure[self.wet]
 
     def _cavitation(self, state: Fields) -> dict[str, float]:
         """Return the margin of the absolute pressure over vapour pressure; keeps the first state where it is gone."""
         if self.sea is None:
             return {}
-        smallest = smallest_margin(self.water_position, state.pressure[self.wet], *self.sea)
+        smallest = smallest_margin(self.water_position, self._wet_pressures(state), *self.sea)
         if smallest.margin < 0.0 and self.cavitation is None:
             self.cavitation = float(state.border[0]), smallest
         return {"cavitation_margin": smallest.margin}

@@ -224,11 +224,13 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
 
 def _initial_stiffness(work: Work) -> np.ndarray:
     """Return the tangent stiffness (3, 3) of half the caisson at the initial state; undrained where there is water."""
-    work.system.time_step = undrained_time(work.scene, work.built.model.mesh)
+    work.system.time_step, work.system.sealed = undrained_time(work.scene, work.built.model.mesh), True
     try:
         return work.newton.border_stiffness(State(work.built.model))
     except FEError as error:
         raise RunIncomplete(f"the stiffness of the initial state cannot be computed: {error}") from error
+    finally:
+        work.system.sealed = False
 
 
 def _run_paths(work: Work, loaded: Loaded) -> None:

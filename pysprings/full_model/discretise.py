@@ -56,11 +56,11 @@ def make_collector(
 ) -> Collector:  # fmt: skip
     """Make what gathers the rows of a path."""
     output = scene.output
+    requested = output.interface_fields, output.section
     if isinstance(built, BuiltFourier):
         assert isinstance(system, FourierSystem)
-        return FourierCollector(built, system, output.interface_fields, output.section, output.paraview)
+        return FourierCollector(built, system, *requested, balance, sea, volume=output.paraview)
     assert isinstance(system, System)
-    requested = output.interface_fields, output.section
     return Collector(built, system, *requested, balance, sea, volume=output.paraview)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from fe_engine.assembly.fourier_system import FourierSystem
+from fe_engine.balance.water import WaterBalance
 from fe_engine.elements import fourier as elements
 from fe_engine.state import Fields
 from pysprings.core import variables
@@ -28,8 +29,11 @@ class FourierCollector(Collector):
     built: BuiltFourier  # type: ignore[assignment]
     system: FourierSystem  # type: ignore[assignment]
 
-    def __init__(self, built: BuiltFourier, system: FourierSystem, fields: bool, section: bool, volume: bool) -> None:
-        self.balance = self.sea = self.cavitation = None
+    def __init__(
+        self, built: BuiltFourier, system: FourierSystem, fields: bool, section: bool,
+        balance: WaterBalance | None = None, sea: tuple[float, float] | None = None, volume: bool = False,
+    ) -> None:  # fmt: skip
+        self.balance, self.sea, self.cavitation = balance, sea, None
         self.built, self.system = built, system
         self.keep_fields, self.keep_section = fields, section
         self.volume = FourierVolume(built, system) if volume else None  # type: ignore[assignment]
@@ -42,6 +46,8 @@ class FourierCollector(Collector):
         self.azimuth = output_azimuths(built.model.harmonics)
         self._around = around(built.azimuth, self.azimuth)
         self._plane = _Plane(built)
+        self._wave = elements.waves(self.azimuth, built.model.harmonics)[..., 0]
+        self.water_position = np.zeros((0, 3)) if balance is None else self._water_places()
         self.rows = []
 
     def _ring_stations(self, side: str) -> np.ndarray:
@@ -88,10 +94,28 @@ class FourierCollector(Collector):
         return np.stack(walls)
 
     def _section(self, state: Fields) -> dict[str, np.ndarray]:
-        return self._plane.fields(state)
+        fields = self._plane.fields(state)
+        return fields if self.balance is None else fields | {"section_pore_pressure": self._plane.pressure(state)}
 
-    def _water(self, state: Fields, water: np.ndarray) -> dict[str, float]:
-        return {"F_pw": 0.0}
+    def _film_pressure(self, state: Fields) -> np.ndarray:
+        water = self.system.water
+        return np.zeros(len(self.surface)) if water is None else water.film_pressure(state.pressure)
+
+    def _water_places(self) -> np.ndarray:
+        """Places (n, 3) m at which pressures are looked at: pressure nodes at all azimuths of the fields."""
+        r, z = self.built.section.mesh.nodes[self.built.model.pressure_nodes].T
+        around_ring = np.stack([np.cos(self.azimuth), np.sin(self.azimuth)], axis=1)
+        at = np.empty((len(r), len(self.azimuth), 3))
+        at[..., :2], at[..., 2] = r[:, None, None] * around_ring, z[:, None]
+        return at.reshape(-1, 3)
+
+    def _wet_pressures(self, state: Fields) -> np.ndarray:
+        pressures: np.ndarray = (state.pressure @ self._wave.T).ravel()
+        return pressures
+
+    def _pressure_range(self, state: Fields) -> dict[str, float]:
+        every, soil = self._wet_pressures(state), len(self.built.section.mesh.corners) * len(self.azimuth)
+        return {"pressure_min": float(every.min()), "pressure_max": float(every[:soil].max())}
 
 
 def slice_shares(line: np.ndarray) -> np.ndarray:
@@ -126,9 +150,10 @@ class _Plane:
 
     def __init__(self, built: BuiltFourier) -> None:
         mesh = built.section.mesh
-        corner = np.unique(mesh.quads[:, :4])
+        corner = mesh.corners
         behind = corner[mesh.nodes[corner, 0] > 0.0]
         self.node = np.concatenate([corner, behind])
+        self._corner = mesh.corner_numbers(self.node)
         self.back = np.arange(len(self.node)) >= len(corner)
         front, mirrored = np.full(mesh.n_nodes, -1), np.full(mesh.n_nodes, -1)
         front[corner] = mirrored[corner] = np.arange(len(corner))  # both on the axis
@@ -143,6 +168,11 @@ class _Plane:
         """Return the displacements in the plane."""
         move = np.einsum("nik,nk->ni", state.displacement[self.node], self._wave)
         return {"section_ux": self._side * move[:, 0], "section_uz": move[:, 2]}
+
+    def pressure(self, state: Fields) -> np.ndarray:
+        """Excess pore pressure in the plane, Pa."""
+        pressures: np.ndarray = np.sum(state.pressure[self._corner] * self._wave, axis=1)
+        return pressures
 
 
 def fourier_section_dataset(built: BuiltFourier) -> xr.Dataset:

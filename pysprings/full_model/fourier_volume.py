@@ -28,11 +28,13 @@ class FourierVolume:
         self._station_azimuth = stations.azimuth
 
     def fields(self, state: Fields) -> dict[str, np.ndarray]:
-        """Return the displacement, stress, plastic strain and gap; see `variables`."""
+        """Return the displacement, stress, plastic strain, pore pressure and gap; see `variables`."""
         u, stress = self.grid.displacement(state), self.grid.stress(state)
         fields = {f"volume_u{axis}": u[:, i] for i, axis in enumerate("xyz")}
         fields |= {f"volume_s{name}": stress[:, i] for i, name in enumerate(variables.STRESSES)}
         fields |= {"volume_plastic_strain": self.grid.plastic(state), "volume_gap": self._gap(state)}
+        if self.built.model.water is not None:
+            fields["volume_pore_pressure"] = self.grid.pressure(state)
         return {name: values.astype(np.float32) for name, values in fields.items()}
 
     def _gap(self, state: Fields) -> np.ndarray:
@@ -51,7 +53,7 @@ class Sectors:
     def __init__(self, built: BuiltFourier) -> None:
         mesh, m = built.section.mesh, built.model.azimuths
         self.built, self.edges = built, np.linspace(0.0, np.pi, m + 1)
-        self.corner = np.unique(mesh.quads[:, :4])
+        self.corner = mesh.corners
         number = np.full(mesh.n_nodes, -1)
         number[self.corner] = np.arange(len(self.corner))
         quads, n = number[mesh.quads[:, [0, 3, 2, 1]]], len(self.corner)
@@ -67,6 +69,11 @@ class Sectors:
         r, t, z = (np.einsum("jk,nk->jn", self._wave[..., w], move[:, i]) for i, w in enumerate((0, 1, 0)))
         c, s = np.cos(self.edges)[:, None], np.sin(self.edges)[:, None]
         return np.stack([c * r - s * t, s * r + c * t, z], axis=-1).reshape(-1, 3)
+
+    def pressure(self, state: Fields) -> np.ndarray:
+        """Return the excess pore pressure (nodes,), Pa."""
+        pressure: np.ndarray = self._wave[..., 0] @ state.pressure[: len(self.corner)].T
+        return pressure.ravel()
 
     def stress(self, state: Fields) -> np.ndarray:
         """Return the mean stress (cells, 6) in global axes."""

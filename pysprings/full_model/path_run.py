@@ -7,7 +7,6 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from fe_engine.assembly.system import System
 from fe_engine.balance.energy import EnergyBalance
 from fe_engine.balance.water import WaterBalance
 from fe_engine.errors import NotConverged
@@ -41,7 +40,7 @@ class PathRun:
         work.newton.forget()  # whichever paths ran before
         self.driver = Driver(work.newton, self.state)
         self.water = None
-        if isinstance(work.system, System) and model.water is not None:
+        if model.water is not None:
             self.water = WaterBalance(work.system, initial_fields(model))
         self.energy = EnergyBalance(work.system)
         self.collector = make_collector(scene, work.built, work.system, self.water, _sea(scene))

@@ -22,6 +22,7 @@ from pysprings.model.build import (
 from pysprings.model.contact import SURFACE, contact_of
 from pysprings.model.fourier_mesh import PRESETS, CaissonSection, SectionCounts, make_section, refine_section
 from pysprings.model.soil_laws import soil_materials
+from pysprings.model.water import make_series_water
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -76,6 +77,7 @@ def build_on_section(scene: Scene, counts: SectionCounts) -> BuiltFourier:
     depth = elements.gauss_positions(mesh.nodes, mesh.quads)[:, :, 1]
     materials, material = soil_materials(scene, depth)
     law, contact = contact_of(scene, stations, section.walls["inside"])
+    water = make_series_water(scene, section, stations, harmonics)
     model = FourierModel(
         mesh=mesh,
         harmonics=harmonics,
@@ -90,6 +92,7 @@ def build_on_section(scene: Scene, counts: SectionCounts) -> BuiltFourier:
         contact=contact,
         contact_laws=(law,),
         initial_pressure=pressure,
+        water=water,
     )
     return BuiltFourier(model, section, azimuth, quality, balanced, extra_load(scene.caisson.vertical_load, balanced))
 

@@ -51,6 +51,11 @@ class CaissonSection:
     lid: np.ndarray
     tip: np.ndarray
 
+    @property
+    def lines(self) -> dict[str, np.ndarray]:
+        """Nodes along each surface of the caisson, three an element."""
+        return {"outer": self.walls["outside"], "inner": self.walls["inside"], "lid": self.lid, "tip": self.tip}
+
 
 def make_section(geometry: Geometry, counts: SectionCounts) -> CaissonSection:
     """Build the section of the soil."""

@@ -10,10 +10,11 @@ import numpy as np
 
 from fe_engine.elements import biot, interface
 from fe_engine.elements.interface import Film, Stations
-from fe_engine.fourier_model import SectionMesh
+from fe_engine.fourier_model import RingFilm, RingStations, SectionMesh, SeriesWater
 from fe_engine.mesh import Mesh
 from fe_engine.model import Water
 from fe_engine.soil.elastic import moduli
+from pysprings.model.fourier_mesh import CaissonSection
 from pysprings.model.mesh import SURFACES, CaissonMesh
 from pysprings.scene.ground import ground_of
 
@@ -33,10 +34,9 @@ def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> tuple[
     fixed = _drained_nodes(scene, caisson)
     depth = _depths(scene, mesh)
     bulk, shear = _moduli(scene, depth)
-    modulus = drainage.water_bulk_modulus
     water = Water(
         mobility=mobility(scene, depth),
-        storage=0.0 if isinstance(modulus, str) else drainage.porosity / modulus,
+        storage=_storage(scene),
         stabilisation=drainage.stabilisation * biot.projection_factor(bulk, shear),
         fixed=np.concatenate([fixed, fixed[film_mesh_node]]),
         initial=np.zeros(mesh.n_nodes + film.n_nodes),
@@ -54,6 +54,115 @@ def beside_steel(water: Water, n: int, k: int) -> Water:
         initial=np.insert(water.initial, n, np.zeros(k)),
         film=None if water.film is None else replace(water.film, sealed=True),
     )
+
+
+def make_series_water(
+    scene: Scene, section: CaissonSection, stations: RingStations, harmonics: int
+) -> SeriesWater | None:
+    """Water of the scene on a section; None where it is drained."""
+    if scene.drainage.mode == "drained":
+        return None
+    mesh, depth = section.mesh, np.array(0.0)
+    if not ground_of(scene).is_uniform:
+        depth = mesh.nodes[mesh.quads[:, :4]].mean(axis=1)[:, 1]
+    film, edge = _ring_film(scene, section, stations), mesh.nodes[mesh.quads[:, 2]] - mesh.nodes[mesh.quads[:, 0]]
+    fixed = drained_corners(scene, section)
+    fixed = np.concatenate([fixed, fixed[film.soil]])
+    return SeriesWater(
+        mobility=mobility(scene, depth),
+        storage=_storage(scene),
+        fixed=fixed,
+        initial=np.zeros((len(fixed), harmonics + 1)),
+        scale=float(np.median(_moduli(scene, depth)[1]) / np.median(np.linalg.norm(edge, axis=1))),
+        film=film,
+    )
+
+
+def _storage(scene: Scene) -> float:
+    """Porosity over the bulk modulus of water, 1/Pa; 0 where it is incompressible."""
+    modulus = scene.drainage.water_bulk_modulus
+    return 0.0 if isinstance(modulus, str) else scene.drainage.porosity / modulus
+
+
+def drained_corners(scene: Scene, section: CaissonSection) -> np.ndarray:
+    """Return the corners (nc,) bool at hydrostatic pressure: see `_drained_nodes`.
+
+    None where nothing drains: a first layer below mudline would, however short the time.
+    """
+    mesh, node = section.mesh, section.mesh.corners
+    rim = mesh.nodes[section.walls["outside"][0], 0]
+    if scene.drainage.mode == "undrained":
+        return np.zeros(len(node), dtype=bool)
+    fixed: np.ndarray = (mesh.nodes[node, 1] == 0.0) & (mesh.nodes[node, 0] > rim * (1.0 - 1e-9))
+    if scene.domain.side_drainage == "drained":
+        fixed |= np.isin(node, mesh.node_sets["side"])
+    return fixed
+
+
+def film_corners(section: CaissonSection) -> np.ndarray:
+    """Return the corners (nf,) of the section's faces, ascending: the nodes of the film."""
+    return np.unique(np.concatenate([line[::2] for line in section.lines.values()]))
+
+
+def _ring_film(scene: Scene, section: CaissonSection, stations: RingStations) -> RingFilm:
+    """One film from mudline outside round the tip to the lid; its nodes are corners of the section."""
+    mesh, lines = section.mesh, section.lines
+    corner = film_corners(section)
+    number = np.full(mesh.n_nodes, -1)
+    number[corner] = np.arange(len(corner))
+    nodes = np.full((len(stations), 2), -1)
+    parts = []
+    for code, name in enumerate(SURFACES):
+        line, mine = lines[name], stations.surface == code
+        place = np.full(mesh.n_nodes, -1)
+        place[line] = np.arange(len(line))
+        at = place[stations.nodes[mine, 0]]
+        nodes[mine] = number[np.stack([line[at - at % 2], line[at + at % 2]], axis=1)]
+        parts.append(_flow_points(mesh, line, np.flatnonzero(mine), at, stations))
+    ends, station, slope, over_radius, area = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return RingFilm(
+        soil=mesh.corner_numbers(corner),
+        nodes=nodes,
+        weight=np.full((len(stations), 2), 0.5),
+        station=station,
+        ends=number[ends],
+        slope=slope,
+        over_radius=over_radius,
+        area=area,
+        residual_aperture=scene.interface.residual_aperture,
+        transfer=scene.interface.transversal_conductivity,
+        viscosity=scene.drainage.water_viscosity,
+    )
+
+
+def _flow_points(
+    mesh: SectionMesh, line: np.ndarray, mine: np.ndarray, at: np.ndarray, stations: RingStations
+) -> tuple[np.ndarray, ...]:
+    """Points of the film along a line of nodes: on its nodes (Simpson), at every azimuth of the stations.
+
+    ``mine`` (k,) are the stations of the line and ``at`` their places in it. A node without stations, as at the corners
+    of the tip, has the gap of the next one that has some; on the axis nothing flows.
+    """
+    azimuths = np.unique(stations.azimuth)
+    of_place = {place: mine[at == place] for place in np.unique(at)}
+    held = np.array(sorted(of_place))
+    ends, station, slope, over_radius, area = [], [], [], [], []
+    for first in range(0, len(line) - 2, 2):
+        a, b = line[first], line[first + 2]
+        length = float(np.linalg.norm(mesh.nodes[b] - mesh.nodes[a]))
+        for i, weight in enumerate((1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0)):
+            radius = float(mesh.nodes[line[first + i], 0])
+            if radius == 0.0:
+                continue
+            nearest = held[np.argmin(np.abs(held - first - i))]
+            share = np.array([1.0 - 0.5 * i, 0.5 * i])
+            for each in of_place[nearest]:
+                ends.append((a, b))
+                station.append(each)
+                slope.append((-1.0 / length, 1.0 / length))
+                over_radius.append(share / radius)
+                area.append(weight * length * radius * np.pi / len(azimuths))
+    return np.array(ends), np.array(station), np.array(slope), np.array(over_radius), np.array(area)
 
 
 def mobility(scene: Scene, depth: np.ndarray) -> np.ndarray:

@@ -77,8 +77,8 @@ def _series(scene: SceneSections) -> Iterator[Clash]:
         yield Clash((("mesh", "azimuth"), chosen), "counts bricks; a series has mesh.harmonics")
     if scene.caisson.behaviour != "rigid":
         yield Clash((("caisson", "behaviour"), chosen), 'must be "rigid" with discretisation = "fourier"')
-    if scene.drainage.mode != "drained":
-        yield Clash((("drainage", "mode"), chosen), 'must be "drained" with discretisation = "fourier"')
+    if scene.drainage.stabilisation != 1.0:
+        yield Clash((("drainage", "stabilisation"), chosen), "is one of bricks; pressures of a series need none")
 
 
 def _ground(soil: Soil, domain: Domain) -> Iterator[Clash]:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from fe_engine.assembly.fourier_system import FourierSystem
@@ -10,7 +12,7 @@ from fe_engine.contact import coulomb
 from fe_engine.elements import fourier as elements
 from fe_engine.elements import rigid
 from fe_engine.elements.interface import local_frames
-from fe_engine.fourier_model import FourierModel, RingStations, SectionMesh
+from fe_engine.fourier_model import FourierModel, RingFilm, RingStations, SectionMesh, SeriesWater
 from fe_engine.settings import Settings
 from fe_engine.soil import elastic, plasol
 from fe_engine.soil.law import SoilLaw
@@ -68,6 +70,44 @@ def disc(
         mesh, harmonics, m, [soil(law, **changes), soil(elastic.LAW, young=5.0e7)],
         (np.arange(mesh.n_elements) % 4 == 3).astype(int) * int(skew), stress, fixed, 3, np.array([1.0, 1.0, 1.0]),
         stations, np.tile(coulomb.pack(*contact), (len(node), 1)), np.full(len(node), pressure),
+    )  # fmt: skip
+
+
+def wet(model: FourierModel, film: bool = True, **changes: float) -> FourierModel:
+    """The disc with water: drained around the disc, a film of 0.1 mm below it; changes of mobility, storage, ..."""
+    given = {"mobility": 1.0e-9, "storage": 1.0e-10, "aperture": 1.0e-4, "transfer": 1.0e-8} | changes
+    mesh = model.mesh
+    corner = mesh.corners
+    r, z = mesh.nodes[corner].T
+    fixed = (z == 0.0) & (r > 1.0)
+    under = ring_film(model, given["aperture"], given["transfer"]) if film else None
+    if under is not None:
+        fixed = np.concatenate([fixed, np.zeros(under.n_nodes, dtype=bool)])
+    initial = np.zeros((len(fixed), model.harmonics + 1))
+    water = SeriesWater(given["mobility"], given["storage"], fixed, initial, 2.0e8, under)
+    return replace(model, water=water)
+
+
+def ring_film(model: FourierModel, aperture: float, transfer: float) -> RingFilm:
+    """Film along the top of the section, between the axis and the last of the stations."""
+    mesh, s = model.mesh, model.stations
+    top = mesh.node_sets["top"]
+    line = top[mesh.nodes[top, 0] <= mesh.nodes[s.nodes, 0].max()]
+    corner, place = line[::2], np.argmax(line == s.nodes, axis=1)
+    ends, station, slope, over_radius, area = [], [], [], [], []
+    for k in np.argsort(place, kind="stable"):  # every station once for each of its elements, weights of Simpson
+        radius = mesh.nodes[line[place[k]], 0]
+        for first in {(place[k] - 1) // 2 * 2, place[k] // 2 * 2} & set(range(0, len(line) - 2, 2)):
+            length, i = np.ptp(mesh.nodes[line[[first, first + 2]], 0]), place[k] - first
+            ends.append((first // 2, first // 2 + 1))
+            station.append(k)
+            slope.append((-1.0 / length, 1.0 / length))
+            over_radius.append(np.array([1.0 - 0.5 * i, 0.5 * i]) / radius)
+            area.append((1.0, 4.0, 1.0)[i] / 6.0 * length * radius * np.pi / len(np.unique(s.azimuth)))
+    return RingFilm(
+        mesh.corner_numbers(corner), np.stack([place // 2, (place + 1) // 2], axis=1), np.full((len(s), 2), 0.5),
+        np.array(station), np.array(ends), np.array(slope), np.array(over_radius), np.array(area),
+        aperture, transfer, 1.0e-3,
     )  # fmt: skip
 
 

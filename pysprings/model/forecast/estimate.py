@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from fe_engine.assembly.fourier_system import make_pattern
+from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.memory import left as memory_available
 from pysprings.model.build import Built
 from pysprings.model.discretise import build

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fe_engine.assembly.fourier_system import held_coefficients
+from fe_engine.assembly.fourier_pattern import held_coefficients, held_pressures
 from fe_engine.assembly.harmonic_factors import LANES
 from fe_engine.errors import MeshError
 from fe_engine.memory import address_space
@@ -25,8 +25,10 @@ from pysprings.core.errors import ResourceError, refused
 from pysprings.model.build import counts_of, geometry_of
 from pysprings.model.forecast.run_time import least_increments, likely_increments
 from pysprings.model.fourier import fixed_directions, section_counts_of, section_of
+from pysprings.model.fourier_mesh import CaissonSection
 from pysprings.model.mesh import Counts, core_square, counted
 from pysprings.model.steel import patch
+from pysprings.model.water import drained_corners, film_corners
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -41,6 +43,8 @@ _SYMMETRIC_ENTRIES = 0.55  # measured by benchmarks/omissions.py
 # Entries of the factors of one harmonic by the number of elements, fitted on 59 to 638 of them; numbers that a point of
 # the soil law keeps: a tangent, and stress, history and their copies.
 _SERIES_ENTRIES, _SERIES_EXPONENT, _BYTES_OF_A_POINT = 194.0, 1.256, 60.0
+# Dense matrices of the pressures of each harmonic: compliance, factors, and what stands between them.
+_SERIES_WATER = 5.0
 # A recorded step stands in memory as it came, in its dataset, and in what tables and pictures make of it.
 _COPIES_OF_A_STEP = 3.0
 # NetCDF compresses fields of steps that move to about this share at best.
@@ -96,19 +100,31 @@ def _series_size(scene: Scene) -> Size:
     """Return the counts of a Fourier model; nodes and elements are those of its section, which is built."""
     counts = section_counts_of(scene)
     try:
-        mesh, waves = section_of(scene, counts).mesh, counts.harmonics + 1
+        section, waves = section_of(scene, counts), counts.harmonics + 1
     except MeshError as error:
         raise refused("mesh", str(error)) from error
+    mesh = section.mesh
     held = held_coefficients(mesh, fixed_directions(scene, mesh), counts.harmonics)
-    corners = np.unique(mesh.quads[:, :4])
+    corners = mesh.corners
     values = 60 + 12 * counts.skirt + 2 * waves * 2 * (counts.plug + counts.tip)
     if scene.output.interface_fields:
         values += 5 * 2 * (2 * waves + 1) * counts.skirt
     if scene.output.section:
-        values += 2 * (2 * len(corners) - int(mesh.on_axis[corners].sum()))
+        plane = 2 * len(corners) - int(mesh.on_axis[corners].sum())
+        values += (2 if scene.drainage.mode == "drained" else 3) * plane
     m = counts.harmonics + 3
     volume = 4 * (4 * len(corners) * (m + 1) + 7 * mesh.n_elements * m) if scene.output.paraview else 0
-    return Size(mesh.n_nodes, mesh.n_elements, int(np.count_nonzero(~held)) + 3, 8 * values + volume)
+    pores, film = (0, 0) if scene.drainage.mode == "drained" else _series_pressures(scene, section, counts.harmonics)
+    unknowns = int(np.count_nonzero(~held)) + 3 + pores + film
+    return Size(mesh.n_nodes, mesh.n_elements, unknowns, 8 * values + volume, pores, film)
+
+
+def _series_pressures(scene: Scene, section: CaissonSection, harmonics: int) -> tuple[int, int]:
+    """Unknown pressures of the soil and of the film of a Fourier model."""
+    mesh, fixed = section.mesh, drained_corners(scene, section)
+    held = held_pressures(fixed, mesh.on_axis[mesh.corners], harmonics)
+    film = mesh.corner_numbers(film_corners(section))
+    return int(np.count_nonzero(~held)), int(np.count_nonzero(~held[film]))
 
 
 def model_bytes(scene: Scene, symmetric: bool = False) -> float:
@@ -119,10 +135,11 @@ def model_bytes(scene: Scene, symmetric: bool = False) -> float:
     counts = section_counts_of(scene)
     waves, m = counts.harmonics + 1, counts.harmonics + 3
     lanes = LANES * math.ceil(waves / LANES)
-    interface = 3 * waves * 2 * (2 * counts.skirt + counts.plug + counts.tip)
+    interface = 3 * waves * 2 * (2 * counts.skirt + counts.plug + counts.tip) + size.film_pressures
+    pressures = _SERIES_WATER * size.pore_pressures**2 / waves
     return (
         _BASE_BYTES + 8.0 * lanes * _SERIES_ENTRIES * float(size.elements) ** _SERIES_EXPONENT
-        + 8.0 * 4 * m * size.elements * _BYTES_OF_A_POINT + 8.0 * 4.0 * interface**2
+        + 8.0 * 4 * m * size.elements * _BYTES_OF_A_POINT + 8.0 * (4.0 * interface**2 + pressures)
     )  # fmt: skip
 
 

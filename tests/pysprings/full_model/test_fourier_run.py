@@ -259,7 +259,7 @@ def test_a_stopped_run_goes_on_to_the_same_result(after, tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('[drainage]\nmode = "coupled"\n', "drainage.mode"),
+        ('[drainage]\nmode = "coupled"\nstabilisation = 0.5\n', "drainage.stabilisation"),
         ('[caisson]\nbehaviour = "elastic"\n', "caisson.behaviour"),
     ],
 )

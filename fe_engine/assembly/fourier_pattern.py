@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: MIT
+"""Equation numbers of a Fourier model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fe_engine.errors import ModelError
+from fe_engine.fourier_model import FourierModel, SectionMesh
+
+
+@dataclass(frozen=True)
+class FourierPattern:
+    """Equations of the coefficients: all of them, (n, 3, K) in a row, those that are held with nothing in theirs.
+
+    held : (n, 3, K) bool; n_unknowns : number of the others. retained, interface : (nk,) nodes with stations and (m,)
+    equations of what they have free; ``place`` (n, 3, K) is where a coefficient stands among these, or -1.
+    On the axis u_r = U cos(theta) and u_theta = -U sin(theta): V is held there, and follows U.
+    Equations of the pressures (np, K) stand behind those of the displacements; ``pressure_held`` (np, K) are those that
+    are held, and ``film_place`` (np, K) is where those of the film stand in the interface, or -1.
+    """
+
+    held: np.ndarray
+    axis: np.ndarray
+    retained: np.ndarray
+    interface: np.ndarray
+    place: np.ndarray
+    pressure_held: np.ndarray
+    film_place: np.ndarray
+
+    @property
+    def n_moving(self) -> int:
+        """Number of equations of the displacements, those that are held included."""
+        return int(self.held.size)
+
+    @property
+    def n_free(self) -> int:
+        """Number of equations, those that are held included."""
+        return int(self.held.size + self.pressure_held.size)
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of coefficients that are not held."""
+        return int(np.count_nonzero(~self.held) + np.count_nonzero(~self.pressure_held))
+
+    @property
+    def equation(self) -> np.ndarray:
+        """Equation (n, 3, K) of each coefficient of the displacement."""
+        return np.arange(self.n_moving).reshape(self.held.shape)
+
+    def folded(self, force: np.ndarray) -> np.ndarray:
+        """Return the forces (n, 3, K) on the coefficients that are free, in place, in a row (n_moving,)."""
+        force[self.axis, 0, 1:2] -= force[self.axis, 1, 1:2]
+        force[self.held] = 0.0
+        return force.ravel()
+
+    def unfolded(self, x: np.ndarray) -> np.ndarray:
+        """Return all coefficients (n, 3, K) from those that are free (n_moving,)."""
+        move = x.reshape(self.held.shape).copy()
+        move[self.axis, 1, 1:2] = -move[self.axis, 0, 1:2]
+        return move
+
+
+def held_coefficients(mesh: SectionMesh, fixed: np.ndarray, harmonics: int) -> np.ndarray:
+    """Return whether each coefficient (n, 3, K) is held, for fixed directions (n, 3).
+
+    On the axis the motion is one of the whole cross-section: along z for k = 0, along x for k = 1, none for others.
+    """
+    axis, held = mesh.on_axis, np.zeros((mesh.n_nodes, 3, harmonics + 1), dtype=bool)
+    held[fixed] = True
+    held[:, 1, 0] = True
+    held[axis, 0, 0] = True
+    held[axis, :, 1:] = True
+    held[axis, 0, 1:2] = fixed[axis, :1]
+    return held
+
+
+def held_pressures(fixed: np.ndarray, on_axis: np.ndarray, harmonics: int) -> np.ndarray:
+    """Return whether each coefficient (np, K) is held, for pressures (np,) that are fixed and those on the axis.
+
+    On the axis those of k >= 1 are held.
+    """
+    held = np.repeat(fixed[:, None], harmonics + 1, axis=1)
+    held[on_axis, 1:] = True
+    return held
+
+
+def make_pattern(model: FourierModel) -> FourierPattern:
+    """Return numbers for all equations."""
+    axis, held = model.mesh.on_axis, held_coefficients(model.mesh, model.fixed, model.harmonics)
+    retained = np.unique(model.stations.nodes)
+    if axis[retained].any():
+        raise ModelError("a station stands on the axis, where it has no area")
+    place = np.full(held.shape, -1)
+    at, i, k = np.nonzero(~held[retained])
+    place[retained[at], i, k] = np.arange(len(at))
+    interface = np.ravel_multi_index((retained[at], i, k), held.shape)
+    node = model.pressure_nodes
+    fixed = np.zeros(0, dtype=bool) if model.water is None else model.water.fixed
+    still = held_pressures(fixed, axis[node], model.harmonics)
+    film = ~still
+    film[: len(model.mesh.corners)] = False
+    film_place = np.full(still.shape, -1)
+    film_place[film] = len(at) + np.arange(np.count_nonzero(film))
+    interface = np.concatenate([interface, held.size + np.flatnonzero(film)])
+    return FourierPattern(held, axis, retained, interface, place, still, film_place)

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: MIT
+"""The linear system of a Fourier model with the soil at rest, everything eliminated but the interface.
+
+Drained, `SoilAtRest` has the factors of every harmonic. With water, `WetAtRest` solves, harmonic by harmonic,
+
+    [ K   -Q                  ] [u]
+    [-Q^T -(S + dt (H + T))   ] [p]      T : transfer of the interface, the same whether it is open or closed
+
+without ever factorising that matrix: the factors of K serve all time steps. With the displacements I of the interface
+held, G = Q^T K^-1 Q is made once (dense, the pressures of one harmonic), and a time step costs a Cholesky
+factorisation of W = S + dt (H + T) + G. What is left are I and the pressures of the film.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import coo_matrix, csr_matrix
+
+from fe_engine.assembly.fourier_pattern import FourierPattern, held_pressures
+from fe_engine.assembly.fourier_water import FourierWater
+from fe_engine.assembly.harmonic_factors import HarmonicFactors
+from fe_engine.errors import LinearSolverError
+
+
+class AtRest(Protocol):
+    """The soil at rest, eliminated up to the equations of the interface (m,).
+
+    Attributes
+    ----------
+    matrix : (m, m) what the elimination leaves to the interface.
+    uneven : whether rows of the interface differ in size by so much that they have to be scaled.
+    """
+
+    matrix: np.ndarray
+    uneven: bool
+
+    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
+        """Eliminate rhs (n_free,): return what `backward` needs, and what is left (m,) for the interface."""
+
+    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
+        """Return the unknowns (n_free,), those of the interface (m,) being known; uses up ``swept``."""
+
+
+class SoilAtRest:
+    """Drained: see `AtRest`."""
+
+    uneven = False
+
+    def __init__(self, factors: HarmonicFactors, pattern: FourierPattern) -> None:
+        self.factors, self.shape = factors, pattern.held.shape
+        self.inside = pattern.place[pattern.retained]
+        self._free = self.inside >= 0
+        size = int(np.count_nonzero(self._free))
+        self.matrix = np.zeros((size, size))
+        for k, block in enumerate(factors.schur):
+            at = self.inside[..., k].ravel()
+            free = at >= 0
+            self.matrix[np.ix_(at[free], at[free])] = block[np.ix_(free, free)]
+
+    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
+        """See `AtRest`."""
+        swept, left = self.factors.forward(rhs.reshape(self.shape))
+        return swept, left[self._free]
+
+    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
+        """See `AtRest`."""
+        whole = np.zeros(self.inside.shape)
+        whole[self._free] = interface
+        return self.factors.backward(swept, whole).ravel()
+
+
+@dataclass(frozen=True)
+class _Harmonic:
+    """One harmonic at one time step: J (np, 3 nk + nf), W^-1 J, and the factors of W."""
+
+    joint: np.ndarray
+    solved: np.ndarray
+    factors: tuple[np.ndarray, bool]
+
+
+class WetSoil:
+    """What all time steps share: Q, G, and Q with the soil inside eliminated."""
+
+    def __init__(self, rest: SoilAtRest, water: FourierWater, pattern: FourierPattern) -> None:
+        mesh = water.model.mesh
+        on_axis = mesh.on_axis[mesh.corners]
+        self.rest, self.water = rest, water
+        self.scale = water.water.scale
+        self.n_soil, self.waves = water.n_soil, pattern.held.shape[2]
+        self.free = ~pattern.pressure_held
+        self.sealed = self.free.copy()  # where nothing is held but what has to vanish on the axis
+        self.sealed[: self.n_soil] = ~held_pressures(np.zeros(self.n_soil, dtype=bool), on_axis, self.waves - 1)
+        self.film_place = pattern.film_place[self.n_soil :]
+        self.size = len(pattern.interface)
+        coupling = _folding(pattern) @ water.coupling[:, : self.n_soil * self.waves]
+        self.coupling = (self.scale * coupling @ _diagonal(self.sealed[: self.n_soil].ravel())).tocsr()
+        self.squeezed = self.coupling.T.tocsr()
+        self.left, self.compliance = self._eliminate()
+        flow, waves = water.seepage + water.exchange, range(self.waves)
+        self.storage, self.flow = ([water.harmonic(each, k) for k in waves] for each in (water.storage, flow))
+
+    def _eliminate(self) -> tuple[np.ndarray, np.ndarray]:
+        """Q left to the interface (K, np, 3 nk), and G (K, np, np)."""
+        factors, shape, n = self.rest.factors, self.rest.shape, self.n_soil
+        none = np.zeros((len(factors.retained), *shape[1:]))
+        left = np.empty((self.waves, n, 3 * len(factors.retained)))
+        compliance = np.empty((self.waves, n, n))
+        for j in range(n):
+            unit = np.zeros((n, self.waves))
+            unit[j] = 1.0
+            swept, interface = factors.forward((self.coupling @ unit.ravel()).reshape(shape))
+            inner = factors.backward(swept, none)
+            left[:, j] = interface.reshape(-1, self.waves).T
+            compliance[:, :, j] = (self.squeezed @ inner.ravel()).reshape(n, self.waves).T
+        return left, 0.5 * (compliance + compliance.transpose(0, 2, 1))
+
+    def harmonic(self, k: int, time_step: float, sealed: bool) -> _Harmonic:
+        """Factorise W of a harmonic and eliminate its pressures; see `WetAtRest`."""
+        n, square = self.n_soil, self.scale**2
+        free = (self.sealed if sealed else self.free)[:, k]
+        whole = (square * (self.storage[k] + time_step * self.flow[k])).toarray()
+        matrix = (whole[:n, :n] + self.compliance[k]) * np.outer(free[:n], free[:n])
+        matrix[np.diag_indices(n)] += ~free[:n]
+        joint = np.hstack([self.left[k] * free[:n, None], whole[:n, n:] * np.outer(free[:n], free[n:])])
+        try:
+            factors = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
+        except np.linalg.LinAlgError as error:
+            raise LinearSolverError("the pressures of a harmonic are not held by the soil") from error
+        return _Harmonic(joint, cho_solve(factors, joint, check_finite=False), factors)
+
+
+class WetAtRest:
+    """With water, at one time step (s): see `AtRest`. Where it is ``sealed``, fixed pressures of the soil are free.
+
+    Raises LinearSolverError.
+    """
+
+    uneven = True
+
+    def __init__(self, soil: WetSoil, time_step: float, sealed: bool = False) -> None:
+        self.soil, self._rest, self.made_for = soil, soil.rest, (time_step, sealed)
+        self._free = soil.sealed[: soil.n_soil] if sealed else soil.free[: soil.n_soil]
+        self._harmonics = [soil.harmonic(k, time_step, sealed) for k in range(soil.waves)]
+        self.matrix = np.zeros((soil.size, soil.size))
+        m = len(self._rest.matrix)
+        self.matrix[:m, :m] = self._rest.matrix
+        self._places, inside, n = [], self._rest.inside, soil.n_soil
+        for k, each in enumerate(self._harmonics):
+            at = np.concatenate([inside[..., k].ravel(), soil.film_place[:, k]])
+            block = each.joint.T @ each.solved
+            film = slice(inside[..., k].size, None)
+            block[film, film] -= soil.scale**2 * time_step * soil.flow[k][n:, n:].toarray()
+            free = at >= 0
+            self.matrix[np.ix_(at[free], at[free])] += block[np.ix_(free, free)]
+            self._places.append((at[free], free))
+
+    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
+        """See `AtRest`."""
+        soil, factors, shape = self.soil, self._rest.factors, self._rest.shape
+        n_u, n_p = int(np.prod(shape)), soil.n_soil * soil.waves
+        swept, left = factors.forward(rhs[:n_u].reshape(shape))
+        inner = factors.backward(swept, np.zeros(left.shape))
+        squeezed = (rhs[n_u : n_u + n_p] + soil.squeezed @ inner.ravel()).reshape(-1, soil.waves)
+        squeezed *= self._free
+        film = rhs[n_u + n_p :].reshape(-1, soil.waves)
+        interface, pressure = np.empty(soil.size), np.empty(squeezed.shape)
+        for k, (each, (at, free)) in enumerate(zip(self._harmonics, self._places, strict=True)):
+            pressure[:, k] = cho_solve(each.factors, squeezed[:, k], check_finite=False)
+            whole = np.concatenate([left[..., k].ravel(), film[:, k]]) - pressure[:, k] @ each.joint
+            interface[at] = whole[free]
+        return (inner, pressure), interface
+
+    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
+        """See `AtRest`."""
+        soil, rest = self.soil, self._rest
+        inner, pressure = swept
+        inside = np.zeros(rest.inside.shape)
+        film = np.zeros((len(soil.film_place), soil.waves))
+        for k, (each, (at, free)) in enumerate(zip(self._harmonics, self._places, strict=True)):
+            whole = np.zeros(len(free))
+            whole[free] = interface[at]
+            pressure[:, k] = -pressure[:, k] - each.solved @ whole
+            inside[..., k], film[:, k] = whole[: inside[..., k].size].reshape(-1, 3), whole[inside[..., k].size :]
+        again, _ = rest.factors.forward((soil.coupling @ pressure.ravel()).reshape(rest.shape))
+        move = inner + rest.factors.backward(again, inside)
+        return np.concatenate([move.ravel(), pressure.ravel(), film.ravel()])
+
+
+def _diagonal(values: np.ndarray) -> csr_matrix:
+    n = np.arange(len(values))
+    return coo_matrix((values.astype(float), (n, n))).tocsr()
+
+
+def _folding(pattern: FourierPattern) -> csr_matrix:
+    """Matrix of `FourierPattern.folded`: forces on all coefficients to those that are free."""
+    equation = np.arange(pattern.held.size).reshape(pattern.held.shape)
+    r, t = (equation[pattern.axis, i, 1:2].ravel() for i in (0, 1))
+    n = equation.ravel()
+    row, column = np.concatenate([n, r]), np.concatenate([n, t])
+    value = np.concatenate([np.ones(len(n)), -np.ones(len(r))])
+    whole = coo_matrix((value, (row, column)), shape=(len(n), len(n))).tocsr()
+    return _diagonal(~pattern.held.ravel()) @ whole
