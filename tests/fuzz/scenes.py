@@ -12,6 +12,8 @@ from typing import Any
 from hypothesis import strategies as st
 
 from pysprings.core import units
+from pysprings.scene.by_depth import Profile
+from pysprings.scene.by_surface import SURFACES, BySurface
 from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity, QuantityList, Text
 from pysprings.scene.load import SECTIONS
 from pysprings.scene.template import template_text
@@ -150,6 +152,13 @@ def _number(draw: st.DrawFn, interval: str) -> float:
 
 
 @st.composite
+def _by_depth(draw: st.DrawFn, quantity: Quantity) -> Any:
+    """Draw a quantity, or a table of one that is linear in depth."""
+    ends = [draw(_value(quantity)) for _ in range(2)]
+    return draw(st.sampled_from([ends[0], {"top": ends[0], "bottom": ends[1]}]))
+
+
+@st.composite
 def _value(draw: st.DrawFn, field: Field) -> Any:
     """Draw a value as TOML would hold it."""
     if isinstance(field, Flag):
@@ -162,6 +171,12 @@ def _value(draw: st.DrawFn, field: Field) -> Any:
         return draw(_number(field.interval))
     if isinstance(field, Text):
         return draw(st.sampled_from([*TEXTS, "a title"]))
+    if isinstance(field, BySurface):
+        one = st.sampled_from(field.words)
+        each = one if field.number is None else st.one_of(one, _number(field.number.interval))
+        return draw(st.one_of(each, st.fixed_dictionaries(dict.fromkeys(SURFACES, each))))
+    if isinstance(field, Profile):
+        return draw(_by_depth(field.quantity))
     assert isinstance(field, Quantity)
     if field.word and draw(st.booleans()):
         return field.word
@@ -219,4 +234,6 @@ def typed(draw: st.DrawFn) -> str:
 
 
 def _literal(value: Any) -> str:
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_literal(each)}' for key, each in value.items())} }}"
     return json.dumps(value, ensure_ascii=True).replace("NaN", "nan").replace("Infinity", "inf")
