@@ -20,6 +20,7 @@ from tests.verification.cases import (
     caisson_stiffness,
     caisson_water,
     cavity,
+    clay,
     cryer,
     drained_push,
     film_flow,
@@ -58,6 +59,7 @@ QUICK: dict[str, Rows] = {
     "stiffness, coarse mesh": caisson_stiffness.rows,
     "drained push": drained_push.rows,
     "contact around the ring": alternation.rows,
+    "cavities in clay": clay.cavity_rows,
 }
 # Up to a minute each
 SLOW: dict[str, Rows] = {
@@ -65,11 +67,16 @@ SLOW: dict[str, Rows] = {
     "Cryer": cryer.rows,
     "drained push, variants": drained_push.slow_rows,
     "contact around the ring, variants": alternation.slow_rows,
+    "circle on clay": clay.circle_rows,
+    "flow around a pile": clay.pile_rows,
+    "pull-out from clay": clay.pull_out_rows,
 }
-# Several factorisations of the paper mesh
+# Several factorisations of the paper mesh, many increments in clay
 LONG: dict[str, Rows] = {
     "stiffness, paper mesh": caisson_stiffness.slow_rows,
     "caisson with water, paper mesh": caisson_water.slow_rows,
+    "circle on clay, three meshes": clay.circle_order_rows,
+    "caissons bonded to clay": clay.caisson_rows,
 }
 
 

@@ -12,6 +12,7 @@ import pytest
 from tests.verification import table
 from tests.verification.cases import (
     cavity,
+    clay,
     cryer,
     film_transfer,
     mandel,
@@ -50,6 +51,21 @@ def test_cavity_closed_form_is_the_printed_table(b):
     pressure, associated = cavity.TABLE[b][0], cavity.TABLE[b][2]
     assert cavity.closed_form(b, 0.0) == pytest.approx((1e3 * pressure, cavity.TABLE[b][1]), rel=2e-5)
     assert cavity.closed_form(b, 30.0) == pytest.approx((1e3 * pressure, associated), rel=2e-5)
+
+
+@pytest.mark.parametrize("b", clay.SPHERE)
+def test_sphere_closed_form_is_the_printed_table(b):
+    assert clay.sphere_closed_form(b)[0] == pytest.approx(clay.SPHERE[b], abs=0.51e-5)
+
+
+@pytest.mark.parametrize("b", clay.CYLINDER)
+def test_cylinder_closed_form_is_the_printed_table(b):
+    assert clay.cylinder_closed_form(b)[0] == pytest.approx(clay.CYLINDER[b], abs=0.51e-5)
+
+
+@pytest.mark.parametrize("alpha", [0.5, 0.65, 1.0])
+def test_lower_bound_of_the_flow_is_the_printed_number(alpha):
+    assert clay.pile_lower_bound(alpha) == pytest.approx(clay.FLOW[alpha][0], abs=0.51e-3)
 
 
 @pytest.mark.parametrize("time", sorted(terzaghi.SETTLEMENT | terzaghi.BASE_PRESSURE))

@@ -79,6 +79,7 @@ class Sector:
     model: Model
     area: float
     size: float
+    is_sphere: bool = True
 
 
 def make_sector(cells: int, psi: float, angle: float = ANGLE, material: Material | None = None) -> Sector:
