@@ -28,7 +28,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from compileall import compile_dir
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -41,9 +41,10 @@ from typing import Any
 from benchmarks.evidence_store import LINE, store, to_csv
 from benchmarks.mutants import Mutant, compiles, find_mutants
 from benchmarks.mutation_cache import PACKAGE, give_loops, kept_loops
-from benchmarks.mutation_calls import Calls, record
+from benchmarks.mutation_calls import Calls, kept_calls, record
 from benchmarks.mutation_calls import test_files as files_that_call
 from benchmarks.mutation_map import TestMap
+from benchmarks.mutation_server import Server
 from pysprings.core.files.storage import write_text
 from pysprings.core.text import markdown_table
 
@@ -125,22 +126,35 @@ def copied(root: Path, folder: Path) -> Path:
     return folder
 
 
-def tests_fail(copy: Path, tests: Sequence[str], cache: Path, limit: float) -> str | None:
+# folder, arguments of pytest, settings of the environment, seconds -> exit code (None after a timeout), printed text
+Run = Callable[[Path, Sequence[str], Mapping[str, str], float], tuple[int | None, str]]
+
+
+def run_alone(
+    folder: Path, arguments: Sequence[str], settings: Mapping[str, str], seconds: float
+) -> tuple[int | None, str]:
+    """Run pytest in a new process (see `Run`)."""
+    line = [sys.executable, "-m", "pytest", *arguments]
+    env = {**os.environ, **settings}
+    try:
+        done = subprocess.run(line, cwd=folder, env=env, capture_output=True, text=True, timeout=seconds, check=False)
+    except subprocess.TimeoutExpired:
+        return None, ""
+    return done.returncode, done.stdout
+
+
+def tests_fail(copy: Path, tests: Sequence[str], cache: Path, limit: float, run: Run = run_alone) -> str | None:
     """Run tests in a copy until one fails: its name, "timeout", or None where all pass."""
     settings = {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "NUMBA_CACHE_DIR": str(cache)}
     settings["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # none is needed, and each takes its time to load
     options = ["-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "-rfE"]
-    try:
-        done = subprocess.run(
-            [sys.executable, "-m", "pytest", *options, *tests],
-            cwd=copy, env={**os.environ, **settings}, capture_output=True, text=True, timeout=limit, check=False,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
+    code, text = run(copy, [*options, *tests], settings, limit)
+    if code is None:
         return "timeout"
-    if done.returncode in (0, 5):  # 5: no test was selected
+    if code in (0, 5):  # 5: no test was selected
         return None
-    failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))]
-    return failed[0].split(" ", 1)[1].split(" - ")[0] if failed else f"exit {done.returncode}"
+    failed = [line for line in text.splitlines() if line.startswith(("FAILED ", "ERROR "))]
+    return failed[0].split(" ", 1)[1].split(" - ")[0] if failed else f"exit {code}"
 
 
 def choose(mutant: Mutant, tests: TestMap, calls: Calls, most: int) -> list[str]:
@@ -158,6 +172,7 @@ def judge(
     files: list[str],
     given: Limits,
     give: Callable[[Path], object] | None = None,
+    run: Run = run_alone,
 ) -> Verdict:
     """Make a mutant in a copy, run its test files, the first few alone at first, and take it back.
 
@@ -172,7 +187,7 @@ def judge(
             give(cache)
         for asked in (files[: given.first], files[given.first :]):
             if asked and not by:
-                by = tests_fail(copy, asked, cache, given.seconds)
+                by = tests_fail(copy, asked, cache, given.seconds, run)
                 last = tuple(asked)
     finally:
         file.write_bytes(source)
@@ -188,7 +203,11 @@ def shared_cache(copy: Path) -> Path:
 
 
 def confirmed(
-    verdicts: list[Verdict], copy: Path, limit: float, known: dict[tuple[str, ...], bool] | None = None
+    verdicts: list[Verdict],
+    copy: Path,
+    limit: float,
+    known: dict[tuple[str, ...], bool] | None = None,
+    run: Run = run_alone,
 ) -> list[Verdict]:
     """Return the verdicts; a kill by what fails without the mutant too is void.
 
@@ -200,7 +219,7 @@ def confirmed(
             at_all = verdict.by == "timeout" or verdict.by.startswith("exit ")
             asked = verdict.files if at_all else (verdict.by,)
             if asked not in known:
-                known[asked] = tests_fail(copy, asked, cache, limit) is None
+                known[asked] = tests_fail(copy, asked, cache, limit, run) is None
             if not known[asked]:
                 verdict = Verdict(verdict.part, verdict.mutant, VOID, verdict.by, verdict.seconds, verdict.files)
         out.append(verdict)
@@ -232,25 +251,25 @@ def run(
             left.append((part, mutant))
     names = {mutant: _name(root, mutant) for _, mutant in left}
     with tempfile.TemporaryDirectory(prefix="mutation-") as folder:
-        copies: SimpleQueue[Path] = SimpleQueue()
+        copies: SimpleQueue[tuple[Path, Server]] = SimpleQueue()
         loops = kept_loops(root) if left else Path()
         for k in range(workers if left else 0):
             (place := Path(folder) / f"copy{k}").mkdir()
-            copies.put(copied(root, place))
+            copies.put((copied(root, place), Server()))
             for package, _ in PARTS.values():  # Python compiles a source that changes anew
                 compile_dir(place / package, quiet=1)
             give_loops(loops, root, place, tests, "", shared_cache(place))
 
         def one(each: tuple[str, Mutant]) -> Verdict:
-            copy, mutant = copies.get(), each[1]
+            (copy, server), mutant = copies.get(), each[1]
             files = choose(mutant, tests, calls or {}, given.files)
             own = mutant.file.startswith(f"{PACKAGE}/") or mutant.file in tests.compiled
             give = partial(give_loops, loops, root, copy, tests, mutant.file) if own else None
             try:
-                verdict = judge(*each, copy, files, given, give)
-                found = confirmed([verdict], copy, given.seconds, good)[0]
+                verdict = judge(*each, copy, files, given, give, server.run)
+                found = confirmed([verdict], copy, given.seconds, good, server.run)[0]
             finally:
-                copies.put(copy)
+                copies.put((copy, server))
             words = f"{found.outcome:9} {found.seconds:6.0f} s  {mutant.file}:{mutant.line}  {mutant.key}"
             print(f"{words}  {found.by}".rstrip(), flush=True)
             _keep(out / "results.json", names[mutant], found)
@@ -258,6 +277,8 @@ def run(
 
         with ThreadPoolExecutor(workers) as pool:
             verdicts += pool.map(one, left)
+        while not copies.empty():
+            copies.get()[1].close()
     return verdicts
 
 
@@ -327,11 +348,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--files", type=int, default=Limits.files, help="test files for each mutant, at most")
     parser.add_argument("--limit", type=float, default=Limits.seconds, help="seconds for the tests of a mutant")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "mutation")
+    parser.add_argument("--static", action="store_true", help="choose tests by imports, and the calls that are known")
     parser.add_argument("--page", action="store_true", help="run nothing: what has been judged")
     parser.add_argument("--store", action="store_true", help="store the tables in data/evidence")
     given: Any = parser.parse_args(arguments)
     drawn = draw(ROOT, given.sample, given.seed)
-    calls = None if given.page else record(ROOT, given.out / "calls.json")
+    known = given.out / "calls.json"
+    calls = None if given.page else kept_calls(known) if given.static else record(ROOT, known)
     limits = Limits(files=given.files, seconds=given.limit)
     verdicts = run(ROOT, drawn, given.out, given.workers, limits, calls)
     print(report(verdicts))

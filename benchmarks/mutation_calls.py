@@ -84,9 +84,15 @@ def called(codes: Iterable[CodeType], root: Path) -> set[str]:
     return found
 
 
+def kept_calls(file: Path) -> Calls:
+    """Return what an earlier call of `record` has kept; nothing where there is no file."""
+    found: Calls = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    return found
+
+
 def record(root: Path, file: Path, run: Callable[..., Any] = subprocess.run) -> Calls:
     """Run the test files of the packages; keep in ``file`` what each calls, and run only what is not kept."""
-    known: Calls = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    known = kept_calls(file)
     file.parent.mkdir(parents=True, exist_ok=True)
     digests = {
         test.relative_to(root).as_posix(): hashlib.sha256(test.read_bytes()).hexdigest()[:16]

@@ -18,6 +18,7 @@ import pytest
 from benchmarks import mutation, mutation_cache, mutation_calls
 from benchmarks.mutants import Mutant, compiles, find_mutants
 from benchmarks.mutation_map import TestMap
+from benchmarks.mutation_server import Server
 
 SOURCE = '''"""A docstring with 1 + 1."""
 from typing import TYPE_CHECKING
@@ -353,3 +354,25 @@ def test_the_list_of_what_changes_nothing_has_reasons_and_is_of_this_code() -> N
             if any(key.startswith(file.stem) for key in found):
                 keys |= {mutant.key for mutant in find_mutants(file.read_bytes(), file.name)}
     assert set(found) <= keys
+
+
+# --- the process that forks ---
+
+
+def test_forks_run_the_sources_of_their_folder(project: Path) -> None:
+    """A change is seen by the next call; a test that does not end is ended; settings are those of the call."""
+    server = Server()
+    options = ["-q", "-x", "-p", "no:cacheprovider"]
+    (project / "tests/test_sum.py").write_text(
+        "import os\nfrom pack.deep.sum import add\ndef test_add():\n    assert add(2, 2) == int(os.environ['SUM'])\n"
+    )
+    try:
+        assert server.run(project, [*options, "tests/test_sum.py"], {"SUM": "4"}, 60.0)[0] == 0
+        (project / "pack/deep/sum.py").write_text("def add(a, b):\n    return a - b\n")
+        code, text = server.run(project, [*options, "tests/test_sum.py"], {"SUM": "4"}, 60.0)
+        assert code == 1 and "FAILED tests/test_sum.py::test_add" in text
+        (project / "tests/test_late.py").write_text("def test_far():\n    while True:\n        pass\n")
+        assert server.run(project, [*options, "tests/test_late.py"], {}, 2.0) == (None, "")
+        assert server.run(project, [*options, "tests/test_sum.py"], {"SUM": "0"}, 60.0)[0] == 0
+    finally:
+        server.close()
