@@ -211,13 +211,14 @@ def confirmed(
 ) -> list[Verdict]:
     """Return the verdicts; a kill by what fails without the mutant too is void.
 
-    ``known`` keeps which tests pass without a mutant.
+    ``known`` keeps which tests pass without a mutant. A file that could not be loaded is only loaded.
     """
     cache, out, known = shared_cache(copy), list[Verdict](), {} if known is None else known
     for verdict in verdicts:
         if verdict.outcome == KILLED:
             at_all = verdict.by == "timeout" or verdict.by.startswith("exit ")
             asked = verdict.files if at_all else (verdict.by,)
+            asked = asked if at_all or "::" in verdict.by else ("--collect-only", verdict.by)
             if asked not in known:
                 known[asked] = tests_fail(copy, asked, cache, limit, run) is None
             if not known[asked]:

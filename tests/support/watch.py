@@ -60,7 +60,7 @@ class _Watch:
             return
         for path in args[:2] if event == "os.rename" else args[:1]:
             place = os.path.abspath(os.fsdecode(path)) if isinstance(path, str | bytes | os.PathLike) else ""
-            inside = f"{place}{os.sep}".startswith((self.allowed + os.sep, "/dev/")) or "__pycache__" in place
+            inside = f"{place}{os.sep}".startswith((self.allowed + os.sep, "/dev/", *_LOOPS)) or "__pycache__" in place
             there_already = event == "os.mkdir" and os.path.isdir(place)
             if place and not inside and not there_already:
                 self.seen.append(f"{event} {place}")
@@ -71,6 +71,7 @@ _EVENTS = {
     "subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "pickle.find_class",
 }  # fmt: skip
 # Numba keeps what it has compiled as pickles, in a folder of its own.
+_LOOPS = [os.path.abspath(place) + os.sep for place in [os.environ.get("NUMBA_CACHE_DIR")] if place]
 _NUMBA_CACHE = {"numba", "llvmlite", "copyreg", "builtins", "numpy", "fe_engine", "pysprings"}
 _WATCH = _Watch()
 sys.addaudithook(_WATCH)
