@@ -38,7 +38,7 @@ def refuse(key: str | None, message: str, file: str | os.PathLike[str] | None = 
 
 def quantities(given: Mapping[str, tuple[str | None, str, str]]) -> dict[str, float | None]:
     """Return SI values (None for options not given) of {option: (text or None, SI unit, example)}."""
-    from pysprings.core.magnitudes import fault
+    from pysprings.core.magnitudes import fault, slip
     from pysprings.core.units import QuantityError, quoted, read
 
     values: dict[str, float | None] = {}
@@ -49,7 +49,7 @@ def quantities(given: Mapping[str, tuple[str | None, str, str]]) -> dict[str, fl
         except QuantityError as error:
             problems.append(Problem(key=option, message=str(error)))
             continue
-        if value is not None and (wrong := fault(value, si_unit)):
+        if text and value is not None and (wrong := fault(value, si_unit) or slip(text, value, si_unit)):
             problems.append(Problem(key=option, message=f"{quoted(text)} {wrong}"))
     if problems:
         raise UserInputError(problems)

@@ -15,6 +15,8 @@ LARGEST = {
 SMALLEST = {"m": 1e-60, "rad": 1e-60}
 SMALLEST_AT_ALL = 1e-150  # of any number that is not zero: quotients of two stay finite
 
+SMALLEST_LOAD = 1.0  # N, N m: below it, millinewtons were meant to be meganewtons
+
 _ENDINGS = {
     "_N_per_m": "N/m", "_Nm_per_m": "N m/m", "_Nm": "N m", "_N": "N", "_rad": "rad", "_m": "m",
 }  # fmt: skip
@@ -33,6 +35,13 @@ def fault(value: float, unit: str) -> str:
         return f"is not in [{-LARGEST[unit]:.0e}, {LARGEST[unit]:.0e}]{_with(unit)}"
     if 0.0 < abs(value) < SMALLEST.get(unit, 0.0):
         return f"is too small: at least {SMALLEST[unit]:.0e}{_with(unit)}, or 0"
+    return ""
+
+
+def slip(text: str, value: float, unit: str) -> str:
+    """Say that a load that somebody has written in millinewtons is next to nothing; empty where it is not."""
+    if "mN" in text and 0.0 < abs(value) < SMALLEST_LOAD:
+        return f"is {value:.3g} {unit}: m is milli, M is mega"
     return ""
 
 

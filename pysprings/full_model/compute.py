@@ -217,7 +217,8 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
             engine = make_engine(scene, built, clock)
         except LinearSolverError as error:
             raise ResourceError(str(error)) from error
-    progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {engine.system.pattern.n_unknowns} unknowns")
+    unknowns = engine.system.pattern.n_unknowns + built.model.n_border
+    progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {unknowns} unknowns")
     remarks = [*domain_effect(scene).remarks, *penalty_of(scene).remarks, *unusual_values(scene)]
     return Work(scene, built, engine.system, engine.newton, clock, progress, warnings=remarks)
 

@@ -21,6 +21,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from pysprings.core import units
 from pysprings.core.files.file_names import is_device
+from pysprings.core.magnitudes import slip
 from pysprings.core.units import quoted
 
 FROM_TOML = {"bare_numbers": False}  # validation context of a scene that comes from a file
@@ -109,6 +110,8 @@ class Quantity(Field):
                 hint = f"; {quoted(self.word)} is possible too" if self.word else ""
                 raise refuse(f"{error}{hint}") from None
             given = quoted(value)
+            if wrong := slip(value, number, si_unit):
+                raise refuse(f"{given} {wrong}")
         elif bare and _is_number(value):
             number, given = _as_float(value), f"{quoted(value)} {si_unit}"
         else:

@@ -90,6 +90,13 @@ def test_a_table_for_people(capsys: pytest.CaptureFixture[str]) -> None:
                 '--arm: expected a quantity with unit such as "8 m", got "3"',
             ],
         ),
+        (
+            ["--H", "5 mN", "--M", "-20 mN m"],
+            [
+                '--H: "5 mN" is 0.005 N: m is milli, M is mega',
+                '--M: "-20 mN m" is -0.02 N m: m is milli, M is mega',
+            ],
+        ),
         (["--H", "2 MN", "--M", "3 MN"], ['--M: "3 MN" is a force; expected a moment such as "-3 MN m"']),
         (
             ["--H", "2 MN", "--u-max", "5 mm"],

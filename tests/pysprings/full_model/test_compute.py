@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -199,12 +200,26 @@ def test_what_the_scene_leaves_out_is_not_there() -> None:
 
 
 def test_progress_is_told_by_path() -> None:
+    """The model with its size, then each increment with its share of the path and its iterations."""
     told: list[tuple[str, float, str]] = []
-    run(tiny.scene(), progress=lambda *args: told.append(args))
-    assert [told[0], told[1][:2]] == [("model", 0.0, "mesh"), ("model", 1.0)]
-    fractions = [fraction for name, fraction, _ in told if name == "pull"]
-    assert fractions == sorted(fractions) and fractions[-1] == 1.0
-    assert told[2][2].startswith("step 1, ")
+    scene = tiny.scene(caisson={"vertical_load": "1 MN"}, paths=({**tiny.PULL, "then": ["0 mm"], "role": "held-back"},))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = run(scene, progress=lambda *args: told.append(args))
+    nodes, unknowns = result.attrs["n_nodes"], result.attrs["n_unknowns"]
+    assert told[:2] == [("model", 0.0, "mesh"), ("model", 1.0, f"{nodes} nodes, {unknowns} unknowns")]
+    record = result["paths/pull/convergence"].to_dataset()
+    dead = int((record["increment"] < 1).any())
+    assert dead and told[2] == ("pull", 0.0, "dead load")
+    own = [each for each in told[2:] if each[2] != "dead load"]
+    path = result["paths/pull"]
+    assert len(own) == path.sizes["step"] - 1 and {name for name, *_ in own} == {"pull"}
+    for step, (_, fraction, message) in enumerate(own, start=1):
+        rows = record.isel(iteration=np.flatnonzero(record["increment"].values == step))
+        last = rows["iteration"].values[rows["attempt"].values == rows["attempt"].values.max()]
+        assert message == f"step {step}, {len(last) - 1} iterations"
+        travelled = float(np.abs(np.diff(path["u"].values[: step + 1])).sum())
+        assert fraction == pytest.approx(travelled / 1e-3, rel=1e-6)  # there, and back
 
 
 # --- a run that ends early ---

@@ -69,6 +69,8 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
         ('[soil]\nyoung_modulus = "200 MPA"\n',
          '2:17: soil.young_modulus: "200 MPA": unknown unit "MPA" (did you mean "MPa"?)'),
         ('[soil]\nyoung_modulus = "200 mPa"\n', '2:17: soil.young_modulus: "200 mPa" is not in [0.001, 1e6] MPa'),
+        ('[caisson]\nvertical_load = "5 mN"\n',
+         '2:17: caisson.vertical_load: "5 mN" is 0.005 N: m is milli, M is mega'),
         ('[soil]\nyoung_modulus = "1e400 Pa"\n', '2:17: soil.young_modulus: "1e400 Pa" is not a finite number'),
         ('[soil]\nsurcharge = nan\n',
          '2:13: soil.surcharge: expected a quantity with unit such as "10.56 kPa", got nan'),

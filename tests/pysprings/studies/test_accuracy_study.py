@@ -175,6 +175,11 @@ def test_progress_of_all_runs_grows_to_the_end(done: Any) -> None:
     shares = [share for name, share, _ in done.told if name == "all runs"]
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
+    assert done.told[:2] == [("warm-up", 0.0, "compiled code"), ("warm-up", 1.0, "")]
+    names = [each.name for each in done.settings]
+    assert [each for each in done.told[2:] if each[0] != "all runs"] == [(name, 1.0, "done") for name in names]
+    unknowns = [size_of(each.scene(runs.study_scene(elastic()))).unknowns for each in done.settings]
+    assert len(shares) == 2 * len(names) and len(set(unknowns)) == 3
 
 
 def test_progress_of_a_run_with_two_paths() -> None:

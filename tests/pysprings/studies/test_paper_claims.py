@@ -143,6 +143,17 @@ def test_a_gap_behind_is_found(paths: dict[str, xr.Dataset]) -> None:
 def test_the_plug_follows_by_its_share(base: xr.Dataset) -> None:
     assert claims_drained.plug_motion(base) == pytest.approx(1.0, abs=1e-9)
     assert claims_drained.plug_motion(base.assign(section_ux=0.5 * base["section_ux"])) == pytest.approx(0.5, abs=1e-9)
+    # shares that fall with depth: least squares over the nodes of the axis, from mudline to tip, by their spacing
+    z = np.unique(base["section_depth"].values[base["section_depth"].values <= 4.0])
+    u, rotation = (float(np.interp(2.5e-3, base["u"], base[name])) for name in ("u", "rotation"))
+    assert len(z) > 4 and z[-1] == 4.0
+    rigid, share = 0.0, 0.0
+    for k, depth in enumerate(z):
+        spacing = (z[min(k + 1, len(z) - 1)] - z[max(k - 1, 0)]) / (1 if k in (0, len(z) - 1) else 2)
+        motion = u + rotation * depth
+        rigid, share = rigid + spacing * motion**2, share + spacing * motion**2 * (1.0 - 0.1 * depth)
+    falling = base.assign(section_ux=base["section_ux"] * (1.0 - 0.1 * base["section_depth"]))
+    assert claims_drained.plug_motion(falling) == pytest.approx(share / rigid, rel=1e-9)
 
 
 def test_soil_in_front(base: xr.Dataset) -> None:
