@@ -158,10 +158,10 @@ def tests_fail(copy: Path, tests: Sequence[str], cache: Path, limit: float, run:
 
 
 def choose(mutant: Mutant, tests: TestMap, calls: Calls, most: int) -> list[str]:
-    """Return the test files for a mutant: near ones that call its function, others that do by cost, then near ones."""
+    """Return the test files for a mutant: near ones that call its function or are not known, others by cost, others."""
     near = tests.test_files(mutant.file, mutant.function, most)
     calling = files_that_call(calls, f"{mutant.file}:{mutant.place.partition('.')[2]}")
-    first = [file for file in near[:4] if file in calling]
+    first = [file for file in near[:4] if file in calling or file not in calls]
     return list(dict.fromkeys([*first, *calling, *near]))[:most]
 
 

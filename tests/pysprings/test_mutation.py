@@ -248,7 +248,7 @@ def test_of_the_files_that_call_a_function_the_nearest_and_then_the_cheapest_com
     calls = {name: {"seconds": seconds, "functions": functions} for name, seconds in costs.items()}
     calls["tests/test_late.py"] = {"seconds": 0.1, "functions": ["pack/deep/sum.py:other"]}
     tests = TestMap(project, ("pack",))
-    expected = [f"tests/test_{name}.py" for name in ("sum", "cheap", "other", "dear", "pack", "late")]
+    expected = [f"tests/test_{name}.py" for name in ("sum", "pack", "cheap", "other", "dear", "late")]
     assert mutation.choose(mutant, tests, calls, 24) == expected
     assert mutation.choose(mutant, tests, calls, 2) == expected[:2]
     assert mutation.choose(mutant, tests, {}, 24) == tests.test_files("pack/deep/sum.py", "add")

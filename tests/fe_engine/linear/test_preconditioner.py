@@ -147,3 +147,16 @@ def test_equations_that_are_kept_are_solved_for_by_the_caller():
         x = backend.solve_with(lambda r, s=backend.schur: np.linalg.solve(s, r), rhs)
         np.testing.assert_allclose(matrix @ x, rhs, atol=1e-9)
         backend.close()
+
+
+@pytest.mark.parametrize("equilibrated_too", [False, True])
+def test_condition_of_a_whole_tangent_is_that_of_the_dense_matrix(equilibrated_too):
+    """Of K itself, and of D K D; by power iterations, from below."""
+    system = System(elastic_footing())
+    tangent = copied(moved(system, np.zeros(3)))
+    factors = TangentFactors(make_backend("pardiso", system.pattern.n_free, single=True))
+    factors.make(factors.origin_of(tangent), tangent.matrix)
+    d, dense = factors.origin.scale, tangent.matrix.toarray()
+    values = np.linalg.eigvalsh(d[:, None] * dense * d if equilibrated_too else dense)
+    found = factors.condition_estimate(tangent.matrix, equilibrated_too)
+    assert 0.3 * values[-1] / values[0] < found <= 1.001 * values[-1] / values[0]

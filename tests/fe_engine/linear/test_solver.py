@@ -299,3 +299,44 @@ def test_superlu_takes_symmetric_matrices_as_any_other():
     solver = LinearSolver("superlu", matrix.shape[0], symmetric=True)
     solver.factorise(matrix)
     np.testing.assert_allclose(solver.solve(rhs), np.linalg.solve(matrix.toarray(), rhs), rtol=1e-10)
+
+
+# --- refinement -------------------------------------------------------------------------------------------
+
+
+class Rough:
+    """A backend whose answers are a share too large, as factors of single precision may be."""
+
+    name = "rough"
+
+    def __init__(self, matrix, share):
+        self.dense, self.share, self.calls = matrix.toarray(), share, 0
+
+    def solve(self, rhs):
+        self.calls += 1
+        return (1.0 + self.share) * np.linalg.solve(self.dense, rhs)
+
+    def close(self):
+        pass
+
+
+@pytest.mark.parametrize(("share", "calls"), [(0.0, 1), (1e-10, 1), (1e-8, 2), (1e-4, 2)])
+def test_a_rough_answer_is_refined_once(share, calls):
+    """A relative residual of ``share`` is squared by one more solve."""
+    matrix = unsymmetric(3)
+    rhs, solver = rhs_of(matrix), LinearSolver("superlu", matrix.shape[0])
+    solver.factorise(matrix)
+    solver.backend = rough = Rough(matrix, share)
+    x = solver.solve(rhs)
+    assert (rough.calls, solver.n_solves) == (calls, 1)
+    assert solver.worst_residual == pytest.approx(share if calls == 1 else share**2, rel=1e-2, abs=1e-13)
+    np.testing.assert_allclose(x, np.linalg.solve(matrix.toarray(), rhs), rtol=max(2.0 * share**calls, 1e-10))
+
+
+def test_an_answer_that_stays_rough_is_refused():
+    matrix = unsymmetric(3)
+    rhs, solver = rhs_of(matrix), LinearSolver("superlu", matrix.shape[0])
+    solver.factorise(matrix)
+    solver.backend = Rough(matrix, 2e-3)
+    with pytest.raises(LinearSolverError, match=r"^rough returned a solution with relative residual 4\.0e-06$"):
+        solver.solve(rhs)
