@@ -104,7 +104,7 @@ def test_water_of_a_model() -> None:
     model.water = replace(water, initial=water.initial[1:])
     refused(model, "water.initial", (pressures - 1,), (pressures,))
     model.water = water
-    with pytest.raises(ModelError, match="^a film needs the stations of an interface$"):
+    with pytest.raises(ModelError, match=r"^a film needs the stations of an interface$"):
         replace(model, stations=None).check()
     model.water = replace(water, film=None, fixed=water.fixed[:n], initial=water.initial[:n])
     assert model.n_film == 0
@@ -115,5 +115,5 @@ def test_water_of_a_model() -> None:
 def test_axes_of_a_node_and_a_station() -> None:
     model = mixed()
     node = int(model.stations.nodes[2, 0])
-    with pytest.raises(ModelError, match=f"^node {node} has axes of its own and a contact station; the stations read"):
+    with pytest.raises(ModelError, match=rf"^node {node} has axes of its own and a contact station; the stations read"):
         replace(model, frames={**model.frames, node: np.eye(3)}).check()
