@@ -109,7 +109,8 @@ def section_of(scene: Scene, counts: SectionCounts) -> CaissonSection:
 def make_ring_stations(section: CaissonSection, azimuth: np.ndarray) -> RingStations:
     """Return the stations at every azimuth on the nodes of the skirt, the lid and the tip.
 
-    The corners of the tip carry the stations of the walls; their share of the tip's area is that of its other nodes.
+    The corners of the tip carry stations of the wall and of the tip. Without the latter the load depends on the number
+    of elements across the tip: one is 0.4 % below four at 2.5 mm of the paper's pull, 1 % at 20 mm.
     """
     nodes = section.mesh.nodes
     radius, depth = nodes[:, 0], nodes[:, 1]
@@ -118,8 +119,7 @@ def make_ring_stations(section: CaissonSection, azimuth: np.ndarray) -> RingStat
         line = section.walls[side]
         parts.append((line, nodal_lengths(depth[line]) * radius[line], name))
     parts.append((section.lid, nodal_rings(radius[section.lid]), "lid"))
-    ring, inside = nodal_rings(radius[section.tip]), slice(1, -1)
-    parts.append((section.tip[inside], ring[inside] * ring.sum() / ring[inside].sum(), "tip"))
+    parts.append((section.tip, nodal_rings(radius[section.tip]), "tip"))
     node = np.concatenate([line for line, _, _ in parts])
     strip = np.concatenate([area for _, area, _ in parts])
     surface = np.concatenate([np.full(len(line), SURFACE[name]) for line, _, name in parts])
