@@ -11,6 +11,7 @@ from pysprings.cli.folders import refuse_no_folder
 from pysprings.cli.support import interruptible, print_json, print_table, refuse, to_stderr
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.progress import reporter
+from pysprings.full_model.accuracy import presets
 from pysprings.full_model.accuracy.settings import settings
 from pysprings.scene.load import Scene
 from pysprings.studies.accuracy import child, rows, study, text
@@ -18,21 +19,21 @@ from pysprings.studies.accuracy.rows import StudyResult
 
 
 def run(
-    scene: Scene, out: Path, meshes: Sequence[str], quick: bool, force: bool, presets: Path | None, as_json: bool
+    scene: Scene, out: Path, meshes: Sequence[str], quick: bool, force: bool, file: Path | None, as_json: bool
 ) -> None:
     """Run or go on; raise RunIncomplete at the end where a run has not reached its end."""
     refuse_no_folder(out)
-    if presets is not None and presets.is_dir():
-        refuse("--write-presets", "is a folder, not a file", presets)
-    chosen = settings(meshes, quick, *_linear_solvers(scene))
+    if file is not None and file.is_dir():
+        refuse("--write-presets", "is a folder, not a file", file)
+    chosen = settings(meshes, quick, *_linear_solvers(scene), fourier=presets.carries_series(scene))
     try:
         with interruptible(), reporter(sys.stderr) as progress:
             outcome = study.study(scene, out, chosen, progress, force, child.run_in_child)
     except KeyboardInterrupt:
         to_stderr(f"what has run is kept in {out}; the same command goes on")
         raise
-    if presets is not None:
-        to_stderr(f"presets: {study.write_presets(scene, outcome, presets)}")
+    if file is not None:
+        to_stderr(f"presets: {study.write_presets(scene, outcome, file)}")
     if as_json:
         print_json({"folder": str(out), **study.to_json(scene, outcome)})
     else:
@@ -69,7 +70,7 @@ def _print(out: Path, outcome: StudyResult) -> None:
         if lines:
             print_table(heads, lines)
             print()
-    print(f"reference: meshes {', '.join(outcome.series)}; h = unknowns^(-1/3)")
+    print(f"reference: meshes {', '.join(outcome.series)}; h = {text.cell_size_of(outcome)}")
     for line in [*text.reference_lines(outcome), *text.target_lines(outcome.table)]:
         print(line)
     print()

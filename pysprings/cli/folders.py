@@ -7,12 +7,16 @@ import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pysprings.cli.support import refuse
 from pysprings.core.files.layout import is_unfinished
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.results.layout import refuse_linked_folders, results_in
+
+if TYPE_CHECKING:
+    from pysprings.scene.load import Scene
 
 
 @contextmanager
@@ -61,9 +65,11 @@ def _refuse_contents(out: Path, resume: bool) -> None:
         )
 
 
-def refuse_other_run(folder: Path, record: RunRecord, scene_sha256: str) -> None:
+def refuse_other_run(folder: Path, record: RunRecord, scene: Scene) -> None:
     """Refuse to resume in a folder whose results belong to another scene or mesh, or are interrupted."""
-    if record.scene_sha256 != scene_sha256:
+    chosen = record.mesh.harmonics if scene.mesh.harmonics is None else None
+    same = [scene] if chosen is None else [scene, scene.replace(mesh={"harmonics": chosen})]
+    if record.scene_sha256 not in [each.sha256 for each in same]:
         refuse("--resume", "the results here are those of another scene or mesh; --force begins anew", folder)
     if record.status in (Status.INTERRUPTED, Status.WRITING):
         message = "nothing to resume: the run here was interrupted, and its checkpoints are gone; --force begins anew"

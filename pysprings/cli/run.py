@@ -30,14 +30,15 @@ class RunOptions:
     mesh: str | None = None
     discretisation: str | None = None
     target: str | None = None
-    estimate: bool = False
+    estimate: bool | None = None
     resume: bool = False
 
     def command(self, scene: Path, folder: Path) -> str:
         """Return the command that resumes the run."""
         given = {"--mesh": self.mesh, "--target-error": self.target, "--discretisation": self.discretisation}
         options = "".join(f" {flag} {value}" for flag, value in given.items() if value)
-        options += " --estimate-error" if self.estimate else ""
+        if self.estimate is not None:
+            options += " --estimate-error" if self.estimate else " --no-estimate-error"
         return f"pysprings run {scene} --out {folder}{options} --resume"
 
 
@@ -50,8 +51,12 @@ def run(
     discretisation: Series = None,
     target: Target = None,
     estimate: Annotated[
-        bool, typer.Option("--estimate-error", help="also run a coarser mesh, and estimate the error from both")
-    ] = False,
+        bool | None,
+        typer.Option(
+            "--estimate-error/--no-estimate-error",
+            help="also run a coarser mesh, and estimate the error from both \\[default: with Fourier series]",
+        ),
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="go on with the interrupted run in the folder")] = False,
     force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
     as_json: Json = False,
@@ -81,18 +86,19 @@ def _chosen(scene: Scene, options: RunOptions) -> tuple[Scene, dict[str, Any]]:
     """Return the scene with the setting of a target error, and arguments of `run_to_folder`."""
     if options.target is not None:
         return with_target(scene, options.target, options.mesh is not None)
-    return scene, {"estimate_error": True} if options.estimate else {}
+    return scene, {"estimate_error": options.estimate}
 
 
 def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[str, Any]]:
-    """Return the scene with the cheapest setting for a target error, and arguments of `run_to_folder`."""
+    """Return the scene with the cheapest setting for a target error, and arguments of `run_to_folder`.
+
+    The setting chooses the discretisation, too.
+    """
     from pysprings.full_model.accuracy import presets
 
     if has_mesh:
         refuse("--target-error", "chooses the mesh itself: give it or --mesh")
-    if scene.mesh.discretisation != "hex8":
-        refuse("--target-error", 'rests on a study of bricks: choose a mesh, or discretisation = "hex8"')
-    setting = presets.cheapest(target)
+    setting = presets.cheapest(target, scene=scene)
     extra = {"estimate_error": True, "target_error": presets.note(target, setting)}
     return presets.applied(setting, scene), extra
 
@@ -118,6 +124,6 @@ def _ended_run(folder: Path, scene: Scene) -> Stopped:
     from pysprings.cli.results import read_record
 
     record = read_record(folder)
-    refuse_other_run(folder, record, scene.sha256)
+    refuse_other_run(folder, record, scene)
     to_stderr(f"the run in {folder} has ended ({record.status}): nothing is left to do")
     return None if record.complete else RunIncomplete("; ".join(record.failures), folder)

@@ -8,4 +8,4 @@ from typing import Literal
 MeshPreset = Literal["coarse", "medium", "paper", "fine"]
 Discretisation = Literal["hex8", "fourier"]
 # largest error of a run in its load and p-y curves: see `pysprings.full_model.accuracy.presets`
-TargetError = Literal["5%", "2%", "1%"]
+TargetError = Literal["5%", "2%", "1%", "0.5%"]

@@ -25,7 +25,13 @@ from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.progress import Progress
 from pysprings.core.stop_reasons import StopReason
 from pysprings.core.threads import blas_on_one_thread
-from pysprings.full_model.accuracy.own_estimate import add_estimate, was_interrupted
+from pysprings.full_model.accuracy.own_estimate import (
+    Companions,
+    add_estimate,
+    companions_of,
+    estimates_by_default,
+    was_interrupted,
+)
 from pysprings.full_model.cavitation import warning as cavitation_warning
 from pysprings.full_model.checkpoint import Checkpoints, Loaded, Saved, scene_identity
 from pysprings.full_model.discretise import make_engine
@@ -57,7 +63,7 @@ if TYPE_CHECKING:
 
 def run(
     scene: Scene, mesh: str | None = None, progress: Progress | None = None, linear: str | None = None,
-    checkpoint: str | os.PathLike[str] | None = None, estimate_error: bool = False,
+    checkpoint: str | os.PathLike[str] | None = None, estimate_error: bool | None = None,
 ) -> xr.DataTree:  # fmt: skip
     """Run the full model along all paths of a scene.
 
@@ -69,7 +75,8 @@ def run(
     checkpoint : folder for checkpoints. Where one holds those of this very run, stopped, it goes on from them; they are
         removed when it has ended.
     estimate_error : run the scene on a coarser mesh, too, and put an estimate of the discretisation error into the
-        record (`pysprings.full_model.accuracy.two_mesh`).
+        record (`pysprings.full_model.accuracy.two_mesh`). None: of Fourier series, whose number of harmonics is chosen
+        with it where the scene has none.
 
     Returns
     -------
@@ -77,12 +84,13 @@ def run(
     when a path did not converge to its end (with a warning), or "interrupted"; what converged is kept. Water that
     would cavitate at the scene's water depth is warned of.
     """
-    if estimate_error and scene.mesh.discretisation != "hex8":
-        raise refused("mesh.discretisation", 'errors are estimated for "hex8" alone')
-    options = RunOptions(mesh, linear, progress)
+    ran = scene_to_run(scene, mesh, linear)
+    estimated = estimates_by_default(ran) if estimate_error is None else estimate_error
+    beside = companions_of(ran, compute, progress) if estimated else Companions()
+    options = RunOptions(mesh, linear, progress, harmonics=beside.harmonics)
     result = _compute(scene, options) if checkpoint is None else _compute_in(FilePath(checkpoint), scene, options)
-    if estimate_error and not result.interrupted:
-        add_estimate(scene_to_run(scene, mesh, linear), result, compute, progress)
+    if estimated and not result.interrupted:
+        add_estimate(ran, result, compute, progress, beside)
         if was_interrupted(result.record):
             raise KeyboardInterrupt
     for text in [*result.record.failures, *result.record.warnings]:
@@ -100,6 +108,7 @@ class RunOptions:
     progress : called as ``progress(path, fraction, message)``.
     checkpoints : where checkpoints are left. They stay when the paths have ended: the caller removes them after saving.
     resume : go on from the checkpoints.
+    harmonics : of a Fourier series whose scene has none.
     time_unit : also measure one factorisation and solve of the last tangent (`SolverFigures.unit_s`).
     """
 
@@ -109,14 +118,15 @@ class RunOptions:
     checkpoints: Checkpoints | None = None
     resume: bool = False
     time_unit: bool = False
+    harmonics: int | None = None
 
 
 def compute(
     scene: Scene, mesh: str | None = None, progress: Progress | None = None, linear: str | None = None,
-    checkpoints: Checkpoints | None = None, resume: bool = False, time_unit: bool = False,
+    checkpoints: Checkpoints | None = None, resume: bool = False, time_unit: bool = False, harmonics: int | None = None,
 ) -> Computed:  # fmt: skip
     """Do the work of `run`, without warnings; see `RunOptions` for the arguments."""
-    return _compute(scene, RunOptions(mesh, linear, progress, checkpoints, resume, time_unit))
+    return _compute(scene, RunOptions(mesh, linear, progress, checkpoints, resume, time_unit, harmonics))
 
 
 def _compute_in(folder: FilePath, scene: Scene, options: RunOptions) -> Computed:
@@ -137,7 +147,7 @@ def _compute(scene: Scene, options: RunOptions) -> Computed:
 
 def _computed(scene: Scene, options: RunOptions) -> Computed:
     started, meter = datetime.now(UTC).isoformat(timespec="seconds"), Meter()
-    ran = scene_to_run(scene, options.mesh, options.linear)
+    ran = scene_to_run(scene, options.mesh, options.linear, options.harmonics)
     refuse_what_cannot_fit(ran)
     work = _prepare(ran, meter.clock, options.progress or (lambda *_: None))
     work.checkpoints = options.checkpoints
@@ -195,13 +205,20 @@ def _identity(work: Work) -> dict[str, str]:
     }
 
 
-def scene_to_run(scene: Scene, mesh: str | None = None, linear: str | None = None) -> Scene:
-    """Return the scene with another mesh preset or linear solver; the scene itself where nothing changes."""
+def scene_to_run(
+    scene: Scene, mesh: str | None = None, linear: str | None = None, harmonics: int | None = None
+) -> Scene:
+    """Return the scene with another mesh preset or linear solver, or with harmonics where it has none.
+
+    The scene itself where nothing changes.
+    """
     changed = scene
     if mesh is not None and mesh != scene.mesh.preset:
         changed = changed.replace(mesh={"preset": mesh})
     if linear is not None and linear != scene.solver.linear:
         changed = changed.replace(solver={"linear": linear})
+    if harmonics is not None and scene.mesh.harmonics is None:
+        changed = changed.replace(mesh={"harmonics": harmonics})
     return changed
 
 

@@ -133,6 +133,14 @@ class Meter:
         self.clock = Clock(now)
         self._since = now()
 
+    def include(self, clock: Clock) -> None:
+        """Add what another clock has measured before this meter started."""
+        for name, wall in clock.wall.items():
+            cpu = clock.cpu[name]
+            self.clock.wall[name] = self.clock.wall.get(name, 0.0) + wall
+            self.clock.cpu[name] = self.clock.cpu.get(name, 0.0) + cpu
+            self._since = self._since[0] - wall, self._since[1] - cpu
+
     def charge(self, record: RunRecord) -> None:
         """Add the cost since the last charge to a record, and start anew.
 

@@ -112,6 +112,8 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
         "scene_toml": scene.source_text,
         "solver": record.solver.linear,
         "mesh_preset": scene.mesh.preset,
+        "discretisation": scene.mesh.discretisation,
+        **({} if record.mesh.harmonics is None else {"harmonics": record.mesh.harmonics}),
         "n_nodes": mesh.n_nodes,
         "n_elements": mesh.n_elements,
         "n_unknowns": record.mesh.unknowns,

@@ -16,7 +16,13 @@ from pysprings.core.files.storage import remove_leftovers, write_text, write_tre
 from pysprings.core.files.written import LIST, note, noted, own_folder
 from pysprings.core.progress import Progress
 from pysprings.core.text import json_text
-from pysprings.full_model.accuracy.own_estimate import add_estimate, was_interrupted
+from pysprings.full_model.accuracy.own_estimate import (
+    Companions,
+    add_estimate,
+    companions_of,
+    estimates_by_default,
+    was_interrupted,
+)
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute, scene_to_run
 from pysprings.full_model.record import Meter
@@ -39,7 +45,7 @@ if TYPE_CHECKING:
 
 def run_to_folder(
     scene: Scene, out: str | os.PathLike[str], mesh: str | None = None, progress: Progress | None = None,
-    resume: bool = False, estimate_error: bool = False, time_unit: bool = False,
+    resume: bool = False, estimate_error: bool | None = None, time_unit: bool = False,
     target_error: Mapping[str, Any] | None = None,
 ) -> Path:  # fmt: skip
     """Run a scene and write full model, springs, tables, comparison, pictures, report and run.json; return the folder.
@@ -47,19 +53,22 @@ def run_to_folder(
     Results of an earlier run in the folder are removed once the new ones are there to be written; a scene that is
     refused does not change them. A run that stops early writes what converged, marked as partial, and then
     raises RunIncomplete (or KeyboardInterrupt, or ResourceError). One run at a time holds the folder. Checkpoints are
-    in it until everything is written; ``resume`` goes on from them. ``estimate_error`` also runs a coarser mesh (see
-    `full_model.run`), ``time_unit`` is that of `full_model.compute`, ``target_error`` goes into run.json.
+    in it until everything is written; ``resume`` goes on from them. ``estimate_error`` is that of `full_model.run`,
+    ``time_unit`` that of `full_model.compute`; ``target_error`` goes into run.json.
     """
     folder, ran = Path(out), scene_to_run(scene, mesh)
     refuse_full_disk(ran, folder)
     with new_folder(folder), exclusive(folder):
         refuse_linked_folders(folder)
         checkpoints = Checkpoints(folder)
+        estimated = estimates_by_default(ran) if estimate_error is None else estimate_error
+        beside = companions_of(ran, compute, progress) if estimated else Companions()
         result = compute(
-            scene, mesh=mesh, progress=progress, checkpoints=checkpoints, resume=resume, time_unit=time_unit
-        )
-        if estimate_error and not result.interrupted:
-            add_estimate(ran, result, compute, progress)
+            scene, mesh, progress, checkpoints=checkpoints, resume=resume, time_unit=time_unit,
+            harmonics=beside.harmonics,
+        )  # fmt: skip
+        if estimated and not result.interrupted:
+            add_estimate(ran, result, compute, progress, beside)
         result.record.target_error = None if target_error is None else dict(target_error)
         _write_all(folder, scene, result)
         if not result.interrupted:
@@ -71,7 +80,7 @@ def run_to_folder(
 
 
 def run_or_go_on(scene: Scene, folder: Path, progress: Progress | None = None, time_unit: bool = False) -> Path:
-    """Run a scene into a folder, or resume the interrupted run there.
+    """Run a scene into a folder, or resume the interrupted run there; the error is not estimated.
 
     The run starts anew where the checkpoints belong to another scene, mesh or version, or are damaged. A folder that is
     a link is refused.
@@ -79,11 +88,11 @@ def run_or_go_on(scene: Scene, folder: Path, progress: Progress | None = None, t
     own_folder(folder.parent, folder.name)
     resume = is_unfinished(folder)
     try:
-        return run_to_folder(scene, folder, progress=progress, resume=resume, time_unit=time_unit)
+        return run_to_folder(scene, folder, None, progress, resume, estimate_error=False, time_unit=time_unit)
     except UserInputError:
         if not resume:
             raise
-        return run_to_folder(scene, folder, progress=progress, time_unit=time_unit)
+        return run_to_folder(scene, folder, None, progress, estimate_error=False, time_unit=time_unit)
 
 
 def _write_all(folder: Path, scene: Scene, computed: Computed) -> None:

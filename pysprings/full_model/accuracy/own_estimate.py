@@ -1,33 +1,131 @@
 # SPDX-License-Identifier: MIT
-"""Adds to a result the estimate of its own discretisation error: runs the coarser mesh and sets both side by side."""
+"""Adds to a result the estimate of its own discretisation error: runs the coarser mesh and sets both side by side.
+
+A Fourier series is run on the coarser mesh before: with N and with N + 2 harmonics, until both agree. The scene then
+runs with that N, unless it sets its own.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from fe_engine.clock import Clock
 from pysprings.core.errors import PyspringsError
 from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
+from pysprings.full_model.accuracy.settings import FOURIER
 from pysprings.full_model.record import Meter
 from pysprings.full_model.run_record import Computed, RunRecord, Status
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from pysprings.core.progress import Progress
     from pysprings.scene.load import Scene
 
 Compute = Callable[..., Computed]
+PHASE = "error estimate"
+ENOUGH = 0.5  # %: difference of load and p(y) between N and N + 2 harmonics below which N are enough
+MOST = 9  # harmonics that are tried
 
 
-def add_estimate(scene: Scene, result: Computed, compute: Compute, progress: Progress | None = None) -> None:
+@dataclass
+class Companions:
+    """Runs on the coarser mesh by number of harmonics (None: bricks), or why there are none; what they cost.
+
+    ``harmonics`` is the number that was chosen.
+    """
+
+    trees: dict[int | None, xr.DataTree] = field(default_factory=dict)
+    harmonics: int | None = None
+    why_not: str = ""
+    ended: str = ""
+    clock: Clock = field(default_factory=Clock)
+
+
+def estimates_by_default(scene: Scene) -> bool:
+    """Return whether runs of a scene estimate their error unless told otherwise: a series costs little."""
+    return scene.mesh.discretisation == FOURIER
+
+
+def companions_of(scene: Scene, compute: Compute, progress: Progress | None = None) -> Companions:
+    """Run a Fourier scene on its coarser mesh, and choose the number of harmonics with which the scene itself is run.
+
+    Bricks have none here: their coarser mesh is run after them (`add_estimate`).
+
+    Raises
+    ------
+    KeyboardInterrupt
+        One of the runs was interrupted.
+    """
+    companions = Companions()
+    if scene.mesh.discretisation == FOURIER:
+        with companions.clock.phase(PHASE):
+            _choose(scene, companions, compute, progress)
+    return companions
+
+
+def _choose(scene: Scene, companions: Companions, compute: Compute, progress: Progress | None) -> None:
+    """Raise the harmonics on the coarser mesh until two more of them change little."""
+    from pysprings.model.fourier import section_counts_of
+
+    coarse = two_mesh.coarser(scene)
+    if coarse is scene:
+        companions.why_not = "there is no coarser mesh than this one"
+        return
+    n = section_counts_of(scene).harmonics
+    while _run(coarse.replace(mesh={"harmonics": n}), n, companions, compute, progress):
+        companions.harmonics = n
+        if not _run(coarse.replace(mesh={"harmonics": n + 2}), n + 2, companions, compute, progress):
+            return
+        change = two_mesh.difference(companions.trees[n + 2], companions.trees[n]) or {}
+        judged = [change[name] for name in two_mesh.ESTIMATED if change.get(name, 0.0) > ENOUGH]
+        if not judged or scene.mesh.harmonics is not None or n + 2 > MOST:
+            return
+        n += 2
+
+
+def _run(scene: Scene, key: int | None, companions: Companions, compute: Compute, progress: Progress | None) -> bool:
+    """Run a scene on the coarser mesh and keep its result; return whether there is one."""
+    if key in companions.trees:
+        return True
+    beside = "" if key is None else f", {key} harmonics"
+    report = (
+        None if progress is None else (lambda at, share, text: progress(f"coarser mesh{beside}, {at}", share, text))
+    )
+    try:
+        coarse = compute(scene, progress=report)
+    except PyspringsError as error:
+        companions.why_not = f"the run on the coarser mesh failed: {error}"
+        return False
+    if coarse.record.stopped_by is StopReason.INTERRUPTED and key is not None:
+        raise KeyboardInterrupt
+    if coarse.record.stopped_by is not None:
+        companions.why_not = str(coarse.record.stopped_by)
+        return False
+    if coarse.record.status is not Status.COMPLETE:
+        companions.ended = str(coarse.record.status)
+    companions.trees[key] = coarse.tree
+    return True
+
+
+def add_estimate(
+    scene: Scene, result: Computed, compute: Compute, progress: Progress | None = None, beside: Companions | None = None
+) -> None:
     """Put the estimate and its cost into the record of a result of ``scene`` (the one that ran).
 
-    ``compute`` runs a scene (`full_model.compute`). The result stays as it is however the coarser run ends; without an
-    estimate the record has the reason.
+    ``compute`` runs a scene (`full_model.compute`); ``beside`` are the runs of `companions_of`. The result stays as it
+    is however the coarser run ends; without an estimate the record has the reason.
     """
     meter, record = Meter(), result.record
-    with meter.clock.phase("error estimate"):
-        record.error_estimate = _estimate(scene, result, compute, progress)
+    companions = beside or Companions()
+    with meter.clock.phase(PHASE):
+        if not companions.trees and not companions.why_not:
+            _run_coarser(scene, companions, compute, progress)
+        record.error_estimate = _estimate(scene, result, companions)
+    meter.include(companions.clock)
     meter.charge(record)
 
 
@@ -36,18 +134,21 @@ def was_interrupted(record: RunRecord) -> bool:
     return (record.error_estimate or {}).get("why_not") == StopReason.INTERRUPTED
 
 
-def _estimate(scene: Scene, result: Computed, compute: Compute, progress: Progress | None) -> dict[str, Any]:
-    coarser = two_mesh.coarser(scene)
-    if coarser is scene:
-        return two_mesh.missing("there is no coarser mesh than this one")
-    report = None if progress is None else (lambda path, share, text: progress(f"coarser mesh, {path}", share, text))
-    try:
-        coarse = compute(coarser, progress=report)
-    except PyspringsError as error:
-        return two_mesh.missing(f"the run on the coarser mesh failed: {error}")
-    if coarse.record.stopped_by is not None:
-        return two_mesh.missing(coarse.record.stopped_by)
-    estimate = two_mesh.estimate(result.tree, coarse.tree, presets.orders())
-    if coarse.record.status is not Status.COMPLETE:
-        estimate["coarser_run"] = str(coarse.record.status)
+def _run_coarser(scene: Scene, companions: Companions, compute: Compute, progress: Progress | None) -> None:
+    coarse = two_mesh.coarser(scene)
+    if coarse is scene:
+        companions.why_not = "there is no coarser mesh than this one"
+    else:
+        _run(coarse, None, companions, compute, progress)
+
+
+def _estimate(scene: Scene, result: Computed, companions: Companions) -> dict[str, Any]:
+    n = companions.harmonics
+    if n not in companions.trees:
+        return two_mesh.missing(companions.why_not)
+    orders = presets.orders(scene.mesh.discretisation)
+    richer = None if n is None else companions.trees.get(n + 2)
+    estimate = two_mesh.estimate(result.tree, companions.trees[n], orders, richer)
+    if companions.ended:
+        estimate["coarser_run"] = companions.ended
     return estimate

@@ -43,8 +43,13 @@ class Reference:
         return self.order is not None
 
 
-def cell_size(unknowns: float) -> float:
-    """Return the size h of the cells of a mesh with so many unknowns, up to a factor: unknowns^(-1/3)."""
+def cell_size(unknowns: float, harmonics: int | None = None) -> float:
+    """Return the size h of the cells of a mesh with so many unknowns, up to a factor.
+
+    unknowns^(-1/3) of bricks; (unknowns/(N + 1))^(-1/2) of a section with N harmonics.
+    """
+    if harmonics is not None:
+        return (float(unknowns) / (harmonics + 1)) ** -0.5
     return float(unknowns) ** (-1.0 / 3.0)
 
 

@@ -3,8 +3,11 @@
 
 The largest difference of the two, over all paths, divided by r^p - 1 (r: ratio of the cell sizes, p: order that the
 shipped study has found) is the distance from what both tend to, as in Richardson's extrapolation; SAFETY times that is
-the estimate. The coarser mesh has 0.7 times the cells in each direction: of all factors near 3/4 it is one with which
-every preset loses sectors, too (their number is a multiple of 4), so that no direction keeps its error.
+the estimate. The coarser mesh of bricks has 0.7 times the cells in each direction: of all factors near 3/4 it is one
+with which every preset loses sectors, too (their number is a multiple of 4), so that no direction keeps its error.
+
+A Fourier series has two sizes, that of the elements in the section and the number N of harmonics. The coarser section
+is run with N and with more harmonics; their difference is the share of the harmonics and is added.
 
 `python -m benchmarks.error_estimates` sets estimates beside truths on scenes that no setting was made with.
 """
@@ -20,16 +23,16 @@ import xarray as xr
 from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.curves import LOAD, PY, curves_of, samples
 from pysprings.full_model.accuracy.richardson import cell_size
-from pysprings.full_model.accuracy.settings import COARSEST_FACTOR
+from pysprings.full_model.accuracy.settings import BRICKS, COARSEST_FACTOR, FOURIER
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
-FACTOR = 0.7
+FACTOR = {BRICKS: 0.7, FOURIER: 0.6}
 # Without a study's order: that of stresses in linear elements, which the singularity at the tip does not let pass.
 USUAL_ORDER = 1.0
 # Roache (1994) takes 3 for an order that two meshes cannot confirm; see benchmarks/error_estimates.py for ours.
-SAFETY = 3.0
+SAFETY = {BRICKS: 3.0, FOURIER: 3.0}
 SMALLEST_RATIO = 1.05  # of cell sizes: closer meshes give no estimate of their error
 
 # measure -> quantity whose order it takes
@@ -37,43 +40,69 @@ ESTIMATED = {"load_max": LOAD, "py_rms": PY}
 
 
 def coarser(scene: Scene) -> Scene:
-    """Return the scene on the coarser mesh, without pictures and fields."""
+    """Return the scene on the coarser mesh, without what only people look at; the same scene where there is none."""
     from pysprings.model.build import counts_of
+    from pysprings.model.fourier import section_counts_of
 
-    azimuth = scene.mesh.azimuth
-    changed: dict[str, Any] = {"refinement": max(FACTOR * scene.mesh.refinement, COARSEST_FACTOR)}
+    azimuth, kind = scene.mesh.azimuth, scene.mesh.discretisation
+    factor = FACTOR[kind]
+    changed: dict[str, Any] = {"refinement": max(factor * scene.mesh.refinement, COARSEST_FACTOR)}
     if azimuth is not None:
-        changed["azimuth"] = max(8, 4 * round(FACTOR * azimuth / 4))
+        changed["azimuth"] = max(8, 4 * round(factor * azimuth / 4))
     output = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
     coarse = scene.replace(mesh=changed, output=output)
-    same = counts_of(coarse) == counts_of(scene)
-    return scene if same else coarse
+    same = section_counts_of if kind == FOURIER else counts_of
+    return scene if same(coarse) == same(scene) else coarse
 
 
-def estimate(fine: xr.DataTree, coarse: xr.DataTree, orders: Mapping[str, float | None]) -> dict[str, Any]:
-    """Return the estimate from a result and that of the coarser mesh, as run.json keeps it (percent).
-
-    ``orders`` are those of the quantities LOAD and PY; where a study has none, USUAL_ORDER.
-    """
-    unknowns = [int(tree.attrs["n_unknowns"]) for tree in (fine, coarse)]
-    ratio = cell_size(unknowns[1]) / cell_size(unknowns[0])
-    if ratio < SMALLEST_RATIO:
-        return missing(f"no mesh with fewer cells: {unknowns[1]} unknowns beside {unknowns[0]}")
+def difference(fine: xr.DataTree, coarse: xr.DataTree) -> dict[str, float] | None:
+    """Return the difference [%] of two results by measure, worst path; None where they have no path in common."""
     by_path = samples({"fine": curves_of(fine), "coarse": curves_of(coarse)})
     if not by_path:
+        return None
+    return measures.worst([measures.errors(each["coarse"], each["fine"]) for each in by_path.values()])
+
+
+def estimate(
+    fine: xr.DataTree, coarse: xr.DataTree, orders: Mapping[str, float | None], richer: xr.DataTree | None = None
+) -> dict[str, Any]:
+    """Return the estimate from a result and that of the coarser mesh, as run.json keeps it (percent).
+
+    ``orders`` are those of the quantities LOAD and PY; where a study has none, USUAL_ORDER. ``richer`` is the coarser
+    mesh with more harmonics.
+    """
+    unknowns = [int(tree.attrs["n_unknowns"]) for tree in (fine, coarse)]
+    ratio = _size(coarse) / _size(fine)
+    if ratio < SMALLEST_RATIO:
+        return missing(f"no mesh with fewer cells: {unknowns[1]} unknowns beside {unknowns[0]}")
+    own = difference(fine, coarse)
+    if own is None:
         return missing("the runs have no path in common")
-    difference = measures.worst([measures.errors(each["coarse"], each["fine"]) for each in by_path.values()])
+    kind = str(fine.attrs.get("discretisation", BRICKS))
+    beyond = None if richer is None else difference(richer, coarse)
     result: dict[str, Any] = {
-        "method": "two meshes", "refinement_factor": FACTOR, "unknowns": unknowns, "cell_ratio": round(ratio, 4),
-        "safety": SAFETY, "order": {}, "difference_pct": {}, "estimate_pct": {},
+        "method": "two meshes", "refinement_factor": FACTOR[kind], "unknowns": unknowns, "cell_ratio": round(ratio, 4),
+        "safety": SAFETY[kind], "order": {}, "difference_pct": {}, "estimate_pct": {},
     }  # fmt: skip
+    if richer is not None and beyond is not None:
+        numbers = [int(tree.attrs["harmonics"]) for tree in (coarse, richer)]
+        result |= {"method": "two meshes, two numbers of harmonics", "harmonics": numbers, "harmonics_pct": {}}
     for name, quantity in ESTIMATED.items():
         order = orders.get(quantity) or USUAL_ORDER
         result["order"][name] = order
-        if np.isfinite(difference[name]):
-            result["difference_pct"][name] = difference[name]
-            result["estimate_pct"][name] = SAFETY * difference[name] / (ratio**order - 1.0)
+        if np.isfinite(own[name]):
+            result["difference_pct"][name] = own[name]
+            result["estimate_pct"][name] = SAFETY[kind] * own[name] / (ratio**order - 1.0)
+            if beyond is not None and np.isfinite(beyond[name]):
+                result["harmonics_pct"][name] = beyond[name]
+                result["estimate_pct"][name] += beyond[name]
     return result if result["estimate_pct"] else missing("the difference of both meshes has no finite value")
+
+
+def _size(tree: xr.DataTree) -> float:
+    """Size of the cells of a result's mesh, up to a factor."""
+    harmonics = tree.attrs.get("harmonics")
+    return cell_size(int(tree.attrs["n_unknowns"]), None if harmonics is None else int(harmonics))
 
 
 def missing(why: str) -> dict[str, Any]:
@@ -86,7 +115,9 @@ def words(estimated: Mapping[str, Any]) -> str:
     if not estimated["estimate_pct"]:
         return f"no estimate of the discretisation error: {estimated['why_not']}"
     parts = [f"{measures.MEASURES[name].head} {value:.2g} %" for name, value in estimated["estimate_pct"].items()]
+    series = estimated.get("harmonics")
+    beside = "" if series is None else f", {series[0]} and {series[1]} harmonics"
     return (
         f"estimated discretisation error: {', '.join(parts)} (two meshes, {estimated['unknowns'][1]:,} and "
-        f"{estimated['unknowns'][0]:,} unknowns; safety factor {estimated['safety']:g} included)"
+        f"{estimated['unknowns'][0]:,} unknowns{beside}; safety factor {estimated['safety']:g} included)"
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
+from pysprings.full_model.accuracy.settings import BRICKS, FOURIER, MESH
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
 from pysprings.studies.accuracy.pareto import front
 
@@ -17,15 +18,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# group of settings -> mark, colour
+# group of settings, or discretisation of a mesh -> mark, colour
 MARKS = {
-    "mesh": ("o", BLUE),
+    "bricks": ("o", BLUE),
+    "Fourier series": ("P", INK),
     "steps": ("s", ORANGE),
     "tolerance": ("D", GREEN),
     "linear solver": ("^", PURPLE),
     "macro-model": ("x", VERMILLION),
 }
 # panels: model, column of the error, title, axis of the time and its factor from seconds
+KINDS = {"bricks": BRICKS, "Fourier series": FOURIER}  # names of the meshes of each discretisation
 PANELS = (
     ("full", "load_max_pct", "full model, load: largest", "wall time of the whole run [s]", 1.0),
     ("full", "py_rms_pct", "full model, p-y: root mean square", "wall time of the whole run [s]", 1.0),
@@ -61,9 +64,12 @@ def _panel(axes: Axes, shown: pd.DataFrame, column: str, targets: Collection[flo
     axes.set_yscale("log")
     for group, (mark, colour) in MARKS.items():
         part = shown[shown["group"] == group]
+        if group in KINDS:
+            part = shown[(shown["group"] == MESH) & (shown["discretisation"] == KINDS[group])]
         if len(part):
             _marks(axes, part, column, mark, colour, group)
-    _front(axes, shown, column)
+    for name, kind in KINDS.items():
+        _front(axes, shown[shown["discretisation"] == kind], column, name, MARKS[name][1])
     _names(axes, shown, column)
     for limit in targets:
         axes.axhline(limit, color=GREY, linewidth=0.9, linestyle=":")
@@ -79,12 +85,13 @@ def _panel(axes: Axes, shown: pd.DataFrame, column: str, targets: Collection[flo
 
 def _names(axes: Axes, shown: pd.DataFrame, column: str) -> None:
     """Write the names of the meshes at their marks, above and below in turn."""
-    part = shown[shown["group"] == "mesh"].sort_values("time")
+    part = shown[shown["group"] == MESH].sort_values("time")
     for k, row in enumerate(part.to_dict("records")):
         above = k % 2 == 0
         axes.annotate(
-            str(row["name"]), (row["time"], max(row[column], LEAST)), textcoords="offset points",
-            xytext=(0, 7 if above else -7), fontsize=7.5, ha="center", va="bottom" if above else "top", color=BLUE,
+            str(row["name"]).removeprefix(f"{FOURIER}-"), (row["time"], max(row[column], LEAST)),
+            textcoords="offset points", xytext=(0, 7 if above else -7), fontsize=7.5,
+            ha="center", va="bottom" if above else "top", color=BLUE if row["discretisation"] == BRICKS else INK,
         )  # fmt: skip
 
 
@@ -98,9 +105,10 @@ def _marks(axes: Axes, part: pd.DataFrame, column: str, mark: str, colour: str, 
     axes.scatter(part["time"], values, marker=mark, s=34, linewidths=1.3, zorder=3, label=group, **look)
 
 
-def _front(axes: Axes, shown: pd.DataFrame, column: str) -> None:
-    """Draw the Pareto front by steps: any time between two runs of it gives the error of the cheaper one."""
+def _front(axes: Axes, shown: pd.DataFrame, column: str, name: str, colour: str) -> None:
+    """Draw the Pareto front of a discretisation by steps: any time between two runs gives the error of the cheaper."""
     best = shown.iloc[front(shown["time"].tolist(), shown[column].tolist())]
     if len(best) > 1:
         errors = best[column].clip(lower=LEAST)
-        axes.step(best["time"], errors, where="post", linewidth=1.2, zorder=2, label="Pareto front", color=INK)
+        label = f"Pareto front, {name}"
+        axes.step(best["time"], errors, where="post", linewidth=1.2, zorder=2, label=label, color=colour)

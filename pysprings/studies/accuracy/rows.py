@@ -25,8 +25,8 @@ from pysprings.full_model.accuracy.curves import (
     samples,
 )
 from pysprings.full_model.accuracy.presets import JUDGED
-from pysprings.full_model.accuracy.richardson import Reference, cell_size
-from pysprings.full_model.accuracy.settings import MESH, Setting
+from pysprings.full_model.accuracy.richardson import NEEDED, Reference, cell_size
+from pysprings.full_model.accuracy.settings import BRICKS, FOURIER, MESH, Setting
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.studies.accuracy import macro
 from pysprings.studies.accuracy.pareto import front
@@ -40,7 +40,8 @@ REFERENCE = "reference"  # column: the error is that of the reference itself
 class StudyResult:
     """What a study has found: the table, and the reference by path and quantity with its uncertainty by measure [%].
 
-    ``series`` names the meshes of the reference, the finest last; ``settings`` are those that were run.
+    ``series`` names the meshes of the reference, the finest last; ``settings`` are those that were run. ``limits`` are
+    the limits of each discretisation by path and quantity; ``kind`` is the discretisation of the reference.
     """
 
     table: pd.DataFrame
@@ -48,6 +49,27 @@ class StudyResult:
     uncertainty: Mapping[str, Mapping[str, float]]
     series: Sequence[str]
     settings: Sequence[Setting]
+    limits: Mapping[str, Mapping[str, Mapping[str, Reference]]]
+    kind: str
+
+    @property
+    def orders(self) -> dict[str, dict[str, float | None]]:
+        """Smallest order of all paths, which gives the largest estimate, by discretisation and quantity."""
+        return {kind: _orders(limit) for kind, limit in self.limits.items()}
+
+    @property
+    def apart(self) -> dict[str, dict[str, float]]:
+        """Difference [%] of the limit of bricks from a reference of Fourier series, by path and measure."""
+        other = self.limits.get(BRICKS)
+        if self.kind != FOURIER or other is None:
+            return {}
+        return {
+            path: measures.errors(
+                {name: each.values for name, each in other[path].items()},
+                {name: each.values for name, each in known.items()},
+            )
+            for path, known in self.references.items()
+        }
 
 
 @dataclass(frozen=True)
@@ -95,10 +117,12 @@ def assess(runs: Sequence[Ended]) -> StudyResult:
     """
     complete = [each for each in runs if each.complete]
     curves = {each.setting.name: curves_of(read_tree(each.folder / "full_model.nc")) for each in complete}
-    series = sorted((each for each in complete if each.setting.series), key=_unknowns)
+    series = _series(complete)
     grids = common_grids(curves) if series else {}
     by_path = samples(curves, grids)
-    truth = _truth(series, grids, by_path)
+    truths = {kind: _truth(each, grids, by_path) for kind, each in series.items()}
+    kind = _better(series)
+    truth = truths.get(kind, Truth(grids, {}, {}, ""))
     rows = []
     for each in runs:
         name = each.setting.name
@@ -107,13 +131,34 @@ def assess(runs: Sequence[Ended]) -> StudyResult:
     for each in complete:
         if each.setting.group == MESH and by_path:
             rows += _macro_rows(each, truth)
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(rows).astype({"harmonics": "Int64"})
     table["pareto"] = _on_front(table)
     table = table.assign(from_mesh_pct=table["name"].map(_changes_alone(curves, complete)).astype(float))
     return StudyResult(
-        table, truth.references, truth.uncertainty, [each.setting.name for each in series],
-        [each.setting for each in runs],
+        table, truth.references, truth.uncertainty, [each.setting.name for each in series.get(kind, [])],
+        [each.setting for each in runs], {name: each.references for name, each in truths.items()}, kind,
     )  # fmt: skip
+
+
+def _series(complete: Sequence[Ended]) -> dict[str, list[Ended]]:
+    """Return the runs of the series by discretisation, the finest last."""
+    series: dict[str, list[Ended]] = {}
+    for each in sorted(complete, key=_unknowns):
+        if each.setting.series:
+            series.setdefault(each.setting.discretisation, []).append(each)
+    return series
+
+
+def _better(series: Mapping[str, Sequence[Ended]]) -> str:
+    """Return the discretisation whose limit is the reference: Fourier series where there are meshes enough."""
+    enough = len(series.get(FOURIER, ())) >= NEEDED or BRICKS not in series
+    return FOURIER if enough and FOURIER in series else BRICKS
+
+
+def _orders(limit: Mapping[str, Mapping[str, Reference]]) -> dict[str, float | None]:
+    names = dict.fromkeys(name for each in limit.values() for name in each)
+    known = {name: [each[name].order for each in limit.values() if name in each] for name in names}
+    return {name: min((order for order in orders if order is not None), default=None) for name, orders in known.items()}
 
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:
@@ -126,7 +171,7 @@ def _truth(
     series: Sequence[Ended], grids: Mapping[str, Grid], by_path: Mapping[str, Mapping[str, Sample]]
 ) -> Truth:  # fmt: skip
     """Make the reference of each path from the runs of the series, the finest last."""
-    h = [cell_size(_unknowns(each)) for each in series]
+    h = [cell_size(_unknowns(each), _record(each).mesh.harmonics) for each in series]
     references = {
         path: measures.reference_of([own[each.setting.name] for each in series], h) for path, own in by_path.items()
     }
@@ -146,10 +191,10 @@ def _on_front(table: pd.DataFrame) -> pd.Series:
 
 def _changes_alone(curves: Mapping[str, Mapping[str, Curve]], complete: Sequence[Ended]) -> dict[str, float]:
     """Return the largest load difference [%] of a variation from the run on the same mesh with the scene's settings."""
-    plain = {(e.setting.mesh, e.setting.refinement): e.setting.name for e in complete if e.setting.group == MESH}
+    plain = {each.setting.mesh_key: each.setting.name for each in complete if each.setting.group == MESH}
     changes = {}
     for each in complete:
-        base = plain.get((each.setting.mesh, each.setting.refinement))
+        base = plain.get(each.setting.mesh_key)
         if each.setting.group != MESH and base is not None:
             both = samples({"own": curves[each.setting.name], "base": curves[base]})
             differences = [measures.errors(one["own"], one["base"]) for one in both.values()]
@@ -170,8 +215,9 @@ def _record(each: Ended) -> RunRecord:
 def _costs(each: Ended) -> dict[str, Any]:
     setting = each.setting
     return {
-        "model": FULL, "name": setting.name, "group": setting.group, "mesh": setting.mesh,
-        "refinement": setting.refinement, "series": setting.series, "slices": None,
+        "model": FULL, "name": setting.name, "group": setting.group, "discretisation": setting.discretisation,
+        "harmonics": setting.harmonics, "mesh": setting.mesh, "refinement": setting.refinement,
+        "series": setting.series, "slices": None,
         "status": "complete" if each.complete else "stopped", "why": each.why,
     } | (_NO_FIGURES if each.record is None else _figures(each.record))  # fmt: skip
 
@@ -208,7 +254,8 @@ def _macro_rows(each: Ended, truth: Truth) -> list[dict[str, Any]]:
         complete = 0 < len(compared) == len(lateral)
         rows.append({
             "model": MACRO, "name": f"{setting.name}, {answer.springs}, {answer.slices} slices",
-            "group": "macro-model", "mesh": setting.mesh, "refinement": setting.refinement,
+            "group": "macro-model", "discretisation": setting.discretisation, "harmonics": setting.harmonics,
+            "mesh": setting.mesh, "refinement": setting.refinement,
             "series": setting.series, "slices": answer.slices, "status": "complete" if complete else "stopped",
             "why": "" if complete else "the springs do not carry all paths to their ends",
             "unknowns": _unknowns(each), "wall_s": answer.seconds, "cpu_s": answer.seconds,

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from pysprings.core.progress import Progress
     from pysprings.scene.load import Scene
 
+CELL_SIZE = "unknowns^(-1/3); Fourier: (unknowns/(N + 1))^(-1/2)"
 FILES = {
     "accuracy.md": "tables, reference and orders: the document",
     "accuracy.csv": "the table, a row a setting",
@@ -63,13 +64,14 @@ def to_json(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
         "schema": SCHEMA,
         **_origin(scene),
         "series": list(outcome.series),
-        "cell_size": "unknowns^(-1/3)",
+        "cell_size": CELL_SIZE,
         "measures": {name: measure.words for name, measure in MEASURES.items()},
         "reference": {
             path: {
                 name: {"order": each.order, "note": each.note}
                 for name, each in references.items()
-            } | {"uncertainty_pct": dict(outcome.uncertainty[path])}
+            } | {"uncertainty_pct": dict(outcome.uncertainty[path]),
+                 "limit_of_bricks_pct": dict(outcome.apart.get(path, {}))}
             for path, references in outcome.references.items()
         },
         "rows": rows.records(outcome.table),
@@ -79,7 +81,7 @@ def to_json(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
 def presets(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
     """Return what `--target-error` needs: the complete settings with error and cost, and the orders.
 
-    Of several paths the smallest order counts: it gives the larger estimate.
+    The smallest order of all paths gives the largest estimate.
     """
     table = outcome.table
     names = [f"{name}_pct" for name in JUDGED]
@@ -87,20 +89,25 @@ def presets(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
     if usable.empty:
         raise UserInputError([Problem(key="--write-presets", message="no run of the study has an error to offer")])
     solvers = {each.name: dict(each.solver) for each in outcome.settings}
-    columns = ["name", "mesh", "refinement", "unknowns", "wall_s", "cpu_s", "units", *names]
+    columns = [
+        "name",
+        "discretisation",
+        "harmonics",
+        "mesh",
+        "refinement",
+        "unknowns",
+        "wall_s",
+        "cpu_s",
+        "units",
+        *names,
+    ]
     lines = [row | {"solver": solvers[row["name"]]} for row in rows.records(usable[columns])]
-    return {"schema": SCHEMA, "origin": _origin(scene), "orders": _orders(outcome), "settings": lines}
+    return {"schema": SCHEMA, "origin": _origin(scene), "orders": outcome.orders, "settings": lines}
 
 
 def write_presets(scene: Scene, outcome: StudyResult, file: Path) -> Path:
     """Write the presets as JSON; return the path."""
     return write_text(json_text(presets(scene, outcome), indent=1) + "\n", file)
-
-
-def _orders(outcome: StudyResult) -> dict[str, float | None]:
-    names = dict.fromkeys(name for each in outcome.references.values() for name in each)
-    known = {name: [each[name].order for each in outcome.references.values() if name in each] for name in names}
-    return {name: min((order for order in orders if order is not None), default=None) for name, orders in known.items()}
 
 
 def _origin(scene: Scene) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pysprings.core.text import markdown_table
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.presets import TARGETS, cheapest_within
+from pysprings.full_model.accuracy.settings import FOURIER
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult, records
 
 if TYPE_CHECKING:
@@ -55,6 +56,15 @@ def reference_lines(outcome: StudyResult) -> Iterator[str]:
                 if measure.quantity == name and math.isfinite(doubt := outcome.uncertainty[path][key])
             ]
             yield f"{path}, {name}: {reference.note}" + (f"; uncertain by {', '.join(doubts)}" if doubts else "")
+    for path, apart in outcome.apart.items():
+        parts = [f"{MEASURES[key].head} {value:.2g} %" for key, value in apart.items() if math.isfinite(value)]
+        yield f"{path}: the limit of bricks is apart by {', '.join(parts)}"
+
+
+def cell_size_of(outcome: StudyResult) -> str:
+    """Return the size of cells from which the reference is extrapolated."""
+    series = any(each.name in outcome.series and each.discretisation == FOURIER for each in outcome.settings)
+    return "(unknowns/(N + 1))^(-1/2)" if series else "unknowns^(-1/3)"
 
 
 def target_lines(table: pd.DataFrame) -> Iterator[str]:
@@ -87,7 +97,7 @@ def to_markdown(outcome: StudyResult, head: Mapping[str, Any], picture: str) -> 
     lines = ["# Error against time", "", *(f"- {name}: {value}" for name, value in head.items()), ""]
     lines += [f"![Error against time]({picture})", "", "## Full model", "", *_table(outcome, FULL)]
     lines += ["", *(text for note in NOTES for text in (note, "")), "## Reference", ""]
-    lines += [f"Meshes {', '.join(outcome.series)}; h = unknowns^(-1/3).", ""]
+    lines += [f"Meshes {', '.join(outcome.series)}; h = {cell_size_of(outcome)}.", ""]
     lines += [f"- {line}" for line in reference_lines(outcome)]
     lines += ["", "## Cheapest settings", "", *(f"- {line}" for line in target_lines(outcome.table))]
     lines += ["", "## Macro-model", "", *_table(outcome, MACRO), ""]

@@ -13,7 +13,6 @@ import pysprings
 from benchmarks import bench, error_estimates
 from pysprings import Scene
 from pysprings.core.errors import PyspringsError
-from pysprings.full_model.accuracy import two_mesh
 from pysprings.full_model.run_record import Computed, RunRecord, Status
 from tests.support.synthetic import Path as Pull
 from tests.support.synthetic import make_result
@@ -83,7 +82,7 @@ def test_results_are_kept_by_scene_and_version(tmp_path: Path, monkeypatch: pyte
 
 def line(true: float, estimate: float) -> dict[str, Any]:
     return {
-        "scene": "a", "mesh": "coarse", "estimate_pct": {"load_max": estimate},
+        "scene": "a", "mesh": "coarse", "safety": 3.0, "estimate_pct": {"load_max": estimate},
         "true_pct": {"load_max": true, "py_rms": math.nan},
     }  # fmt: skip
 
@@ -94,8 +93,9 @@ def test_coverage_counts_and_says_which_factor_nine_in_ten_need() -> None:
     assert found["estimates"] == 10
     load = found["load_max"]
     assert (load["covered"], load["of"]) == (8, 10)
-    assert load["safety_needed"] == pytest.approx(two_mesh.SAFETY * 9.0 / 8.5)
-    assert load["largest_needed"] == pytest.approx(two_mesh.SAFETY * 10.0 / 8.5)
+    assert load["safety_needed"] == pytest.approx(3.0 * 9.0 / 8.5)
+    assert load["largest_needed"] == pytest.approx(3.0 * 10.0 / 8.5)
+    assert load["median_excess"] == pytest.approx(0.5 * (8.5 / 5.0 + 8.5 / 6.0))
     assert "py_rms" not in found  # no estimate of it
 
 

@@ -43,7 +43,9 @@ def elastic(**sections: Any) -> Scene:
 def invented(scene: Scene, folder: Path, progress: Any) -> None:
     """Leave what a run leaves, from soil whose reactions are wrong by SLOPE h^ORDER; costs grow with the unknowns."""
     unknowns = size_of(scene).unknowns
-    factor = 1.0 + SLOPE * cell_size(unknowns) ** ORDER
+    harmonics = scene.mesh.harmonics
+    slope = SLOPE if harmonics is None else 2.0
+    factor = 1.0 + slope * cell_size(unknowns, harmonics) ** ORDER
     path = Pull(arm=4.0, size=1e-3, steps=12 if scene.solver.max_step_fraction == 0.3 else 9)
     result, springs = make_result((path,)), make_springs((path,))
     result["stiffness_initial"] = springs["stiffness_initial"]
@@ -57,7 +59,8 @@ def invented(scene: Scene, folder: Path, progress: Any) -> None:
     write_tree(springs, folder / "springs.nc")
     record = {
         "status": "complete", "version": pysprings.__version__, "scene_sha256": scene.sha256,
-        "mesh": {"unknowns": unknowns}, "solver": {"linear": "none", "factorisations": 20, "unit_s": 0.01},
+        "mesh": {"unknowns": unknowns, "harmonics": harmonics},
+        "solver": {"linear": "none", "factorisations": 20, "unit_s": 0.01},
         "paths": {"pull": {"increments": 9, "iterations": 18, "iterations_in_cut_backs": 0}},
         "wall_s": 1e-3 * unknowns, "cpu_s": 2e-3 * unknowns, "peak_memory_bytes": 4e8,
     }  # fmt: skip
@@ -148,6 +151,28 @@ def test_reference_is_told_by_quantity(done: Any) -> None:
     assert finest["load_max_pct"] == pytest.approx(done.found.uncertainty["pull"]["load_max"])
 
 
+def test_series_are_the_reference_and_bricks_beside_them(tmp_path: Path) -> None:
+    """Invented soil: both discretisations tend to the same limit; the orders are told apart."""
+    meshes = [*MESHES, "fourier-coarse:0.5@2", "fourier-coarse@2", "fourier-coarse:2@2"]
+    ended = runs.run_all(elastic(), settings(meshes, quick=True), tmp_path, lambda *_: None, invented)
+    found = rows.assess(ended)
+    assert found.kind == "fourier"
+    assert list(found.series) == ["fourier-coarse-0.5-N2", "fourier-coarse-N2", "fourier-coarse-2-N2"]
+    assert found.orders["hex8"]["load"] == pytest.approx(ORDER, rel=1e-3)
+    assert found.orders["fourier"]["load"] == pytest.approx(ORDER, rel=1e-3)
+    assert found.apart["pull"]["load_max"] < 0.01
+    assert full(found).loc["coarse-0.75", "load_max_pct"] > 1.0
+    assert "pull: the limit of bricks is apart by" in "\n".join(text.reference_lines(found))
+    assert text.cell_size_of(found) == "(unknowns/(N + 1))^(-1/2)"
+    shipped = study.presets(elastic(), found)
+    assert {each["harmonics"] for each in shipped["settings"]} == {None, 2}
+    assert presets.cheapest("5%", shipped, elastic()).discretisation == "fourier"
+    for each in shipped["settings"]:
+        each |= {"load_max_pct": 4.0, "py_rms_pct": 4.0}
+    steel = elastic(caisson={"behaviour": "elastic"})
+    assert presets.cheapest("5%", shipped, steel).discretisation == "hex8"  # a series does not carry it
+
+
 def test_macro_models_by_mesh_and_slices(done: Any) -> None:
     table = done.found.table[done.found.table["model"] == rows.MACRO]
     assert {"coarse-0.75", "coarse", "coarse-1.35"} == {name.split(",")[0] for name in table["name"]}
@@ -167,7 +192,8 @@ def test_files(done: Any) -> None:
     assert "## Cheapest settings" in document and "| coarse-1.35 |" in document
     whole = json.loads((done.out / "accuracy.json").read_text(encoding="utf-8"))
     assert whole["scene_sha256"] == elastic().sha256
-    assert set(whole["reference"]["pull"]) == {"load", "rotation", "pressure", "py", "stiffness", "uncertainty_pct"}
+    quantities = {"load", "rotation", "pressure", "py", "stiffness"}
+    assert set(whole["reference"]["pull"]) == quantities | {"uncertainty_pct", "limit_of_bricks_pct"}
     assert len(whole["rows"]) == len(table)
 
 
@@ -238,7 +264,7 @@ def test_presets_of_a_study_serve_a_run(done: Any, tmp_path: Path, monkeypatch: 
     written = json.loads(study.write_presets(elastic(), done.found, tmp_path / "presets.json").read_text("utf-8"))
     assert {each["name"] for each in written["settings"]} == {each.name for each in done.settings}
     assert next(e for e in written["settings"] if "steps" in e["name"])["solver"] == {"max_step_fraction": 0.3}
-    assert written["orders"]["load"] == pytest.approx(ORDER)
+    assert written["orders"]["hex8"]["load"] == pytest.approx(ORDER)
     for each in written["settings"]:
         each |= {"load_max_pct": 4.0, "py_rms_pct": 4.5}
     written["settings"][1]["cpu_s"] = 1e-3
@@ -263,7 +289,8 @@ def test_presets_of_a_study_serve_a_run(done: Any, tmp_path: Path, monkeypatch: 
 def test_presets_take_the_smallest_order_of_all_paths(done: Any) -> None:
     known = done.found.references["pull"]
     slower = known | {"load": replace(known["load"], order=1.25), "py": replace(known["py"], order=None)}
-    found = study.presets(elastic(), replace(done.found, references={"pull": known, "push": slower}))["orders"]
+    several = replace(done.found, limits={"hex8": {"pull": known, "push": slower}})
+    found = study.presets(elastic(), several)["orders"]["hex8"]
     assert found["load"] == 1.25
     assert found["py"] == pytest.approx(ORDER)
     assert found["rotation"] is None
@@ -339,7 +366,8 @@ def test_picture_shows_every_group_and_the_reference_hollow(done: Any) -> None:
     load, py, macro = figure.axes
     assert load.get_xscale() == load.get_yscale() == py.get_xscale() == macro.get_yscale() == "log"
     labels = {label.get_text() for label in figure.legends[0].get_texts()}
-    assert {"mesh", "steps", "tolerance", "macro-model"} <= labels
+    assert {"bricks", "steps", "tolerance", "macro-model", "Pareto front, bricks"} <= labels
+    assert "Fourier series" not in labels
     drawn = sum(len(each.get_offsets()) for each in load.collections)
     assert drawn == len(done.settings)
     assert hollow(load) == hollow(py) == 0  # both are extrapolated; the rotation is not
