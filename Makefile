@@ -25,7 +25,7 @@ run: $(STAMP)
 	$(BIN)/pysprings run $(SCENE) --out $(RESULT) --force
 
 test: $(DEV)
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 # what users of old packages get: every lower bound at once. Compiled code of another Numba goes to another place
 test-lowest: $(DEV)
@@ -36,7 +36,7 @@ test-lowest: $(DEV)
 	NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/numba $(LOWEST)/bin/python -m pytest -q -p no:cacheprovider $(LOWEST_TESTS)
 
 test-slow: $(DEV)
-	$(BIN)/python -m pytest -m "slow and not long" -n 2
+	$(BIN)/python -m pytest -m "slow and not long" -n 2 --dist worksteal
 
 test-long: $(DEV)
 	$(BIN)/python -m pytest -m long

@@ -15,8 +15,22 @@ for _name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 LIMITS = {"long": 3600, "slow": 1800, "": 300}  # s for a test of each tier, on a busy machine
 
 
+# Folders whose tests load compiled loops, in this order; the others follow. Two workers begin at the start and in the
+# middle (`make test`): one compiles the loops while the other runs tests without them, and finds them compiled later.
+COMPILING = ("fe_engine", "verification", "pysprings/full_model", "pysprings/model", "pysprings/studies")
+LIGHT = ("pysprings/scene", "pysprings/springs", "pysprings/core", "pysprings/macro", "fuzz", "pysprings/results", "")
+TESTS = Path(__file__).parent
+
+
+def place_of(file: Path) -> int:
+    """Return the place of a test file in the order of the folders."""
+    name = file.relative_to(TESTS).as_posix()
+    return next(place for place, folder in enumerate((*COMPILING, *LIGHT)) if name.startswith(folder))
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Give every test the time limit of its tier (pytest-timeout)."""
+    """Put compiling tests first; give every test the time limit of its tier (pytest-timeout)."""
+    items.sort(key=lambda item: place_of(item.path))
     if config.pluginmanager.hasplugin("timeout"):
         for item in items:
             tier = next(name for name in LIMITS if not name or item.get_closest_marker(name))
