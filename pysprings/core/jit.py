@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 # Set before `pysprings.macro.solver` is imported; what is decorated then stays as it is.
-PLAIN = {"on": False}
+PLAIN: ContextVar[bool] = ContextVar("plain", default=False)
 
 # Options of `pysprings predict` that ask for many states: there Numba pays.
 _MANY = ("--points", "--sequence")
@@ -21,7 +22,7 @@ def jitted(function: F) -> F:
 
     Its file has everything that it is compiled from: it calls jitted functions of that file, and no others.
     """
-    if PLAIN["on"]:
+    if PLAIN.get():
         return function
     from fe_engine.compiled import cached, digest
 
@@ -33,4 +34,4 @@ def choose_for_command(arguments: Sequence[str]) -> None:
     """Do without Numba when the command is one prediction or a usual curve (it takes 0.5 s to load and bind)."""
     many = any(argument.split("=")[0] in _MANY for argument in arguments)
     command = next((argument for argument in arguments if not argument.startswith("-")), "")
-    PLAIN["on"] = command == "predict" and not many
+    PLAIN.set(command == "predict" and not many)

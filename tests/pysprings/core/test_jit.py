@@ -21,12 +21,15 @@ from tests.support.synthetic import make_springs
 
 
 @pytest.fixture
-def plain(monkeypatch):
+def plain():
     """The solver once more, undecorated."""
-    monkeypatch.setitem(jit.PLAIN, "on", True)
     spec = importlib.util.spec_from_file_location("plain_solver", solver.__file__)
     module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    before = jit.PLAIN.set(True)
+    try:
+        spec.loader.exec_module(module)
+    finally:
+        jit.PLAIN.reset(before)
     return module
 
 
@@ -46,8 +49,8 @@ def test_plain_python_says_the_same(plain, spring_set):
     assert hasattr(solver.reactions, "py_func")
 
 
-def test_which_commands_do_without_numba(monkeypatch):
-    monkeypatch.setitem(jit.PLAIN, "on", False)
+def test_which_commands_do_without_numba():
+    before = jit.PLAIN.set(False)
     for arguments, plain in (
         (["predict", "x.nc", "--H", "1 MN"], True),
         (["--debug", "predict", "x.nc", "--u-max", "1 mm"], True),
@@ -57,7 +60,8 @@ def test_which_commands_do_without_numba(monkeypatch):
         (["run", "scene.toml"], False),
     ):
         jit.choose_for_command(arguments)
-        assert jit.PLAIN["on"] is plain, arguments
+        assert jit.PLAIN.get() is plain, arguments
+    jit.PLAIN.reset(before)
 
 
 def test_the_command_loads_no_numba_and_finds_the_same(tmp_path):
