@@ -110,6 +110,27 @@ def test_a_table_for_people(capsys: pytest.CaptureFixture[str]) -> None:
             ["--u-max", "5 mm", "--M", "1 MN m"],
             ["--M: a curve needs the height of the load: give --arm instead"],
         ),
+        (["--u", "1 mm", "--H", "1 MN"], ["--u: give either this or --H: a load is the answer to a motion"]),
+        (
+            ["--u", "1 mm", "--rotation", "1 mrad", "--M", "1 MN m"],
+            ["--rotation: give either this or --M: a load is the answer to a motion"],
+        ),
+        (["--u", "1 mm", "--u-max", "2 mm"], ["--u: give either this or --u-max: a load is the answer to a motion"]),
+        (
+            ["--u", "1 mm", "--rotation", "1 mrad", "--arm", "1 m"],
+            ["--arm: with --u and --rotation both loads are answers: leave --arm out"],
+        ),
+        (["--arm", "1 m"], ['--H: missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve']),
+        (
+            ["--V", "1 MN", "--arm", "1 m"],
+            ['--H: missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve'],
+        ),
+        (["--rate", "-1 mm/s", "--H", "1 MN"], ["--rate: -1 mm/s is not positive"]),
+        (["--rate", "0 mm/s", "--H", "1 MN"], ["--rate: 0 mm/s is not positive"]),
+        (
+            ["--sequence", "x.csv", "--H", "1 MN", "--u", "1 mm"],
+            ["--H: give either this or --sequence: the file holds loads, motions and their height"],
+        ),
         (["--H", "1 MN", "--path", "nope"], ["path: no path 'nope'; the springs have: pull"]),
     ],
 )
@@ -117,6 +138,38 @@ def test_predict_refuses(springs_file: Path, args: list[str], messages: list[str
     done = command("predict", springs_file, *args)
     assert (done.code, done.out) == (2, "")
     assert done.err == "".join(f"fatal: user input: {message}\n" for message in messages)
+
+
+TABLE = "depth_m,depth_top_m,depth_bottom_m,y_m,p_N_per_m\n" + "".join(
+    f"{z},{z - 1},{z + 1},{y},{1e8 * y}\n" for z in (1.0, 3.0) for y in (0.0, 1e-3, 2e-3)
+)
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (["--rate", "1 mm/s"], "--rate: a table has no rates"),
+        (["--path", "other"], "py.csv: path: no path 'other'; the table has: table"),
+        (
+            ["--springs", "fan"],
+            "springs: the set 'fan' needs the companions of p: mtheta, base, lid missing "
+            "(give zeros where there is none, or ask for the springs 'py')",
+        ),
+    ],
+)
+def test_what_a_table_does_not_have_is_refused(args: list[str], message: str) -> None:
+    Path("py.csv").write_text(TABLE)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", predict.MacroWarning)
+        assert command("predict", "py.csv", "--H", "1 kN", "--arm", "1 m").code == 0
+        done = command("predict", "py.csv", "--H", "1 kN", "--arm", "1 m", *args)
+    assert (done.code, done.out, done.err) == (2, "", f"fatal: user input: {message}\n")
+
+
+def test_a_skirt_length_is_for_tables(springs_file: Path) -> None:
+    done = command("predict", springs_file, "--H", "1 kN", "--skirt-length", "4 m")
+    assert (done.code, done.out) == (2, "")
+    assert done.err.endswith("--skirt-length: is for tables (.csv, .xlsx); a spring file has it\n")
 
 
 def test_predict_strict_refuses_what_the_springs_do_not_cover(springs_file: Path) -> None:

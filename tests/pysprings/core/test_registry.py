@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -39,10 +40,19 @@ def test_an_unknown_name_is_user_input() -> None:
     assert registry.find("a", "--to") == Case("a")
 
 
-@pytest.mark.parametrize("name", ["", "A", "two words", "1", "a/b", "a"])
+@pytest.mark.parametrize("name", ["", "A", "two words", "1", "a/b"])
 def test_names_that_are_refused(name: str) -> None:
-    with pytest.raises(ValueError, match="case"):
+    words = f"case {name!r}: a name has lower-case letters, digits, '-' and '_' only"
+    with pytest.raises(ValueError, match=f"^{re.escape(words)}$"):
         Registry("case", [Case("a")]).register(Case(name))
+
+
+def test_a_name_is_given_once() -> None:
+    registry = Registry("case", [Case("a")])
+    with pytest.raises(ValueError, match=r"^case 'a' is registered already$"):
+        registry.register(Case("a"))
+    registry.remove("a")
+    assert registry.names() == [] and registry.register(Case("a")) == Case("a")
 
 
 def entry_points(monkeypatch: pytest.MonkeyPatch, values: Iterable[str]) -> None:

@@ -6,7 +6,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from pysprings.core.files.written import LIST, listed, note, noted
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.core.files.written import LIST, listed, note, noted, own_folder
 
 
 def test_what_was_noted_is_found_again_by_folder(tmp_path: Path) -> None:
@@ -38,3 +41,15 @@ def test_lists_that_cannot_be_read_are_empty(tmp_path: Path) -> None:
     (tmp_path / LIST).write_bytes(b"\xff\xfe\n")
     (tmp_path / "run.json").write_text("[")
     assert noted(tmp_path) == listed(tmp_path, ("figures",)) == []
+
+
+def test_a_folder_of_a_run_is_not_a_file_and_no_link(tmp_path: Path) -> None:
+    assert own_folder(tmp_path, "new") == tmp_path / "new"
+    (tmp_path / "there").mkdir()
+    assert own_folder(tmp_path, "there") == tmp_path / "there"
+    (tmp_path / "file").touch()
+    with pytest.raises(UserInputError, match=r"file: is a file; a run has a folder of this name$"):
+        own_folder(tmp_path, "file")
+    (tmp_path / "link").symlink_to(tmp_path / "there")
+    with pytest.raises(UserInputError, match=f"link: is a link to {tmp_path / 'there'}: nothing is written or removed"):
+        own_folder(tmp_path, "link")

@@ -377,3 +377,21 @@ def test_stiffness_of_a_table_is_that_of_the_first_steps(tmp_path, form):
                for path, by in ((slide, "u"), (turn, "rotation"))]  # fmt: skip
     table = open_table(written.tables(tmp_path, springs)[form])
     np.testing.assert_allclose(table["stiffness_initial"], np.transpose(columns), rtol=1e-8)
+
+
+def test_text_of_another_encoding_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_bytes("depth_m,y_m,p_N_per_m,größe\n".encode("latin-1"))
+    (problem,) = problems(tmp_path / "a.csv")
+    assert problem.startswith("None: None: not a CSV file in UTF-8 ('utf-8' codec can't decode")
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("1,1.5,2,1e-3,1e5", "2: depth_top_m: depth 1 m is not in its slice 1.5 to 2 m"),
+        ("1,0,0.5,1e-3,1e5", "2: depth_top_m: depth 1 m is not in its slice 0 to 0.5 m"),
+        ("1,1,1,1e-3,1e5", "2: depth_top_m: depth 1 m is not in its slice 1 to 1 m"),
+    ],
+)
+def test_a_depth_outside_of_its_slice_is_refused(tmp_path, row, message):
+    assert message in problems(write(tmp_path / "a.csv", HEAD, row))

@@ -83,6 +83,27 @@ def test_wrong_tables_are_refused_with_file_and_line(tmp_path, old, new, message
     assert any(re.search(message, each) for each in found), found
 
 
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ("top [m],K0\n", "site.csv: holds no layers: expected a heading and a row a layer"),
+        ("top [m],K0\n" + "".join(f"{k},0.5\n" for k in range(101)), "site.csv: holds more than 100 layers"),
+        ("K0\n0.5\n", 'site.csv:1: no column "Depth from [m]" (or "top [m]")'),
+        ("x" * 1_000_001, "site.csv: is too large for a profile (more than 1 MB)"),
+    ],
+    ids=["a heading alone", "too many rows", "no depths", "too large"],
+)  # fmt: skip
+def test_tables_that_are_no_profile_are_refused(tmp_path, table, message):
+    with pytest.raises(UserInputError) as refused:
+        load_scene(write(tmp_path, table))
+    assert any(str(problem).endswith(message) for problem in refused.value.problems), refused.value.problems
+
+
+def test_a_hundred_layers_are_accepted(tmp_path):
+    rows = "".join(f"{0.05 * k:g},{200 + k}\n" for k in range(100))
+    assert len(load_scene(write(tmp_path, "top [m],young modulus [MPa]\n" + rows)).soil.layers) == 100
+
+
 def test_a_missing_table_and_two_descriptions_are_refused(tmp_path):
     file = write(tmp_path)
     (tmp_path / "site.csv").unlink()
