@@ -40,7 +40,7 @@ from typing import Any
 
 from benchmarks.evidence_store import LINE, store, to_csv
 from benchmarks.mutants import Mutant, compiles, find_mutants
-from benchmarks.mutation_cache import PACKAGE, give_loops, kept_loops
+from benchmarks.mutation_cache import PACKAGE, cached_loops, give_loops, kept_loops
 from benchmarks.mutation_calls import Calls, kept_calls, record
 from benchmarks.mutation_calls import test_files as files_that_call
 from benchmarks.mutation_map import TestMap
@@ -265,7 +265,8 @@ def run(
             (copy, server), mutant = copies.get(), each[1]
             files = choose(mutant, tests, calls or {}, given.files)
             own = mutant.file.startswith(f"{PACKAGE}/") or mutant.file in tests.compiled
-            give = partial(give_loops, loops, root, copy, tests, mutant.file) if own else None
+            there = cached_loops(loops, shared_cache(copy))  # grows with what is run without a mutant
+            give = partial(give_loops, there, copy, copy, tests, mutant.file) if own else None
             try:
                 verdict = judge(*each, copy, files, given, give, server.run)
                 found = confirmed([verdict], copy, given.seconds, good, server.run)[0]

@@ -24,6 +24,11 @@ def kept_loops(root: Path) -> Path:
     return folder_of(root / PACKAGE, sources) or root / f"{PACKAGE}-none"
 
 
+def cached_loops(kept: Path, cache: Path) -> Path:
+    """Return the folder below a cache in which loops of the same sources lie as in the folder ``kept``."""
+    return cache / kept.name
+
+
 def give_loops(kept: Path, root: Path, copy: Path, tests: TestMap, changed: str, cache: Path) -> int:
     """Copy the loops of unchanged code to a cache; return the number of files.
 
