@@ -18,7 +18,7 @@ LOWEST_TOOLS := "pytest>=8.3" "pytest-timeout>=2.3" "hypothesis>=6.120" "cf-xarr
 LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.py core/test_storage.py \
 	$(addprefix results/test_,tables.py exporters.py plots.py report.py))
 
-.PHONY: run test test-lowest test-slow test-long test-all mutation verification verification-data lint evidence figure docs accuracy stability bench reference clean
+.PHONY: run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint evidence figure docs accuracy stability bench reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -63,6 +63,12 @@ verification-data: $(DEV)
 evidence: $(DEV)
 	$(BIN)/python -m benchmarks.evidence
 	$(BIN)/python -m benchmarks.reference_pages
+
+# advisories on the installed packages; pip-audit runs in an environment of its own, and asks PyPI
+audit: $(DEV)
+	mkdir -p out
+	$(BIN)/uv pip freeze --quiet --exclude-editable --python $(BIN)/python > out/installed.txt
+	$(BIN)/uv tool run pip-audit --no-deps --disable-pip --requirement out/installed.txt
 
 # the picture of the README, and the errors of the fan on `coarse` (18 paths: a few minutes)
 figure: $(DEV)

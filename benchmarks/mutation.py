@@ -28,9 +28,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from compileall import compile_dir
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -230,6 +231,33 @@ def confirmed(
 # --- all of them ---
 
 
+@dataclass(frozen=True)
+class Place:
+    """A copy of the sources, the process that runs tests there, and the folder of its compiled loops."""
+
+    copy: Path
+    server: Server
+    loops: Path
+
+
+@contextmanager
+def places(root: Path, tests: TestMap, count: int) -> Iterator[SimpleQueue[Place]]:
+    """Make so many places for the time of a block."""
+    with tempfile.TemporaryDirectory(prefix="mutation-") as folder:
+        free: SimpleQueue[Place] = SimpleQueue()
+        for k in range(count):
+            (copy := Path(folder) / f"copy{k}").mkdir()
+            copied(root, copy)
+            for package, _ in PARTS.values():  # Python compiles a source that changes anew
+                compile_dir(copy / package, quiet=1)
+            kept = kept_loops(root)
+            give_loops(kept, root, copy, tests, "", shared_cache(copy))
+            free.put(Place(copy, Server(), cached_loops(kept, shared_cache(copy))))
+        yield free
+        while not free.empty():
+            free.get().server.close()
+
+
 def run(
     root: Path,
     drawn: list[tuple[str, Mutant]],
@@ -240,8 +268,36 @@ def run(
 ) -> list[Verdict]:
     """Judge those that no earlier call has killed (none without ``calls``), print each; return all that are judged."""
     tests = TestMap(root, tuple(folder for folder, _ in PARTS.values()))
+    verdicts, left = _known(root, drawn, out, calls)
+    names, good = {mutant: _name(root, mutant) for _, mutant in left}, dict[tuple[str, ...], bool]()
+    with places(root, tests, workers if left else 0) as free, ThreadPoolExecutor(workers) as pool:
+
+        def one(each: tuple[str, Mutant]) -> Verdict:
+            place, mutant = free.get(), each[1]
+            files = choose(mutant, tests, calls or {}, given.files)
+            own = mutant.file.startswith(f"{PACKAGE}/") or mutant.file in tests.compiled
+            # its loops grow with what is run without a mutant
+            give = partial(give_loops, place.loops, place.copy, place.copy, tests, mutant.file) if own else None
+            try:
+                verdict = judge(*each, place.copy, files, given, give, place.server.run)
+                found = confirmed([verdict], place.copy, given.seconds, good, place.server.run)[0]
+            finally:
+                free.put(place)
+            words = f"{found.outcome:9} {found.seconds:6.0f} s  {mutant.file}:{mutant.line}  {mutant.key}"
+            print(f"{words}  {found.by}".rstrip(), flush=True)
+            _keep(out / "results.json", names[mutant], found)
+            return found
+
+        verdicts += pool.map(one, left)
+    return verdicts
+
+
+def _known(
+    root: Path, drawn: list[tuple[str, Mutant]], out: Path, calls: Calls | None
+) -> tuple[list[Verdict], list[tuple[str, Mutant]]]:
+    """Return the verdicts that stand, and the mutants that are to be judged."""
     same, kept = equivalents(), _kept(out / "results.json")
-    verdicts, left, good = list[Verdict](), list[tuple[str, Mutant]](), dict[tuple[str, ...], bool]()
+    verdicts, left = list[Verdict](), list[tuple[str, Mutant]]()
     for part, mutant in drawn:
         outcome, by = kept.get(_name(root, mutant), ("", ""))
         if mutant.key in same:
@@ -250,38 +306,7 @@ def run(
             verdicts.append(Verdict(part, mutant, outcome, by))
         elif calls is not None:
             left.append((part, mutant))
-    names = {mutant: _name(root, mutant) for _, mutant in left}
-    with tempfile.TemporaryDirectory(prefix="mutation-") as folder:
-        copies: SimpleQueue[tuple[Path, Server]] = SimpleQueue()
-        loops = kept_loops(root) if left else Path()
-        for k in range(workers if left else 0):
-            (place := Path(folder) / f"copy{k}").mkdir()
-            copies.put((copied(root, place), Server()))
-            for package, _ in PARTS.values():  # Python compiles a source that changes anew
-                compile_dir(place / package, quiet=1)
-            give_loops(loops, root, place, tests, "", shared_cache(place))
-
-        def one(each: tuple[str, Mutant]) -> Verdict:
-            (copy, server), mutant = copies.get(), each[1]
-            files = choose(mutant, tests, calls or {}, given.files)
-            own = mutant.file.startswith(f"{PACKAGE}/") or mutant.file in tests.compiled
-            there = cached_loops(loops, shared_cache(copy))  # grows with what is run without a mutant
-            give = partial(give_loops, there, copy, copy, tests, mutant.file) if own else None
-            try:
-                verdict = judge(*each, copy, files, given, give, server.run)
-                found = confirmed([verdict], copy, given.seconds, good, server.run)[0]
-            finally:
-                copies.put((copy, server))
-            words = f"{found.outcome:9} {found.seconds:6.0f} s  {mutant.file}:{mutant.line}  {mutant.key}"
-            print(f"{words}  {found.by}".rstrip(), flush=True)
-            _keep(out / "results.json", names[mutant], found)
-            return found
-
-        with ThreadPoolExecutor(workers) as pool:
-            verdicts += pool.map(one, left)
-        while not copies.empty():
-            copies.get()[1].close()
-    return verdicts
+    return verdicts, left
 
 
 def _name(root: Path, mutant: Mutant) -> str:
