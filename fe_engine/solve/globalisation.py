@@ -12,24 +12,32 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-# Halvings of a step: shorter ones would leave the iterate where it is.
-HALVINGS = 3
-# Beyond this relative residual the following correction is not worth a solve: it has always been larger.
-_ASTRAY = 0.3
-# An increment stalls where none of so many corrections is smaller than those before. It stops, since a smaller
-# increment has fewer states of contact to find; close to the solution few stations flip to and fro, the answer lies
-# between their states, and half steps find it. They go on while the residual falls to this share in so many of them,
-# and end where one does all that a half step can: the equations are linear there.
-_WINDOW = 4
-CLOSE, HALF, _GAIN, _PATIENCE, _LINEAR = 1.0e-3, 0.5, 0.7, 4, (0.45, 0.55)
-# Share of its residual to which a linear system is solved: of the first, then by how the residual has fallen (choice 2
-# of Eisenstat & Walker 1996). Where contact decides how far it falls, an exact step gains nothing.
-_FIRST, _GAMMA, _POWER = 0.03, 0.9, 2.0
-# Bounds of that share, for so many unknowns and more, since solves are what large models take their time for. Models
-# below _SMALL solve exactly: that costs them little, and they take the steps that factors of their own would take, to
-# the last digit of what they write, on any number of threads.
-_ENOUGH, _LOOSEST, _OF_UNKNOWNS, _SMALL, EXACT = 1.0e-2, 0.1, 50_000, 10_000, 1.0e-8
-# An increment without a guess has all states of contact to find, from displacements that a residual of 1 % may leave
+HALVINGS = 3  # of a step: shorter ones would leave the iterate where it is
+_ASTRAY = 0.3  # relative residual beyond which the next correction is not computed: it has always been larger
+
+# An increment stalls if no correction of the window is smaller than those before. It is given up, since a smaller
+# increment has fewer contact states to find. Close to the solution few stations alternate between two states, and half
+# steps converge between them.
+_WINDOW = 4  # corrections
+CLOSE = 1.0e-3  # relative residual below which half steps are taken
+HALF = 0.5  # length of a half step
+_GAIN = 0.7  # the residual must fall to this share ...
+_PATIENCE = 4  # ... in so many half steps
+_LINEAR = (0.45, 0.55)  # share left by a half step of linear equations: half steps end
+
+# Relative residual of a linear solve: of the first one, then by the fall of the residual (choice 2 of Eisenstat &
+# Walker 1996). Where contact limits that fall, an exact step gains nothing.
+_FIRST = 0.03
+_GAMMA = 0.9  # factor on the fall
+_POWER = 2.0  # exponent of the fall
+
+# Bounds of that relative residual, reached with _OF_UNKNOWNS unknowns.
+_ENOUGH = 1.0e-2  # smallest
+_LOOSEST = 0.1  # largest
+_OF_UNKNOWNS = 50_000
+_SMALL = 10_000  # unknowns; smaller models solve to EXACT: their results do not depend on the number of threads
+EXACT = 1.0e-8
+# An increment without a guess has to find all contact states, from displacements that a residual of 1 % may leave
 # wrong by their own size.
 _FAR = 1.0e-4
 

@@ -11,10 +11,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-GROWTH, _EASY, _HARD = 1.5, 6, 10
-_CUT = 0.5
+GROWTH = 1.5  # factor on the step after an easy increment
+_EASY = 6  # iterations up to which an increment is easy
+_HARD = 10  # iterations above which the next step is smaller
+_CUT = 0.5  # factor on the step after a failed attempt
 SMALLEST = 1.0e-7  # fraction of a stage below which a step is given up
-_HOLD, _LONGEST_HOLD = 8, 16
+_HOLD = 8  # increments at the smaller size after a failed attempt
+_LONGEST_HOLD = 16  # the same after repeated ones
 # What can limit a step: it opens a stage; it may only grow by a factor; it is the largest allowed; it must land on a
 # stop; Newton needed many iterations on the last one; an attempt at a larger one failed
 LIMITS = ("first step", "growth", "largest step", "stop", "iterations", "cut-back")
