@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from pysprings.cli import results
+from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.run_record import RunRecord
 
 PATHS: dict[str, Any] = {
@@ -111,6 +112,26 @@ def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
         "resumed 2026-01-31T00:00:00Z from path 'pull', step 3",
         "",
     ]
+
+
+def test_target_and_estimate(capsys: pytest.CaptureFixture[str]) -> None:
+    target = {
+        "target": "5%", "setting": "coarse-0.8", "error_in_study_pct": {"load_max": 4.321, "py_rms": 1.0},
+        "study": {"scene": "service load"},
+    }  # fmt: skip
+    estimate = {"estimate_pct": {"load_max": 3.456, "py_rms": 2.0}, "unknowns": [12345, 6789], "safety": 1.5}
+    results.print_estimate(RunRecord.from_dict({"target_error": target, "error_estimate": estimate}))
+    load, py = (MEASURES[name].head for name in ("load_max", "py_rms"))
+    assert capsys.readouterr().out.splitlines() == [
+        f"target error 5%: setting coarse-0.8, in the study of 'service load' {load} 4.3 %, {py} 1 %",
+        f"estimated discretisation error: {load} 3.5 %, {py} 2 % (two meshes, 6,789 and 12,345 unknowns; "
+        "safety factor 1.5 included)",
+    ]
+    results.print_estimate(RunRecord.from_dict({"error_estimate": estimate | {"harmonics": [5, 8]}}))
+    assert "6,789 and 12,345 unknowns, 5 and 8 harmonics; safety" in capsys.readouterr().out
+    nothing = {"estimate_pct": {}, "why_not": "no path in common"}
+    results.print_estimate(RunRecord.from_dict({"error_estimate": nothing}))
+    assert capsys.readouterr().out == "no estimate of the discretisation error: no path in common\n"
 
 
 @pytest.mark.parametrize("show", ["paths", "water", "energy", "cost", "estimate"])

@@ -24,6 +24,7 @@ def _in_a_new_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_init_writes_scene_and_schema() -> None:
     done = command("init")
     assert (done.code, done.out) == (0, "caisson.toml\npysprings.schema.json\n")
+    assert done.err == "next: pysprings check caisson.toml\n"
     assert load_scene("caisson.toml") == Scene()
     assert Path("caisson.toml").read_text().startswith("#:schema ./pysprings.schema.json\n")
     assert json.loads(Path("pysprings.schema.json").read_text())["title"] == "pysprings scene"
@@ -43,7 +44,9 @@ def test_init_never_overwrites_without_force() -> None:
     message = "caisson.toml: exists already; choose another name, or --force to replace it"
     assert done.err == f"fatal: user input: {message}\n"
     assert Path("caisson.toml").read_text() == "mine"
-    assert command("init", "other.toml").out == "other.toml\n"
+    other = command("init", "other.toml")
+    kept = "the schema that was there is kept; --force renews it\n"
+    assert (other.out, other.err) == ("other.toml\n", f"{kept}next: pysprings check other.toml\n")
     assert Path("pysprings.schema.json").read_text() == "mine too"
     assert command("init", "--force").code == 0
     assert load_scene("caisson.toml") == Scene()

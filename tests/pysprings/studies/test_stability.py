@@ -89,6 +89,18 @@ def test_a_shorter_reach_leaves_what_a_case_says_itself() -> None:
     assert by_name["beyond-capacity"].scene("coarse", 3e-3).paths[0].lateral_force == 20e6
 
 
+def test_cases_without_a_named_reason_end_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exit code 3, after the table; a case that is explained is no failure."""
+
+    def fail(_: Any) -> None:
+        raise ResourceError("no memory")
+
+    monkeypatch.setattr(stability, "compute", fail)
+    done = command("stability", "--case", "soft", "--case", "paper", "--refinement", "0.6")
+    assert (done.code, done.err) == (3, "fatal: not converged: 2 cases ended without a named reason\n")
+    assert "0 converged, 0 warned, 0 stopped, 0 refused, 2 unexplained" in done.out
+
+
 def test_the_command_runs_cases_and_writes_table_and_picture(tmp_path: Path) -> None:
     given = [
         "stability",

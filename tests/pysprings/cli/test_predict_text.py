@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+"""All that `predict` and `compare` print, with their warnings and notes, in the stored texts."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from pysprings.springs.file import save_springs
+from tests.support import stored, synthetic, vertical
+from tests.support.commands import command
+
+FAN = (
+    synthetic.Path("push", "translation", size=8e-3, steps=8),
+    synthetic.Path("turn", "rotation", size=2e-3, steps=8),
+    synthetic.Path("back", "rotation", size=-2e-3, steps=8),
+    synthetic.Path("check", arm=6.0, role="held-back", steps=8),
+)
+TABLE = "depth_m,depth_top_m,depth_bottom_m,y_m,p_N_per_m\n" + "".join(
+    f"{z},{z - 1},{z + 1},{y},{p}\n"
+    for z in (1.0, 3.0)
+    for y, p in ((0.0, 0.0), (1e-3, 1e5), (2e-3, 1.5e5), (4e-3, 5e4))
+)
+QUESTIONS = (
+    "predict one.nc --H 300kN --arm 8m --stiffness",
+    "predict one.nc --H 20MN",
+    "predict one.nc --u-max 4mm --points 4 --stiffness --springs py",
+    "predict fan.nc --H 1MN --arm 2m --stiffness",
+    "predict fan.nc --u 1mm --rotation 1mrad",
+    "predict fan.nc --H -500kN --M 3MNm",
+    "predict down.nc --V 6MN",
+    "predict down.nc --H 1MN --V 3MN --stiffness",
+    "predict py.csv --H 100kN --arm 1m --stiffness",
+    "predict py.csv --u 3mm --rotation 0mrad",
+    "predict fan.nc --sequence loads.csv",
+    "compare one.nc",
+    "compare fan.nc --springs fan",
+    "compare down.nc",
+)
+
+
+@pytest.fixture
+def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    one: xr.DataTree = synthetic.make_springs(
+        (synthetic.Path("pull", steps=8), synthetic.Path("high", arm=8.0, steps=8))
+    )
+    for name, springs in (("one", one), ("fan", synthetic.make_springs(FAN)), ("down", vertical.vertical_springs())):
+        save_springs(springs, f"{name}.nc")
+    Path("py.csv").write_text(TABLE)
+    Path("loads.csv").write_text("H_N,M_Nm\n0,0\n5e5,-1e6\n1e6,-2e6\n-5e5,1e6\n")
+
+
+@pytest.mark.usefixtures("_files")
+def test_all_that_is_printed() -> None:
+    lines = []
+    for question in QUESTIONS:
+        with warnings.catch_warnings():
+            warnings.simplefilter("default")
+            done = command(*question.split())
+        lines += [f"--- {question} (exit code {done.code})", done.out.rstrip("\n"), *done.err.splitlines(), ""]
+    about = "predictions with the springs of tests/support/invented_soil.py"
+    stored.compare(lines, Path(__file__).parent / "texts" / "predict.txt", about)
