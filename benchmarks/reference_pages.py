@@ -201,7 +201,7 @@ def _spelling(name: str, kind: Any, info: Any) -> str:
 
 
 def _preset(default: Any) -> str:
-    """Return the default of an option as a remark; nothing for a flag, or where there is none."""
+    """Return the default of an option as a remark; nothing for a flag, or without one."""
     if default is inspect.Parameter.empty or default is None or isinstance(default, bool | list):
         return ""
     return f" (default `{default}`)"

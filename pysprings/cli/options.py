@@ -40,7 +40,7 @@ SpringSet = Annotated[
         "--springs",
         SPRING_SETS,
         f"springs to use: {', '.join(f'{each.name} ({each.description})' for each in _SETS)} "
-        "\\[default: fan where there is one, else full]",
+        "\\[default: fan if present, else full]",
         _SETS,
     ),
 ]

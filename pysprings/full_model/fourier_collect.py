@@ -102,7 +102,7 @@ class FourierCollector(Collector):
         return np.zeros(len(self.surface)) if water is None else water.film_pressure(state.pressure)
 
     def _water_places(self) -> np.ndarray:
-        """Places (n, 3) m at which pressures are looked at: pressure nodes at all azimuths of the fields."""
+        """Return places (n, 3) m at which pressures are evaluated: pressure nodes at all azimuths of the fields."""
         r, z = self.built.section.mesh.nodes[self.built.model.pressure_nodes].T
         around_ring = np.stack([np.cos(self.azimuth), np.sin(self.azimuth)], axis=1)
         at = np.empty((len(r), len(self.azimuth), 3))

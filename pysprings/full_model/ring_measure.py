@@ -40,7 +40,7 @@ def contact_alternation(path: xr.Dataset) -> dict[str, Any] | None:
     -------
     ``second_difference`` and ``alternation`` (dimensionless, largest over all steps and rings) with the places
     ``second_difference_at`` and ``alternation_at``; ``isolated_open`` (largest number at one step, both sides)
-    with ``isolated_open_at_step``; ``stations``, the number of stations looked at in each step.
+    with ``isolated_open_at_step``; ``stations``, the number of stations evaluated in each step.
     """
     if "normal_effective_stress" not in path or path.sizes["azimuth"] < 3:
         return None

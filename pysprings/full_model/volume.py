@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The whole half model at one state, soil and steel, for ParaView: single precision, it is to be looked at."""
+"""The whole half model at one state, soil and steel, for ParaView, in single precision."""
 
 from __future__ import annotations
 

@@ -208,7 +208,7 @@ def _carried(rec: _Recorded, name: str, place: Slice, r: Array, order: tuple[str
 
 
 def _cut(rec: _Recorded, name: str, place: Slice, r: Array, carrier: str) -> Row | None:
-    """Return the row of the first usable part of a curve (at best all of it); None where there is none."""
+    """Return the row of the first usable part of a curve (at best all of it); None without one."""
     depth, b = place[0], action(name, *place, rec.length)
     a, q, size = rec.carriers(depth)[carrier]
     n = _leading(q, r, size)

@@ -75,7 +75,7 @@ class SpringChoice(TypedDict, total=False):
 
     Attributes
     ----------
-    springs_kind : spring set ("fan", "full", "pisa", "py"); the fan where there is one, else the full set.
+    springs_kind : spring set ("fan", "full", "pisa", "py"); the fan if present, else the full set.
     path : load path whose springs are used, of a set of one path; the first calibration path.
     """
 

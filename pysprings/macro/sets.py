@@ -56,7 +56,7 @@ def choose_set(springs: Typed, name: str | None, path: str | None) -> SpringSet:
     if chosen.companions and lost:
         message = (
             f"the set '{name}' needs the companions of p: {', '.join(lost)} missing "
-            "(give zeros where there is none, or ask for the springs 'py')"
+            "(give zeros if there are none, or ask for the springs 'py')"
         )
         raise refused("springs", message)
     if isinstance(springs, CurveSprings):

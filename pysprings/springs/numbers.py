@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a spring file from anywhere must be before its physics is looked at: types, sizes and names."""
+"""What a spring file from anywhere must be before its physics is checked: types, sizes and names."""
 
 from __future__ import annotations
 

@@ -138,7 +138,7 @@ def samples(
 
 
 def _y_ends(curve: Curve) -> Array:
-    """End (k,) of the first stretch of y that leads away from 0, with its sign; 0 where there is none."""
+    """Return the end (k,) of the first stretch of y that leads away from 0, with its sign; 0 without one."""
     ends = np.zeros(len(curve.y))
     for k, y in enumerate(curve.y):
         sign = np.sign(y[1] - y[0])

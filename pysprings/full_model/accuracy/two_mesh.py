@@ -40,7 +40,7 @@ ESTIMATED = {"load_max": LOAD, "py_rms": PY}
 
 
 def coarser(scene: Scene) -> Scene:
-    """Return the scene on the coarser mesh, without what only people look at; the same scene where there is none."""
+    """Return the scene on the coarser mesh, without pictures and fields; the same scene if there is no coarser one."""
     from pysprings.model.build import counts_of
     from pysprings.model.fourier import section_counts_of
 

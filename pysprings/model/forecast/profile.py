@@ -45,7 +45,7 @@ def unusual_values(scene: Scene) -> list[str]:
 
 
 def _unusual(scene: Scene, stratum: Stratum) -> Iterator[str]:
-    """Look at a layer at a few depths inside it."""
+    """Check a layer at a few depths inside it."""
     share = (np.arange(_STATIONS) + 0.5) / _STATIONS
     depth = stratum.top + share * (stratum.bottom - stratum.top)
     strength, stress = stratum.strength(depth), stratum.vertical_stress(depth)

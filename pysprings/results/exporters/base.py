@@ -26,7 +26,7 @@ class Source:
     Parameters
     ----------
     springs, result
-        Spring set (springs.nc) and full model (full_model.nc), or functions that return them; None where there is none.
+        Spring set (springs.nc) and full model (full_model.nc), or functions that return them; None without one.
     """
 
     def __init__(

@@ -133,7 +133,7 @@ def environment() -> Environment:
 
 
 def _pictures(files: Iterable[Path], path: str) -> list[Picture]:
-    """Embed the pictures of a path (of the whole run: ``""``), once each; SVG where there is one."""
+    """Embed the pictures of a path (of the whole run: ``""``), once each; SVG if present."""
     best: dict[str, Path] = {}
     for file in files:
         if file.stem not in best or file.suffix == ".svg":

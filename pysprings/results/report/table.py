@@ -68,7 +68,7 @@ class ReportData:
     comparison
         Errors of the macro-model by path and spring set; None without springs.
     run
-        Record of the run; None where there is none.
+        Record of the run; None without one.
     path
         Name of the path, for tables of the section "path".
     """

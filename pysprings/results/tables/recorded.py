@@ -82,7 +82,7 @@ def _path(rows: pd.DataFrame, faults: Faults) -> xr.Dataset | None:
     lost = [family for family in COMPANIONS if family not in families]
     if known and lost:
         message = (
-            f"companions {', '.join(known)} without {', '.join(lost)}: give all three (zeros where there is none), "
+            f"companions {', '.join(known)} without {', '.join(lost)}: give all three (zeros if none), "
             "or p-y curves alone"
         )
         own.add(place_of(rows), "family", message)

@@ -34,7 +34,7 @@ class Answer:
 
 
 def answers(springs: xr.DataTree) -> Iterator[Answer]:
-    """Yield the answers of the best spring set (fan where there is one, else full), from one slice to all of them.
+    """Yield the answers of the best spring set (fan if present, else full), from one slice to all of them.
 
     Vertical paths have springs of their own, without slices; the set answers the others.
     """

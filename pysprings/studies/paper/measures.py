@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FRONT, BACK = 0.0, np.pi  # azimuth [rad]
-BEND_FROM, BEND_TO = 0.2e-3, 10e-3  # m, where the sharpest bend is looked for
+BEND_FROM, BEND_TO = 0.2e-3, 10e-3  # m, range of the sharpest bend
 _NEAR = 0.02  # a displacement counts as reached this share before its value
 _HALF_WIDTH = 0.2  # of the displacement, for a tangent
 

@@ -36,7 +36,7 @@ def heading() -> str:
 
 
 def line(row: dict[str, Any]) -> str:
-    """Return one case, with its warning or reason below where there is one."""
+    """Return one case, with its warning or reason below, if any."""
     text = "  ".join(_pad(name, _cell(row[name], form)) for name, (_, form) in _COLUMNS.items()).rstrip()
     return f"{text}\n    {row['detail']}" if row["detail"] else text
 

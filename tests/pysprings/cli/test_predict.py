@@ -153,7 +153,7 @@ TABLE = "depth_m,depth_top_m,depth_bottom_m,y_m,p_N_per_m\n" + "".join(
         (
             ["--springs", "fan"],
             "springs: the set 'fan' needs the companions of p: mtheta, base, lid missing "
-            "(give zeros where there is none, or ask for the springs 'py')",
+            "(give zeros if there are none, or ask for the springs 'py')",
         ),
     ],
 )

@@ -194,7 +194,7 @@ def test_companions_by_sheet(tmp_path):
 def test_part_of_the_companions_is_refused(tmp_path):
     rows = [row for row in companions() if not row.startswith(("lid", "base"))]
     table = open_table(write(tmp_path / "springs.csv", *rows))
-    expected = r"the set 'full' needs the companions of p: base, lid missing \(give zeros where there is none, or"
+    expected = r"the set 'full' needs the companions of p: base, lid missing \(give zeros if there are none, or"
     with pytest.raises(UserInputError, match=expected):
         predict(table, H=1e5)
     assert predict(table, H=1e5, arm=-2.0, springs_kind="py").attrs["springs"] == "py"
