@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from pysprings.cli import results
+from pysprings.core.errors import UserInputError
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.run_record import RunRecord
 
@@ -138,3 +140,12 @@ def test_target_and_estimate(capsys: pytest.CaptureFixture[str]) -> None:
 def test_nothing_is_printed_of_what_is_not_there(show: str, capsys: pytest.CaptureFixture[str]) -> None:
     getattr(results, f"print_{show}")(RunRecord())
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("text", [None, "{", "[]"])
+def test_a_broken_record_is_refused_in_one_line(text: str | None, tmp_path: Path) -> None:
+    if text is not None:
+        (tmp_path / "run.json").write_text(text, encoding="utf-8")
+    with pytest.raises(UserInputError) as refused:
+        results.read_record(tmp_path)
+    assert str(refused.value) == f"fatal: user input: {tmp_path}: run.json is missing or broken"
