@@ -198,7 +198,8 @@ def studied() -> StudyResult:
     for k, each in enumerate(wanted):
         errors = {f"{name}_pct": 10.0 * (i + 1) / (k + 1) ** 2 for i, name in enumerate(MEASURES)}
         rows.append({
-            "model": FULL, "name": each.name, "group": each.group, "mesh": each.mesh, **BRICKS, "refinement": each.refinement,
+            "model": FULL, "name": each.name, "group": each.group,
+            "mesh": each.mesh, "refinement": each.refinement, **BRICKS,
             "series": each.series, "slices": None, "status": "complete" if k < 4 else "stopped",
             "why": "" if k < 4 else "not converged: no", "unknowns": 1234 * (k + 1), "linear": "superlu",
             "increments": 20 + k, "iterations": 50 + k, "factorisations": 30 + k,
@@ -207,7 +208,8 @@ def studied() -> StudyResult:
             "pareto": k in (0, 2), "from_mesh_pct": 0.5 * k if k > 2 else np.nan, **(errors if k < 4 else {}),
         })  # fmt: skip
         rows.append({
-            "model": MACRO, "name": f"{each.name}, full, {k + 1} slices", "group": "macro-model", "mesh": each.mesh, **BRICKS,
+            "model": MACRO, "name": f"{each.name}, full, {k + 1} slices", "group": "macro-model",
+            "mesh": each.mesh, **BRICKS,
             "refinement": each.refinement, "series": each.series, "slices": k + 1, "status": "complete", "why": "",
             "unknowns": 1234 * (k + 1), "wall_s": 1e-3 * (k + 1), "cpu_s": 1e-3 * (k + 1), "unit_s": 0.01,
             "units": 0.1 * (k + 1), "reference": "", "pareto": k == 1, "from_mesh_pct": np.nan, **errors,
