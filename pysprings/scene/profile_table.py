@@ -4,12 +4,16 @@
 Headings are `NAME [unit]`, or `NAME from [unit]` and `NAME to [unit]` for values that are linear in the layer, as in
 groundhog's soil profiles: `Depth from [m]`, `Depth to [m]`, `Soil type`, parameters. `top [m]` and `bottom [m]` stand
 for the depths, too; `law` chooses the law of a layer. A NAME is a key of [soil], with spaces or underscores, or one of
-`NAMES`.
+`NAMES`. A cell "[5, 25]" holds the values at top and bottom.
+
+openpile's layers have `top` and `bottom` as elevations, `weight` (total) and `Su` without units: m, kN/m3 and kPa.
 """
 
 from __future__ import annotations
 
 import csv
+import itertools
+import math
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -22,6 +26,8 @@ from pysprings.core.units import quoted
 from pysprings.scene.fields import FROM_TOML, suggestion
 from pysprings.scene.sections import BY_LAYER, Layer
 
+TOTAL = "total unit weight"  # less that of water it is the effective one
+WATER = 9.81  # kN/m3
 # other names of the keys, in lower case
 NAMES = {
     "depth from": "top", "depth to": "bottom", "top": "top", "bottom": "bottom",
@@ -30,12 +36,14 @@ NAMES = {
     "e": "young_modulus", "young's modulus": "young_modulus", "poisson's ratio": "poisson_ratio", "nu": "poisson_ratio",
     "phi": "friction_angle_final", "effective friction angle": "friction_angle_final",
     "friction angle": "friction_angle_final", "psi": "dilation_angle", "c": "cohesion",
-    "submerged unit weight": "effective_unit_weight", "weight": "effective_unit_weight",
+    "submerged unit weight": "effective_unit_weight", "weight": TOTAL, "total unit weight": TOTAL,
     "gamma'": "effective_unit_weight", "k0": "K0", "permeability": "hydraulic_conductivity",
     "su": "undrained_shear_strength",
 }  # fmt: skip
 _HEADING = re.compile(r"(?P<name>[^\[\]]+?)(?:\s+(?P<end>from|to))?\s*(?:\[(?P<unit>[^\[\]]*)\])?")
 _PLAIN = ("name", "law")
+_UNITS = {"top": "m", "bottom": "m", "weight": "kN/m^3", "su": "kPa"}  # of openpile's columns, where a heading has none
+_NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 _PURE = ("", "-", "1")
 MOST_ROWS = 100
 MOST_BYTES = 1_000_000
@@ -55,7 +63,7 @@ def read_layers(file: Path) -> list[dict[str, Any]]:
         raise UserInputError([Problem(str(file), message="holds no layers: expected a heading and a row a layer")])
     columns, wrong = _columns(rows[0], str(file))
     layers, ends = [], []
-    for line, row in enumerate(rows[1:], 2):
+    for line, row in enumerate(_depths(columns, rows[1:]), 2):
         layer, faults = _layer(columns, row, str(file), line)
         wrong += faults
         layers.append(layer)
@@ -104,6 +112,7 @@ def _workbook(file: Path) -> list[list[str]]:
 def _columns(heads: Sequence[str], file: str) -> tuple[list[tuple[str, str, str]], list[Problem]]:
     """Return (key, "from", "to" or "", unit) of each column, and what is wrong with the headings."""
     columns, wrong = [], []
+    units = _UNITS if "weight" in [head.lower() for head in heads] and not any("[" in head for head in heads) else {}
     for head in heads:
         match = _HEADING.fullmatch(head)
         name = " ".join(match["name"].split()).lower().replace("_", " ") if match else ""
@@ -112,14 +121,32 @@ def _columns(heads: Sequence[str], file: str) -> tuple[list[tuple[str, str, str]
         key = (
             NAMES.get(whole) or NAMES.get(name) or {each.lower().replace("_", " "): each for each in BY_LAYER}.get(name)
         )
-        if match is None or key not in {*BY_LAYER, "top", "bottom", *_PLAIN}:
+        if match is None or key not in {*BY_LAYER, "top", "bottom", TOTAL, *_PLAIN}:
             known = [*NAMES, *(each.replace("_", " ") for each in BY_LAYER)]
             wrong.append(Problem(file, 1, key=head, message=f"unknown column{suggestion(name, known)}"))
             key = ""
-        columns.append((key or "", end, (match["unit"] or "").strip() if match else ""))
+        columns.append((key or "", end, (match["unit"] or units.get(name, "")).strip() if match else ""))
     if "top" not in [key for key, _, _ in columns]:
         wrong.append(Problem(file, 1, message='no column "Depth from [m]" (or "top [m]")'))
     return columns, wrong
+
+
+def _depths(columns: Sequence[tuple[str, str, str]], rows: Sequence[Sequence[str]]) -> list[list[str]]:
+    """Return the rows with elevations, which fall from row to row, turned into depths below the first top."""
+    at = [n for n, (key, _, _) in enumerate(columns) if key in ("top", "bottom")]
+    found = [list(row) for row in rows]
+    try:
+        levels = [[float(row[n]) for n in at if n < len(row) and row[n]] for row in rows]
+    except ValueError:
+        return found  # refused where the cell is read
+    flat = [level for row in levels for level in row]
+    if not flat or flat[0] == max(flat) == min(flat) or any(b > a for a, b in itertools.pairwise(flat)):
+        return found
+    for row in found:
+        for n in at:
+            if n < len(row) and row[n]:
+                row[n] = repr(flat[0] - float(row[n]))
+    return found
 
 
 def _layer(
@@ -136,6 +163,8 @@ def _layer(
         except ValueError:
             wrong.append(Problem(file, line, key=key, message=f"expected a number, got {quoted(cell)}"))
             continue
+        if key == TOTAL:
+            key, value = "effective_unit_weight", _submerged(cell, unit)
         if end:
             layer.setdefault(key, {})["top" if end == "from" else "bottom"] = value
         else:
@@ -143,9 +172,20 @@ def _layer(
     return layer, [*wrong, *_refused(layer, file, line)]
 
 
-def _value(cell: str, unit: str) -> float | str:
-    number = float(cell)
+def _value(cell: str, unit: str, less: float = 0.0) -> Any:
+    """Return a number with its unit, or the table of a pair "[top, bottom]"; ``less`` is taken off, in the unit."""
+    if cell[:1] in "[(":
+        ends = _NUMBER.findall(cell)
+        if len(ends) != 2:
+            raise ValueError(cell)
+        return {name: _value(end, unit, less) for name, end in zip(("top", "bottom"), ends, strict=True)}
+    number = float(cell) - less
     return number if unit in _PURE else f"{number!r} {unit}"
+
+
+def _submerged(cell: str, unit: str) -> Any:
+    """Return the effective unit weight from a total one; in another unit than kN/m3 it is refused as it stands."""
+    return _value(cell, unit, WATER if unit.replace("^", "").replace("³", "3") == "kN/m3" else math.inf)
 
 
 def _refused(layer: dict[str, Any], file: str, line: int) -> Iterator[Problem]:

@@ -68,5 +68,5 @@ def _outside(where: str, what: str, value: np.ndarray, common: tuple[float, floa
     low, high = common
     for worst in sorted({int(np.argmin(value)), int(np.argmax(value))}):
         if not low <= value[worst] <= high:
-            at = show(float(depth[worst]), "m")
+            at = f"{depth[worst]:.3g} m"
             yield f"{where}: {what} of {value[worst]:.3g} at {at} is outside the common range {low:g} to {high:g}"

@@ -7,7 +7,18 @@ Other packages call `PICTURES.register`, or declare an entry point in the group 
 from __future__ import annotations
 
 from pysprings.core.registry import Registry
-from pysprings.results.plots import comparison, gap, load, newton, pressure_rose, reactions, rose, section, steel
+from pysprings.results.plots import (
+    comparison,
+    gap,
+    ground,
+    load,
+    newton,
+    pressure_rose,
+    reactions,
+    rose,
+    section,
+    steel,
+)
 from pysprings.results.plots import vertical as vertical_springs
 from pysprings.results.plots.picture import Picture
 
@@ -15,6 +26,7 @@ PICTURES: Registry[Picture] = Registry(
     "picture",
     (
         section.MESH,
+        ground.PICTURE,
         load.PICTURE,
         comparison.PICTURE,
         reactions.PICTURE,

@@ -15,7 +15,8 @@ from pydantic import ValidationError
 from pysprings.core.errors import Problem, PyspringsError, UserInputError
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import RunRecord, Status
-from pysprings.studies.stability.cases import CASES, REACH, Case
+from pysprings.studies.stability.case import REACH, Case
+from pysprings.studies.stability.cases import CASES
 
 CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED = "converged", "warned", "stopped", "refused", "unexplained"
 OUTCOMES = (CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED)

@@ -111,3 +111,53 @@ def test_a_missing_table_and_two_descriptions_are_refused(tmp_path):
         load_scene(file)
     with pytest.raises(UserInputError, match=r"soil.profile: give soil.profile or \[\[soil.layer\]\], not both"):
         parse_scene(SCENE + '[[soil.layer]]\ntop = "0 m"\n')
+
+
+OPENPILE = """\
+name,top,bottom,weight,Su,law
+Soft clay,0.0,-6.0,16.0,"[5.0, 17.0]",tresca
+Stiff clay,-6.0,-12.0,19.81,"[60.0, 80.0]",tresca
+"""
+CLAY = """\
+[soil]
+rigidity_ratio = 200
+profile = "site.csv"
+[interface]
+adhesion_factor = 0.65
+"""
+
+
+def test_openpiles_columns_become_layers(tmp_path):
+    """Elevations that fall, total unit weight, a pair of strengths, no units in the headings."""
+    file = write(tmp_path, OPENPILE)
+    file.write_text(CLAY)
+    ground, depth = ground_of(load_scene(file)), np.array([3.0, 9.0])
+    assert [each.name for each in ground.strata] == ["Soft clay", "Stiff clay"]
+    assert ground.lines == (6.0,)
+    assert ground.strength(depth) == pytest.approx([11e3, 70e3])
+    assert ground.value("effective_unit_weight", depth) == pytest.approx([6.19e3, 10e3])
+
+
+def test_elevations_count_from_the_first_top(tmp_path):
+    file = write(tmp_path, OPENPILE.replace("-12.0", "-42").replace("-6.0", "-36").replace(",0.0,", ",-30,"))
+    file.write_text(CLAY)
+    assert ground_of(load_scene(file)).lines == (6.0,)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[5.0, 17.0]", "[5.0]", r'undrained_shear_strength: expected a number, got "\[5.0\]"'),
+        ("[5.0, 17.0]", "[5.0, -17.0]", r"undrained_shear_strength: bottom: .* is not in \[0, 1e5\] kPa"),
+        (",16.0,", ",8.0,", r"effective_unit_weight: .* is not in \[0, 100\] kN/m\^3"),
+        ("weight", "weight [kg/m3]", r"effective_unit_weight: "),
+        ("Su", "Su [kPa]", r"top: expected a quantity with unit"),
+    ],
+)
+def test_wrong_openpile_tables_are_refused(tmp_path, old, new, message):
+    assert old in OPENPILE
+    file = write(tmp_path, OPENPILE.replace(old, new, 1))
+    file.write_text(CLAY)
+    with pytest.raises(UserInputError) as refused:
+        load_scene(file)
+    assert any(re.search(message, str(problem)) for problem in refused.value.problems), refused.value.problems

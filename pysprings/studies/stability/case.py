@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+"""A case of the catalogue: what is stretched, and the scene that it gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pysprings.scene.load import Scene
+
+REACH = 20e-3  # m
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Case:
+    """One case: its group and name, what is stretched, and the changes to the paper's scene (SI, as in the scene).
+
+    ``changes`` maps sections to values; ``path`` replaces values of the path, a pull at the lid centre to REACH.
+    ``hard`` cases are also run on the ``paper`` mesh where one asks for them.
+    """
+
+    group: str
+    name: str
+    what: str
+    changes: Mapping[str, Any] = field(default_factory=lambda: _NOTHING)
+    path: Mapping[str, Any] = field(default_factory=lambda: _NOTHING)
+    hard: bool = False
+
+    def scene(self, mesh: str, reach: float = REACH) -> Scene:
+        """Return the scene of the case, pulled as far as ``reach`` (m) where the case sets no displacement of its own.
+
+        Raises UserInputError or ValueError where the input is refused.
+        """
+        from pysprings.scene.load import Scene
+
+        coupled = self.changes.get("drainage", {}).get("mode", "drained") == "coupled"
+        path = {"name": "path", "kind": "pull", "lateral_displacement": reach} | ({"rate": 0.05e-3} if coupled else {})
+        path = {key: value for key, value in (path | dict(self.path)).items() if value is not None}
+        output = {"interface_fields": False, "section": False, "figures": False}
+        given = {"title": self.what, "mesh": {"preset": mesh}, "output": output, "path": [path]}
+        return Scene.model_validate(given | {name: dict(values) for name, values in self.changes.items()})
