@@ -102,14 +102,14 @@ def _draw_section(axes: Axes, view: View, scene: Scene, ground: Ground, deepest:
         if stratum.top < deepest:
             axes.axhspan(stratum.top, min(stratum.bottom, deepest), color=_LAYERS[number % 2], zorder=0)
             name = plain(stratum.name[:40])
-            axes.annotate(name, (-1.9 * radius, stratum.top), (2, -3), textcoords="offset points", va="top", fontsize=8)
+            axes.annotate(name, (-2.9 * radius, stratum.top), (2, -3), textcoords="offset points", va="top", fontsize=8)
     if view.section is not None:
         cells = PolyCollection(list(quad_corners(view.section)), facecolor="none", edgecolor="#9a8f78", linewidth=0.3)
         cells.set_gid("mesh")
         axes.add_collection(cells)
     side = scene.caisson.skirt_length
     axes.plot([-radius, -radius, radius, radius], [side, 0.0, 0.0, side], color=STEEL, linewidth=3.0, gid="caisson")
-    axes.set_xlim(-2.0 * radius, 2.0 * radius)
+    axes.set_xlim(-3.0 * radius, 3.0 * radius)
     axes.set_xlabel("x [m]")
     axes.grid(False)
 

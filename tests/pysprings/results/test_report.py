@@ -209,7 +209,7 @@ def test_inputs_are_the_keys_of_the_scene_file(name: str) -> None:
     layers = plain["soil"].pop("layer", [])
     assert [shown.pop(f"soil.layer {k}").keys() for k in range(1, len(layers) + 1)] == [each.keys() for each in layers]
     assert {key: set(rows) for key, rows in shown.items()} == {key: set(section) for key, section in plain.items()}
-    assert shown["soil"]["young_modulus"] == plain["soil"]["young_modulus"]
+    assert shown["soil"]["effective_unit_weight"] == plain["soil"]["effective_unit_weight"]
 
 
 def test_a_table_from_outside(result: xr.DataTree, springs: xr.DataTree) -> None:
