@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 from pysprings.cli.support import refuse
 from pysprings.core.files.layout import is_unfinished
 from pysprings.core.files.lock import exclusive, new_folder
-from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.results.layout import refuse_linked_folders, results_in
 
 if TYPE_CHECKING:
+    from pysprings.full_model.run_record import RunRecord
     from pysprings.scene.load import Scene
 
 
@@ -67,6 +67,8 @@ def _refuse_contents(out: Path, resume: bool) -> None:
 
 def refuse_other_run(folder: Path, record: RunRecord, scene: Scene) -> None:
     """Refuse to resume in a folder whose results belong to another scene or mesh, or are interrupted."""
+    from pysprings.full_model.run_record import Status
+
     chosen = record.mesh.harmonics if scene.mesh.harmonics is None else None
     same = [scene] if chosen is None else [scene, scene.replace(mesh={"harmonics": chosen})]
     if record.scene_sha256 not in [each.sha256 for each in same]:

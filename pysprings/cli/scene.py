@@ -13,7 +13,6 @@ from pysprings.cli.options import Json, Mesh, SceneFile, Series
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
 from pysprings.core.errors import printable
 from pysprings.core.text import number
-from pysprings.model.forecast.omission_text import saved_text
 from pysprings.scene.template_names import template_names
 
 if TYPE_CHECKING:
@@ -112,6 +111,8 @@ def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
 
 def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
     """Print the description of a scene that `pysprings check` has made."""
+    from pysprings.model.forecast.omission_text import saved_text
+
     print(printable(f"{file}: {scene.title}"))
     print(f"sha256 {scene.sha256}")
     paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.paths)

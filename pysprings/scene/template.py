@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import json
-from importlib.resources import files
 from pathlib import Path
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.scene.fields import suggestion
 from pysprings.scene.schema import FILE_NAME, scene_schema
-from pysprings.scene.template_names import template_names
+from pysprings.scene.template_names import FOLDER, template_names
 
 
 def template_text(name: str) -> str:
@@ -19,7 +18,7 @@ def template_text(name: str) -> str:
     if name not in known:
         hint = suggestion(name, known) or f" (there is: {', '.join(known)})"
         raise UserInputError([Problem(key="--template", message=f"no template '{name}'{hint}")])
-    return files("pysprings.scene").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
+    return (FOLDER / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def write_scene(file: Path, template: str, force: bool = False) -> list[Path]:

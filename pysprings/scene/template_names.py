@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
+from pathlib import Path
+
+FOLDER = Path(__file__).parent / "templates"
 
 
 def template_names() -> list[str]:
     """Return the names of the templates, sorted."""
-    entries = files("pysprings.scene").joinpath("templates").iterdir()
-    return sorted(item.name.removesuffix(".toml") for item in entries if item.name.endswith(".toml"))
+    return sorted(file.stem for file in FOLDER.glob("*.toml"))

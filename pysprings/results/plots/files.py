@@ -17,7 +17,7 @@ from pysprings.core.registry import Registry
 from pysprings.results.analysis.parts import path_data, pick_step, section_data
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.pictures import PICTURES
-from pysprings.results.plots.style import STYLE
+from pysprings.results.plots.style import STYLE, CompressedLayout
 from pysprings.springs.dataset import path_names
 
 if TYPE_CHECKING:
@@ -109,10 +109,26 @@ def shown_steps(path: xr.Dataset) -> dict[str, int]:
 def save(figure: Figure, stem: Path, dpi: int = DPI) -> list[Path]:
     """Write a figure as ``stem.png`` and, when small, ``stem.svg``, each by a rename; return the files."""
     with mpl.rc_context(STYLE):
+        _settle(figure, dpi)
         png = _write(figure, stem.with_name(stem.name + ".png"), dpi)
-        figure.set_layout_engine("none")  # the layout is settled: do not spend a second on it again
+        figure.set_layout_engine(None)
         svg = _write(figure, stem.with_name(stem.name + ".svg"), dpi, most=LARGEST_SVG)
     return [file for file in (png, svg) if file is not None]
+
+
+def _settle(figure: Figure, dpi: int) -> None:
+    """Lay a figure out once, for all files: with a layout engine matplotlib draws it twice for each of them.
+
+    A compressed layout depends on the drawing, and is settled by the first file.
+    """
+    engine = figure.get_layout_engine()
+    if engine is None or isinstance(engine, CompressedLayout):
+        return
+    before, figure.dpi = figure.dpi, dpi
+    for _ in range(2):  # the second time with the margins of the first, as two drawings would
+        engine.execute(figure)
+    figure.dpi = before
+    figure.set_layout_engine(None)
 
 
 def _write(figure: Figure, file: Path, dpi: int, most: int | None = None) -> Path | None:

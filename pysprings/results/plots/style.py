@@ -69,6 +69,10 @@ def styled(draw: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
     return wrapper
 
 
+class CompressedLayout(ConstrainedLayoutEngine):
+    """Layout of panels of equal aspect, which have their place only once they are drawn."""
+
+
 def new_figure(width: float, height: float, compressed: bool = False) -> Figure:
     """Return an empty figure of this size [inch], drawn by Agg, outside pyplot.
 
@@ -76,7 +80,8 @@ def new_figure(width: float, height: float, compressed: bool = False) -> Figure:
     """
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
-    figure.set_layout_engine(ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.08, compress=compressed))
+    layout = CompressedLayout if compressed else ConstrainedLayoutEngine
+    figure.set_layout_engine(layout(w_pad=0.08, h_pad=0.08, compress=compressed))
     return figure
 
 
