@@ -206,3 +206,31 @@ def test_unusual_clay_is_named(old, new, words):
     assert old in CLAY
     assert [text for text in unusual_values(parse_scene(CLAY.replace(old, new, 1))) if words in text]
     assert unusual_values(Scene()) == []
+
+
+@pytest.mark.parametrize(
+    ("law", "keys", "why"),
+    [
+        (
+            "drucker-prager",
+            {"undrained_shear_strength": 5e4, "rigidity_ratio": 200.0, "strain_at_half_strength": 0.01},
+            'su is that of "tresca" or "von-mises"',
+        ),
+        (
+            "tresca",
+            {
+                "friction_angle_initial": 0.1, "friction_angle_final": 0.5, "hardening_parameter": 0.01,
+                "dilation_angle": 0.1, "cohesion": 1e3,
+            },
+            "its strength is undrained_shear_strength",
+        ),
+    ],
+)  # fmt: skip
+def test_keys_of_other_laws_are_named_in_the_order_of_the_reference(law, keys, why):
+    backwards = dict(reversed(keys.items()))
+    with pytest.raises(ValueError, match="is not used by law") as refused:
+        Scene(soil={"yield_surface": law, **backwards})
+    text = str(refused.value)
+    messages = [f'soil.{key}: is not used by law "{law}": {why}' for key in keys]
+    assert [text.count(message) for message in messages] == [1] * len(keys)
+    assert [text.index(message) for message in messages] == sorted(text.index(message) for message in messages)
