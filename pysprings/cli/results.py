@@ -188,7 +188,7 @@ def print_cost(record: RunRecord) -> None:
     phases = record.phases
     if not phases:
         return
-    total = ("total", {"wall_s": record.wall_s, "cpu_s": record.cpu_s})
+    total = ("total", {"wall_s": record.wall_s or None, "cpu_s": record.cpu_s or None})  # 0: not recorded
     rows = [
         (name, _seconds(time.get("wall_s")), _seconds(time.get("cpu_s"))) for name, time in [*phases.items(), total]
     ]
