@@ -188,10 +188,8 @@ def print_cost(record: RunRecord) -> None:
     phases = record.phases
     if not phases:
         return
-    total = ("total", {"wall_s": record.wall_s or None, "cpu_s": record.cpu_s or None})  # 0: not recorded
-    rows = [
-        (name, _seconds(time.get("wall_s")), _seconds(time.get("cpu_s"))) for name, time in [*phases.items(), total]
-    ]
+    rows = [(name, _seconds(time.get("wall_s")), _seconds(time.get("cpu_s"))) for name, time in phases.items()]
+    rows.append(("total", _seconds(record.wall_s or None), _seconds(record.cpu_s or None)))  # 0: not recorded
     print()
     print_table(("phase", "wall [s]", "CPU [s]"), rows)
     solver, mesh = record.solver, record.mesh
