@@ -189,7 +189,7 @@ _RESULT_PATH = (
           _OPPOSES, {"cell_methods": "depth: mean"}),
         *_slices(("depth", "side", "component", "step"), "p_component"),
         V("normal_effective_stress", "effective normal stress on the skirt", "Pa", _FIELD,
-          "compression positive", required=False),
+          "compression positive; undrained clay: total stress over hydrostatic, suction < 0", required=False),
         V("shear_lateral", "lateral (x) traction of the caisson on the soil", "Pa", _FIELD,
           "positive along +x", required=False),
         V("shear_vertical", "vertical (z) traction of the caisson on the soil", "Pa", _FIELD,

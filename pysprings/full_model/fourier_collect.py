@@ -17,7 +17,7 @@ from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.full_model.collect import Collector
 from pysprings.full_model.fourier_volume import FourierVolume
-from pysprings.model.contact import SURFACE
+from pysprings.model.contact import SURFACE, largest_tension
 from pysprings.model.fourier import SIDES, BuiltFourier
 
 _SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
@@ -73,10 +73,13 @@ class FourierCollector(Collector):
         sine, cosine = np.sin(stations.azimuth), np.cos(stations.azimuth)
         even, odd = self._around
         around_ring = sine * traction[:, 0] - cosine * traction[:, 1]  # along theta, of the caisson on the soil
+        tension = largest_tension(model)
         opening = self.system.jumps(state)[:, 0] - model.initial_pressure / self.system.stations.penalties[:, 0]
+        opening = np.where(np.isfinite(tension), opening - tension / self.system.stations.penalties[:, 0], -1.0)
+        least = -np.array([tension[ring].max() for ring in self.rings.values()])[:, None, None]
         lateral = -np.sin(self.azimuth)[:, None]
         fields = {
-            "normal_effective_stress": self._on_walls(even, -state.traction[:, 0]).clip(min=0.0),
+            "normal_effective_stress": np.maximum(self._on_walls(even, -state.traction[:, 0]), least),
             "shear_lateral": lateral * self._on_walls(odd, around_ring),
             "shear_vertical": self._on_walls(even, -traction[:, 2]),
             "pore_pressure": self._on_walls(even, water),

@@ -27,6 +27,8 @@ from pysprings.scene.interface import adhesion_factor, uses_adhesion
 
 if TYPE_CHECKING:
     from fe_engine.elements.interface import Stations
+    from fe_engine.fourier_model import FourierModel
+    from fe_engine.model import Model
     from pysprings.scene.load import Scene
 
 SURFACE = {name: code for code, name in enumerate(SURFACES)}
@@ -53,6 +55,15 @@ def contact_of(scene: Scene, stations: Stations, wall: np.ndarray) -> tuple[Cont
     rows = adhesion.pack(kn, kt, friction, limit, tension)
     rows[shared, adhesion.MU] = rows[shared, adhesion.ADHESION] = 0.0
     return adhesion.LAW, rows
+
+
+def largest_tension(model: Model | FourierModel) -> np.ndarray:
+    """Return the tension (ns,) in Pa that each station carries before it opens; infinite where it is bonded."""
+    law = model.contact_laws[0]
+    found = np.zeros(len(model.initial_pressure))
+    if "tension" in law.parameters:
+        found += model.contact[:, law.parameters.index("tension")]
+    return found
 
 
 def _limits(scene: Scene, stations: Stations) -> tuple[np.ndarray, np.ndarray]:

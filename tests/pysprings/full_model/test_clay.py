@@ -115,6 +115,19 @@ def test_a_pull_in_sand_over_clay_has_springs_that_balance(discretisation):
     assert max(balance(extract_springs(result)["paths/pull"].to_dataset()).values()) < 1e-8
 
 
+@pytest.mark.parametrize("discretisation", MESHES)
+def test_fields_of_the_walls_show_suction_and_no_gap_where_the_contact_carries_it(discretisation):
+    opening = {"outside": "vented", "inside": "bonded", "lid": "bonded", "tip": "bonded"}
+    pull = {**tiny.PULL, "lateral_displacement": 50e-3}
+    scene = clay(discretisation, interface={"adhesion_factor": 0.6, "opening": opening}, paths=(pull,))
+    end = compute(scene).tree["paths/pull"].to_dataset().isel(step=-1)
+    stress, gap = end["normal_effective_stress"], end["gap"]
+    assert float(stress.sel(side="outside").min()) >= 0.0
+    assert float(gap.sel(side="outside").max()) > 0.0
+    assert float(stress.sel(side="inside").min()) < -1e3
+    assert float(gap.sel(side="inside").max()) == 0.0
+
+
 def test_mobilisation_softens_the_first_part_of_a_pull():
     loads = []
     for half in (None, 0.01):
