@@ -39,7 +39,7 @@ def fault(value: float, unit: str) -> str:
 
 
 def slip(text: str, value: float, unit: str) -> str:
-    """Say that a load that somebody has written in millinewtons is next to nothing; empty where it is not."""
+    """Return a message on a load written in millinewtons, which is next to nothing; empty for others."""
     if "mN" in text and 0.0 < abs(value) < SMALLEST_LOAD:
         return f"is {value:.3g} {unit}: m is milli, M is mega"
     return ""

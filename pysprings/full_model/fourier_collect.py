@@ -173,7 +173,7 @@ class _Plane:
         return {"section_ux": self._side * move[:, 0], "section_uz": move[:, 2]}
 
     def pressure(self, state: Fields) -> np.ndarray:
-        """Excess pore pressure in the plane, Pa."""
+        """Return the excess pore pressure in the plane, Pa."""
         pressures: np.ndarray = np.sum(state.pressure[self._corner] * self._wave, axis=1)
         return pressures
 

@@ -67,7 +67,7 @@ def largest_tension(model: Model | FourierModel) -> np.ndarray:
 
 
 def _limits(scene: Scene, stations: Stations) -> tuple[np.ndarray, np.ndarray]:
-    """Adhesion and largest tension (ns,) of the stations, Pa."""
+    """Return the adhesion and largest tension (ns,) of the stations, Pa."""
     ground, drainage = ground_of(scene), scene.drainage
     limit, tension = np.zeros(len(stations)), np.zeros(len(stations))
     number = ground.number(stations.position[:, 2])

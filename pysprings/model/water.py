@@ -59,7 +59,7 @@ def beside_steel(water: Water, n: int, k: int) -> Water:
 def make_series_water(
     scene: Scene, section: CaissonSection, stations: RingStations, harmonics: int
 ) -> SeriesWater | None:
-    """Water of the scene on a section; None where it is drained."""
+    """Return the water of the scene on a section; None where it is drained."""
     if scene.drainage.mode == "drained":
         return None
     mesh, depth = section.mesh, np.array(0.0)
@@ -79,7 +79,7 @@ def make_series_water(
 
 
 def _storage(scene: Scene) -> float:
-    """Porosity over the bulk modulus of water, 1/Pa; 0 where it is incompressible."""
+    """Return the porosity over the bulk modulus of water, 1/Pa; 0 where it is incompressible."""
     modulus = scene.drainage.water_bulk_modulus
     return 0.0 if isinstance(modulus, str) else scene.drainage.porosity / modulus
 
@@ -105,7 +105,7 @@ def film_corners(section: CaissonSection) -> np.ndarray:
 
 
 def _ring_film(scene: Scene, section: CaissonSection, stations: RingStations) -> RingFilm:
-    """One film from mudline outside round the tip to the lid; its nodes are corners of the section."""
+    """Return one film from mudline outside round the tip to the lid; its nodes are corners of the section."""
     mesh, lines = section.mesh, section.lines
     corner = film_corners(section)
     number = np.full(mesh.n_nodes, -1)
@@ -138,7 +138,7 @@ def _ring_film(scene: Scene, section: CaissonSection, stations: RingStations) ->
 def _flow_points(
     mesh: SectionMesh, line: np.ndarray, mine: np.ndarray, at: np.ndarray, stations: RingStations
 ) -> tuple[np.ndarray, ...]:
-    """Points of the film along a line of nodes: on its nodes (Simpson), at every azimuth of the stations.
+    """Return the points of the film along a line of nodes: on its nodes (Simpson), at every azimuth of the stations.
 
     ``mine`` (k,) are the stations of the line and ``at`` their places in it. A node without stations, as at the corners
     of the tip, has the gap of the next one that has some; on the axis nothing flows.

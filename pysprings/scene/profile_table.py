@@ -134,19 +134,19 @@ def _columns(heads: Sequence[str], file: str) -> tuple[list[tuple[str, str, str]
 def _depths(columns: Sequence[tuple[str, str, str]], rows: Sequence[Sequence[str]]) -> list[list[str]]:
     """Return the rows with elevations, which fall from row to row, turned into depths below the first top."""
     at = [n for n, (key, _, _) in enumerate(columns) if key in ("top", "bottom")]
-    found = [list(row) for row in rows]
+    filled = [list(row) for row in rows]
     try:
         levels = [[float(row[n]) for n in at if n < len(row) and row[n]] for row in rows]
     except ValueError:
-        return found  # refused where the cell is read
+        return filled  # refused where the cell is read
     flat = [level for row in levels for level in row]
     if not flat or flat[0] == max(flat) == min(flat) or any(b > a for a, b in itertools.pairwise(flat)):
-        return found
-    for row in found:
+        return filled
+    for row in filled:
         for n in at:
             if n < len(row) and row[n]:
                 row[n] = repr(flat[0] - float(row[n]))
-    return found
+    return filled
 
 
 def _layer(

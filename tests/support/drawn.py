@@ -39,7 +39,7 @@ def describe(figure: Figure) -> list[str]:
 
 
 def number(value: Any) -> str:
-    """A number with four digits; rounding errors are zero."""
+    """Return a number with four digits; rounding errors are zero."""
     value = float(value)
     return f"{0.0 if abs(value) < 1e-12 else value:.4g}"
 
@@ -53,7 +53,7 @@ def indented(lines: Iterable[str]) -> Iterator[str]:
 
 
 def spread(values: Any) -> str:
-    """First, last, smallest, largest, mean of data; how many, how many of them are blank."""
+    """Return the first, last, smallest, largest, mean of data; how many, how many of them are blank."""
     found = np.ma.filled(np.ma.asarray(values, dtype=float), np.nan).ravel()
     good = found[np.isfinite(found)]
     if not good.size:
@@ -73,7 +73,7 @@ def colour(value: Any) -> str:
 
 
 def _bar(axes: Axes) -> Iterator[str]:
-    """A panel without a place of its own: a bar of colours."""
+    """Yield the lines of a panel without a place of its own: a bar of colours."""
     yield f"bar {_axis('y', axes)}"
     for artist in axes.collections:
         if not isinstance(artist, QuadMesh) and len(artist.get_paths()):
@@ -193,7 +193,7 @@ def _legend(legend: Legend) -> Iterator[str]:
 
 
 def _rest(artist: Artist) -> str:
-    """Order, name, clipping and transparency, where they are not the usual ones."""
+    """Return the order, name, clipping and transparency, where they are not the usual ones."""
     usual = {Line2D: 2, Text: 3, Patch: 1, Collection: 1, AxesImage: 0}
     order = next(value for kind, value in usual.items() if isinstance(artist, kind))
     parts = [f"order {number(artist.get_zorder())}"] if artist.get_zorder() != order else []

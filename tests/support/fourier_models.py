@@ -89,7 +89,7 @@ def wet(model: FourierModel, film: bool = True, **changes: float) -> FourierMode
 
 
 def ring_film(model: FourierModel, aperture: float, transfer: float) -> RingFilm:
-    """Film along the top of the section, between the axis and the last of the stations."""
+    """Return the film along the top of the section, between the axis and the last of the stations."""
     mesh, s = model.mesh, model.stations
     top = mesh.node_sets["top"]
     line = top[mesh.nodes[top, 0] <= mesh.nodes[s.nodes, 0].max()]

@@ -100,7 +100,7 @@ def estimate(
 
 
 def _size(tree: xr.DataTree) -> float:
-    """Size of the cells of a result's mesh, up to a factor."""
+    """Return the size of the cells of a result's mesh, up to a factor."""
     harmonics = tree.attrs.get("harmonics")
     return cell_size(int(tree.attrs["n_unknowns"]), None if harmonics is None else int(harmonics))
 

@@ -120,7 +120,7 @@ def _series_size(scene: Scene) -> Size:
 
 
 def _series_pressures(scene: Scene, section: CaissonSection, harmonics: int) -> tuple[int, int]:
-    """Unknown pressures of the soil and of the film of a Fourier model."""
+    """Return the unknown pressures of the soil and of the film of a Fourier model."""
     mesh, fixed = section.mesh, drained_corners(scene, section)
     held = held_pressures(fixed, mesh.on_axis[mesh.corners], harmonics)
     film = mesh.corner_numbers(film_corners(section))

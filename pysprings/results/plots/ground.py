@@ -57,7 +57,7 @@ def _scene(text: str) -> Scene | None:
 
 
 def _applies(view: View) -> bool:
-    """Whether the ground of the run differs from depth to depth, or is undrained clay."""
+    """Return whether the ground of the run differs from depth to depth, or is undrained clay."""
     from pysprings.scene.ground import ground_of
 
     scene = _scene(str(view.result.attrs.get("scene_toml", "")))
