@@ -12,6 +12,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -53,11 +54,16 @@ def sources(root: Path) -> dict[str, Path]:
     return modules
 
 
+@cache
+def _parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
 def import_graph(modules: Mapping[str, Path]) -> Graph:
     """Return, for each module, the modules that it imports anywhere."""
     graph: Graph = {name: set() for name in modules}
     for name, file in modules.items():
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        for node in ast.walk(_parsed(file)):
             for target in _targets(node, modules):
                 if target != name:
                     graph[name].add(target)
@@ -151,7 +157,7 @@ def _only(graph: Graph, package: str) -> Graph:
 def functions(modules: Mapping[str, Path]) -> Iterator[tuple[str, ast.FunctionDef, bool]]:
     """Yield the place, the node, and whether it is a compiled kernel, of every function."""
     for name, file in modules.items():
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        for node in ast.walk(_parsed(file)):
             if isinstance(node, ast.FunctionDef):
                 kernel = any("njit" in ast.unparse(d) or "jitted" in ast.unparse(d) for d in node.decorator_list)
                 yield f"{name}.{node.name}", node, kernel
@@ -182,8 +188,7 @@ def files_to_edit(root: Path, modules: Mapping[str, Path], part: Example) -> lis
 
 def _code_words(file: Path) -> Iterator[str]:
     """Yield the names and the texts without blanks in the code of a file, and "swipe" for each branch on a kind."""
-    tree = ast.parse(file.read_text(encoding="utf-8"))
-    for node in ast.walk(tree):
+    for node in ast.walk(_parsed(file)):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " not in node.value:
             yield node.value
         elif isinstance(node, ast.Name):

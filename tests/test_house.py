@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from benchmarks.house import EXAMPLES, circles, files_to_edit, floors, import_graph, measure, room_graph, sources
 
 ROOT = Path(__file__).parents[1]
@@ -51,15 +53,20 @@ def test_files_to_edit_count_code_and_branches_but_no_texts(tmp_path: Path) -> N
     ]  # fmt: skip
 
 
-def test_a_new_part_is_few_files() -> None:
-    modules = sources(ROOT)
+def test_a_new_part_is_few_files(house: dict[str, str]) -> None:
     most = {"soil law": 3, "exporter": 1, "picture": 2, "kind of path": 2}
-    for kind, part in EXAMPLES.items():
-        assert 1 <= len(files_to_edit(ROOT, modules, part)) <= most[kind.split(" (")[0]]
+    for kind in EXAMPLES:
+        count = int(house[f"files to edit for a new {kind}, beside its own"].split()[0])
+        assert 1 <= count <= most[kind.split(" (")[0]]
 
 
-def test_the_house_has_few_rooms_and_no_circle_between_them() -> None:
-    figures = measure(ROOT)
+@pytest.fixture(scope="module")
+def house() -> dict[str, str]:
+    return measure(ROOT)
+
+
+def test_the_house_has_few_rooms_and_no_circle_between_them(house: dict[str, str]) -> None:
+    figures = house
     inside, engine = map(int, figures["entries on the top level of pysprings, fe_engine"].split(", "))
     assert inside <= 10 and engine <= 19
     assert figures["circles of entries"] == "0"
@@ -67,8 +74,8 @@ def test_the_house_has_few_rooms_and_no_circle_between_them() -> None:
     assert 0 < tool <= 9 and 0 < engine <= 9
 
 
-def test_modules_make_no_circle_and_functions_take_eight_arguments_at_most() -> None:
+def test_modules_make_no_circle_and_functions_take_eight_arguments_at_most(house: dict[str, str]) -> None:
     """Imports inside functions and for types count, too; kernels and commands may have more arguments."""
-    figures = measure(ROOT)
+    figures = house
     assert figures["circles of modules"] == "0"
     assert int(figures["most arguments outside kernels and commands"].split()[0]) <= 8
