@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Load and cost of Fourier series beside bricks: the drained pull of the paper's caisson, presets by harmonics.
+"""Load and cost of Fourier series beside bricks: the pull of the paper's caisson, presets by harmonics.
 
-    python -m benchmarks.fourier [--end MM] [--tolerance T] [--bricks PRESET ...]
+    python -m benchmarks.fourier [--end MM] [--rate MM_PER_S] [--tolerance T] [--bricks PRESET ...]
 
-One line a run: unknowns, increments, cut-backs, Newton and GMRES iterations, load, rotation, heave, CPU seconds
-(without start, compilation, files and pictures). Runs share one process; the first one compiles and is not shown.
+Drained, or coupled where a rate is given. One line a run: unknowns, increments, cut-backs, Newton and GMRES iterations,
+load, rotation, heave, CPU seconds (without start, compilation, files and pictures). Runs share one process; the first
+one compiles and is not shown.
 """
 
 from __future__ import annotations
@@ -37,10 +38,13 @@ SERIES = (
 HEAD = "mesh             unknowns steps cuts Newton GMRES   u mm     H MN  rot mrad    w mm  CPU s"
 
 
-def scene_of(end: float, tolerance: float, **mesh: Any) -> Scene:
-    """Return the paper's drained pull to ``end`` (m)."""
-    path = {"name": "pull", "kind": "pull", "lateral_displacement": end}
-    return Scene(paths=(path,), mesh=mesh, solver={"tolerance": tolerance})
+def scene_of(end: float, tolerance: float, rate: float | None = None, **mesh: Any) -> Scene:
+    """Return the paper's pull to ``end`` (m): coupled at a ``rate`` (m/s), or drained."""
+    path: dict[str, Any] = {"name": "pull", "kind": "pull", "lateral_displacement": end}
+    if rate is None:
+        return Scene(paths=(path,), mesh=mesh, solver={"tolerance": tolerance})
+    wet = path | {"rate": rate}
+    return Scene(paths=(wet,), mesh=mesh, solver={"tolerance": tolerance}, drainage={"mode": "coupled"})
 
 
 def line(scene: Scene) -> str:
@@ -70,17 +74,19 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--end", type=float, default=2.5, help="lateral displacement, mm")
+    parser.add_argument("--rate", type=float, help="rate of the pull, mm/s: with water")
     parser.add_argument("--tolerance", type=float, default=1e-3)
     parser.add_argument("--bricks", nargs="*", default=[], help="presets of bricks to run, too")
     given = parser.parse_args()
+    rate = None if given.rate is None else 1e-3 * given.rate
     with blas_on_one_thread():
-        line(scene_of(1e-4, given.tolerance, discretisation="fourier"))
+        line(scene_of(1e-4, given.tolerance, rate, discretisation="fourier"))
         print(HEAD)
         for preset, harmonics in SERIES:
             mesh = {"discretisation": "fourier", "preset": preset, "harmonics": harmonics}
-            print(line(scene_of(1e-3 * given.end, given.tolerance, **mesh)), flush=True)
+            print(line(scene_of(1e-3 * given.end, given.tolerance, rate, **mesh)), flush=True)
         for preset in given.bricks:
-            print(line(scene_of(1e-3 * given.end, 1e-5, preset=preset)), flush=True)
+            print(line(scene_of(1e-3 * given.end, 1e-5, rate, preset=preset)), flush=True)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import lapack
 from scipy.sparse import coo_matrix, csr_matrix
 
 from fe_engine.assembly.fourier_pattern import FourierPattern, held_pressures
@@ -75,11 +75,16 @@ class SoilAtRest:
 
 @dataclass(frozen=True)
 class _Harmonic:
-    """One harmonic at one time step: J (np, 3 nk + nf), W^-1 J, and the factors of W."""
+    """One harmonic at one time step: J (np, 3 nk + nf), W^-1 J, and the lower factor of W."""
 
     joint: np.ndarray
     solved: np.ndarray
-    factors: tuple[np.ndarray, bool]
+    lower: np.ndarray
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        """Return W^-1 rhs for rhs (np,); LAPACK itself, since a wrapper costs as much as the solve."""
+        x: np.ndarray = lapack.dpotrs(self.lower, rhs, lower=True)[0]
+        return x
 
 
 class WetSoil:
@@ -126,11 +131,10 @@ class WetSoil:
         matrix = (whole[:n, :n] + self.compliance[k]) * np.outer(free[:n], free[:n])
         matrix[np.diag_indices(n)] += ~free[:n]
         joint = np.hstack([self.left[k] * free[:n, None], whole[:n, n:] * np.outer(free[:n], free[n:])])
-        try:
-            factors = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
-        except np.linalg.LinAlgError as error:
-            raise LinearSolverError("the pressures of a harmonic are not held by the soil") from error
-        return _Harmonic(joint, cho_solve(factors, joint, check_finite=False), factors)
+        lower, wrong = lapack.dpotrf(np.asfortranarray(matrix), lower=True, overwrite_a=True)
+        if wrong:
+            raise LinearSolverError("the pressures of a harmonic are not held by the soil")
+        return _Harmonic(joint, lapack.dpotrs(lower, joint, lower=True)[0], lower)
 
 
 class WetAtRest:
@@ -169,7 +173,7 @@ class WetAtRest:
         film = rhs[n_u + n_p :].reshape(-1, soil.waves)
         interface, pressure = np.empty(soil.size), np.empty(squeezed.shape)
         for k, (each, (at, free)) in enumerate(zip(self._harmonics, self._places, strict=True)):
-            pressure[:, k] = cho_solve(each.factors, squeezed[:, k], check_finite=False)
+            pressure[:, k] = each.solve(squeezed[:, k])
             whole = np.concatenate([left[..., k].ravel(), film[:, k]]) - pressure[:, k] @ each.joint
             interface[at] = whole[free]
         return (inner, pressure), interface

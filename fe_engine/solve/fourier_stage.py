@@ -173,8 +173,10 @@ class Preconditioner:
         matrix[:m, m:] = contact[:m, m:] @ control.motions
         matrix[m:, :m] = control.forces.T @ contact[m:, :m]
         matrix[m:, m:] = control.forces.T @ contact[m:, m:] @ control.motions
-        self._row = 1.0 / np.abs(matrix).max(axis=1) if self._rest.uneven else None
-        if self._row is not None:
+        self._row = None
+        if self._rest.uneven:
+            largest = np.abs(matrix).max(axis=1)
+            self._row = 1.0 / np.where(largest > 0.0, largest, 1.0)
             matrix *= self._row[:, None]
         self._lu, self._pivots, wrong = lapack.dgetrf(matrix, overwrite_a=True)
         if wrong:

@@ -29,6 +29,7 @@ from tests.verification.cases import (
     patch,
     porous_interface,
     pressure_patch,
+    series_water,
     sliding_block,
     steel_shell,
     stefan_film,
@@ -57,6 +58,7 @@ QUICK: dict[str, Rows] = {
     "opening film": stefan_film.rows,
     "interface between soils": porous_interface.rows,
     "stiffness, coarse mesh": caisson_stiffness.rows,
+    "water in series": series_water.rows,
     "drained push": drained_push.rows,
     "contact around the ring": alternation.rows,
     "cavities in clay": clay.cavity_rows,
@@ -65,6 +67,7 @@ QUICK: dict[str, Rows] = {
 SLOW: dict[str, Rows] = {
     "caisson with water": caisson_water.rows,
     "Cryer": cryer.rows,
+    "water in series, the paper's pull": series_water.slow_rows,
     "drained push, variants": drained_push.slow_rows,
     "contact around the ring, variants": alternation.slow_rows,
     "circle on clay": clay.circle_rows,
