@@ -47,7 +47,7 @@ POINTS = (
 AT_POINTS = {0.05: (-0.6, -0.5, -0.3, -0.5, 0.3), 0.5: (-1.9, -1.0, -2.4, -3.9, 3.5)}
 _SOURCE = "bricks, paper mesh"
 # With 3 harmonics F_pw at 0.5 mm/s is 2 % more than with 5, and 3 % more than with 8; bricks have errors of their own
-_SLACK_FORCE, _SLACK_POINT = 0.06, 0.4  # kPa
+_SLACK_FORCE, _SLACK_POINT = 0.05, 0.3  # share, kPa
 
 
 def make_column() -> Newton:
@@ -131,12 +131,12 @@ def stiffness_rows(preset: str) -> list[Row]:
 
 
 def pull(mode: str, rate: float, end: float) -> xr.Dataset:
-    """The paper's pull on the preset `paper`, N 3: to ``end`` (mm) at a rate (mm/s)."""
+    """Pull the paper's caisson on the preset `medium`, N 3, to ``end`` (mm) at a rate (mm/s)."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3 * end}
     path |= {"report_at": [2.5e-3]} if end > 2.5 else {}
     path |= {"rate": 1e-3 * rate} if mode == "coupled" else {}
     scene = Scene(
-        mesh={"preset": "paper", "discretisation": "fourier"}, drainage={"mode": mode}, paths=[path],
+        mesh={"preset": "medium", "discretisation": "fourier", "harmonics": 3}, drainage={"mode": mode}, paths=[path],
         output={"figures": False},
     )  # fmt: skip
     return compute(scene).recorded()["paths/pull"].to_dataset()
@@ -149,12 +149,12 @@ def slow_rows() -> tuple[Row, ...]:
     rows = []
     for rate in (0.05, 0.5):
         path = pull("coupled", rate, 20.0)
-        case = f"the paper's pull at {rate:g} mm/s, series, paper"
+        case = f"the paper's pull at {rate:g} mm/s, series, medium"
         for end in (2.5, 20.0):
             mine, dry = (int(np.argmin(np.abs(each["u"].values - 1e-3 * end))) for each in (path, drained))
             ratio, force = float(path["H"][mine] / drained["H"][dry]), 1e-3 * float(path["F_pw"][mine])
             reference = BRICKS[rate, end]
-            slack = 0.003 if end == 2.5 else 0.02
+            slack = 0.003 if end == 2.5 else 0.01
             rows += [
                 Row(case, f"H over drained at {end:g} mm", "", ratio, reference[0], _SOURCE, slack),
                 Row(case, f"F_pw at {end:g} mm", "kN", force, reference[1], _SOURCE, _SLACK_FORCE),
