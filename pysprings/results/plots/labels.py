@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
-from pysprings.results.plots.style import INK
+from pysprings.results.plots.style import INK, CompressedLayout
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -125,7 +125,11 @@ def _points(axes: Axes, data: Sequence[tuple[float, float]]) -> NDArray[np.float
     """Return places on the page [pt] of points in data units, with the layout settled."""
     figure = axes.figure
     assert isinstance(figure, Figure)
-    figure.draw_without_rendering()
+    engine = figure.get_layout_engine()
+    if engine is None or isinstance(engine, CompressedLayout):
+        figure.draw_without_rendering()
+    else:
+        engine.execute(figure)  # what a drawing begins with
     if not len(data):
         return np.zeros((0, 2))
     return np.asarray(axes.transData.transform(data) * 72 / figure.dpi)
