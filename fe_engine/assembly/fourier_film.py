@@ -77,7 +77,7 @@ def transfer_matrix(film: PackedFilm, area: np.ndarray, n: int) -> csr_matrix:
 
 @njit
 def _at_station(nodes, share, pressure):
-    """Pressure at a station from those of two nodes (np, K)."""
+    """Return the pressure at a station from those of two nodes (np, K)."""
     pressure_there = 0.0
     for a in range(2):
         for m in range(share.shape[1]):

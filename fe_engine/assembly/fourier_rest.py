@@ -109,7 +109,7 @@ class WetSoil:
         self.storage, self.flow = ([water.harmonic(each, k) for k in waves] for each in (water.storage, flow))
 
     def _eliminate(self) -> tuple[np.ndarray, np.ndarray]:
-        """Q left to the interface (K, np, 3 nk), and G (K, np, np)."""
+        """Return Q left to the interface (K, np, 3 nk), and G (K, np, np)."""
         factors, shape, n = self.rest.factors, self.rest.shape, self.n_soil
         none = np.zeros((len(factors.retained), *shape[1:]))
         left = np.empty((self.waves, n, 3 * len(factors.retained)))
@@ -200,7 +200,7 @@ def _diagonal(values: np.ndarray) -> csr_matrix:
 
 
 def _folding(pattern: FourierPattern) -> csr_matrix:
-    """Matrix of `FourierPattern.folded`: forces on all coefficients to those that are free."""
+    """Return the matrix of `FourierPattern.folded`: forces on all coefficients to those that are free."""
     equation = np.arange(pattern.held.size).reshape(pattern.held.shape)
     r, t = (equation[pattern.axis, i, 1:2].ravel() for i in (0, 1))
     n = equation.ravel()

@@ -94,13 +94,13 @@ class FourierWater:
         return rows, square
 
     def leaving(self, step: Step, old: Fields, new: Fields) -> np.ndarray:
-        """Volumes (np, K) in m3 that leave the soil at each pressure, without the film."""
+        """Return the volumes (np, K) in m3 that leave the soil at each pressure, without the film."""
         move, change = (new.displacement - old.displacement).ravel(), (new.pressure - old.pressure).ravel()
         volumes = self._squeezed @ move + self.storage @ change + step.time * (self.seepage @ new.pressure.ravel())
         return volumes.reshape(new.pressure.shape)
 
     def _squares(self, step: Step, state: Fields) -> float:
-        """Sum of squares of the changes of the elements' volumes and of what flows through their corners, m6."""
+        """Return sum of squares of the changes of the elements' volumes and of what flows through their corners, m6."""
         move = state.displacement[self._quads].transpose(3, 0, 1, 2).reshape(self._swelling.shape)
         pressure = state.pressure[self._corner].transpose(2, 0, 1)
         flow = step.time * np.matmul(self._seepage, pressure[..., None])
@@ -112,14 +112,14 @@ class FourierWater:
             fourier_film.film_matrix(self.contact, self.film, state, place, film_place, out)
 
     def film_pressure(self, pressure: np.ndarray) -> np.ndarray:
-        """Pressure (ns,) of the film at every station from coefficients (np, K), Pa; 0 without a film."""
+        """Return the pressure (ns,) of the film at every station from coefficients (np, K), Pa; 0 without a film."""
         if self.film is None:
             return np.zeros(len(self.contact.area))
         pressures: np.ndarray = np.einsum("sak,sak->s", self.film.share, pressure[self.film.film])
         return pressures
 
     def work(self, old: Fields, new: Fields, opened: np.ndarray) -> float:
-        """Work (J) done against the pore pressures by soil and gaps, for changes ``opened`` (ns,) of the jumps."""
+        """Return work (J) against the pore pressures by soil and gaps, for changes ``opened`` (ns,) of the jumps."""
         pressure = 0.5 * (old.pressure + new.pressure)
         move = (new.displacement - old.displacement).ravel()
         soil = -float(pressure.ravel() @ (self._squeezed @ move))
@@ -127,6 +127,6 @@ class FourierWater:
 
 
 def _assembled(blocks: np.ndarray, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> csr_matrix:
-    """Sum of blocks (K, ne, a, b) at rows (K, ne, a) and columns (K, ne, b)."""
+    """Return the sum of blocks (K, ne, a, b) at rows (K, ne, a) and columns (K, ne, b)."""
     row, column, value = np.broadcast_arrays(rows[..., None], columns[..., None, :], blocks)
     return coo_matrix((value.ravel(), (row.ravel(), column.ravel())), shape=shape).tocsr()

@@ -53,16 +53,16 @@ class _Volumes(Protocol):
     area_vectors: np.ndarray
 
     def compressed(self, change: np.ndarray) -> float:
-        """Volume in m3 that a change of the pressures compresses."""
+        """Return the volume in m3 that a change of the pressures compresses."""
 
     def leaving(self, old: Fields, new: Fields, time_step: float) -> np.ndarray:
-        """Volumes in m3 that leave each node between two states: by change of volume, and by flow."""
+        """Return the volumes in m3 that leave each node between two states: by change of volume, and by flow."""
 
     def fixed(self, leaving: np.ndarray) -> float:
-        """Sum of what leaves the nodes whose pressure is fixed."""
+        """Return the sum of what leaves the nodes whose pressure is fixed."""
 
     def moved(self, leaving: np.ndarray) -> float:
-        """Volume that has moved between nodes."""
+        """Return the volume that has moved between nodes."""
 
 
 class WaterBalance:

@@ -24,7 +24,7 @@ def transmissivity(residual_aperture, gap, viscosity):
 
 @njit
 def exchange(transfer, second, pressures, gap_old, gap):
-    """Volumes for each area over a time step, m: from side 1 into the film, on to side 2, and what the gap stores.
+    """Return volumes by area over a time step, m: from side 1 into the film, on to side 2, and stored in the gap.
 
     transfer, second : conductivities T_w of side 1 and side 2 times the time step; pressures : (p1, p3, p2).
     """
