@@ -2,7 +2,7 @@
 """Collapse loads of rigid bodies bonded to Tresca clay, in Fourier series: a caisson of the tool, pushed to its limit.
 
 The strength is su = su_m (1 + kappa z/D), su_0 that at the level of the skirt tip. Factors are V/(A su_0), H/(A su_0)
-and M/(A D su_0) with A = pi D^2/4. The skirt is thin (D/2000), so that its tip bears nothing that counts.
+and M/(A D su_0) with A = pi D^2/4. The skirt is thin (D/2000), and its tip bears nothing.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fe_engine.assembly.fourier_system import FourierSystem
+from fe_engine.contact import adhesion
 from fe_engine.errors import NotConverged
 from fe_engine.model import Stage
 from fe_engine.settings import Settings
@@ -20,6 +21,7 @@ from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
 from pysprings import Scene
+from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import build_on_section
 from pysprings.model.fourier_mesh import SectionCounts
 
@@ -28,6 +30,7 @@ AREA = 0.25 * np.pi * DIAMETER**2
 THICKNESS = DIAMETER / 2000.0
 REACH = 0.1 * DIAMETER  # (G/su)(u/D) = 17
 _TOLERANCE = 1.0e-4
+_NOTHING = 1.0  # N/m3, penalty of the tip
 # Loads: what is imposed, over (u, w, rotation), and the pattern of the force that imposes it, by the depth L of the tip
 LOADS = {
     "NcV": ((0.0, 1.0, 0.0), lambda tip: (0.0, 1.0, 0.0)),
@@ -110,6 +113,7 @@ class Push:
 def push(clay: Clay, load: str) -> Push:
     """Push the caisson to its limit; return the factor of the load."""
     model = build_on_section(clay.scene(), clay.counts()).model
+    model.contact[model.stations.surface == SURFACE["tip"], : adhesion.MU] = _NOTHING  # a skirt without thickness
     system, state = FourierSystem(model), State(model)
     driver = Driver(Newton(system, FourierStage(system), Settings(_TOLERANCE, 25)), state)
     steps: list[Step] = []

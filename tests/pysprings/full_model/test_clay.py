@@ -10,9 +10,12 @@ import pytest
 
 from pysprings import Scene
 from pysprings.full_model.compute import compute
+from pysprings.macro.comparison import compare
 from pysprings.model.contact import SURFACE
 from pysprings.model.discretise import build
 from pysprings.model.forecast.omissions import left_out
+from pysprings.scene.load import parse_scene
+from pysprings.scene.template import template_text
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
@@ -146,3 +149,17 @@ def test_a_load_beyond_the_capacity_stops_at_a_limit_load():
 def test_omissions_tell_why_there_is_no_water():
     texts = [f"{each.what}: {each.why}" for each in left_out(clay())]
     assert any("pore pressure" in text and "total stress" in text for text in texts)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["soft-clay", "sand-over-clay"])
+def test_a_template_runs_to_its_end_and_its_fan_predicts_the_pulls_held_back(name):
+    """Within 2 % in load and 4 % in rotation, a median of at most five Newton iterations."""
+    result = compute(parse_scene(template_text(name)))
+    assert result.record.reasons == [] and result.record.failures == []
+    assert max(path.median_iterations for path in result.record.paths.values()) <= 5
+    table = compare(extract_springs(result.recorded()))
+    held = table[(table["role"] == "held-back") & (table["springs"] == "fan")]
+    assert len(held) == 2
+    assert held["H_error_max_pct"].abs().max() <= 2.0
+    assert held["rotation_error_max_pct"].abs().max() <= 4.0
