@@ -181,6 +181,15 @@ def test_a_stopped_run_goes_on_to_the_same_result(mode: str, tmp_path) -> None:
     xr.testing.assert_identical(whole["paths/pull"].to_dataset(), resumed["paths/pull"].to_dataset())
 
 
+def test_increments_of_a_millionth_of_a_millimetre_converge() -> None:
+    """The time step falls with the increment: what a residual leaves of volumes must not become a pressure."""
+    tree = compute(wet(solver={"first_step_fraction": 2e-6, "max_step_fraction": 0.5})).recorded()
+    record = json.loads(tree.attrs["run_json"])["paths"]["pull"]
+    assert float(tree["paths/pull"]["u"][1]) == pytest.approx(1e-9, rel=1e-6)
+    assert (tree.attrs["status"], record["cut_backs"]) == ("complete", 0)
+    assert load(tree) == pytest.approx(load(coupled()), rel=2e-3)
+
+
 @pytest.mark.parametrize("side", ["sealed", "drained"])
 @pytest.mark.parametrize("mode", ["coupled", "undrained"])
 def test_unknowns_are_counted_before_a_model_is_built(mode: str, side: str) -> None:
