@@ -83,6 +83,7 @@ def others(result: xr.DataTree) -> Iterator[tuple[str, Figure]]:
     path, plane = path.assign_attrs(settings, caisson_behaviour="elastic"), plane.assign_attrs(settings)
     yield "ovalisation", plots.ovalisation(path, displacement=2.5e-3)
     yield "elastic section", plots.section_displacement(plane, path, displacement=2.5e-3)
+    yield "section at rest", plots.section_displacement(plane, path, step=0)
     field = path["normal_effective_stress"].transpose("step", "side", "azimuth", "depth").copy(deep=True)
     field[0, :, :, :6] = 0.0
     yield "no initial stress", plots.stress_rose(path.assign(normal_effective_stress=field), side="inside")
