@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -35,10 +36,17 @@ def predictions(path: xr.Dataset) -> dict[str, xr.Dataset]:
 
 
 def of_a_run(result: xr.DataTree) -> Iterator[tuple[str, Figure]]:
-    curves = {"pull": predictions(plots.path_data(result, "pull"))}
-    for name, figure in files.figures(result, synthetic.make_springs(PATHS), curves):
-        if "2.5mm" not in name and name.removeprefix("turn_") not in ("newton", "gap_last", "stress_inside_last"):
-            yield name, figure
+    """Every picture of a pull, of its last state; two of a rotation."""
+    view, plane = View(result, synthetic.make_springs(PATHS)), plots.section_data(result)
+    assert plane is not None
+    pull, turn = (view.with_settings(plots.path_data(result, name)) for name in ("pull", "turn"))
+    view = replace(view, section=view.with_settings(plane), path=pull, predictions=predictions(pull))
+    for picture in files.PICTURES:
+        shown = replace(view, step=parts.pick_step(pull))
+        if picture.applies(shown):
+            yield f"pull_{picture.name}", picture.draw(shown)
+    yield "turn_load_displacement", plots.load_displacement(turn)
+    yield "turn_py", plots.py_curves(turn)
 
 
 def stopped(result: xr.DataTree) -> Iterator[tuple[str, Figure]]:
