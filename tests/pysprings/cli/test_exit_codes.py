@@ -20,7 +20,7 @@ from fe_engine.errors import SettingError
 from fe_engine.settings import MOST_THREADS, refuse_bad_settings
 from pysprings.springs.file import save_springs
 from tests.support import synthetic
-from tests.support.commands import command, environment
+from tests.support.commands import environment
 
 # the command with a run that ends otherwise (and without what takes so long to load)
 REPLACED = """
@@ -132,10 +132,10 @@ def test_warnings_do_not_go_among_the_data(tmp_path: Path) -> None:
     """Issue: with stderr closed they went to stdout, in front of the JSON."""
     file = save_springs(synthetic.make_springs(), tmp_path / "springs.nc")
     args = ("predict", file, "--H", "100 MN", "--json")
-    whole, shut = command(*args), without("2>&-", *args, cwd=tmp_path)
-    assert (whole.code, shut.returncode) == (0, 0)
-    assert "warning: " in whole.err and shut.stderr == ""
-    assert json.loads(shut.stdout) == json.loads(whole.out)
+    whole, shut = (without(closed, *args, cwd=tmp_path) for closed in ("", "2>&-"))
+    assert (whole.returncode, shut.returncode) == (0, 0)
+    assert "warning: " in whole.stderr and shut.stderr == ""
+    assert json.loads(shut.stdout) == json.loads(whole.stdout)
 
 
 def test_a_file_does_not_get_the_number_of_a_closed_stream(tmp_path: Path) -> None:
