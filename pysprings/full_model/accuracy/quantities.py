@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from pysprings.core.path_kinds import PATH_KINDS, kind_of
 
@@ -58,15 +59,16 @@ def pressure(path: xr.Dataset, length: float) -> Array | None:
 def slice_curves(path: xr.Dataset, length: float, n: int) -> tuple[Array, Array]:
     """Return y [m] and p [N/m] of n equal slices of the skirt, (n, step) each.
 
-    p is the force that the rings of the run hand to the slice, each spread over the height it belongs to, over the
-    slice's height: sums of p dz stay what they are. y is that of the middle of the slice.
+    p is the force on the slice over its height. The force above a depth is known at the bounds of the rings; between
+    them it is a cubic spline, so that sums of p dz stay what they are and slices may end inside a ring. y is that of
+    the middle of the slice.
     """
     edges = np.linspace(0.0, length, n + 1)
     bounds = path["depth_bounds"].values
-    top = np.maximum(edges[:-1, None], bounds[None, :, 0])
-    bottom = np.minimum(edges[1:, None], bounds[None, :, 1])
-    share = np.maximum(bottom - top, 0.0) / np.diff(edges)[:, None]
-    p = share @ path["p"].transpose("depth", "step").values
+    forces = path["p"].transpose("depth", "step").values * np.diff(bounds, axis=1)
+    above = np.concatenate([np.zeros_like(forces[:1]), np.cumsum(forces, axis=0)])
+    force = CubicSpline(np.append(bounds[:, 0], bounds[-1, 1]), above)
+    p = np.diff(force(np.clip(edges, bounds[0, 0], bounds[-1, 1])), axis=0) / np.diff(edges)[:, None]
     y = path["y"].transpose("depth", "step").values
     middle = _linear_shares(path["depth"].values, 0.5 * (edges[1:] + edges[:-1]))
     return middle.T @ (y - y[:, :1]), p

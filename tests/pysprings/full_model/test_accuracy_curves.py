@@ -58,6 +58,29 @@ def test_other_depths_of_the_same_soil_hand_the_same_force_to_the_slices() -> No
     assert np.abs(found[13] - found[41]).max() < 0.05 * np.abs(found[41]).max()
 
 
+def test_slices_that_end_inside_rings_carry_the_force_of_a_smooth_reaction() -> None:
+    """p = 3 + 2 z - z^2/2 on five unequal rings: the force above a depth is a cubic, which the spline follows."""
+    bounds = np.array([0.0, 0.3, 1.1, 2.0, 3.7, 4.0])
+
+    def above(z: np.ndarray) -> np.ndarray:
+        return 3.0 * z + z**2 - z**3 / 6.0
+
+    middle = 0.5 * (bounds[1:] + bounds[:-1])
+    p = np.diff(above(bounds)) / np.diff(bounds)
+    path = xr.Dataset(
+        {
+            "p": (("depth", "step"), np.stack([0.0 * p, p], axis=1)),
+            "y": (("depth", "step"), np.zeros((5, 2))),
+            "depth_bounds": (("depth", "side"), np.stack([bounds[:-1], bounds[1:]], axis=1)),
+        },
+        {"depth": middle},
+    )
+    edges = np.linspace(0.0, 4.0, 9)
+    forces = quantities.slice_curves(path, 4.0, 8)[1] * np.diff(edges)[:, None]
+    np.testing.assert_allclose(forces[:, 1], np.diff(above(edges)), rtol=1e-12)
+    np.testing.assert_array_equal(forces[:, 0], 0.0)
+
+
 def test_motion_counts_from_the_first_state() -> None:
     """The dead load may have moved the caisson before the path begins."""
     path = get_path(measured_result(), "shift")

@@ -145,6 +145,7 @@ def test_the_shipped_study_is_whole_and_of_the_scene_it_names() -> None:
     assert study["schema"] == presets.SCHEMA
     assert {"scene", "scene_sha256", "version", "date", "command"} <= set(study["origin"])
     assert presets.orders()[LOAD] is None or 0.5 <= presets.orders()[LOAD] <= 4.0
+    assert {each["discretisation"] for each in study["settings"]} == {"hex8", "fourier"}
     for each in study["settings"]:
         mesh = {"preset": each["mesh"], "refinement": each["refinement"], "discretisation": each["discretisation"]}
         assert Scene().replace(mesh=mesh | {"harmonics": each["harmonics"]}, solver=each["solver"])
