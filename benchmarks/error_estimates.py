@@ -157,7 +157,7 @@ def lines_of(name: str, at: Sequence[str], truth: Sequence[str], reach: float, f
             lines.append(line | {"why": estimate["why_not"]})
             continue
         true, doubt = true_errors(run, results)
-        line |= {"harmonics": run.attrs.get("harmonics"), "safety": estimate["safety"]}
+        line |= {"harmonics": str(run.attrs.get("harmonics", "")), "safety": estimate["safety"]}
         line |= {"estimate_pct": estimate["estimate_pct"], "true_pct": true, "truth_uncertain_pct": doubt}
         lines.append(line)
     return lines
