@@ -37,6 +37,12 @@ def test_slow_cases(name):
     assert not failures((table.SLOW | table.LONG)[name]())
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("name", table.LONGEST)
+def test_long_cases(name):
+    assert not failures(table.LONGEST[name]())
+
+
 @pytest.mark.parametrize("e", triaxial.TABLE)
 def test_triaxial_closed_form_is_the_printed_table(e):
     angle, ratio, strain = triaxial.TABLE[e]
@@ -157,6 +163,7 @@ def test_table_exits_1_when_a_row_is_out_or_a_case_fails(monkeypatch, capsys, ca
     monkeypatch.setattr(table, "QUICK", {"good": _judged(1.0), "one": case})
     monkeypatch.setattr(table, "SLOW", {})
     monkeypatch.setattr(table, "LONG", {"long": _judged(1.0)})
+    monkeypatch.setattr(table, "LONGEST", {})
     assert table.main(options) == code
     out, err = capsys.readouterr()
     assert ("long" in err) == ("--quick" not in options)
