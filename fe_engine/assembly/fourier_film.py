@@ -38,7 +38,7 @@ class PackedFilm(NamedTuple):
 
 
 class FilmState(NamedTuple):
-    """What the film's tangent hangs on: openings (ns,) in m, pressures (np, K) in Pa, and the time step."""
+    """State on which the film's tangent depends: openings (ns,) in m, pressures (np, K) in Pa, and the time step."""
 
     gap: np.ndarray
     pressure: np.ndarray

@@ -46,7 +46,7 @@ class Companions:
 
 
 def estimates_by_default(scene: Scene) -> bool:
-    """Return whether runs of a scene estimate their error unless told otherwise: a series costs little."""
+    """Return whether runs of a scene estimate their error by default: a series costs little."""
     return scene.mesh.discretisation == FOURIER
 
 
@@ -71,9 +71,8 @@ def _choose(scene: Scene, companions: Companions, compute: Compute, progress: Pr
     """Raise the harmonics on the coarser mesh until two more of them change little."""
     from pysprings.model.fourier import section_counts_of
 
-    coarse = two_mesh.coarser(scene)
-    if coarse is scene:
-        companions.why_not = "there is no coarser mesh than this one"
+    coarse = _coarser(scene, companions)
+    if coarse is None:
         return
     n = section_counts_of(scene).harmonics
     while _run(coarse.replace(mesh={"harmonics": n}), n, companions, compute, progress):
@@ -81,10 +80,19 @@ def _choose(scene: Scene, companions: Companions, compute: Compute, progress: Pr
         if not _run(coarse.replace(mesh={"harmonics": n + 2}), n + 2, companions, compute, progress):
             return
         change = two_mesh.difference(companions.trees[n + 2], companions.trees[n]) or {}
-        judged = [change[name] for name in two_mesh.ESTIMATED if change.get(name, 0.0) > ENOUGH]
-        if not judged or scene.mesh.harmonics is not None or n + 2 > MOST:
+        enough = not any(change.get(name, 0.0) > ENOUGH for name in two_mesh.ESTIMATED)  # NaN: not on these paths
+        if enough or scene.mesh.harmonics is not None or n + 2 > MOST:
             return
         n += 2
+
+
+def _coarser(scene: Scene, companions: Companions) -> Scene | None:
+    """Return the scene on its coarser mesh; None, with the reason, where there is none."""
+    coarse = two_mesh.coarser(scene)
+    if coarse is not scene:
+        return coarse
+    companions.why_not = "there is no coarser mesh than this one"
+    return None
 
 
 def _run(scene: Scene, key: int | None, companions: Companions, compute: Compute, progress: Progress | None) -> bool:
@@ -122,8 +130,8 @@ def add_estimate(
     meter, record = Meter(), result.record
     companions = beside or Companions()
     with meter.clock.phase(PHASE):
-        if not companions.trees and not companions.why_not:
-            _run_coarser(scene, companions, compute, progress)
+        if not companions.trees and not companions.why_not and (coarse := _coarser(scene, companions)) is not None:
+            _run(coarse, None, companions, compute, progress)
         record.error_estimate = _estimate(scene, result, companions)
     meter.include(companions.clock)
     meter.charge(record)
@@ -132,14 +140,6 @@ def add_estimate(
 def was_interrupted(record: RunRecord) -> bool:
     """Return whether the estimate of a run was interrupted."""
     return (record.error_estimate or {}).get("why_not") == StopReason.INTERRUPTED
-
-
-def _run_coarser(scene: Scene, companions: Companions, compute: Compute, progress: Progress | None) -> None:
-    coarse = two_mesh.coarser(scene)
-    if coarse is scene:
-        companions.why_not = "there is no coarser mesh than this one"
-    else:
-        _run(coarse, None, companions, compute, progress)
 
 
 def _estimate(scene: Scene, result: Computed, companions: Companions) -> dict[str, Any]:

@@ -124,6 +124,9 @@ def estimate_table(run: RunRecord | None) -> Table | None:
         f"ratio of cell sizes r = {estimate['cell_ratio']:.3g}): safety factor {estimate['safety']:g} times "
         "difference / (r^order - 1)."
     )
+    if series := estimate.get("harmonics"):
+        shares = ", ".join(f"{words[name]} {number(value, 2)} %" for name, value in estimate["harmonics_pct"].items())
+        note += f" The difference of {series[0]} and {series[1]} harmonics there is added: {shares}."
     return Table("Discretisation error", ("", "difference [%]", "order", "estimate [%]"), rows, note)
 
 

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
 from pysprings.full_model.accuracy.settings import Setting
@@ -22,7 +22,10 @@ if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
 WARM_UP = "warm-up"
-_WARM_UP = {"mesh": {"preset": "coarse", "refinement": 0.4, "azimuth": None}, "solver": {"max_step_fraction": 0.5}}
+_WARM_UP: dict[str, dict[str, Any]] = {
+    "mesh": {"preset": "coarse", "refinement": 0.4, "azimuth": None},
+    "solver": {"max_step_fraction": 0.5},
+}
 
 
 @dataclass(frozen=True)
@@ -54,8 +57,8 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
     scenes = {each.name: each.scene(study_scene(scene)) for each in settings}
     weights = {name: seconds(each, size_of(each).unknowns) for name, each in scenes.items()}
     missing = {name for name, each in scenes.items() if not has_ended(run_folder(out, name), each)}
-    if missing:  # compiled code is kept on disk: no run of the table pays for it
-        _warm_up(scene, run_folder(out, WARM_UP), report, run)
+    for kind in dict.fromkeys(each.discretisation for each in settings if each.name in missing):
+        _warm_up(scene, kind, run_folder(out, f"{WARM_UP}-{kind}"), report, run)
     whole = Whole(weights, report, paths=tuple(path.name for path in scene.paths))
     finished = []
     for setting in settings:
@@ -98,9 +101,11 @@ def _stored_outcome(record: RunRecord | None) -> str:
 _NOT_CONVERGED = "not converged: "
 
 
-def _warm_up(scene: Scene, folder: Path, report: Progress, run: Run) -> None:
-    if has_ended(folder, small := study_scene(scene).replace(**_WARM_UP)):
+def _warm_up(scene: Scene, kind: str, folder: Path, report: Progress, run: Run) -> None:
+    """Run a small model of a discretisation: compiled code stays on disk, so that no run of the table pays for it."""
+    mesh = _WARM_UP["mesh"] | {"discretisation": kind, "harmonics": None}
+    if has_ended(folder, small := study_scene(scene).replace(**_WARM_UP | {"mesh": mesh})):
         return
-    report(WARM_UP, 0.0, "compiled code")
+    report(f"{WARM_UP}-{kind}", 0.0, "compiled code")
     _run(small, folder, lambda *_: None, run)
-    report(WARM_UP, 1.0, "")
+    report(f"{WARM_UP}-{kind}", 1.0, "")

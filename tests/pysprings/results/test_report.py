@@ -295,6 +295,10 @@ def test_the_estimated_error_is_printed_with_what_it_comes_from() -> None:
     assert table is not None
     assert table.rows == [("load, largest difference / largest load", "4", "1.7", "8.1")]
     assert "(1500 beside 4000 unknowns, ratio of cell sizes r = 1.39): safety factor 1.5 times" in table.note
+    series = found | {"harmonics": [3, 5], "harmonics_pct": {"load_max": 0.25}}
+    table = validity.estimate_table(RunRecord(error_estimate=series))
+    assert table is not None and "3 and 5 harmonics there is added: load, largest difference" in table.note
+    assert "0.25 %" in table.note
     none = validity.estimate_table(RunRecord(error_estimate={"estimate_pct": {}, "why_not": "no path in common"}))
     assert none is not None and none.rows == [("no estimate: no path in common",)]
     assert validity.estimate_table(RunRecord()) is None and validity.estimate_table(None) is None

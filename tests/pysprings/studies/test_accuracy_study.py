@@ -152,9 +152,12 @@ def test_reference_is_told_by_quantity(done: Any) -> None:
 
 
 def test_series_are_the_reference_and_bricks_beside_them(tmp_path: Path) -> None:
-    """Invented soil: both discretisations tend to the same limit; the orders are told apart."""
+    """Invented soil: both discretisations tend to the same limit; each has an order of its own."""
     meshes = [*MESHES, "fourier-coarse:0.5@2", "fourier-coarse@2", "fourier-coarse:2@2"]
-    ended = runs.run_all(elastic(), settings(meshes, quick=True), tmp_path, lambda *_: None, invented)
+    reports: list[tuple[str, float, str]] = []
+    chosen = settings(meshes, quick=True)
+    ended = runs.run_all(elastic(), chosen, tmp_path, lambda *each: reports.append(each), invented)
+    assert {name for name, *_ in reports if name.startswith("warm-up")} == {"warm-up-hex8", "warm-up-fourier"}
     found = rows.assess(ended)
     assert found.kind == "fourier"
     assert list(found.series) == ["fourier-coarse-0.5-N2", "fourier-coarse-N2", "fourier-coarse-2-N2"]
@@ -201,7 +204,7 @@ def test_progress_of_all_runs_grows_to_the_end(done: Any) -> None:
     shares = [share for name, share, _ in done.told if name == "all runs"]
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
-    assert done.told[:2] == [("warm-up", 0.0, "compiled code"), ("warm-up", 1.0, "")]
+    assert done.told[:2] == [("warm-up-hex8", 0.0, "compiled code"), ("warm-up-hex8", 1.0, "")]
     names = [each.name for each in done.settings]
     assert [each for each in done.told[2:] if each[0] != "all runs"] == [(name, 1.0, "done") for name in names]
     unknowns = [size_of(each.scene(runs.study_scene(elastic()))).unknowns for each in done.settings]
