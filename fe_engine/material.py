@@ -111,7 +111,8 @@ def material_shapes(model: HasSoil) -> Shapes:
 def contact_rows(model: HasContact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return for each station the code of its law (ns,), its parameters (ns, n), and K_N and K_T (ns, 2) in N/m3."""
     ns = len(model.initial_pressure)
-    rows = np.ascontiguousarray(np.broadcast_to(model.contact, (ns, model.contact.shape[1])))
+    # a copy: the loops are compiled once more for read-only rows
+    rows = np.array(np.broadcast_to(model.contact, (ns, model.contact.shape[1])))
     code, penalties = np.zeros(ns, dtype=np.int64), np.zeros((ns, 2))
     for law, mine in _stations_by_law(model):
         code[mine] = CONTACT_LAWS.code(law)

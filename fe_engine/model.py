@@ -23,7 +23,7 @@ class Stage:
     at the end of the stage; ``load`` (nb, nc) is the pattern of the unknown force that imposes each of them.
     ``force`` (nb,) is the known external force at the end of the stage. Everything varies linearly over the
     stage from the values that held at its start. ``stops`` are fractions of the stage where a converged state
-    must land.
+    must land. ``lag`` is the relaxation time of a viscous soil over the duration of the stage (see soil.viscous).
     """
 
     name: str
@@ -35,6 +35,7 @@ class Stage:
     first_fraction: float = 0.01
     max_fraction: float = 0.1
     duration: float = 0.0
+    lag: float = 0.0
 
 
 @dataclass(frozen=True)

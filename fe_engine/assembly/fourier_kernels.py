@@ -20,12 +20,14 @@ from fe_engine.elements.fourier import add_amplitudes, add_force, amplitudes, st
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.soil.elastic import stored_density, subtract_elastic_tangent
 from fe_engine.soil.law import Point
+from fe_engine.soil.viscous import relax
 
 
 class Soil(NamedTuple):
     """Section elements (ne, 8), see elements.fourier; waves (M, K, 2), weight: radians of one azimuth.
 
-    law (ne,) codes, parameters (ne, r, n), moduli (ne, r, 2) K and G in Pa: see material.soil_rows.
+    law (ne,) codes, parameters (ne, r, n), moduli (ne, r, 2) K and G in Pa: see material.soil_rows. relaxed: see
+    soil.viscous.
     """
 
     quads: np.ndarray
@@ -37,6 +39,7 @@ class Soil(NamedTuple):
     parameters: np.ndarray
     moduli: np.ndarray
     initial_stress: np.ndarray
+    relaxed: float
 
 
 class Contact(NamedTuple):
@@ -93,6 +96,8 @@ def soil_forces(soil, old, new, regime, with_tangent, tangent, force):
                 if status != OK:
                     return e
                 regime[e, point] = what
+                if soil.relaxed < 1.0 and what != REGIME_ELASTIC:
+                    relax(soil.moduli[e, row], soil.relaxed, strain, before, after)
                 for i in range(6):
                     change[i] = after.stress[i] - soil.initial_stress[e, point, i]
                 add_amplitudes(change, soil.waves[j], volume, stresses)
@@ -100,7 +105,7 @@ def soil_forces(soil, old, new, regime, with_tangent, tangent, force):
                     subtract_elastic_tangent(bulk, shear, c)
                     for i in range(6):
                         for m in range(6):
-                            tangent[e, point, i, m] = volume * c[i, m]
+                            tangent[e, point, i, m] = volume * soil.relaxed * c[i, m]
             add_force(soil.gradient[e, g], stresses, soil.quads[e], force)
     return -1
 

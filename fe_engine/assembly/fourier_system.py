@@ -64,7 +64,7 @@ class FourierSystem:
         waves = elements.waves(elements.azimuths(model.azimuths), model.harmonics)
         self.soil = kernels.Soil(
             np.ascontiguousarray(model.mesh.quads, dtype=np.int64), gradient, volume, waves, np.pi / model.azimuths,
-            *soil_rows(model), model.initial_stress,
+            *soil_rows(model), model.initial_stress, 1.0,
         )  # fmt: skip
         self.pattern = make_pattern(model)
         self.factors = self._factorise(gradient, volume)
@@ -101,6 +101,15 @@ class FourierSystem:
         if self._wet_rest is None or self._wet_rest.made_for != (time_step, self.sealed):
             self._wet_rest = WetAtRest(self._wet_soil, time_step, self.sealed)
         return self._wet_rest
+
+    @property
+    def relaxed(self) -> float:
+        """Share of the way to the stress of its law that the soil relaxes; see soil.viscous."""
+        return self.soil.relaxed
+
+    def relax(self, share: float) -> None:
+        """Let the soil relax by this share of the way to the stress of its law from now on; see soil.viscous."""
+        self.soil = self.soil._replace(relaxed=share)
 
     def apply(self, state: State, free: np.ndarray, border: np.ndarray) -> None:
         """Set the trial displacement to the committed one plus the increments (n_free,), (nb,)."""

@@ -19,6 +19,7 @@ from fe_engine.elements.hex8 import add_force, add_stiffness, b_bar, strain_at
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.soil.elastic import elastic_tangent, subtract_elastic_tangent
 from fe_engine.soil.law import Point
+from fe_engine.soil.viscous import relax
 
 BATCH = 4096  # elements; the fewer batches, the less threads wait for each other; 19 MB of blocks
 CHUNK = 16  # elements of one call
@@ -31,6 +32,7 @@ class Elements(NamedTuple):
     law (ne,) codes, parameters (ne, r, n), moduli (ne, r, 2) K and G in Pa: see material.soil_rows.
     initial_stress (ne, 8, 6) Pa.
     frame_of (n,) index of each node's axes or -1, frames (k, 3, 3).
+    relaxed: share of the way to the stress of the law, see soil.viscous.
     """
 
     hexes: np.ndarray
@@ -43,6 +45,7 @@ class Elements(NamedTuple):
     initial_stress: np.ndarray
     frame_of: np.ndarray
     frames: np.ndarray
+    relaxed: float
 
 
 class SoilState(NamedTuple):
@@ -124,7 +127,7 @@ def _chunk(start, first, last, elements, old, new, with_tangent, blocks):
     a point of the soil.
     """
     # unpacked once: Numba counts references at each access to a field
-    hexes, gradients, mean_gradients, volumes, laws, parameters, moduli, rest, frame_of, frames = elements
+    hexes, gradients, mean_gradients, volumes, laws, parameters, moduli, rest, frame_of, frames, relaxed = elements
     forces, stiffnesses, changes, statuses, regimes = blocks
     move = np.empty((8, 3))
     strain = np.empty(6)
@@ -148,6 +151,8 @@ def _chunk(start, first, last, elements, old, new, with_tangent, blocks):
                 statuses[e] = status
                 break
             regime[g] = what
+            if relaxed < 1.0 and what != REGIME_ELASTIC:
+                relax(moduli[e, row], relaxed, strain, before, after)
             for i in range(6):
                 change[i] = stress[g, i] - initial_stress[g, i]
             add_force(gradient[g], mean_gradient, volume[g], change, force)
@@ -157,7 +162,7 @@ def _chunk(start, first, last, elements, old, new, with_tangent, blocks):
                     changed = True
                 subtract_elastic_tangent(moduli[e, row, 0], moduli[e, row, 1], tangent)
                 b_bar(gradient[g], mean_gradient, b)
-                add_stiffness(b, tangent, volume[g], cb, stiffness)
+                add_stiffness(b, tangent, relaxed * volume[g], cb, stiffness)
         changes[slot] = changed
         _to_nodal_axes(hexes[e], frame_of, frames, force, stiffness, changed)
 

@@ -36,7 +36,7 @@ class System:
         self.frame_of, self.frames = _frame_table(model)
         self.elements = kernels.Elements(
             self.hexes, self.gradient, self.mean_gradient, self.volume, *soil_rows(model), model.initial_stress,
-            self.frame_of, self.frames,
+            self.frame_of, self.frames, 1.0,
         )  # fmt: skip
         self.time_step = 0.0  # s, of the present increment; only water asks for it
         self.sealed = False  # see fourier_system: bricks hold fixed pressures at any time
@@ -113,6 +113,15 @@ class System:
             out,
         )
         return out
+
+    @property
+    def relaxed(self) -> float:
+        """Share of the way to the stress of its law that the soil relaxes; see soil.viscous."""
+        return self.elements.relaxed
+
+    def relax(self, share: float) -> None:
+        """Let the soil relax by this share of the way to the stress of its law from now on; see soil.viscous."""
+        self.elements = self.elements._replace(relaxed=share)
 
     def apply(self, state: State, free: np.ndarray, border: np.ndarray) -> None:
         """Set the trial displacement to the committed one plus the increments (n_free,), (nb,)."""

@@ -236,7 +236,7 @@ def make_backend(name: str, n_unknowns: int, symmetric: bool = False, single: bo
     if n_unknowns > SUPERLU_COMFORT:
         warnings.warn(
             f"SuperLU on {n_unknowns} unknowns is slow and needs much memory (comfortable up to {SUPERLU_COMFORT}); "
-            "install pypardiso where it exists (x86-64 Linux and Windows)",
+            "the extra mkl brings a faster one (x86-64 Linux and Windows)",
             stacklevel=2,
         )
     return SuperLU()

@@ -42,13 +42,17 @@ _ROUNDING = 1.0e-6
 
 @dataclass(frozen=True)
 class Loading:
-    """What an increment has to reach, in which time: see model.Stage; target (nc,) and force (nb,) are end values."""
+    """What an increment has to reach, in which time: see model.Stage; target (nc,) and force (nb,) are end values.
+
+    ``relaxed`` is the share of the way to the stress of its law that the soil relaxes: see soil.viscous.
+    """
 
     control: np.ndarray
     target: np.ndarray
     load: np.ndarray
     force: np.ndarray
     time_step: float = 0.0
+    relaxed: float = 1.0
 
     def multipliers(self, border: np.ndarray) -> np.ndarray:
         """Return the sizes (nc,) of the unknown forces that balance the controlled combinations."""
@@ -102,6 +106,7 @@ class Newton:
         The trial fields hold the solution on return; nothing is committed. Raises NotConverged.
         """
         self.system.time_step = loading.time_step
+        self.system.relax(loading.relaxed)
         record: list[dict[str, Any]] = []
         course = Course(not (np.any(free) or np.any(border)), self.stage.bounds, self.stage.close_below)
         self.stage.begin_increment()

@@ -3,7 +3,8 @@
 
 An increment that took Newton few iterations lets the next one grow, a long one shrinks it, a failed attempt halves it.
 Where attempts have failed, so many increments pass at the smaller size before it grows again, twice as many each time
-that growing back has failed anew: a failed attempt costs several increments.
+that growing back has failed anew: a failed attempt costs several increments. Where Newton needs next to nothing, the
+wait is shorter: many such increments cost more than an attempt.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ import math
 from dataclasses import dataclass, replace
 
 GROWTH = 1.5  # factor on the step after an easy increment
+_QUICK = 3  # iterations up to which an increment counts as several of those that wait for growth
+_QUICKER = 4  # as how many it counts
 _EASY = 6  # iterations up to which an increment is easy
 _HARD = 10  # iterations above which the next step is smaller
 _CUT = 0.5  # factor on the step after a failed attempt
@@ -62,4 +65,4 @@ class StepSize:
         else:
             proposed, limit = GROWTH * step, "growth"
         size, limit = (largest, "largest step") if proposed >= largest else (proposed, limit)
-        return replace(now, size=size, limit=limit, wait=max(now.wait - 1, 0))
+        return replace(now, size=size, limit=limit, wait=max(now.wait - (_QUICKER if iterations <= _QUICK else 1), 0))

@@ -12,6 +12,7 @@ import numpy as np
 
 from fe_engine.errors import ModelError, NotConverged
 from fe_engine.model import Stage
+from fe_engine.soil.viscous import share_of
 from fe_engine.solve.newton import Increment, Loading, Newton
 from fe_engine.solve.step_size import GROWTH, StepSize
 from fe_engine.state import State
@@ -97,6 +98,7 @@ class Driver:
                 stage.load,
                 force + target * (stage.force - force),
                 step * stage.duration,
+                share_of(step, stage.lag),
             )
             try:
                 increment = self._attempt(stage, loading, target, self._guess(last, step))

@@ -18,6 +18,7 @@ from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometr
 from pysprings.model.soil_laws import soil_materials
 from pysprings.model.steel import SteelMesh, make_steel, with_steel
 from pysprings.model.water import beside_steel, make_water
+from pysprings.scene.extent import extent_of
 from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
@@ -47,13 +48,13 @@ class Built:
 
 def geometry_of(scene: Scene) -> Geometry:
     """Return the radii and depths of the scene, in m."""
-    outer = 0.5 * scene.caisson.outer_diameter
+    outer, extent = 0.5 * scene.caisson.outer_diameter, extent_of(scene)
     return Geometry(
         inner_radius=outer - scene.caisson.skirt_thickness,
         outer_radius=outer,
         skirt_length=scene.caisson.skirt_length,
-        domain_radius=scene.domain.radius,
-        domain_depth=scene.domain.depth,
+        domain_radius=extent.radius,
+        domain_depth=extent.depth,
         lines=ground_of(scene).lines,
     )
 

@@ -81,6 +81,7 @@ def blocked(folder: Path) -> str:
     return str(folder / "cache")
 
 
+@pytest.mark.slow
 def test_a_changed_law_is_compiled_into_loops_of_other_files(package: Path, tmp_path: Path) -> None:
     """Issue: with NUMBA_CACHE_DIR set, or the package not writable, the old law lived on."""
     (package / "__pycache__").write_text("")  # not a folder: the package cannot be written to
@@ -93,6 +94,7 @@ def test_a_changed_law_is_compiled_into_loops_of_other_files(package: Path, tmp_
     assert [len(list((tmp_path / name).rglob("small-*"))) for name in ("given", "cache")] == [2, 2]
 
 
+@pytest.mark.slow
 def test_a_date_in_the_future_costs_nothing(package: Path) -> None:
     assert call(package)[0] == ["12.0", "compiled"]
     (folder,) = (package / "__pycache__").glob("small-*")
@@ -104,6 +106,7 @@ def test_a_date_in_the_future_costs_nothing(package: Path) -> None:
     assert sorted(folder.rglob("*.nb?")) == before
 
 
+@pytest.mark.slow
 def test_a_place_that_cannot_be_written_to_is_named_and_the_loop_runs(package: Path, tmp_path: Path) -> None:
     """Issue: an unwritable NUMBA_CACHE_DIR, or package and home, ended every command as a bug."""
     temporary = tmp_path / "temporary"
@@ -129,12 +132,12 @@ def test_all_packages_together_warn_once(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(compiled, "user_cache", lambda: cache)
     monkeypatch.setattr(compiled, "private_temporary", lambda: None)
     compiled.warn_once.cache_clear()
-    with pytest.warns(RuntimeWarning, match="not kept: .*; neither the package nor the user's cache can be") as told:
+    with pytest.warns(RuntimeWarning, match="not kept: .*; neither the package nor the user's cache can be") as noted:
         for name in ("one", "two"):
             home = tmp_path / name
             blocked(home / "__pycache__")
             assert compiled.folder_of(home, "0" * 64) is None
-    assert len(told) == 1
+    assert len(noted) == 1
     compiled.warn_once.cache_clear()
 
 

@@ -11,6 +11,7 @@ from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.balance.energy import EnergyBalance
 from fe_engine.contact import coulomb
 from fe_engine.contact.law import Slide
+from fe_engine.conventions import REGIME_ELASTIC
 from fe_engine.elements import fourier as elements
 from fe_engine.errors import LawError, ModelError
 from fe_engine.material import Material
@@ -116,12 +117,14 @@ def product(system, tangent, free, border):
 
 def elastic_product(system, free):
     """Elastic forces of increments: those of the same model with an elastic law."""
-    model = system.model
-    soils = [Material(elastic.LAW, np.stack(m.law.moduli(m.parameters))) for m in model.materials]
-    calm = replace(model, materials=soils)
+    calm = replace(system.model, materials=_elastic_soils(system.model))
     state, rest = State(calm), FourierSystem(calm)
     rest.apply(state, free, np.zeros(3))
     return rest.pattern.folded(rest._soil(state, False)) - 0.0
+
+
+def _elastic_soils(model):
+    return [Material(elastic.LAW, np.stack(m.law.moduli(m.parameters))) for m in model.materials]
 
 
 @pytest.mark.parametrize(("harmonics", "seed"), [(0, 3), (1, 2), (2, 0)])
@@ -141,10 +144,11 @@ def test_residual_and_tangent_equal_the_plain_loop(harmonics, seed):
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-11 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_the_tangent_is_consistent(seed):
+@pytest.mark.parametrize(("seed", "relaxed"), [(0, 1.0), (1, 1.0), (1, 0.3)])
+def test_the_tangent_is_consistent(seed, relaxed):
     model = disc(2, contact=SOFT, skew=True)
     system, state, rng = moved(model, seed)
+    system.relax(relaxed)
     size = system.pattern.n_free
 
     def force(x):
@@ -160,6 +164,23 @@ def test_the_tangent_is_consistent(seed):
     # a slope that is applied: taylor_slope multiplies it with the step
     order = taylor_slope(force, np.outer(slope, step) / (step @ step), x, step, 10.0 ** -np.arange(3.0, 5.5, 0.5))
     assert order > 1.9
+
+
+def test_viscous_soil_goes_a_share_of_the_way_from_the_elastic_to_its_own_stress():
+    model = disc(1, contact=SOFT, skew=True)
+    system, state, _ = moved(model)
+    system.residual(state)
+    own, rest = state.trial.stress.copy(), FourierSystem(replace(model, materials=_elastic_soils(model)))
+    history = state.trial.history.copy()
+    rest.residual(state)
+    trial = state.trial.stress.copy()
+    system.relax(0.3)
+    system.residual(state)
+    yields = system.regime != REGIME_ELASTIC
+    assert yields.any() and not yields.all()
+    np.testing.assert_allclose(state.trial.stress, trial + 0.3 * (own - trial), rtol=1e-9, atol=1e-6)
+    before = state.committed.history
+    np.testing.assert_allclose(state.trial.history, before + 0.3 * (history - before), rtol=1e-9, atol=1e-15)
 
 
 def test_a_step_solves_the_bordered_system():
@@ -217,6 +238,7 @@ def test_converged_forces_balance_and_newton_is_fast():
     assert np.median([step.increment.iterations for step in out.steps]) <= 8
 
 
+@pytest.mark.slow
 def test_energy_balances():
     model = disc(2)
     out = start(model, tolerance=1e-8)

@@ -18,7 +18,7 @@ def walk(size: StepSize, limit: float, number: int) -> tuple[int, int]:
         again = False
         while size.size > limit:
             size, failures, again = size.after_failure(size.size, again), failures + 1, True
-        size = size.after_success(size.size, 3, 1.0)
+        size = size.after_success(size.size, 5, 1.0)
     return number, failures
 
 
@@ -37,8 +37,17 @@ def test_a_failure_halves_it_and_holds_it_there():
     sizes = []
     for _ in range(10):
         sizes.append(size.size)
-        size = size.after_success(size.size, 3, 1.0)
+        size = size.after_success(size.size, 5, 1.0)
     assert sizes == pytest.approx([0.01] * 9 + [0.015])
+
+
+def test_it_is_held_shorter_where_newton_needs_next_to_nothing():
+    size = StepSize(0.02, "growth").after_failure(0.02, again=False)
+    sizes = []
+    for _ in range(4):
+        sizes.append(size.size)
+        size = size.after_success(size.size, 2, 1.0)
+    assert sizes == pytest.approx([0.01] * 3 + [0.015])
 
 
 def test_a_long_increment_shrinks_it_while_it_waits_too():

@@ -199,10 +199,10 @@ def test_load_beyond_the_capacity_ends_in_not_converged():
 # --- going on from a saved position -------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["pull", "load"])
-def test_a_new_driver_goes_on_from_any_step_bit_by_bit(kind):
+@pytest.mark.parametrize(("kind", "lag"), [("pull", 0.0), ("pull", 0.1), ("load", 0.0)])
+def test_a_new_driver_goes_on_from_any_step_bit_by_bit(kind, lag):
     """Two stages; a driver that starts anew after each step ends in the same bits as one that never stopped."""
-    stages = [KINDS[kind], stage({0: 1.0e-4}, arm=0.3)]
+    stages = [replace(KINDS[kind], lag=lag), stage({0: 1.0e-4}, arm=0.3)]
     straight = run(footing(), *stages)
     out = start(footing())
     for number, each in enumerate(stages):
