@@ -73,7 +73,8 @@ def _limits(scene: Scene, stations: Stations) -> tuple[np.ndarray, np.ndarray]:
     number = ground.number(stations.position[:, 2])
     for surface, name in _NAMES.items():
         opening = of_surface(scene.interface.opening, name)
-        for k, stratum in enumerate(ground.strata):
+        for k in np.unique(number):
+            stratum = ground.strata[k]
             mine = (number == k) & (stations.surface == SURFACE[surface])
             depth = stations.position[mine, 2]
             limit[mine] = adhesion_factor(scene.interface, stratum, name, depth) * stratum.strength(depth)

@@ -14,4 +14,4 @@ if TYPE_CHECKING:
 
 def build(scene: Scene) -> Built | BuiltFourier:
     """Build the model of a scene in its discretisation. Raises FEError."""
-    return build_fourier(scene) if scene.mesh.discretisation == "fourier" else build_model(scene)
+    return build_fourier(scene) if scene.discretisation == "fourier" else build_model(scene)

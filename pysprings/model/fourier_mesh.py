@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fe_engine.fourier_model import SectionMesh
-from pysprings.model.levels import through
-from pysprings.model.mesh import Geometry, PlaneCounts, graded, graded_both, skirt_cells
+from pysprings.model.grading import graded
+from pysprings.model.mesh import Geometry, PlaneCounts, counted, depths, outside, skirt_cells, tip_radii
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,13 @@ class CaissonSection:
 
 def make_section(geometry: Geometry, counts: SectionCounts) -> CaissonSection:
     """Build the section of the soil."""
-    r, z = _radii(geometry, counts), _depths(geometry, counts)
+    r, z = _radii(geometry, counts), depths(geometry, counts, _GRADED_FROM)
     i, j = np.meshgrid(np.arange(len(r) - 1), np.arange(len(z) - 1), indexing="ij")
-    inner, outer, toe = 2 * counts.plug, 2 * (counts.plug + counts.tip), 2 * skirt_cells(geometry, z)
+    inner, outer, toe = (
+        2 * counts.plug,
+        2 * (counts.plug + len(tip_radii(geometry, counts)) - 1),
+        2 * skirt_cells(geometry, z),
+    )
     slot = (2 * i >= inner) & (2 * i < outer) & (2 * j < toe)
     # nodes on a grid of half elements
     a, b = 2 * i[~slot], 2 * j[~slot]
@@ -86,6 +90,11 @@ def make_section(geometry: Geometry, counts: SectionCounts) -> CaissonSection:
     )  # fmt: skip
 
 
+def counted_section(geometry: Geometry, counts: SectionCounts) -> SectionCounts:
+    """Return the counts of the elements that the section has."""
+    return counted(geometry, counts, _GRADED_FROM)
+
+
 def refine_section(counts: SectionCounts, factor: float) -> SectionCounts:
     """Scale all numbers of elements by a factor, and the first sizes by its inverse; the harmonics stay."""
     scaled = {n: max(1, round(getattr(counts, n) * factor)) for n in ("plug", "outer", "tip", "skirt", "below")}
@@ -96,19 +105,8 @@ def refine_section(counts: SectionCounts, factor: float) -> SectionCounts:
 def _radii(geometry: Geometry, counts: SectionCounts) -> np.ndarray:
     wall = counts.wall * geometry.outer_radius
     plug = graded(geometry.inner_radius, 0.0, counts.plug, wall)[::-1]
-    tip = np.linspace(geometry.inner_radius, geometry.outer_radius, counts.tip + 1)[1:]
-    outside = graded(geometry.outer_radius, geometry.domain_radius, counts.outer, wall)[1:]
     plug[0] = 0.0
-    return np.concatenate([plug, tip, outside])
-
-
-def _depths(geometry: Geometry, counts: SectionCounts) -> np.ndarray:
-    length = geometry.skirt_length
-    skirt = np.linspace(0.0, length, counts.skirt + 1)
-    if counts.skirt >= _GRADED_FROM:
-        skirt = graded_both(length, counts.skirt, counts.mudline * length, counts.toe * length)
-    below = graded(length, geometry.domain_depth, counts.below, counts.toe * length)
-    return np.concatenate([through(skirt, geometry.lines), through(below, geometry.lines)[1:]])
+    return np.concatenate([plug, tip_radii(geometry, counts)[1:], outside(geometry, counts)[1:]])
 
 
 def _halved(lines: np.ndarray) -> np.ndarray:

@@ -10,12 +10,23 @@ its circle: the leading geometric error of a faceted circle cancels.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
-from scipy.optimize import brentq
 
 from fe_engine.mesh import Mesh
+from pysprings.model.grading import (
+    BELOW,
+    DIAMETER,
+    LENGTH,
+    OUTSIDE,
+    across_the_tip,
+    away,
+    down_the_skirt,
+    graded,
+    graded_both,
+)
 from pysprings.model.levels import through
 
 SURFACES = ("outer", "inner", "lid", "tip")
@@ -42,6 +53,7 @@ class PlaneCounts:
     first cell size next to the skirt as a fraction of the outer radius, ``mudline`` and ``toe`` those below
     mudline and beside the tip as fractions of the skirt length. The singular stresses are at the tip; a thin
     layer below mudline has almost no confining stress once the lid lifts, and is not finer than it needs to be.
+    The counts are those of the reference caisson (`grading`), or of the caisson itself (``own``).
     """
 
     plug: int
@@ -52,6 +64,7 @@ class PlaneCounts:
     wall: float
     mudline: float
     toe: float
+    own: bool = field(default=False, kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -60,6 +73,8 @@ class Counts(PlaneCounts):
 
     azimuth: int
 
+
+AnyCounts = TypeVar("AnyCounts", bound=PlaneCounts)
 
 PRESETS = {
     "coarse": Counts(azimuth=8, plug=4, outer=8, tip=1, skirt=7, below=6, wall=0.10, mudline=0.10, toe=0.10),
@@ -92,48 +107,16 @@ class CaissonMesh:
     section: np.ndarray
 
 
-# Cells shrink away from the skirt only down to this sum of n cells of the first size over the length.
-_MOST_SHRINKING = 2.0
-
-
-def graded(start: float, stop: float, n: int, first: float) -> np.ndarray:
-    """Return the levels (n + 1,) from start to stop, the first cell of the given size, growing geometrically.
-
-    Where there is hardly room for the first cell, all cells are the same: they would shrink to needles otherwise.
-    """
-    length = stop - start
-    share = first / abs(length)
-    if n == 1 or abs(n * share - 1.0) < 1e-9 or n * share > _MOST_SHRINKING:
-        return np.linspace(start, stop, n + 1)
-    ratio = brentq(lambda q: share * (q**n - 1.0) - (q - 1.0) if abs(q - 1.0) > 1e-12 else share * n - 1.0, *(
-        (1.0 + 1e-9, 50.0) if n * share < 1.0 else (1e-6, 1.0 - 1e-9)
-    ))  # fmt: skip
-    steps = np.cumsum(ratio ** np.arange(n))
-    return np.concatenate([[start], start + length * steps / steps[-1]])
-
-
-def graded_both(length: float, n: int, first: float, last: float) -> np.ndarray:
-    """Return levels (n + 1,) from 0 to length; the end cells have the given sizes, and grow geometrically inwards."""
-
-    def sizes(ratio: float) -> np.ndarray:
-        rank = np.arange(n)
-        return np.minimum(first * ratio**rank, last * ratio ** rank[::-1])
-
-    if sizes(1.0).sum() >= length:
-        return np.linspace(0.0, length, n + 1)
-    levels = np.cumsum(sizes(brentq(lambda ratio: sizes(ratio).sum() - length, 1.0, 50.0)))
-    return np.concatenate([[0.0], length * levels / levels[-1]])
-
-
 def make_mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
-    """Build the half mesh (y >= 0) of the soil."""
-    plan = _plan(geometry, counts)
-    levels = _levels(geometry, counts)
+    """Build the half mesh (y >= 0) of the soil; ``counts`` are those of the reference caisson (`grading`)."""
+    radii, levels = _radii(geometry, counts), depths(geometry, counts)
+    plan = _plan(geometry, counts.azimuth, radii)
     n_plan, n_skirt = len(plan.points), skirt_cells(geometry, levels)
     nodes = np.empty((len(levels), n_plan, 3))
     nodes[:, :, :2] = plan.points
     nodes[:, :, 2] = levels[:, None]
-    slot = (plan.ring >= counts.plug) & (plan.ring < counts.plug + counts.tip)
+    inside = len(radii.plug)
+    slot = (plan.ring >= inside) & (plan.ring < inside + len(radii.tip))
     layers = [plan.quads[~slot] if k < n_skirt else plan.quads for k in range(len(levels) - 1)]
     hexes = np.concatenate([np.hstack([q + k * n_plan, q + (k + 1) * n_plan]) for k, q in enumerate(layers)])
     offset = n_plan * np.arange(n_skirt + 1)
@@ -141,7 +124,7 @@ def make_mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
     faces = {
         "outer": _wall_faces(outer),
         "inner": _wall_faces(inner)[:, [1, 0, 3, 2]],
-        "lid": plan.quads[plan.ring < counts.plug],
+        "lid": plan.quads[plan.ring < inside],
         "tip": plan.quads[slot] + n_skirt * n_plan,
     }
     sets = _node_sets(plan, len(levels))
@@ -161,12 +144,38 @@ class _Plan:
     rings: dict[str, np.ndarray]
 
 
-def _levels(geometry: Geometry, counts: Counts) -> np.ndarray:
-    """Return the depth levels of the nodes, in m."""
-    length = geometry.skirt_length
-    skirt = graded_both(length, counts.skirt, counts.mudline * length, counts.toe * length)
-    below = graded(length, geometry.domain_depth, counts.below, skirt[-1] - skirt[-2])
+def depths(geometry: Geometry, counts: PlaneCounts, fewest: int = 1) -> np.ndarray:
+    """Return the depth levels of the cells, in m; fewer cells of the skirt than ``fewest`` are all of one size."""
+    length, diameter = geometry.skirt_length, 2.0 * geometry.outer_radius
+    if counts.own:
+        skirt = graded_both(length, counts.skirt, counts.mudline * length, counts.toe * length)
+        below = graded(length, geometry.domain_depth, counts.below, skirt[-1] - skirt[-2])
+        return np.concatenate([through(skirt, geometry.lines), through(below, geometry.lines)[1:]])
+    if counts.skirt < fewest:
+        skirt = np.linspace(0.0, length, max(1, round(counts.skirt * length / (LENGTH * diameter / DIAMETER))) + 1)
+        toe = counts.toe * LENGTH * diameter / DIAMETER
+    else:
+        skirt = down_the_skirt(length, diameter, counts.skirt, counts.mudline, counts.toe)
+        toe = skirt[-1] - skirt[-2]
+    below = away(length, geometry.domain_depth, counts.below, toe, BELOW * diameter / DIAMETER)
     return np.concatenate([through(skirt, geometry.lines), through(below, geometry.lines)[1:]])
+
+
+def outside(geometry: Geometry, counts: PlaneCounts) -> np.ndarray:
+    """Return the radii of cells between skirt and side, in m."""
+    radius = geometry.outer_radius
+    if counts.own:
+        return graded(radius, geometry.domain_radius, counts.outer, counts.wall * radius)
+    return away(radius, geometry.domain_radius, counts.outer, counts.wall * radius, OUTSIDE * 2.0 * radius / DIAMETER)
+
+
+def tip_radii(geometry: Geometry, counts: PlaneCounts) -> np.ndarray:
+    """Return the radii of cells across the tip, in m."""
+    inner, radius = geometry.inner_radius, geometry.outer_radius
+    n = counts.tip
+    if not counts.own:
+        n = across_the_tip(radius - inner, 2.0 * radius, n, counts.wall * radius)
+    return np.linspace(inner, radius, n + 1)
 
 
 def skirt_cells(geometry: Geometry, levels: np.ndarray) -> int:
@@ -174,36 +183,49 @@ def skirt_cells(geometry: Geometry, levels: np.ndarray) -> int:
     return int(np.argmin(np.abs(levels - geometry.skirt_length)))
 
 
-def counted(geometry: Geometry, counts: Counts) -> Counts:
-    """Return the counts with the layers of cells that the mesh has, those for the lines of the geometry included."""
-    if not geometry.lines:
-        return counts
-    levels = _levels(geometry, counts)
+def counted(geometry: Geometry, counts: AnyCounts, fewest: int = 1) -> AnyCounts:
+    """Return the counts of the cells that the mesh has: see `grading`, and the lines of the geometry."""
+    levels = depths(geometry, counts, fewest)
     skirt = skirt_cells(geometry, levels)
-    return replace(counts, skirt=skirt, below=len(levels) - 1 - skirt)
+    beside = len(outside(geometry, counts)) - 1
+    tip = len(tip_radii(geometry, counts)) - 1
+    return replace(counts, skirt=skirt, below=len(levels) - 1 - skirt, outer=beside, tip=tip)
 
 
-def _plan(geometry: Geometry, counts: Counts) -> _Plan:
-    n, half_width = counts.azimuth, 0.5 * geometry.inner_radius
-    core, core_quads, rim = core_square(n, half_width)
-    wall = counts.wall * geometry.outer_radius
+@dataclass(frozen=True)
+class _Radii:
+    """Radii of the rings of nodes inside the skirt (k,), across the tip and outside, without the first of each."""
+
+    plug: np.ndarray
+    tip: np.ndarray
+    outside: np.ndarray
+
+
+def _radii(geometry: Geometry, counts: Counts) -> _Radii:
+    half_width, wall = 0.5 * geometry.inner_radius, counts.wall * geometry.outer_radius
     plug = graded(geometry.inner_radius, half_width, counts.plug, wall)[-2::-1]
-    tip = np.linspace(geometry.inner_radius, geometry.outer_radius, counts.tip + 1)[1:]
-    outside = graded(geometry.outer_radius, geometry.domain_radius, counts.outer, wall)[1:]
+    return _Radii(plug, tip_radii(geometry, counts)[1:], outside(geometry, counts)[1:])
+
+
+def _plan(geometry: Geometry, n: int, radii: _Radii) -> _Plan:
+    half_width = 0.5 * geometry.inner_radius
+    core, core_quads, rim = core_square(n, half_width)
+    plug = radii.plug
     angle = np.linspace(0.0, np.pi, n + 1)
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     circle[np.abs(circle) < 1e-15] = 0.0
     # from the core's rim to the inner face of the skirt the rings pass gradually into circles
     share = ((plug - half_width) / (geometry.inner_radius - half_width))[:, None, None]
     inside = (1.0 - share) * core[rim] + share * geometry.inner_radius * circle
-    circles = np.concatenate([tip, outside])[:, None, None] * circle
+    circles = np.concatenate([radii.tip, radii.outside])[:, None, None] * circle
     points = np.concatenate([core, inside.reshape(-1, 2), circles.reshape(-1, 2)])
     step = np.pi / n
     points *= np.sqrt(step / np.sin(step))
-    n_rings = counts.plug + counts.tip + counts.outer
+    n_rings = len(plug) + len(radii.tip) + len(radii.outside)
     chain = np.vstack([rim, len(core) + np.arange(n_rings * (n + 1)).reshape(n_rings, n + 1)])
     quads = [np.stack([a[:-1], b[:-1], b[1:], a[1:]], axis=1) for a, b in itertools.pairwise(chain)]
-    named = {"inner": chain[counts.plug], "outer": chain[counts.plug + counts.tip], "domain": chain[-1]}
+    inner = len(plug)
+    named = {"inner": chain[inner], "outer": chain[inner + len(radii.tip)], "domain": chain[-1]}
     ring = np.concatenate([np.full(len(core_quads), -1), np.repeat(np.arange(n_rings), n)])
     return _Plan(points, np.concatenate([core_quads, *quads]), ring, named)
 

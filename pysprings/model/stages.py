@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -51,8 +53,22 @@ def path_stages(
     Every stage of an undrained path takes ``undrained_time`` (s), in which nothing flows. ``rest`` is the vertical
     displacement (m) under the dead load: what is imposed vertically counts from there.
     """
-    stages = _stages(scene, path, extra_load, undrained_time)
+    stages = _viscous(scene, _stages(scene, path, extra_load, undrained_time))
     return [replace(stage, target=stage.target + rest * stage.control[:, 1]) for stage in stages] if rest else stages
+
+
+def _viscous(scene: Scene, stages: list[Stage]) -> list[Stage]:
+    """Return the stages of a path with the relaxation time of the soil; only imposed motions take time."""
+    relaxing = scene.solver.viscous_displacement
+    if relaxing is None:
+        return stages
+    viscous, start = [], np.zeros(len(stages[0].target))
+    for stage in stages:
+        turns = (stage.control[:, :2] == 0.0).all(axis=1)
+        moved = np.linalg.norm((stage.target - start) * np.where(turns, scene.caisson.skirt_length, 1.0))
+        viscous.append(replace(stage, lag=relaxing / float(moved)) if moved else stage)
+        start = stage.target
+    return viscous
 
 
 def _stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
@@ -61,18 +77,37 @@ def _stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) 
         return _stages_in_turn(scene, path, extra_load, undrained_time)
     if path.arm_from is not None:
         return _climbing_stages(scene, path, extra_load, undrained_time)
-    ends = [(imposed_end(path), _time(path, path.rate, path.duration, 0.0, imposed_end(path)), path.report_at)]
-    for then in path.then:
-        start = ends[-1][0]
-        value = start if then.value is None else then.value
-        ends.append((value, _time(path, then.rate, then.time, start, value), ()))
-    start, stages = 0.0, []
-    for number, (end, time, report_at) in enumerate(ends):
-        duration = undrained_time if scene.drainage.mode == "undrained" else time
-        name = path.name if number == 0 else f"{path.name}, then {number}"
-        stages.append(_stage(scene, path, name, (start, end), report_at, extra_load, duration))
-        start = end
-    return stages
+    end = imposed_end(path)
+    duration = undrained_time if scene.drainage.mode == "undrained" else _time(path.rate, path.duration, 0.0, end)
+    first = _stage(scene, path, path.name, (0.0, end), path.report_at, extra_load, duration)
+    return [first, *_further(scene, path, first, end, undrained_time)]
+
+
+def _further(scene: Scene, path: Path, before: Stage, start: float, undrained_time: float) -> Iterator[Stage]:
+    """Yield the stages of what follows (`then`) after a stage that ends at the imposed quantity ``start``."""
+    extra_load = float(before.force[1])
+    for number, then in enumerate(path.then, 1):
+        end = start if then.value is None else then.value
+        duration = undrained_time if scene.drainage.mode == "undrained" else _time(then.rate, then.time, start, end)
+        stage = _stage(scene, path, f"{path.name}, then {number}", (start, end), (), extra_load, duration)
+        if then.value is None:  # whatever is imposed stays
+            stage = replace(stage, target=before.target, force=before.force)
+        elif then.second is not None:
+            stage = _with_second(scene, path, stage, before, then.second)
+        yield stage
+        before, start = stage, end
+
+
+def _with_second(scene: Scene, path: Path, stage: Stage, before: Stage, second: float) -> Stage:
+    """Return a stage that leads to a second end value, too: M [N m] under given loads, else rotation [rad]."""
+    target, force, travel = stage.target, stage.force, 1.0
+    if PATH_KINDS[path.kind].force:
+        force = np.array([*force[:2], 0.5 * second])
+    else:
+        target = np.array([target[0], second, *target[2:]])
+        travel = float(np.abs(target[:2] - before.target[:2]) @ [1.0, scene.caisson.skirt_length])
+    small, large = _step_fractions(scene, path, travel)
+    return replace(stage, target=target, force=force, first_fraction=small, max_fraction=large)
 
 
 def _stages_in_turn(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
@@ -87,16 +122,17 @@ def _stages_in_turn(scene: Scene, path: Path, extra_load: float, undrained_time:
         first, name=f"{path.name}, then turned", target=np.array([u, turn, *first.target[2:]]), stops=(1.0,),
         duration=times[1], first_fraction=small, max_fraction=large,
     )  # fmt: skip
-    return [first, second]
+    return [first, second, *_further(scene, path, second, u, undrained_time)]
 
 
 def _climbing_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
     """Return a load that grows at its first height, and then climbs to its last one: M grows under constant H and V."""
-    grows = path.model_copy(update={"arm": path.arm_from, "arm_from": None})
+    grows = path.model_copy(update={"arm": path.arm_from, "arm_from": None, "then": ()})
     (first,) = _stages(scene, grows, extra_load, undrained_time)
     moment = -0.5 * imposed_end(path) * (path.arm - _need(path.arm_from))
     force = first.force + np.array([0.0, 0.0, moment])
-    return [first, replace(first, name=f"{path.name}, then climbing", force=force, stops=(1.0,))]
+    second = replace(first, name=f"{path.name}, then climbing", force=force, stops=(1.0,))
+    return [first, second, *_further(scene, path, second, imposed_end(path), undrained_time)]
 
 
 def _stage(
@@ -104,7 +140,7 @@ def _stage(
     report_at: tuple[float, ...], extra_load: float, duration: float,
 ) -> Stage:  # fmt: skip
     """Return one stage, which leads the imposed quantity of the path from the first to the second of its ``ends``."""
-    rows, patterns = _imposed(path)
+    rows, patterns = _imposed(scene, path)
     targets = _targets(path, ends[1])
     force = np.array([0.0, extra_load, 0.0])
     if PATH_KINDS[path.kind].force:
@@ -127,7 +163,7 @@ def _stage(
     )
 
 
-def _time(path: Path, rate: float | None, time: float | None, start: float, end: float) -> float:
+def _time(rate: float | None, time: float | None, start: float, end: float) -> float:
     """Return the time (s) of a part of a path; 0 if none is imposed (drained)."""
     if time is not None:
         return time
@@ -139,9 +175,13 @@ def imposed_end(path: Path) -> float:
     return _need(getattr(path, PATH_KINDS[path.kind].imposed))
 
 
-def _imposed(path: Path) -> tuple[list, list]:
+def _imposed(scene: Scene, path: Path) -> tuple[list, list]:
     """Return the rows of the control and the force patterns that impose them, in (u, w, rotation)."""
     kind = PATH_KINDS[path.kind]
+    if kind.conjugate:
+        angle = _need(path.load_angle)
+        along = [math.cos(angle), 0.0, scene.caisson.outer_diameter * math.sin(angle)]
+        return [along], [list(along)]
     rows = [np.eye(3)[DOFS.index(dof)].tolist() for dof in kind.holds]
     return rows, [[1.0, 0.0, -path.arm]] if kind.free_head and rows else [list(row) for row in rows]
 
@@ -170,11 +210,15 @@ def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, flo
 
 
 def _first_strain(scene: Scene) -> float:
-    """Return the first step over the diameter, reduced for soil that would yield at once (stiff at low stress)."""
+    """Return the first step over the diameter, reduced for soil that would yield at once (stiff at low stress).
+
+    Soil without stress and strength gives no measure.
+    """
     ground, depth = ground_of(scene), np.array(scene.caisson.skirt_length)
     strength = float(ground.strength(depth))
     stress = strength if bool(ground.in_total_stress(depth)) else float(ground.vertical_stress(depth)) + strength
-    return min(_FIRST_STEP, _FIRST_STRAIN * stress / float(ground.value("young_modulus", depth)))
+    reduced = _FIRST_STRAIN * stress / float(ground.value("young_modulus", depth))
+    return min(_FIRST_STEP, reduced) if reduced > 0.0 else _FIRST_STEP
 
 
 def _need(value: float | None) -> float:

@@ -19,7 +19,8 @@ from pysprings.scene.fields import QUANTITY_PATTERN, Field, Number, Quantity, re
 class ByDepth:
     """A value that varies inside a layer; the keys that are not None decide how.
 
-    top, bottom : values at top and bottom of the layer, linear between.
+    top, bottom : values at top and bottom of the layer, linear between; with ``to`` (m) the second one is that at this
+        depth, and of all below.
     top, gradient : value at the top and its increase per metre of depth.
     reference, reference_depth, depth_offset, exponent : reference ((z + offset)/reference_depth)^exponent, with z the
         depth below mudline in m.
@@ -29,6 +30,7 @@ class ByDepth:
 
     top: float | None = None
     bottom: float | None = None
+    to: float | None = None
     gradient: float | None = None
     reference: float | None = None
     reference_depth: float | None = None
@@ -44,6 +46,8 @@ class ByDepth:
         if self.bottom is not None:
             assert self.top is not None
             share = (depth - top) / (bottom - top)
+            if self.to is not None:
+                share = np.minimum((depth - top) / (self.to - top), 1.0)
             return np.asarray(self.top + share * (self.bottom - self.top))
         if self.gradient is not None:
             assert self.top is not None
@@ -58,12 +62,16 @@ class ByDepth:
 
 
 Value = float | ByDepth  # "auto" is resolved where the ground is made
-_LINEAR = ({"top", "bottom"}, {"top", "gradient"})
+_LINEAR = ({"top", "bottom"}, {"top", "bottom", "to"}, {"top", "gradient"})
 _POWERS = ({"reference", "reference_depth", "exponent"}, {"reference", "reference_stress", "exponent"})
 _DEPTH = Quantity("m", "(0, 1e4]", "", "5 m")
 _OFFSET = Quantity("m", "[0, 1e4]", "", "1 m")
 _STRESS = Quantity("kPa", "(0, 1e6]", "", "100 kPa")
 _EXPONENT = Number("[0, 2]", "", 0.5)
+_OWN = {
+    "to": _DEPTH, "reference_depth": _DEPTH, "depth_offset": _OFFSET, "reference_stress": _STRESS,
+    "exponent": _EXPONENT,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -98,7 +106,13 @@ class Profile(Field):
         if name == "gradient":
             unit = f"{self.quantity.unit}/m"
             return Quantity(unit, "[-1e9, 1e9]", "", f"2 {unit}")
-        own = {"reference_depth": _DEPTH, "depth_offset": _OFFSET, "reference_stress": _STRESS, "exponent": _EXPONENT}
+        own = {
+            "to": _DEPTH,
+            "reference_depth": _DEPTH,
+            "depth_offset": _OFFSET,
+            "reference_stress": _STRESS,
+            "exponent": _EXPONENT,
+        }
         return own.get(name, self.quantity)
 
     def in_toml(self, value: Any) -> Any:

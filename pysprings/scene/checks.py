@@ -5,33 +5,40 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pysprings.core.path_kinds import PATH_KINDS, UNITS
+from pysprings.core.path_kinds import CALIBRATION, MEMORY, PATH_KINDS, UNITS
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
+from pysprings.scene.extent import Extent, extent_of
 from pysprings.scene.interface import drainage_clashes, interface_clashes
 from pysprings.scene.law_keys import key_clashes
-from pysprings.scene.layers import in_layer, layer_order, uniform_soils, values_inside
+from pysprings.scene.layers import in_layer, layer_order, open_ends, uniform_soils, values_inside
 from pysprings.scene.positions import KeyPath
-from pysprings.scene.sections import Caisson, Domain, Path, SceneSections, Soil, Solver
+from pysprings.scene.scene_sections import SceneSections
+from pysprings.scene.sections import Caisson, Path, Soil, Solver, Springs
 from pysprings.scene.soil_laws import SOIL_LAWS
 
 MIN_RADIUS_RATIO = 1.02  # domain radius over caisson radius: room for a graded mesh around the skirt
+_MAY_BE_ZERO = ("arm_from", "load_angle")  # None where not given
 MIN_DEPTH_RATIO = 1.02  # domain depth over skirt length: room for a graded mesh below the tip
+_REACH = ("springs", "reach")
+_MOST_VISCOUS = 1.0e-5  # viscous displacement over outer diameter
 
 
 def clashes(scene: SceneSections) -> Iterator[Clash]:
     """Give everything that does not go together in a scene whose single values are valid."""
     yield from _caisson(scene.caisson)
-    yield from _domain(scene.domain, scene.caisson)
-    yield from _ground(scene.soil, scene.domain)
+    extent = extent_of(scene)
+    yield from _domain(extent, scene.caisson)
+    yield from _ground(scene.soil, extent)
     yield from drainage_clashes(scene)
-    if not [*layer_order(scene.soil, scene.domain)]:
+    if not [*layer_order(scene.soil, extent)]:
         yield from interface_clashes(scene)
     yield from _series(scene)
     yield from _solver(scene.solver)
-    yield from _paths(scene.paths)
+    yield from _viscous(scene.solver, scene.caisson)
     if scene.drainage.mode == "coupled":
-        yield from _times(scene.paths)
+        yield from _pace(scene.springs)
+    yield from _load_paths(scene)
 
 
 def dotted(path: KeyPath) -> str:
@@ -54,7 +61,7 @@ def _caisson(caisson: Caisson) -> Iterator[Clash]:
         yield Clash(keys, f"must be less than half of outer_diameter ({show(caisson.outer_diameter, 'm')})")
 
 
-def _domain(domain: Domain, caisson: Caisson) -> Iterator[Clash]:
+def _domain(domain: Extent, caisson: Caisson) -> Iterator[Clash]:
     radius = 0.5 * caisson.outer_diameter
     if domain.radius <= MIN_RADIUS_RATIO * radius:
         keys = ("domain", "radius"), ("caisson", "outer_diameter")
@@ -69,7 +76,7 @@ def _domain(domain: Domain, caisson: Caisson) -> Iterator[Clash]:
 def _series(scene: SceneSections) -> Iterator[Clash]:
     """Check what a Fourier series can carry."""
     mesh, chosen = scene.mesh, ("mesh", "discretisation")
-    if mesh.discretisation == "hex8":
+    if scene.discretisation == "hex8":
         if mesh.harmonics is not None:
             yield Clash((("mesh", "harmonics"), chosen), 'are those of discretisation = "fourier"')
         return
@@ -81,9 +88,10 @@ def _series(scene: SceneSections) -> Iterator[Clash]:
         yield Clash((("drainage", "stabilisation"), chosen), "is one of bricks; pressures of a series need none")
 
 
-def _ground(soil: Soil, domain: Domain) -> Iterator[Clash]:
+def _ground(soil: Soil, domain: Extent) -> Iterator[Clash]:
     """Check keys and order of the layers; where they are right, the values of each."""
     wrong = [*key_clashes(soil), *([*layer_order(soil, domain)] or values_inside(soil, domain))]
+    wrong += [] if wrong else [*open_ends(soil, domain)]
     yield from wrong
     if wrong:
         return
@@ -104,9 +112,17 @@ def _solver(solver: Solver) -> Iterator[Clash]:
         yield Clash(keys, f"{first:g} must not be more than max_step_fraction ({largest:g})")
 
 
+def _viscous(solver: Solver, caisson: Caisson) -> Iterator[Clash]:
+    """Refuse a relaxation whose overstress is a part of the answer: several per cent of the load at this bound."""
+    most = _MOST_VISCOUS * caisson.outer_diameter
+    if solver.viscous_displacement is not None and solver.viscous_displacement > most:
+        keys = ("solver", "viscous_displacement"), ("caisson", "outer_diameter")
+        bound = f"{_MOST_VISCOUS:g} of outer_diameter ({show(most, 'mm')})"
+        text = f"{show(solver.viscous_displacement, 'mm')} is more than {bound}: the overstress would carry load"
+        yield Clash(keys, text)
+
+
 def _paths(paths: tuple[Path, ...]) -> Iterator[Clash]:
-    if not paths:
-        yield Clash((("path",),), "at least one [[path]] is needed: it defines how the caisson is moved")
     seen: dict[str, int] = {}
     for index, path in enumerate(paths):
         first = seen.setdefault(path.name.lower(), index)
@@ -120,21 +136,18 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
     here: KeyPath = ("path", index)
     kind = PATH_KINDS[path.kind]
     imposed = kind.imposed
-    for name in (*UNITS, "arm", "arm_from", "rate"):
-        given = path.arm_from is not None if name == "arm_from" else getattr(path, name)
+    for name in (*UNITS, "arm", "arm_from", "load_angle", "rate"):
+        value = getattr(path, name)
+        given = value is not None if name in _MAY_BE_ZERO else value
         if given and name != imposed and name not in kind.uses:
             yield Clash(((*here, name), (*here, "kind")), f'a path of kind "{path.kind}" does not use it')
     if kind.drives == "w" and path.heave == "fixed":
         yield Clash(((*here, "heave"), (*here, "kind")), f'a path of kind "{path.kind}" moves the caisson up or down')
     if path.rate is not None and path.duration is not None:
         yield Clash(((*here, "duration"), (*here, "rate")), "give rate or duration, not both")
-    if path.then and path.role == "calibration":
-        text = 'springs are made from monotonic paths only: a path with `then` needs role = "held-back"'
-        yield Clash(((*here, "then"), (*here, "role")), text)
+    yield from _role(here, path)
     if kind.bends:
         yield from _bent(here, path)
-    if path.arm_from is not None and path.then:
-        yield Clash(((*here, "then"), (*here, "arm_from")), "a load that climbs (arm_from) has nothing after it")
     if path.arm_from is not None and path.role == "calibration":
         text = 'springs are made from paths of one direction only: a load that climbs needs role = "held-back"'
         yield Clash(((*here, "role"), (*here, "arm_from")), text)
@@ -145,6 +158,30 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
         yield Clash(((*here, imposed), (*here, "kind")), "must not be zero")
     else:
         yield from _stops(here, imposed, target, path.report_at)
+
+
+def _role(here: KeyPath, path: Path) -> Iterator[Clash]:
+    """Check that springs are made from monotonic paths, and their memory from straight ones that turn back."""
+    keys = (*here, "then"), (*here, "role")
+    if path.then and path.role == CALIBRATION:
+        text = 'springs are made from monotonic paths only: a path with `then` needs role = "held-back"'
+        yield Clash(keys, text)
+    elif path.role == MEMORY and not (PATH_KINDS[path.kind].straight and path.then):
+        text = 'role = "memory" is for a translation or rotation that turns back: then = ["-8 mm", "8 mm"]'
+        yield Clash((keys[1], keys[0], (*here, "kind")), text)
+
+
+def _load_paths(scene: SceneSections) -> Iterator[Clash]:
+    """Check the paths; what is wrong with one of the fan is wrong with its reach."""
+    own, coupled = len(scene.paths), scene.drainage.mode == "coupled"
+    for clash in (*_paths(scene.load_paths), *(_times(scene.paths) if coupled else ())):
+        keys = (key if key[0] != "path" or int(key[1]) < own else _REACH for key in clash.keys)
+        yield Clash(tuple(dict.fromkeys(keys)), clash.message)
+
+
+def _pace(springs: Springs) -> Iterator[Clash]:
+    if springs.reach is not None and not springs.rates:
+        yield Clash((("springs", "rates"), _REACH), 'drainage.mode = "coupled" needs them, such as ["0.05 mm/s"]')
 
 
 def _times(paths: tuple[Path, ...]) -> Iterator[Clash]:
@@ -165,12 +202,12 @@ def _bent(here: KeyPath, path: Path) -> Iterator[Clash]:
     """Check what a path on which H and M change their ratio needs beside what it imposes."""
     where, kind = (*here, "kind"), PATH_KINDS[path.kind]
     for name in kind.needs:
-        if not getattr(path, name):
+        if getattr(path, name) is None or (name not in _MAY_BE_ZERO and not getattr(path, name)):
             yield Clash(((*here, name), where), f'a path of kind "{path.kind}" needs a {name}')
     if path.role == "calibration":
         text = f'springs are made from paths of one direction only: a {path.kind} needs role = "held-back"'
         yield Clash(((*here, "role"), where), text)
-    for name in ("then", "duration"):
+    for name in ("duration",) if kind.pairs else ("then", "duration"):
         if getattr(path, name):
             yield Clash(((*here, name), where), f'a path of kind "{path.kind}" does not use it')
 

@@ -268,9 +268,9 @@ class Text(Field):
 
 @dataclass(frozen=True)
 class QuantityList(Field):
-    """A list of quantities whose kind depends on an earlier field of the same section.
+    """A list of quantities whose kind depends on an earlier field of the same section, or is one for all.
 
-    by_field : name of that field;  quantities : pairs of its value and the quantity of the entries
+    by_field : name of that field ("": one for all);  quantities : pairs of its value and the quantity of the entries
     """
 
     by_field: str
@@ -280,7 +280,7 @@ class QuantityList(Field):
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, list | tuple):
             raise refuse(f"expected a list of quantities such as [{quoted(self._example())}], got {quoted(value)}")
-        quantity = dict(self.quantities).get(info.data.get(self.by_field, ""))
+        quantity = dict(self.quantities).get(info.data.get(self.by_field, ""))  # "" is no value of a field
         if quantity is None:  # the other field is refused already
             return ()
         numbers, wrong = [], []

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,10 +13,13 @@ from typing import Any
 import numpy as np
 
 from pysprings.scene.by_depth import ByDepth, Value
+from pysprings.scene.extent import Extent, extent_of
 from pysprings.scene.law_defaults import STIFFNESSES
-from pysprings.scene.sections import BY_LAYER, Layer, SceneSections, Soil
+from pysprings.scene.scene_sections import SceneSections
+from pysprings.scene.sections import BY_LAYER, Layer, Soil
 from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS
 
+_OF_ELASTIC = ("poisson_ratio", "K0", "effective_unit_weight", "hydraulic_conductivity")
 _MERGED = 1.0e-9  # m: depths closer than that are one
 
 
@@ -24,6 +28,7 @@ class Stratum:
     """A layer between two depths (m) with the values of its soil.
 
     ``above`` is the vertical effective stress (Pa) at its top; ``number`` its place among the layers of the scene.
+    ``like`` is the law of the soil above, where this is the elastic ground below it.
     """
 
     number: int
@@ -33,6 +38,7 @@ class Stratum:
     bottom: float
     above: float
     values: dict[str, Value]
+    like: str = ""
 
     def value(self, name: str, depth: np.ndarray) -> np.ndarray:
         """Return a value of the soil at depths (...,) of this layer; Young's modulus from what gives the stiffness."""
@@ -58,7 +64,7 @@ class Stratum:
     @property
     def total_stress(self) -> bool:
         """Whether the layer is undrained clay in total stress."""
-        return SOIL_LAWS[self.law].total_stress
+        return SOIL_LAWS[self.like or self.law].total_stress
 
     @property
     def varies(self) -> bool:
@@ -70,9 +76,10 @@ class Stratum:
         down, weight = depth - self.top, self.values["effective_unit_weight"]
         if not isinstance(weight, ByDepth):
             return np.asarray(self.above + weight * down)
-        ends = weight.at(np.array([self.top, self.bottom]), self.top, self.bottom)
-        slope = (ends[1] - ends[0]) / (self.bottom - self.top)
-        return np.asarray(self.above + (ends[0] + 0.5 * slope * down) * down)
+        stop = min(weight.to or self.bottom, self.bottom)  # the weight is constant below
+        ends = weight.at(np.array([self.top, stop]), self.top, self.bottom)
+        slope, linear = (ends[1] - ends[0]) / (stop - self.top), np.minimum(down, stop - self.top)
+        return np.asarray(self.above + (ends[0] + 0.5 * slope * linear) * linear + ends[1] * (down - linear))
 
     def row(self, depth: float) -> dict[str, Any]:
         """Return what an engineer checks at a depth (m) of this layer, in SI; angles in degrees."""
@@ -87,7 +94,7 @@ class Stratum:
             "K0": value["K0"],
             "shear_modulus_Pa": float(self.shear_modulus(z)),
         }
-        if self.total_stress:
+        if "undrained_shear_strength" in value:
             row["undrained_shear_strength_Pa"] = value["undrained_shear_strength"]
         elif SOIL_LAWS[self.law].yields:
             row["friction_angle_deg"] = math.degrees(value["friction_angle_final"])
@@ -114,8 +121,8 @@ class Ground:
 
     @property
     def is_uniform(self) -> bool:
-        """Whether all values are the same at all depths."""
-        return len(self.strata) == 1 and not self.strata[0].varies
+        """Whether all values are the same at all depths, but for the elastic ground."""
+        return len(self.strata) == 1 + bool(self.strata[-1].like) and not self.strata[0].varies
 
     @property
     def total_stress(self) -> bool:
@@ -147,8 +154,8 @@ class Ground:
         if len(self.strata) == 1:
             return of(self.strata[0], depth)
         number, values = self.number(depth), np.empty(depth.shape)
-        for k, stratum in enumerate(self.strata):
-            values[number == k] = of(stratum, depth[number == k])
+        for k in np.unique(number):
+            values[number == k] = of(self.strata[k], depth[number == k])
         return values
 
     def profile(self) -> list[dict[str, Any]]:
@@ -158,7 +165,7 @@ class Ground:
 
 def ground_of(scene: SceneSections) -> Ground:
     """Return the ground of a scene; a soil without layers is one."""
-    return make_ground(scene.soil, scene.domain.depth)
+    return make_ground(scene.soil, extent_of(scene))
 
 
 def drainage_of(scene: SceneSections) -> str:
@@ -167,17 +174,32 @@ def drainage_of(scene: SceneSections) -> str:
     return ", ".join(sorted(kinds))
 
 
-def make_ground(soil: Soil, depth: float) -> Ground:
-    """Return the ground of a soil down to a depth (m); its layers must stand in order."""
+def make_ground(soil: Soil, extent: Extent) -> Ground:
+    """Return the ground of a soil; its layers must stand in order.
+
+    A domain of automatic depth reaches far below the ground that matters. From ``extent.ground`` down the soil is
+    elastic with the stiffness that it has there: strengths and stresses of a profile are not carried on without end.
+    """
     layers = soil.layers
     tops = [each.top for each in layers] or [0.0]
     strata, above = [], soil.surcharge
-    for number, (top, bottom) in enumerate(zip(tops, [*tops[1:], depth], strict=True)):
+    for number, (top, bottom) in enumerate(zip(tops, [*tops[1:], extent.ground], strict=True)):
         layer = layers[number] if layers else None
         name, law = (layer.name, layer.law or soil.yield_surface) if layer else ("soil", soil.yield_surface)
         strata.append(Stratum(number, name, law, top, bottom, above, values_of(soil, layer)))
         above = float(strata[-1].vertical_stress(np.array(bottom)))
+    if extent.depth > extent.ground:
+        strata.append(_elastic(strata[-1], extent.depth, above))
     return Ground(tuple(strata))
+
+
+def _elastic(above: Stratum, bottom: float, stress: float) -> Stratum:
+    """Return the elastic ground below a layer."""
+    end = np.array(above.bottom)
+    values: dict[str, Value] = {name: float(above.value(name, end)) for name in _OF_ELASTIC if name in above.values}
+    with suppress(KeyError):  # a soil without what gives its stiffness is refused
+        values["young_modulus"] = float(above.value("young_modulus", end))
+    return Stratum(above.number, f"{above.name}, elastic", "elastic", above.bottom, bottom, stress, values, above.law)
 
 
 def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:

@@ -11,7 +11,8 @@ from pysprings.scene.by_surface import SURFACES, of_surface
 from pysprings.scene.clash import Clash
 from pysprings.scene.ground import Ground, Stratum, ground_of
 from pysprings.scene.law_keys import laws_of
-from pysprings.scene.sections import Interface, SceneSections
+from pysprings.scene.scene_sections import SceneSections
+from pysprings.scene.sections import Interface
 from pysprings.scene.soil_laws import SOIL_LAWS
 
 API = "api"

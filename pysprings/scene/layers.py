@@ -10,15 +10,16 @@ import numpy as np
 from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth, Profile
 from pysprings.scene.clash import Clash
+from pysprings.scene.extent import Extent
 from pysprings.scene.fields import Interval
 from pysprings.scene.ground import Stratum, make_ground
 from pysprings.scene.positions import KeyPath
-from pysprings.scene.sections import Domain, Soil
+from pysprings.scene.sections import Soil
 
 _STATIONS = 33  # depths of a layer where its values are checked
 
 
-def layer_order(soil: Soil, domain: Domain) -> Iterator[Clash]:
+def layer_order(soil: Soil, domain: Extent) -> Iterator[Clash]:
     """Check that layers begin at mudline, stand in order, and end inside the domain."""
     for number, layer in enumerate(soil.layers):
         here: KeyPath = ("soil", "layer", number, "top")
@@ -33,17 +34,29 @@ def layer_order(soil: Soil, domain: Domain) -> Iterator[Clash]:
             yield Clash((here, ("domain", "depth")), text)
 
 
-def uniform_soils(soil: Soil, domain: Domain) -> Iterator[tuple[Soil, tuple[float, float], int | None]]:
+def open_ends(soil: Soil, domain: Extent) -> Iterator[Clash]:
+    """Check that values at the bottom of the last layer have a depth where the domain gives none."""
+    if domain.depth == domain.ground:
+        return
+    layer, here = (soil.layers[-1], ("layer", len(soil.layers) - 1)) if soil.layers else (soil, ())
+    for name in type(layer).model_fields:
+        value = getattr(layer, name)
+        if isinstance(value, ByDepth) and value.bottom is not None and value.to is None:
+            text = "a value at the bottom of the last layer needs its depth, `to`, or a domain.depth"
+            yield Clash((("soil", *here, name), ("domain", "depth")), text)
+
+
+def uniform_soils(soil: Soil, domain: Extent) -> Iterator[tuple[Soil, tuple[float, float], int | None]]:
     """Give soils of constant values for what is checked of one: the soil, or the ends of each layer.
 
     With each come the vertical effective stresses (Pa) between which it stands, and the number of its layer.
     """
-    ground = make_ground(soil, domain.depth)
+    ground = make_ground(soil, domain)
     if not soil.layers and ground.is_uniform:
-        bottom = soil.surcharge + soil.effective_unit_weight * domain.depth
-        yield soil.model_copy(update=_at(ground.strata[0], domain.depth)), (soil.surcharge, bottom), None
+        bottom = soil.surcharge + soil.effective_unit_weight * domain.ground
+        yield soil.model_copy(update=_at(ground.strata[0], domain.ground)), (soil.surcharge, bottom), None
         return
-    for stratum in ground.strata:
+    for stratum in (each for each in ground.strata if not each.like):
         number = stratum.number if soil.layers else None
         for depth in (stratum.top, stratum.bottom) if stratum.varies else (stratum.bottom,):
             end = float(stratum.vertical_stress(np.array(depth)))
@@ -58,10 +71,10 @@ def _at(stratum: Stratum, depth: float) -> dict[str, float | None]:
     return {"strain_at_half_strength": None, **values}
 
 
-def values_inside(soil: Soil, domain: Domain) -> Iterator[Clash]:
+def values_inside(soil: Soil, domain: Extent) -> Iterator[Clash]:
     """Check that values by depth stay within the range of their key all over the layer."""
-    for stratum in make_ground(soil, domain.depth).strata:
-        yield from _inside(soil, stratum)
+    for stratum in make_ground(soil, domain).strata:
+        yield from () if stratum.like else _inside(soil, stratum)
 
 
 def _inside(soil: Soil, stratum: Stratum) -> Iterator[Clash]:

@@ -7,7 +7,7 @@ import copy
 import os
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from stat import S_ISREG
@@ -16,6 +16,7 @@ from typing import Any, NoReturn
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.scene.changes import OPTION, applied, read_changes
 from pysprings.scene.checks import dotted
 from pysprings.scene.fields import FROM_TOML, suggestion
 from pysprings.scene.model import Scene
@@ -27,12 +28,14 @@ from pysprings.scene.sections import (
     Drainage,
     Interface,
     Layer,
+    Limit,
     Mesh,
     Output,
     Path,
     Section,
     Soil,
     Solver,
+    Springs,
 )
 
 __all__ = [
@@ -40,12 +43,14 @@ __all__ = [
     "Domain",
     "Drainage",
     "Interface",
+    "Limit",
     "Mesh",
     "Output",
     "Path",
     "Scene",
     "Soil",
     "Solver",
+    "Springs",
     "load_scene",
     "parse_scene",
 ]
@@ -58,9 +63,11 @@ SECTIONS: dict[str, type[Section]] = {
     "soil": Soil,
     "interface": Interface,
     "drainage": Drainage,
+    "springs": Springs,
     "path": Path,
     "mesh": Mesh,
     "solver": Solver,
+    "limit": Limit,
     "output": Output,
 }
 
@@ -75,19 +82,19 @@ class Fault:
     meant: str = ""  # the key that was probably meant by an unknown one
 
 
-def load_scene(path: str | os.PathLike[str]) -> Scene:
-    """Read a scene file.
+def load_scene(path: str | os.PathLike[str], changes: Sequence[str] = ()) -> Scene:
+    """Read a scene file; changes, such as `soil.young_modulus="80 MPa"`, replace values of it.
 
     Raises
     ------
     UserInputError
         One problem per thing that is wrong with the file, in the order of the file.
     """
-    return parse_scene(_read_text(FilePath(path)), str(path))
+    return parse_scene(_read_text(FilePath(path)), str(path), changes)
 
 
-def parse_scene(text: str, file: str | None = None) -> Scene:
-    """Read a scene from TOML text; `file` is its name in messages."""
+def parse_scene(text: str, file: str | None = None, changes: Sequence[str] = ()) -> Scene:
+    """Read a scene from TOML text; `file` is its name in messages, `changes` are those of `load_scene`."""
     try:
         refuse_depth(text)
         data = _parse_toml(text, file)
@@ -97,15 +104,16 @@ def parse_scene(text: str, file: str | None = None) -> Scene:
     except RecursionError:
         _refuse(file, "lists or tables are nested too deeply")
     profile = _read_profile(data, places, file)
+    changed = applied(data, read_changes(changes))
     if not data:
         _refuse(file, "the file is empty; `pysprings init` writes a commented scene")
     try:
         scene = Scene.model_validate(data, context=FROM_TOML, by_alias=True, by_name=False)
     except ValidationError as error:
         faults = _all_faults(data, error)
-        problems = [_problem(fault, places, file) for fault in faults]
+        problems = [_problem(fault, places, file, changed) for fault in faults]
         raise UserInputError(sorted(problems, key=lambda problem: (problem.line or 0, problem.col or 0))) from None
-    if not profile:  # a scene of a profile is written with its layers: it needs no other file then
+    if not profile and not changed:  # a scene of a profile is written with its layers: it needs no other file then
         scene._source = (text, scene.sha256)
     return scene
 
@@ -237,7 +245,7 @@ def _unknown_key(path: KeyPath) -> Fault:
 def _spoiled(fault: Fault, data: dict[str, Any]) -> Iterator[KeyPath]:
     """Give the key paths whose value is not known because of a fault."""
     path = fault.paths[0]
-    entry = path[0] == "path" and len(path) == 4  # one wrong entry spoils its list
+    entry = len(path) == (4 if path[0] == "path" else 3) and isinstance(path[-1], int)  # it spoils its list
     yield path[:-1] if entry else path
     if fault.meant and fault.meant not in _table(data, path[:-1]):
         yield (*path[:-1], fault.meant)
@@ -263,7 +271,7 @@ def _without(data: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
         if path[:2] == ("soil", "layer"):
             _without_layer_key(rest["soil"], path)
             continue
-        path = path[:3]
+        path = path[: 3 if path[0] == "path" else 2]
         table = _table(rest, path[:-1])
         if path[0] == "path" and len(path) == 2:
             table[path[1]] = {"name": f"unnamed{path[1]}", "kind": "pull"}
@@ -282,8 +290,10 @@ def _without_layer_key(soil: dict[str, Any], path: KeyPath) -> None:
         soil["layer"][path[2]].pop(path[3], None)
 
 
-def _problem(fault: Fault, places: dict[KeyPath, Place], file: str | None) -> Problem:
-    """Give a fault its place: that of the first of its keys that stands in the file."""
+def _problem(fault: Fault, places: dict[KeyPath, Place], file: str | None, changed: Sequence[KeyPath] = ()) -> Problem:
+    """Give a fault its place: that of the first of its keys that stands in the file, or the option that changed it."""
+    if any(fault.paths[0][: len(keys)] == keys for keys in changed):
+        return Problem(OPTION, key=dotted(fault.paths[0]), message=fault.message)
     there = next((path for path in fault.paths if path in places), fault.paths[0])
     place = nearest(places, there)
     line, col = place.key if fault.at_key else place.value

@@ -11,7 +11,8 @@ from pydantic import PrivateAttr, model_validator
 
 from pysprings.scene.checks import clashes, dotted
 from pysprings.scene.fields import refuse
-from pysprings.scene.sections import SceneSections
+from pysprings.scene.scene_sections import SceneSections
+from pysprings.scene.sections import Limit
 from pysprings.scene.toml import to_toml
 
 # keys of a soil that did not exist when folders of runs were first named by the number of a scene
@@ -35,22 +36,34 @@ class Scene(SceneSections):
     def sha256(self) -> str:
         """SHA-256 (hex) of all values, whatever units and order the file wrote them in.
 
-        Keys of a series, of layers and of clay count where there are some: other scenes keep the number they had.
+        Keys of a series, layers, clay, probes, viscosity and [limit] count where used: other scenes keep the number.
         """
         values = self.model_dump(mode="json")
-        if self.mesh.discretisation == "hex8":
+        del values["springs"]
+        values["paths"] = [path.model_dump(mode="json") for path in self.load_paths]
+        if self.discretisation == "hex8":
             for key in ("discretisation", "harmonics"):
                 del values["mesh"][key]
+        else:
+            values["mesh"]["discretisation"] = self.discretisation
         if not self.soil.layers:
             del values["soil"]["layers"]
         for table in (values["soil"], *values["soil"].get("layers", ())):
             for key in LATER_KEYS:
                 if table.get(key, 0) is None:
                     del table[key]
+        for path in values["paths"]:
+            if path["load_angle"] is None:
+                del path["load_angle"]
+            path["then"] = [each if each[3] is not None else each[:3] for each in path["then"]]
         if values["interface"]["adhesion_factor"] is None:
             del values["interface"]["adhesion_factor"]
         if values["interface"]["opening"] == "vented":
             del values["interface"]["opening"]
+        if values["solver"]["viscous_displacement"] is None:
+            del values["solver"]["viscous_displacement"]
+        if self.limit == Limit():
+            del values["limit"]
         canonical = json.dumps(values, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()
 
@@ -67,9 +80,11 @@ class Scene(SceneSections):
     def replace(self, **sections: Any) -> Scene:
         """Return a validated copy with some values changed: `scene.replace(mesh={"preset": "paper"})`.
 
-        A table is merged key by key; anything else (title, paths) is replaced.
+        A table is merged key by key; anything else (title, paths) is replaced. Paths take the place of a fan, too.
         """
         data = self.model_dump()
+        if "paths" in sections:
+            data["springs"] = {}
         for name, change in sections.items():
             merge = isinstance(change, dict) and isinstance(data.get(name), dict)
             data[name] = {**data[name], **change} if merge else change

@@ -71,6 +71,10 @@ def read_layers(file: Path) -> list[dict[str, Any]]:
     wrong += _joints(layers, ends, str(file))
     if wrong:
         raise UserInputError(wrong)
+    end = ends[-1][1]
+    for value in layers[-1].values():
+        if isinstance(value, dict) and "bottom" in value and end is not None:
+            value["to"] = end
     return layers
 
 

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 from pydantic import BaseModel, ConfigDict, create_model, model_validator
 from pydantic import Field as Key
 
-from pysprings.core.path_kinds import PATH_KINDS
-from pysprings.core.words import Discretisation, MeshPreset
+from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
+from pysprings.core.path_kinds import PATH_KINDS, ROLES
+from pysprings.core.words import AUTO, Discretisation, MeshPreset
 from pysprings.scene.by_depth import ByDepth, Profile
 from pysprings.scene.by_surface import BySurface
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
@@ -41,6 +42,9 @@ _SINK = Quantity("mm", "[-1e4, 1e4]", _SINK_TEXT, "20 mm", optional=True)
 _PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN", optional=True)
 _ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
 _ARM_FROM = Quantity("m", "[-1e3, 1e3]", "height where a load acts first; it then climbs to arm", "0 m", optional=True)
+_LOAD_ANGLE = Quantity(
+    "deg", "[-180, 180]", "direction of a probe: angle of the load in the plane of H and M/D", "-45 deg", optional=True
+)
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
 _TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
 _QUANTITIES = {
@@ -75,6 +79,24 @@ _VISCOSITY = Quantity("Pa s", "[1e-6, 1e3]", "dynamic viscosity of water", "0.00
 _BULK = 'bulk modulus of water; "incompressible" is possible too'
 _BALANCED = 'constant load on the whole caisson, positive down; "balanced" carries the initial contact stresses'
 _OWN_LOAD = 'vertical load of this path instead of caisson.vertical_load; or "balanced"'
+_DISCRETISED = "bricks (hex8), or Fourier series in azimuth; by default series where they can represent the scene"
+_RADIUS = Quantity("m", "[0.01, 1e4]", 'radius of the cylinder of soil; "auto" follows the caisson', "24 m", word=AUTO)
+_BOTTOM = Quantity(
+    "m", "[0.01, 1e4]", 'depth of the cylinder of soil; "auto" follows caisson and layers', "12 m", word=AUTO
+)
+_REACH = Quantity("mm", "[1e-6, 1e5]", "largest motion of the fan of load paths", "20 mm", optional=True)
+_FURTHER_LOADS = QuantityList(
+    "", (("", Quantity("MN", "[-1e4, 1e4]", "vertical load", "4 MN")),),
+    "further vertical loads under which the rays are computed, beside that of [caisson]",
+)  # fmt: skip
+_RATES = QuantityList(
+    "", (("", Quantity("mm/s", "[1e-9, 1e6]", "rate", "0.05 mm/s")),),
+    "rates of the reach at which the rays are computed; needed where water flows",
+)  # fmt: skip
+_VISCOUS = Quantity(
+    "mm", "[1e-9, 100]", "imposed motion in which stress beyond yield relaxes: carries paths through localised sand",
+    "0.001 mm", optional=True,
+)  # fmt: skip
 _FRACTION = Number("[1e-12, 1]", "first step, as a fraction of the path", 0.02, optional=True)
 
 
@@ -104,8 +126,8 @@ class Caisson(Section):
 class Domain(Section):
     """The cylinder of soil that is modelled."""
 
-    radius: Annotated[float, Quantity("m", "[0.01, 1e4]", "radius of the cylinder of soil", "24 m")] = 24.0
-    depth: Annotated[float, Quantity("m", "[0.01, 1e4]", "depth of the cylinder of soil", "12 m")] = 12.0
+    radius: Annotated[float | str, _RADIUS] = AUTO
+    depth: Annotated[float | str, _BOTTOM] = AUTO
     side: Annotated[str, Choice(("roller", "fixed"), "the outer side slides (roller) or is held (fixed)")] = "roller"
     side_drainage: Annotated[
         str, Choice(("drained", "sealed"), "the outer side keeps hydrostatic pressure, or lets no water through")
@@ -238,10 +260,15 @@ class Path(Section):
     centre is moved, the rotation is imposed in proportion (zero by default). rotation: imposed about the lid
     centre. swipe: a translation, and then the rotation about the lid centre, whose displacement is held: H and M
     change places under a constant vertical load. load: a lateral force at height `arm`; with `arm_from` it grows at
-    that height and then climbs to `arm`, so that M grows under constant H and V. vertical: the lid centre moves down
+    that height and then climbs to `arm`, so that M grows under constant H and V. probe: the load keeps its direction,
+    H = R cos(load_angle) and M = R D sin(load_angle), D the outer diameter, and `lateral_displacement` is conjugate to
+    it, u cos(load_angle) + rotation D sin(load_angle); like a load it ends where the caisson has moved by 10 % of D or
+    turned by 5 deg. vertical: the lid centre moves down
     (or up: pull-out), u and rotation are held at zero. `vertical_load` is the dead load of this path alone. `report_at`
     lists values of the imposed quantity where a converged step must land. `then` goes on from the end value: "rest 2
-    hour" holds what is imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value.
+    hour" holds what is imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value; a load goes on to
+    "1 MN, -4 MN m" (H and M), a swipe to "5 mm, -2 mrad" (u and rotation). `role = "memory"` is for a translation or
+    rotation that turns back: spring set "memory".
     """
 
     name: Annotated[
@@ -260,6 +287,7 @@ class Path(Section):
     vertical_displacement: Annotated[float | None, _SINK] = None
     arm: Annotated[float, _ARM] = 0.0
     arm_from: Annotated[float | None, _ARM_FROM] = None
+    load_angle: Annotated[float | None, _LOAD_ANGLE] = None
     rate: Annotated[float | None, _RATE] = None
     duration: Annotated[float | None, _TIME] = None
     vertical_load: Annotated[
@@ -268,7 +296,7 @@ class Path(Section):
     heave: Annotated[str, Choice(("free", "fixed"), "the vertical displacement of the caisson")] = "free"
     role: Annotated[
         str,
-        Choice(("calibration", "held-back"), "whether springs are made from this path, or only checked on it"),
+        Choice(ROLES, "whether springs are made from this path, their memory of reversals, or it only checks them"),
     ] = "calibration"
     report_at: Annotated[
         tuple[float, ...],
@@ -286,9 +314,7 @@ class Mesh(Section):
     preset: Annotated[str, Choice(get_args(MeshPreset), "size of the mesh")] = "coarse"
     azimuth: Annotated[int | None, Count(8, 256, "cells around the half ring", multiple_of=4, optional=True)] = None
     refinement: Annotated[float, Number("[0.25, 8]", "factor on all numbers of cells of the preset", 1.0)] = 1.0
-    discretisation: Annotated[
-        str, Choice(get_args(Discretisation), "bricks, or Fourier series in azimuth on a section of quadratic elements")
-    ] = "hex8"
+    discretisation: Annotated[str, Choice((AUTO, *get_args(Discretisation)), _DISCRETISED)] = AUTO
     harmonics: Annotated[int | None, Count(1, 64, "highest harmonic of the series", optional=True)] = None
 
 
@@ -304,6 +330,19 @@ class Solver(Section):
     max_step_fraction: Annotated[
         float | None, Number("[1e-9, 1]", "largest step, as a fraction of the path", 0.1, optional=True)
     ] = None
+    viscous_displacement: Annotated[float | None, _VISCOUS] = None
+
+
+class Limit(Section):
+    """Largest motion under a given load: where a path of kind "load" ends, and its load counts as the limit load."""
+
+    displacement_over_diameter: Annotated[
+        float,
+        Number(
+            "[0.001, 1]", "displacement over diameter: of lid centre or tip sideways, or of the caisson vertically", 0.1
+        ),
+    ] = MOST_MOVED
+    rotation: Annotated[float, Quantity("deg", "[0.01, 45]", "rotation of the caisson", "5 deg")] = MOST_TURNED
 
 
 class Output(Section):
@@ -315,23 +354,19 @@ class Output(Section):
     paraview: Annotated[bool, Flag("keep the whole model at every step, and write ParaView files of it")] = False
 
 
+class Springs(Section):
+    """A fan of load paths, made from diameter, skirt length and reach; [[path]] tables add to it.
+
+    Eight rays move the lid centre by u and turn the caisson in proportion, until sqrt(u^2 + (rotation skirt_length)^2)
+    is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` two rays go to 40 % of it,
+    back to the opposite motion, and there again.
+    """
+
+    reach: Annotated[float | None, _REACH] = None
+    vertical_loads: Annotated[tuple[float, ...], _FURTHER_LOADS] = ()
+    rates: Annotated[tuple[float, ...], _RATES] = ()
+    held_back: Annotated[bool, Flag("also compute pulls at five heights, on which the springs are only checked")] = True
+    memory: Annotated[bool, Flag("also compute rays that turn back, which give the springs a memory")] = False
+
+
 PAPER_PATH = Path(name="pull", kind="pull", lateral_displacement=20e-3, rate=0.05e-3, report_at=(2.5e-3,))
-
-
-class SceneSections(Section):
-    """The values of a scene, each valid for itself."""
-
-    title: Annotated[str, Text("title of tables and pictures")] = "Suction caisson in sand, drained"
-    caisson: Caisson = Caisson()
-    domain: Domain = Domain()
-    soil: Soil = Soil()
-    interface: Interface = Interface()
-    drainage: Drainage = Drainage()
-    paths: tuple[Path, ...] = Key((PAPER_PATH,), validation_alias="path")
-    mesh: Mesh = Mesh()
-    solver: Solver = Solver()
-    output: Output = Output()
-
-    def vertical_load_of(self, path: Path) -> float | str:
-        """Return the vertical load of a path: its own, or the caisson's (N, positive down, or "balanced")."""
-        return self.caisson.vertical_load if path.vertical_load is None else path.vertical_load

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""What follows on a load path after its first part: rests, and further end values with their pace."""
+"""What follows on a load path after its first part: rests, and further end values with their pace.
+
+Under given loads, and after a swipe, an entry may be a pair: "1 MN, -4 MN m" are H and M about the lid centre,
+"5 mm, -2 mrad" are u and rotation.
+"""
 
 from __future__ import annotations
 
@@ -19,17 +23,26 @@ _EXAMPLES = ("rest 2 hour", "20 mm at 0.5 mm/s", "0 mm in 10 min")
 
 
 class Then(NamedTuple):
-    """What follows on a path: a new end value (None: a rest), with its velocity (SI) or its time in s."""
+    """What follows on a path: a new end value (None: a rest), with its velocity (SI) or its time in s.
+
+    second : the other end value of a pair, M [N m] or rotation [rad]; None: in proportion to the first one.
+    """
 
     value: float | None
     rate: float | None = None
     time: float | None = None
+    second: float | None = None
 
 
 _THEN = re.compile(r"(?P<value>.+?)(?: (?P<how>at|in) (?P<pace>.+))?")
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "", "0.05 mm/s")
 _RATES = {name: _RATE for name, kind in PATH_KINDS.items() if kind.has_velocity}
 _TIME = Quantity("s", "[1e-6, 1e12]", "", "2 hour")
+_SECOND = {
+    name: Quantity("MN*m", "[-1e6, 1e6]", "", "-4 MN m") if kind.force else Quantity("deg", "[-30, 30]", "", "-2 mrad")
+    for name, kind in PATH_KINDS.items()
+    if kind.pairs
+}
 
 
 @dataclass(frozen=True)
@@ -55,7 +68,7 @@ class ThenList(QuantityList):
         return tuple(entries)
 
     def _read(self, entry: Any, kind: str, quantity: Quantity, info: ValidationInfo) -> Then:
-        if isinstance(entry, list | tuple) and len(entry) == 3:  # a scene of Python, dumped and validated again
+        if isinstance(entry, list | tuple) and len(entry) in (3, 4):  # a scene of Python, dumped and validated again
             return Then(*entry)
         if not isinstance(entry, str):
             raise refuse(f"expected a text such as {quoted(_EXAMPLES[0])}, got {quoted(entry)}")
@@ -67,12 +80,25 @@ class ThenList(QuantityList):
         match = _THEN.fullmatch(words)
         if match is None:
             raise refuse(f"expected a text such as {quoted(_EXAMPLES[0])}, got {quoted(entry)}")
-        value, pace = quantity.validate(match["value"], info), match["pace"]
+        value, second = self._values(match["value"], kind, quantity, info)
+        pace = match["pace"]
         if match["how"] == "in":
-            return Then(value, None, _TIME.validate(pace, info))
+            return Then(value, None, _TIME.validate(pace, info), second)
         if match["how"] == "at" and kind not in _RATES:
             raise refuse(f'a path of kind "{kind}" has no velocity: write "... in 10 min"')
-        return Then(value, None if pace is None else _RATES[kind].validate(pace, info), None)
+        return Then(value, None if pace is None else _RATES[kind].validate(pace, info), None, second)
+
+    @staticmethod
+    def _values(text: str, kind: str, quantity: Quantity, info: ValidationInfo) -> tuple[float, float | None]:
+        """Return the end value, and the second one of a pair."""
+        first, comma, rest = (part.strip() for part in text.partition(", "))
+        if not comma and kind in _SECOND and not PATH_KINDS[kind].force:
+            raise refuse(f'a path of kind "{kind}" goes on with u and rotation: "5 mm, -2 mrad"')
+        if not comma:
+            return quantity.validate(text, info), None
+        if kind not in _SECOND:
+            raise refuse(f'a path of kind "{kind}" goes on with one value, such as {quoted(quantity.example)}')
+        return quantity.validate(first, info), _SECOND[kind].validate(rest, info)
 
     def entries_in_toml(self, kind: str, values: Sequence[Any]) -> list[str]:
         return [self._show(kind, value) for value in values]
@@ -81,6 +107,8 @@ class ThenList(QuantityList):
         if then.value is None:
             return f"rest {_TIME.in_toml(then.time)}"
         text = str(dict(self.quantities)[kind].in_toml(then.value))
+        if then.second is not None:
+            text += f", {_SECOND[kind].in_toml(then.second)}"
         if then.rate is not None:
             return f"{text} at {_RATES[kind].in_toml(then.rate)}"
         return text if then.time is None else f"{text} in {_TIME.in_toml(then.time)}"

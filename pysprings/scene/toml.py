@@ -14,7 +14,8 @@ from pydantic.fields import FieldInfo
 from pysprings.scene.fields import Field, QuantityList
 from pysprings.scene.law_defaults import STIFFNESSES, unused_keys
 from pysprings.scene.law_keys import given_keys, laws_of
-from pysprings.scene.sections import SceneSections, Soil
+from pysprings.scene.scene_sections import SceneSections
+from pysprings.scene.sections import Soil
 
 
 def to_toml(scene: SceneSections) -> str:
@@ -63,7 +64,7 @@ def _pairs(section: BaseModel) -> Iterator[tuple[str, Any]]:
 
 def _in_toml(field: Field, value: Any, section: BaseModel) -> Any:
     if isinstance(field, QuantityList):
-        return field.entries_in_toml(getattr(section, field.by_field), value)
+        return field.entries_in_toml(getattr(section, field.by_field, ""), value)
     return field.in_toml(value)
 
 

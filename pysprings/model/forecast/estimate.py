@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.memory import left as memory_available
 from pysprings.model.build import Built
 from pysprings.model.discretise import build
+from pysprings.model.forecast.direct_solver import superlu_bytes, uses_superlu
 from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect
 from pysprings.model.forecast.omissions import left_out, symmetric_factors
 from pysprings.model.forecast.profile import profile, unusual_values
@@ -60,17 +62,31 @@ def describe(scene: Scene) -> dict[str, Any]:
         "memory_GB": memory / 1e9,
         "disk_GB": steps / 1e9,
         "time_s": seconds(scene, unknowns, symmetric=symmetric),
+        **_with_pardiso(scene, unknowns, memory),
         "left_out": [omission.record() for omission in left_out(scene)],
         "warnings": warnings,
     }
 
 
+def _with_pardiso(scene: Scene, unknowns: int, memory: float) -> dict[str, float]:
+    """Return memory (GB) and time (s) with the extra `mkl` where SuperLU factorises bricks; else nothing."""
+    if not uses_superlu(scene):
+        return {}
+    less = superlu_bytes(unknowns)
+    return {
+        "memory_with_pardiso_GB": (memory - less) / 1e9,
+        "time_with_pardiso_s": seconds(scene, unknowns, superlu=False),
+    }
+
+
 def _domain(effect: DomainEffect) -> dict[str, float]:
-    """Return how far the domain reaches around the caisson, and how much it stiffens it."""
+    """Return how far the domain reaches around the caisson, and bounds of its stiffening where there are some."""
+    bounds = {"stiffening_by_the_domain_percent": effect.most}
+    bounds |= {f"stiffening_of_K_{name}_percent": value for name, value in effect.percent.items()}
     return {
         "domain_radius_over_diameter": effect.radius,
         "soil_below_tip_over_diameter": effect.below_tip,
-        "stiffening_by_the_domain_percent": 100.0 * (effect.stiffening - 1.0),
+        **{name: value for name, value in bounds.items() if math.isfinite(value)},
     }
 
 

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fe_engine.linear.backends import available_backends
+from pysprings.core.words import MOST_DRAWN
 from pysprings.model.forecast.resources import memory_bytes, size_of, steps_bytes
 from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
 from pysprings.model.soil_laws import ENGINE_LAWS, engine_laws
@@ -79,7 +80,7 @@ class _Load:
 
 def left_out(scene: Scene) -> list[Omission]:
     """List what the scene does not need and the model does not carry; the laws of savings are those of bricks."""
-    if scene.mesh.discretisation == "fourier":
+    if scene.discretisation == "fourier":
         bricks = left_out(_with(scene, "mesh", discretisation="hex8", harmonics=None))
         return [replace(omission, saved=None) for omission in bricks]
     return [
@@ -95,7 +96,7 @@ def left_out(scene: Scene) -> list[Omission]:
 
 def symmetric_factors(scene: Scene) -> bool:
     """Return whether half of each factorisation is left out: see `Model.symmetric`; only Pardiso can."""
-    soil = all(law.symmetric for law in engine_laws(scene)) and scene.mesh.discretisation == "hex8"
+    soil = all(law.symmetric for law in engine_laws(scene)) and scene.discretisation == "hex8"
     symmetric = soil and scene.drainage.mode == "drained" and _smooth(scene)
     return symmetric and scene.solver.linear in ("auto", "pardiso") and "pardiso" in available_backends()
 
@@ -209,7 +210,7 @@ def _outputs(scene: Scene) -> list[Omission]:
     if not output.paraview:
         out.append(_output_omission(scene, "the whole model at every step, and its ParaView files", "paraview"))
     if not output.figures:
-        time = PICTURE_SECONDS * len(scene.paths)
+        time = PICTURE_SECONDS * min(len(scene.load_paths), MOST_DRAWN)
         now = _load(scene)
         rest = seconds(scene, now.unknowns, now.water, now.symmetric)
         saved = Saved(LAWS, time_share=_share(time / (time + rest)))

@@ -39,9 +39,20 @@ def profile(scene: Scene) -> list[dict[str, Any]]:
     return rows
 
 
+_SHEAR_MODULUS = (0.1, 1e5)  # MPa: peat at mudline to rock
+
+
 def unusual_values(scene: Scene) -> list[str]:
-    """Return a sentence for each value of undrained clay outside the common range."""
-    return [text for stratum in ground_of(scene).strata if stratum.total_stress for text in _unusual(scene, stratum)]
+    """Return a sentence for each value of undrained clay outside the common range, and for stiffness of no soil."""
+    strata = [each for each in ground_of(scene).strata if not each.like]
+    odd = [text for stratum in strata if not stratum.total_stress for text in _odd_stiffness(stratum)]
+    return odd + [text for stratum in strata if stratum.total_stress for text in _unusual(scene, stratum)]
+
+
+def _odd_stiffness(stratum: Stratum) -> Iterator[str]:
+    depth = np.array([stratum.top, stratum.bottom])
+    modulus = 1e-6 * stratum.shear_modulus(depth)
+    yield from _outside(f"layer '{stratum.name}'", "shear modulus [MPa]", modulus, _SHEAR_MODULUS, depth)
 
 
 def _unusual(scene: Scene, stratum: Stratum) -> Iterator[str]:

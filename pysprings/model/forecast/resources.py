@@ -23,9 +23,10 @@ from fe_engine.memory import address_space
 from fe_engine.memory import limit as memory_limit
 from pysprings.core.errors import ResourceError, refused
 from pysprings.model.build import counts_of, geometry_of
+from pysprings.model.forecast.direct_solver import superlu_bytes, uses_superlu
 from pysprings.model.forecast.run_time import least_increments, likely_increments
 from pysprings.model.fourier import fixed_directions, section_counts_of, section_of
-from pysprings.model.fourier_mesh import CaissonSection
+from pysprings.model.fourier_mesh import CaissonSection, counted_section
 from pysprings.model.mesh import Counts, core_square, counted
 from pysprings.model.steel import patch
 from pysprings.model.water import drained_corners, film_corners
@@ -72,7 +73,7 @@ class Size:
 
 def size_of(scene: Scene, whole: bool = False) -> Size:
     """Return the counts of a scene's model, or of one of the ``whole`` domain, both halves; builds nothing."""
-    if scene.mesh.discretisation == "fourier":
+    if scene.discretisation == "fourier":
         return _series_size(scene)
     counts = counted(geometry_of(scene), counts_of(scene))
     n, rings = counts.azimuth, counts.plug + counts.tip + counts.outer
@@ -101,6 +102,7 @@ def _series_size(scene: Scene) -> Size:
     counts = section_counts_of(scene)
     try:
         section, waves = section_of(scene, counts), counts.harmonics + 1
+        counts = counted_section(geometry_of(scene), counts)
     except MeshError as error:
         raise refused("mesh", str(error)) from error
     mesh = section.mesh
@@ -130,9 +132,10 @@ def _series_pressures(scene: Scene, section: CaissonSection, harmonics: int) -> 
 def model_bytes(scene: Scene, symmetric: bool = False) -> float:
     """Return the estimated peak memory of a run of this scene, in bytes, without its recorded steps."""
     size = size_of(scene)
-    if scene.mesh.discretisation != "fourier":
-        return memory_bytes(size.unknowns, scene.drainage.mode != "drained", symmetric)
-    counts = section_counts_of(scene)
+    if scene.discretisation != "fourier":
+        more = superlu_bytes(size.unknowns) if uses_superlu(scene) else 0.0
+        return memory_bytes(size.unknowns, scene.drainage.mode != "drained", symmetric) + more
+    counts = counted_section(geometry_of(scene), section_counts_of(scene))
     waves, m = counts.harmonics + 1, counts.harmonics + 3
     lanes = LANES * math.ceil(waves / LANES)
     interface = 3 * waves * 2 * (2 * counts.skirt + counts.plug + counts.tip) + size.film_pressures
@@ -232,7 +235,7 @@ _FEWER = "take a larger solver.max_step_fraction, fewer paths, or less of [outpu
 
 
 def _increments(scene: Scene) -> str:
-    number, paths = sum(least_increments(scene)), len(scene.paths)
+    number, paths = sum(least_increments(scene)), len(scene.load_paths)
     return f"{paths} path{'s' if paths > 1 else ''} of {number:.6g} increments at least"
 
 

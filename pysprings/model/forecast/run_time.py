@@ -6,6 +6,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fe_engine.solve.stepping import fewest_increments
+from pysprings.core.words import MOST_DRAWN
+from pysprings.model.forecast.direct_solver import superlu_time, uses_superlu
 from pysprings.model.forecast.small_strain import imposed_motion
 from pysprings.model.stages import path_stages
 from pysprings.scene.ground import ground_of
@@ -28,7 +30,7 @@ def least_increments(scene: Scene) -> list[int]:
     """Return the number of increments that each path needs when every one converges at once."""
     return [
         sum(fewest_increments(stage) for stage in path_stages(scene, path, 0.0, undrained_time=1.0))
-        for path in scene.paths
+        for path in scene.load_paths
     ]
 
 
@@ -37,11 +39,13 @@ def likely_increments(scene: Scene) -> list[float]:
     least = least_increments(scene)
     return [
         number * (1.0 + (_LIFT_OFF_INCREMENTS - 1.0) * _lifted(scene, path))
-        for number, path in zip(least, scene.paths, strict=True)
+        for number, path in zip(least, scene.load_paths, strict=True)
     ]
 
 
-def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: bool = False) -> float:
+def seconds(
+    scene: Scene, unknowns: int, water: bool | None = None, symmetric: bool = False, superlu: bool | None = None
+) -> float:
     """Return the estimated wall time of a run on two cores with compiled code at hand, in s: an order of magnitude.
 
     Each increment takes a N + b N^2 for N unknowns. Fitted on the default scene without pictures, drained, to 2.5 mm:
@@ -49,13 +53,15 @@ def seconds(scene: Scene, unknowns: int, water: bool | None = None, symmetric: b
     21.7, 265 and 77 s. Coupled: `medium` 13.7 s, `paper` to 1 mm 53 s; law 12.7 and 56 s. `coarse` to 20 mm takes 45
     increments, as in the law. The motion under an imposed force is unknown: lift-off of the lid is not counted.
 
-    ``water``: pressures are among the unknowns (None: as in the scene).
+    ``water``: pressures are among the unknowns; ``superlu``: SuperLU factorises bricks (None: as in the scene, here).
     """
     wet = scene.drainage.mode != "drained" if water is None else water
     each = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2
     each *= (_WATER if wet else 1.0) * (_SYMMETRIC if symmetric else 1.0)
-    total = _START + (PICTURE_SECONDS * len(scene.paths) if scene.output.figures else 0.0)
-    for path, number in zip(scene.paths, least_increments(scene), strict=True):
+    if uses_superlu(scene) if superlu is None else superlu:
+        each *= superlu_time(unknowns)
+    total = _START + (PICTURE_SECONDS * min(len(scene.load_paths), MOST_DRAWN) if scene.output.figures else 0.0)
+    for path, number in zip(scene.load_paths, least_increments(scene), strict=True):
         lifted = _lifted(scene, path)
         total += number * (1.0 - lifted + _LIFT_OFF_TIME * lifted) * each
     return total

@@ -33,7 +33,7 @@ def large_motion(path: str, displacement: float, rotation: float, length: float)
 
 def scene_warnings(scene: Scene) -> list[str]:
     """Return a sentence for each path of a scene that imposes a large motion."""
-    texts = (large_motion(path.name, *imposed_motion(path), scene.caisson.skirt_length) for path in scene.paths)
+    texts = (large_motion(path.name, *imposed_motion(path), scene.caisson.skirt_length) for path in scene.load_paths)
     return [text for text in texts if text]
 
 
@@ -46,7 +46,7 @@ def imposed_motion(path: Path) -> tuple[float, float]:
     largest = max([first, *(abs(value) for value in _ends(path))])
     if kind.drives == "rotation":
         return 0.0, largest
-    turn = abs(path.rotation or 0.0)
+    turn = max([abs(path.rotation or 0.0), *(abs(then.second) for then in path.then if then.second is not None)])
     return largest, turn * (largest / first if kind.straight and first else 1.0)
 
 

@@ -175,6 +175,7 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("interface", "normal_stiffness"): 3e9,
     ("interface", "shear_stiffness"): 3e9,
     ("caisson", "vertical_load"): 3e6,
+    ("solver", "viscous_displacement"): 1e-7,
     ("caisson", "behaviour"): "elastic",
     ("domain", "side"): "fixed",
     ("soil", "yield_surface"): "elastic",
@@ -189,6 +190,8 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("mesh", "preset"): "medium",
     ("mesh", "azimuth"): 12,
     ("mesh", "discretisation"): "fourier",
+    ("springs", "vertical_loads"): (1e6,),
+    ("springs", "rates"): (1e-4,),
     ("mesh", "harmonics"): 2,
     ("mesh", "refinement"): 0.6,
     ("solver", "linear"): "superlu",
@@ -213,6 +216,7 @@ PATHS: dict[str, dict[str, Any]] = {
     "vertical_displacement": {"kind": "vertical", "lateral_displacement": None, "vertical_displacement": 1e-3},
     "rate": {"rate": 1e-4},
     "then": {"role": "held-back"},
+    "load_angle": {"kind": "probe", "load_angle": 0.3, "role": "held-back"},
     "arm_from": {"kind": "load", "lateral_force": 1e6, "lateral_displacement": None, "role": "held-back", "arm": 2.0},
 }
 
@@ -225,7 +229,8 @@ def outputs(scene: Scene) -> dict[str, Any]:
         "model": flat(built.model),
         "stages": flat(path_stages(scene, path, built.extra_load_of(scene.vertical_load_of(path)))),
         "newton": flat(Settings(scene.solver.tolerance, scene.solver.max_iterations)), "linear": scene.solver.linear,
-        "kept": scene.output, "names": (scene.title, path.name, path.role), "sea": scene.drainage.water_depth,
+        "kept": scene.output, "paths": scene.load_paths, "limit": scene.limit,
+        "names": (scene.title, path.name, path.role), "sea": scene.drainage.water_depth,
         # the lid is only drawn; the diameter and skirt are measured in the mesh
         "drawn": scene.caisson.lid_thickness,
     }  # fmt: skip
@@ -283,6 +288,8 @@ def test_every_field_changes_some_output(section: str, name: str, base_outputs: 
         scene = scene.replace(mesh={"discretisation": "fourier"})
     if name in OF_CLAY:
         scene = scene.replace(**CLAY)
+    if section == "springs":
+        scene = scene.replace(springs={"reach": 0.01})
     if (section, name) == ("soil", "K0"):
         scene = scene.replace(soil={"cohesion": 50e3})
     before = base_outputs.setdefault(scene.sha256, outputs(scene))

@@ -6,7 +6,6 @@ from __future__ import annotations
 import pytest
 
 from fe_engine.assembly.system import System
-from pysprings import Scene
 from pysprings.model.build import build_model
 from pysprings.model.forecast.estimate import describe
 from tests.support import tiny
@@ -26,6 +25,6 @@ def test_counts_are_those_of_the_model_that_would_run() -> None:
 
 def test_the_estimate_for_the_coarse_mesh_is_of_the_right_size() -> None:
     """Measured on two cores, with the slower solver of before: 25 to 40 s, and 0.43 GB, for the default scene."""
-    about = describe(Scene())
+    about = describe(tiny.paper())
     assert 5.0 < about["time_s"] < 150.0
     assert 0.2 < about["memory_GB"] < 1.0

@@ -10,17 +10,8 @@ import pytest
 
 from fe_engine.elements import hex8
 from fe_engine.elements.interface import nodal_stations
-from pysprings.model.mesh import (
-    PRESETS,
-    SURFACES,
-    CaissonMesh,
-    Counts,
-    Geometry,
-    graded,
-    graded_both,
-    make_mesh,
-    refine,
-)
+from pysprings.model.grading import graded, graded_both
+from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, counted, make_mesh, refine
 
 GEOMETRY = Geometry(inner_radius=3.8, outer_radius=3.9, skirt_length=4.0, domain_radius=24.0, domain_depth=12.0)
 # local faces of a hexahedron, normals outwards
@@ -42,7 +33,7 @@ def case(request: pytest.FixtureRequest) -> tuple[CaissonMesh, Geometry, Counts]
         counts = replace(counts, tip=2, azimuth=12)
     else:
         geometry = Geometry(0.9, 1.0, 6.0, 5.0, 14.0)
-    return make_mesh(geometry, counts), geometry, counts
+    return make_mesh(geometry, counts), geometry, counted(geometry, counts)
 
 
 def boundary_faces(mesh: CaissonMesh) -> np.ndarray:

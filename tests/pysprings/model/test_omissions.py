@@ -38,32 +38,34 @@ def close(
 
 
 def test_every_omission_names_what_and_why() -> None:
-    paper = [omission.what.split(" (")[0] for omission in left_out(Scene())]
+    paper = [omission.what.split(" (")[0] for omission in left_out(tiny.paper())]
     assert paper == [
         "steel elements", "half of the domain", "pore pressure of the soil", "film of water in the interface",
         "the whole model at every step, and its ParaView files",
     ]  # fmt: skip
-    steel = [omission.what for omission in left_out(Scene(caisson={"behaviour": "elastic"}))]
+    steel = [omission.what for omission in left_out(tiny.paper(caisson={"behaviour": "elastic"}))]
     assert "steel elements" not in " ".join(steel) and steel[0] == "yield and buckling of the steel"
     output = {"interface_fields": False, "section": False, "figures": False, "paraview": True}
-    less = left_out(Scene(**SMOOTH, output=output))
+    less = left_out(tiny.paper(**SMOOTH, output=output))
     halved = (
-        ["the tangent is symmetric: elastic soil, no friction, drained"] if symmetric_factors(Scene(**SMOOTH)) else []
+        ["the tangent is symmetric: elastic soil, no friction, drained"]
+        if symmetric_factors(tiny.paper(**SMOOTH))
+        else []
     )
     assert [omission.why for omission in less if not omission.what.startswith(("steel", "half", "pore", "film"))] == [
         "the soil is elastic", "interface.friction_coefficient = 0: smooth",
         *halved, "output.interface_fields = false", "output.section = false", "output.figures = false",
     ]  # fmt: skip
-    wet = [omission.what for omission in left_out(Scene(drainage={"mode": "undrained"}))]
+    wet = [omission.what for omission in left_out(tiny.paper(drainage={"mode": "undrained"}))]
     assert "water pressure on the caisson's side of the interface" in wet
     assert not any(what.startswith(("pore", "film")) for what in wet)
 
 
 @pytest.mark.parametrize("sections", [{}, SMOOTH, {"drainage": {"mode": "undrained"}}])
 def test_savings_are_positive_and_say_where_they_come_from(sections: dict) -> None:
-    told = [omission.saved for omission in left_out(Scene(**sections)) if omission.saved is not None]
-    assert len(told) >= 2  # steel and half of the domain at least
-    for saved in told:
+    noted = [omission.saved for omission in left_out(tiny.paper(**sections)) if omission.saved is not None]
+    assert len(noted) >= 2  # steel and half of the domain at least
+    for saved in noted:
         assert saved.basis and saved.unknowns >= 0 and saved.memory_bytes >= 0
         assert saved.unknowns or saved.memory_bytes or saved.time_share
         assert 0.0 <= saved.time_share < 1.0

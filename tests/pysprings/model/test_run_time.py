@@ -16,7 +16,7 @@ from tests.support import tiny
 def pull(end: float, **sections: Any) -> Scene:
     """The default scene, pulled to an end (m), without pictures."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": 5e-5}
-    return Scene(**{"output": {"figures": False}, "paths": [path]} | sections)
+    return tiny.paper(**{"output": {"figures": False}, "paths": [path]} | sections)
 
 
 def test_least_increments_are_those_of_a_run_without_cut_backs() -> None:
@@ -65,8 +65,8 @@ def test_time_is_what_was_measured(unknowns: int, end: float, mode: str, measure
 def test_cost_grows_with_the_mesh_and_the_paths() -> None:
     small, large = 5_000, 50_000
     assert 10 * memory_bytes(small) > memory_bytes(large) > memory_bytes(small) > 0.2e9
-    scene = Scene(output={"figures": False})
-    assert seconds(scene, small) < seconds(Scene(), small)  # pictures take their time
+    scene = tiny.paper(output={"figures": False})
+    assert seconds(scene, small) < seconds(tiny.paper(), small)  # pictures take their time
     assert seconds(scene, large) > 10 * seconds(scene, small)  # more than in proportion
     two, one = (pull(0.0, paths=_turns(names)) for names in ("ab", "a"))
     assert seconds(two, large) == pytest.approx(2 * seconds(one, large), rel=0.05)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fe_engine.model import Stage
+from fe_engine.solve.stepping import fewest_increments
 from pysprings import Scene
 from pysprings.model.stages import dead_load_stage, imposed_end, path_stages
 
@@ -93,6 +94,13 @@ def test_what_is_imposed() -> None:
     assert [imposed_end(path) for path in scene.paths] == [0.02, 0.03, 2e-3, 4e6]
 
 
+def test_soil_without_stress_and_strength_has_a_first_step() -> None:
+    nothing = {"yield_surface": "elastic", "effective_unit_weight": 0.0, "surcharge": 0.0}
+    bare = stage("pull", lateral_displacement=2e-3, soil=nothing)
+    assert bare.first_fraction * 2e-3 == pytest.approx(2.5e-6 * D)
+    assert fewest_increments(bare) < 1000
+
+
 def test_the_first_step_is_the_same_displacement_however_long_the_path() -> None:
     first = [stage("pull", lateral_displacement=u).first_fraction * abs(u) for u in (2e-3, -0.02, 0.2)]
     np.testing.assert_allclose(first, first[0])
@@ -121,6 +129,27 @@ def test_the_scenes_step_sizes_win() -> None:
     assert only_first.max_fraction >= only_first.first_fraction == 0.5
 
 
+def test_the_soil_relaxes_in_an_imposed_motion_of_the_scenes_length() -> None:
+    """Over the motion of each stage; loads and rests have none."""
+    solver, tip = {"viscous_displacement": 1e-6}, 2e-3 * L
+
+    def lag(**path: Any) -> list[float]:
+        scene = Scene(paths=[{"name": "a"} | path], solver=solver)
+        return [each.lag for each in path_stages(scene, scene.paths[0], 0.0)]
+
+    pull = {"kind": "pull", "lateral_displacement": 5e-3, "role": "held-back"}
+    assert lag(**pull, then=["-5 mm"]) == pytest.approx([1e-6 / 5e-3, 1e-6 / 10e-3])
+    ray = {"kind": "translation", "lateral_displacement": 5e-3, "rotation": -2e-3}
+    assert lag(**ray) == pytest.approx([1e-6 / np.hypot(5e-3, tip)])
+    assert lag(kind="rotation", rotation=2e-3) == pytest.approx([1e-6 / tip])
+    swipe = ray | {"kind": "swipe", "role": "held-back"}
+    assert lag(**swipe) == pytest.approx([1e-6 / 5e-3, 1e-6 / tip])
+    probe = {"kind": "probe", "lateral_displacement": 0.3, "load_angle": 1.5, "role": "held-back"}
+    assert lag(**probe) == pytest.approx([1e-6 / 0.3])
+    assert lag(kind="load", lateral_force=1e6, role="held-back") == [0.0]
+    assert stage("pull", lateral_displacement=5e-3).lag == 0.0
+
+
 def test_a_swipe_turns_where_it_has_slid_to() -> None:
     path = {"name": "a", "kind": "swipe", "lateral_displacement": 5e-3, "rotation": -2e-3, "rate": 1e-3,
             "role": "held-back"}  # fmt: skip
@@ -133,6 +162,17 @@ def test_a_swipe_turns_where_it_has_slid_to() -> None:
     assert turn.first_fraction == pytest.approx(2.5e-6 * D / (2e-3 * L))
 
 
+def test_a_probe_imposes_the_displacement_conjugate_to_its_load() -> None:
+    """H = R cos, M = R D sin: work R (u cos + rotation D sin), R the multiplier of the pattern of half a caisson."""
+    angle = -0.5
+    probe = stage("probe", lateral_displacement=0.3, load_angle=angle, role="held-back")
+    along = [np.cos(angle), 0.0, D * np.sin(angle)]
+    np.testing.assert_allclose(probe.control, [along])
+    np.testing.assert_allclose(probe.load[:, 0], along)
+    np.testing.assert_allclose(probe.target, [0.3])
+    assert not probe.force.any()
+
+
 def test_a_load_that_climbs_grows_its_moment_under_a_constant_force() -> None:
     path = {"name": "a", "kind": "load", "lateral_force": 2e6, "arm_from": 1.0, "arm": 8.0, "role": "held-back"}
     scene = Scene(paths=[path])
@@ -140,3 +180,43 @@ def test_a_load_that_climbs_grows_its_moment_under_a_constant_force() -> None:
     np.testing.assert_allclose(grow.force, [1e6, 1e5, -1e6])
     np.testing.assert_allclose(climb.force, [1e6, 1e5, -8e6])
     assert len(climb.target) == 0
+
+
+def test_loads_go_on_to_pairs_of_force_and_moment() -> None:
+    """Half of H and M; a rest holds both; a single force goes back to the height of the path."""
+    path = {"name": "a", "kind": "load", "lateral_force": 2e6, "arm": 5.0, "role": "held-back",
+            "then": ["2 MN, -4 MN*m", "rest 1 s", "-1 MN"]}  # fmt: skip
+    scene = Scene(paths=[path])
+    forces = [stage.force for stage in path_stages(scene, scene.paths[0], 1e5)]
+    np.testing.assert_allclose(forces, [[1e6, 1e5, -5e6], [1e6, 1e5, -2e6], [1e6, 1e5, -2e6], [-5e5, 1e5, 2.5e6]])
+
+
+def test_a_load_goes_on_after_its_climb() -> None:
+    path = {"name": "a", "kind": "load", "lateral_force": 2e6, "arm_from": 0.0, "arm": 8.0, "role": "held-back",
+            "then": ["2 MN, -4 MN*m"]}  # fmt: skip
+    scene = Scene(paths=[path])
+    assert [stage.force[2] for stage in path_stages(scene, scene.paths[0], 0.0)] == [0.0, -8e6, -2e6]
+
+
+def test_a_swipe_goes_on_with_pairs_of_motions() -> None:
+    path = {"name": "a", "kind": "swipe", "lateral_displacement": 5e-3, "rotation": -2e-3, "role": "held-back",
+            "then": ["0 mm, 1 mrad", "rest 1 s", "1 mm, 1 mrad"]}  # fmt: skip
+    scene = Scene(paths=[path])
+    found = path_stages(scene, scene.paths[0], 0.0, rest=0.0)
+    np.testing.assert_allclose(
+        [s.target for s in found], [[5e-3, 0], [5e-3, -2e-3], [0, 1e-3], [0, 1e-3], [1e-3, 1e-3]]
+    )
+    assert found[2].first_fraction == pytest.approx(2.5e-6 * D / (5e-3 + 3e-3 * L))
+
+
+@pytest.mark.parametrize("rate", [None, 1e-4])
+def test_a_fan_with_memory_has_two_rays_that_turn_back(rate: float | None) -> None:
+    rates = {} if rate is None else {"rates": (rate,)}
+    scene = Scene(springs={"reach": 20e-3, "memory": True, **rates})
+    shift, turned = (path for path in scene.load_paths if path.role == "memory")
+    assert [s.target.tolist() for s in path_stages(scene, shift, 0.0)] == [[8e-3, 0.0], [-8e-3, 0.0], [8e-3, 0.0]]
+    ends = [s.target for s in path_stages(scene, turned, 0.0)]
+    np.testing.assert_allclose([np.hypot(u, turn * L) for u, turn in ends], 8e-3)
+    np.testing.assert_allclose([np.degrees(np.arctan(turn * L / u)) for u, turn in ends], -50.0)
+    times = [s.duration for s in path_stages(scene, turned, 0.0)]
+    assert times == ([0.0] * 3 if rate is None else pytest.approx([80.0, 160.0, 160.0]))

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings import Scene
 from pysprings.core.errors import UserInputError
 from pysprings.full_model.compute import compute
 from pysprings.macro.predict import predict
@@ -35,7 +34,7 @@ def result(young: float = 200e9, behaviour: str = "elastic", mode: str = "draine
 
 @pytest.mark.parametrize("mesh", MESHES)
 def test_every_station_stands_between_soil_and_steel_at_one_place(mesh: dict) -> None:
-    built = build_model(Scene(mesh=mesh, caisson={"behaviour": "elastic"}))
+    built = build_model(tiny.paper(mesh=mesh, caisson={"behaviour": "elastic"}))
     stations, nodes, first = built.model.stations, built.model.mesh.nodes, built.caisson.mesh.n_nodes
     assert stations is not None
     of_steel = stations.nodes >= first
@@ -51,7 +50,7 @@ def test_every_station_stands_between_soil_and_steel_at_one_place(mesh: dict) ->
 def test_the_steel_has_the_volume_of_skirt_and_lid(mesh: dict) -> None:
     from fe_engine.elements import hex8
 
-    scene = Scene(mesh=mesh, caisson={"behaviour": "elastic"})
+    scene = tiny.paper(mesh=mesh, caisson={"behaviour": "elastic"})
     built = build_model(scene)
     assert built.steel is not None
     _, volume, _ = hex8.geometry(built.model.mesh.nodes, built.steel.hexes)

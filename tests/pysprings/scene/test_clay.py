@@ -13,6 +13,7 @@ from pysprings.model.forecast.profile import profile, unusual_values
 from pysprings.scene.ground import drainage_of, ground_of
 from pysprings.scene.interface import api_factor
 from pysprings.scene.load import Scene, parse_scene
+from tests.support import tiny
 
 CLAY = """\
 [soil]
@@ -24,6 +25,9 @@ surcharge = "0 kPa"
 [interface]
 adhesion_factor = 0.65
 opening = { outside = "vented", inside = "sealed", lid = "sealed", tip = "bonded" }
+[domain]
+radius = "24 m"
+depth = "12 m"
 """
 SAND_OVER_CLAY = """\
 [soil]
@@ -43,6 +47,9 @@ drainage = "total-stress"
 undrained_shear_strength = { top = "40 kPa", bottom = "60 kPa" }
 shear_modulus = { reference = "5 MPa", reference_depth = "2 m", exponent = 1 }
 strain_at_half_strength = 0.01
+[domain]
+radius = "24 m"
+depth = "12 m"
 """
 
 
@@ -187,7 +194,7 @@ def test_check_prints_strength_and_adhesion_by_depth():
     assert bottom["shear_modulus_Pa"] == pytest.approx(200 * 29e3)
     assert top["adhesion_factor_outside"] == 0.65
     assert "friction_angle_deg" not in top
-    sand = profile(Scene())[0]
+    sand = profile(tiny.paper())[0]
     assert "adhesion_factor_outside" not in sand
 
 

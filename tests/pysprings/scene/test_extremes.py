@@ -172,6 +172,7 @@ def test_the_section_is_the_engines(angle: float, lode_angle: float) -> None:
     assert VAN_EEKELEN.section(np.radians(angle), lode_angle) == pytest.approx(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phi", [30.0, 46.5])
 def test_van_eekelen_returns_to_its_surface_down_to_the_least_dilation(phi: float) -> None:
     """Status OK, no excess; and the yield function along the return changes its sign once, for any trial stress."""

@@ -165,7 +165,7 @@ def offset(text: str, place: tuple[int, int]) -> int:
     return sum(len(line) + 1 for line in lines[: place[0] - 1]) + place[1] - 1
 
 
-@settings(deadline=None, max_examples=300, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(deadline=None, max_examples=120, suppress_health_check=[HealthCheck.filter_too_much])
 @given(documents())
 def test_generated_documents(document: str) -> None:
     """Every path is found; scalars and keys stand exactly where they were written."""

@@ -19,7 +19,7 @@ Young modulus [MPa],Poisson ratio [-],law
 0,2,Loose sand,9,29,31,40,0.25,
 2,12,Dense sand,10.5,36,38,120,0.3,van-eekelen
 """
-SCENE = '[soil]\nfriction_angle_initial = "5 deg"\nprofile = "site.csv"\n'
+SCENE = '[domain]\nradius = "24 m"\ndepth = "12 m"\n[soil]\nfriction_angle_initial = "5 deg"\nprofile = "site.csv"\n'
 
 
 def write(folder, table=SITE, name="site.csv"):
@@ -119,6 +119,9 @@ Soft clay,0.0,-6.0,16.0,"[5.0, 17.0]",tresca
 Stiff clay,-6.0,-12.0,19.81,"[60.0, 80.0]",tresca
 """
 CLAY = """\
+[domain]
+radius = "24 m"
+depth = "12 m"
 [soil]
 rigidity_ratio = 200
 profile = "site.csv"

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: MIT
+"""Values that replace those of a scene file: `soil.young_modulus="80 MPa"`, `path.pull.arm="5 m"`."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.units import quoted
+
+OPTION = "--set"
+
+
+@dataclass(frozen=True)
+class Change:
+    """A key of a scene, as the path of its tables, and its new value as TOML has it."""
+
+    keys: tuple[str, ...]
+    value: Any
+
+
+def read_changes(texts: Sequence[str]) -> list[Change]:
+    """Return changes of texts KEY=VALUE; a value that is no TOML is a text. Raises UserInputError."""
+    changes, problems = [], []
+    for text in texts:
+        name, sign, value = text.partition("=")
+        keys = tuple(part.strip() for part in name.split("."))
+        if not sign or not all(keys):
+            message = f'{quoted(text)} is not KEY=VALUE, such as soil.young_modulus="80 MPa"'
+            problems.append(Problem(key=OPTION, message=message))
+            continue
+        changes.append(Change(keys, _value(value.strip())))
+    if problems:
+        raise UserInputError(problems)
+    return changes
+
+
+def _value(text: str) -> Any:
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except ValueError:
+        return text
+
+
+def applied(data: dict[str, Any], changes: Sequence[Change]) -> list[tuple[str | int, ...]]:
+    """Put changes into the data of a scene file; return their places there. Raises UserInputError."""
+    places = []
+    for change in changes:
+        table: Any = data
+        place: list[str | int] = []
+        for key in change.keys[:-1]:
+            if isinstance(table, list):
+                number = _entry(table, key, change)
+                table = table[number]
+                place.append(number)
+            else:
+                table = _table(table, key, change)
+                place.append(key)
+        if not isinstance(table, dict):
+            raise _refused(change, "is a list: name one of its tables, and a key of it")
+        table[change.keys[-1]] = change.value
+        places.append((*place, change.keys[-1]))
+    return places
+
+
+def _table(table: Any, key: str, change: Change) -> Any:
+    inner = table.setdefault(key, {}) if isinstance(table, dict) else None
+    if not isinstance(inner, dict | list):
+        raise _refused(change, f"'{key}' is a value, not a table")
+    return inner
+
+
+def _entry(tables: list[Any], name: str, change: Change) -> int:
+    names = [str(each.get("name", k + 1)) if isinstance(each, dict) else "" for k, each in enumerate(tables)]
+    if name in names:
+        return names.index(name)
+    raise _refused(change, f"no '{name}'; there are: {', '.join(names) or 'none'}")
+
+
+def _refused(change: Change, message: str) -> UserInputError:
+    return UserInputError([Problem(key=f"{OPTION} {'.'.join(change.keys)}", message=message)])

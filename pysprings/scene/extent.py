@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: MIT
+"""Size of the cylinder of soil that is modelled: given in the scene, or chosen by caisson and layers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pysprings.core.words import AUTO
+
+if TYPE_CHECKING:
+    from pysprings.scene.scene_sections import SceneSections
+
+PAPER = {"radius": 24.0, "depth": 12.0}  # m, the domain of Cerfontaine, Charlier & Collin (2018)
+# diameters between the axis and the side, and between the tip and the bottom: see `model.forecast.domain_effect`
+RADIUS, BELOW_TIP = 40.0, 40.0
+GROUND = 3.0  # diameters below the tip, where an automatic depth turns the soil into an elastic one: see `ground`
+_OF_LAST = 1.0  # diameter of the last layer that is modelled at the least
+
+
+@dataclass(frozen=True)
+class Extent:
+    """Radius and depth of the domain, m, and the depth down to which the soil has its own laws and values."""
+
+    radius: float
+    depth: float
+    ground: float
+
+
+def extent_of(scene: SceneSections) -> Extent:
+    """Return the size of the domain of a scene; what is "auto" follows from caisson and layers."""
+    domain, caisson = scene.domain, scene.caisson
+    diameter = caisson.outer_diameter
+    last = max((layer.top for layer in scene.soil.layers), default=0.0)
+    radius = RADIUS * diameter if domain.radius == AUTO else float(domain.radius)
+    if domain.depth != AUTO:
+        return Extent(radius, float(domain.depth), float(domain.depth))
+    ground = max(caisson.skirt_length + GROUND * diameter, last + _OF_LAST * diameter)
+    return Extent(radius, max(caisson.skirt_length + BELOW_TIP * diameter, 2.0 * ground), ground)

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: MIT
+"""The fan of load paths that a scene asks for by its reach."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from pysprings.core.path_kinds import MEMORY, PATH_KINDS, VERTICAL
+from pysprings.scene.sections import Caisson, Path, Springs
+from pysprings.scene.then import Then
+
+# Directions of (u, rotation * skirt length), degrees. Pulls with a free head lie between -10 (short skirts, load at
+# mudline) and -60 (load far above), so that the rays are dense there; +45 is a load far below mudline.
+RAYS = (0, -20, -30, -40, -50, -60, 45, 90)
+ARMS = (0.0, 0.5, 1.0, 2.0, 5.0)  # heights of the loads of held-back pulls, diameters
+_RAY = {kind.drives: name for name, kind in PATH_KINDS.items() if kind.straight}
+_PULL = next(name for name, kind in PATH_KINDS.items() if kind.free_head and not kind.force)
+# The part of a fan on which meshes are compared: in the default scene it has the largest differences of the whole fan.
+FEW_RAYS, FEW_ARMS = (0, -50, 90), ARMS[-1:]
+_SHARE = 0.5  # of the reach: vertical paths and held-back pulls
+# Rays that turn back, degrees: a translation, and the direction of pulls with a free head. Share of the reach.
+REVERSED = (0, -50)
+REVERSED_SHARE = 0.4
+
+
+def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
+    """Return the paths of a fan: rays at every vertical load and rate, vertical and reversed ones, held-back pulls."""
+    if springs.reach is None:
+        return ()
+    rates = springs.rates or (None,)
+    parts = [*_rays(springs, caisson, rates), *_vertical(springs, rates[0])]
+    if springs.memory:
+        parts += _reversed(springs, caisson, rates[0])
+    if springs.held_back:
+        parts += _pulls(springs, caisson, rates[0])
+    return tuple(Path(**part) for part in parts)
+
+
+def few_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
+    """Return the part of a fan on which meshes are compared: few rays, and the held-back pull of the highest load."""
+    if springs.reach is None:
+        return ()
+    rates = springs.rates or (None,)
+    parts = [*_rays(springs, caisson, rates, FEW_RAYS)]
+    if springs.held_back:
+        parts += _pulls(springs, caisson, rates[0], FEW_ARMS)
+    return tuple(Path(**part) for part in parts)
+
+
+def _rays(
+    springs: Springs, caisson: Caisson, rates: tuple[float | None, ...], angles: tuple[int, ...] = RAYS
+) -> Iterator[dict[str, Any]]:
+    assert springs.reach is not None
+    loads = (None, *springs.vertical_loads)
+    for number, load in enumerate(loads):
+        for pace, rate in enumerate(rates):
+            suffix = (f"_load_{number}" if number else "") + (f"_rate_{pace}" if pace else "")
+            for angle in angles:
+                yield {
+                    "name": _ray_name(angle) + suffix, **_motion(springs.reach, angle, caisson), "vertical_load": load,
+                    "duration": None if rate is None else springs.reach / rate,
+                }  # fmt: skip
+
+
+def _motion(rho: float, angle: int, caisson: Caisson) -> dict[str, Any]:
+    """Return kind and motion of a ray of a size [m] and an angle [deg]."""
+    along, turn = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    motion: dict[str, Any] = {"kind": _RAY["rotation" if angle == 90 else "u"]}
+    if angle:
+        motion["rotation"] = rho * turn / caisson.skirt_length
+    if angle != 90:
+        motion["lateral_displacement"] = rho * along
+    return motion
+
+
+def _reversed(springs: Springs, caisson: Caisson, rate: float | None) -> Iterator[dict[str, Any]]:
+    """Yield the rays that turn back: to rho, to -rho, to rho again, at the vertical load of the scene."""
+    assert springs.reach is not None
+    rho = REVERSED_SHARE * springs.reach
+    for angle in REVERSED:
+        motion = _motion(rho, angle, caisson)
+        end, time = motion[PATH_KINDS[motion["kind"]].imposed], None if rate is None else 2.0 * rho / rate
+        yield {
+            "name": f"{_ray_name(angle)}_reversed", **motion, "role": MEMORY,
+            "duration": None if rate is None else rho / rate,
+            "then": (Then(-end, time=time), Then(end, time=time)),
+        }  # fmt: skip
+
+
+def _ray_name(angle: int) -> str:
+    return f"ray_{'minus_' if angle < 0 else ''}{abs(angle)}"
+
+
+def _vertical(springs: Springs, rate: float | None) -> Iterator[dict[str, Any]]:
+    assert springs.reach is not None
+    for name, sign in (("down", 1.0), ("up", -1.0)):
+        way = sign * _SHARE * springs.reach
+        yield {"name": name, "kind": VERTICAL, "vertical_displacement": way, "rate": rate}
+
+
+def _pulls(
+    springs: Springs, caisson: Caisson, rate: float | None, arms: tuple[float, ...] = ARMS
+) -> Iterator[dict[str, Any]]:
+    assert springs.reach is not None
+    for arm in arms:
+        yield {
+            "name": f"pull_{arm:g}_D".replace(".", "_"), "kind": _PULL, "arm": arm * caisson.outer_diameter,
+            "lateral_displacement": _SHARE * springs.reach, "role": "held-back", "rate": rate,
+        }  # fmt: skip
