@@ -15,6 +15,7 @@ PLAIN: ContextVar[bool] = ContextVar("plain", default=False)
 
 # Options of `pysprings predict` that ask for many states: there Numba pays.
 _MANY = ("--points", "--sequence")
+_REMEMBERS = "memory"  # the spring set that takes many elements
 
 
 def jitted(function: F) -> F:
@@ -32,6 +33,6 @@ def jitted(function: F) -> F:
 
 def choose_for_command(arguments: Sequence[str]) -> None:
     """Do without Numba when the command is one prediction or a usual curve (it takes 0.5 s to load and bind)."""
-    many = any(argument.split("=")[0] in _MANY for argument in arguments)
+    many = any(argument.split("=")[0] in _MANY or argument.endswith(_REMEMBERS) for argument in arguments)
     command = next((argument for argument in arguments if not argument.startswith("-")), "")
     PLAIN.set(command == "predict" and not many)

@@ -56,7 +56,7 @@ def text(packages: Iterable[Installed]) -> str:
         return f"{OWN}; no proprietary package is installed"
     lines = [OWN]
     if closed:
-        lines.append("proprietary, installed with pypardiso (1 GB; without them SuperLU solves, more slowly):")
+        lines.append("proprietary, installed by the extra mkl (1 GB; without them SuperLU solves bricks, more slowly):")
         lines += [_line(each) for each in closed]
     lines += [_line(each) for each in packages if each.name in TESTS_ONLY]
     return "\n".join(lines)

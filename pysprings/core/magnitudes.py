@@ -15,6 +15,9 @@ LARGEST = {
 SMALLEST = {"m": 1e-60, "rad": 1e-60}
 SMALLEST_AT_ALL = 1e-150  # of any number that is not zero: quotients of two stay finite
 
+# Motion under a load that counts as failure: displacement over diameter, and rotation [rad] (default of `[limit]`)
+MOST_MOVED, MOST_TURNED = 0.1, math.radians(5.0)
+
 SMALLEST_LOAD = 1.0  # N, N m: below it, millinewtons were meant to be meganewtons
 
 _ENDINGS = {

@@ -33,7 +33,11 @@ class PathKind:
     free_head : the load acts at a height (`arm`), and the rotation is free.
     straight : rotation/u is constant along the path, so that it can be a ray of a fan.
     in_turn : the imposed quantity comes first, then the rotation at its end value.
-    bends : H and M do not keep their ratio; such a path cannot calibrate springs.
+    bends : H and M need not keep their ratio, or u need not grow: the path is followed along |u| + |rotation| L, and
+        cannot calibrate springs.
+    conjugate : the load keeps its direction (`load_angle`), and the displacement conjugate to it is imposed.
+    limited : the path ends where the caisson has moved too far for a foundation.
+    pairs : what follows (`then`) may give two end values: "H, M" under given loads, "u, rotation" of imposed motions.
     """
 
     imposed: str
@@ -50,6 +54,9 @@ class PathKind:
     straight: bool = False
     in_turn: bool = False
     bends: bool = False
+    conjugate: bool = False
+    limited: bool = False
+    pairs: bool = False
 
     @property
     def has_velocity(self) -> bool:
@@ -71,11 +78,15 @@ PATH_KINDS: Mapping[str, PathKind] = {
     ),
     "swipe": PathKind(
         "lateral_displacement", "u", "H", "M", ("H", "M"), ("u", "rotation"), frozenset({"rotation", "rate"}),
-        needs=("rotation",), paces=("rate",), in_turn=True, bends=True,
+        needs=("rotation",), paces=("rate",), in_turn=True, bends=True, pairs=True,
     ),
     "load": PathKind(
         "lateral_force", "u", "H", "rotation", ("H", "rotation"), (), frozenset({"arm", "arm_from"}),
-        paces=("duration",), force=True, free_head=True,
+        paces=("duration",), force=True, free_head=True, limited=True, pairs=True,
+    ),
+    "probe": PathKind(
+        "lateral_displacement", "u", "H", "M", ("H", "M"), ("u",), frozenset({"load_angle", "rate"}),
+        needs=("load_angle",), paces=("rate",), bends=True, conjugate=True, limited=True,
     ),
     VERTICAL: PathKind(
         "vertical_displacement", "w", "V", None, ("V",), ("u", "w", "rotation"), frozenset({"rate"})
@@ -83,9 +94,21 @@ PATH_KINDS: Mapping[str, PathKind] = {
 }  # fmt: skip
 
 
+# Roles of paths: springs are made from the first, their memory from the first two; the third is for checks alone
+CALIBRATION, MEMORY, HELD_BACK = "calibration", "memory", "held-back"
+ROLES = (CALIBRATION, MEMORY, HELD_BACK)
+# Attributes of a recorded path: number of parts after the first one; 1 where these have two end values each
+PARTS, PAIRS = "then_parts", "then_pairs"
+
+
 def bends(attrs: Mapping[object, object]) -> bool:
     """Return whether H and M change their ratio on a path with these attributes: a swipe, a load that climbs."""
-    return PATH_KINDS[str(attrs["kind"])].bends or "arm_from_m" in attrs
+    return PATH_KINDS[str(attrs["kind"])].bends or "arm_from_m" in attrs or PAIRS in attrs
+
+
+def turns_back(attrs: Mapping[object, object]) -> bool:
+    """Return whether a path with these attributes has further parts after its first one (`then`)."""
+    return int(str(attrs.get(PARTS, 0))) > 0
 
 
 def kind_of(attrs: Mapping[object, object]) -> PathKind:

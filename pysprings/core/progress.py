@@ -16,9 +16,11 @@ LINE_AFTER = 30.0  # s without a plain line
 
 
 @contextmanager
-def reporter(stream: TextIO) -> Iterator[Progress]:
-    """Give the progress function that suits a stream."""
-    if stream.isatty():
+def reporter(stream: TextIO | None) -> Iterator[Progress]:
+    """Give the progress function that suits a stream; None: one that reports nothing."""
+    if stream is None:
+        yield lambda *_: None
+    elif stream.isatty():
         with _bars(stream) as progress:
             yield progress
     else:
@@ -27,14 +29,15 @@ def reporter(stream: TextIO) -> Iterator[Progress]:
 
 @contextmanager
 def _bars(stream: TextIO) -> Iterator[Progress]:
-    """Give a function that draws one bar per path."""
+    """Give a function that draws one bar per path, with the time that has passed and the time that is left."""
     from rich.console import Console
     from rich.markup import escape
-    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
     from rich.progress import Progress as Bars
 
     columns = TextColumn("{task.fields[path]}"), BarColumn(), TextColumn("{task.percentage:>3.0f} %")
-    with Bars(*columns, TimeElapsedColumn(), TextColumn("{task.description}"), console=Console(file=stream)) as bars:
+    times = TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(elapsed_when_finished=False)
+    with Bars(*columns, *times, TextColumn("{task.description}"), console=Console(file=stream)) as bars:
         tasks: dict[str, int] = {}
 
         def progress(path: str, fraction: float, message: str) -> None:

@@ -20,6 +20,11 @@ class StopReason(StrEnum):
     OUT_OF_MEMORY = "out of memory"
 
     @property
+    def is_limit(self) -> bool:
+        """True where a path under a given load has reached its limit load, or a motion that counts as one."""
+        return self in (StopReason.LIMIT_LOAD, StopReason.DISPLACEMENT_LIMIT)
+
+    @property
     def explains(self) -> bool:
         """True for a named physical reason."""
         return self not in (StopReason.UNEXPLAINED, StopReason.INTERRUPTED, StopReason.OUT_OF_MEMORY)

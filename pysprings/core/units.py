@@ -68,6 +68,9 @@ COMMON: dict[str, tuple[float, Dimension]] = {
 }  # fmt: skip
 
 
+_TONS = ("ton", "tons")
+
+
 class QuantityError(ValueError):
     """A text that is not the quantity expected; the message is for the user."""
 
@@ -212,6 +215,8 @@ def _registry() -> Any:
 @cache
 def _named(name: str) -> tuple[float, Dimension]:
     """Return SI scale and powers of base units of one unit name."""
+    if name in _TONS:
+        raise QuantityError(f"{quoted(name)} is 907, 1000 or 1016 kg: write t for 1000 kg")
     if name in _MOMENTS:
         scale, newton = _named(_MOMENTS[name])
         return scale, tuple((unit, power + (unit == "meter")) for unit, power in newton)

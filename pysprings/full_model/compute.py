@@ -22,6 +22,7 @@ from pysprings.core import version
 from pysprings.core.errors import ResourceError, RunIncomplete, out_of_memory, refused
 from pysprings.core.files.layout import is_unfinished, refuse_links
 from pysprings.core.files.lock import exclusive, new_folder
+from pysprings.core.path_kinds import PAIRS, PARTS
 from pysprings.core.progress import Progress
 from pysprings.core.stop_reasons import StopReason
 from pysprings.core.threads import blas_on_one_thread
@@ -45,7 +46,7 @@ from pysprings.full_model.record import (
     summarise,
 )
 from pysprings.full_model.result_tree import record_of, tree_of
-from pysprings.full_model.run_record import Computed
+from pysprings.full_model.run_record import Computed, LimitLoad, Status
 from pysprings.full_model.unit_time import factorise_and_solve_seconds
 from pysprings.full_model.work import Work
 from pysprings.model.discretise import build
@@ -58,7 +59,9 @@ from pysprings.model.water import undrained_time
 from pysprings.springs.path_ends import end_attrs
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.load import Path, Scene
+
+_ROUNDING = 1e-5  # share of the stiffness by which a linear solver may leave it unsymmetric
 
 
 def run(
@@ -81,8 +84,9 @@ def run(
     Returns
     -------
     DataTree with one group per path (see `pysprings.core.variables`). ``attrs["status"]`` is "complete", or "partial"
-    when a path did not converge to its end (with a warning), or "interrupted"; what converged is kept. Water that
-    would cavitate at the scene's water depth is warned of.
+    when a path did not converge to its end (with a warning), or "interrupted"; what converged is kept. A path under a
+    given load that ends at its limit load is complete: its own status is "limit load", the record has the loads. Water
+    that would cavitate at the scene's water depth is warned of.
     """
     ran = scene_to_run(scene, mesh, linear)
     estimated = estimates_by_default(ran) if estimate_error is None else estimate_error
@@ -244,16 +248,28 @@ def _initial_stiffness(work: Work) -> np.ndarray:
     """Return the tangent stiffness (3, 3) of half the caisson at the initial state; undrained where there is water."""
     work.system.time_step, work.system.sealed = undrained_time(work.scene, work.built.model.mesh), True
     try:
-        return work.newton.border_stiffness(State(work.built.model))
+        return symmetric_but_for_rounding(work.newton.border_stiffness(State(work.built.model)))
     except FEError as error:
         raise RunIncomplete(f"the stiffness of the initial state cannot be computed: {error}") from error
     finally:
         work.system.sealed = False
 
 
+def symmetric_but_for_rounding(stiffness: np.ndarray) -> np.ndarray:
+    """Return the symmetric part of a stiffness (3, 3) that differs from it by rounding alone; others as they are.
+
+    At rest contact sticks and the soil is elastic: what is not symmetric is what the linear solver leaves.
+    """
+    mean: np.ndarray = 0.5 * (stiffness + stiffness.T)
+    size = np.sqrt(np.abs(np.diag(mean)))
+    rounding = bool((np.abs(stiffness - mean) <= _ROUNDING * np.outer(size, size)).all())
+    return mean if rounding else stiffness
+
+
 def _run_paths(work: Work, loaded: Loaded) -> None:
     """Run every path that has not ended; the one on its way goes on from where it stood."""
-    for number, path in enumerate(work.scene.paths):
+    paths = work.scene.load_paths
+    for number, path in enumerate(paths):
         run = PathRun(work, path)
         ended, state = loaded.paths.get(path.name), loaded.state
         if ended is not None:
@@ -268,8 +284,14 @@ def _run_paths(work: Work, loaded: Loaded) -> None:
         finally:
             if run.collector.rows:
                 _keep(work, run)
-        work.condition = work.newton.condition_estimate() if path is work.scene.paths[-1] else None
+        work.condition = work.newton.condition_estimate() if number == len(paths) - 1 else None
         run.save_end(number)
+
+
+def _parts(path: Path) -> dict[str, int]:
+    """Return attributes on the parts of a path after its first one; none where there are none."""
+    pairs = {PAIRS: 1} if any(then.second is not None for then in path.then) else {}
+    return {PARTS: len(path.then)} | pairs if path.then else {}
 
 
 def _keep(work: Work, run: PathRun) -> None:
@@ -285,11 +307,16 @@ def _keep(work: Work, run: PathRun) -> None:
             dataset.attrs["rate_m_per_s"] = path.rate
         if path.arm_from is not None:
             dataset.attrs["arm_from_m"] = path.arm_from
+        dataset.attrs |= _parts(path)
+        if path.load_angle is not None:
+            dataset.attrs["load_angle_rad"] = path.load_angle
         work.paths[f"/paths/{name}"] = dataset
         work.paths[f"/paths/{name}/convergence"] = convergence_dataset(driver.record)
+        figures = summarise(driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, run.limits)
+        at_limit = run.ending.status is Status.LIMIT_LOAD
         work.figures[name] = replace(
-            summarise(driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, run.limits),
-            status=run.ending.status, reason=run.ending.reason, energy=energy_summary(run.energy.now()),
+            figures, status=run.ending.status, reason=run.ending.reason, energy=energy_summary(run.energy.now()),
+            limit_load=LimitLoad.at(figures.end, run.ending.why) if at_limit else None,
         )  # fmt: skip
         work.failures += [run.ending.failure] if run.ending.failure else []
         u, w, turn = (float(np.abs(dataset[key].values).max()) for key in ("u", "w", "rotation"))

@@ -21,6 +21,7 @@ from fe_engine.conventions import CONTACT_OPEN, REGIME_APEX, REGIME_CONE
 from fe_engine.errors import FEError
 from fe_engine.material import soil_rows
 from fe_engine.soil.dispatch import update_soil
+from fe_engine.soil.elastic import elastic_tangent
 from fe_engine.soil.law import Point
 from pysprings.core.stop_reasons import Diagnosis, StopReason
 
@@ -36,6 +37,7 @@ _LIMIT = 0.02
 _NO_BALANCE = 0.1
 # Share of the Gauss points around a place above which their regime is that of the soil there
 _MOST = 0.25
+_LEADS_ON = "; solver.viscous_displacement may lead on"
 _NODES = 10  # with the largest residuals: what cycles is beside them as often as at the largest
 _VOIGT = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 
@@ -66,7 +68,7 @@ def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> Diagnosis
     worst = _ellipticity(system, state, elements)
     if worst <= 0.0:
         detail = f"the soil there has lost its ellipticity (det n.C.n is {worst:.2g} of the elastic one)"
-        return Diagnosis(StopReason.LOCALISATION, detail)
+        return Diagnosis(StopReason.LOCALISATION, detail + ("" if given_load else _LEADS_ON))
     if _contact_there(system, elements):
         return Diagnosis(StopReason.FRICTION, "stations there stick, slip and open in turn, and no set of states holds")
     return Diagnosis(StopReason.UNEXPLAINED)
@@ -106,8 +108,8 @@ def _least_residual(driver: Driver) -> float:
 def _ellipticity(system: System | FourierSystem, state: State, elements: np.ndarray) -> float:
     """Return least det(n.C.n) over its elastic value, of the yielding points of these elements over directions n."""
     directions = _directions()
-    worst = 1.0
-    old, tangent = state.committed, np.empty((6, 6))
+    worst, share = 1.0, system.relaxed
+    old, tangent, elastic = state.committed, np.empty((6, 6)), np.empty((6, 6))
     new = Point(np.empty(6), np.empty(old.history.shape[2]))
     code, parameters, moduli = soil_rows(system.model)
     for e in elements:
@@ -117,7 +119,9 @@ def _ellipticity(system: System | FourierSystem, state: State, elements: np.ndar
             strain, before = system.strain_step(state, int(e), int(g)), Point(old.stress[e, g], old.history[e, g])
             row = int(g) * parameters.shape[1] // system.regime[0].size  # azimuths share that of their section's point
             update_soil(code[e], parameters[e, row], strain, before, new, tangent, True)
-            worst = min(worst, float(np.min(_acoustic(tangent, directions))) / _elastic(*moduli[e, row]))
+            elastic_tangent(*moduli[e, row], 1.0, elastic)
+            viscous = elastic + share * (tangent - elastic)
+            worst = min(worst, float(np.min(_acoustic(viscous, directions))) / _elastic(*moduli[e, row]))
     return worst
 
 

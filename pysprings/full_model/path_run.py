@@ -48,7 +48,7 @@ class PathRun:
         self.n_dead, self.stage, self.time = int(self.extra != 0.0), 0, 0.0
         self.n_stages = self.n_dead + len(self._path_stages(0.0))
         self.limits: list[str] = []
-        self.reach: DisplacementLimit | None = None  # of a path under a given load
+        self.reach: DisplacementLimit | None = None  # of a path that leads to failure
         self.ending = Ending()
         self._position: Position | None = None  # where to go on in the stage
         self._unsaved: tuple[Standing, Gathered] | None = None  # after the last step, unless it is in a checkpoint
@@ -63,7 +63,12 @@ class PathRun:
             self.ending = COMPLETE
         except NotConverged as error:
             why, reason = self._why(error)
-            self.ending = Ending(Status.PARTIAL, reason, why, self._failure(why))
+            limit = reason.is_limit and self.stage >= self.n_dead and bool(self.collector.rows)
+            self.ending = (
+                Ending(Status.LIMIT_LOAD, reason, why)
+                if limit
+                else Ending(Status.PARTIAL, reason, why, self._failure(why))
+            )
             if not self.collector.rows:  # the dead load itself: the state that it reached is kept, marked
                 self._collect(converged=False)
         except (KeyboardInterrupt, MemoryError):
@@ -78,9 +83,8 @@ class PathRun:
             self._collect()
         rest = float(self.collector.rows[0]["w"])
         stages = self._path_stages(rest)
-        if PATH_KINDS[self.path.kind].force:
-            caisson = self.work.scene.caisson
-            self.reach = DisplacementLimit(caisson.outer_diameter, caisson.skirt_length, rest)
+        if PATH_KINDS[self.path.kind].limited:
+            self.reach = DisplacementLimit.of(self.work.scene, rest)
             self.driver.refusal = self.reach.refusal
         while self.stage < self.n_stages:
             self._run_stage(stages[self.stage - self.n_dead])
@@ -119,7 +123,7 @@ class PathRun:
             self.collector.add(self.state.committed, self.time, converged)
 
     def _refuse_flight(self) -> None:
-        """Stop a path under a given load where the caisson leaves."""
+        """Stop a path that leads to failure where the caisson leaves."""
         border = self.state.committed.border
         if self.reach is not None and self.reach.share(border) > 1.0:
             raise _MovedTooFar(too_far(self.driver, self.work.stiffness, self.reach.text(border)))

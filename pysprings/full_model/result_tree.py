@@ -44,6 +44,7 @@ def record_of(work: Work, loaded: Loaded) -> RunRecord:
         paths=work.figures,
         left_out=[omission.record() for omission in left_out(work.scene)],
         checkpoints=_checkpoints(work),
+        stiffness_initial={"dofs": list(variables.DOFS), "matrix": (2.0 * work.stiffness).tolist()},
         **before,
     )
 
@@ -60,7 +61,7 @@ def _mesh(work: Work) -> MeshFigures:
         }
     return MeshFigures(
         preset=work.scene.mesh.preset,
-        discretisation=work.scene.mesh.discretisation,
+        discretisation=work.scene.discretisation,
         nodes=mesh.n_nodes,
         elements=mesh.n_elements,
         unknowns=work.system.pattern.n_unknowns + 3,
@@ -112,7 +113,7 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
         "scene_toml": scene.source_text,
         "solver": record.solver.linear,
         "mesh_preset": scene.mesh.preset,
-        "discretisation": scene.mesh.discretisation,
+        "discretisation": scene.discretisation,
         **({} if record.mesh.harmonics is None else {"harmonics": record.mesh.harmonics}),
         "n_nodes": mesh.n_nodes,
         "n_elements": mesh.n_elements,
@@ -124,6 +125,8 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
         "skirt_thickness_m": scene.caisson.skirt_thickness,
         "lid_thickness_m": scene.caisson.lid_thickness,
         "caisson_behaviour": scene.caisson.behaviour,
+        "limit_displacement_over_diameter": scene.limit.displacement_over_diameter,
+        "limit_rotation_rad": scene.limit.rotation,
         "vertical_load_N": 2.0 * (work.built.balanced_load + work.built.extra_load),
     }
     groups: dict[str, Any] = {"/": root, "/section": section_of(work.built)} | work.paths

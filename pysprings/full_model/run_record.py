@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -29,6 +30,7 @@ class Status(StrEnum):
     """How a run, or one of its paths, ended."""
 
     COMPLETE = "complete"
+    LIMIT_LOAD = "limit load"  # of a path under a given load: the soil carries no more, or the motion is at its limit
     PARTIAL = "partial"
     INTERRUPTED = "interrupted"
     WRITING = WRITING  # until every file of the run is written
@@ -41,7 +43,7 @@ class Ending:
     Attributes
     ----------
     reason, why : why it stopped, and the same in one line that begins with the reason; none where it came to its aim.
-    failure : sentence for the record; empty where the path came to its aim, or was interrupted.
+    failure : sentence for the record; empty where the path came to its aim or to its limit load, or was interrupted.
     """
 
     status: Status = Status.INTERRUPTED
@@ -142,12 +144,39 @@ class CutBack(_Part):
 
 
 @dataclass(frozen=True, slots=True)
+class LimitLoad(_Part):
+    """Limit load of a path: loads of the whole caisson and motion in its last converged state, and the criterion."""
+
+    H_N: float
+    V_N: float
+    M_Nm: float
+    u_m: float
+    w_m: float
+    rotation_rad: float
+    criterion: str
+
+    @classmethod
+    def at(cls, end: Mapping[str, float], criterion: str) -> Self:
+        """Return the limit load of a path with this end (`PathFigures.end`)."""
+        names = {"H_N": "H", "V_N": "V", "M_Nm": "M", "u_m": "u", "w_m": "w", "rotation_rad": "rotation"}
+        return cls(**{name: end[key] for name, key in names.items()}, criterion=criterion)
+
+    def __str__(self) -> str:
+        return (
+            f"H = {1e-3 * self.H_N:.5g} kN, M = {1e-3 * self.M_Nm + 0.0:.5g} kN m, V = {1e-3 * self.V_N:.5g} kN "
+            f"at u = {1e3 * self.u_m:.4g} mm, rotation = {math.degrees(self.rotation_rad) + 0.0:.4g} deg "
+            f"({self.criterion})"
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class PathFigures(_Part):
     """Figures of a path: how it ended, increments, iterations, cut-backs, order of convergence, balances.
 
     Attributes
     ----------
     reason : why the path stopped; None where it came to its aim.
+    limit_load : where it stopped at its limit load.
     increments_of_dead_load : those of them before the path, where its caisson carries more or less than the balance.
     steps_limited_by : counts by what limited the size of a step (`fe_engine.solve.step_size.LIMITS`).
     end : u, w [m], rotation [rad], H, V [N], M [N m] at the last step.
@@ -158,6 +187,7 @@ class PathFigures(_Part):
 
     status: Status = Status.INTERRUPTED
     reason: StopReason | None = field(default=None, metadata=OPTIONAL)
+    limit_load: LimitLoad | None = field(default=None, metadata=OPTIONAL)
     increments: int = 0
     increments_of_dead_load: int | None = field(default=None, metadata=OPTIONAL)
     iterations: int = 0
@@ -177,6 +207,7 @@ class PathFigures(_Part):
     _typed: ClassVar[Mapping[str, Callable[[Any], Any]]] = {
         "status": Status,
         "reason": StopReason,
+        "limit_load": LimitLoad.from_dict,
         "cut_backs_at": lambda cuts: [CutBack.from_dict(each) for each in cuts],
     }
 
@@ -202,6 +233,8 @@ class RunRecord(_Part):
     environment : versions of the libraries and numbers of threads.
     left_out : what the scene leaves out, and why.
     phases : wall and CPU seconds by phase; wall_s and cpu_s are their sums.
+    stiffness_initial : of the whole caisson at mudline: dofs, and the matrix in N, m, rad.
+    summary : the run in ten lines, by heading (`pysprings.results.summary`).
     error_estimate, target_error, balance, files : what was asked for, or written, beside the computation.
     """
 
@@ -228,8 +261,10 @@ class RunRecord(_Part):
     peak_memory_bytes: int = 0
     error_estimate: dict[str, Any] | None = field(default=None, metadata=OPTIONAL)
     target_error: dict[str, Any] | None = field(default=None, metadata=OPTIONAL)
+    stiffness_initial: dict[str, Any] | None = field(default=None, metadata=OPTIONAL)
     balance: dict[str, dict[str, float]] | None = field(default=None, metadata=OPTIONAL)
     files: list[str] | None = field(default=None, metadata=OPTIONAL)
+    summary: dict[str, str] | None = field(default=None, metadata=OPTIONAL)
     _typed: ClassVar[Mapping[str, Callable[[Any], Any]]] = {
         "status": Status,
         "stopped_by": StopReason,
@@ -255,8 +290,24 @@ class RunRecord(_Part):
 
     @property
     def complete(self) -> bool:
-        """True if all paths came to their ends and every file is written."""
+        """True if all paths came to their ends, or to their limit loads, and every file is written."""
         return self.status is Status.COMPLETE
+
+    @property
+    def reached(self) -> bool:
+        """True if all paths came to their aims, and every file is written."""
+        return self.complete and not self.limit_loads
+
+    @property
+    def short(self) -> list[str]:
+        """Sentences on the paths that did not come to their aims: failures, then limit loads."""
+        limits = (f"path '{name}' ended at its limit load: {at}" for name, at in self.limit_loads.items())
+        return [*self.failures, *limits]
+
+    @property
+    def limit_loads(self) -> dict[str, LimitLoad]:
+        """Limit loads by path, of those that met one."""
+        return {name: path.limit_load for name, path in self.paths.items() if path.limit_load is not None}
 
     @property
     def reasons(self) -> list[StopReason]:

@@ -16,3 +16,8 @@ CLOSE = 1.05  # a rate within this factor of a set's is that of the set
 def same_load(a: float, b: float) -> bool:
     """Return whether two vertical loads [N] are one: they may differ by solver tolerances."""
     return abs(a - b) <= max(SAME_LOAD * max(abs(a), abs(b)), NO_LOAD)
+
+
+def is_rate(a: float, b: float) -> bool:
+    """Return whether two rates [m/s] are one."""
+    return max(a / b, b / a) <= CLOSE

@@ -12,9 +12,9 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.errors import Problem, UserInputError, refused
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import PAIRS, PARTS, PATH_KINDS, ROLES
 from pysprings.core.units import quoted
-from pysprings.springs.dataset import FEWEST_STATES, ROLES, SCHEMA, STATES, path_dataset, path_names
+from pysprings.springs.dataset import FEWEST_STATES, SCHEMA, STATES, path_dataset, path_names
 from pysprings.springs.numbers import is_number, name_fault, number_faults, text_of
 from pysprings.springs.path_ends import end_faults
 from pysprings.springs.sums import balance_faults
@@ -104,7 +104,7 @@ def _path_faults(tree: xr.DataTree, name: str) -> Iterator[tuple[str, str]]:
     if not is_number(dataset.attrs.get("arm_m")):
         yield f"{place}/arm_m", "missing attribute, or not a number"
     yield from ((f"{place}/{key}", text) for key, text in end_faults(dataset.attrs))
-    for key in ("rate_m_per_s", "arm_from_m"):
+    for key in ("rate_m_per_s", "arm_from_m", PARTS, PAIRS):
         if not is_number(dataset.attrs.get(key, 1.0)):
             yield f"{place}/{key}", "not a number"
     for key, labels in (("side", variables.SIDES), ("component", variables.COMPONENTS)):

@@ -16,8 +16,7 @@ from pysprings.core.errors import refused
 from pysprings.core.path_kinds import driven
 
 SCHEMA = "pysprings-springs-2"
-ROLES = ("calibration", "held-back")
-STATES = ("complete", "partial", "interrupted")
+STATES = ("complete", "limit load", "partial", "interrupted")
 FEWEST_STATES = 2  # a curve needs the initial state and one more
 
 

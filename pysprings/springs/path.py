@@ -12,9 +12,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.path_kinds import PathKind, bends, driven, is_straight, kind_of
+from pysprings.core.path_kinds import MEMORY, PathKind, bends, driven, is_straight, kind_of, turns_back
 from pysprings.springs.path_ends import PathEnd, end_of
-from pysprings.springs.sums import net_m, net_p, slice_heights
+from pysprings.springs.sums import by_depth, slice_heights
 
 Array = NDArray[np.float64]
 
@@ -62,13 +62,23 @@ class SpringPath:
 
     @property
     def role(self) -> str:
-        """ "calibration" or "held-back"."""
+        """ "calibration", "memory" or "held-back"."""
         return str(self.attrs["role"])
 
     @property
     def calibrates(self) -> bool:
         """True where springs are made from the path."""
         return self.role == "calibration"
+
+    @property
+    def turns_back(self) -> bool:
+        """True where the path has further parts after its first one (`then`)."""
+        return turns_back(self.attrs)
+
+    @property
+    def remembers(self) -> bool:
+        """True where the memory of springs is made from the path."""
+        return self.role == MEMORY
 
     @property
     def is_vertical(self) -> bool:
@@ -112,8 +122,7 @@ class SpringPath:
 
     def by_depth(self, name: str) -> Array:
         """Return a variable summed over sides, (depth, step): "t" [N/m]."""
-        values: Array = self.dataset.variables[name].sum("side").transpose("depth", "step").values
-        return values
+        return by_depth(self.dataset, name)
 
     @property
     def n(self) -> int:
@@ -153,12 +162,12 @@ class SpringPath:
     @cached_property
     def p(self) -> Array:
         """Lateral reaction of both sides, (depth, step) [N/m]."""
-        return net_p(self.dataset).values
+        return by_depth(self.dataset, "p")
 
     @cached_property
     def m(self) -> Array:
         """Distributed moment of both sides, (depth, step) [N m/m]."""
-        return net_m(self.dataset).values
+        return by_depth(self.dataset, "m")
 
     @property
     def load(self) -> float:
@@ -167,10 +176,15 @@ class SpringPath:
 
     @cached_property
     def rate(self) -> float | None:
-        """Rate rho/t at the end [m/s], rho = |(u, rotation*length)|; None where the path has no time."""
+        """Rate rho/t at the end [m/s], rho = |(u, rotation*length)|; None where the path has no time.
+
+        Of a path that turns back rho is the way that it has come.
+        """
         if "time" not in self or not float(self["time"][-1]) > 0.0:
             return None
         rho = float(np.hypot(self.u[-1], float(self.rotation[-1]) * self.length))
+        if self.turns_back:
+            rho = float(np.hypot(np.diff(self.u), np.diff(self.turn)).sum())
         return rho / float(self["time"][-1]) if rho > 0.0 else None
 
     def at_steps(self, steps: Sequence[int]) -> SpringPath:

@@ -14,17 +14,20 @@ two decades of v; sets a decade apart follow it. Beyond the slowest and the fast
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
-from pysprings.springs.alike import CLOSE, TOGETHER, same_load
+from pysprings.springs.alike import TOGETHER, is_rate, same_load
 from pysprings.springs.directions import same_way
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import KEYS, earlier_end
+
+Array = NDArray[np.float64]
 
 Agree = Callable[[SpringPath, SpringPath], bool]
 
@@ -58,7 +61,7 @@ def at_rate(paths: Mapping[str, SpringPath], sets: Sequence[RateSet], rate: floa
         The rate is outside the range of the sets, or the two sets around it have no path in common.
     """
     for each in sets:
-        if max(rate / each.rate, each.rate / rate) <= CLOSE:
+        if is_rate(rate, each.rate):
             return {name: paths[name] for name in each.paths}
     if not sets[0].rate < rate < sets[-1].rate:
         have = ", ".join(f"{1e3 * each.rate:.4g}" for each in sets)
@@ -82,16 +85,27 @@ def blend(slow: SpringPath, fast: SpringPath, share: float) -> SpringPath:
     way, other_way, whole = _way(slow), _way(fast), slow.dataset
     reached = np.flatnonzero(way <= other_way[-1] * (1.0 + 1e-9))
     out, way = whole.isel(step=reached), way[reached]
+    data: dict[Hashable, NDArray[Any]] = {}
     for name, values in out.data_vars.items():
-        if "step" not in values.dims or name in unchanged:
-            continue
-        axis = values.dims.index("step")
-        other = fast.dataset[name].transpose(*values.dims).values
-        moved = np.apply_along_axis(lambda column: np.interp(way, other_way, column), axis, other)
-        out[name] = values.copy(data=(1.0 - share) * values.values + share * moved)
+        data[name] = values.values
+        if "step" in values.dims and name not in unchanged:
+            other = fast.dataset[name].transpose(*values.dims).values
+            moved = _interpolated(way, other_way, other, values.dims.index("step"))
+            data[name] = (1.0 - share) * values.values + share * moved
+    out = out.copy(data=data)
     out.attrs = {key: value for key, value in slow.attrs.items() if key not in KEYS}
     out.attrs |= earlier_end(out, whole, fast.dataset)
     return SpringPath(slow.name, out, slow.length)
+
+
+def _interpolated(x: Array, known: Array, values: Array, axis: int) -> Array:
+    """Return values at known points (k,), increasing, along an axis, at x (n,): linear between them, flat beyond."""
+    place = np.interp(x, known, np.arange(known.size))
+    left = np.minimum(place.astype(int), known.size - 2)
+    left_values, right_values = np.take(values, left, axis), np.take(values, left + 1, axis)
+    weight = (place - left).reshape([-1 if k == axis else 1 for k in range(values.ndim)])
+    moved: Array = left_values + weight * (right_values - left_values)
+    return moved
 
 
 def _way(path: SpringPath) -> NDArray[np.float64]:

@@ -17,7 +17,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
+from pysprings.core.path_kinds import MEMORY
 from pysprings.springs import dead_loads, directions, rates
+from pysprings.springs.alike import is_rate, same_load
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.dead_loads import LoadSet
 from pysprings.springs.path import SpringPath
@@ -35,10 +37,12 @@ class Springs:
     ----------
     root : initial stiffness, and attributes: geometry of the caisson, and where the springs come from.
     paths : load paths by name, in the order of the file.
+    memory : calibrated elements of springs with memory (`pysprings.macro.memory`); None where none are stored.
     """
 
     root: xr.Dataset
     paths: Mapping[str, SpringPath]
+    memory: xr.Dataset | None = None
     _derived: dict[Hashable, Springs] = field(default_factory=dict, repr=False)
 
     @classmethod
@@ -53,12 +57,14 @@ class Springs:
         nodes = source.children["paths"].children if "paths" in source.children else {}
         length = float(root.attrs["skirt_length_m"])
         paths = {name: SpringPath(name, node.to_dataset(inherit=False), length) for name, node in nodes.items()}
-        return cls(root, paths)
+        stored = source.children[MEMORY].to_dataset(inherit=False) if MEMORY in source.children else None
+        return cls(root, paths, stored)
 
     @cached_property
     def tree(self) -> xr.DataTree:
         """The springs as a tree, as `save_springs` writes it."""
         groups = {"/": self.root} | {f"/paths/{name}": path.recorded for name, path in self.paths.items()}
+        groups |= {} if self.memory is None else {f"/{MEMORY}": self.memory}
         return xr.DataTree.from_dict(groups, name="springs")
 
     # --- attributes ---
@@ -133,6 +139,12 @@ class Springs:
     def lateral(self) -> tuple[SpringPath, ...]:
         """Lateral calibration paths."""
         return tuple(path for path in self.paths.values() if path.calibrates and not path.is_vertical)
+
+    @cached_property
+    def remembering(self) -> tuple[SpringPath, ...]:
+        """Paths that turn back at the vertical load of the main paths: the memory of springs comes from them."""
+        main = self.paths[self.main_paths[0]].load if self.main_paths else self.rest_load
+        return tuple(path for path in self.paths.values() if path.remembers and same_load(path.load, main))
 
     @cached_property
     def vertical(self) -> tuple[SpringPath, ...]:
@@ -230,7 +242,8 @@ class Springs:
     def _made_at_rate(self, rate: float) -> Springs:
         lateral = rates.at_rate(self.paths, self.rate_sets, rate)
         vertical = [path for path in self.vertical if path.name not in lateral]  # at the rate of their own
-        springs = self.with_paths([*lateral.values(), *vertical], rate_m_per_s=rate)
+        turning = [path for path in self.paths.values() if path.remembers and path.rate and is_rate(path.rate, rate)]
+        springs = self.with_paths([*lateral.values(), *vertical, *turning], rate_m_per_s=rate)
         validate_springs(springs.tree, balanced=False)  # as balanced as what they are made of
         return springs
 

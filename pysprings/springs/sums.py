@@ -30,7 +30,7 @@ def action(name: str, depth: float, height: float, length: float) -> tuple[float
 
 def slice_heights(dataset: xr.Dataset) -> np.ndarray:
     """Return the height of the slice of each depth [m], the weights of an integral over depth."""
-    bounds = dataset["depth_bounds"].values
+    bounds = dataset.variables["depth_bounds"].values
     return bounds[:, 1] - bounds[:, 0]
 
 
@@ -42,6 +42,14 @@ def net_p(dataset: xr.Dataset) -> xr.DataArray:
 def net_m(dataset: xr.Dataset) -> xr.DataArray:
     """Return the distributed moment of both sides [N m/m], (depth, step)."""
     return dataset["m"].sum("side", keep_attrs=True).transpose("depth", "step")
+
+
+def by_depth(dataset: xr.Dataset, name: str) -> np.ndarray:
+    """Return a reaction per depth, all sides and components together, (depth, step): "p", "t" [N/m], "m" [N m/m]."""
+    variable = dataset.variables[name]
+    others = [dim for dim in variable.dims if dim not in ("depth", "step")]
+    values: np.ndarray = variable.sum(others).transpose("depth", "step").values
+    return values
 
 
 def resultants(dataset: xr.Dataset) -> dict[str, np.ndarray]:
@@ -68,11 +76,10 @@ def balance(dataset: xr.Dataset) -> dict[str, float]:
 
 def _terms(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, ...]]:
     """Return the terms by step of H, V [N] and M [N m]."""
-    dz, z = slice_heights(dataset), dataset["depth"].values
-    p, m = net_p(dataset).values, net_m(dataset).values
-    t = dataset["t"].sum("side").transpose("depth", "step").values
-    value = {name: dataset[name].values for name in ("H_tip", "H_lid", "V_tip", "V_lid", "M_tip", "M_lid")}
-    length = float(dataset["depth_bounds"].values[-1, 1])
+    dz, z = slice_heights(dataset), dataset.variables["depth"].values
+    p, m, t = by_depth(dataset, "p"), by_depth(dataset, "m"), by_depth(dataset, "t")
+    value = {name: dataset.variables[name].values for name in ("H_tip", "H_lid", "V_tip", "V_lid", "M_tip", "M_lid")}
+    length = float(dataset.variables["depth_bounds"].values[-1, 1])
     return {
         "H": (dz @ p, value["H_tip"], value["H_lid"]),
         "V": (dz @ t, value["V_tip"], value["V_lid"]),
@@ -82,7 +89,7 @@ def _terms(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, ...]]:
 
 def _sums(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, float]]:
     """Return sums of the reactions by step for H, V [N] and M [N m], each with the reference size of its error."""
-    terms, length = _terms(dataset), float(dataset["depth_bounds"].values[-1, 1])
+    terms, length = _terms(dataset), float(dataset.variables["depth_bounds"].values[-1, 1])
     least = 1.0e-3 * max(_largest(terms["H"]), _largest(terms["V"]))
     least_of = {"H": least, "V": least, "M": least * length}
     return {name: (np.sum(each, axis=0), max(_largest(each), least_of[name])) for name, each in terms.items()}

@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 
 Compute = Callable[..., Computed]
 PHASE = "error estimate"
-ENOUGH = 0.5  # %: difference of load and p(y) between N and N + 2 harmonics below which N are enough
+# %: difference of load and p(y) between N and N + 2 harmonics below which N are enough. The section's own error is far
+# larger on the coarser presets (docs/evidence/accuracy.md).
+ENOUGH = {"coarse": 2.0, "medium": 1.0}
+ENOUGH_ELSE = 0.5
 MOST = 9  # harmonics that are tried
 
 
@@ -47,7 +50,7 @@ class Companions:
 
 def estimates_by_default(scene: Scene) -> bool:
     """Return whether runs of a scene estimate their error by default: a series costs little."""
-    return scene.mesh.discretisation == FOURIER
+    return scene.discretisation == FOURIER
 
 
 def companions_of(scene: Scene, compute: Compute, progress: Progress | None = None) -> Companions:
@@ -61,7 +64,7 @@ def companions_of(scene: Scene, compute: Compute, progress: Progress | None = No
         One of the runs was interrupted.
     """
     companions = Companions()
-    if scene.mesh.discretisation == FOURIER:
+    if scene.discretisation == FOURIER:
         with companions.clock.phase(PHASE):
             _choose(scene, companions, compute, progress)
     return companions
@@ -80,7 +83,8 @@ def _choose(scene: Scene, companions: Companions, compute: Compute, progress: Pr
         if not _run(coarse.replace(mesh={"harmonics": n + 2}), n + 2, companions, compute, progress):
             return
         change = two_mesh.difference(companions.trees[n + 2], companions.trees[n]) or {}
-        enough = not any(change.get(name, 0.0) > ENOUGH for name in two_mesh.ESTIMATED)  # NaN: not on these paths
+        most = ENOUGH.get(scene.mesh.preset, ENOUGH_ELSE)
+        enough = not any(change.get(name, 0.0) > most for name in two_mesh.ESTIMATED)  # NaN: not on these paths
         if enough or scene.mesh.harmonics is not None or n + 2 > MOST:
             return
         n += 2
@@ -113,8 +117,9 @@ def _run(scene: Scene, key: int | None, companions: Companions, compute: Compute
     if coarse.record.stopped_by is not None:
         companions.why_not = str(coarse.record.stopped_by)
         return False
-    if coarse.record.status is not Status.COMPLETE:
-        companions.ended = str(coarse.record.status)
+    if not coarse.record.reached:
+        limit = coarse.record.complete
+        companions.ended = str(Status.LIMIT_LOAD if limit else coarse.record.status)
     companions.trees[key] = coarse.tree
     return True
 
@@ -146,7 +151,7 @@ def _estimate(scene: Scene, result: Computed, companions: Companions) -> dict[st
     n = companions.harmonics
     if n not in companions.trees:
         return two_mesh.missing(companions.why_not)
-    orders = presets.orders(scene.mesh.discretisation)
+    orders = presets.orders(scene.discretisation)
     richer = None if n is None else companions.trees.get(n + 2)
     estimate = two_mesh.estimate(result.tree, companions.trees[n], orders, richer)
     if companions.ended:

@@ -98,7 +98,7 @@ def applied(setting: Setting, scene: Scene) -> Scene:
     Its own mesh, tolerance and steps go: the study does not cover them.
     """
     plain = {key: getattr(type(scene.solver)(), key) for key in _VARIED}
-    mesh = {"refinement": 1.0, "azimuth": None, "discretisation": BRICKS, "harmonics": None}
+    mesh = {"refinement": 1.0, "azimuth": None, "discretisation": "auto", "harmonics": None}
     return setting.scene(scene.replace(mesh=mesh, solver=plain))
 
 

@@ -31,10 +31,22 @@ def driver(path: xr.Dataset, length: float) -> Array:
 
 
 def load(path: xr.Dataset) -> Array:
-    """Return the load that answers what is driven, (step,): H [N], M [N m] of a rotation, change of V [N]."""
-    name = kind_of(path.attrs).load
-    values: Array = path[name].values
-    return values - values[0] if name == "V" else values
+    """Return the load that answers what is driven, (step,): H [N], M [N m] of a rotation, change of V [N].
+
+    Of a translation with a rotation in proportion to u it is H + M rotation/u, the work of both loads over u: H alone
+    may cross zero on such a path.
+    """
+    kind = kind_of(path.attrs)
+    values: Array = path[kind.load].values
+    if kind.load == "V":
+        return values - values[0]
+    return values + _turn(path) * path["M"].values if kind.straight and kind.drives == "u" else values
+
+
+def _turn(path: xr.Dataset) -> float:
+    """Return the rotation over u (rad/m) of a straight path that moves the lid centre."""
+    u, rotation = path["u"].values[-1], path["rotation"].values[-1]
+    return float(rotation / u) if u else 0.0
 
 
 def other(path: xr.Dataset) -> Array | None:
@@ -82,8 +94,9 @@ def _linear_shares(depth: Array, at: Array) -> Array:
 def initial_stiffness(stiffness: Array, path: xr.Dataset) -> float:
     """Return the slope of the load over what is driven at rest, from the stiffness (3, 3) in u, w, rotation.
 
-    H/u [N/m] under a load at its arm (at the first one, of a load that climbs), or of a translation or a swipe with the
-    ratio of rotation and u of its first step; M/rotation [N m/rad] about the lid centre; V/w [N/m].
+    H/u [N/m] under a load at its arm (at the first one, of a load that climbs), or of a swipe with the ratio of
+    rotation and u of its first step; (H + M rotation/u)/u of a translation; M/rotation [N m/rad] about the lid centre;
+    V/w [N/m].
     """
     kind, heave_free = PATH_KINDS[str(path.attrs["kind"])], path.attrs.get("heave", "free") == "free"
     if kind.drives == "w":
@@ -96,5 +109,8 @@ def initial_stiffness(stiffness: Array, path: xr.Dataset) -> float:
         return float(1.0 / np.linalg.solve(K, np.array([1.0, -arm]))[0])
     if kind.drives == "rotation":
         return float(K[1, 1])
+    if kind.straight:
+        turn = _turn(path)
+        return float(K[0, 0] + (K[0, 1] + K[1, 0]) * turn + K[1, 1] * turn**2)
     u, rotation = path["u"].values[1], path["rotation"].values[1]
     return float(K[0, 0] + K[0, 1] * (rotation / u if u else 0.0))

@@ -43,17 +43,23 @@ ESTIMATED = {"load_max": LOAD, "py_rms": PY}
 
 
 def coarser(scene: Scene) -> Scene:
-    """Return the scene on the coarser mesh, without pictures and fields; the same scene if there is no coarser one."""
+    """Return the scene on the coarser mesh, without pictures and fields; the same scene if there is no coarser one.
+
+    Of a fan it has a few paths (`pysprings.scene.fan.few_paths`).
+    """
     from pysprings.model.build import counts_of
     from pysprings.model.fourier import section_counts_of
+    from pysprings.scene.fan import few_paths
 
-    azimuth, kind = scene.mesh.azimuth, scene.mesh.discretisation
+    azimuth, kind = scene.mesh.azimuth, scene.discretisation
     factor = FACTOR[kind]
     changed: dict[str, Any] = {"refinement": max(factor * scene.mesh.refinement, COARSEST_FACTOR)}
     if azimuth is not None:
         changed["azimuth"] = max(8, 4 * round(factor * azimuth / 4))
     output = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
-    coarse = scene.replace(mesh=changed, output=output)
+    few = few_paths(scene.springs, scene.caisson)
+    paths = {"paths": (*scene.paths, *few)} if few else {}
+    coarse = scene.replace(mesh=changed, output=output, **paths)
     same = section_counts_of if kind == FOURIER else counts_of
     return scene if same(coarse) == same(scene) else coarse
 

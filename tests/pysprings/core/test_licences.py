@@ -26,7 +26,7 @@ def test_packages_are_found_by_their_folders(tmp_path: Path) -> None:
         Installed("intel-openmp", "2026.2.0", PROPRIETARY["intel-openmp"]),
         Installed("mkl", "2026.2.0", PROPRIETARY["mkl"]),
     ]
-    assert "proprietary, installed with pypardiso" in text(found)
+    assert "proprietary, installed by the extra mkl" in text(found)
     assert "  mkl 2026.2.0: Intel Simplified Software License" in text(found).splitlines()
 
 
@@ -36,15 +36,15 @@ def test_without_them_nothing_is_proprietary(tmp_path: Path) -> None:
 
 def test_the_table_is_what_the_packages_say() -> None:
     """Every installed package whose metadata calls it proprietary, and its licence."""
-    told = {}
+    noted = {}
     for each in metadata.distributions():
         kinds = each.metadata.get_all("Classifier") or []
         if "License :: Other/Proprietary License" in kinds and "Apache" not in (each.metadata["License"] or ""):
-            told[each.metadata["Name"]] = (each.version, each.metadata["License"])
-    if not told:
+            noted[each.metadata["Name"]] = (each.version, each.metadata["License"])
+    if not noted:
         pytest.skip("no proprietary package is installed here")
     found = {each.name: (each.version, each.licence) for each in installed() if each.name in PROPRIETARY}
-    assert found == told
+    assert found == noted
 
 
 def test_version_prints_itself_first_and_then_the_licences() -> None:

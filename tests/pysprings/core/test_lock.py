@@ -48,22 +48,22 @@ def test_another_process_is_named_and_its_death_frees_the_folder(tmp_path: Path)
 
 
 def test_a_thread_may_take_its_lock_again_and_another_may_not(tmp_path: Path) -> None:
-    told: list[str] = []
+    noted: list[str] = []
 
     def try_it() -> None:
         try:
             with exclusive(tmp_path):
-                told.append("taken")
+                noted.append("taken")
         except ResourceError as error:
-            told.append(str(error))
+            noted.append(str(error))
 
     with exclusive(tmp_path), exclusive(tmp_path / "."):
         thread = threading.Thread(target=try_it)
         thread.start()
         thread.join()
-        assert f"process {os.getpid()}" in told[0]
+        assert f"process {os.getpid()}" in noted[0]
     try_it()
-    assert told[1] == "taken"
+    assert noted[1] == "taken"
 
 
 def test_a_holder_that_cannot_be_read_is_not_named(tmp_path: Path) -> None:

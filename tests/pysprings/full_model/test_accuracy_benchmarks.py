@@ -14,6 +14,7 @@ from benchmarks import bench, error_estimates
 from pysprings import Scene
 from pysprings.core.errors import PyspringsError
 from pysprings.full_model.run_record import Computed, RunRecord, Status
+from tests.support import tiny
 from tests.support.synthetic import Path as Pull
 from tests.support.synthetic import make_result
 
@@ -66,17 +67,17 @@ def test_results_are_kept_by_scene_and_version(tmp_path: Path, monkeypatch: pyte
 
     monkeypatch.setattr(error_estimates, "compute", compute)
     for _ in range(2):
-        error_estimates.result_of(Scene(title="a"), tmp_path)
+        error_estimates.result_of(tiny.paper(title="a"), tmp_path)
     assert asked == ["a"]
     monkeypatch.setattr("pysprings.core.version.__version__", "99")
     attrs |= {"pysprings_version": "99", "status": "partial"}
     for _ in range(2):
         with pytest.raises(PyspringsError, match="stuck"):
-            error_estimates.result_of(Scene(title="a"), tmp_path)
+            error_estimates.result_of(tiny.paper(title="a"), tmp_path)
     assert asked == ["a", "a"]
     attrs |= {"status": "interrupted"}
     with pytest.raises(KeyboardInterrupt):
-        error_estimates.result_of(Scene(title="b"), tmp_path)
+        error_estimates.result_of(tiny.paper(title="b"), tmp_path)
     assert len(list(tmp_path.iterdir())) == 1
 
 

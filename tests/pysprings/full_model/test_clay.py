@@ -140,6 +140,7 @@ def test_mobilisation_softens_the_first_part_of_a_pull():
     assert 0.2 * loads[0] < loads[1] < 0.9 * loads[0]
 
 
+@pytest.mark.slow
 def test_a_load_beyond_the_capacity_stops_at_a_limit_load():
     load = {"name": "storm", "kind": "load", "lateral_force": 5e6}
     result = compute(clay(paths=(load,)))

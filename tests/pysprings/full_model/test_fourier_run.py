@@ -25,6 +25,7 @@ from pysprings.full_model.fourier_collect import around, output_azimuths, slice_
 from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import build_fourier, build_on_section, section_counts_of
 from pysprings.model.stages import path_stages
+from pysprings.scene.extent import PAPER
 from pysprings.scene.load import Scene, parse_scene
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
@@ -113,7 +114,7 @@ def test_the_slot_of_the_skirt_holds_no_elements():
 def test_elastic_stiffness_is_that_of_an_independent_solution(penalty, wanted):
     """Rigid caisson of no thickness in the paper's soil and domain, stiffness over (u, rotation) in MN and m."""
     given = Scene(
-        soil={"yield_surface": "elastic"}, caisson={"skirt_thickness": 5e-3},
+        domain=PAPER, soil={"yield_surface": "elastic"}, caisson={"skirt_thickness": 5e-3},
         interface={"normal_stiffness": penalty, "shear_stiffness": penalty, "friction_coefficient": 5.0},
         mesh={"discretisation": "fourier", "preset": "paper", "harmonics": 1},
     )  # fmt: skip
@@ -150,7 +151,7 @@ def test_soft_sand_and_lift_off_do_not_stop_a_pull(harmonics, end):
     """Exact Newton steps follow soft modes of sand that is about to localise, and stop both runs before their end."""
     mesh = {"discretisation": "fourier", "preset": "medium", "harmonics": harmonics}
     pull = {"name": "pull", "kind": "pull", "lateral_displacement": end}
-    found = compute(Scene(paths=(pull,), mesh=mesh, solver={"tolerance": 1e-3})).recorded()
+    found = compute(Scene(domain=PAPER, paths=(pull,), mesh=mesh, solver={"tolerance": 1e-3})).recorded()
     assert found.attrs["status"] == "complete"
     assert float(found["paths/pull"]["u"][-1]) == pytest.approx(end)
 
@@ -292,7 +293,7 @@ def test_what_a_series_cannot_carry_is_refused(text, message):
     assert message in str(error.value)
 
 
-@pytest.mark.parametrize("mesh", ['discretisation = "fourier"\nazimuth = 16', "harmonics = 3"])
+@pytest.mark.parametrize("mesh", ['discretisation = "fourier"\nazimuth = 16', 'harmonics = 3\ndiscretisation = "hex8"'])
 def test_counts_of_the_other_discretisation_are_refused(mesh):
     with pytest.raises(UserInputError, match=r"mesh\.(azimuth|harmonics)"):
         parse_scene(f"[mesh]\n{mesh}\n")

@@ -22,6 +22,7 @@ from pysprings.model.contact import SURFACE
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.fourier import build_fourier
 from pysprings.model.water import undrained_time
+from pysprings.scene.extent import PAPER
 from pysprings.scene.load import Scene
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
@@ -143,6 +144,7 @@ def test_pressures_in_the_plane_are_those_of_the_volume() -> None:
     assert float(path["pressure_min"]) <= path["section_pore_pressure"].values.min() < 0.0
 
 
+@pytest.mark.slow
 def test_a_slow_push_is_drained_and_a_fast_one_undrained() -> None:
     drained, undrained = load(run(tiny.scene(mesh=SERIES))), load(run(wet("undrained")))
     assert undrained > 1.02 * drained
@@ -214,7 +216,7 @@ def stiffness(scene: Scene) -> np.ndarray:
 def test_undrained_stiffness_is_that_of_incompressible_soil(mode: str) -> None:
     """Axisymmetric mixed elements at nu = 0.5, bonded, no thickness: 4,747.4, 10,968.6, 99,721 and 3,541 MN, m."""
     scene = Scene(
-        soil={"yield_surface": "elastic"}, caisson={"skirt_thickness": 1e-3},
+        domain=PAPER, soil={"yield_surface": "elastic"}, caisson={"skirt_thickness": 1e-3},
         interface={"normal_stiffness": 1e11, "shear_stiffness": 1e11, "friction_coefficient": 5.0},
         mesh={"discretisation": "fourier", "preset": "medium", "harmonics": 1},
         drainage={"mode": mode, "water_bulk_modulus": "incompressible"},

@@ -172,6 +172,7 @@ def test_half_the_step_is_half_the_error() -> None:
     assert changes[-1] < 2e-3 * loads[-1]
 
 
+@pytest.mark.slow
 def test_finer_meshes_come_closer_together() -> None:
     loads = [
         float(run(scene("drained").replace(mesh={"refinement": r}))["paths/pull"]["H"][-1]) for r in (0.4, 0.6, 0.9)

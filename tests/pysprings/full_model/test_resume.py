@@ -55,7 +55,12 @@ def coupled() -> pysprings.Scene:
     return tiny.wet(drainage=shallow).replace(caisson={"vertical_load": 1.5e6}, paths=paths, solver=few)
 
 
-SCENES = {"drained": drained, "coupled": coupled}
+def viscous() -> pysprings.Scene:
+    """The drained paths with overstress in every step."""
+    return drained().replace(solver={"viscous_displacement": 5e-5})
+
+
+SCENES = {"drained": drained, "coupled": coupled, "viscous": viscous}
 
 
 @cache
@@ -106,6 +111,7 @@ def every_step(monkeypatch: pytest.MonkeyPatch) -> None:
         ("coupled", (20,)),
         pytest.param("drained", (1, 4, 6, 9, 14), marks=pytest.mark.slow),
         pytest.param("coupled", (2, 5, 24, 40), marks=pytest.mark.slow),
+        pytest.param("viscous", (4, 9), marks=pytest.mark.slow),
     ],
     ids=str,
 )
@@ -176,6 +182,7 @@ def test_a_path_that_did_not_converge_stays_as_it_ended(tmp_path: Path, monkeypa
     assert_same(result, whole)
 
 
+@pytest.mark.slow
 def test_a_limit_load_is_still_one_after_a_stop(tmp_path: Path, every_step: None) -> None:
     """What tells it, the stiffness of the last increment, is in the checkpoint of the last step that converged."""
     scene, calls = tiny.scene(caisson={"vertical_load": -5e6}), []

@@ -14,16 +14,17 @@ from pysprings import extract_springs
 from pysprings.core import variables
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.full_model import compute
+from pysprings.macro.batch import predict_batch
 from pysprings.macro.predict import (
     MacroModel,
     MacroWarning,
     curve,
     impose,
     predict,
-    predict_batch,
     sequence,
-    stiffness,
+    way_to_load,
 )
+from pysprings.macro.stiffness import stiffness
 from pysprings.macro.trace import trace
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.dataset import get_path
@@ -77,18 +78,26 @@ def test_every_question_beyond_an_end_is_refused_in_one_line(ask, how):
     with pytest.raises(BeyondSprings) as caught:
         ask(tree, capacity(tree))
     (problem,) = caught.value.problems
-    words = "met a limit load of the full model" if how == "limit load" else "stopped"
-    assert f"beyond what the full model carried: path 'pull' {words} at H = {capacity(tree):.4g} N" in problem.message
+    limit = how == "limit load"
+    words = "met a limit load of the full model" if limit else "stopped"
+    head = "the answer is beyond what the full model carried: " if limit else "beyond the range of path 'pull'"
+    assert problem.message.startswith(head)
+    assert f"path 'pull' {words} at H = {capacity(tree):.4g} N" in problem.message
     assert why in problem.message
 
 
 def test_up_to_the_end_there_is_an_answer_and_beyond_a_reached_one_a_warning(limited):
     H = capacity(limited)
-    answer = predict(limited, H=0.999 * H, strict=True)
+    answer = way_to_load(limited, H=0.999 * H, strict=True)
     assert (answer.attrs["path_end"], answer["beyond_end"].values.sum()) == ("limit load", 0)
     assert list(variables.problems(answer, "prediction")) == []
+    assert answer.attrs["capacity_H_N"] == pytest.approx(H)
+    assert answer.attrs["capacity_kind"] == "limit load of the full model"
+    assert float(answer["utilisation"][-1]) == pytest.approx(0.999)
+    with pytest.raises(BeyondSprings, match="beyond the range"):
+        predict(make_springs(), H=1.1 * H)
     with pytest.warns(MacroWarning, match="beyond the range"):
-        reached = predict(make_springs(), H=1.1 * H)
+        reached = predict(make_springs(), H=1.1 * H, extrapolate=True)
     assert reached.attrs["path_end"] == "reached"
 
 
@@ -99,17 +108,20 @@ def test_a_batch_marks_its_cases_and_gives_no_motion(limited):
     assert batch["converged"].values.tolist() == [1, 0, 0]
     for name in ("u", "w", "rotation"):
         assert np.isfinite(batch[name].values).tolist() == [True, False, False]
+    assert batch["utilisation"].values == pytest.approx([0.5, 1.5, 1.5])
+    assert batch["why_not"].values.tolist() == ["", *["beyond a limit load of the full model"] * 2]
     everywhere = predict_batch(limited, H=np.array([0.5 * H]), V=500e6)
-    assert everywhere["beyond_end"].values.tolist() == [1]
+    assert everywhere["extrapolated"].values.tolist() == [1]
+    assert everywhere["answered"].values.tolist() == [0]
     assert np.isnan(everywhere["w"].values).all()
 
 
 def test_a_ray_that_stopped_ends_its_sectors_only():
-    """The ray at -40 degrees stops half way: beside it there is no answer beyond, elsewhere there is."""
+    """The ray at -40 degrees has a limit load half way: beside it there is no answer beyond, elsewhere there is."""
     tree = fan_springs(potential)
     data = tree["paths/ray_3"].to_dataset(inherit=False)
     tree["paths/ray_3"] = xr.DataTree(data.isel(step=slice(0, 16)))
-    ended(tree, "ray_3", "stopped", "localisation")
+    ended(tree, "ray_3", "limit load", REASON)
     model = MacroModel.from_springs(tree)
 
     def refused(rho: float, angle: float) -> int:
@@ -187,7 +199,7 @@ def test_a_vertical_path_that_stopped_ends_its_direction_only():
     end = float(path["V"][-1])
     ended(tree, "down", "stopped", "apex: no confining stress")
     assert predict(tree, V=end - 1e4)["beyond_end"].values.sum() == 0
-    with pytest.raises(BeyondSprings, match=r"V = .* N is beyond what the full model carried.*path 'down' stopped"):
+    with pytest.raises(BeyondSprings, match=r"V = .* beyond the vertical springs .*path 'down' stopped"):
         predict(tree, V=end + 1e6)
     assert predict(tree, V=REST - 1e6)["beyond_end"].values.sum() == 0
 
