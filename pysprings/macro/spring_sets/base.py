@@ -10,18 +10,23 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pysprings.macro.curve_table import SpringTable
     from pysprings.macro.fan import FanTable
+    from pysprings.macro.memory.model import MemoryModel
     from pysprings.springs.path import SpringPath
     from pysprings.springs.springs import Springs
 
 
 @dataclass(frozen=True, slots=True)
 class Built:
-    """Springs of a set as a table, the path that gives depths and the state at rest, and the paths they come from."""
+    """Springs of a set as a table, the path that gives depths and the state at rest, and the paths they come from.
+
+    memory : elements that remember, in place of the table along a sequence.
+    """
 
     table: SpringTable | FanTable
     origin: SpringPath
     sources: tuple[str, ...]
     remarks: tuple[str, ...] = ()
+    memory: MemoryModel | None = None
 
 
 def _always(_springs: Springs) -> bool:

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""Caissons and sequences of the benchmark of springs with memory: what they are calibrated on, what is held back."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pysprings.scene.load import Scene, load_scene, parse_scene
+from pysprings.scene.template import template_text
+
+ROOT = Path(__file__).parents[1]
+# Factors on the load of a case: (H, M/D about the lid centre), ends of the parts of a sequence
+_ONE_WAY = [(0.5, -0.5), *[(0.1, -0.1), (0.5, -0.5)] * 5]
+_MOMENTS = [(0.4, 0.0), *[(0.4, -0.5), (0.4, -0.1)] * 4]
+_MOORING = [(0.6, 0.2), (0.3, 0.15), (0.8, 0.16), (0.2, 0.06), (0.9, 0.3), (0.4, 0.1)]
+_STORM = [(0.25, -0.45), (0.05, -0.2), (0.4, -0.5), (-0.1, -0.1), (0.5, -0.6), (0.1, -0.35), (0.3, -0.3), (-0.2, 0.1)]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A caisson with its ground.
+
+    scene : sections of the scene without paths. reach : of the fan [m]. force : size of the sequences of loads [N].
+    """
+
+    name: str
+    title: str
+    scene: Scene
+    reach: float
+    force: float
+
+
+def cases() -> dict[str, Case]:
+    """Return the caissons of the benchmark by name."""
+    cohesive = load_scene(ROOT / "data/scenes/fan-cohesive-long-caisson.toml")
+    clay = parse_scene(template_text("soft-clay"))
+    paper = Scene(caisson={"outer_diameter": 7.8, "skirt_length": 4.0}, domain={"radius": 24.0, "depth": 12.0})
+    return {
+        "sand": Case("sand", "the paper's caisson, drained sand", paper, 20e-3, 1.0e6),
+        "cohesive": Case("cohesive", "L/D 1, soil with cohesion, drained", cohesive, 30e-3, 1.0e6),
+        "clay": Case("clay", "L/D 0.75, soft clay, undrained", clay, 100e-3, 1.0e6),
+    }
+
+
+def scene_of(case: Case) -> Scene:
+    """Return the scene of a case: a fan with reversed rays, and all sequences held back."""
+    output = {"interface_fields": False, "section": False, "figures": False}
+    mesh = {"preset": "coarse", "harmonics": 5}
+    data = case.scene.model_dump() | {"paths": _sequences(case), "springs": {"reach": case.reach, "memory": True}}
+    data["mesh"] = data["mesh"] | mesh
+    data["output"] = data["output"] | output
+    return Scene.model_validate(data)
+
+
+def _sequences(case: Case) -> list[dict[str, Any]]:
+    """Return the paths of a case on which its springs are only checked."""
+    D, L, r = case.scene.caisson.outer_diameter, case.scene.caisson.skirt_length, case.reach
+    loads = {"one_way": _ONE_WAY, "moment_cycles": _MOMENTS, "mooring_line": _MOORING, "wind_and_waves": _STORM}
+    there = 0.4 * r
+    along, turn = there * math.cos(math.radians(-40)), there * math.sin(math.radians(-40)) / L
+    pull = {"kind": "pull", "role": "held-back"}
+    small = 0.15 * r
+    return [
+        {"name": "ray_minus_40_reversed", "kind": "translation", "lateral_displacement": along, "rotation": turn,
+         "role": "held-back", "then": [(-along, None, None), (along, None, None)]},
+        *({**pull, "name": f"loop_{arm}_D", "arm": arm * D, "lateral_displacement": 0.25 * r,
+           "then": [(x * 0.25 * r, None, None) for x in (0.0, 1.0, -1.0, 1.0, 0.0)]} for arm in (0, 1)),
+        {**pull, "name": "ten_cycles_1_D", "arm": D, "lateral_displacement": small,
+         "then": [(sign * small, None, None) for _ in range(10) for sign in (-1.0, 1.0)]},
+        {"name": "climb", "kind": "load", "lateral_force": case.force, "arm_from": 0.0, "arm": D, "role": "held-back"},
+        {"name": "swipe", "kind": "swipe", "lateral_displacement": 0.25 * r, "rotation": -0.4 * r / L,
+         "role": "held-back"},
+        *(_loads(name, parts, case.force, D) for name, parts in loads.items()),
+    ]  # fmt: skip
+
+
+def _loads(name: str, parts: list[tuple[float, float]], force: float, D: float) -> dict[str, Any]:
+    """Return a sequence of loads whose first part grows in proportion."""
+    (H, M), *rest = parts
+    return {
+        "name": name, "kind": "load", "lateral_force": H * force, "arm": -M / H * D, "role": "held-back",
+        "then": [(H * force, None, None, M * D * force) for H, M in rest],
+    }  # fmt: skip

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+"""Elements with a memory from rays and rays that turn back: one non-negative least-squares problem.
+
+What elements carry along an imposed motion is linear in their stiffnesses B, and B is a sum of m m^T over fixed
+directions m with factors >= 0: symmetric and positive. Elements that share gauge and hardening share their state, and
+become one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from pysprings.macro.fan import FanTable
+from pysprings.macro.memory.candidates import force_directions, gaps, mechanisms
+from pysprings.macro.memory.elements import histories
+from pysprings.macro.memory.samples import Sample
+from pysprings.macro.memory.shares import Shares, shares_of
+
+Array = NDArray[np.float64]
+
+STIFFNESS = 3.0  # weight of the initial stiffness beside a ray
+SUBSTEP = 0.01  # largest step of the motion over the reach
+FORGET = 1e-9  # share of the initial stiffness below which an element is left out
+
+
+@dataclass(frozen=True, slots=True)
+class ElementSet:
+    """Calibrated elements.
+
+    Attributes
+    ----------
+    rows : (n, COLUMNS) parameters, see `pysprings.macro.memory.elements`; B in N/m.
+    reach : size of the largest motion of the rays [m].
+    shares : how the elements share out the reactions.
+    residual : norm of what is left of the weighted equations, relative to their right sides.
+    errors : largest error in H and M/L of each way, over the largest load of it.
+    way : longest way of the calibration [m]: w beyond it is extrapolated.
+    """
+
+    rows: Array
+    reach: float
+    shares: Shares
+    residual: float
+    errors: dict[str, tuple[float, float]]
+    way: float
+
+    @property
+    def largest(self) -> float:
+        """Largest step of a motion [m]."""
+        return SUBSTEP * self.reach
+
+
+def calibrate(
+    ways: Sequence[Sample], table: FanTable, stiffness: Array, candidates: tuple[Array, Array] | None = None
+) -> ElementSet:
+    """Return the elements that follow the ways; stiffness (2, 2) is the initial one for (u, rotation*L) [N/m].
+
+    candidates: plastic and gap elements to choose from, instead of those of `pysprings.macro.memory.candidates`.
+    """
+    reach = max(float(np.hypot(*way.motions.T).max()) for way in ways)
+    plastic, gap = candidates or (mechanisms(reach), gaps(reach))
+    loads = [way.loads(table) for way in ways]
+    A, b = _system(plastic, gap, ways, loads, stiffness, reach)
+    size = np.linalg.norm(A, axis=0)
+    factors, left = nnls(A / size, b, maxiter=20 * A.shape[1])
+    rows = _merged(plastic, gap, factors / size, FORGET * float(np.trace(stiffness)))
+    shares, carried = shares_of(rows, ways, loads, table, SUBSTEP * reach)
+    errors = {}
+    for way, load, own in zip(ways, loads, carried, strict=True):
+        worst = np.abs(own - load).max(axis=0) / np.abs(load).max()
+        errors[way.name] = float(worst[0]), float(worst[1])
+    longest = max(way_of(way.motions) for way in ways)
+    return ElementSet(rows, reach, shares, float(left / np.linalg.norm(b)), errors, longest)
+
+
+def way_of(motions: Array) -> float:
+    """Return how far motions (n, 2) [m] go from the origin, back and forth [m]."""
+    return float(np.hypot(*np.diff(motions, axis=0, prepend=np.zeros((1, 2))).T).sum())
+
+
+def _system(
+    plastic: Array, gap: Array, ways: Sequence[Sample], loads: Sequence[Array], stiffness: Array, reach: float
+) -> tuple[Array, Array]:
+    """Return matrix and right side of the equations, two a point, and three of the initial stiffness."""
+    m = force_directions()
+    blocks, right = [], []
+    for way, load in zip(ways, loads, strict=True):
+        e = elastic_motions(plastic, way.motions, SUBSTEP * reach)[0] @ m.T
+        along = (e[:, None] * m.T[None, :, None]).reshape(len(load), 2, -1)
+        forces = elastic_motions(gap, way.motions, SUBSTEP * reach)[0].transpose(0, 2, 1)
+        weighted = np.concatenate([along, forces], axis=2) * way.weights[:, None, None]
+        blocks.append(weighted.reshape(2 * len(load), -1))
+        right.append((load * way.weights[:, None]).ravel())
+    aim = np.array([stiffness[0, 0], 0.5 * (stiffness[0, 1] + stiffness[1, 0]), stiffness[1, 1]])
+    own = np.stack([m[:, 0] ** 2, m[:, 0] * m[:, 1], m[:, 1] ** 2])
+    n = gap[:, 4:6]
+    first = np.concatenate([np.tile(own, len(plastic)), np.stack([n[:, 0] ** 2, n[:, 0] * n[:, 1], n[:, 1] ** 2])], 1)
+    blocks.append(STIFFNESS * first / np.abs(aim)[:, None])
+    right.append(STIFFNESS * aim / np.abs(aim))
+    return np.concatenate(blocks), np.concatenate(right)
+
+
+def elastic_motions(rows: Array, motions: Array, largest: float) -> tuple[Array, Array]:
+    """Return elastic motions (n, elements, 2) and ways (n, elements) along motions (n, 2): see `elements.histories`."""
+    e, p = np.zeros((len(motions), len(rows), 2)), np.zeros((len(motions), len(rows)))
+    histories(np.ascontiguousarray(rows), np.ascontiguousarray(motions), largest, e, p)
+    return e, p
+
+
+def _merged(plastic: Array, gap: Array, factors: Array, least: float) -> Array:
+    """Return the chosen elements (n, COLUMNS) with their stiffness."""
+    m = force_directions()
+    own = factors[: len(plastic) * len(m)].reshape(len(plastic), len(m))
+    B = np.einsum("kj,ja,jb->kab", own, m, m)
+    rows = plastic.copy()
+    rows[:, 4], rows[:, 5], rows[:, 6] = B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]
+    plates = gap.copy()
+    plates[:, 6] = factors[len(plastic) * len(m) :]
+    return np.concatenate([rows[own.sum(axis=1) > least], plates[plates[:, 6] > least]])

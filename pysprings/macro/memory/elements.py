@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: MIT
+"""Elements with a memory, in parallel: what each carries along a motion, and their tangent (jitted, `core.jit`).
+
+Motion q = (u, rotation*L) [m], loads F = (H, M/L) [N], L the skirt length; F is the sum of what elements carry. An
+element keeps three numbers s. Its parameters are one row:
+
+    kind, g11, g12, g22, b11, b12, b22, d, a, h
+
+Plastic elements (kind 0) split the motion into an elastic and a plastic part, q = e + x, and carry
+
+    f = B e,   |e|_G = sqrt(e.G e) <= r(p) = d (1 + a p/(p + h)),   p = integral of |dx|_G
+
+with a radial return: the plastic motion goes along e. Their state is s = (e1, e2, p). B [N/m] is symmetric and
+positive: the elastic energy is e.B e/2, the dissipation of a plastic motion dx = e c is c e.B e >= 0, so that no closed
+way gives work. a = 0 is perfect plasticity, a > 0 isotropic hardening that saturates at d (1 + a).
+
+Gap elements (kind 1) are a plate between two walls that yield at the motion d: along n = (b11, b12), x = n.q, with the
+stiffness b22,
+
+    f = n b22 [min(<x - s1>, d) - min(<s2 - x>, d)],
+
+and a wall that yields is left behind: s1 >= x - d, s2 <= x + d. The state is s = (s1, s2, way the walls have come).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pysprings.core.jit import jitted
+
+PLASTIC, GAP = 0, 1
+COLUMNS = 10  # parameters of an element
+STATES = 3  # numbers that an element keeps
+MAX_ITERATIONS = 40
+TOLERANCE = 1e-9  # residual at rest, relative to the size of the equation
+MAX_HALVINGS = 14  # of steps that do not converge, before a target is given up
+SHORTEST = 1e-4  # share of the way to a target below which a long step is not halved again
+FREE = 3  # iterations that are taken whole: the first tangent is that of elements at rest, stiffer than what follows
+MIN_DAMPING = 1.0 / 256.0
+ARMIJO = 1e-4
+
+
+@jitted
+def _plastic(row, state, d0, d1, f, tangent):
+    """Advance a plastic element by a motion (d0, d1) [m]; write f (2,) and its tangent (2, 2)."""
+    g11, g12, g22, b11, b12, b22, d, a, h = row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9]
+    e0, e1, p = state[0] + d0, state[1] + d1, state[2]
+    gauge = math.sqrt(e0 * (g11 * e0 + g12 * e1) + e1 * (g12 * e0 + g22 * e1))
+    radius = d * (1.0 + a * p / (p + h)) if a != 0.0 else d
+    share, slope = 1.0, 0.0
+    yields = gauge > radius
+    if yields:
+        if a != 0.0:
+            over = gauge + p - d
+            c = over - h - a * d
+            p = 0.5 * (c + math.sqrt(c * c + 4.0 * over * h))
+            hardening = a * d * h / ((p + h) * (p + h))
+            slope = hardening / (1.0 + hardening)
+            share = (gauge + state[2] - p) / gauge
+        else:
+            p, share = p + gauge - d, d / gauge
+    m0, m1 = (
+        (g11 * e0 + g12 * e1) / gauge if gauge > 0.0 else 0.0,
+        (g12 * e0 + g22 * e1) / gauge if gauge > 0.0 else 0.0,
+    )
+    # d(share e)/dq = share I + e (slope - share) m^T / gauge
+    t00, t01, t10, t11 = share, 0.0, 0.0, share
+    if yields:
+        c0, c1 = e0 * (slope - share) / gauge, e1 * (slope - share) / gauge
+        t00, t01, t10, t11 = share + c0 * m0, c0 * m1, c1 * m0, share + c1 * m1
+    e0, e1 = share * e0, share * e1
+    state[0], state[1], state[2] = e0, e1, p
+    f[0], f[1] = b11 * e0 + b12 * e1, b12 * e0 + b22 * e1
+    tangent[0, 0], tangent[0, 1] = b11 * t00 + b12 * t10, b11 * t01 + b12 * t11
+    tangent[1, 0], tangent[1, 1] = b12 * t00 + b22 * t10, b12 * t01 + b22 * t11
+
+
+@jitted
+def _gap(row, state, x, f, tangent):
+    """Advance a gap element to x [m] along its direction; write f (2,) and its tangent (2, 2)."""
+    n0, n1, size, d = row[4], row[5], row[6], row[7]
+    force, stiffness = 0.0, 0.0
+    if x > state[0]:
+        stiffness = 1.0
+        if x - state[0] > d:
+            state[2] += x - d - state[0]
+            state[0], stiffness = x - d, 0.0
+        force += x - state[0]
+    if x < state[1]:
+        stiffness = 1.0
+        if state[1] - x > d:
+            state[2] += state[1] - d - x
+            state[1], stiffness = x + d, 0.0
+        force += x - state[1]
+    f[0], f[1] = size * n0 * force, size * n1 * force
+    stiffness *= size
+    tangent[0, 0], tangent[0, 1] = n0 * n0 * stiffness, n0 * n1 * stiffness
+    tangent[1, 0], tangent[1, 1] = n0 * n1 * stiffness, n1 * n1 * stiffness
+
+
+@jitted
+def advance(rows, q0, q1, states, F, K):
+    """Advance all elements from a motion q0 (2,) to q1 (2,) [m].
+
+    rows (n, COLUMNS); writes states (n, STATES), loads F (2,) [N] and tangent K (2, 2) [N/m].
+    """
+    F[:] = 0.0
+    K[:, :] = 0.0
+    f, tangent = np.empty(2), np.empty((2, 2))
+    for k in range(rows.shape[0]):
+        if rows[k, 0] == GAP:
+            _gap(rows[k], states[k], rows[k, 4] * q1[0] + rows[k, 5] * q1[1], f, tangent)
+        else:
+            _plastic(rows[k], states[k], q1[0] - q0[0], q1[1] - q0[1], f, tangent)
+        for i in range(2):
+            F[i] += f[i]
+            K[i, 0] += tangent[i, 0]
+            K[i, 1] += tangent[i, 1]
+
+
+@jitted
+def histories(rows, ways, largest, elastic, paths):
+    """Write the elastic motion (n, elements, 2) [m] and the way (n, elements) [m] of elements along a way (n, 2).
+
+    The way starts at the origin; steps longer than `largest` [m] are divided. The elastic motion of a gap element is
+    the force of its walls over its stiffness, along its direction; its way is that of the walls.
+    """
+    state, f, tangent = np.empty(STATES), np.empty(2), np.empty((2, 2))
+    for k in range(rows.shape[0]):
+        state[:] = 0.0
+        x0, x1 = 0.0, 0.0
+        for i in range(ways.shape[0]):
+            d0, d1 = ways[i, 0] - x0, ways[i, 1] - x1
+            parts = max(1, math.ceil(math.hypot(d0, d1) / largest))
+            for j in range(parts):
+                share = (j + 1.0) / parts
+                if rows[k, 0] == GAP:
+                    _gap(rows[k], state, rows[k, 4] * (x0 + share * d0) + rows[k, 5] * (x1 + share * d1), f, tangent)
+                else:
+                    _plastic(rows[k], state, d0 / parts, d1 / parts, f, tangent)
+            x0, x1 = ways[i, 0], ways[i, 1]
+            paths[i, k] = state[2]
+            if rows[k, 0] == GAP:
+                elastic[i, k, 0], elastic[i, k, 1] = f[0] / rows[k, 6], f[1] / rows[k, 6]
+            else:
+                elastic[i, k, 0], elastic[i, k, 1] = state[0], state[1]
+
+
+@jitted
+def tangents(rows, ways, largest, loads, out):
+    """Write the loads (n, 2) [N] and tangents (n, 2, 2) [N/m] along a way (n, 2) [m] from the origin."""
+    states, q0, q1 = np.zeros((rows.shape[0], STATES)), np.zeros(2), np.zeros(2)
+    F, K = np.zeros(2), np.zeros((2, 2))
+    for i in range(ways.shape[0]):
+        start0, start1 = q0[0], q0[1]
+        d0, d1 = ways[i, 0] - start0, ways[i, 1] - start1
+        parts = max(1, math.ceil(math.hypot(d0, d1) / largest))
+        for j in range(parts):
+            share = (j + 1.0) / parts
+            q1[0], q1[1] = start0 + share * d0, start1 + share * d1
+            advance(rows, q0, q1, states, F, K)
+            q0[0], q0[1] = q1[0], q1[1]
+        loads[i], out[i] = F, K
+
+
+@jitted
+def _residual(drive, q, F, c, g):
+    """Write the residual of both equations over their sizes, g (2,); return the largest of them."""
+    G, C, scale = drive
+    for i in range(2):
+        g[i] = (G[i, 0] * q[0] + G[i, 1] * q[1] + C[i, 0] * F[0] + C[i, 1] * F[1] - c[i]) / scale[i]
+    return max(abs(g[0]), abs(g[1]))
+
+
+@jitted
+def _newton(rows, drive, q0, c, q, states, trial, F, K, g):
+    """Solve G q + C F = c from a committed state at q0, starting at q; answer in q, trial, F, K; return success."""
+    G, C, scale = drive
+    trial[:, :] = states
+    advance(rows, q0, q, trial, F, K)
+    size = _residual(drive, q, F, c, g)
+    J, guess = np.empty((2, 2)), np.empty(2)
+    for iteration in range(MAX_ITERATIONS):
+        if size <= TOLERANCE:
+            return True
+        for i in range(2):
+            for j in range(2):
+                J[i, j] = (G[i, j] + C[i, 0] * K[0, j] + C[i, 1] * K[1, j]) / scale[i]
+        determinant = J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
+        if determinant == 0.0 or not math.isfinite(determinant):
+            return False
+        d0 = -(J[1, 1] * g[0] - J[0, 1] * g[1]) / determinant
+        d1 = -(J[0, 0] * g[1] - J[1, 0] * g[0]) / determinant
+        before, damping = g[0] * g[0] + g[1] * g[1], 1.0
+        while True:
+            guess[0], guess[1] = q[0] + damping * d0, q[1] + damping * d1
+            trial[:, :] = states
+            advance(rows, q0, guess, trial, F, K)
+            size = _residual(drive, guess, F, c, g)
+            if iteration < FREE or size <= TOLERANCE:
+                break
+            if g[0] * g[0] + g[1] * g[1] <= (1.0 - 2.0 * ARMIJO * damping) * before:
+                break
+            damping *= 0.5
+            if damping < MIN_DAMPING:
+                return False
+        q[0], q[1] = guess[0], guess[1]
+    return size <= TOLERANCE
+
+
+@jitted
+def follow(rows, drive, largest, start, states, targets, motions, loads):
+    """Follow a sequence of targets c (n, 2) from a committed state (motion `start` (2,), where c is `targets[0]`).
+
+    drive holds G, C (2, 2) and scale (2,) of the equations G q + C F = c. A step longer than `largest` [m], or one that
+    does not converge, is halved. Writes motions and loads (n, 2), and the last state found into `states`.
+
+    Returns
+    -------
+    tuple of int, float, float
+        Number of targets reached, the first one included; c of the last step that converged.
+    """
+    q0, q, last = start.copy(), start.copy(), targets[0].copy()
+    trial = states.copy()
+    F, K, c, g = np.zeros(2), np.zeros((2, 2)), np.zeros(2), np.zeros(2)
+    for n in range(targets.shape[0]):
+        done, width, halvings = 0.0, 1.0, 0
+        from0, from1 = last[0], last[1]
+        while done < 1.0:
+            aim = min(1.0, done + width)
+            c[0] = from0 + aim * (targets[n, 0] - from0)
+            c[1] = from1 + aim * (targets[n, 1] - from1)
+            q[0], q[1] = q0[0], q0[1]
+            found = _newton(rows, drive, q0, c, q, states, trial, F, K, g)
+            if found and math.hypot(q[0] - q0[0], q[1] - q0[1]) > largest and width > SHORTEST:
+                width *= 0.5
+                continue
+            if not found:
+                halvings += 1
+                width *= 0.5
+                if halvings > MAX_HALVINGS:
+                    return n, last[0], last[1]
+                continue
+            states[:, :] = trial
+            q0[0], q0[1] = q[0], q[1]
+            done, last[0], last[1] = aim, c[0], c[1]
+        motions[n], loads[n] = q0, F
+    return targets.shape[0], last[0], last[1]

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: MIT
+"""Springs with a memory, asked along sequences from rest, or step by step with a state that is kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.errors import BeyondSprings, Problem, refused
+from pysprings.macro.control import Control, ending, equations
+from pysprings.macro.fan import RANGE_SLACK, FanTable
+from pysprings.macro.memory.calibration import ElementSet, elastic_motions, way_of
+from pysprings.macro.memory.elements import STATES, advance, follow, tangents
+from pysprings.macro.solver import Drive
+
+Array = NDArray[np.float64]
+
+_NO_ANSWER = "the elements carry no more than H = {:.6g} N, M = {:.6g} N m on the way to this step"
+
+
+@dataclass(frozen=True, eq=False)
+class MemoryModel:
+    """Elements with a memory, and the layout of the reactions of a caisson.
+
+    Attributes
+    ----------
+    elements : calibrated elements.
+    table : fan of the rays: names, depths and actions of the reactions, and the size of the loads.
+    """
+
+    elements: ElementSet
+    table: FanTable
+
+    @cached_property
+    def to_motion(self) -> Array:
+        """Factors (2,) from (u, rotation) to (u, rotation*L) [m]."""
+        return np.array([1.0, self.table.length])
+
+    def solve(self, control: Control, targets: Array, arm: float = 0.0) -> tuple[Array, Array, str]:
+        """Follow targets (n, 2) from rest: states (k, 2) = (u, rotation), loads (k, 2) = (H, M), and where it ended.
+
+        As `pysprings.macro.model.MacroModel.solve`, whose controls these are.
+        """
+        targets = np.asarray(targets, dtype=float)
+        drive, aims = self.equations(control, targets, arm)
+        motions, loads = np.zeros(aims.shape), np.zeros(aims.shape)
+        states = np.zeros((len(self.elements.rows), STATES))
+        way = np.concatenate([np.zeros((1, 2)), aims])
+        motions, loads = np.zeros(way.shape), np.zeros(way.shape)
+        n, at0, at1 = follow(self.elements.rows, drive, self.elements.largest, np.zeros(2), states, way, motions, loads)
+        found, carried = motions[1:n] / self.to_motion, loads[1:n] * self.to_motion
+        at = self._target(control, np.array([at0, at1]))
+        return found, carried, "" if n == len(way) else ending(control, at, targets[n - 1], found, carried)
+
+    def equations(self, control: Control, targets: Array, arm: float) -> tuple[Drive, Array]:
+        """Return the equations of a control in (u, rotation*L) and (H, M/L), and their right sides (n, 2)."""
+        L = self.table.length
+        (G, C, scale), aims = equations(control, targets, arm, self.table.load_scale)
+        if control in ("load", "state"):
+            aims = aims / self.to_motion if control == "load" else aims * self.to_motion
+            factor = 1.0 / self.to_motion if control == "load" else self.to_motion
+            size = float(np.max(scale * factor))
+            return Drive(G, C, np.full(2, size)), np.ascontiguousarray(aims)
+        G, C = G / [1.0, L], C * [1.0, L]
+        return Drive(np.ascontiguousarray(G), np.ascontiguousarray(C), scale), np.ascontiguousarray(aims)
+
+    def _target(self, control: Control, c: Array) -> tuple[float, float]:
+        factor = {"load": self.to_motion, "state": 1.0 / self.to_motion}.get(control, np.ones(2))
+        return float(c[0] * factor[0]), float(c[1] * factor[1])
+
+    def notes(self, states: Array) -> list[str]:
+        """Return a sentence where states (n, 2) = (u, rotation) come farther than the ways of the calibration."""
+        come = way_of(states * self.to_motion) / self.elements.way
+        text = (
+            f"the motions add up to {come:.3g} times the way of the rays that turn back: heave, settlement and "
+            "vertical reactions are extrapolated beyond"
+        )
+        return [text] if come > 1.0 + RANGE_SLACK else []
+
+    def tangents(self, states: Array) -> Array:
+        """Return the tangents (n, 2, 2) to (u, rotation) along states (n, 2) = (u, rotation), from rest on."""
+        motions = np.ascontiguousarray(states * self.to_motion)
+        loads, out = np.zeros(motions.shape), np.zeros((len(motions), 2, 2))
+        tangents(self.elements.rows, motions, self.elements.largest, loads, out)
+        scaled: Array = out * self.to_motion * self.to_motion[:, None]
+        return scaled
+
+    def reactions(self, states: Array) -> Array:
+        """Return all reactions (rows, n) of a fan along states (n, 2) = (u, rotation), from rest on."""
+        motions = states * self.to_motion
+        e, p = elastic_motions(self.elements.rows, motions, self.elements.largest)
+        return self.elements.shares.reactions(self.elements.rows, e, p)
+
+
+class MemoryStepper:
+    """A state of springs with a memory that goes on step by step, for time stepping.
+
+    `advance` finds a trial state from the committed one, `commit` keeps it; without `commit` the next `advance` starts
+    from the same committed state.
+
+    Attributes
+    ----------
+    state : (elements, 3) committed numbers of the elements.
+    motion, load : committed (u [m], rotation [rad]) and (H [N], M [N m]).
+    """
+
+    def __init__(self, model: MemoryModel) -> None:
+        self.model = model
+        self.state = np.zeros((len(model.elements.rows), STATES))
+        self.motion, self.load = np.zeros(2), np.zeros(2)
+        self._trial = self.state.copy(), self.motion.copy(), self.load.copy()
+
+    def advance(self, *, motion: tuple[float, float] | None = None, load: tuple[float, float] | None = None) -> Array:
+        """Go to a motion (u [m], rotation [rad]) or under a load (H [N], M [N m]); return the other one (2,).
+
+        Raises
+        ------
+        BeyondSprings
+            The elements do not carry the load.
+        UserInputError
+            Neither, or both, are given.
+        """
+        if (motion is None) == (load is None):
+            raise refused("motion", "give a motion or a load")
+        control: Control = "load" if motion is None else "state"
+        model, aim = self.model, np.array([load if motion is None else motion], dtype=float)
+        drive, aims = model.equations(control, aim, 0.0)
+        start = self.load / model.to_motion if motion is None else self.motion * model.to_motion
+        way, found, carried = np.concatenate([start[None], aims]), np.zeros((2, 2)), np.zeros((2, 2))
+        state, first = self.state.copy(), self.motion * model.to_motion
+        n, at0, at1 = follow(model.elements.rows, drive, model.elements.largest, first, state, way, found, carried)
+        if n < len(way):
+            H, M = np.array([at0, at1]) * model.to_motion
+            raise BeyondSprings([Problem(key="springs", message=_NO_ANSWER.format(H, M))])
+        self._trial = state, found[1] / model.to_motion, carried[1] * model.to_motion
+        answer: Array = self._trial[1 if motion is None else 2].copy()
+        return answer
+
+    @property
+    def tangent(self) -> Array:
+        """Tangent (2, 2) of (H, M) to (u, rotation) at the end of the last trial step.
+
+        Consistent with `advance` for steps that are not divided (up to a hundredth of the reach); before the first
+        step it is that at rest.
+        """
+        model, F, K = self.model, np.zeros(2), np.zeros((2, 2))
+        start, end = self.motion * model.to_motion, self._trial[1] * model.to_motion
+        advance(model.elements.rows, start, end, self.state.copy(), F, K)
+        scaled: Array = K * model.to_motion * model.to_motion[:, None]
+        return scaled
+
+    def commit(self) -> None:
+        """Keep the last trial state."""
+        state, motion, load = self._trial
+        self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: MIT
+"""How elements share out the reactions: by depth, tip and lid, and the heave.
+
+Lateral reactions and moments (rows that change their sign in the mirror image of a motion) are linear in the elastic
+motions e of the elements,
+
+    R = S F + D (e_1, e_2, ...),   F = (H, M/L),
+
+with b.S = I and b.D = 0, b the action of a row on (H, M/L): they sum to the loads exactly. Vertical reactions and w
+(even rows) are linear in the plastic ways p of the elements, as p/(1 + p/s): a way that turns back and forth adds up,
+without end (s infinite) or up to a limit. D and the even rows come from ridge regressions over the ways of the
+calibration. For the even rows s and the ridge are those that predict the last two fifths of the rays that turn back
+best, from all that is before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.macro.fan import FanTable
+from pysprings.macro.memory.elements import GAP, histories
+from pysprings.macro.memory.samples import WEIGHT as TURNING
+from pysprings.macro.memory.samples import Sample
+
+Array = NDArray[np.float64]
+
+RIDGE = 1e-3  # of the largest singular value of the regressors
+# Of even rows: lengths s over the reach, ridges, share of a turning way that is fitted, least heave over the largest
+LENGTHS, RIDGES, FITTED, LEAST = (np.inf, 1.0, 0.3), (1e-3, 1e-2, 5e-2, 0.2), 0.6, 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class Shares:
+    """Reactions from states of elements; the rows are those of a fan (`pysprings.macro.fan.FanTable`).
+
+    Attributes
+    ----------
+    odd : rows that change their sign. rest : (rows,) values at rest.
+    loads, elastic : (odd rows, 2) S [1, 1/m], and (odd rows, 2 n) D [N/m of e, N/m2].
+    even : (even rows, n) of p/(1 + p/s).
+    length : s [m] of the even rows.
+    """
+
+    odd: NDArray[np.bool_]
+    rest: Array
+    loads: Array
+    elastic: Array
+    even: Array
+    length: float
+
+    def reactions(self, rows: Array, e: Array, p: Array) -> Array:
+        """Return all reactions (rows, n) from elastic motions e (n, elements, 2) and plastic ways p (n, elements)."""
+        carried = loads_of(rows, e)
+        out = np.repeat(self.rest[:, None], len(e), axis=1)
+        out[self.odd] += self.loads @ carried.T + self.elastic @ e.reshape(len(e), -1).T
+        out[~self.odd] += self.even @ _limited(p, self.length).T
+        return out
+
+
+def stiffnesses(rows: Array) -> Array:
+    """Return B (n, 2, 2) [N/m] of the elements; of a gap element on one side."""
+    B = np.stack([rows[:, [4, 5]], rows[:, [5, 6]]], axis=1)
+    gap = rows[:, 0] == GAP
+    n = rows[gap, 4:6]
+    B[gap] = rows[gap, 6, None, None] * n[:, :, None] * n[:, None, :]
+    return B
+
+
+def loads_of(rows: Array, e: Array) -> Array:
+    """Return the loads (n, 2) = (H, M/L) [N] of elastic motions e (n, elements, 2)."""
+    loads: Array = np.einsum("kab,nkb->na", stiffnesses(rows), e)
+    return loads
+
+
+def _limited(p: Array, length: float) -> Array:
+    """Return what even rows are linear in, (n, elements)."""
+    limited: Array = p / (1.0 + p / length)
+    return limited
+
+
+def shares_of(
+    rows: Array, ways: Sequence[Sample], loads: Sequence[Array], table: FanTable, largest: float
+) -> tuple[Shares, list[Array]]:
+    """Return the shares of elements, and the loads (n, 2) that they carry along each way."""
+    states = []
+    for way in ways:
+        e, p = np.zeros((len(way.motions), len(rows), 2)), np.zeros((len(way.motions), len(rows)))
+        histories(rows, np.ascontiguousarray(way.motions), largest, e, p)
+        states.append((e, p))
+    carried = [loads_of(rows, e) for e, _ in states]
+    odd, rest = ~table.even, np.where(table.even, table.r[:, 0, 0], 0.0)
+    R, F, weights = (np.concatenate(parts) for parts in zip(*(
+        (way.reactions.T, own, way.weights) for way, own in zip(ways, carried, strict=True)
+    ), strict=True))  # fmt: skip
+    b = table.b[odd] / [1.0, table.length]
+    S = _balanced(np.linalg.lstsq(F * weights[:, None], R[:, odd] * weights[:, None], rcond=None)[0].T, b)
+    e = np.concatenate([each.reshape(len(each), -1) for each, _ in states])
+    D = _ridge(e, R[:, odd] - F @ S.T, weights, RIDGE)
+    D -= S @ (b.T @ D)
+    ways_p, even = [p for _, p in states], [way.reactions[~odd] - rest[~odd, None] for way in ways]
+    reach = max(float(np.hypot(*way.motions.T).max()) for way in ways)
+    heave = [rows_[list(table.name[~odd]).index("w")] for rows_ in even]
+    length, ridge = _best(ways, ways_p, heave, reach)
+    p = np.concatenate([_limited(each, length) for each in ways_p])
+    factors = _ridge(p, np.concatenate(even, axis=1).T, _heave_weights(ways, heave), ridge)
+    return Shares(odd, rest, S, D, factors, length), carried
+
+
+def _best(ways: Sequence[Sample], p: Sequence[Array], heave: Sequence[Array], reach: float) -> tuple[float, float]:
+    """Return length s [m] and ridge that predict the last part of turning ways best."""
+    shown = [_first_part(way) if way.turns else np.ones(len(way.motions), dtype=bool) for way in ways]
+    fitted, weights = np.concatenate(shown), _heave_weights(ways, heave)
+    known, errors = np.concatenate(heave)[:, None], {}
+    for length in (share * reach for share in LENGTHS):
+        X = np.concatenate([_limited(each, length) for each in p])
+        for ridge in RIDGES:
+            factors = _ridge(X[fitted], known[fitted], weights[fitted], ridge)
+            missing = np.abs(X @ factors.T - known)[:, 0] * weights
+            errors[length, ridge] = float(missing[~fitted].max(initial=0.0))
+    return min(errors, key=lambda pair: errors[pair])
+
+
+def _first_part(way: Sample) -> NDArray[np.bool_]:
+    come = np.cumsum(np.hypot(*np.diff(way.motions, axis=0, prepend=np.zeros((1, 2))).T))
+    first: NDArray[np.bool_] = come < FITTED * come[-1]
+    return first
+
+
+def _heave_weights(ways: Sequence[Sample], heave: Sequence[Array]) -> Array:
+    """Return weights (all points,) that make errors relative to the largest heave of a way."""
+    largest = max(float(np.abs(w).max()) for w in heave)
+    sizes = [max(float(np.abs(w).max()), LEAST * largest, 1e-300) for w in heave]
+    return np.concatenate([
+        np.full(len(way.motions), (TURNING if way.turns else 1.0) / np.sqrt(len(way.motions)) / size)
+        for way, size in zip(ways, sizes, strict=True)
+    ])  # fmt: skip
+
+
+def _balanced(S: Array, b: Array) -> Array:
+    """Return S (rows, 2) changed in proportion to its size such that b.S = I."""
+    size = np.abs(S)
+    for column in range(2):
+        missing = np.eye(2)[column] - b.T @ S[:, column]
+        weight = size[:, column, None] * b
+        S[:, column] += weight @ np.linalg.lstsq(b.T @ weight, missing, rcond=None)[0]
+    return S
+
+
+def _ridge(X: Array, Y: Array, weights: Array, ridge: float) -> Array:
+    """Return the coefficients (columns of Y, columns of X) of a weighted ridge regression."""
+    size = np.linalg.norm(X * weights[:, None], axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    U, s, Vt = np.linalg.svd(X * weights[:, None] / size, full_matrices=False)
+    shrunk = s / (s**2 + (ridge * s[0]) ** 2)
+    coefficients: Array = ((Vt.T * shrunk) @ (U.T @ (Y * weights[:, None]))).T / size
+    return coefficients

@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: MIT
+"""Elements with a memory: closed forms, energy, tangents, sequences; springs made of them beside an outside law."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from pysprings.core.errors import BeyondSprings, UserInputError
+from pysprings.macro.batch import predict_batch
+from pysprings.macro.cycles import Followed, cycles, errors, follow_path, sequences
+from pysprings.macro.fan import build_fan
+from pysprings.macro.memory.build import build_memory, with_memory
+from pysprings.macro.memory.calibration import ElementSet
+from pysprings.macro.memory.elements import GAP, STATES, advance
+from pysprings.macro.memory.model import MemoryModel, MemoryStepper
+from pysprings.macro.model import MacroModel
+from pysprings.macro.predict import MacroWarning, predict, sequence
+from pysprings.macro.sets import spring_sets
+from pysprings.macro.stiffness import stiffness
+from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.springs import Springs
+from tests.support import winkler
+from tests.support.commands import command
+from tests.support.fans import fan_springs, linear
+from tests.support.winkler import REACH, element, elements_of, mixed
+
+
+def walk(rows, motions):
+    """Loads (n, 2) and tangents of elements along motions (n, 2), from rest."""
+    rows = np.array(rows, dtype=float)
+    state, F, K, before = np.zeros((len(rows), STATES)), np.zeros(2), np.zeros((2, 2)), np.zeros(2)
+    loads, tangents = [], []
+    for motion in np.asarray(motions, dtype=float):
+        advance(rows, before, motion, state, F, K)
+        loads.append(F.copy())
+        tangents.append(K.copy())
+        before = motion
+    return np.array(loads), np.array(tangents), state
+
+
+@cache
+def model(seed=1) -> MemoryModel:
+    """A model of mixed elements on the layout of a linear fan."""
+    table = build_fan(Springs.of(fan_springs(linear)))
+    return MemoryModel(elements_of(mixed(seed=seed), table), table)
+
+
+def test_a_perfectly_plastic_element_has_loops_of_a_parallelogram() -> None:
+    """F = K d at most; the work of a cycle of +-U is 4 K d (U - d)."""
+    d, U, K = 1e-3, 5e-3, 1e8
+    way = np.concatenate([np.linspace(a, b, 200) for a, b in ((0, U), (U, -U), (-U, U))])
+    loads, _, _ = walk([element(d=d)], np.stack([way, 0 * way], axis=1))
+    assert np.abs(loads[:, 0]).max() == pytest.approx(K * d, rel=1e-12)
+    cycle = slice(199, None)
+    work = np.trapezoid(loads[cycle, 0], way[cycle])
+    assert work == pytest.approx(4 * K * d * (U - d), rel=0.01)
+
+
+@pytest.mark.parametrize("gain", [2.0, 20.0])
+def test_hardening_follows_its_law_at_every_size_of_step(gain: float) -> None:
+    """u = r(p) + p on a straight way, r = d (1 + a p/(p + h)): the load at u, whatever the steps."""
+    d, h, U = 1e-3, 4e-3, 0.03
+    p = np.linspace(0.0, U, 100_001)
+    exact = np.interp(U, d * (1 + gain * p / (p + h)) + p, p)
+    for steps in (1, 7):
+        loads, _, state = walk([element(d=d, gain=gain, over=h)], np.linspace(0, [0.6 * U, 0.8 * U], steps + 1)[1:])
+        assert state[0, 2] == pytest.approx(exact, rel=1e-6)
+        assert np.hypot(*loads[-1]) == pytest.approx(1e8 * (U - exact), rel=1e-6)
+
+
+def test_a_gap_opens_where_its_walls_have_yielded() -> None:
+    """To 5 mm with walls that yield at 1 mm: back at 4 mm the load is 0, and so it is until the other wall at 0."""
+    rows = [element(GAP, B=(1.0, 0.0, 1e8), d=1e-3)]
+    loads, _, _ = walk(rows, [[x, 0.0] for x in (5e-3, 4e-3, 2e-3, 0.0, -0.5e-3, 4.5e-3)])
+    np.testing.assert_allclose(loads[:, 0], [1e5, 0.0, 0.0, 0.0, -0.5e5, 0.5e5], atol=1e-6)
+
+
+def test_tangents_are_those_of_the_loads() -> None:
+    """A small change of the last step: the remainder is quadratic, at 40 random sequences."""
+    random, rows = np.random.default_rng(2), mixed()
+    for _ in range(40):
+        way = np.cumsum(random.normal(size=(5, 2)) * 2e-3, axis=0)
+        direction = random.normal(size=2)
+        _, tangents, _ = walk(rows, way)
+        h = 1e-9
+        ends = [walk(rows, [*way[:-1], way[-1] + sign * h * direction])[0][-1] for sign in (1, -1)]
+        np.testing.assert_allclose((ends[0] - ends[1]) / (2 * h), tangents[-1] @ direction, rtol=1e-4, atol=1e3)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_closed_loops_never_give_work(seed: int) -> None:
+    """100 random loops from rest and back to it, in steps of a thousandth of the reach."""
+    random, rows = np.random.default_rng(seed), mixed(seed=seed)
+    works = []
+    for _ in range(50):
+        corners = np.concatenate([np.zeros((1, 2)), random.uniform(-1, 1, (6, 2)) * REACH, np.zeros((1, 2))])
+        way = np.concatenate([np.linspace(a, b, 60)[1:] for a, b in pairwise(corners)])
+        loads = np.concatenate([np.zeros((1, 2)), walk(rows, way)[0]])
+        steps = np.diff(way, axis=0, prepend=np.zeros((1, 2)))
+        works.append((0.5 * (loads[1:] + loads[:-1]) * steps).sum())
+    assert len(works) == 50 and min(works) > 0.0
+
+
+@pytest.mark.slow
+def test_every_sequence_of_loads_has_an_answer_that_meets_them() -> None:
+    """Elements with a part that never yields carry every load."""
+    random, springs = np.random.default_rng(5), model()
+    answered = 0
+    for _ in range(60):
+        loads = random.uniform(-1, 1, (12, 2)) * [3e5, 1e6]
+        states, found, message = springs.solve("load", loads)
+        assert message == "" and np.isfinite(states).all()
+        np.testing.assert_allclose(found, loads, atol=1e-6 * np.abs(springs.table.load_scale).max())
+        answered += 1
+    assert answered == 60
+
+
+def test_a_load_at_a_height_is_followed_by_u() -> None:
+    springs, arm = model(), 5.0
+    states, loads, message = springs.solve("displacement", np.array([[2e-3, 0], [-1e-3, 0], [3e-3, 0]]), arm)
+    assert message == ""
+    np.testing.assert_allclose(states[:, 0], [2e-3, -1e-3, 3e-3], rtol=1e-9)
+    np.testing.assert_allclose(loads[:, 1], -arm * loads[:, 0], rtol=1e-5)
+
+
+def test_more_than_the_elements_carry_is_named() -> None:
+    table = model().table
+    rows = np.array([element(d=1e-3)])
+    few = MemoryModel(ElementSet(rows, REACH, model().elements.shares, 0.0, {}, REACH), table)
+    states, _, message = few.solve("load", np.array([[5e4, 0.0], [5e5, 0.0]]))
+    assert len(states) == 1 and "no equilibrium beyond H = " in message
+    stepper = MemoryStepper(few)
+    with pytest.raises(BeyondSprings, match="carry no more than H = "):
+        stepper.advance(load=(5e5, 0.0))
+    np.testing.assert_allclose(stepper.advance(load=(5e4, 0.0)), [5e-4, 0.0], atol=1e-12)
+
+
+def test_steps_are_tried_from_the_committed_state_until_one_is_kept() -> None:
+    springs = model()
+    loads = np.array([[2e5, -4e5], [-1e5, 3e5], [3e5, 0.0]])
+    states, _, _ = springs.solve("load", loads)
+    stepper = MemoryStepper(springs)
+    for load, state in zip(loads, states, strict=True):
+        stepper.advance(motion=(7e-3, 1e-3))  # tried, and forgotten
+        np.testing.assert_allclose(stepper.advance(load=tuple(load)), state, atol=1e-10)
+        stepper.commit()
+    np.testing.assert_allclose(stepper.load, loads[-1], atol=1.0)
+    aim, change = stepper.motion + [1e-4, -2e-5], np.array([1e-9, 3e-10])
+    ends = [stepper.advance(motion=tuple(aim + sign * change)) for sign in (1.0, -1.0)]
+    stepper.advance(motion=tuple(aim))
+    np.testing.assert_allclose(ends[0] - ends[1], stepper.tangent @ (2.0 * change), rtol=1e-4)
+    with pytest.raises(UserInputError, match="give a motion or a load"):
+        stepper.advance()
+
+
+def test_a_fan_without_rays_that_turn_back_has_no_memory() -> None:
+    springs = fan_springs(linear)
+    assert "memory" not in spring_sets(springs)
+    with pytest.raises(UserInputError, match=r"no ray that turns back .* memory = true"):
+        predict(springs, H=1e5, springs_kind="memory")
+
+
+@cache
+def outside() -> Springs:
+    """Springs of Masing springs by depth, with two rays that turn back, and loops that are held back."""
+    return Springs.of(with_memory(winkler.springs(loops=((-30.0, 4e-3), (20.0, 2e-3)))))
+
+
+@pytest.mark.slow
+def test_springs_with_memory_follow_loops_of_an_outside_law() -> None:
+    """Of a Masing caisson, between and below the rays that turn back; measured 4 to 6 %, the fan 50 %."""
+    found = {(one.path.name, one.springs): errors(one) for one in sequences(outside())}
+    held = [name for name, path in outside().paths.items() if path.role == "held-back"]
+    assert len(held) == 2
+    for name in held:
+        row, fan, path = found[name, "memory"], found[name, "fan"], outside().paths[name]
+        moment = row["M_error_pct"] * np.abs(path["M"]).max() / path.length / np.abs(path["H"]).max()
+        assert max(row["H_error_pct"], moment) < 12.0 < 40.0 < fan["H_error_pct"]
+        assert abs(row["work_error_pct"]) < 8.0 and fan["work_error_pct"] < -50.0
+
+
+@pytest.mark.slow
+def test_reactions_sum_to_the_loads_of_every_state() -> None:
+    memory = build_memory(outside())
+    states = np.stack([outside().paths["loop_minus_30"].u, outside().paths["loop_minus_30"].rotation], axis=1)
+    rows = memory.reactions(states)
+    _, loads, _ = memory.solve("state", states[1:])
+    np.testing.assert_allclose((rows.T @ memory.table.b)[1:], loads, rtol=1e-9, atol=1.0)
+    (p,) = (outside().paths["loop_minus_30"].p,)
+    own = rows[memory.table.name == "p"]
+    assert np.abs(own - p).max() < 0.2 * np.abs(p).max()
+
+
+@pytest.mark.slow
+def test_stored_elements_answer_as_those_that_were_calibrated(tmp_path) -> None:
+    path = save_springs(outside().tree, tmp_path / "springs.nc")
+    read = Springs.of(open_springs(path))
+    assert read.memory is not None
+    np.testing.assert_array_equal(build_memory(read).elements.rows, build_memory(outside()).elements.rows)
+    targets = np.array([[2e5, -4e5], [-1e5, 2e5], [0.0, 0.0]])
+    answers = [sequence(each, targets, springs_kind="memory", extrapolate=True) for each in (read, outside())]
+    np.testing.assert_array_equal(answers[0]["u"], answers[1]["u"])
+    assert abs(float(answers[0]["u"][-1])) > 1e-6 and not answers[0]["turned_back"].any()
+
+
+@pytest.mark.slow
+def test_a_cycle_has_its_stiffness_work_and_damping() -> None:
+    """The full model's own columns: a Masing loop of amplitude U under the load F dissipates what its area is."""
+    path = outside().paths["loop_20"]
+    table = cycles(follow_path(path, MacroModel.from_springs(outside(), "memory")))
+    assert list(table["branch"]) == [1, 2, 3]
+    last = table.iloc[-1]
+    loads, u, rotation = path["H"], path.u, path.rotation
+    start = int(np.argmax(u[:40]))
+    area = np.trapezoid(loads[start:], u[start:]) + np.trapezoid(path["M"][start:], rotation[start:])
+    assert last["cycle_full_J"] == pytest.approx(area, rel=1e-9)
+    assert last["secant_full"] == pytest.approx((loads[-1] - loads.min()) / (u[-1] - u.min()), rel=1e-9)
+    moment, turn = path["M"], path.rotation
+    size = (loads[-1] - loads[58]) * (u[-1] - u[58]) + (moment[-1] - moment[58]) * (turn[-1] - turn[58])
+    assert last["damping_full"] == pytest.approx(2.0 * area / (np.pi * size), rel=1e-9)
+    assert last["damping_macro"] == pytest.approx(last["damping_full"], rel=0.15)
+
+
+@pytest.mark.slow
+def test_calibrated_springs_have_no_loop_with_negative_work_and_an_answer_to_every_sequence() -> None:
+    memory, random = build_memory(outside()), np.random.default_rng(7)
+    reach = memory.elements.reach
+    for _ in range(1000):
+        corners = np.concatenate([np.zeros((1, 2)), random.uniform(-1, 1, (5, 2)) * reach, np.zeros((1, 2))])
+        way = np.concatenate([np.linspace(a, b, 30)[1:] for a, b in pairwise(corners)])
+        loads = np.concatenate([np.zeros((1, 2)), memory.solve("state", way / memory.to_motion)[1] / memory.to_motion])
+        steps = np.diff(way, axis=0, prepend=np.zeros((1, 2)))
+        assert (0.5 * (loads[1:] + loads[:-1]) * steps).sum() > 0.0
+    largest = np.abs(memory.solve("state", np.array([[0.5 * reach, 0.0], [0.0, 0.5 * reach / 4.0]]))[1]).min(axis=0)
+    for _ in range(1000):
+        assert memory.solve("load", random.uniform(-0.7, 0.7, (10, 2)) * largest)[2] == ""
+
+
+def test_the_damping_of_a_parallelogram_is_that_of_its_area() -> None:
+    """A perfectly plastic spring, yield at d, cycles of +-U: 2/pi (1 - d/U)."""
+    path = Springs.of(winkler.springs()).paths["turning_0"]
+    given = Followed(path, "memory", "state", (_loop(), _loads(_loop())), (_loop(), _loads(_loop())), "")
+    found = cycles(given)
+    assert list(found["branch"]) == [1, 2, 3]
+    assert found["damping_full"].iloc[-1] == pytest.approx(2.0 / np.pi * (1.0 - 0.2), rel=0.01)
+    assert errors(given)["H_error_pct"] == 0.0
+
+
+def _loop() -> np.ndarray:
+    way = np.concatenate([np.linspace(a, b, 500)[1:] for a, b in ((0, 5e-3), (5e-3, -5e-3), (-5e-3, 5e-3))])
+    return np.stack([np.append(0.0, way), np.zeros(way.size + 1)], axis=1)
+
+
+def _loads(motions: np.ndarray) -> np.ndarray:
+    return walk([element(d=1e-3)], motions)[0]
+
+
+def test_sequences_are_compared_by_cycle(tmp_path) -> None:
+    path = save_springs(winkler.with_invented_memory(), tmp_path / "springs.nc")
+    done = command("compare", str(path), "--cycles", "--json")
+    assert done.code == 0
+    found = json.loads(done.out)
+    assert {(row["path"], row["springs"]) for row in found["errors"]} == {
+        (name, springs) for name in ("turning_0", "turning_minus_50") for springs in ("fan", "memory")
+    }
+    assert len(found["branches"]) == 4 * 3
+    full = [row["work_full_J"] for row in found["branches"] if row["path"] == "turning_0"]
+    assert full[:3] == full[3:] and min(full) > 0.0
+    text = command("compare", str(path), "--cycles", "--springs", "memory").out
+    assert "damping full" in text and "fan" not in text
+    refused = command("compare", str(path), "--cycles", "--slices")
+    assert refused.code == 2 and "--cycles" in refused.err
+
+
+def test_a_long_way_is_marked_where_heave_is_extrapolated() -> None:
+    springs = Springs.of(winkler.with_invented_memory())
+    targets = np.array([[1e-3 * sign, 0.0] for sign in (1, -1) * 60])
+    with pytest.warns(MacroWarning, match="times the way of the rays that turn back: heave, settlement and vertical"):
+        sequence(springs, targets, control="state", springs_kind="memory", extrapolate=True)
+
+
+def test_springs_with_memory_refuse_what_has_no_history() -> None:
+    springs = Springs.of(winkler.with_invented_memory())
+    with pytest.raises(UserInputError, match="answer sequences, not independent cases"):
+        predict_batch(springs, H=np.array([1e4]), springs_kind="memory")
+    with pytest.raises(UserInputError, match="no secant stiffness"):
+        stiffness(springs, H=1e4, secant=True, springs_kind="memory", extrapolate=True)

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: MIT
+"""The picture of a path that turns back, and a whole run that makes springs with memory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pysprings.macro.comparison import curves
+from pysprings.results.plots.loops import PICTURE
+from pysprings.results.plots.picture import View
+from pysprings.springs.file import open_springs
+from pysprings.springs.springs import Springs
+from tests.support import tiny, winkler
+from tests.support.commands import command
+
+
+def view(name: str) -> View:
+    tree = winkler.with_invented_memory()
+    path = Springs.of(tree).paths[name]
+    shown = path.dataset.assign_attrs(skirt_length_m=path.length)
+    return View(tree, tree, path=shown, predictions=dict(curves(tree, name, "memory")))
+
+
+def test_loops_show_both_models_with_stiffness_and_damping() -> None:
+    shown = view("turning_0")
+    assert PICTURE.applies(shown)
+    loads, moments, stiffness, damping = PICTURE.draw(shown).axes
+    full, macro = loads.get_lines()[:2]
+    np.testing.assert_allclose(full.get_xdata(), 1e3 * shown.path["u"].values)
+    np.testing.assert_allclose(np.ptp(macro.get_ydata()) / np.ptp(shown.predictions["memory"]["H"].values), 1e-6)
+    assert moments.get_lines() and loads.get_legend() is not None
+    assert [len(line.get_xdata()) for line in stiffness.get_lines()] == [3, 3]
+    ratios = damping.get_lines()[0].get_ydata()
+    assert np.isnan(ratios[0]) and 0.05 < ratios[-1] < 0.64  # at most 2/pi, that of a rigid-plastic loop
+
+
+def test_loops_are_drawn_where_a_path_turns_back_and_springs_remember() -> None:
+    assert not PICTURE.applies(replace(view("turning_0"), predictions={}))
+    assert not PICTURE.applies(view("ray_0"))
+
+
+@pytest.mark.slow
+def test_a_run_with_memory_stores_it_and_compares_it(tmp_path) -> None:
+    paths = {"name": "loop", "kind": "pull", "lateral_displacement": 2e-4, "arm": 2.0, "role": "held-back",
+             "then": ("-0.2 mm", "0.2 mm")}  # fmt: skip
+    scene = tiny.scene(springs={"reach": 1e-3, "memory": True, "held_back": False}, paths=(paths,))
+    tiny.write(scene, tmp_path / "scene.toml")
+    done = command("run", str(tmp_path / "scene.toml"), "--out", str(tmp_path / "run"))
+    assert done.code == 0, done.err
+    assert Springs.of(open_springs(tmp_path / "run" / "springs.nc")).memory is not None
+    found = command("compare", str(tmp_path / "run"), "--cycles", "--springs", "memory")
+    assert found.code == 0 and "loop " in found.out and "ray_minus_50_reversed" in found.out
+    (tmp_path / "loads.csv").write_text("u_mm,rotation_mrad\n0.1,0\n-0.1,0\n0.0,0\n")
+    asked = command("predict", str(tmp_path / "run"), "--sequence", str(tmp_path / "loads.csv"), "--springs", "memory")
+    assert asked.code == 0 and len(asked.out.splitlines()) >= 5
