@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.macro.control import Control
 from pysprings.macro.ends import past_ends
-from pysprings.macro.fan import WIDEST, FanTable
+from pysprings.macro.fan import RANGE_SLACK, WIDEST, FanTable
 from pysprings.macro.history import Turns
-from pysprings.macro.limit import RANGE_SLACK, Limit, range_used
+from pysprings.macro.limit import Limit, paths_at, range_used
 from pysprings.macro.softening import softening_notes
 from pysprings.macro.solver import row_values
 from pysprings.macro.vertical_answer import Down, vertical_answer
@@ -96,7 +96,7 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         values["path_distance"] = support.distance
     if support.distance is not None or turned.aside.any():
         values["off_path"] = (support.off | turned.aside).astype(np.int8)
-    values["beyond_end"] = (past | down.past).astype(np.int8)
+    values["beyond_end"] = past.astype(np.int8)
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
     coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
@@ -109,21 +109,24 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
 def _attributes(
     model: MacroModel, way: Way, support: _Support, turned: Turns, down: Down, refusals: list[str]
 ) -> dict[str, Any]:
-    """Return the attributes of an answer: provenance, what was asked for, status, notes, remarks and refusals."""
+    """Return the attributes of an answer: provenance, what was asked for, status, and sentences.
+
+    refusals: beyond a limit load; beyond_range: what is beyond the calibrated range; warnings: other marks; remarks.
+    """
     message = " ".join(filter(None, (way.message, down.message)))
     beyond = np.flatnonzero(support.used > 1.0 + RANGE_SLACK)
     limit = way.limit(int(beyond[0])) if way.limit is not None and beyond.size else None
-    notes = [_beyond(model, support.used, limit)] if beyond.size else []
-    notes += support.notes + turned.notes() + down.notes
+    outside = [_beyond(model, way.states, support.used, limit)] if beyond.size else []
     carried = f"; {limit}" if limit else ""
     return (
         _provenance(model)
         | {"control": way.control}
         | ({} if way.arm is None else {"arm_m": way.arm})
         | (limit.attributes() if limit else {})
-        | {"status": "partial" if message else "complete", "message": message, "warnings": notes}
-        | {"remarks": list(model.remarks), "path_end": _ends(model)}
-        | {"refusals": [f"{text}{carried}" for text in refusals] + down.refusals}
+        | {"status": "partial" if message else "complete", "message": message}
+        | {"warnings": support.notes + turned.notes() + down.notes, "beyond_range": outside + down.beyond}
+        | {"remarks": list(model.remarks), "path_end": _ends(model), "balance": model.balance}
+        | {"refusals": [f"{text}{carried}" for text in refusals]}
     )
 
 
@@ -172,6 +175,8 @@ def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
 def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Support:
     """Return the springs of a fan of rays."""
     rows, places = table.rows(states)
+    if model.memory is not None:
+        rows = model.memory.reactions(states)
     used, sector, nearest = table.support(states, places)
     off = (sector > WIDEST + RANGE_SLACK) & (states != 0.0).any(axis=1)
     usable = np.ones(model.origin.depth.size, dtype=np.int8)
@@ -226,16 +231,17 @@ def _distance(track: Array, states: Array) -> Array:
     return np.sqrt(shortest / np.where(size > 0.0, size, np.inf))
 
 
-def _beyond(model: MacroModel, used: Array, limit: Limit | None) -> str:
-    """Return a sentence on states beyond the range of the springs, with the load within it if one was computed."""
-    n, table = int((used > 1.0 + RANGE_SLACK).sum()), model.table
+def _beyond(model: MacroModel, states: Array, used: Array, limit: Limit | None) -> str:
+    """Return a sentence on states beyond the range of the springs, with the load within it and how its paths ended."""
+    table = model.table
     if isinstance(table, FanTable):
         where, what = f"the fan of {len(table.path)} paths: they reach", "the"
     else:
         where, what = f"path '{model.origin.name}': springs reach", "their"
-    text = f"{n} of {used.size} states are beyond the range of {where} {used.max():.3g} times {what} calibrated "
+    text = f"beyond the range of {where} {used.max():.3g} times {what} calibrated "
     text += "displacement (limit 1)"
-    return text if limit is None else f"{text}; {limit}"
+    ends = [str(model.ends[name]) for name in paths_at(model, states[int(np.argmax(used))]) if name in model.ends]
+    return "; ".join(filter(None, (text, "" if limit is None else str(limit), *ends)))
 
 
 def _path_notes(model: MacroModel, distance: Array, off: NDArray[np.bool_]) -> list[str]:
@@ -262,6 +268,8 @@ def _fan_notes(sector: Array, off: NDArray[np.bool_]) -> list[str]:
 def _provenance(model: MacroModel) -> dict[str, Any]:
     attrs = {name: model.attrs[name] for name in _KEPT if name in model.attrs} | {"springs": model.spring_set}
     attrs["curves"] = "monotonic backbone, odd, last slope beyond the calibrated range"
+    if model.memory is not None:
+        attrs["curves"] = "elastoplastic elements in parallel, which remember reversals"
     if isinstance(model.table, FanTable):
         rays = zip(model.table.path, np.degrees(model.table.angle), strict=True)
         rays_text = ", ".join(f"{name} ({angle:.1f} deg)" for name, angle in rays)

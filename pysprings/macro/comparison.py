@@ -14,8 +14,8 @@ V from rest.
 A held-back path with a `vertical_load` of its own is answered under that load; `off_load_states` counts the states
 whose vertical load no lateral springs have, `w_error_...` is the largest distance of w.
 
-On a swipe and under a load that climbs, whose states are imposed, errors are relative to the largest H or M of the
-path.
+On a swipe and under a load that climbs, whose states are imposed, and on a path that turns back errors are relative to
+the largest answer of the path.
 
 Read the other way, `u_error_...` is the displacement that the macro-model needs for the full model's load (H and M of
 each recorded state), over the full model's, minus 1. `rotation_point_...`: depth of the point of the axis at rest.
@@ -134,6 +134,8 @@ class Comparison:
             "springs_from": answer.attrs["path"],
             "V_N": path.load,
             "status": answer.attrs["message"] or "complete",
+            "path_end": path.end.how,
+            **path.end.attributes(),
             "states": n - 1,
             "eta_small": measures.eta(x, reference, values, small),
             "eta_large": measures.eta(x, reference, values),
@@ -234,9 +236,13 @@ def _thinned(springs: Springs, name: str) -> Springs:
 
 
 def _along(path: SpringPath, model: MacroModel) -> xr.Dataset:
-    """Drive a macro-model as the full model was driven, through the states it recorded."""
+    """Drive a macro-model as the full model was driven, with its vertical load where the caisson is free to heave."""
+    return along_path(path, model, path.load if path.free_to_heave else None)
+
+
+def along_path(path: SpringPath, model: MacroModel, V: float | None = None) -> xr.Dataset:
+    """Drive a macro-model as the full model was driven, through the states it recorded; w under V [N] where given."""
     control: Control = "displacement" if path.rules.free_head else "state"
-    V = path.load if path.free_to_heave else None
     answer = trace(model, control, np.stack([path.u, path.rotation], axis=1), path.arm, V)
     return answer.assign(u_at_load=("step", _at_load(path, model, answer.sizes["step"]), AT_LOAD))
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pysprings.core.path_kinds import VERTICAL
+from pysprings.core.path_kinds import ROLES, VERTICAL
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
 from pysprings.springs.alike import same_load
-from pysprings.springs.dataset import ROLES
+from pysprings.springs.path_ends import LIMIT_LOAD, STOPPED
 
 _TEXT_COLUMNS = {
     "path": "path",
@@ -42,6 +42,7 @@ _VERTICAL_COLUMNS = {
 
 _ROLE_TITLES = {
     "calibration": "calibration paths: springs are made from them",
+    "memory": "memory paths: springs with memory are made from them, too",
     "held-back": "held-back paths: springs are checked on them",
 }
 
@@ -67,8 +68,21 @@ def to_text(frame: pd.DataFrame) -> str:
         if rows:
             lines += [_ROLE_TITLES[role], line(head), "  ".join("-" * w for w in widths), *rows, ""]
     ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
+    ended += [f"path {name}: {how}" for name, how in _ends(frame).items()]
     notes = _NOTES + (_VERTICAL_NOTES if vertical else [])
     return "\n".join(lines + notes + ended + _marked(frame)) + "\n"
+
+
+def _ends(frame: pd.DataFrame) -> dict[str, str]:
+    """Return how paths ended that did not come to their aims, with the loads and motion there."""
+    last = frame.drop_duplicates("path")
+    return {
+        r["path"]: f"{r['path_end']} of the full model at H = {1e-3 * r['end_H_N']:.5g} kN, "
+        f"M = {1e-3 * r['end_M_Nm']:.5g} kN m, u = {1e3 * r['end_u_m']:.4g} mm, "
+        f"rotation = {1e3 * r['end_rotation_rad']:.4g} mrad"
+        for r in last.to_dict("records")
+        if r["path_end"] in (LIMIT_LOAD, STOPPED)
+    }
 
 
 def several_loads(frame: pd.DataFrame) -> bool:
@@ -95,7 +109,7 @@ def _marked(frame: pd.DataFrame) -> list[str]:
 _NOTES = [
     f"errors: macro-model over full model minus 1, at equal displacement; states below {SKIP_BELOW:.0%} of "
     "the largest are left out; '-': imposed or undefined",
-    "on a swipe and under a load that climbs errors are relative to the largest H or M of the path",
+    "on a swipe, under a load that climbs and where a path turns back errors are relative to the largest of the path",
     "u: error of the displacement at equal load; z_rot: depth of the point of rotation, at the end and largest error",
     "between: the largest error when every second recorded state is left out of the springs",
     "eta = 1 - area between the load-displacement curves / area of the full model's; "

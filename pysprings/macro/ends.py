@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""States and loads beyond what the full model was seen to carry: the macro-model has no answer there.
+"""States and loads beyond a limit load of the full model: the macro-model has no answer there.
 
-Beyond the range of springs whose path stopped or met a limit load nothing is known, and a load in the direction of one
-that a path of the full model could not exceed (at the same vertical load) is not carried. A vertical load that the
+A load in the direction of one that a path of the full model could not exceed (at the same vertical load) is not
+carried, and beyond the range of springs whose path met a limit load there is no equilibrium. A vertical load that the
 springs were not made for is answered from an elastic stiffness only where it differs from theirs by no more than
 theirs: without vertical springs from 0 to twice the load of the paths.
 """
@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.fan import FanTable
-from pysprings.macro.limit import RANGE_SLACK
+from pysprings.macro.fan import RANGE_SLACK, FanTable
 from pysprings.springs.alike import SAME_DIRECTION, same_load
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
@@ -30,7 +29,7 @@ Marks = NDArray[np.bool_]
 def past_ends(
     model: MacroModel, states: Array, used: Array, loads: Array, V: Array | None, aim: Array | None = None
 ) -> tuple[Marks, list[str]]:
-    """Return which states (n, 2) = (u, rotation) are beyond the end of a path, and a sentence on each such path.
+    """Return which states (n, 2) = (u, rotation) are beyond a limit load, and a sentence on each such path.
 
     used (n,) is the range that the lateral springs use, loads (n, 2) = (H, M), V (n,) [N] the vertical load, aim
     (H, M) the load behind the last state that the springs did not carry (None: all were).
@@ -46,9 +45,9 @@ def past_ends(
 
 
 def _ranges(model: MacroModel, states: Array, used: Array) -> Iterator[tuple[PathEnd, Marks]]:
-    """Yield the ends of failed paths that the springs come from, and the states beyond the range of each."""
+    """Yield the limit loads of paths that the springs come from, and the states beyond the range of each."""
     over = used > 1.0 + RANGE_SLACK
-    failed = [end for name in model.sources if (end := model.ends[name]).failed]
+    failed = [end for name in model.sources if (end := model.ends[name]).how == LIMIT_LOAD]
     if not failed or not over.any():
         return
     table = model.table
@@ -67,17 +66,21 @@ def _ranges(model: MacroModel, states: Array, used: Array) -> Iterator[tuple[Pat
 def _capacities(model: MacroModel, loads: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
     """Yield limit loads of paths, and the loads beyond each, in its direction (or the opposite) and at its V."""
     plane = loads / [1.0, model.length]
+    size = np.hypot(*plane.T)
+    directions = plane / np.where(size > 0.0, size, 1.0)[:, None]
+    for end, along in limit_loads_along(model, directions, V):
+        yield end, along & (size > np.hypot(end.H, end.M / model.length) * (1.0 + RANGE_SLACK))
+
+
+def limit_loads_along(model: MacroModel, directions: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
+    """Yield limit loads of paths, and which directions (n, 2) in (H, M/L) are theirs, or opposite, at their V (n,)."""
     for end in model.ends.values():
-        if end.how != LIMIT_LOAD:
-            continue
         limit = np.array([end.H, end.M / model.length])
         size = float(np.hypot(*limit))
-        if size > 0.0:
-            along, across = np.abs(plane @ limit) / size, np.abs(plane @ [-limit[1], limit[0]]) / size
-            beyond = (along > size * (1.0 + RANGE_SLACK)) & (across <= np.sin(SAME_DIRECTION) * along)
-            if V is not None:
-                beyond &= _same(V, end.V)
-            yield end, beyond
+        if end.how == LIMIT_LOAD and size > 0.0:
+            along, across = np.abs(directions @ limit) / size, np.abs(directions @ [-limit[1], limit[0]]) / size
+            same = (along > 0.0) & (across <= np.sin(SAME_DIRECTION) * np.hypot(along, across))
+            yield end, same if V is None else same & _same(V, end.V)
 
 
 def past_elastic(model: MacroModel, V: Array, elastic: Marks) -> tuple[Marks, list[str]]:

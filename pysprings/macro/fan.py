@@ -33,7 +33,10 @@ Array = NDArray[np.float64]
 
 # Between rays farther apart than this an answer is marked off_path [rad].
 WIDEST = np.radians(60.0)
+# A spring may exceed its range by this share before it counts as extrapolated (rounding).
+RANGE_SLACK = 1e-6
 FEWEST = 2
+LAST = 0.02  # share of the range of a ray
 
 _ENDS = ("H_tip", "M_tip", "H_lid", "M_lid")
 _VERTICAL = ("V_tip", "V_lid", "w", "V")
@@ -157,18 +160,19 @@ def build_fan(springs: Springs) -> FanTable:
         direction = np.array([np.cos(angle[k]), np.sin(angle[k])])
         along = path.u * direction[0] + path.turn * direction[1]  # < 0 where the path is the mirror image of the ray
         along[0] = 0.0
-        rows = _rows(path) * np.where(even, 1.0, np.sign(along[-1]))[:, None]
+        rows = reaction_rows(path) * np.where(even, 1.0, np.sign(along[-1]))[:, None]
         rho[k, : count[k]] = np.abs(along)
         r[:, k, : count[k]] = rows
         initial = (rows[:, 1] - rows[:, 0]) / rho[k, 1]
         if "w" not in path or float(path.w[0]) == 0.0:  # no dead load has changed the state at rest
             initial = initial_slopes(initial, b, springs.lateral_stiffness @ (direction / [1.0, length]))
         slope[:, k, : count[k]] = secant_slopes(np.abs(along), rows, initial)
+        slope[:, k, count[k] - 1] = last_slopes(np.abs(along), rows, slope[:, k, count[k] - 1])
     return FanTable(tuple(springs.rays), length, angle, rho, count, name, place, even, b, r, slope)
 
 
 def _layout(depth: Array, dz: Array, length: float) -> tuple[NDArray[np.str_], Array, NDArray[np.bool_], Array]:
-    """Return the name, depth, parity and action on (H, M) of the rows, in the order of `_rows`."""
+    """Return the name, depth, parity and action on (H, M) of the rows, in the order of `reaction_rows`."""
     n = depth.size
     name = np.array(["p"] * n + ["m"] * n + ["t"] * n + [*_ENDS, *_VERTICAL])
     place = np.concatenate([np.tile(depth, 3), [length, length, 0.0, 0.0, length, 0.0, 0.0, 0.0]])
@@ -179,7 +183,7 @@ def _layout(depth: Array, dz: Array, length: float) -> tuple[NDArray[np.str_], A
     return name, place, even, b
 
 
-def _rows(path: SpringPath) -> Array:
+def reaction_rows(path: SpringPath) -> Array:
     """Return the reactions (rows, step); odd ones as changes from the initial state."""
     ends = np.stack([path[name] for name in _ENDS])
     odd = np.concatenate([path.p, path.m])
@@ -196,6 +200,20 @@ def initial_slopes(secant: Array, b: Array, target: Array) -> Array:
     missing = target - secant @ b
     multiplier = np.linalg.lstsq((b * size[:, None]).T @ b, missing, rcond=None)[0]
     return secant + size * (b @ multiplier)
+
+
+def last_slopes(rho: Array, r: Array, slopes: Array) -> Array:
+    """Return the slopes dr/drho (rows,) with which curves go on beyond their last knot: `slopes`, or a secant.
+
+    A path that stopped ends in steps so short that a slope over them is noise. A state between rays reads the curves of
+    the rays beside them, too, beyond their ends. Such a curve goes on with its secant over the last `LAST` of its
+    range.
+    """
+    if rho[-1] - rho[-2] >= LAST * rho[-1]:
+        return slopes
+    before = int(np.searchsorted(rho, (1.0 - LAST) * rho[-1], side="right")) - 1
+    secant: Array = (r[:, -1] - r[:, before]) / (rho[-1] - rho[before])
+    return secant
 
 
 def secant_slopes(rho: Array, r: Array, initial: Array) -> Array:

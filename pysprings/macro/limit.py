@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.control import Control
-from pysprings.macro.fan import FanTable
+from pysprings.macro.fan import RANGE_SLACK, FanTable
 
 if TYPE_CHECKING:
     from pysprings.macro.curve_table import SpringTable
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# A spring may exceed its range by this share before it counts as extrapolated (rounding).
-RANGE_SLACK = 1e-6
 BISECTIONS = 40
 # Loads below this share of the other one are what rounding has left of zero.
 ROUNDING = 1e-9
@@ -45,6 +43,16 @@ class Limit:
             f"within their range they carry H = {force:.4g} N with M = {moment:.4g} N m "
             f"(at u = {self.u:.4g} m, rotation = {self.rotation:.4g} rad)"
         )
+
+
+def paths_at(model: MacroModel, state: Array) -> list[str]:
+    """Return the names of the paths that the lateral springs at a state (2,) come from."""
+    table = model.table
+    if not isinstance(table, FanTable):
+        return [model.origin.name]
+    place = table.rows(state[None])[1][0]
+    low, high, share = int(place[0]), int(place[1]), float(place[2])
+    return [name for name, weight in ((table.path[low], 1.0 - share), (table.path[high], share)) if weight > ROUNDING]
 
 
 def range_used(table: SpringTable | FanTable, states: Array) -> Array:

@@ -8,8 +8,9 @@ Accuracy, after the PISA project (Byrne et al. 2020, Geotechnique 70:1030):
 value). On a rotation path the curve is M against rotation, and "small" is that displacement over the skirt
 length.
 
-Relative errors leave out states below 1 % of the largest displacement (or rotation) of the path. On a swipe and under a
-load that climbs H or M may pass through zero: errors are relative to the largest one of the path there.
+Relative errors leave out states below 1 % of the largest displacement (or rotation) of the path. On a swipe, under a
+load that climbs and on a path that turns back the answer may pass through zero: errors are relative to the largest one
+of the path there.
 """
 
 from __future__ import annotations
@@ -53,8 +54,11 @@ def eta(x: Array, reference: Array, answer: Array, end: float | None = None) -> 
 
 
 def abscissa(path: SpringPath) -> Array:
-    """Return the displacement (or rotation) (n,) that drives a path; of a path that bends the way it has come, in m."""
+    """Return the displacement (or rotation) (n,) that drives a path; of one that bends or turns its way come, in m."""
     x = path[path.rules.drives]
+    if path.turns_back:
+        steps = np.abs(np.diff(path.u, prepend=path.u[:1])) + np.abs(np.diff(path.turn, prepend=path.turn[:1]))
+        return np.cumsum(steps)
     return np.abs(x) + path.length * np.abs(path.rotation) if path.bends else x
 
 
@@ -66,8 +70,9 @@ def errors(path: SpringPath, answer: xr.Dataset, x: Array, answers: tuple[str, .
         if label in answers:
             reference = path[label][: x.size]
             change = reference - reference[0] if label == "V" and reference.size else reference
-            # H or M may pass through zero on a path that bends: errors count beside the largest of the path
-            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if path.bends else change
+            # answers may pass through zero on a path that bends or turns: errors count beside the largest of the path
+            crosses = path.bends or path.turns_back
+            scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if crosses else change
             worst, last = _relative_errors(x, scale, scale + answer[label].values - reference)
         out |= {f"{label}_error_max_pct": worst, f"{label}_error_end_pct": last}
     return out
@@ -102,7 +107,8 @@ def at_equal_load(path: SpringPath, answer: xr.Dataset) -> dict[str, Any]:
     reached = np.isfinite(values)
     x, worst, last = path.u[: values.size][reached], np.nan, np.nan
     if PATH_KINDS[path.kind].drives == "u":  # elsewhere u is 0, or what rounding has left of it
-        worst, last = _relative_errors(x, x, values[reached])
+        scale = np.full_like(x, np.abs(x).max(initial=0.0)) if path.turns_back else x
+        worst, last = _relative_errors(x, scale, scale + values[reached] - x)
     return {"u_error_max_pct": worst, "u_error_end_pct": last, "states_at_load": int(reached.sum()) - 1}
 
 

@@ -16,6 +16,7 @@ from pysprings.core import variables
 from pysprings.macro.control import Control, ending, equations
 from pysprings.macro.curve_table import SpringTable
 from pysprings.macro.fan import FanTable
+from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.sets import AnySprings, choose_set, typed
 from pysprings.macro.solver import FAN, ROWS, SpringArrays, follow, reactions, solve_cases, tangents
 from pysprings.macro.spring_sets import Built, SpringSet
@@ -24,6 +25,7 @@ from pysprings.macro.vertical import VerticalTable, build_vertical
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import UNKNOWN, PathEnd
 from pysprings.springs.springs import Springs
+from pysprings.springs.sums import balance
 
 Array = NDArray[np.float64]
 
@@ -59,6 +61,10 @@ class MacroModel:
         How the paths of the springs ended, by name, and the names of those that the lateral springs come from.
     elastic_loads
         Vertical loads [N] that an elastic vertical stiffness may answer: see `pysprings.macro.ends`.
+    behind
+        The paths themselves.
+    memory
+        Elements that remember, which answer sequences from rest in place of the table; None for all other sets.
     """
 
     table: SpringTable | FanTable
@@ -72,6 +78,8 @@ class MacroModel:
     ends: Mapping[str, PathEnd] = field(default_factory=dict)
     sources: tuple[str, ...] = ()
     elastic_loads: tuple[float, float] = (-np.inf, np.inf)
+    behind: tuple[SpringPath, ...] = ()
+    memory: MemoryModel | None = None
 
     @classmethod
     def from_springs(
@@ -97,7 +105,8 @@ class MacroModel:
         remarks = tuple(_remarks(chosen, spring_set, built, ends))
         return cls(
             built.table, spring_set.name, built.origin, chosen.stiffness, attrs, remarks, vertical, settled, ends,
-            built.sources, _elastic_loads(given),
+            built.sources, _elastic_loads(given), tuple(chosen.paths[name] for name in built.sources),
+            built.memory,
         )  # fmt: skip
 
     @classmethod
@@ -121,6 +130,19 @@ class MacroModel:
         return self.origin.load if self.vertical is None else self.vertical.rest[1]
 
     @cached_property
+    def balance(self) -> float:
+        """Largest share of the load that is missing in the sums of the reactions, of the paths of the springs.
+
+        NaN for springs that are not those of recorded paths.
+        """
+        lost = [
+            max(balance(path.dataset).values())
+            for path in self.behind
+            if all(key in path for key in ("H", "V", "M", "H_lid"))
+        ]
+        return max(lost, default=float("nan"))
+
+    @cached_property
     def arrays(self) -> SpringArrays:
         """The springs as the solver reads them."""
         return SpringArrays(FAN if isinstance(self.table, FanTable) else ROWS, *self.table.solver_arrays)
@@ -134,12 +156,17 @@ class MacroModel:
     def tangents(self, states: Array, down: Array | None = None) -> xr.DataArray:
         """Return the tangent stiffness at mudline at states (n, 2) = (u, rotation), with dimension step.
 
+        Springs with memory go through the states one after the other, from rest.
+
         u and rotation come from the springs; w, uncoupled, is `down` (n,) where it is given, else the elastic stiffness
         of the full model; springs from a table have none, and the matrix is (2, 2) for (u, rotation). Units: N/m
         for displacements, N m/rad for rotation, N/rad = N m/m between them.
         """
-        lateral = np.zeros((len(states), 2, 2))
-        tangents(self.arrays, np.ascontiguousarray(states, dtype=float), lateral)
+        if self.memory is not None:
+            lateral = self.memory.tangents(states)
+        else:
+            lateral = np.zeros((len(states), 2, 2))
+            tangents(self.arrays, np.ascontiguousarray(states, dtype=float), lateral)
         dofs = list(variables.DOFS) if self.stiffness_initial is not None else ["u", "rotation"]
         matrix = lateral
         if self.stiffness_initial is not None:
@@ -169,7 +196,7 @@ class MacroModel:
         arm
             Height of the load above mudline [m].
         start
-            State (u, rotation) to start from instead of the origin, and its target.
+            State (u, rotation) to start from instead of the origin, and its target (springs with memory: on the fan).
 
         Returns
         -------
@@ -177,6 +204,8 @@ class MacroModel:
             States (k, 2) = (u, rotation), loads (k, 2) = (H, M), and a message with the place where it ended
             when k < n.
         """
+        if self.memory is not None and start is None:
+            return self.memory.solve(control, targets, arm)
         state, first = start or (np.zeros(2), np.zeros(2))
         way = np.concatenate([[first], np.asarray(targets, dtype=float)])
         drive, aims = equations(control, way, arm, self.table.load_scale)

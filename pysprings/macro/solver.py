@@ -307,6 +307,18 @@ def follow(springs, drive, start, targets, states, loads):
 
 
 @jitted
+def follow_ways(springs, G, C, scale, starts, aims, states, loads, reached):
+    """Follow n ways with equations of their own from starts (n, 2) through aims (n, k, 2).
+
+    G, C (n, 2, 2) and scale (n, 2) are those of each way (`Drive`). Writes states and loads (n, k, 2), and how many
+    aims were reached (n,), as `follow` does for each.
+    """
+    for i in range(starts.shape[0]):
+        drive = Drive(G[i], C[i], scale[i])
+        reached[i] = follow(springs, drive, starts[i], aims[i], states[i], loads[i])[0]
+
+
+@jitted
 def solve_cases(springs, drive, targets, states, loads, reached):
     """Solve independent cases c (n, 2), each from the origin; write their states and loads (n, 2), reached 1 or 0.
 

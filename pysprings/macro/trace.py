@@ -28,6 +28,10 @@ def trace(
     states, loads, message = model.solve(control, targets, arm)
     down = V[: len(states)] if isinstance(V, np.ndarray) else V
 
+    if model.memory is not None:  # turns are what it is made for
+        answer = answer_dataset(model, Way(states, loads, control, down, float(arm), message))
+        return answer.assign_attrs(warnings=[*answer.attrs["warnings"], *model.memory.notes(states)])
+
     def limit(first: int) -> Limit:
         return range_limit(model, control, targets[: first + 1], arm, states[:first])
 

@@ -30,16 +30,15 @@ SLACK = 1e-6
 class Down:
     """w, V and marks by step (none for springs from a table), tangent dV/dw and range used (n,), words.
 
-    past (n,) marks V beyond the calibrated range, refusals are sentences on them; message: no w carries V, and w is
-    that of the end of the curve then.
+    used is inf where an elastic stiffness answers beyond the loads that it may. beyond: sentences on V beyond the
+    calibrated range; message: no w carries V, and w is that of the end of the curve then.
     """
 
     values: dict[str, Array] = field(default_factory=dict)
     tangent: Array | None = None
     used: Array | float = 0.0
     notes: list[str] = field(default_factory=list)
-    past: NDArray[np.bool_] | bool = False
-    refusals: list[str] = field(default_factory=list)
+    beyond: list[str] = field(default_factory=list)
     message: str = ""
 
 
@@ -70,25 +69,22 @@ def vertical_answer(
         K = float(model.stiffness_initial[1, 1])
         notes = [_not_the_paths(model, down[other]) + "w from the elastic vertical stiffness"] if other.any() else []
         notes = [f"{note}, lateral springs unchanged" for note in notes]
-        past, refusals = past_elastic(model, down, other)
+        past, beyond = past_elastic(model, down, other)
         return Down(
             marks | {"w": w + (down - V) / K, "off_load": other.astype(np.int8)},
+            used=np.where(past, np.inf, 0.0),
             notes=notes,
-            past=past,
-            refusals=refusals,
+            beyond=beyond,
         )
     there, at_path = _displacements(model, down), _displacements(model, V)
     notes = [_not_the_paths(model, down[moved]) + "lateral springs unchanged"] if moved.any() else []
     used = there[2]
-    past, refusals = past_elastic(model, down, np.isinf(used))
-    stopped, sentences = _stopped(model, down, used)
     return Down(
         marks | {"w": w + there[0] - at_path[0]},
         there[1],
         np.nan_to_num(used, nan=np.inf),
-        notes + _unknown(model, used),
-        past | stopped,
-        refusals + sentences,
+        notes,
+        _beyond(model, down, used),
         _no_equilibrium(model, down[np.isnan(used)]),
     )
 
@@ -122,34 +118,25 @@ def _displacements(model: MacroModel, V: Array) -> Array:
     return displacements[place].T
 
 
-def _unknown(model: MacroModel, used: Array) -> list[str]:
-    """Return the sentences on vertical loads beyond the vertical springs."""
+def _beyond(model: MacroModel, V: Array, used: Array) -> list[str]:
+    """Return the sentences on vertical loads (n,) beyond the vertical springs."""
     assert model.vertical is not None
-    notes = []
-    if np.isinf(used).any():
+    _, sentences = past_elastic(model, V, np.isinf(used))
+    if np.isinf(used).any() and not sentences:
         direction = "upwards" if model.vertical.branch(1.0) else "downwards"
-        notes.append(f"no vertical path leads {direction}: w from the elastic vertical stiffness")
-    beyond = used[np.isfinite(used) & (used > 1.0 + SLACK)]
-    if beyond.size:
-        notes.append(
-            f"{beyond.size} of {used.size} states are beyond the vertical springs (path {model.vertical.path}): they "
-            f"reach {beyond.max():.3g} times the calibrated displacement (limit 1); {model.vertical.limits()}"
-        )
-    return notes
-
-
-def _stopped(model: MacroModel, V: Array, used: Array) -> tuple[NDArray[np.bool_], list[str]]:
-    """Return the vertical loads beyond the end of a vertical path that stopped, as marks and sentences."""
-    assert model.vertical is not None
-    marks, sentences = np.zeros(V.size, dtype=bool), []
+        sentences = [f"no vertical path leads {direction}: w would be that of the elastic vertical stiffness"]
     for branch in model.vertical.branches:
-        end = model.ends[branch.path]
-        beyond = (used > 1.0 + SLACK) & np.isfinite(used) & (branch.sign * (V - model.vertical.rest[1]) > 0.0)
-        if end.failed and beyond.any():
-            marks |= beyond
-            text = f"V = {_list(V[beyond])} N is beyond what the full model carried"
-            sentences.append(f"{text}, {model.vertical.limits()}: {end}")
-    return marks, sentences
+        over = np.isnan(used) | ((used > 1.0 + SLACK) & np.isfinite(used))
+        beyond = over & (branch.sign * (V - model.vertical.rest[1]) > 0.0)
+        if beyond.any():
+            reach = np.nan_to_num(used[beyond], nan=np.inf).max()
+            worst = V[beyond][np.argmax(branch.sign * V[beyond])]
+            sentences.append(
+                f"V = {worst:.7g} N is beyond the vertical springs (path {branch.path}): they reach {reach:.3g} "
+                f"times the calibrated displacement (limit 1); they carry {model.vertical.limits()}; "
+                f"{model.ends[branch.path]}"
+            )
+    return sentences
 
 
 def _no_equilibrium(model: MacroModel, V: Array) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.magnitudes import fault, unit_of_column
+from pysprings.core.spreadsheets import Doubtful
 from pysprings.core.units import quoted
 
 
@@ -38,15 +39,23 @@ class Faults:
         raise UserInputError(problems)
 
 
-def numbers(place: str, name: str, given: list[Any], lines: np.ndarray, faults: Faults) -> np.ndarray:
-    """Return the numbers of a column; NaN where a cell is blank, no number, or out of every physical range."""
+def numbers(
+    place: str, name: str, given: list[Any], lines: np.ndarray, faults: Faults, factor: float = 1.0
+) -> np.ndarray:
+    """Return the numbers of a column, times the factor to SI.
+
+    NaN where a cell is blank, no number, or out of every physical range.
+    """
     unit = unit_of_column(name)
     out = np.full(len(given), np.nan)
     for k, cell in enumerate(given):
         if cell is None or (isinstance(cell, str) and not cell.strip()):
             continue
+        if isinstance(cell, Doubtful):
+            faults.add((place, int(lines[k])), name, f"{quoted(cell)} {cell.why}")
+            continue
         try:
-            value = float(cell)
+            value = float(cell) * factor
         except (TypeError, ValueError):
             faults.add((place, int(lines[k])), name, f"{quoted(cell)} is not a number")
             continue

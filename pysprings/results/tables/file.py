@@ -3,10 +3,7 @@
 
 from __future__ import annotations
 
-import difflib
 import os
-import re
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,8 +14,9 @@ import pandas as pd
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
 from pysprings.results.exporters.tables import PY_COLUMNS
-from pysprings.results.tables.csv_file import CSV, lines_of
+from pysprings.results.tables.csv_file import CSV
 from pysprings.results.tables.faults import Faults, numbers
+from pysprings.results.tables.headings import Column, read_headings
 from pysprings.results.tables.reader import Line
 from pysprings.results.tables.readers import reader_of
 from pysprings.results.tables.wide import is_wide, unfold
@@ -35,7 +33,7 @@ SHEETS = {"py": "py", "p-y": "py", "mtheta": "mtheta", "m-theta": "mtheta", "bas
 def read_rows(path: str | os.PathLike[str], faults: Faults) -> pd.DataFrame:
     """Return the rows of a table: every column of `PY_COLUMNS`, numbers as numbers (NaN: blank), and `file`, `line`.
 
-    Refuses missing, repeated and unknown columns and other units; notes cells that are not finite numbers and
+    Refuses missing, repeated and unknown columns and units that do not fit; notes cells that are not finite numbers and
     unknown families, for the checks that follow to add theirs.
     """
     path = Path(path)
@@ -55,9 +53,10 @@ def read_rows(path: str | os.PathLike[str], faults: Faults) -> pd.DataFrame:
 
 
 def sheet_of(path: Path) -> tuple[list[str], list[Line]]:
-    """Return heading and lines of a CSV file."""
+    """Return heading and lines of the first table of a file that holds any."""
     _refuse_missing(path)
-    return _first_and_rest(lines_of(path))
+    sheets = (reader_of(path) or CSV).sheets(path)
+    return _first_and_rest(next((sheet.lines for sheet in sheets if sheet.lines), []))
 
 
 def _refuse_missing(path: Path) -> None:
@@ -91,21 +90,23 @@ def _typed(
 ) -> pd.DataFrame:
     """Return one sheet's rows with the right types; note the faults of its columns and numbers."""
     before, width = len(faults.problems), len(head)
-    _check_head(place, head, family, faults)
+    read = _columns(place, head, family, faults)
     if len(faults.problems) > before:
         return pd.DataFrame()
     for line, row in cells:
         if any(cell not in (None, "") for cell in row[width:]):
             faults.add((place, line), None, f"more cells than the {width} columns of the heading")
-    columns = {name: [row[k] if k < len(row) else None for _, row in cells] for k, name in enumerate(head)}
+    columns = {
+        each.name: ([row[k] if k < len(row) else None for _, row in cells], each.factor) for k, each in enumerate(read)
+    }
     lines = np.array([line for line, _ in cells], dtype=np.int64)
     data: dict[str, Any] = {"file": place, "line": lines}
     for name in PY_COLUMNS:
-        given = columns.get(name, [None] * len(lines))
+        given, factor = columns.get(name, ([None] * len(lines), 1.0))
         if name in TEXTS:
             data[name] = ["" if cell is None else str(cell).strip() for cell in given]
         else:
-            data[name] = numbers(place, name, given, lines, faults)
+            data[name] = numbers(place, name, given, lines, faults, factor)
     frame = pd.DataFrame(data)
     _check_names(frame, faults)
     frame["family"] = frame["family"].where(frame["family"] != "", family or "py")
@@ -122,32 +123,12 @@ def _check_names(frame: pd.DataFrame, faults: Faults) -> None:
         faults.at(row, "path", f"{quoted(row.path)}: {wrong[str(row.path)]}")
 
 
-def _check_head(place: str, head: list[str], family: str | None, faults: Faults) -> None:
-    at = (place, 1)
-    for name, count in Counter(head).items():
-        if count > 1:
-            faults.add(at, quoted(name), f"column stands {count} times")
-    wrong = {name: meant(name) for name in head if name not in PY_COLUMNS}
-    for name, column in wrong.items():
-        if column:
-            faults.add(at, quoted(name), f"wrong name or unit: expected '{column}' (SI; convert the numbers)")
-        else:
-            near = difflib.get_close_matches(name, PY_COLUMNS, n=1, cutoff=0.6)
-            hint = f" (did you mean '{near[0]}'?)" if near else f"; known are {', '.join(PY_COLUMNS)}"
-            faults.add(at, quoted(name), f"unknown column{hint}")
-    for name in NEEDED if family in (None, "py") else ():
-        if name not in head and name not in wrong.values():
-            faults.add(at, name, f"missing column (needed: {', '.join(NEEDED)})")
-
-
-def meant(name: str, columns: Sequence[str] = PY_COLUMNS) -> str | None:
-    """Return the column that differs from a name in its unit only: `y_m` for `y_mm` or `y [mm]`."""
-    stem = re.split(r"[\s_\[(/,]", name.strip(), maxsplit=1)[0]
-    if name.startswith(("depth_top", "depth_bottom")):
-        stem = "_".join(name.split("_")[:2])
-    known = {_stem(column): column for column in columns if "_" in column}
-    return known.get(stem)
-
-
-def _stem(column: str) -> str:
-    return column.rsplit("_m", 1)[0] if column.startswith("depth") else column.split("_")[0]
+def _columns(place: str, head: list[str], family: str | None, faults: Faults) -> list[Column]:
+    """Return the column of each heading; note faults of the headings and missing columns."""
+    read = read_headings(place, head, PY_COLUMNS, faults)
+    names = [column.name for column in read if column]
+    if len(names) == len(head):
+        for name in NEEDED if family in (None, "py") else ():
+            if name not in names:
+                faults.add((place, 1), name, f"missing column (needed: {', '.join(NEEDED)})")
+    return [column for column in read if column]

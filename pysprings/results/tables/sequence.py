@@ -1,21 +1,19 @@
 # SPDX-License-Identifier: MIT
-"""A sequence of loads or motions from a small CSV file: one a line, in order."""
+"""A sequence of loads or motions from a small table: one a line, in order."""
 
 from __future__ import annotations
 
 import os
-from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.units import quoted
 from pysprings.macro.control import Control
 from pysprings.results.tables.faults import Faults, numbers
-from pysprings.results.tables.file import meant, sheet_of
+from pysprings.results.tables.file import sheet_of
+from pysprings.results.tables.headings import Column, read_headings
 
 Array = NDArray[np.float64]
 
@@ -34,7 +32,7 @@ class Sequence:
 
 
 def read_sequence(path: str | os.PathLike[str]) -> Sequence:
-    """Read a sequence from a CSV file with columns of `COLUMNS`; loads, or motions, not both.
+    """Read a sequence from a table with columns of `COLUMNS`, in any unit; loads, or motions, not both.
 
     Raises
     ------
@@ -43,12 +41,12 @@ def read_sequence(path: str | os.PathLike[str]) -> Sequence:
     """
     faults, path = Faults(), Path(path)
     head, lines = sheet_of(path)
-    _check_head(str(path), head, faults)
+    read = _columns(str(path), head, faults)
     faults.stop()
     at = np.array([line for line, _ in lines], dtype=np.int64)
     columns = {
-        name: numbers(str(path), name, [row[k] if k < len(row) else None for _, row in lines], at, faults)
-        for k, name in enumerate(head)
+        name: numbers(str(path), name, [row[k] if k < len(row) else None for _, row in lines], at, faults, factor)
+        for k, (name, factor) in enumerate(read)
     }
     for name, values in columns.items():
         for line in at[np.isnan(values)]:
@@ -78,19 +76,15 @@ def _built(columns: dict[str, Array]) -> Sequence:
     return Sequence("load", np.stack([force, columns.get("M_Nm", -force * arm)], axis=1), 0.0, down)
 
 
-def _check_head(place: str, head: list[str], faults: Faults) -> None:
-    at, there = (place, 1), set(head)
-    for name, count in Counter(head).items():
-        if count > 1:
-            faults.add(at, quoted(name), f"column stands {count} times")
-        if name not in COLUMNS:
-            near: Any = meant(name, COLUMNS)
-            text = f"wrong name or unit: expected '{near}' (SI; convert the numbers)" if near else "unknown column"
-            faults.add(at, quoted(name), f"{text}; columns are {FORMS}")
+def _columns(place: str, head: list[str], faults: Faults) -> list[Column]:
+    """Return the column of each heading; note what is wrong with the headings, or with their combination."""
+    read = read_headings(place, head, COLUMNS, faults)
     if faults.problems:
-        return
+        return []
+    there = {column.name for column in read if column}
     loads, motions = there & {"H_N", "M_Nm"}, there & {"u_m", "rotation_rad"}
     if bool(loads) == bool(motions):
-        faults.add(at, None, f"expected either loads or motions: {FORMS}")
+        faults.add((place, 1), None, f"expected either loads or motions: {FORMS}")
     elif {"M_Nm", "arm_m"} <= there or ("arm_m" in there and (len(motions) == 2 or loads == {"M_Nm"})):
-        faults.add(at, "arm_m", f"one column too many: {FORMS}")
+        faults.add((place, 1), "arm_m", f"one column too many: {FORMS}")
+    return [column for column in read if column]

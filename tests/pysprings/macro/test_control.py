@@ -13,18 +13,18 @@ import pytest
 
 from pysprings import open_table
 from pysprings.core import variables
-from pysprings.core.errors import UserInputError
+from pysprings.core.errors import BeyondSprings, UserInputError
+from pysprings.macro.batch import predict_batch
 from pysprings.macro.predict import (
     MacroModel,
     MacroWarning,
     PredictionNotConverged,
     impose,
+    model_of,
     predict,
-    predict_batch,
     sequence,
-    stiffness,
 )
-from pysprings.macro.stiffness_six import stiffness_six
+from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.springs.file import open_springs, save_springs
 from tests.support import written
@@ -42,7 +42,7 @@ def bent():
 
 def test_motions_and_loads_are_one_curve(bent):
     """The load of an imposed rotation brings that rotation back, and so do its displacement and both together."""
-    turned = impose(bent, rotation=-5e-4, arm=3.0).isel(step=-1)
+    turned = impose(bent, rotation=-5e-4, arm=3.0)
     assert float(turned["M"]) == pytest.approx(-3.0 * float(turned["H"]), rel=1e-9)
     for again in (
         predict(bent, H=float(turned["H"]), arm=3.0),
@@ -50,8 +50,8 @@ def test_motions_and_loads_are_one_curve(bent):
         impose(bent, u=float(turned["u"]), rotation=-5e-4),
     ):
         for name in ("u", "rotation", "H", "M"):
-            assert float(again[name][-1]) == pytest.approx(float(turned[name]), rel=1e-7)
-    moment = predict(bent, M=-1e6).isel(step=-1)
+            assert float(again[name]) == pytest.approx(float(turned[name]), rel=1e-7)
+    moment = predict(bent, M=-1e6)
     assert float(moment["H"]) == pytest.approx(0.0, abs=1e-3)
     assert float(moment["rotation"]) < 0.0 < float(moment["u"])
 
@@ -63,7 +63,7 @@ def test_a_sequence_goes_back_on_the_same_curve(bent):
         answer = sequence(bent, loads)
     assert "without hysteresis" in " ".join(answer.attrs["remarks"])
     for step, (H, M) in enumerate(loads):
-        alone = predict(bent, H=H, M=M).isel(step=-1) if H else answer.isel(step=3)
+        alone = predict(bent, H=H, M=M) if H else answer.isel(step=3)
         for name in ("u", "rotation", "w"):
             assert float(answer[name][step]) == pytest.approx(float(alone[name]), rel=1e-7, abs=1e-12)
     assert float(answer["u"][3]) == pytest.approx(0.0, abs=1e-12)
@@ -148,19 +148,22 @@ def test_largest_load_within_the_range_is_named():
     with pytest.warns(
         MacroWarning, match=r"beyond the range.*within their range they carry H = 2e\+06 N with M = 4e\+06"
     ):
-        answer = predict(springs, H=3e6, M=6e6)
+        answer = predict(springs, H=3e6, M=6e6, extrapolate=True)
     assert answer.attrs["limit_H_N"] == pytest.approx(2e6, rel=1e-5)
     assert answer.attrs["limit_M_Nm"] == pytest.approx(4e6, rel=1e-5)
     assert answer.attrs["limit_u_m"] == pytest.approx(3e-3, rel=1e-5)
-    with pytest.raises(UserInputError, match=r"strict: .*within their range they carry H = 2e\+06 N"):
-        predict(springs, H=3e6, M=6e6, strict=True)
+    for care in ({}, {"strict": True}):
+        with pytest.raises(BeyondSprings, match=r"springs: beyond the range .*they carry H = 2e\+06 N.*--extrapolate"):
+            predict(springs, H=3e6, M=6e6, **care)
+    with pytest.raises(UserInputError, match="strict: refuses what extrapolate asks for"):
+        predict(springs, H=3e6, M=6e6, strict=True, extrapolate=True)
     assert "limit_H_N" not in predict(springs, H=1.9e6, M=3.8e6).attrs
 
 
 def test_the_limit_of_a_fan_is_where_its_range_ends(bent):
     with pytest.warns(MacroWarning, match="within their range they carry"):
-        answer = predict(bent, H=5e6, arm=2.0)
-    inside = predict(bent, H=answer.attrs["limit_H_N"], arm=2.0, strict=True).isel(step=-1)
+        answer = predict(bent, H=5e6, arm=2.0, extrapolate=True)
+    inside = predict(bent, H=answer.attrs["limit_H_N"], arm=2.0, strict=True)
     assert float(inside["range_used"]) == pytest.approx(1.0, rel=1e-5)
 
 
@@ -169,23 +172,28 @@ def test_capacity_of_flat_springs(tmp_path):
     rows = [f"{z},{y},{p}" for z in (0.5, 1.5, 2.5, 3.5) for y, p in ((1e-3, 1e5), (2e-3, 1e5), (1e-2, 1e5))]
     (tmp_path / "py.csv").write_text("\n".join(["depth_m,y_m,p_N_per_m", *rows]) + "\n")
     table = open_table(tmp_path / "py.csv", skirt_length=4.0)
-    assert float(predict(table, H=3.9e5, arm=-2.0)["u"][-1]) < 1e-3
+    assert float(predict(table, H=3.9e5, arm=-2.0)["u"]) < 1e-3
     with pytest.raises(PredictionNotConverged, match=r"no equilibrium beyond H = (400000|399\d\d\d)"):
         predict(table, H=5e5, arm=-2.0)
     batch = predict_batch(table, H=np.array([3.9e5, 5e5]), arm=-2.0)
     assert batch["converged"].values.tolist() == [1, 0]
-    assert float(batch["H"][1]) == pytest.approx(4e5, rel=1e-3)
+    assert batch["why_not"].values.tolist() == ["", "no equilibrium"]
+    assert np.isnan(batch["u"].values).tolist() == [False, True]
+    assert float(batch["capacity_H"][1]) == pytest.approx(4e5, rel=1e-6)
+    assert batch["capacity_kind"].values.tolist() == ["limit load of the springs"] * 2
+    assert batch["utilisation"].values == pytest.approx([0.975, 1.25], rel=1e-6)
 
 
 def test_stiffness_is_the_slope_of_the_prediction(bent):
     """3x3 at rest, at a load and at a motion: a small change of load over it gives the change of motion."""
-    np.testing.assert_allclose(stiffness(linear_springs())[::2, ::2], linear_stiffness("full"), rtol=1e-12)
+    at_rest = model_of(linear_springs()).tangent_stiffness()
+    np.testing.assert_allclose(at_rest[::2, ::2], linear_stiffness("full"), rtol=1e-12)
     k = stiffness(bent, H=6e5, arm=2.0)
     assert k.dims == ("dof", "dof_conjugate")
-    a, b = (predict(bent, H=6e5 + d, M=-1.2e6 - 3.0 * d).isel(step=-1) for d in (-10.0, 10.0))
+    a, b = (predict(bent, H=6e5 + d, M=-1.2e6 - 3.0 * d) for d in (-10.0, 10.0))
     change = [float(b[name] - a[name]) for name in ("u", "rotation")]
     np.testing.assert_allclose(k.values[::2, ::2] @ change, [20.0, -60.0], rtol=1e-5)
-    state = predict(bent, H=6e5, arm=2.0).isel(step=-1)
+    state = predict(bent, H=6e5, arm=2.0)
     moved = stiffness(bent, u=float(state["u"]), rotation=float(state["rotation"]))
     np.testing.assert_allclose(moved, k, rtol=1e-7)
     assert float(k.sel(dof="w", dof_conjugate="w")) == 3.5e9
@@ -205,8 +213,9 @@ def test_six_by_six_does_not_know_the_direction_of_the_load(bent):
         turn = np.kron(np.eye(2), [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         np.testing.assert_allclose(turn @ six @ turn.T, six, rtol=1e-9, atol=1e-6 * six.max())
     k = bent.tangent_stiffness().values
-    np.testing.assert_allclose(six[np.ix_([0, 2, 4], [0, 2, 4])], 0.5 * (k + k.T))
-    np.testing.assert_array_equal(six, six.T)
+    np.testing.assert_allclose(six[np.ix_([0, 2, 4], [0, 2, 4])], k)
+    symmetric = stiffness_six(bent, symmetric=True).values
+    np.testing.assert_array_equal(symmetric, symmetric.T)
     assert (np.linalg.eigvalsh(six)[1:] > 0.0).all()
     assert (six[5] == 0.0).all()
     assert "torsion (rz) is not known" in stiffness_six(bent).attrs["torsion"]
@@ -222,10 +231,10 @@ def test_one_initial_stiffness_everywhere(one_path, tmp_path):
     """Spring file, Python (springs, model, any set), command and workbook: one value, the full model's."""
     full = one_path["stiffness_initial"].values
     file = save_springs(one_path, tmp_path / "springs.nc")
-    own = stiffness(one_path).values
+    own = model_of(one_path).tangent_stiffness().values
     assert abs(own[0, 0] / full[0, 0] - 1.0) > 0.01  # the springs' tangent at rest is another number
     block = np.ix_([0, 2, 4], [0, 2, 4])
-    expected = 0.5 * (full + full.T)
+    expected = full
     said = json.loads(command("predict", file, "--H", "100 kN", "--stiffness", "--json").out)
     written.workbook(tmp_path / "springs.xlsx", one_path)
     cells = openpyxl.load_workbook(tmp_path / "springs.xlsx")["stiffness 6x6"]["B3:G8"]
@@ -240,8 +249,8 @@ def test_one_initial_stiffness_everywhere(one_path, tmp_path):
         np.testing.assert_allclose(six[block], expected, rtol=1e-12, atol=1e-9 * full.max())
     assert said["stiffness_6x6"]["long_name"].startswith("initial stiffness of the full model")
     printed = command("predict", file, "--H", "100 kN", "--stiffness").out
-    assert "initial stiffness of the full model at the lid centre, 6x6" in printed
-    assert f"{full[0, 0] * 1e-6:.5g}" in printed.split("initial stiffness")[1]
+    assert "initial stiffness of the full model at the lid centre, z down, 6x6" in printed
+    assert f"{full[0, 0] * 1e-6:.5g}" in printed.split("initial stiffness of the full model")[1]
 
 
 def test_a_table_has_the_stiffness_of_its_first_steps_and_says_so(tmp_path):
@@ -249,7 +258,7 @@ def test_a_table_has_the_stiffness_of_its_first_steps_and_says_so(tmp_path):
     six = stiffness_six(open_table(file))
     assert six.attrs["long_name"].startswith("stiffness of the first recorded steps of the table")
     printed = command("predict", file, "--V", "2.1 MN", "--stiffness").out
-    assert "stiffness of the first recorded steps of the table at the lid centre, 6x6" in printed
+    assert "stiffness of the first recorded steps of the table at the lid centre, z down, 6x6" in printed
     assert "initial stiffness" not in printed
 
 
@@ -258,14 +267,22 @@ def test_batch_is_predict_case_by_case(bent):
     H, arm = rng.uniform(-9e5, 9e5, 40), rng.uniform(-1.0, 30.0, 40)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MacroWarning)
-        batch = predict_batch(bent, H=H, arm=arm)
-        one = [predict(bent, H=h, arm=a).isel(step=-1) for h, a in zip(H, arm, strict=True)]
+        batch = predict_batch(bent, H=H, arm=arm, extrapolate=True)
+        one = [predict(bent, H=h, arm=a, extrapolate=True) for h, a in zip(H, arm, strict=True)]
     assert batch["u"].dims == ("case",)
     for name in ("u", "rotation", "w", "H", "M", "V"):
         expected = np.array([float(answer[name]) for answer in one])
         np.testing.assert_allclose(batch[name], expected, rtol=1e-7, atol=1e-9 * np.abs(expected).max())
     assert batch["extrapolated"].values.tolist() == [int(answer["extrapolated"]) for answer in one]
     assert batch["converged"].values.all()
+    inside = predict_batch(bent, H=H, arm=arm)
+    assert (inside["answered"].values == 1 - batch["extrapolated"].values).all()
+    assert 0 < inside["answered"].values.sum() < H.size
+    for k in np.flatnonzero(inside["answered"].values):
+        for name in ("u", "utilisation", "stiffness"):
+            np.testing.assert_allclose(inside[name][k], one[k][name], rtol=1e-7)
+        assert float(inside["capacity_H"][k]) == pytest.approx(one[k].attrs["capacity_H_N"], rel=1e-7)
+    assert np.isnan(inside["u"].values[inside["answered"].values == 0]).all()
     np.testing.assert_allclose(predict_batch(bent, H=1e5, M=np.array([0.0, 1e5]))["M"], [0.0, 1e5], atol=1e-3)
 
 
@@ -284,6 +301,8 @@ def write(path: Path, *lines: str) -> Path:
         (("u_m,rotation_rad", "1,2"), "state", [[1, 2]], 0.0, None),
         (("u_m,arm_m", "1,8", "2,8"), "displacement", [[1, 0], [2, 0]], 8.0, None),
         (("rotation_rad", "1"), "rotation", [[1, 0]], 0.0, None),
+        (("H [kN];arm_m;V [t]", "1,5;2;0"), "load", [[1500, -3000]], 0.0, [0.0]),
+        (("H (MN);M [kN m]", "-1;2,25"), "load", [[-1e6, 2250]], 0.0, None),
     ],
 )
 def test_sequence_files(tmp_path, lines, control, targets, arm, V):
@@ -295,7 +314,8 @@ def test_sequence_files(tmp_path, lines, control, targets, arm, V):
 @pytest.mark.parametrize(
     ("lines", "found"),
     [
-        (("u_mm", "1"), "1: \"u_mm\": wrong name or unit: expected 'u_m'"),
+        (("u_kN", "1"), '1: "u_kN": wrong unit "kN": expected a length such as \'u [mm]\''),
+        (("u", "1"), "1: \"u\": no unit: write 'u [mm]'"),
         (("H_N,u_m", "1,1"), "1: None: expected either loads or motions"),
         (("V_N", "1"), "1: None: expected either loads or motions"),
         (("M_Nm,arm_m", "1,1"), "1: arm_m: one column too many"),
@@ -324,7 +344,7 @@ def test_command_motions_sequence_and_stiffness(fan_file, tmp_path):
         warnings.simplefilter("default")  # it turns back
         done = command("predict", fan_file, "--sequence", file, "--stiffness")
     assert done.code == 0
-    assert len(done.out.split("stiffness of the springs at the state")[0].strip().splitlines()) == 5
+    assert len(done.out.split("tangent stiffness of the springs at the state")[0].strip().splitlines()) == 5
     assert "step" in done.out.split("stiffness of the springs at the state")[1]
     assert "note: torsion (rz) is not known" in done.err
     assert "without hysteresis" in done.err
@@ -362,7 +382,11 @@ def test_command_refuses(fan_file, args, message):
 def test_command_names_the_capacity_and_strict_refuses(fan_file):
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        done = command("predict", fan_file, "--H", "9 MN")
+        done = command("predict", fan_file, "--H", "9 MN", "--extrapolate")
     assert done.code == 0
     assert "within their range they carry H = " in done.err
+    refused = command("predict", fan_file, "--H", "9 MN")
+    assert (refused.code, refused.out, len(refused.err.splitlines())) == (2, "", 1)
+    assert "within their range they carry H = " in refused.err
+    assert "path 'ray_2' reached its aim" in refused.err
     assert command("predict", fan_file, "--H", "9 MN", "--strict").code == 2

@@ -6,11 +6,6 @@ Licence of openseespy: free for research and internal use, so that it is a depen
 
 from __future__ import annotations
 
-import importlib.util
-import json
-import os
-import subprocess
-import sys
 from pathlib import Path as File
 from typing import Any
 
@@ -20,7 +15,7 @@ import pytest
 from pysprings.macro.curve_table import SpringTable
 from pysprings.macro.predict import MacroModel, predict
 from pysprings.macro.solver import row_values
-from tests.support.opensees_child import NOT_THERE
+from tests.support.in_opensees import answer_of
 from tests.support.synthetic import Caisson, Path, make_springs
 
 POINTS = 1500  # a side of each curve: our curves are cubic between points, those of OpenSees straight
@@ -49,21 +44,9 @@ def springs_of(table: SpringTable) -> list[dict[str, Any]]:
 
 def solve_in_opensees(table: SpringTable, H: float, M: float) -> tuple[float, float]:
     """Return u and rotation of the lid under H and M; skip the test where OpenSees does not run."""
-    own = importlib.util.find_spec("openseespylinux")
-    if importlib.util.find_spec("openseespy") is None or own is None or own.origin is None:
-        pytest.skip("openseespy is not installed")
-    # the libraries in its wheel do not find each other by themselves
-    libraries = os.pathsep.join(filter(None, (str(File(own.origin).parent / "lib"), os.environ.get("LD_LIBRARY_PATH"))))
     task = {"springs": springs_of(table), "H": H, "M": M, "steps": 20}
-    child = File(__file__).parents[2] / "support" / "opensees_child.py"
-    done = subprocess.run(
-        [sys.executable, str(child)], input=json.dumps(task), capture_output=True, text=True, timeout=60, check=False,
-        env={**os.environ, "LD_LIBRARY_PATH": libraries},
-    )  # fmt: skip
-    if done.returncode == NOT_THERE:
-        pytest.skip(f"openseespy does not load: {done.stderr.strip()}")
-    answer = json.loads(done.stdout.splitlines()[0])
-    assert answer["status"] == 0, done.stderr
+    answer = answer_of(File(__file__).parents[2] / "support" / "opensees_child.py", task, 0)
+    assert answer["status"] == 0
     return answer["u"], answer["rotation"]
 
 
@@ -75,7 +58,7 @@ def test_predict_is_what_opensees_finds(spring_set: str, H: float, arm: float) -
     model = MacroModel.from_springs(springs, spring_set)
     assert isinstance(model.table, SpringTable)
     assert model.table.natural.all()  # each spring reads its own displacement: OpenSees can hold it
-    answer = predict(model, H=H, arm=arm).isel(step=-1)
+    answer = predict(model, H=H, arm=arm)
     assert float(answer["range_used"]) < 1.0
     start = np.linalg.solve(model.reactions(0.0, 0.0)[1], [H, -arm * H])
     assert abs(float(answer["u"])) > 1.2 * abs(start[0])  # beyond the elastic range

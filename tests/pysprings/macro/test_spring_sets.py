@@ -33,14 +33,14 @@ def test_a_set_from_outside_predicts_and_is_compared() -> None:
     springs = synthetic.make_springs()
     with SPRING_SETS.added(HALF):
         assert spring_sets(springs) == ["py", "full", "half"]
-        whole = predict(springs, H=4e5, arm=ARM, springs_kind="full").isel(step=-1)
-        half = predict(springs, H=2e5, arm=ARM, springs_kind="half").isel(step=-1)
+        whole = predict(springs, H=4e5, arm=ARM, springs_kind="full")
+        half = predict(springs, H=2e5, arm=ARM, springs_kind="half")
         table = compare(springs).set_index("springs")
     assert float(half["u"]) == pytest.approx(float(whole["u"]), rel=1e-9)
     assert half.attrs["springs"] == "half" and "half of the soil" in " ".join(half.attrs["remarks"])
     assert table.loc["half", "H_error_max_pct"] == pytest.approx(-50.0, abs=1e-6)
     assert abs(table.loc["full", "H_error_max_pct"]) < 1e-6
-    with pytest.raises(UserInputError, match="springs_kind: 'half' is not one of py, pisa, full, fan"):
+    with pytest.raises(UserInputError, match="springs_kind: 'half' is not one of py, pisa, full, fan, memory"):
         MacroModel.from_springs(springs, "half")
 
 

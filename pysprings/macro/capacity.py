@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: MIT
+"""The largest load that is known along the direction of a load: a limit load, or the end of what springs cover.
+
+From the origin the loads H and M grow in proportion. The way is followed over the motion along the load,
+s = (H u + M rotation)/|(H, M/L)|, so that it passes a peak of the load. It ends at the first of
+
+- the calibrated range of the springs,
+- the largest motion under a load, a share of the diameter or a rotation (`[limit]` of the scene),
+- the last state with an equilibrium.
+
+The largest load up to there is the capacity of the springs in this direction where it is a peak, where the motion is
+the largest, or where the load has stopped growing: the stiffness along the way is gone (`GONE` of that at rest, as in
+the full model), and the load grows by less than `FLAT` of the relative growth of the motion. In
+sand 2 % of the stiffness at rest are left at half of the capacity (growth 0.2 to 0.4), in clay at 95 % of it (growth
+below 0.1). Else the load is what is known, and the capacity is larger. A limit load of the full model in this direction
+and at this vertical load comes first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.core import variables
+from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
+from pysprings.core.words import RANGE_END
+from pysprings.macro.ends import limit_loads_along
+from pysprings.macro.fan import RANGE_SLACK, FanTable
+from pysprings.macro.limit import paths_at, range_used
+from pysprings.macro.solver import follow_ways
+
+if TYPE_CHECKING:
+    from pysprings.macro.model import MacroModel
+
+Array = NDArray[np.float64]
+Texts = NDArray[np.object_]
+
+GONE, FLAT = 0.02, 0.1
+STEPS = 24
+BISECTIONS = 24
+LONGER = 3  # times a way is made four times as long where it stays within the range
+ROUNDING = 1e-9  # directions that differ by less [rad] are one
+
+FULL_LIMIT, SPRING_LIMIT = "limit load of the full model", "limit load of the springs"
+LARGEST_MOTION = "largest motion"
+NOT_KNOWN = "not known"  # without a utilisation
+
+
+@dataclass(frozen=True, slots=True)
+class Capacities:
+    """Largest known loads along n loads: H [N], M [N m], kind, words on where it comes from; share of it that is used.
+
+    H, M and utilisation are NaN for a load of zero.
+    """
+
+    H: Array
+    M: Array
+    utilisation: Array
+    kind: Texts
+    source: Texts
+
+    def attributes(self, place: int = -1) -> dict[str, Any]:
+        """Return the capacity along one of the loads as attributes of an answer; none for a load of zero."""
+        if not self.kind[place]:
+            return {}
+        return {
+            "capacity_H_N": float(self.H[place]), "capacity_M_Nm": float(self.M[place]),
+            "capacity_kind": str(self.kind[place]), "capacity_from": str(self.source[place]),
+        }  # fmt: skip
+
+
+def capacities(model: MacroModel, loads: Array, V: Array | None = None) -> Capacities:
+    """Return the largest known loads along loads (n, 2) = (H [N], M [N m]), at vertical loads V (n,) [N]."""
+    plane = loads / [1.0, model.length]
+    size = np.hypot(*plane.T)
+    loaded = np.flatnonzero(size > 0.0)
+    out = Capacities(*np.full((3, len(loads)), np.nan), *np.full((2, len(loads)), "", dtype=object))
+    if not loaded.size:
+        return out
+    directions = plane[loaded] / size[loaded, None]
+    _, first, place = np.unique(_angles(directions), return_index=True, return_inverse=True)
+    ends = _ends(model, directions[first])
+    largest = ends.largest[place]
+    out.kind[loaded], out.source[loaded] = ends.kind[place], ends.source[place]
+    for each, rows in limit_loads_along(model, directions, None if V is None else V[loaded]):
+        largest[rows] = np.hypot(each.H, each.M / model.length)
+        out.kind[loaded[rows]], out.source[loaded[rows]] = FULL_LIMIT, f"path '{each.path}' {each.words}"
+    out.H[loaded], out.M[loaded] = (directions * largest[:, None] * [1.0, model.length]).T
+    none = largest <= 0.0  # no load is known that far
+    out.kind[loaded[none]] = NOT_KNOWN
+    out.utilisation[loaded[~none]] = size[loaded[~none]] / largest[~none]
+    return out
+
+
+def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
+    """Return an answer (dimension step) with `utilisation`, and with the capacity along its last load as attributes."""
+    loads = np.stack([answer["H"].values, answer["M"].values], axis=1)
+    largest = capacities(model, loads, answer["V"].values if "V" in answer else None)
+    known = variables.GROUPS["prediction"]["utilisation"]
+    added = answer.assign(utilisation=(known.dims, np.nan_to_num(largest.utilisation, nan=0.0), known.attributes()))
+    return added.assign_attrs(largest.attributes()) if len(loads) else added
+
+
+def _angles(directions: Array) -> Array:
+    return np.round(np.arctan2(directions[:, 1], directions[:, 0]) / ROUNDING)
+
+
+@dataclass(frozen=True, slots=True)
+class _Ends:
+    """Largest loads [N] along n directions in (H, M/L), their kinds, words on where they come from."""
+
+    largest: Array
+    kind: Texts
+    source: Texts
+
+
+@dataclass(frozen=True, slots=True)
+class _Ways:
+    """Ways along n unit directions d (n, 2) in (H, M/L), over s [m]: their equations for the solver."""
+
+    model: MacroModel
+    d: Array
+    G: Array
+    C: Array
+    scale: Array
+
+    @classmethod
+    def along(cls, model: MacroModel, d: Array, reach: float) -> _Ways:
+        n, length, load = len(d), model.length, model.table.load_scale
+        G, C = np.zeros((n, 2, 2)), np.zeros((n, 2, 2))
+        G[:, 0, 0], G[:, 0, 1] = d[:, 0], d[:, 1] * length
+        C[:, 1, 0], C[:, 1, 1] = -d[:, 1], d[:, 0] / length
+        across = np.abs(d[:, 1]) * load[0] + np.abs(d[:, 0]) * load[1] / length
+        return cls(model, d, G, C, np.stack([np.full(n, reach), across], axis=1))
+
+    def follow(self, starts: Array, s: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+        """Return states and loads (n, k, 2) at s (n, k) from states at the first s, and how many were reached (n,)."""
+        aims = np.stack([s, np.zeros_like(s)], axis=-1)
+        states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(s), dtype=np.int64)
+        with np.errstate(all="ignore"):
+            follow_ways(self.model.arrays, self.G, self.C, self.scale, starts, aims, states, loads, reached)
+        return states, loads, reached
+
+    def along_load(self, loads: Array) -> Array:
+        """Return the size [N] of loads (n, k, 2) along the directions."""
+        return (loads / [1.0, self.model.length] * self.d[:, None, :]).sum(axis=-1)
+
+
+def _ends(model: MacroModel, d: Array) -> _Ends:
+    """Return where the ways along directions (n, 2) end."""
+    reach = _reach(model)
+    for _ in range(LONGER + 1):
+        ways = _Ways.along(model, d, reach)
+        s = np.tile(reach * np.linspace(0.0, 1.0, STEPS + 1) ** 1.5, (len(d), 1))
+        states, loads, reached = ways.follow(np.zeros((len(d), 2)), s)
+        used = _used(model, states)
+        used[np.arange(STEPS + 1) >= reached[:, None]] = np.inf
+        if (used[:, -1] > 1.0 + RANGE_SLACK).all():
+            break
+        reach *= 4.0
+    outside = used > 1.0 + RANGE_SLACK
+    beyond = np.where(outside.any(axis=1), np.maximum(outside.argmax(axis=1), 1), STEPS)
+    rows = np.arange(len(d))
+    low, high, state = s[rows, beyond - 1], s[rows, beyond], states[rows, beyond - 1]
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        way, _, reached = ways.follow(state, np.stack([low, middle], axis=1))
+        inside = (reached == 2) & (_used(model, way[:, 1:])[:, 0] <= 1.0 + RANGE_SLACK)
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+        state = np.where(inside[:, None], way[:, 1], state)
+    last = np.array([model.reactions(*each)[0] for each in state])[:, None]
+    size = ways.along_load(np.concatenate([loads, last], axis=1))
+    size[:, :-1][np.arange(STEPS + 1) >= beyond[:, None]] = -np.inf
+    return _named(ways, state, size)
+
+
+def _named(ways: _Ways, state: Array, size: Array) -> _Ends:
+    """Return the ends of ways: last states (n, 2), and sizes of the load on the way (n, k), the last one at the end."""
+    peak, end = size.max(axis=1), size[:, -1]
+    moved = _moved(ways.model, state)
+    left, growth = _stiffness_left(ways, state, end)
+    kind, source = np.empty(len(end), dtype=object), np.empty(len(end), dtype=object)
+    for i, (u, rotation) in enumerate(state):
+        at = f"at u = {u:.4g} m, rotation = {rotation:.4g} rad"
+        from_ = _origin(ways.model, state[i])
+        if peak[i] > end[i] * (1.0 + ROUNDING):
+            kind[i], source[i] = SPRING_LIMIT, f"the load falls before the springs of {from_} end"
+        elif moved[i] > 1.0 - 1e-3:
+            kind[i] = LARGEST_MOTION
+            share, turn = _largest(ways.model)
+            source[i] = f"{100 * share:g} % of the diameter or {np.degrees(turn):g} deg {at}; {from_}"
+        elif left[i] < GONE and growth[i] < FLAT:
+            kind[i] = SPRING_LIMIT
+            source[i] = f"{100.0 * max(left[i], 0.0):.2g} % of the initial stiffness is left {at}; {from_}"
+        else:
+            kind[i] = RANGE_END
+            source[i] = f"{from_}, {at}; {100.0 * left[i]:.2g} % of the initial stiffness is left: more is not known"
+    return _Ends(peak, kind, source)
+
+
+def _reach(model: MacroModel) -> float:
+    """Return a motion [m] that leaves the range of the springs in most directions."""
+    table = model.table
+    if isinstance(table, FanTable):
+        return float(table.range.max()) * (1.0 + 1e-3)
+    lengths = np.where(table.a[:, 0] == 0.0, model.length, 1.0)
+    return 2.0 * float((table.range * lengths)[~table.cut].max(initial=1e-3))
+
+
+def _used(model: MacroModel, states: Array) -> Array:
+    """Return how much of the range, or of the largest motion, states (n, k, 2) use; 1 is all."""
+    flat = states.reshape(-1, 2)
+    return np.fmax(range_used(model.table, flat), _moved(model, flat)).reshape(states.shape[:2])
+
+
+def _moved(model: MacroModel, states: Array) -> Array:
+    """Return the share of the largest motion of states (n, 2); of the rotation alone where no diameter is known."""
+    u, rotation = states.T
+    diameter = float(model.attrs.get("outer_diameter_m", np.inf))
+    share, turn = _largest(model)
+    shift = np.fmax(np.abs(u), np.abs(u + rotation * model.length)) / (share * diameter)
+    moved: Array = np.fmax(shift, np.abs(rotation) / turn)
+    return moved
+
+
+def _largest(model: MacroModel) -> tuple[float, float]:
+    """Return the largest displacement over the diameter and the largest rotation (rad): `[limit]` of the scene."""
+    share = model.attrs.get("limit_displacement_over_diameter", MOST_MOVED)
+    return float(share), float(model.attrs.get("limit_rotation_rad", MOST_TURNED))
+
+
+def _stiffness_left(ways: _Ways, state: Array, size: Array) -> tuple[Array, Array]:
+    """Return the stiffness along the ways at their last states (n, 2), over that at rest, and over the secant there.
+
+    size (n,) [N] is the load along the way. The second is the relative growth of the load over that of the motion.
+    """
+    scale = np.array([1.0, ways.model.length])
+    d0, d1 = ways.d.T
+    flexibility = []
+    for states in (np.zeros_like(state), state):
+        K = np.array([ways.model.reactions(*each)[1] for each in states]) / np.outer(scale, scale)
+        work = K[:, 1, 1] * d0**2 - (K[:, 0, 1] + K[:, 1, 0]) * d0 * d1 + K[:, 0, 0] * d1**2  # d . K^-1 d * det K
+        flexibility.append(np.stack([work, K[:, 0, 0] * K[:, 1, 1] - K[:, 0, 1] * K[:, 1, 0]]))
+    (first, det_first), (last, det_last) = flexibility
+    motion = (ways.d * state * scale).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left: Array = np.nan_to_num(first * det_last / (det_first * last), nan=0.0)
+        growth: Array = np.nan_to_num(det_last / last * motion / size, nan=0.0)
+    return left, growth
+
+
+def _origin(model: MacroModel, state: Array) -> str:
+    """Return words for the paths that the springs at a state (2,) come from."""
+    names = [f"'{name}'" for name in paths_at(model, state)]
+    return f"{'paths' if len(names) > 1 else 'path'} {' and '.join(names)}"

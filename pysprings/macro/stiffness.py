@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: MIT
+"""Stiffness of a caisson as a matrix: the full model's at rest, tangent and secant of the springs at a state.
+
+Without a load or motion the matrix is the initial stiffness of the full model, `stiffness_initial` of the spring file,
+whatever spring set predicts. At a state it is that of the springs. The secant is the mean of the tangents on the
+straight way from rest to the state, so that it times the motion is the load.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypedDict, Unpack
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.core import variables
+from pysprings.core.arguments import check_numbers
+from pysprings.core.errors import refused
+from pysprings.macro.model import MacroModel
+from pysprings.macro.predict import Asking, impose, model_of, predict
+from pysprings.macro.refusal import Care
+from pysprings.macro.sets import AnySprings, typed
+from pysprings.macro.user_curves import CurveSprings
+
+Array = NDArray[np.float64]
+
+DOFS = ("x", "y", "z", "rx", "ry", "rz")
+TORSION = "torsion (rz) is not known from lateral loading: its row and column are 0; put in a value of your own"
+FULL_MODEL = "initial stiffness of the full model"
+FIRST_STEPS = "stiffness of the first recorded steps of the table"  # no full model stands behind a table
+GAUSS = 64  # points of the mean along the way
+
+
+class Form(TypedDict, total=False):
+    """Keywords on the form of a stiffness.
+
+    Attributes
+    ----------
+    secant : that from rest to the state, instead of the tangent there.
+    symmetric : the symmetric part alone.
+    reference_depth : depth [m] below mudline of the point on the axis that the matrix belongs to; 0 is the lid centre.
+    z_up : axes x, y, z with z up, instead of down; x stays.
+    """
+
+    secant: bool
+    symmetric: bool
+    reference_depth: float
+    z_up: bool
+
+
+class Load(TypedDict, total=False):
+    """Keywords of a load (`predict`) or of a motion (`impose`); none of them: at rest."""
+
+    H: float | None
+    arm: float | None
+    M: float | None
+    V: float | None
+    u: float | None
+    rotation: float | None
+
+
+class Question(Load, Form, Asking, total=False):
+    """Keywords of `stiffness` and `stiffness_six`."""
+
+
+def stiffness(springs: AnySprings | MacroModel, **question: Unpack[Question]) -> xr.DataArray:
+    """Return a stiffness (3, 3) for (u, w, rotation).
+
+    Without a load or motion it is the full model's initial stiffness, else that of the springs under a load H [N] at
+    height arm [m] or with moment M [N m], and V [N] (`predict`), or at u [m] and rotation [rad] (`impose`): `Load`.
+    `Form` chooses tangent or secant, symmetric part, reference point and axes; `long_name` names what it is. Units: N/m
+    for displacements, N m/rad for rotation, N/rad = N m/m between them. (2, 2) for (u, rotation) of springs from a
+    table without a vertical path. Raises as `predict` does.
+    """
+    load, form, asking = _parts(question)
+    if not load:
+        matrix, name = initial(springs, asking)
+    else:
+        model = _model(springs, load, asking)
+        matrix, name = _at_state(model, _state(model, load, asking), form)
+    return _array(in_form(matrix, form), name, form)
+
+
+def stiffness_six(springs: AnySprings | MacroModel, **question: Unpack[Question]) -> xr.DataArray:
+    """Return a stiffness (6, 6) for (x, y, z, rx, ry, rz): initial, or at a state in the plane of the load.
+
+    Questions are those of `stiffness`. Axes are those of the springs: x along the load, z down, y completing a
+    right-handed set; rotations right-hand. Units: N/m for displacements, N/rad = N m/m between x and ry (y and rx),
+    N m/rad for rotations. The caisson at rest is axisymmetric: what holds for (x, ry) holds for (y, -rx). At a state
+    the block out of the plane of the load is the secant, as the response does not depend on the direction of the plane.
+    Torsion is unknown and stated so: zeros.
+
+    Raises
+    ------
+    UserInputError
+        Springs from a table without a vertical path, which have no vertical stiffness; and as `predict` does.
+    """
+    load, form, asking = _parts(question)
+    if not has_six(springs):
+        raise refused("springs", "springs from a table have no vertical stiffness: a 6x6 matrix needs springs.nc")
+    if not load:
+        matrix, name = initial(springs, asking)
+    else:
+        model = _model(springs, load, asking)
+        return six_at_state(model, _state(model, load, asking), form)
+    return _six(in_form(matrix, form), in_form(matrix, form), name, form)
+
+
+def has_six(springs: AnySprings | MacroModel) -> bool:
+    """Return whether `stiffness_six` has an answer for springs."""
+    return _known(springs)[0] is not None
+
+
+def initial(springs: AnySprings | MacroModel, asking: Asking | None = None) -> tuple[Array, str]:
+    """Return the stiffness at rest, (3, 3) or (2, 2), and what it is."""
+    known, name = _known(springs)
+    if known is None:
+        return _model(
+            springs, Load(), asking or Asking()
+        ).tangent_stiffness().values, "stiffness of the springs at rest"
+    return known, name
+
+
+def _known(springs: AnySprings | MacroModel) -> tuple[Array | None, str]:
+    """Return the initial stiffness (3, 3) that springs hold, None where they have no vertical one; and whose it is."""
+    if isinstance(springs, MacroModel):
+        return springs.stiffness_initial, FIRST_STEPS if "first_steps" in springs.attrs else FULL_MODEL
+    given = typed(springs)
+    if isinstance(given, CurveSprings):
+        return None, ""
+    return given.stiffness, FIRST_STEPS if given.first_steps else FULL_MODEL
+
+
+def at_states(model: MacroModel, states: xr.Dataset, form: Form) -> xr.DataArray:
+    """Return the stiffness (step, 3, 3) of the springs at the states of an answer (dimension step)."""
+    rows = [_at_state(model, states.isel(step=step), form) for step in range(states.sizes["step"])]
+    name = rows[0][1]
+    one = _array(rows[0][0], name, form)
+    return xr.concat([one.copy(data=in_form(matrix, form)) for matrix, _ in rows], "step")
+
+
+def six_at_state(model: MacroModel, state: xr.Dataset, form: Form) -> xr.DataArray:
+    """Return the stiffness (6, 6) of the springs at one state; see `stiffness_six`."""
+    plane, name = _at_state(model, state, form)
+    across, _ = _at_state(model, state, Form(secant=True))
+    return _six(in_form(plane, form), in_form(across, form), name, form)
+
+
+def secant(model: MacroModel, u: float, rotation: float, V: float | None = None) -> Array:
+    """Return the secant stiffness of the springs at a state: (3, 3), or (2, 2) where w is not known."""
+    place, weight = np.polynomial.legendre.leggauss(GAUSS)
+    state = np.array([u, rotation])
+    ways = 0.5 * (place + 1.0)[:, None] * state
+    matrix: Array = np.tensordot(0.5 * weight, model.tangents(ways).values, axes=1)
+    lateral = [0, matrix.shape[0] - 1]
+    size = np.array([1.0, model.length])
+    scaled = state * size
+    if np.any(scaled):  # what the mean has left of the load
+        missing = model.reactions(*state)[0] - model.reactions(0.0, 0.0)[0] - matrix[np.ix_(lateral, lateral)] @ state
+        matrix[np.ix_(lateral, lateral)] += np.outer(missing, scaled * size) / (scaled @ scaled)
+    if matrix.shape == (3, 3) and V is not None and model.vertical is not None:
+        w, _, _ = model.vertical.displacement(V)
+        w0, V0 = model.vertical.rest
+        matrix[1, 1] = (V - V0) / (w - w0) if w != w0 else matrix[1, 1]
+    return matrix
+
+
+def in_form(matrix: Array, form: Form) -> Array:
+    """Return stiffnesses (..., 3, 3) or (..., 2, 2) about another point, with other axes, or their symmetric part."""
+    n, depth = matrix.shape[-1], form.get("reference_depth", 0.0)
+    check_numbers(reference_depth=depth)
+    motion = np.eye(n)
+    motion[0, -1] = -depth  # u at mudline from u and rotation at the point
+    sign = np.diag([1.0, -1.0, -1.0][: n - 1] + [-1.0]) if form.get("z_up") else np.eye(n)
+    back = motion @ sign
+    out: Array = back.T @ matrix @ back
+    return 0.5 * (out + np.swapaxes(out, -1, -2)) if form.get("symmetric") else out
+
+
+def axisymmetric(plane: Array, across: Array | None = None) -> Array:
+    """Return the (6, 6) matrix of (3, 3) ones for (u, w, rotation): in the plane of x and z, and across it."""
+    other = plane if across is None else across
+    matrix = np.diag([plane[0, 0], other[0, 0], plane[1, 1], other[2, 2], plane[2, 2], 0.0])
+    matrix[0, 4], matrix[4, 0] = plane[0, 2], plane[2, 0]
+    matrix[1, 3], matrix[3, 1] = -other[0, 2], -other[2, 0]
+    return matrix
+
+
+def form_words(form: Form) -> str:
+    """Return words for the reference point and the axes of a form."""
+    depth = form.get("reference_depth", 0.0)
+    point = "at the lid centre" if depth == 0.0 else f"about the axis point {depth:g} m below mudline"
+    return f"{point}, z {'up' if form.get('z_up') else 'down'}{', symmetric part' if form.get('symmetric') else ''}"
+
+
+def _state(model: MacroModel, load: Load, asking: Asking) -> xr.Dataset:
+    care: Any = {name: value for name, value in asking.items() if name in Care.__annotations__}
+    given: Any = dict(load)
+    if {"u", "rotation"} & set(given):
+        return impose(model, **given, **care)
+    return predict(model, **given, **care)
+
+
+def _at_state(model: MacroModel, state: xr.Dataset, form: Form) -> tuple[Array, str]:
+    if not form.get("secant"):
+        return state["stiffness"].values, "tangent stiffness of the springs at the state"
+    if model.memory is not None:
+        raise refused(
+            "springs_kind", "springs with memory have no secant stiffness of a state: ask for the springs 'fan'"
+        )
+    V = float(state["V"]) if "V" in state else None
+    return secant(model, float(state["u"]), float(state["rotation"]), V), "secant stiffness of the springs at the state"
+
+
+def _model(springs: AnySprings | MacroModel, load: Load, asking: Asking) -> MacroModel:
+    choice: Any = {name: value for name, value in asking.items() if name in ("springs_kind", "path")}
+    return model_of(springs, V=load.get("V"), **choice)
+
+
+def _parts(question: Question) -> tuple[Load, Form, Asking]:
+    given: dict[str, Any] = {name: value for name, value in question.items() if value is not None}
+    load: Any = {name: given.pop(name) for name in Load.__annotations__ if name in given}
+    form: Any = {name: given.pop(name) for name in Form.__annotations__ if name in given}
+    check_numbers(**load)
+    asking: Any = given
+    return load, form, asking
+
+
+def _array(matrix: Array, name: str, form: Form) -> xr.DataArray:
+    dofs = list(variables.DOFS) if matrix.shape == (3, 3) else ["u", "rotation"]
+    known = variables.GROUPS["prediction"]["stiffness"].attributes()
+    attrs = {"long_name": f"{name} {form_words(form)}", "units": "1", "comment": known["comment"]}
+    return xr.DataArray(matrix, {"dof": dofs, "dof_conjugate": dofs}, ("dof", "dof_conjugate"), "stiffness", attrs)
+
+
+def _six(plane: Array, across: Array, name: str, form: Form) -> xr.DataArray:
+    attrs = {
+        "long_name": f"{name} {form_words(form)}",
+        "units": "1",
+        "comment": "mixed units: N m-1; N radian-1 between x and ry, y and rx; N m radian-1 for rotations",
+        "torsion": TORSION,
+    }
+    coords = {"dof": list(DOFS), "dof_conjugate": list(DOFS)}
+    return xr.DataArray(axisymmetric(plane, across), coords, ("dof", "dof_conjugate"), "stiffness_6x6", attrs)

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: MIT
+"""Stiffness at a state: tangent and secant, reference point, axes, symmetric part, and out of the plane of the load."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.macro.predict import MacroModel, predict
+from pysprings.macro.stiffness import stiffness, stiffness_six
+from tests.support.closed_forms import linear_springs
+from tests.support.fans import fan_springs, potential
+from tests.support.vertical import REST, vertical_springs
+
+LOAD = {"H": 6e5, "arm": 2.0}
+
+
+@pytest.fixture(scope="module")
+def bent() -> MacroModel:
+    return MacroModel.from_springs(fan_springs(potential))
+
+
+def test_the_secant_times_the_motion_is_the_load(bent: MacroModel) -> None:
+    """And it lies between the initial stiffness and the tangent, as the springs soften."""
+    state = predict(bent, **LOAD)
+    matrix = stiffness(bent, **LOAD, secant=True).values
+    motion = np.array([float(state["u"]), float(state["rotation"])])
+    np.testing.assert_allclose(matrix[::2, ::2] @ motion, [6e5, -1.2e6], rtol=1e-9)
+    tangent, rest = stiffness(bent, **LOAD).values, stiffness(bent).values
+    assert tangent[0, 0] < matrix[0, 0] < rest[0, 0]
+    assert tangent[2, 2] < matrix[2, 2] < rest[2, 2]
+
+
+def test_of_linear_springs_secant_and_tangent_are_one() -> None:
+    at = {"u": 1e-3, "rotation": -1.5e-4}
+    tangent = stiffness(linear_springs(), **at).values
+    np.testing.assert_allclose(stiffness(linear_springs(), **at, secant=True), tangent, rtol=1e-10)
+
+
+def test_the_secant_of_w_is_the_change_of_v_over_that_of_w() -> None:
+    tree = vertical_springs()
+    V = REST + 2e6
+    w = float(predict(tree, V=V)["w"])
+    assert float(stiffness(tree, V=V, secant=True)[1, 1]) == pytest.approx(2e6 / w, rel=1e-9)
+
+
+@pytest.mark.parametrize("depth", [4.0, -10.0])
+def test_about_another_point_the_work_is_the_same(bent: MacroModel, depth: float) -> None:
+    """u at the point is u + rotation z, the moment about it M - H z: loads of a unit motion there, one by one."""
+    at_lid, at_point = stiffness(bent).values, stiffness(bent, reference_depth=depth).values
+    for motion in np.eye(3):
+        u, w, rotation = motion
+        H, V, M = at_lid @ [u - rotation * depth, w, rotation]
+        np.testing.assert_allclose(at_point @ motion, [H, V, M - H * depth], rtol=1e-12, atol=1e-3)
+    assert f"{depth:g} m below mudline" in stiffness(bent, reference_depth=depth).attrs["long_name"]
+
+
+def test_with_z_up_vertical_motions_and_rotations_change_their_sign(bent: MacroModel) -> None:
+    down, up = stiffness(bent).values, stiffness(bent, z_up=True).values
+    turn = np.diag([1.0, -1.0, -1.0])
+    np.testing.assert_allclose(up, turn @ down @ turn)
+    six = stiffness_six(bent, z_up=True).values
+    assert (six[0, 4] < 0.0) != (stiffness_six(bent).values[0, 4] < 0.0)
+    np.testing.assert_allclose(six[np.ix_([0, 2, 4], [0, 2, 4])], up)
+
+
+def test_the_symmetric_part_is_that_of_the_matrix(bent: MacroModel) -> None:
+    matrix = stiffness(bent, **LOAD).values
+    np.testing.assert_allclose(stiffness(bent, **LOAD, symmetric=True), 0.5 * (matrix + matrix.T))
+
+
+def test_out_of_the_plane_the_response_does_not_depend_on_the_direction(bent: MacroModel) -> None:
+    """A small turn of the motion about the vertical turns the loads alike: K d(motion) = d(loads), exactly."""
+    state = predict(bent, **LOAD)
+    u, rotation = float(state["u"]), float(state["rotation"])
+    six = stiffness_six(bent, **LOAD).values
+    turned = six @ np.array([0.0, u, 0.0, -rotation, 0.0, 0.0])  # per radian of the turn
+    np.testing.assert_allclose(turned, [0.0, 6e5, 0.0, 1.2e6, 0.0, 0.0], rtol=1e-9, atol=1e-3)
+    np.testing.assert_allclose(six[np.ix_([0, 2, 4], [0, 2, 4])], stiffness(bent, **LOAD).values)
+
+
+def test_questions_without_an_answer_are_refused(bent: MacroModel) -> None:
+    for asked in ({"H": 1e5, "reference_depth": "4 m"}, {"reference_depth": float("nan")}, {"H": "1 MN"}):
+        with pytest.raises(UserInputError):
+            stiffness(bent, **asked)
+    with pytest.raises(UserInputError, match="beyond the range"):
+        stiffness(bent, H=9e9)

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""One initial stiffness: every place where a run prints or stores one holds the full model's, to 1e-12."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import openpyxl
+import pytest
+import xarray as xr
+
+import pysprings
+from pysprings.results.folder import run_to_folder
+from pysprings.results.tables import open_table
+from tests.support import tiny
+from tests.support.commands import command
+from tests.support.files import read_record
+
+Z_UP = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run of one path, with the files of every exporter that writes a stiffness."""
+    out = run_to_folder(tiny.scene(), tmp_path_factory.mktemp("stiffness") / "out")
+    for program in ("openfast", "subdyn", "json"):
+        done = command("export", out, "--to", program)
+        assert done.code == 0, done.err
+    return out
+
+
+@pytest.fixture(scope="module")
+def full(folder: Path) -> np.ndarray:
+    """The (3, 3) matrix of full_model.nc."""
+    with xr.open_dataset(folder / "full_model.nc") as data:
+        return data["stiffness_initial"].values
+
+
+def six(plane: np.ndarray) -> np.ndarray:
+    """Return the axisymmetric (6, 6) matrix in axes with z down, entry by entry."""
+    matrix = np.zeros((6, 6))
+    for i, a in ((0, 0), (4, 2)):
+        for j, b in ((0, 0), (4, 2)):
+            matrix[i, j] = plane[a, b]
+    for i, a, s in ((1, 0, 1.0), (3, 2, -1.0)):
+        for j, b, t in ((1, 0, 1.0), (3, 2, -1.0)):
+            matrix[i, j] = s * t * plane[a, b]
+    matrix[2, 2] = plane[1, 1]
+    return matrix
+
+
+def same(made: object, expected: np.ndarray) -> None:
+    np.testing.assert_allclose(np.array(made, dtype=float), expected, rtol=1e-12, atol=1e-15 * np.abs(expected).max())
+
+
+def test_it_is_symmetric_and_no_spring_set_changes_it(folder: Path, full: np.ndarray) -> None:
+    """The springs of one path are softer at rest: a stiffness that came from them would be another number."""
+    np.testing.assert_array_equal(full, full.T)
+    springs = pysprings.open_springs(folder / "springs.nc")
+    own = pysprings.model_of(springs).tangent_stiffness().values
+    assert abs(own[0, 0] / full[0, 0] - 1.0) > 0.01
+    for kind in ("full", "py"):
+        model = pysprings.model_of(springs, kind)
+        same(pysprings.stiffness(model), full)
+        same(pysprings.stiffness_six(model), six(full))
+    same(pysprings.stiffness(springs), full)
+    same(pysprings.stiffness_six(springs), six(full))
+    same(pysprings.extract_springs(tiny.result())["stiffness_initial"], tiny.result()["stiffness_initial"].values)
+
+
+def test_the_files_of_a_run(folder: Path, full: np.ndarray) -> None:
+    with xr.open_dataset(folder / "springs.nc") as data:
+        same(data["stiffness_initial"], full)
+    same(read_record(folder)["stiffness_initial"]["matrix"], full)
+    page = (folder / "report.html").read_text(encoding="utf-8").split("Initial stiffness of the full model")[1]
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", page.split("</table>")[0])
+    same(1e6 * np.array([cell for cell in cells if "[" not in cell], dtype=float).reshape(3, 3), full)
+    sheet = openpyxl.load_workbook(folder / "springs.xlsx")["stiffness 6x6"]
+    same([[1e3 * cell.value for cell in row] for row in sheet["B3:G8"]], six(full))
+    book = openpyxl.load_workbook(folder / "springs.xlsx")
+    place = book.defined_names["K_3x3"].attr_text.split("!")[1].replace("$", "")
+    same([[1e3 * cell.value for cell in row] for row in sheet[place]], full)
+
+
+def test_the_files_for_other_programs(folder: Path, full: np.ndarray) -> None:
+    up = Z_UP @ six(full) @ Z_UP
+    made = json.loads((folder / "json" / "springs.json").read_text(encoding="utf-8"))
+    same(made["stiffness_initial"]["values"], full)
+    names = ["x", "y", "z", "tx", "ty", "tz"]
+    for program in ("openfast", "subdyn"):
+        text = (folder / program / "subdyn_ssi.dat").read_text(encoding="utf-8")
+        entries = re.findall(r"^\s*(\S+)\s+K(t?[xyz])(t?[xyz])\s*$", text, re.M)
+        assert len(entries) == 21
+        for value, row, column in entries:
+            assert float(value) == pytest.approx(up[names.index(row), names.index(column)], rel=1e-12, abs=1e-3)
+    rows = re.findall(r"^(?:\s*-?[\d.]+E[+-]\d+){6}\s*$", (folder / "openfast" / "soildyn.dat").read_text(), re.M)
+    same([[float(x) for x in row.split()] for row in rows], up)
+
+
+def test_the_command(folder: Path, full: np.ndarray) -> None:
+    asked = ("predict", folder, "--H", "100 kN", "--stiffness")
+    document = json.loads(command(*asked, "--json").out)
+    same(document["stiffness_6x6"]["matrix"], six(full))
+    assert document["stiffness_6x6"]["long_name"].startswith("initial stiffness of the full model")
+    same(json.loads(command(*asked, "--z-up", "--json").out)["stiffness_6x6"]["matrix"], Z_UP @ six(full) @ Z_UP)
+    printed = command(*asked).out.split("initial stiffness of the full model")[1].splitlines()[3:9]
+    for line, row in zip(printed, six(full), strict=True):
+        assert line.split()[1:] == [f"{1e-6 * value + 0.0:.5g}" for value in row]
+
+
+def test_a_stiffness_at_a_state_has_another_name(folder: Path) -> None:
+    document = json.loads(command("predict", folder, "--H", "100 kN", "--stiffness", "--json").out)
+    for key in ("stiffness", "stiffness_6x6_at_state"):
+        assert document[key]["long_name"].startswith("tangent stiffness of the springs at the state")
+    springs = pysprings.open_springs(folder / "springs.nc")
+    assert pysprings.stiffness(springs, H=1e5, secant=True).attrs["long_name"].startswith("secant stiffness of the spr")
+    table = open_table(folder / "py.csv")
+    assert "full model" not in pysprings.stiffness(table).attrs["long_name"]
