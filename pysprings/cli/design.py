@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings design`: load cases answered on the springs of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pysprings.cli.options import Json, SpringSet
+from pysprings.cli.support import print_json, print_table, quantities, refuse, to_stderr
+
+
+def design(
+    result: Annotated[Path, typer.Argument(metavar="RESULT", help="folder of a run, springs.nc, or a p-y table")],
+    cases: Annotated[Path, typer.Argument(metavar="CASES", help="load cases (CSV, Excel), units in the headings")],
+    tilt: Annotated[
+        str | None, typer.Option("--tilt", metavar="ANGLE", help='tolerated rotation, e.g. "0.25 deg"')
+    ] = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option("--out", metavar="FILE", help="file for the answers: .csv, .xlsx or .html; may be repeated"),
+    ] = None,
+    in_report: Annotated[
+        bool, typer.Option("--report", help="put the answers into the report of the run (RESULT: its folder)")
+    ] = False,
+    extrapolate: Annotated[
+        bool, typer.Option("--extrapolate", help="answer beyond the calibrated range, marked")
+    ] = False,
+    strict: Annotated[bool, typer.Option("--strict", help="refuse cases that are not ok (exit code 2)")] = False,
+    spring_set: SpringSet = None,
+    path: Annotated[
+        str | None, typer.Option("--path", metavar="NAME", help="load path whose springs answer (full, py)")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Answer load cases: motion, tilt, stiffness, utilisation, and what is not known, case by case.
+
+    CASES has a row a load: name, limit state, H, M or arm, V, direction, factor, tilt, with units in the headings.
+    Rows of one name act together.
+    """
+    from pysprings.cli.inputs import springs_or_table
+    from pysprings.results.report import load_cases as text
+    from pysprings.results.tables.load_cases import read_load_cases
+    from pysprings.studies.design import files
+    from pysprings.studies.design.answers import answer_cases
+
+    tolerance = quantities({"--tilt": (tilt, "rad", "0.25 deg")})["--tilt"]
+    if tolerance is not None and tolerance <= 0.0:
+        refuse("--tilt", "a tolerance must be positive")
+    for file in out or ():
+        files.check_ending(file)
+    if in_report:
+        files.check_run(result)
+    read = read_load_cases(cases)
+    springs = springs_or_table(result, None, strict)
+    table = answer_cases(springs, read, tolerance, extrapolate, springs_kind=spring_set, path=path)
+    if strict and not text.is_fine(table):
+        refuse("--strict", text.closing(table))
+    about = {"springs": str(result), "load cases": str(cases), "tilt tolerated": tilt or "as in the table"}
+    for file in out or ():
+        files.write(file, table, about)
+    if in_report:
+        files.into_report(result, table)
+    if as_json:
+        print_json({"about": about, "cases": table.to_dict("records")})
+    else:
+        columns = text.columns_of(table, brief=True)
+        print_table([each.head for each in columns], text.cells(table, columns), [each.is_text for each in columns])
+        print(f"\n{text.closing(table)}")
+        for file in out or ():
+            print(f"{file}: the answers")
+        if in_report:
+            print(f"{result / 'report.html'}: the report of the run, with the answers")
+    if warning := text.same_signs(table):
+        to_stderr(f"warning: {warning}")

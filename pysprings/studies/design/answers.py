@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""Load cases -> a table of answers in SI, a row a case; what the springs do not cover is blank, with the reason."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from pysprings.core.words import RANGE_END
+from pysprings.macro.batch import predict_batch
+from pysprings.results.report.load_cases import OK
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from pysprings.macro.sets import AnySprings
+    from pysprings.results.tables.load_cases import LoadCases
+
+Array = NDArray[np.float64]
+
+TILTED, OVERLOADED, PARTLY, UNKNOWN = "tilt exceeded", "overloaded", "supported in part", "no answer"
+# marks of answers that the springs support in part, and their words
+MARKS = {
+    "extrapolated": "beyond the calibrated range",
+    "off_path": "off the calibrated paths",
+    "off_load": "V not covered by the lateral springs",
+}
+STIFFNESS = {
+    ("u", "u"): "K_u_u_N_per_m",
+    ("u", "rotation"): "K_u_rotation_N",
+    ("rotation", "u"): "K_rotation_u_N",
+    ("rotation", "rotation"): "K_rotation_rotation_Nm",
+    ("w", "w"): "K_w_w_N_per_m",
+}
+
+
+def answer_cases(
+    springs: AnySprings, cases: LoadCases, tilt: float | None = None, extrapolate: bool = False, **choice: Any
+) -> pd.DataFrame:
+    """Return the answers to load cases, a row a case.
+
+    Parameters
+    ----------
+    tilt
+        Largest rotation that is tolerated [rad], of cases that have none of their own.
+    extrapolate
+        Answer beyond the calibrated range, marked.
+    choice
+        Spring set and path (`pysprings.macro.predict.SpringChoice`).
+    """
+    answers = _answered(springs, cases, extrapolate, choice)
+    here = np.where(answers["answered"].values == 1, _values(answers, "V", len(cases)), np.nan)
+    frame = pd.DataFrame({
+        "name": cases.name, "limit_state": cases.limit_state, "direction_deg": np.degrees(cases.direction),
+        "H_N": cases.H, "M_Nm": cases.M, "V_N": np.where(np.isnan(cases.V), here, cases.V),
+    })  # fmt: skip
+    for name, column in (("u", "u_m"), ("w", "w_m"), ("rotation", "rotation_rad")):
+        frame[column] = _values(answers, name, len(cases))
+    tolerance = np.where(np.isnan(cases.tilt), np.nan if tilt is None else tilt, cases.tilt)
+    frame["tilt_deg"], frame["tilt_limit_deg"] = np.degrees(frame["rotation_rad"].abs()), np.degrees(tolerance)
+    frame["tilt_used"] = frame["rotation_rad"].abs() / tolerance
+    frame = pd.concat([frame, _stiffness(answers, frame)], axis=1)
+    frame["utilisation"] = answers["utilisation"].values
+    frame["utilisation_V"] = _values(answers, "utilisation_V", len(cases))
+    frame["H_capacity_N"], frame["M_capacity_Nm"] = answers["capacity_H"].values, answers["capacity_M"].values
+    frame["capacity_kind"] = [str(text) for text in answers["capacity_kind"].values]
+    frame["range_used"] = answers["range_used"].values
+    frame["answered"] = answers["answered"].values.astype(int)
+    frame["marks"] = _marks(answers)
+    frame["verdict"] = [_verdict(row) for row in frame.to_dict("records")]
+    return frame
+
+
+def _answered(springs: AnySprings, cases: LoadCases, extrapolate: bool, choice: dict[str, Any]) -> xr.Dataset:
+    """Return the batch in the order of the cases; those without V at the vertical load of the springs."""
+    import xarray as xr
+
+    parts, order = [], []
+    given = np.isfinite(cases.V)
+    for rows in (np.flatnonzero(~given), np.flatnonzero(given)):
+        if rows.size:
+            V = cases.V[rows] if given[rows[0]] else None
+            H, M = cases.loads[rows].T
+            parts.append(predict_batch(springs, H=H, M=M, V=V, extrapolate=extrapolate, **choice))
+            order.append(rows)
+    whole = parts[0] if len(parts) == 1 else xr.concat(parts, "case", combine_attrs="override", join="override")
+    return whole.isel(case=np.argsort(np.concatenate(order)))
+
+
+def _values(answers: xr.Dataset, name: str, n: int) -> Array:
+    """Return a variable by case; NaN where springs from a table do not have it."""
+    values: Array = answers[name].values if name in answers else np.full(n, np.nan)
+    return values
+
+
+def _stiffness(answers: xr.Dataset, frame: pd.DataFrame) -> pd.DataFrame:
+    """Return secants H/u and M/rotation (NaN for no motion), and the tangent at the state by degree of freedom."""
+    secant = {
+        "secant_H_u_N_per_m": frame["H_N"] / frame["u_m"],
+        "secant_M_rotation_Nm": frame["M_Nm"] / frame["rotation_rad"],
+    }
+    out = pd.DataFrame(secant).replace([np.inf, -np.inf], np.nan)
+    dofs = [str(name) for name in answers["dof"].values]
+    for (row, column), name in STIFFNESS.items():
+        if row in dofs and column in dofs:
+            out[name] = answers["stiffness"].values[:, dofs.index(row), dofs.index(column)]
+    return out
+
+
+def _marks(answers: xr.Dataset) -> list[str]:
+    """Return why a case has no answer, or the marks of its answer in words."""
+    texts = []
+    for k, why in enumerate(answers["why_not"].values):
+        marked = [words for name, words in MARKS.items() if name in answers and answers[name].values[k]]
+        texts.append(str(why) or ", ".join(marked))
+    return texts
+
+
+def _verdict(row: dict[Any, Any]) -> str:
+    """Return the verdict on a case: what is wrong with it comes before what is not known."""
+    if row["utilisation"] > 1.0 and row["capacity_kind"] != RANGE_END:
+        return OVERLOADED
+    if not row["answered"]:
+        return UNKNOWN
+    if row["tilt_used"] > 1.0:
+        return TILTED
+    return PARTLY if row["marks"] else OK

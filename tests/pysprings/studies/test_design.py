@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""Load cases on the springs of a fan: each answer is that of `predict`; what is beyond them is blank and marked."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import openpyxl
+import pandas as pd
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.macro.predict import predict
+from pysprings.results.folder import run_to_folder
+from pysprings.results.report import load_cases as text
+from pysprings.results.tables.load_cases import read_load_cases
+from pysprings.springs.file import save_springs
+from pysprings.studies.design import files
+from pysprings.studies.design.answers import answer_cases
+from tests.support import tiny
+from tests.support.commands import command
+from tests.support.fans import fan_springs, potential
+
+LINES = (
+    "name,limit state,H [kN],arm [m],tilt [deg]",
+    "calm,SLS,500,2,",
+    "storm,ULS,900,6,0.001",
+    "huge,ULS,1e6,2,",
+    "mirror,SLS,-500,2,",
+)
+
+
+@pytest.fixture(scope="module")
+def springs():
+    return fan_springs(potential)
+
+
+@pytest.fixture
+def cases(tmp_path: Path) -> Path:
+    file = tmp_path / "cases.csv"
+    file.write_text("\n".join(LINES) + "\n", encoding="utf-8")
+    return file
+
+
+def test_answers_are_those_of_predict(springs, cases: Path) -> None:
+    table = answer_cases(springs, read_load_cases(cases), tilt=0.01).set_index("name")
+    for name, H, arm in (("calm", 5e5, 2.0), ("storm", 9e5, 6.0)):
+        state = predict(springs, H=H, arm=arm)
+        for column, variable in (("u_m", "u"), ("rotation_rad", "rotation"), ("w_m", "w")):
+            assert table[column][name] == pytest.approx(float(state[variable]), rel=1e-9, abs=1e-15)
+        assert table["K_u_u_N_per_m"][name] == pytest.approx(float(state["stiffness"][0, 0]), rel=1e-9)
+        assert table["K_rotation_u_N"][name] == pytest.approx(float(state["stiffness"][2, 0]), rel=1e-9)
+    assert table["secant_H_u_N_per_m"]["calm"] == pytest.approx(5e5 / table["u_m"]["calm"])
+    assert table["u_m"]["mirror"] == pytest.approx(-table["u_m"]["calm"])
+    assert table["tilt_used"]["calm"] == pytest.approx(abs(table["rotation_rad"]["calm"]) / 0.01)
+    assert table["tilt_used"]["storm"] == pytest.approx(abs(table["rotation_rad"]["storm"]) / np.radians(0.001))
+    assert list(table["verdict"]) == ["ok", "tilt exceeded", table["verdict"]["huge"], "ok"]
+
+
+def test_what_is_beyond_the_springs_has_no_motion(springs, cases: Path) -> None:
+    table = answer_cases(springs, read_load_cases(cases)).set_index("name")
+    huge = table.loc["huge"]
+    assert huge["answered"] == 0 and huge["verdict"] in ("no answer", "overloaded") and huge["marks"]
+    motions = [name for name in table if name.startswith(("u_m", "w_m", "rotation", "tilt", "secant", "K_"))]
+    assert len(motions) >= 10
+    assert huge[motions].isna().all()
+    assert np.isnan(huge["V_N"])
+    assert huge["utilisation"] > 1.0
+    assert huge["H_capacity_N"] == pytest.approx(1e9 / huge["utilisation"])
+
+
+def test_files(springs, cases: Path, tmp_path: Path) -> None:
+    table = answer_cases(springs, read_load_cases(cases))
+    about = {"springs": "run", "load cases": "<cases>"}
+    written = pd.read_csv(files.write(tmp_path / "a.csv", table, about))
+    np.testing.assert_allclose(written["u_m"], table["u_m"], rtol=1e-9)
+    sheet = openpyxl.load_workbook(files.write(tmp_path / "a.xlsx", table, about))["cases"]
+    heads = [cell.value for cell in sheet[1]]
+    column = heads.index("u [mm]") + 1
+    assert sheet.cell(2, column).value == pytest.approx(1e3 * table["u_m"][0])
+    assert sheet.cell(4, column).value is None  # the case without an answer
+    page = files.write(tmp_path / "a.html", table, about).read_text()
+    assert "&lt;cases&gt;" in page and text.closing(table) in page.replace("&#39;", "'")
+    with pytest.raises(UserInputError, match=r"--out: ends in none of \.csv, \.xlsx, \.html"):
+        files.write(tmp_path / "a.txt", table, about)
+
+
+def test_a_moment_of_the_wrong_sign_is_pointed_out(springs, tmp_path: Path) -> None:
+    file = tmp_path / "cases.csv"
+    file.write_text("name,H [kN],M [kN m]\nbelow,100,200\nabove,100,-200\n", encoding="utf-8")
+    words = text.same_signs(answer_cases(springs, read_load_cases(file)))
+    assert words == (
+        "in below H and M have the same sign: the load acts below mudline. A load above mudline has M = -H arm"
+    )
+
+
+def test_the_command(springs, cases: Path, tmp_path: Path) -> None:
+    file = save_springs(springs, tmp_path / "springs.nc")
+    done = command(
+        "design", file, cases, "--tilt", "0.5 deg", "--out", tmp_path / "a.csv", "--out", tmp_path / "a.html"
+    )
+    assert done.code == 0, done.err
+    lines = done.out.splitlines()
+    assert lines[0].split()[:3] == ["case", "limit", "state"]
+    assert [line.split()[0] for line in lines[2:6]] == ["calm", "storm", "huge", "mirror"]
+    assert lines[7].startswith("4 cases: 2 ok, 1 tilt exceeded")
+    assert (tmp_path / "a.csv").exists() and (tmp_path / "a.html").exists()
+    data = json.loads(command("design", file, cases, "--json").out)
+    assert [row["name"] for row in data["cases"]] == ["calm", "storm", "huge", "mirror"]
+    assert data["cases"][2]["u_m"] is None
+    strict = command("design", file, cases, "--strict")
+    assert strict.code == 2 and "--strict: 4 cases:" in strict.err
+    wrong = command("design", file, cases, "--tilt", "-1 deg", "--out", tmp_path / "a.csv")
+    assert wrong.code == 2 and "--tilt: a tolerance must be positive" in wrong.err
+
+
+def test_the_report_of_a_run_shows_the_answers(tmp_path: Path, cases: Path) -> None:
+    """design.csv goes into the folder, the report has its rows; springs alone have no report."""
+    folder = tmp_path / "run"
+    run_to_folder(tiny.scene(output={"figures": False}), folder)
+    before = (folder / "report.html").read_text(encoding="utf-8")
+    done = command("design", str(folder), str(cases), "--report")
+    assert done.code == 0, done.err
+    after = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Load cases" not in before and all(f">{name}<" in after for name in ("calm", "storm", "huge"))
+    assert list(pd.read_csv(folder / "design.csv")["name"]) == ["calm", "storm", "huge", "mirror"]
+    refused = command("design", str(folder / "springs.nc"), str(cases), "--report")
+    assert refused.code == 2 and "--report" in refused.err
