@@ -99,7 +99,7 @@ def why_stopped(record: RunRecord | None) -> str:
     """Return why an ended run did not reach its end; empty where it did."""
     if record is None:
         return "no run"
-    return "" if record.complete else "; ".join(record.failures)
+    return "" if record.reached else "; ".join(record.short)
 
 
 def forget(folder: Path) -> None:

@@ -40,7 +40,7 @@ class Ended:
     @property
     def complete(self) -> bool:
         """Whether the run reached its end."""
-        return not self.why and self.record is not None and self.record.complete
+        return not self.why and self.record is not None and self.record.reached
 
 
 def study_scene(scene: Scene) -> Scene:
@@ -59,7 +59,7 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
     missing = {name for name, each in scenes.items() if not has_ended(run_folder(out, name), each)}
     for kind in dict.fromkeys(each.discretisation for each in settings if each.name in missing):
         _warm_up(scene, kind, run_folder(out, f"{WARM_UP}-{kind}"), report, run)
-    whole = Whole(weights, report, paths=tuple(path.name for path in scene.paths))
+    whole = Whole(weights, report, paths=tuple(path.name for path in scene.load_paths))
     finished = []
     for setting in settings:
         folder, why = run_folder(out, setting.name), ""

@@ -53,6 +53,7 @@ class Case:
 
         fields_only : keep contact fields but neither the symmetry plane nor pictures.
         """
+        from pysprings.scene.extent import PAPER
         from pysprings.scene.load import Scene
 
         stops = tuple(u / 1e3 for u in self.stops_mm if u / 1e3 < self.end)
@@ -62,7 +63,8 @@ class Case:
             path["rate"] = self.rate
             drainage = {"mode": "coupled", "water_depth": 30.0}
         given: dict[str, Any] = {
-            "title": f"Caisson of Cerfontaine et al. (2018), {self.words}", "path": [path], "mesh": {"preset": mesh},
+            "title": f"Caisson of Cerfontaine et al. (2018), {self.words}", "path": [path],
+            "domain": PAPER, "mesh": {"preset": mesh, "discretisation": "hex8"},
             "interface": {"friction_coefficient": self.friction}, "drainage": drainage,
             "output": {"section": not fields_only, "figures": not fields_only},
         }  # fmt: skip

@@ -35,7 +35,7 @@ class Run:
     @property
     def complete(self) -> bool:
         """Whether the run reached its end."""
-        return self.record.complete
+        return self.record.reached
 
     @property
     def remark(self) -> str:

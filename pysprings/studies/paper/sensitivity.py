@@ -179,7 +179,7 @@ def run_scene(scene: Scene) -> dict[str, Any]:
     if record.stopped_by is StopReason.INTERRUPTED:
         raise KeyboardInterrupt
     figures = figures_of_path(get_path(tree)) if tree["paths/pull"].sizes["step"] > 1 else {}
-    detail = "; ".join(record.failures).split(" (")[0]
+    detail = "; ".join(record.short).split(" (")[0]
     return {"status": str(record.status), "detail": detail} | figures
 
 

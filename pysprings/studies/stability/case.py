@@ -30,16 +30,19 @@ class Case:
     path: Mapping[str, Any] = field(default_factory=lambda: _NOTHING)
     hard: bool = False
 
-    def scene(self, mesh: str, reach: float = REACH) -> Scene:
+    def scene(self, mesh: str, reach: float = REACH, discretisation: str = "hex8") -> Scene:
         """Return the scene of the case, pulled as far as ``reach`` (m) where the case sets no displacement of its own.
 
         Raises UserInputError or ValueError where the input is refused.
         """
+        from pysprings.scene.extent import PAPER
         from pysprings.scene.load import Scene
 
         coupled = self.changes.get("drainage", {}).get("mode", "drained") == "coupled"
         path = {"name": "path", "kind": "pull", "lateral_displacement": reach} | ({"rate": 0.05e-3} if coupled else {})
         path = {key: value for key, value in (path | dict(self.path)).items() if value is not None}
         output = {"interface_fields": False, "section": False, "figures": False}
-        given = {"title": self.what, "mesh": {"preset": mesh}, "output": output, "path": [path]}
-        return Scene.model_validate(given | {name: dict(values) for name, values in self.changes.items()})
+        given: dict[str, Any] = {"title": self.what, "domain": PAPER, "output": output, "path": [path]}
+        given["mesh"] = {"preset": mesh, "discretisation": discretisation}
+        changed = {name: given.get(name, {}) | dict(values) for name, values in self.changes.items()}
+        return Scene.model_validate(given | changed)

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, PyspringsError, UserInputError
 from pysprings.full_model.compute import compute
-from pysprings.full_model.run_record import RunRecord, Status
+from pysprings.full_model.run_record import RunRecord
 from pysprings.studies.stability.case import REACH, Case
 from pysprings.studies.stability.cases import CASES
 
@@ -117,11 +117,11 @@ def _refusal(error: UserInputError | ValidationError) -> str:
 
 def _ending(record: RunRecord) -> dict[str, Any]:
     """Return outcome and detail of a run that wrote a record."""
-    if record.status is Status.COMPLETE:
+    if record.reached:
         detail = "; ".join(record.warnings)
         return {"outcome": WARNED if detail else CONVERGED, "detail": detail}
     named = any(reason.explains for reason in record.reasons)
-    return {"outcome": STOPPED if named else UNEXPLAINED, "detail": "; ".join(record.failures)}
+    return {"outcome": STOPPED if named else UNEXPLAINED, "detail": "; ".join(record.short)}
 
 
 def _figures(record: RunRecord) -> dict[str, Any]:

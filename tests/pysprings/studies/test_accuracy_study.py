@@ -75,9 +75,9 @@ REACTIONS = {"H", "M", "p", "p_component", "m", "t", "H_tip", "M_tip", "H_lid", 
 def done(tmp_path_factory: pytest.TempPathFactory) -> Any:
     out = tmp_path_factory.mktemp("study") / "out"
     wanted = settings(MESHES, quick=True)
-    told: list[tuple[str, float, str]] = []
-    found = study.study(elastic(), out, wanted, lambda *each: told.append(each), run=invented)
-    return SimpleNamespace(out=out, found=found, told=told, settings=wanted)
+    noted: list[tuple[str, float, str]] = []
+    found = study.study(elastic(), out, wanted, lambda *each: noted.append(each), run=invented)
+    return SimpleNamespace(out=out, found=found, noted=noted, settings=wanted)
 
 
 def kept(done: Any, out: Path, but: tuple[str, ...] = ()) -> None:
@@ -124,7 +124,7 @@ def test_what_a_setting_changes_by_itself(done: Any, tmp_path: Path) -> None:
 
 
 def test_one_mesh_says_nothing_of_its_error(done: Any, tmp_path: Path) -> None:
-    """It would be its own reference, and exact: no error, no target, no presets; what a setting changes is told."""
+    """It would be its own reference, and exact: no error, no target, no presets; what a setting changes is noted."""
     kept(done, tmp_path)
     found = rows.assess(runs.run_all(elastic(), settings(["coarse"], quick=True), tmp_path, lambda *_: None, invented))
     assert found.table[["load_max_pct", "py_rms_pct"]].isna().all(axis=None)
@@ -151,6 +151,7 @@ def test_reference_is_told_by_quantity(done: Any) -> None:
     assert finest["load_max_pct"] == pytest.approx(done.found.uncertainty["pull"]["load_max"])
 
 
+@pytest.mark.slow
 def test_series_are_the_reference_and_bricks_beside_them(tmp_path: Path) -> None:
     """Invented soil: both discretisations tend to the same limit; each has an order of its own."""
     meshes = [*MESHES, "fourier-coarse:0.5@2", "fourier-coarse@2", "fourier-coarse:2@2"]
@@ -201,26 +202,27 @@ def test_files(done: Any) -> None:
 
 
 def test_progress_of_all_runs_grows_to_the_end(done: Any) -> None:
-    shares = [share for name, share, _ in done.told if name == "all runs"]
+    shares = [share for name, share, _ in done.noted if name == "all runs"]
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
-    assert done.told[:2] == [("warm-up-hex8", 0.0, "compiled code"), ("warm-up-hex8", 1.0, "")]
+    assert done.noted[:2] == [("warm-up-hex8", 0.0, "compiled code"), ("warm-up-hex8", 1.0, "")]
     names = [each.name for each in done.settings]
-    assert [each for each in done.told[2:] if each[0] != "all runs"] == [(name, 1.0, "done") for name in names]
+    assert [each for each in done.noted[2:] if each[0] != "all runs"] == [(name, 1.0, "done") for name in names]
     unknowns = [size_of(each.scene(runs.study_scene(elastic()))).unknowns for each in done.settings]
     assert len(shares) == 2 * len(names) and len(set(unknowns)) == 3
 
 
 def test_progress_of_a_run_with_two_paths() -> None:
-    told: list[tuple[str, float, str]] = []
-    whole = Whole({"a": 1.0, "b": 3.0}, lambda *each: told.append(each), paths=("pull", "push"))
+    noted: list[tuple[str, float, str]] = []
+    whole = Whole({"a": 1.0, "b": 3.0}, lambda *each: noted.append(each), paths=("pull", "push"))
     progress = whole.of("a")
     for path, share in (("mesh", 0.9), ("pull", 0.5), ("push", 0.5)):
         progress(path, share, "")
-    assert [share for name, share, _ in told if name == "a"] == pytest.approx([0.0, 0.25, 0.75])
-    assert [share for name, share, _ in told if name == "all runs"] == pytest.approx([0.0625, 0.1875])
+    assert [share for name, share, _ in noted if name == "a"] == pytest.approx([0.0, 0.25, 0.75])
+    assert [share for name, share, _ in noted if name == "all runs"] == pytest.approx([0.0625, 0.1875])
 
 
+@pytest.mark.slow
 def test_nothing_runs_twice_and_what_is_forgotten_runs_again(done: Any) -> None:
     ran: list[str] = []
 
@@ -241,8 +243,8 @@ def test_a_run_that_does_not_fit_is_a_row(done: Any, tmp_path: Path) -> None:
             raise ResourceError("the model needs 9 TB")
         if folder.name == "coarse-tolerance-1e-3":
             invented(scene, folder, progress)
-            told = {"status": "partial", "failures": ["path 'pull' stopped"]}
-            write_text(json.dumps(read_record(folder) | told), folder / "run.json")
+            noted = {"status": "partial", "failures": ["path 'pull' stopped"]}
+            write_text(json.dumps(read_record(folder) | noted), folder / "run.json")
             raise RunIncomplete("path 'pull' stopped")
 
     kept(done, tmp_path, but=("coarse-1.35", "coarse-tolerance-1e-3"))
@@ -308,6 +310,7 @@ def test_estimate_in_python_covers_the_difference_to_a_finer_mesh() -> None:
     assert "unit_s" not in json.loads(own.attrs["run_json"])["solver"]
 
 
+@pytest.mark.slow
 def test_the_command(done: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(child, "run_in_child", invented)
     file = tiny.write(elastic(), tmp_path / "scene.toml")
@@ -324,12 +327,13 @@ def test_the_command(done: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert command("accuracy", str(file), "--mesh", "huge").code == 2
 
 
+@pytest.mark.slow
 def test_a_process_of_its_own_hands_on_progress_and_errors(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_NUM_THREADS", "1")  # of the process: the other worker has the other core
-    told: list[str] = []
-    with pytest.raises(RunIncomplete, match="path 'storm' stopped"):
-        child.run_in_child(tiny.overloaded_scene(), tmp_path / "out", lambda path, *_: told.append(path))
-    assert "storm" in told
+    noted: list[str] = []
+    with pytest.raises(RunIncomplete, match="path 'pull' stopped"):
+        child.run_in_child(tiny.stuck_scene(), tmp_path / "out", lambda path, *_: noted.append(path))
+    assert "model" in noted
     assert read_record(tmp_path / "out")["solver"]["unit_s"] > 0.0
 
 
@@ -349,9 +353,9 @@ def test_what_the_process_of_a_run_says_comes_back(tmp_path: Path) -> None:
             patch.setattr(child, "run_here", run)
             patch.setattr(child.signal, "signal", lambda *_: None)
             child._work(elastic().model_dump(), tmp_path, theirs)
-        told: list[Any] = []
-        error = child._listen(mine, lambda *each: told.append(each))
-        assert told == [("pull", 0.5, "step 1")]
+        noted: list[Any] = []
+        error = child._listen(mine, lambda *each: noted.append(each))
+        assert noted == [("pull", 0.5, "step 1")]
         return error
 
     assert said(None) is None

@@ -52,23 +52,25 @@ def no_run(*_: Any, **__: Any) -> Any:
 
 
 def test_cases_are_the_papers() -> None:
-    told = {(case.rate, case.friction) for case in cases.CASES}
-    assert told == {(rate, mu) for rate in (None, 0.05e-3, 0.5e-3) for mu in (0.5, 0.0)}
+    noted = {(case.rate, case.friction) for case in cases.CASES}
+    assert noted == {(rate, mu) for rate in (None, 0.05e-3, 0.5e-3) for mu in (0.5, 0.0)}
     scene = cases.CASES[2].scene("paper")
     assert (scene.drainage.mode, scene.paths[0].rate, scene.paths[0].lateral_displacement) == ("coupled", 0.05e-3, 0.02)
     assert scene.soil == pysprings.Scene().soil
     assert 2.5e-3 in scene.paths[0].report_at
 
 
+@pytest.mark.slow
 def test_what_has_ended_is_not_run_again(
     done: Path, two: tuple[Case, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:  # fmt: skip
     monkeypatch.setattr(folder, "run_to_folder", no_run)
-    told: list[tuple[str, float, str]] = []
-    assert runs.run_all(done, "coarse", lambda *args: told.append(args), two) == []
-    assert told[-1][:2] == ("all runs", 1.0)
+    noted: list[tuple[str, float, str]] = []
+    assert runs.run_all(done, "coarse", lambda *args: noted.append(args), two) == []
+    assert noted[-1][:2] == ("all runs", 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changed", ["version", "scene", "files"])
 def test_another_version_or_scene_is_run_anew(
     done: Path, two: tuple[Case, ...], changed: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
@@ -88,6 +90,7 @@ def test_another_version_or_scene_is_run_anew(
         assert RunRecord.read(tmp_path) is None
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_goes_on(
     done: Path, two: tuple[Case, ...], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -127,6 +130,7 @@ def test_checkpoints_of_another_scene_are_no_hindrance(
     assert stored_runs.has_ended(tmp_path / stored_runs.RUNS / two[0].name, two[0].scene("coarse"))
 
 
+@pytest.mark.slow
 def test_a_run_that_stops_early_keeps_its_part_and_everything_says_so(
     two: tuple[Case, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -143,6 +147,7 @@ def test_a_run_that_stops_early_keeps_its_part_and_everything_says_so(
     assert study.read_claims(tmp_path)["verdict"].eq(UNKNOWN).sum() >= 9
 
 
+@pytest.mark.slow
 def test_a_study_writes_what_it_names(done: Path) -> None:
     for name in ("report.html", "claims.csv", "claims.md", figures.FOLDER, stored_runs.RUNS):
         assert (done / name).exists(), name
@@ -158,6 +163,7 @@ def test_a_study_writes_what_it_names(done: Path) -> None:
     assert "What decides them" not in report
 
 
+@pytest.mark.slow
 def test_the_command(done: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(study, "CASES", [tiny(cases.CASES[0]), tiny(cases.CASES[2])])
     kept: dict[str, Any] = {}
@@ -167,19 +173,20 @@ def test_the_command(done: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
         return ["slow: path 'pull' stopped"]
 
     monkeypatch.setattr(study, "study", keep)
-    told = command("paper", "--mesh", "coarse", "--out", str(done), "--json")
-    assert told.code == 3
-    found = json.loads(told.out)
+    noted = command("paper", "--mesh", "coarse", "--out", str(done), "--json")
+    assert noted.code == 3
+    found = json.loads(noted.out)
     assert len(found["claims"]) == 13
     assert found["stopped"] == ["slow: path 'pull' stopped"]
     assert kept == {"out": done, "mesh": "coarse", "sensitivity": None, "force": False}
-    told = command("paper", "--out", str(done), "--sensitivity", "--force")
-    assert "claims.csv" in told.out
+    noted = command("paper", "--out", str(done), "--sensitivity", "--force")
+    assert "claims.csv" in noted.out
     assert kept == {"out": done, "mesh": "medium", "sensitivity": "coarse", "force": True}
     (tmp_path / "file").touch()
     assert command("paper", "--out", str(tmp_path / "file")).code == 2
 
 
+@pytest.mark.slow
 def test_begin_anew(done: Path, two: tuple[Case, ...], tmp_path: Path) -> None:
     for name in ("run.json", "full_model.nc", "springs.nc"):
         place = tmp_path / stored_runs.RUNS / "drained" / name
@@ -196,17 +203,17 @@ def test_begin_anew(done: Path, two: tuple[Case, ...], tmp_path: Path) -> None:
 
 
 def test_progress_of_the_whole_and_the_time_left() -> None:
-    now, told = [0.0], []
-    whole = stored_runs.Whole({"a": 1.0, "b": 3.0}, lambda *args: told.append(args), clock=lambda: now[0])
+    now, noted = [0.0], []
+    whole = stored_runs.Whole({"a": 1.0, "b": 3.0}, lambda *args: noted.append(args), clock=lambda: now[0])
     whole.ended("a", worked=False)  # by an earlier call: takes part in the whole, not in the pace
     now[0] = 30.0
     whole.of("b")(cases.PATH, 0.1, "step 1")
-    assert told[-1] == ("all runs", pytest.approx(0.325), "about 4 min left")
+    assert noted[-1] == ("all runs", pytest.approx(0.325), "about 4 min left")
     now[0] = 150.0
     whole.of("b")(cases.PATH, 0.5, "step 5")
-    assert told[-1] == ("all runs", pytest.approx(0.625), "about 2 min left")
+    assert noted[-1] == ("all runs", pytest.approx(0.625), "about 2 min left")
     whole.ended("b", worked=True)
-    assert told[-1] == ("all runs", 1.0, "")
+    assert noted[-1] == ("all runs", 1.0, "")
 
 
 # ---------------------------------------------------------------- sensitivities
@@ -293,6 +300,7 @@ def test_the_conclusion_says_whether_any_reading_gives_all() -> None:
     assert "| a |" in page_text
 
 
+@pytest.mark.slow
 def test_the_report_shows_the_sensitivities(done: Path, two: tuple[Case, ...]) -> None:
     import pandas as pd
 

@@ -111,6 +111,7 @@ def test_cases_without_a_named_reason_end_the_command(tmp_path: Path, monkeypatc
     assert "0 converged, 0 warned, 0 stopped, 0 refused, 2 unexplained" in done.out
 
 
+@pytest.mark.slow
 def test_the_command_runs_cases_and_writes_table_and_picture(tmp_path: Path) -> None:
     given = [
         "stability",

@@ -13,13 +13,13 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from pysprings import Scene
 from pysprings.cli import accuracy
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.richardson import Reference
 from pysprings.full_model.accuracy.settings import settings
 from pysprings.full_model.run_record import RunRecord
+from pysprings.scene.sections import PAPER_PATH
 from pysprings.studies.accuracy import study
 from pysprings.studies.accuracy.picture import error_against_time
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
@@ -32,7 +32,7 @@ from pysprings.studies.stability import catalogue as stability_catalogue
 from pysprings.studies.stability import text as stability_text
 from pysprings.studies.stability.catalogue import OUTCOMES, Outcome, summary
 from pysprings.studies.stability.picture import catalogue
-from tests.support import stored, synthetic
+from tests.support import stored, synthetic, tiny
 from tests.support.drawn import describe, number
 from tests.support.files import Outline
 
@@ -58,7 +58,8 @@ def leaf(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-USUAL = dict(leaves(Scene().model_dump()))
+PAPER_SCENE = tiny.paper(paths=(PAPER_PATH,))
+USUAL = dict(leaves(PAPER_SCENE.model_dump()))
 
 
 def unusual(make: Any) -> str:
@@ -151,6 +152,7 @@ def test_claims_and_report_of_the_paper(runs: dict[str, paper_runs.Run], tmp_pat
     stored.compare(lines, TEXTS / "paper.txt", "the paper's study on the soil of tests/support/invented_soil.py")
 
 
+@pytest.mark.slow
 def test_pictures_of_the_paper(runs: dict[str, paper_runs.Run]) -> None:
     own = {name: run for name, run in runs.items()}
     drawn = [
@@ -236,8 +238,8 @@ def test_documents_of_the_accuracy_study(tmp_path: File, capsys: pytest.CaptureF
     lines = ["--- the terminal", capsys.readouterr().out.replace(str(tmp_path), "OUT")]
     lines += ["--- accuracy.md", to_markdown(found, {"scene": "made up", "seconds on": "a machine"}, "accuracy.png")]
     for name, made in (("accuracy.json", study.to_json), ("presets.json", study.presets)):
-        told = [(key, value) for key, value in leaves(made(Scene(), found)) if key.partition(".")[0] not in HEAD]
-        lines += [f"--- {name}", *(f"{key}: {value}" for key, value in told if not key.startswith("origin"))]
+        noted = [(key, value) for key, value in leaves(made(PAPER_SCENE, found)) if key.partition(".")[0] not in HEAD]
+        lines += [f"--- {name}", *(f"{key}: {value}" for key, value in noted if not key.startswith("origin"))]
     lines += ["--- accuracy.png", *describe(error_against_time(found.table, "made up $x$", [5.0, 1.0]))]
     lines += ["--- all settings", *map(str, settings(linear=["superlu", "other"], base_linear="superlu"))]
     stored.compare(lines, TEXTS / "accuracy.txt", "documents of an accuracy study that was made up")

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings capacity`: the full model pushed to failure in directions of H and M, the macro-model beside it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series
+from pysprings.cli.support import interruptible, print_json, print_table, quantities, refuse, to_stderr
+
+if TYPE_CHECKING:
+    from pysprings.macro.model import MacroModel
+    from pysprings.scene.model import Scene
+    from pysprings.studies.capacity.outcome import Capacity
+    from pysprings.studies.capacity.plan import Request
+
+
+def capacity(
+    scene: SceneFile,
+    vertical: Annotated[
+        list[str] | None,
+        typer.Option("--V", metavar="FORCE", help='vertical load, e.g. "3 MN", or balanced; may be repeated'),
+    ] = None,
+    directions: Annotated[int, typer.Option("--directions", metavar="N", help="directions of H and M")] = 8,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/capacity-SCENE]")
+    ] = None,
+    factor: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--factor",
+            metavar="FACTOR",
+            help="also with design strength: 1.25 on tan phi, c and su, or su=1.4; repeated",
+        ),
+    ] = None,
+    cases: Annotated[
+        Path | None, typer.Option("--cases", metavar="FILE", help="load cases to draw, with their utilisation")
+    ] = None,
+    springs: Annotated[
+        Path | None, typer.Option("--springs", metavar="RESULT", help="springs beside it, instead of rays of their own")
+    ] = None,
+    macro: Annotated[bool, typer.Option("--macro/--no-macro", help="set the macro-model beside it")] = True,
+    mesh: Mesh = None,
+    discretisation: Series = None,
+    changes: Changes = None,
+    force: Annotated[bool, typer.Option("--force", help="repeat every run")] = False,
+    as_json: Json = False,
+) -> None:
+    """Push the full model to failure in directions of H and M at given V: the envelope, with nothing fitted.
+
+    Runs that have ended in DIR are not run again; interrupted ones go on. Series where the scene allows.
+    """
+    from pysprings.cli.folders import refuse_no_folder
+    from pysprings.core.progress import reporter
+    from pysprings.results.tables.load_cases import read_load_cases
+    from pysprings.scene.load import load_scene
+    from pysprings.studies.capacity import study
+
+    folder = out or Path("out") / f"capacity-{scene.stem}"
+    refuse_no_folder(folder)
+    read = load_scene(scene, changes or ())
+    request = _request(read, vertical or [], directions, macro and springs is None, factor or [])
+    given = None if cases is None else read_load_cases(cases)
+    model = None if springs is None or not macro else _model(springs)
+    chosen = study.scene_of(read, mesh, discretisation)
+    try:
+        with interruptible(), reporter(sys.stderr) as progress:
+            outcome = study.study(chosen, folder, request, progress, model, given, force)
+    except KeyboardInterrupt:
+        to_stderr(f"what has run is kept in {folder}; the same command goes on")
+        raise
+    if as_json:
+        print_json({"folder": str(folder), **study.to_json(outcome)})
+    else:
+        _print(folder, outcome)
+    for text in outcome.remarks:
+        to_stderr(f"warning: {text}")
+
+
+def _request(scene: Scene, loads: list[str], directions: int, rays: bool, factors: list[str]) -> Request:
+    """Return what is asked for; refuse what is no vertical load, number of directions or factor."""
+    from pysprings.scene.design_strength import StrengthFactors
+    from pysprings.studies.capacity.plan import Request
+
+    word = "balanced"
+    texts = [text for text in loads if text.strip() != word]
+    values = quantities({f"--V {text}": (text, "N", "3 MN") for text in texts})
+    asked = [word if text.strip() == word else values[f"--V {text}"] for text in loads]
+    known = [each for each in asked if each is not None] or [scene.caisson.vertical_load]
+    return Request(tuple(known), directions, rays, StrengthFactors.read(factors))
+
+
+def _model(springs: Path) -> MacroModel:
+    from pysprings.cli.inputs import springs_or_table
+    from pysprings.macro.model import MacroModel
+
+    if not springs.exists():
+        refuse("--springs", "no such file or folder", springs)
+    return MacroModel.from_springs(springs_or_table(springs, None))
+
+
+def _print(folder: Path, outcome: Capacity) -> None:
+    from pysprings.studies.capacity import study, text
+
+    heads, cells = text.cells(outcome.table)
+    print_table(heads, cells, [head in ("strength", "criterion") for head in heads])
+    print(f"\n{text.criteria(outcome)}")
+    if outcome.cases is not None:
+        print()
+        left = [head in ("case", "limit state", "strength", "") for head in text.CASE_HEADS]
+        print_table(text.CASE_HEADS, text.case_cells(outcome.cases), left)
+    if closing := text.closing(outcome.table):
+        print(f"\n{closing}")
+    print()
+    for name, meaning in study.FILES.items():
+        if (folder / name).exists():
+            print(f"{folder / name}: {meaning}")

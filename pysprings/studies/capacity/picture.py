@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: MIT
+"""The envelopes in the plane of H and M: full model, macro-model, load cases."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION, new_figure, plain, styled, zero_lines
+from pysprings.studies.capacity.envelope import closed
+from pysprings.studies.capacity.plan import CHARACTERISTIC
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pysprings.scene.model import Scene
+
+_WIDTH = 5.6  # inch of a panel
+
+
+@styled
+def envelopes(table: pd.DataFrame, scene: Scene, cases: pd.DataFrame | None = None) -> Figure:
+    """Draw a panel for each vertical load: full model (line and dots), macro-model (crosses), load cases (squares).
+
+    An open dot is a run that stopped before failure: the capacity is further out. The lower half of the plane is the
+    mirror image of the upper one.
+    """
+    loads = table["V_N"].drop_duplicates().tolist()
+    figure = new_figure(1.2 + _WIDTH * len(loads), 5.4)
+    for axes, load in zip(np.atleast_1d(figure.subplots(1, len(loads), squeeze=False)[0]), loads, strict=True):
+        own = table[table["V_N"] == load]
+        for strength, part in own.groupby("strength", sort=False):
+            _envelope(axes, part, str(strength))
+        if cases is not None:
+            _cases(axes, cases[cases["V_of_envelope_N"] == load].drop_duplicates("name"))
+        axes.set_title(f"V = {MN * load:.3g} MN")
+        axes.set_xlabel("H [MN]")
+        axes.set_ylabel("M about the lid centre at mudline [MN m]")
+        zero_lines(axes)
+        axes.legend(loc="upper left")
+    figure.suptitle(plain(f"Capacity: {scene.title}"))
+    return figure
+
+
+def _envelope(axes: Axes, part: pd.DataFrame, strength: str) -> None:
+    characteristic = strength == CHARACTERISTIC
+    colour = BLUE if characteristic else GREEN
+    ring = closed(part)
+    H, M = (np.concatenate([ring[name], -ring[name].iloc[1:]]) for name in ("H_N", "M_Nm"))
+    axes.plot(MN * H, MN * M, color=colour, linewidth=1.2, label=f"full model, {strength} strength", zorder=2)
+    for known, face in ((1, colour), (0, "white")):
+        dots = part[part["is_capacity"] == known]
+        label = "" if known else "stopped before failure: capacity is larger"
+        axes.plot(
+            MN * dots["H_N"], MN * dots["M_Nm"], "o", color=colour, markerfacecolor=face, markersize=6, zorder=3,
+            label=label if len(dots) and label else None,
+        )  # fmt: skip
+    for end, mark in (("range", "v"), ("", "x")):
+        springs = part[part["H_macro_N"].notna() & (part["criterion_macro"].str.contains("range") == bool(end))]
+        if len(springs):
+            words = "macro-model, end of its range" if end else f"macro-model, {strength} strength"
+            across, along = MN * springs["H_macro_N"], MN * springs["M_macro_Nm"]
+            axes.plot(
+                across, along, mark, color=VERMILLION if characteristic else GREY, linestyle="none", markersize=7,
+                markeredgewidth=1.6, label=words, zorder=4,
+            )  # fmt: skip
+
+
+def _cases(axes: Axes, cases: pd.DataFrame) -> None:
+    if not len(cases):
+        return
+    axes.plot(MN * cases["H_N"], MN * cases["M_Nm"], "s", color=INK, markersize=5, linestyle="none", label="load cases")
+    for row in cases.to_dict("records"):
+        place = (MN * row["H_N"], MN * row["M_Nm"])
+        axes.annotate(plain(row["name"]), place, textcoords="offset points", xytext=(6, 2), fontsize=8)

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: MIT
+"""The runs of a capacity study: probes in directions of the load, and rays for the springs, by V and strength (light).
+
+Directions are angles in the plane of H and M/D. Springs and full model are odd in a lateral load, so that half of the
+plane is enough: from -90 degrees (a moment as by a load above mudline) over 0 (a force at mudline) towards +90.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from pysprings.core.errors import refused
+from pysprings.scene.design_strength import StrengthFactors, with_design_strength
+from pysprings.scene.model import Scene
+
+CHARACTERISTIC, DESIGN = "characteristic", "design"
+FEWEST, MOST = 2, 72
+PROBE = "probe"
+# Angles of the rays [deg] in the plane of (u, rotation * skirt length). Under a free head the caisson turns about a
+# point in the skirt or below it (-80 to -25 degrees); there a small change of the motion turns the load by much.
+RAYS = (-80.0, -70.0, -62.0, -56.0, -50.0, -44.0, -36.0, -25.0, 0.0, 25.0, 55.0, 90.0)
+# Rays reach further than the limit of motion in their direction, so that the states between two rays are in range
+_SPARE = 1.02
+# Directions that are compared when reaching for the limit between two rays
+_BETWEEN = 33
+_OUTPUT = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked for: vertical loads [N] or "balanced", number of directions, rays or none, factors on strength."""
+
+    loads: tuple[float | str, ...]
+    directions: int = 8
+    rays: bool = True
+    factors: StrengthFactors = field(default_factory=StrengthFactors)
+
+    def __post_init__(self) -> None:
+        if not FEWEST <= self.directions <= MOST:
+            raise refused("--directions", f"{self.directions} is not in [{FEWEST}, {MOST}]")
+
+
+@dataclass(frozen=True)
+class Group:
+    """Runs at one vertical load (N, or "balanced") and one strength."""
+
+    strength: str
+    load: float | str
+    scene: Scene
+
+    @property
+    def name(self) -> str:
+        """Name of the group in folders."""
+        load = self.load if isinstance(self.load, str) else f"V{1e-3 * self.load:.6g}kN"
+        return f"{self.strength}-{load}"
+
+    def probe_name(self, angle: float) -> str:
+        """Return the name of the run in a direction [rad]."""
+        return f"{self.name}-{math.degrees(angle):+.4g}deg"
+
+    def probe(self, angle: float) -> Scene:
+        """Return the scene that pushes the caisson to failure in a direction [rad]."""
+        diameter = self.scene.caisson.outer_diameter
+        shift, turn = motion_limit(self.scene)
+        reach = shift * abs(math.cos(angle)) + turn * diameter * abs(math.sin(angle))
+        path = {"name": PROBE, "kind": PROBE, "load_angle": angle, "lateral_displacement": reach, "role": "held-back"}
+        return self._with_paths([path])
+
+    @property
+    def rays_name(self) -> str:
+        """Name of the run that makes the springs."""
+        return f"{self.name}-rays"
+
+    def rays(self) -> Scene:
+        """Return the scene with the rays that the springs are made from."""
+        length = self.scene.caisson.skirt_length
+        degrees = [RAYS[-1] - 180.0, *RAYS, RAYS[0] + 180.0]
+        paths = []
+        for before, degree, behind in zip(degrees, degrees[1:], degrees[2:], strict=False):
+            angle = math.radians(degree)
+            rho = self._reach_of_ray(math.radians(before), math.radians(behind))
+            u, turn = rho * math.cos(angle), rho * math.sin(angle) / length
+            name = f"ray_{'minus_' if degree < 0.0 else ''}{abs(degree):g}"
+            if abs(degree) == 90.0:
+                paths.append({"name": name, "kind": "rotation", "rotation": turn})
+            else:
+                moved = {"name": name, "kind": "translation", "lateral_displacement": u}
+                paths.append(moved | ({"rotation": turn} if degree else {}))
+        return self._with_paths(paths)
+
+    def _reach_of_ray(self, low: float, high: float) -> float:
+        """Return rho [m] of a ray, such that no state at the limit of motion between its neighbours is further."""
+        return _SPARE * max(self._limit(low + (high - low) * k / (_BETWEEN - 1)) for k in range(_BETWEEN))
+
+    def _limit(self, angle: float) -> float:
+        """Return rho [m] at the limit of motion in a direction of (u, rotation * skirt length)."""
+        shift, turn = motion_limit(self.scene)
+        u, v = math.cos(angle), math.sin(angle)
+        lateral = max(abs(u), abs(u + v)) / shift
+        return 1.0 / max(lateral, abs(v) / (turn * self.scene.caisson.skirt_length))
+
+    def _with_paths(self, paths: Sequence[dict[str, Any]]) -> Scene:
+        loaded = [path | {"vertical_load": self.load} for path in paths]
+        return self.scene.replace(paths=loaded, output=_OUTPUT)
+
+
+def motion_limit(scene: Scene) -> tuple[float, float]:
+    """Return the displacement [m] and the rotation [rad] that end a path to failure."""
+    limit = scene.limit
+    return limit.displacement_over_diameter * scene.caisson.outer_diameter, limit.rotation
+
+
+def angles(count: int) -> list[float]:
+    """Return directions [rad] of half the plane, -90 degrees first."""
+    return [math.pi * (k / count - 0.5) for k in range(count)]
+
+
+def groups(scene: Scene, request: Request) -> Iterator[Group]:
+    """Yield the groups of a study: every vertical load with the strength of the scene, then with design strength."""
+    strengths = [(CHARACTERISTIC, scene)]
+    if request.factors != StrengthFactors():
+        strengths.append((DESIGN, with_design_strength(scene, request.factors)))
+    seen = set()
+    for strength, each in strengths:
+        for load in request.loads:
+            group = Group(strength, load, each)
+            if group.name not in seen:
+                seen.add(group.name)
+                yield group

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: MIT
+"""The capacity in one direction, from the load-displacement curve of a probe of the full model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from pysprings.full_model.displacement_limit import DisplacementLimit
+
+if TYPE_CHECKING:
+    from pysprings.full_model.run_record import RunRecord
+    from pysprings.scene.model import Scene
+
+Array = NDArray[np.float64]
+
+PEAK = 1e-3  # share by which the largest load is above the last one
+PLATEAU = 0.02  # growth of the load over that of the conjugate displacement, both relative, below which it is a plateau
+
+
+class Criterion(StrEnum):
+    """What makes a load the capacity."""
+
+    PEAK = "peak"
+    PLATEAU = "plateau"
+    MOTION = "displacement limit"
+    NONE = "stopped before failure"
+
+
+@dataclass(frozen=True)
+class Point:
+    """The largest load of a probe of the full model and its state (SI).
+
+    Attributes
+    ----------
+    angle : direction [rad] in the plane of H and M/D.
+    H, V, M, u, w, rotation : at the largest load.
+    rest_load : V [N] at the start; the vertical load of a probe is met to the tolerance of the solver.
+    criterion : what makes it the capacity; where it is `Criterion.NONE`, the capacity is larger.
+    growth : relative growth of the load over that of the conjugate displacement at the end; 1 in a linear response.
+    moved : share of the limit of motion at the largest load.
+    why : reason of a probe that stopped.
+    """
+
+    angle: float
+    rest_load: float
+    H: float
+    V: float
+    M: float
+    u: float
+    w: float
+    rotation: float
+    criterion: Criterion
+    growth: float
+    moved: float
+    why: str = ""
+
+    @property
+    def is_capacity(self) -> bool:
+        """True where the probe came to failure."""
+        return self.criterion is not Criterion.NONE
+
+
+_MET = 1e-6  # the limit is met to rounding where it is imposed
+COLUMNS = {"u": "u_m", "w": "w_m", "rotation": "rotation_rad", "H": "H_N", "V": "V_N", "M": "M_Nm"}
+
+
+def point_of(folder: Path, record: RunRecord | None, scene: Scene, angle: float) -> Point | None:
+    """Return the capacity of a probe that ended in a folder; None where no step of it converged."""
+    file = folder / "load_displacement.csv"
+    if record is None or not file.exists():
+        return None
+    frame = pd.read_csv(file)
+    frame = frame[frame["converged"] == 1]
+    if len(frame) < 2:
+        return None
+    states = frame[[*COLUMNS.values()]].to_numpy(dtype=float)
+    return assess(states, scene, angle, "; ".join(record.failures))
+
+
+def assess(states: Array, scene: Scene, angle: float, why: str = "") -> Point:
+    """Return the capacity from states (n, 6) = (u, w, rotation, H, V, M), the initial one first."""
+    diameter = scene.caisson.outer_diameter
+    limit, rest = DisplacementLimit.of(scene, float(states[0, 1])), float(states[0, 4])
+    moved = np.array([limit.share(state[:3]) for state in states])
+    along = np.array([np.cos(angle), diameter * np.sin(angle)])
+    over = np.flatnonzero(moved >= 1.0 - _MET)
+    ended = bool(over.size)
+    if ended:  # the state at the limit itself, between the last two
+        last = int(over[0])
+        share = (1.0 - moved[last - 1]) / (moved[last] - moved[last - 1])
+        edge = states[last - 1] + share * (states[last] - states[last - 1])
+        states = np.vstack([states[:last], edge])
+        moved = np.append(moved[:last], 1.0)
+    load = states[:, 3] * np.cos(angle) + states[:, 5] / diameter * np.sin(angle)
+    path = states[:, [0, 2]] @ along
+    growth = float(np.diff(load)[-1] / np.diff(path)[-1] * path[-1] / load[-1])
+    best = int(np.argmax(load))
+    if load[best] > (1.0 + PEAK) * load[-1]:
+        criterion = Criterion.PEAK
+    elif growth < PLATEAU:
+        criterion = Criterion.PLATEAU
+    else:
+        criterion = Criterion.MOTION if ended else Criterion.NONE
+    u, w, rotation, H, V, M = states[best].tolist()
+    return Point(angle, rest, H, V, M, u, w, rotation, criterion, growth, float(moved[best]), "" if ended else why)

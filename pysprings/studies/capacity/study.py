@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: MIT
+"""The whole study in a folder: runs, envelope of both models, tables, picture, page."""
+
+from __future__ import annotations
+
+import math
+import os
+import warnings
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from pysprings.core import version
+from pysprings.core.errors import PyspringsError
+from pysprings.core.files.lock import exclusive, new_folder
+from pysprings.core.files.storage import read_tree, remove_leftovers, write_text
+from pysprings.core.files.written import own_folder
+from pysprings.core.text import json_text
+from pysprings.core.words import RANGE_END
+from pysprings.full_model.displacement_limit import DisplacementLimit
+from pysprings.macro.capacity import capacities
+from pysprings.macro.model import MacroModel
+from pysprings.results.exporters.csv import write_frame
+from pysprings.springs.path import SpringPath
+from pysprings.springs.springs import Springs
+from pysprings.studies.capacity import plan, runs
+from pysprings.studies.capacity.envelope import utilisation
+from pysprings.studies.capacity.outcome import Capacity
+from pysprings.studies.capacity.points import Point
+from pysprings.studies.stored_runs import RUNS
+
+if TYPE_CHECKING:
+    from pysprings.core.progress import Progress
+    from pysprings.results.tables.load_cases import LoadCases
+    from pysprings.scene.model import Scene
+
+_ENOUGH = 0.75  # share of the limit of motion to which a ray must lead
+SCHEMA = "pysprings-capacity-1"
+FILES = {
+    "report.html": "page with envelope and tables: open it in a browser",
+    "capacity.csv": "capacity by direction, vertical load and strength; the macro-model's beside it",
+    "cases.csv": "utilisation of the load cases",
+    "capacity.json": "everything as JSON",
+    "capacity.png": "envelopes of both models, with the load cases",
+    "capacity.svg": "the same",
+    RUNS: "the runs, each with its own report",
+}
+
+
+def scene_of(scene: Scene, mesh: str | None = None, discretisation: str | None = None) -> Scene:
+    """Return the scene of a study: another mesh or discretisation; Fourier series where the scene allows them."""
+    from pysprings.full_model.accuracy.presets import carries_series
+
+    if discretisation is None and carries_series(scene):
+        discretisation = "fourier"
+    changed: dict[str, Any] = {"preset": mesh or scene.mesh.preset}
+    if discretisation not in (None, scene.mesh.discretisation):
+        changed |= {"discretisation": discretisation, "azimuth": None, "harmonics": None}
+    return scene.replace(mesh=changed)
+
+
+def study(
+    scene: Scene, out: Path, request: plan.Request, report: Progress, springs: MacroModel | None = None,
+    cases: LoadCases | None = None, force: bool = False,
+) -> Capacity:  # fmt: skip
+    """Run what has not ended yet, assess it and write everything; return the capacities.
+
+    springs : a model whose envelope stands beside that of the full model, instead of one from rays. force : have every
+    run made again.
+    """
+    groups = list(plan.groups(scene, request))
+    every = runs.planned(groups, request)
+    with new_folder(out), exclusive(out):
+        remove_leftovers(out, own_folder(out, RUNS))
+        if force:
+            runs.forget_all(every, out)
+        outcome = assess(scene, request, runs.run_all(every, out, report), springs, cases)
+        write(out, outcome)
+    return outcome
+
+
+def assess(
+    scene: Scene, request: plan.Request, ended: Sequence[runs.Ended], springs: MacroModel | None = None,
+    cases: LoadCases | None = None,
+) -> Capacity:  # fmt: skip
+    """Return the capacities of ended runs."""
+    rows, remarks = [], []
+    for group in dict.fromkeys(each.planned.group.name for each in ended):
+        own = [each for each in ended if each.planned.group.name == group]
+        model, why = (springs, "") if springs is not None else _model_of(own)
+        load = _load_of(own)
+        remarks += [f"{group}: {why}"] if why else []
+        for each in own:
+            if each.planned.angle is None:
+                continue
+            point = each.point
+            if point is None:
+                remarks.append(f"{each.planned.name}: {each.why or 'no step converged'}")
+                continue
+            remarks += [f"{each.planned.name}: {point.why}"] if point.why else []
+            rows.append(_row(each.planned, point, model) | {"V_N": load})
+    table = pd.DataFrame(rows)
+    used = None if cases is None or table.empty else utilisation(table, cases)
+    return Capacity(scene, request, table, used, tuple(remarks))
+
+
+def _load_of(ended: Iterable[runs.Ended]) -> float:
+    """Return the vertical load [N] of a group: the given one, or that of the first probe at its start."""
+    for each in ended:
+        if not isinstance(each.planned.group.load, str):
+            return each.planned.group.load
+        if each.point is not None:
+            return each.point.rest_load
+    return math.nan
+
+
+def _model_of(ended: Iterable[runs.Ended]) -> tuple[MacroModel | None, str]:
+    """Return the macro-model on the rays of a group; None, with the reason, where there is none."""
+    rays = next((each for each in ended if each.planned.angle is None), None)
+    if rays is None:
+        return None, ""
+    try:
+        springs = Springs.of(read_tree(rays.folder / "springs.nc"))
+        short = [name for name, path in springs.paths.items() if _is_short(path, rays.planned.scene)]
+        left = [path for name, path in springs.paths.items() if name not in short]
+        model = MacroModel.from_springs(springs.with_paths(left), "fan")
+    except (PyspringsError, OSError) as error:
+        return None, f"no springs from the rays ({error})"
+    omitted = f"; left out, because they stopped early: {', '.join(short)}" if short else ""
+    return model, f"rays for the springs: {rays.why}{omitted}" if rays.why else ""
+
+
+def _is_short(path: SpringPath, scene: Scene) -> bool:
+    """Return whether a ray stopped so early that it would bend the interpolation beside it where the others go on."""
+    limit = DisplacementLimit.of(scene, float(path.w[0]))
+    moved = limit.share(np.array([path.u[-1], path.w[0], path.rotation[-1]]))
+    return path.end.failed and moved < _ENOUGH
+
+
+def _row(planned: runs.Planned, point: Point, model: MacroModel | None) -> dict[str, Any]:
+    """Return one row of the table."""
+    diameter = planned.scene.caisson.outer_diameter
+    size = point.H * math.cos(point.angle) + point.M / diameter * math.sin(point.angle)
+    row: dict[str, Any] = {
+        "strength": planned.group.strength,
+        "vertical_load": planned.group.load if isinstance(planned.group.load, str) else "given",
+        "V_N": point.V,
+        "direction_deg": math.degrees(point.angle),
+        "H_N": point.H,
+        "M_Nm": point.M,
+        "size_N": size,
+        "criterion": str(point.criterion),
+        "is_capacity": int(point.is_capacity),
+        "u_m": point.u,
+        "w_m": point.w,
+        "rotation_rad": point.rotation,
+        "growth": point.growth,
+        "moved": point.moved,
+    }
+    return row | _beside(point, size, model, diameter) | {"run": planned.name}
+
+
+def _beside(point: Point, size: float, model: MacroModel | None, diameter: float) -> dict[str, Any]:
+    """Return the capacity of the macro-model in the direction of a point, and its difference where both are known."""
+    if model is None:
+        return {"H_macro_N": np.nan, "M_macro_Nm": np.nan, "criterion_macro": "", "difference_pct": np.nan}
+    along = np.array([[math.cos(point.angle), diameter * math.sin(point.angle)]])
+    found = capacities(model, along * size)
+    kind, difference = str(found.kind[0]), 100.0 * (1.0 / float(found.utilisation[0]) - 1.0)
+    return {
+        "H_macro_N": float(found.H[0]),
+        "M_macro_Nm": float(found.M[0]),
+        "criterion_macro": kind,
+        "difference_pct": difference if point.is_capacity and kind != RANGE_END else np.nan,
+    }
+
+
+def to_json(outcome: Capacity) -> dict[str, Any]:
+    """Return everything that was found, in SI; numbers that are not there are null."""
+    return {
+        "schema": SCHEMA,
+        "version": version.__version__,
+        "scene": outcome.scene.title,
+        "scene_sha256": outcome.scene.sha256,
+        "factors": str(outcome.request.factors),
+        "rows": records(outcome.table),
+        "cases": None if outcome.cases is None else records(outcome.cases),
+        "remarks": list(outcome.remarks),
+    }
+
+
+def records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return the rows of a table, None for numbers that are not there."""
+    return [
+        {str(k): v for k, v in row.items()}
+        for row in table.astype(object).where(table.notna(), None).to_dict("records")
+    ]
+
+
+def write(out: str | os.PathLike[str], outcome: Capacity) -> None:
+    """Write tables, picture and page of a study."""
+    from pysprings.results.plots.files import save
+    from pysprings.studies.capacity import page
+    from pysprings.studies.capacity.picture import envelopes
+
+    folder = Path(out)
+    write_frame(outcome.table, folder / "capacity.csv")
+    if outcome.cases is not None:
+        write_frame(outcome.cases, folder / "cases.csv")
+    else:
+        (folder / "cases.csv").unlink(missing_ok=True)
+    write_text(json_text(to_json(outcome), indent=1) + "\n", folder / "capacity.json")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        if len(outcome.table):
+            save(envelopes(outcome.table, outcome.scene, outcome.cases), folder / "capacity", dpi=110)
+    page.write(folder, outcome)

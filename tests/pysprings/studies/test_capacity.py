@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""The capacity study: its runs, the criterion of failure, chords of the envelope, files, and a run that goes on."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.results.tables.load_cases import read_load_cases
+from pysprings.scene.design_strength import StrengthFactors
+from pysprings.studies.capacity import plan, runs, study, text
+from pysprings.studies.capacity.envelope import utilisation
+from pysprings.studies.capacity.outcome import Capacity
+from pysprings.studies.capacity.picture import envelopes
+from pysprings.studies.capacity.points import Criterion, assess
+from tests.support import tiny
+from tests.support.commands import command
+
+SCENE = tiny.scene()
+D, L = SCENE.caisson.outer_diameter, SCENE.caisson.skirt_length
+
+
+def group(load: float | str = 1e6) -> plan.Group:
+    return plan.Group(plan.CHARACTERISTIC, load, SCENE)
+
+
+def test_directions_fill_half_the_plane() -> None:
+    np.testing.assert_allclose(np.degrees(plan.angles(8)), [-90, -67.5, -45, -22.5, 0, 22.5, 45, 67.5])
+    with pytest.raises(UserInputError, match=r"--directions: 1 is not in \[2, 72\]"):
+        plan.Request((1e6,), directions=1)
+
+
+def test_groups_are_loads_by_strengths() -> None:
+    request = plan.Request(("balanced", 2e6, 2e6), factors=StrengthFactors(tan_phi=1.25))
+    names = [each.name for each in plan.groups(SCENE, request)]
+    assert names == ["characteristic-balanced", "characteristic-V2000kN", "design-balanced", "design-V2000kN"]
+
+
+@pytest.mark.parametrize("angle", [-math.pi / 2, -0.3, 0.0, 1.2])
+def test_probes_reach_the_limit_of_motion(angle: float) -> None:
+    """No motion within 10 % of D and 5 degrees has a larger conjugate displacement than that imposed."""
+    (path,) = group().probe(angle).paths
+    assert (path.kind, path.vertical_load, path.load_angle) == ("probe", 1e6, angle)
+    u, turn = 0.1 * D * np.sign(math.cos(angle)), math.radians(5.0) * np.sign(math.sin(angle))
+    assert path.lateral_displacement == pytest.approx(u * math.cos(angle) + turn * D * math.sin(angle))
+
+
+def test_rays_cover_the_limit_of_motion() -> None:
+    """At the limit of motion in any direction rho is within the range of both rays beside it."""
+    paths = group().rays().paths
+    assert len(paths) == len(plan.RAYS)
+    ends = [(each.lateral_displacement or 0.0, (each.rotation or 0.0) * L) for each in paths]
+    angle = np.array([math.atan2(v, u) for u, v in ends])
+    rho = np.array([math.hypot(u, v) for u, v in ends])
+    np.testing.assert_allclose(np.degrees(angle), plan.RAYS)
+    for degrees in np.linspace(-89.9, 89.9, 181):
+        u, v = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+        at_limit = 1.0 / max(abs(u) / (0.1 * D), abs(u + v) / (0.1 * D), abs(v) / L / math.radians(5.0))
+        above = int(np.searchsorted(angle, math.radians(degrees)))
+        beside = [rho[above - 1], rho[above % len(rho)]]  # above the last ray is the mirror image of the first
+        assert min(beside) > at_limit, degrees
+
+
+def curve(load: np.ndarray, motion: np.ndarray) -> np.ndarray:
+    """Return states of a push in the direction of H."""
+    zero = np.zeros_like(load)
+    return np.stack([motion, zero, zero, load, zero + 1e6, zero], axis=1)
+
+
+def test_criteria_of_failure() -> None:
+    """Peak, plateau, load at the limit of motion (interpolated there), and a run that stopped before."""
+    u = np.linspace(0.0, 0.12 * D, 13)
+    peak = assess(curve(np.where(u < 0.05 * D, u, 0.08 * D - 0.6 * u) * 1e6, u), SCENE, 0.0)
+    assert peak.criterion is Criterion.PEAK and peak.moved < 1.0
+    plateau = assess(curve(1e6 * np.tanh(40.0 * u / D), u), SCENE, 0.0)
+    assert plateau.criterion is Criterion.PLATEAU and pytest.approx(1e6, rel=1e-2) == plateau.H
+    rising = assess(curve(1e6 * u, u), SCENE, 0.0)
+    assert rising.criterion is Criterion.MOTION
+    assert (rising.u, rising.H, rising.growth) == pytest.approx((0.1 * D, 0.1 * D * 1e6, 1.0))
+    stopped = assess(curve(1e6 * u[:5], u[:5]), SCENE, 0.0, "localisation")
+    assert (stopped.criterion, stopped.is_capacity, stopped.why) == (Criterion.NONE, False, "localisation")
+
+
+def circle(count: int = 8, known: bool = True) -> pd.DataFrame:
+    """Return an envelope of radius 1 MN in H and 2 MN m in M, at V = 1 MN."""
+    angle = np.array(plan.angles(count))
+    return pd.DataFrame({
+        "strength": "characteristic", "vertical_load": "given", "V_N": 1e6, "direction_deg": np.degrees(angle),
+        "H_N": 1e6 * np.cos(angle), "M_Nm": 2e6 * np.sin(angle), "size_N": 1e6, "criterion": "displacement limit",
+        "is_capacity": int(known), "u_m": 0.1, "w_m": 0.0, "rotation_rad": -0.01, "growth": 0.1, "moved": 1.0,
+        "H_macro_N": 0.98e6 * np.cos(angle), "M_macro_Nm": 1.96e6 * np.sin(angle),
+        "criterion_macro": "largest motion", "difference_pct": -2.0, "run": "run",
+    })  # fmt: skip
+
+
+def cases_file(folder: Path) -> Path:
+    file = folder / "cases.csv"
+    rows = ["on,1000,0,1000", "half,-500,0,", "moment,0,1000,1000", "outside,1000,-2000,1000", "other V,500,0,2000"]
+    file.write_text("\n".join(["name,H [kN],M [kN m],V [kN]", *rows]) + "\n", encoding="utf-8")
+    return file
+
+
+def test_utilisation_by_chords(tmp_path: Path) -> None:
+    cases = read_load_cases(cases_file(tmp_path))
+    found = utilisation(circle(), cases).set_index("name")
+    assert found["utilisation"]["on"] == pytest.approx(1.0)
+    assert found["utilisation"]["half"] == pytest.approx(0.5)
+    assert found["utilisation"]["moment"] == pytest.approx(0.5)
+    chord = math.cos(math.pi / 16)  # half way between two directions of the unit circle, or a point of it
+    assert found["utilisation"]["outside"] == pytest.approx(math.sqrt(2.0), rel=1.0 - chord)
+    assert np.isnan(found["utilisation"]["other V"]) and found["off_load"]["other V"] == 1
+    assert found["H_capacity_N"]["half"] == pytest.approx(-1e6)
+    assert utilisation(circle(known=False), cases)["upper_bound"].all()
+
+
+def test_files_and_words(tmp_path: Path) -> None:
+    table = circle()
+    used = utilisation(table, read_load_cases(cases_file(tmp_path)))
+    outcome = Capacity(SCENE, plan.Request((1e6,)), table, used, ("a ray stopped",))
+    study.write(tmp_path, outcome)
+    written = pd.read_csv(tmp_path / "capacity.csv")
+    np.testing.assert_allclose(written["H_N"], table["H_N"], atol=1e-3)
+    data = json.loads((tmp_path / "capacity.json").read_text())
+    assert len(data["rows"]) == 8 and data["remarks"] == ["a ray stopped"] and len(data["cases"]) == 5
+    page = (tmp_path / "report.html").read_text()
+    assert "a ray stopped" in page and "10 % of the diameter or 5 deg" in page and "no envelope at this V" in page
+    assert text.closing(table) == "macro-model against full model in 8 of 8 directions: -2.0 to -2.0 %"
+    axes = envelopes(table, SCENE, outcome.cases).axes
+    labels = axes[0].get_legend_handles_labels()[1]
+    assert labels == ["full model, characteristic strength", "macro-model, characteristic strength", "load cases"]
+
+
+@pytest.mark.slow
+def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
+    """Two directions; a third call runs nothing; other directions run beside those that are there."""
+    limit = {"displacement_over_diameter": 0.001, "rotation": math.radians(0.05)}
+    scene = tiny.scene(limit=limit)
+    file = tiny.write(scene, tmp_path / "tiny.toml")
+    arguments = ("capacity", file, "--V", "1 MN", "--no-macro", "--discretisation", "hex8", "--out", tmp_path / "out")
+    done = command(*arguments, "--directions", "2", "--json")
+    assert done.code == 0, done.err
+    rows = json.loads(done.out)["rows"]
+    assert [row["direction_deg"] for row in rows] == pytest.approx([-90.0, 0.0])
+    assert all(row["criterion"] == "displacement limit" and row["V_N"] == 1e6 for row in rows)
+    records = sorted((tmp_path / "out/runs").glob("*/run.json"))
+    stamps = [record.stat().st_mtime_ns for record in records]
+    again = command(*arguments, "--directions", "4")
+    assert again.code == 0 and "displacement limit" in again.out
+    assert [record.stat().st_mtime_ns for record in records] == stamps
+    assert len(list((tmp_path / "out/runs").glob("*/run.json"))) == 4
+
+
+def test_runs_have_names_and_springs() -> None:
+    request = plan.Request((1e6,), directions=2)
+    every = runs.planned(plan.groups(SCENE, request), request)
+    assert [each.name for each in every] == [
+        "characteristic-V1000kN--90deg", "characteristic-V1000kN-+0deg", "characteristic-V1000kN-rays"
+    ]  # fmt: skip
+    assert [each.angle is None for each in every] == [False, False, True]
+
+
+def test_refusals(tmp_path: Path) -> None:
+    file = tiny.write(SCENE, tmp_path / "tiny.toml")
+    for given, message in (
+        (("--V", "3"), "--V 3: expected a quantity with unit"),
+        (("--factor", "0.5"), '--factor: "0.5": expected a number'),
+        (("--directions", "1"), "--directions: 1 is not in [2, 72]"),
+        (("--springs", tmp_path / "no"), "--springs: no such file or folder"),
+    ):
+        done = command("capacity", file, *given, "--out", tmp_path / "out")
+        assert (done.code, message in done.err) == (2, True), done.err
+    assert not (tmp_path / "out").exists()
