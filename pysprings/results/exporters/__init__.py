@@ -12,7 +12,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core.registry import Registry
-from pysprings.results.exporters import csv, json, netcdf, openfast, paraview, xlsx
+from pysprings.results.exporters import (
+    ansys,
+    csv,
+    decks,
+    json,
+    netcdf,
+    openfast,
+    opensees,
+    paraview,
+    sacs,
+    subdyn,
+    xlsx,
+)
 from pysprings.results.exporters.base import Exported, Exporter, Option, Source, Target, read_options
 
 if TYPE_CHECKING:
@@ -20,7 +32,21 @@ if TYPE_CHECKING:
 
 EXPORTERS: Registry[Exporter] = Registry(
     "exporter",
-    (csv.CSV, csv.WIDE, xlsx.XLSX, netcdf.NETCDF, json.JSON, paraview.PARAVIEW, openfast.OPENFAST),
+    (
+        csv.CSV,
+        csv.WIDE,
+        xlsx.XLSX,
+        netcdf.NETCDF,
+        json.JSON,
+        paraview.PARAVIEW,
+        openfast.OPENFAST,
+        subdyn.SUBDYN,
+        opensees.OPENSEES,
+        decks.CALCULIX,
+        decks.ABAQUS,
+        ansys.ANSYS,
+        sacs.SACS,
+    ),
     group="pysprings.exporters",
 )
 

@@ -35,6 +35,7 @@ class Source:
         result: xr.DataTree | Callable[[], xr.DataTree] | None = None,
     ) -> None:
         self._springs, self._result = springs, result
+        self.summary: dict[str, str] = {}  # of the run, by heading
 
     @cached_property
     def springs(self) -> xr.DataTree:

@@ -10,6 +10,7 @@ import xarray as xr
 from pysprings.core.version import __version__
 from pysprings.results.exporters.base import Source
 from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
+from pysprings.springs.path_ends import end_of
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 
@@ -54,7 +55,8 @@ def header(source: Source, target: str, frame: str, units: str) -> list[str]:
 def range_of_path(springs: xr.DataTree, name: str) -> str:
     """Return a sentence on the calibrated range of a path, its load, and its balance."""
     path = get_path(springs, name)
-    missing = balance(path)
+    missing, end = balance(path), end_of(name, path)
+    ended = f" The path {end.words}." if end.failed else ""
     u, rotation, load = (float(np.abs(path[key].values).max()) for key in ("u", "rotation", "H"))
     if is_vertical(springs, name):
         w, V = path["w"].values, path["V"].values
@@ -62,14 +64,14 @@ def range_of_path(springs: xr.DataTree, name: str) -> str:
             f"{springs.attrs['drainage']} vertical, {path.attrs['role']}, {path.attrs['status']}: "
             f"w from {1e3 * w[0]:.4g} to {1e3 * w[-1]:.4g} mm, "
             f"V from {1e-3 * V[0]:.5g} to {1e-3 * V[-1]:.5g} kN; out of balance by "
-            f"{missing['V']:.1e} (V). Beyond this range every use is an extrapolation."
+            f"{missing['V']:.1e} (V). Beyond this range every use is an extrapolation.{ended}"
         )
     return (
         f"{springs.attrs['drainage']} {path.attrs['kind']}, load {path.attrs['arm_m']:g} m above mudline, "
         f"{path.attrs['role']}, {path.attrs['status']}: |u| to {1e3 * u:.4g} mm, "
         f"|rotation| to {1e3 * rotation:.4g} mrad, |H| to {1e-3 * load:.5g} kN, V {1e-3 * path_load(path):.5g} kN; "
         f"out of balance by {missing['H']:.1e} (H), {missing['M']:.1e} (M). "
-        "Beyond this range every use is an extrapolation."
+        f"Beyond this range every use is an extrapolation.{ended}"
     )
 
 

@@ -3,17 +3,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.stiffness_six import stiffness_six
+from pysprings.macro.stiffness import stiffness_six
 from pysprings.springs.springs import Springs
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
-# Half a turn about x, from the axes of the springs (z down) to z up. It is a rotation, so that forces and moments,
-# displacements and rotations change alike: K' = Q K Q with Q = diag(1, -1, -1, 1, -1, -1).
-Z_UP = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
+_ROUNDING = 1.0e-6
 SHARES = (0.1, 0.5, 1.0)  # of the range of a path where the linear response is compared
 
 
@@ -27,7 +31,7 @@ def stiffness_z_up(springs: Springs, torsion: float) -> Array:
     UserInputError
         Springs from a table without vertical stiffness.
     """
-    matrix: Array = Z_UP @ stiffness_six(springs).values @ Z_UP
+    matrix: Array = stiffness_six(springs, z_up=True, symmetric=True).values.copy()
     matrix[5, 5] = torsion
     return matrix + 0.0
 
@@ -49,12 +53,17 @@ def linear_errors(springs: Springs) -> list[str]:
         parts = []
         for share in SHARES:
             step = int(np.argmin(np.abs(size - share * size.max())))
-            errors = [
-                (linear[k, step] - data[load].values[step]) / np.abs(data[load].values[: step + 1]).max(initial=0.0)
-                for k, load in enumerate("HM")
-                if np.abs(data[load].values[: step + 1]).max(initial=0.0) > 0.0
-            ]
-            words = ", ".join(f"{load} {100.0 * e + 0.0:+.1f} %" for load, e in zip("HM", errors, strict=False))
+            words = ", ".join(_errors(linear, data, step, springs.length))
             parts.append(f"at u = {1e3 * motion[0, step]:.3g} mm, rotation = {1e3 * motion[1, step]:.3g} mrad: {words}")
         lines.append(f"path {name} ({path.dataset.attrs['role']}): {'; '.join(parts)}")
     return lines
+
+
+def _errors(linear: np.ndarray, data: xr.Dataset, step: int, length: float) -> Iterator[str]:
+    """Yield the error of H and of M at a step; a load that is rounding beside the other one has none."""
+    sizes = [np.abs(data[load].values[: step + 1]).max(initial=0.0) for load in "HM"]
+    whole = max(sizes[0] * length, sizes[1])
+    for k, (load, size) in enumerate(zip("HM", sizes, strict=True)):
+        if size * (length if load == "H" else 1.0) > _ROUNDING * whole:
+            error = (linear[k, step] - data[load].values[step]) / size
+            yield f"{load} {100.0 * error + 0.0:+.1f} %"

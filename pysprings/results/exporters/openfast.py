@@ -1,107 +1,110 @@
 # SPDX-License-Identifier: MIT
-"""OpenFAST: the initial stiffness as SubDyn SSI file (all 42 labels) and as SoilDyn input with one matrix.
+"""OpenFAST: the foundation as one matrix (SubDyn, SoilDyn), and the nonlinear one of the SoilDyn library.
 
-Formats as OpenFAST 5.0.0 reads them (commit 2895884): SubDyn takes a missing label as zero, so that all are written;
-SoilDyn (CalcOption 1) takes one matrix at one point at or below the mudline. Both are linear.
+Formats as OpenFAST 5.0.0 reads them (commit 2895884).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
+from pysprings.results.exporters.subdyn import FRAME, TORSION, UNITS, matrix_of, write_subdyn
 
 if TYPE_CHECKING:
-    import numpy as np
+    from pysprings.macro.model import MacroModel
+    from pysprings.springs.springs import Springs
 
-_DOFS = ("x", "y", "z", "tx", "ty", "tz")
-_FRAME = (
-    "right-handed, x along the load of the springs, z up, origin at the lid centre (mudline); rotations right-hand; "
-    "forces on the soil"
+_SPRING_FILE = "caisson.txt"
+_NO_FAN = "no nonlinear foundation: it needs a fan of load paths (template 'fan'); the matrices are linear"
+_BUILD = "build the library with: pysprings soildyn DIR; OpenFAST loads {library} from its working folder"
+_LOST = (
+    "nonlinear elastic: no hysteresis, no memory of earlier loads (springs with memory do not exist yet)",
+    "out of one plane of motion: the secant stiffness at the size of the whole motion, an assumption; torsion linear",
+    "SubDyn 5.0.0 writes NaN for base reactions with a library: read Sld1Fxg and the like",
 )
-_UNITS = "N/m, N/rad = N m/m, N m/rad; kg, kg m, kg m2"
-_TORSION = "torsion is not known from lateral loading: Ktztz is 0, which SubDyn rejects; give --option torsion=..."
-_LINEAR = "linear: the matrix is that of the caisson at rest, at all displacements"
 
 
-def labels(letter: str) -> Iterator[tuple[str, int, int]]:
-    """Yield (label, row, column) of the upper triangle in the order of SubDyn: Kxx, Kxy, Kyy, Kxz ..."""
-    for column in range(6):
-        for row in range(column + 1):
-            yield f"{letter}{_DOFS[row]}{_DOFS[column]}", row, column
+def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[Path], list[str]]:
+    """Write the spring file and the SoilDyn input for the library; return them, and what is lost."""
+    from pysprings.macro.fan import has_fan
+    from pysprings.results.exporters.header import header
+    from pysprings.results.exporters.soildyn.inputs import library_input
+    from pysprings.results.exporters.soildyn.library import library_name
+    from pysprings.results.exporters.soildyn.spring_file import spring_text
 
-
-def ssi_text(head: Sequence[str], stiffness: np.ndarray) -> str:
-    """Return a SubDyn SSI file: stiffness (6, 6), and no added mass."""
-    lines = [f"! {line}" for line in head]
-    lines += [f"{stiffness[i, j]:24.15E}  {label}" for label, i, j in labels("K")]
-    lines += [f"{0.0:24.15E}  {label}" for label, _, _ in labels("M")]
-    return "\n".join(lines) + "\n"
-
-
-def soildyn_text(head: Sequence[str], stiffness: np.ndarray, place: tuple[float, float, float]) -> str:
-    """Return a SoilDyn input file with one matrix (CalcOption 1) at a place [m]; the header stands at its end, too."""
-    zero = "0 0 0 0 0 0"
-    lines = [
-        f"---------- SoilDyn Input File: {head[0]} ----------",
-        f"{head[1]}; frame, units, range and error: below END",
-        "---------- Options ----------",
-        "False        Echo         - Echo the input data",
-        '"default"    DT           - Time step (s)',
-        "1            CalcOption   - 1: stiffness matrix",
-        "---------- Stiffness and damping at one point ----------",
-        f"{place[0]:.10g} {place[1]:.10g} {place[2]:.10g}    Location (x, y, z) (m)",
-        "---------- Stiffness (N/m, N/rad, N m/rad) ----------",
-        *(" ".join(f"{value:.15E}" for value in row) for row in stiffness),
-        "---------- Damping (not supported by SoilDyn) ----------",
-        *[zero] * 6,
-        "---------- P-Y curves (not available in SoilDyn) ----------",
-        "0            PY_NumPoints",
-        "---------- Location (x, y, z) (m) and file ----------",
-        "---------- REDWIN library (not used) ----------",
-        "2            DLL_Model",
-        '"unused"     DLL_FileName',
-        "0            DLL_NumPoints",
-        "---------- Location (x, y, z) (m) and files ----------",
-        "---------- Output ----------",
-        "False        SumPrint",
-        "---------- OutList ----------",
-        '"Sld1Fxg, Sld1Fyg, Sld1Fzg, Sld1Mxg, Sld1Myg, Sld1Mzg"',
-        "END of input",
-        *(f"! {line}" for line in head),
+    springs = _chosen(source, options)
+    if not has_fan(springs):
+        return [], [_NO_FAN]
+    model = _model(springs, options)
+    head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m"), *_LOST, _conditions(model)]
+    total, stop = options["reaction_at_rest"] == "load", options["beyond"] == "stop"
+    text = spring_text(head, model, float(options["torsion"] or 0.0), total, stop)
+    library = f"./{library_name()}"
+    files = [
+        target.write(_SPRING_FILE, text),
+        target.write("soildyn_nonlinear.dat", library_input(head, library, f"./{_SPRING_FILE}", [_place(options)])),
     ]
-    return "\n".join(lines) + "\n"
+    return files, [*_LOST, _BUILD.format(library=library)]
+
+
+def _chosen(source: Source, options: Options) -> Springs:
+    """Return the springs at the rate of the options."""
+    from pysprings.springs.springs import Springs
+
+    springs = Springs.of(source.springs)
+    return springs if options["rate"] is None else springs.at_rate(float(options["rate"]))
+
+
+def _model(springs: Springs, options: Options) -> MacroModel:
+    from pysprings.macro.model import MacroModel
+
+    V = options["V"]
+    return MacroModel.from_springs(springs, "fan", V=None if V is None else float(V))
+
+
+def _conditions(model: MacroModel) -> str:
+    """Return a sentence on the vertical load of the lateral springs and on the rays."""
+    return (
+        f"lateral springs at V = {1e-3 * model.origin.load:.6g} kN, fan of {len(model.sources)} rays; displacement 0: "
+        f"at rest under {1e-3 * model.rest_load:.6g} kN"
+    )
+
+
+def _place(options: Options) -> tuple[float, float, float]:
+    return float(options["x"] or 0.0), float(options["y"] or 0.0), float(options["z"] or 0.0)
 
 
 def _write(source: Source, target: Target, options: Options) -> Exported:
     from pysprings.results.exporters.header import header
-    from pysprings.results.exporters.linear import linear_errors, stiffness_z_up
-    from pysprings.springs.springs import Springs
+    from pysprings.results.exporters.soildyn.inputs import matrix_input
 
-    springs, torsion = Springs.of(source.springs), float(options["torsion"] or 0.0)
-    stiffness = stiffness_z_up(springs, torsion)
-    lost = [_LINEAR, *(f"error of the linear response, {line}" for line in linear_errors(springs))]
-    lost += [] if torsion else [_TORSION]
-    head = [*header(source, "OpenFAST foundation matrix", _FRAME, _UNITS), *lost]
-    place = float(options["x"] or 0.0), float(options["y"] or 0.0), float(options["z"] or 0.0)
+    stiffness, lost = matrix_of(source, float(options["torsion"] or 0.0))
+    head = [*header(source, "OpenFAST foundation matrix", FRAME, UNITS), *lost]
     files = [
-        target.write("subdyn_ssi.dat", ssi_text(head, stiffness)),
-        target.write("soildyn.dat", soildyn_text(head, stiffness, place)),
+        *write_subdyn(head, stiffness, target),
+        target.write("soildyn.dat", matrix_input(head, stiffness, _place(options))),
     ]
-    return Exported(files, lost)
+    more, remarks = _nonlinear(source, target, options)
+    return Exported([*files, *more], [*lost, *remarks])
 
 
 OPENFAST = Exporter(
     name="openfast",
-    description="initial stiffness for OpenFAST: SubDyn SSI file, SoilDyn input with one matrix",
+    description="OpenFAST foundation: matrices for SubDyn and SoilDyn, nonlinear springs for the SoilDyn library",
     write=_write,
-    suffixes=(".dat",),
+    suffixes=(".dat", ".txt"),
     options=(
-        Option("torsion", "stiffness about the vertical axis, which springs do not give", unit="N m/rad",
-               example="1e9 N m/rad"),
+        TORSION,
         Option("x", "place of the lid centre in the frame of OpenFAST", unit="m", example="0 m"),
         Option("y", "the same", unit="m", example="0 m"),
         Option("z", "height of the mudline above still water, negative", unit="m", example="-30 m"),
+        Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
+        Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
+        Option("reaction_at_rest", "vertical reaction of the nonlinear foundation at displacement 0: the vertical load "
+               "at rest (the structure has its weight), or none", "load", choices=("load", "none")),
+        Option("beyond", "beyond the calibrated range the library extrapolates with a warning, or stops OpenFAST",
+               "warn", choices=("warn", "stop")),
     ),
 )  # fmt: skip

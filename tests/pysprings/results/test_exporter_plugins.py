@@ -110,7 +110,11 @@ def test_a_file_of_every_run(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        (["--to", "toi"], "--to: 'toi' is not one of csv, wide, xlsx, nc, json, paraview, openfast, toy"),
+        (
+            ["--to", "toi"],
+            "--to: 'toi' is not one of csv, wide, xlsx, nc, json, paraview, openfast, subdyn, "
+            "opensees, calculix, abaqus, ansys, sacs, toy",
+        ),
         (["--to", "toy", "--option", "factor"], "--option: 'factor' is not NAME=VALUE"),
         (
             ["--to", "toy", "--option", "size=1"],

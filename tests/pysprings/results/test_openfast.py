@@ -3,31 +3,40 @@
 
 from __future__ import annotations
 
-import os
 import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.stiffness_six import stiffness_six
-from pysprings.results.exporters import export
-from pysprings.results.exporters.openfast import labels
+from pysprings.macro.model import MacroModel
+from pysprings.macro.predict import MacroWarning, impose
+from pysprings.macro.stiffness import stiffness_six
+from pysprings.results.exporters import Source, export
+from pysprings.results.exporters.linear import linear_errors
+from pysprings.results.exporters.soildyn.inputs import library_input
+from pysprings.results.exporters.soildyn.library import COMPILERS, build, library_name
+from pysprings.results.exporters.subdyn import labels
 from pysprings.results.tables import open_table
-from tests.support import synthetic, written
+from pysprings.springs.springs import Springs
+from tests.support import openfast, subdyn, synthetic, written
 from tests.support.commands import command
-from tests.support.vertical import vertical_springs
+from tests.support.fans import LENGTH
+from tests.support.vertical import fan_with_vertical, vertical_springs
 
-# `soildyn_driver` of OpenFAST 5.0.0, in the search path or named by this variable
-DRIVER = os.environ.get("SOILDYN_DRIVER") or shutil.which("soildyn_driver")
 TORSION = 2.5e9
 
 
+@pytest.fixture(scope="session")
+def source() -> Source:
+    return Source(vertical_springs())  # compared once, exported often
+
+
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    export(vertical_springs(), "openfast", tmp_path, torsion=TORSION, x=1.5, y=-2.0, z=-30.0)
+def folder(source: Source, tmp_path: Path) -> Path:
+    export(source, "openfast", tmp_path, torsion=TORSION, x=1.5, y=-2.0, z=-30.0)
     return tmp_path
 
 
@@ -90,10 +99,10 @@ def test_the_header_names_origin_conditions_and_errors(folder: Path) -> None:
             assert words in text, (name, words)
 
 
-def test_the_linear_error_is_that_of_the_matrix(tmp_path: Path) -> None:
+def test_the_linear_error_is_that_of_the_matrix(source: Source, tmp_path: Path) -> None:
     """On the recorded end of a translation: K u over H, less one."""
-    springs = vertical_springs()
-    remarks = export(springs, "openfast", tmp_path).remarks
+    springs = source.springs
+    remarks = export(source, "openfast", tmp_path).remarks
     (line,) = [remark for remark in remarks if "path slide" in remark]
     path = springs["paths/slide"]
     K = springs["stiffness_initial"].values
@@ -120,7 +129,8 @@ def test_command(tmp_path: Path) -> None:
     export(vertical_springs(), "nc", tmp_path / "springs.nc")
     done = command("export", tmp_path, "--to", "openfast", "--option", "z=-30 m", "--option", "torsion=1 GN m/rad")
     assert done.code == 0, done.err
-    assert done.out.split() == [str(tmp_path / "openfast" / name) for name in ("subdyn_ssi.dat", "soildyn.dat")]
+    names = ("subdyn_ssi.dat", "subdyn_spring.dat", "soildyn.dat", "caisson.txt", "soildyn_nonlinear.dat")
+    assert done.out.split() == [str(tmp_path / "openfast" / name) for name in names]
     assert "note: linear: " in done.err
     assert "0 0 -30 " in (tmp_path / "openfast" / "soildyn.dat").read_text()
 
@@ -128,34 +138,181 @@ def test_command(tmp_path: Path) -> None:
 # --- the program itself ---
 
 
-def run_driver(folder: Path, motions: np.ndarray) -> np.ndarray:
-    """Reactions (n, 6) [N, N m] of `soildyn_driver` at motions (n, 6) [m, rad], one at each time step."""
-    step = 0.01
-    rows = [f"{step * k:.4f} " + " ".join(f"{value:.12e}" for value in row) for k, row in enumerate(motions)]
-    (folder / "motion.txt").write_text("\n".join(rows) + "\n")
-    lines = (
-        "driver", "test", "-----", "False Echo", "-----", '"soildyn.dat" SlDIptFile', "0 TStart", "DEFAULT DT",
-        "DEFAULT NumTimeSteps", "False StiffMatOut", "False NonLinear", '"motion.txt" InputDispFile',
-    )  # fmt: skip
-    (folder / "driver.inp").write_text("\n".join(lines) + "\n")
-    done = subprocess.run([str(DRIVER), "driver.inp"], cwd=folder, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stdout + done.stderr
-    (out,) = folder.glob("*.out")
-    text = out.read_text().splitlines()
-    first = next(k for k, line in enumerate(text) if line.split()[:1] == ["Time"])
-    table = np.array([[float(cell) for cell in line.split()] for line in text[first + 2 :] if line.strip()])
-    at = np.rint(table[:, 0] / step).astype(int)
-    assert (np.diff(at) == 1).all()
-    return 1e3 * table[:, 1:7]  # from kN
-
-
-@pytest.mark.skipif(DRIVER is None, reason="soildyn_driver is not installed (SOILDYN_DRIVER names it)")
 def test_soildyn_reacts_with_the_matrix_in_all_directions(folder: Path) -> None:
     K = soildyn_matrix(folder / "soildyn.dat")
     size = np.array([1e-3, 1e-3, 1e-3, 1e-6, 1e-6, 1e-6])
     motions = np.concatenate([np.diag(size), -np.diag(size), np.random.default_rng(1).uniform(-1, 1, (20, 6)) * size])
     motions = np.concatenate([np.zeros((1, 6)), motions])
-    reactions = run_driver(folder, motions)
-    assert len(reactions) >= len(motions)  # the driver adds a step behind the last one
-    expected = -motions @ K.T  # SoilDyn returns the action of the soil
-    np.testing.assert_allclose(reactions[: len(motions)], expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
+    done = openfast.drive(folder, motions)
+    assert done.code == 0, done.log
+    expected = -motions @ K.T  # SoilDyn returns the action of the soil, in kN
+    np.testing.assert_allclose(1e3 * done.channels[:, :6], expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
+
+
+# --- SubDyn ---
+
+
+@pytest.fixture
+def matrix_folder(source: Source, tmp_path: Path) -> Path:
+    export(source, "subdyn", tmp_path, torsion=TORSION)
+    return tmp_path
+
+
+MOTION = 1e-2 * np.array([1e-3, 2e-3, -1e-3, 1e-5, 2e-5, 3e-5])  # loads act on the moved tower: small
+
+
+def loads_of_the_matrix(folder: Path) -> np.ndarray:
+    """Loads (6,) that hold the top of a rigid tower on the matrix of the SSI file."""
+    K, h = matrix_of(read_ssi(folder / "subdyn_ssi.dat"), "k"), subdyn.TOP - subdyn.BASE
+    T = np.eye(6)
+    T[0, 4], T[1, 3] = -h, h
+    return T.T @ K @ T @ MOTION
+
+
+def test_subdyn_reads_all_values_of_the_ssi_file_and_reacts_with_them(matrix_folder: Path) -> None:
+    (matrix_folder / "ssi.dat").write_text(subdyn.tower('1 0 0 0 0 0 0 "subdyn_ssi.dat"'))
+    loads = subdyn.interface_loads(matrix_folder, "ssi", MOTION)
+    np.testing.assert_allclose(loads, loads_of_the_matrix(matrix_folder), rtol=1e-3)  # the tower is stiff, not rigid
+    values = read_ssi(matrix_folder / "subdyn_ssi.dat")
+    lines = [
+        line.split("=") for line in (matrix_folder / "ssi.SD.ech").read_text().splitlines() if line.count("=") == 1
+    ]
+    echo = {right.strip().lower(): float(left) for left, right in lines if right.strip().lower() in values}
+    assert len(echo) == 42
+    for label, value in values.items():
+        assert echo[label] == pytest.approx(value, rel=1e-4)
+
+
+def test_the_spring_element_reacts_as_the_ssi_file(matrix_folder: Path) -> None:
+    rows = (matrix_folder / "subdyn_spring.dat").read_text().splitlines()
+    spring = rows[next(k for k, row in enumerate(rows) if row.startswith("PropSetID")) + 2]
+    member = next(row for row in rows if row.startswith("<MemberID>"))
+    member = (
+        member.replace("<MemberID>", "2").replace("<joint of the tower>", "1").replace("<joint of the ground>", "3")
+    )
+    text = subdyn.tower("3 1 1 1 1 1 1", f"3 0 0 {subdyn.BASE} 1 0 0 0 0", member, spring, rows[-1])
+    (matrix_folder / "spring.dat").write_text(text)
+    loads = subdyn.interface_loads(matrix_folder, "spring", MOTION)
+    np.testing.assert_allclose(loads, loads_of_the_matrix(matrix_folder), rtol=1e-3)
+
+
+# --- the nonlinear foundation in SoilDyn ---
+
+
+@pytest.fixture(scope="session")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    if not any(shutil.which(name) for name in COMPILERS):
+        pytest.skip("there is no C compiler")
+    return build(tmp_path_factory.mktemp("library"))
+
+
+@pytest.fixture(scope="session")
+def fan() -> Source:
+    return Source(fan_with_vertical())
+
+
+@pytest.fixture
+def soil(library: Path, fan: Source, tmp_path: Path) -> Path:
+    """Folder with library, spring file and the input of one point."""
+    export(fan, "openfast", tmp_path, torsion=TORSION, z=-30.0)
+    shutil.copy(library, tmp_path)
+    return tmp_path
+
+
+def random_motions(n: int, seed: int) -> np.ndarray:
+    """Motions (n, 6) in planes of all directions, within the range of `fan_with_vertical`, a tenth of them twists."""
+    random = np.random.default_rng(seed)
+    rho, phi, direction = 7.5e-3 * random.random(n), *(2 * np.pi * random.random((2, n)))
+    u, rotation = rho * np.cos(phi), rho * np.sin(phi) / LENGTH
+    c, s = np.cos(direction), np.sin(direction)
+    down, twist = random.uniform(-9e-3, 9e-3, n), random.uniform(-1e-4, 1e-4, n)
+    # SoilDyn makes a rotation matrix of the angles and angles of the matrix: a twist besides would turn the others
+    twist[n // 10 :], rotation[: n // 10] = 0.0, 0.0
+    return np.stack([u * c, u * s, -down, rotation * s, -rotation * c, twist], axis=1)
+
+
+def soil_action(model: MacroModel, motions: np.ndarray) -> np.ndarray:
+    """Action of the soil (n, 6) [N, N m] in the frame of OpenFAST by the macro-model, at motions in one plane."""
+    out = np.zeros_like(motions)
+    for row, (x, y, z, rx, ry, rz) in zip(out, motions, strict=True):
+        c, s = (x, y) / np.hypot(x, y)
+        u, rotation = x * c + y * s, rx * s - ry * c
+        H, M = model.reactions(u, rotation)[0]
+        V = brentq(lambda V, z=z, u=u, rotation=rotation: vertical_of(model, u, rotation, V) + z, -3e6, 1e8, xtol=1e-3)
+        row[:] = -H * c, -H * s, V, -M * s, M * c, -TORSION * rz
+    return out
+
+
+def vertical_of(model: MacroModel, u: float, rotation: float, V: float) -> float:
+    """w [m] of `predict` under V at an imposed motion, from the parts that `impose` adds."""
+    assert model.vertical is not None
+    rows = model.table.rows(np.array([[u, rotation]]))[0]
+    w, V_path = (float(rows[model.table.name == name][0, 0]) for name in ("w", "V"))
+    return w + model.vertical.displacement(V)[0] - model.vertical.displacement(V_path)[0]
+
+
+def test_soildyn_reacts_as_predict_in_a_thousand_states(soil: Path) -> None:
+    model = MacroModel.from_springs(fan_with_vertical())
+    motions = random_motions(1000, seed=4)
+    assert (motions.min(axis=0) < 0.0).all() and (motions.max(axis=0) > 0.0).all()
+    done = openfast.drive(soil, motions, "soildyn_nonlinear.dat")
+    assert done.code == 0, done.log
+    passed = done.channels[:, 6:12] * np.radians([*np.degrees([1.0, 1.0, 1.0]), 1.0, 1.0, 1.0])  # angles in degrees
+    np.testing.assert_allclose(passed, motions, atol=1e-6)
+    expected = soil_action(model, passed)
+    sizes = np.abs(expected).max(axis=0)
+    np.testing.assert_allclose(1e3 * done.channels[:, :6] / sizes, expected / sizes, rtol=1e-6, atol=1e-6)
+    for u, rotation, V in ((3e-3, -5e-4, 4e6), (-2e-3, 8e-4, -1e6)):  # the parts above are those of `impose`
+        with pytest.warns(MacroWarning):
+            answer = impose(model, u=u, rotation=rotation, V=V, extrapolate=True)
+        assert float(answer["w"]) == pytest.approx(vertical_of(model, u, rotation, V), rel=1e-12)
+
+
+def test_four_points_are_independent(soil: Path, source: Source) -> None:
+    """Each reacts to its own springs: two are of another caisson, and all have the same motion."""
+    export(source, "openfast", soil / "other", torsion=TORSION)
+    head = (soil / "soildyn_nonlinear.dat").read_text().splitlines()[:2]
+    places = [(x, y, -30.0) for x in (-6.0, 6.0) for y in (-6.0, 6.0)]
+    text = library_input(head, f"./{library_name()}", "./caisson.txt", places)
+    rows = text.splitlines()
+    first = next(k for k, row in enumerate(rows) if row.endswith('"./caisson.txt"'))
+    for k in (first + 1, first + 3):
+        rows[k] = rows[k].replace("./caisson.txt", "./other/caisson.txt")
+    (soil / "four.dat").write_text("\n".join(rows) + "\n")
+    motions = random_motions(50, seed=6)
+    done = openfast.drive(soil, motions, "four.dat", matrix=True)
+    assert done.code == 0, done.log
+    assert done.log.count("Stiffness matrix for point") == 8
+    points = [done.channels[:, 12 * k : 12 * k + 6] for k in range(4)]
+    np.testing.assert_array_equal(points[0], points[2])
+    np.testing.assert_array_equal(points[1], points[3])
+    assert np.abs(points[0] - points[1]).max() > 0.05 * np.abs(points[0]).max()
+    alone = openfast.drive(soil, motions, "soildyn_nonlinear.dat").channels[:, :6]
+    np.testing.assert_allclose(points[0], alone, rtol=1e-12)
+
+
+@pytest.mark.parametrize("content", ["", "not springs\n", "pysprings_soildyn 1\nlength_m 4\n"])
+def test_a_wrong_file_stops_soildyn_with_a_text(soil: Path, content: str) -> None:
+    (soil / "caisson.txt").write_text(content)
+    done = openfast.drive(soil, random_motions(3, seed=8), "soildyn_nonlinear.dat")
+    assert done.code > 0  # no signal
+    assert "pysprings SoilDyn library: fatal: " in done.log
+    assert "caisson.txt" in done.log
+    assert "Unknown error from REDWIN DLL: 102" in done.log
+
+
+def test_a_missing_file_stops_soildyn_with_a_text(soil: Path) -> None:
+    (soil / "caisson.txt").unlink()
+    done = openfast.drive(soil, random_motions(3, seed=8), "soildyn_nonlinear.dat")
+    assert done.code > 0
+    assert "caisson.txt not found" in done.log
+
+
+def test_a_moment_that_is_rounding_has_no_error_of_the_matrix() -> None:
+    tree = vertical_springs()
+    for name, path in tree["paths"].children.items():
+        data = path.to_dataset(inherit=False)
+        tree[f"paths/{name}"].dataset = data.assign(M=1e-9 * data["H"])
+    lines = linear_errors(Springs.of(tree))
+    assert lines
+    assert all("H " in line and "M " not in line for line in lines)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import pandas as pd
@@ -62,8 +62,14 @@ _MEANING = (
 )
 
 
-def about_lines(springs: xr.DataTree, comparison: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
+def about_lines(
+    springs: xr.DataTree, comparison: pd.DataFrame, summary: Mapping[str, str]
+) -> Iterator[tuple[str, str, str]]:
     """Yield (kind, name, words) line by line; kind is title, text or mono."""
+    if summary:
+        yield "title", "Summary", ""
+        yield from (("text", name, text) for name, text in summary.items())
+        yield "text", "", ""
     yield "title", "Springs of a suction caisson", ""
     for key, name in _ORIGIN.items():
         if key in springs.attrs:

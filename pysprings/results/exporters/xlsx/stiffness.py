@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS
-from pysprings.macro.stiffness_six import FULL_MODEL, TORSION, stiffness_six
+from pysprings.macro.stiffness import FULL_MODEL, TORSION, stiffness_six
 from pysprings.results.exporters.xlsx.names import Names
 from pysprings.springs.dataset import is_vertical, path_names
 
@@ -25,7 +25,7 @@ _NOTES = (
     "Axes: x along the load, z down, y completing a right-handed set; rotations right-hand. The caisson at rest is "
     "axisymmetric: what holds for (x, ry) holds for (y, -rx).",
     TORSION[0].upper() + TORSION[1:] + ".",
-    "For other axes (z up, another point) transform the matrix before use.",
+    "For other axes (z up) or another point: `pysprings predict ... --stiffness --z-up --reference-depth LENGTH`.",
     "Springs of one path at rest: slope of the first recorded step, below the full model's initial one; w is the full "
     "model's elastic stiffness.",
 )

@@ -46,7 +46,7 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
         before, behind = ("About", "charts", "p-y", "m-theta"), ("base", "lid", "load-displacement", "stiffness 6x6")
         names = (*before, *(["t-z"] if down else []), *behind)
         sheets = {name: file.add_worksheet(name) for name in names}
-        _about(book, sheets["About"], about_lines(springs, source.comparison))
+        _about(book, sheets["About"], about_lines(springs, source.comparison, source.summary))
         _py(book, sheets["p-y"], springs)
         _mtheta(book, sheets["m-theta"], springs)
         if down:

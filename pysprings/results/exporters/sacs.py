@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: MIT
+"""SACS PSI: P-Y, T-Z and Q-Z cards of a pile that is the caisson; not run in SACS.
+
+P-Y cards have no moments: what turns against the rotation (m, M_tip, M_lid) is lost, and the error of that is printed.
+Forces of tip and lid join the slices beside them.
+"""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from pysprings.core.errors import refused
+from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
+from pysprings.results.exporters.uniaxial.options import table_options
+
+if TYPE_CHECKING:
+    from pysprings.results.exporters.sacs_cards import Stratum
+    from pysprings.results.exporters.uniaxial.curve import Spring, Table
+    from pysprings.results.exporters.uniaxial.sets import Uniaxial
+    from pysprings.springs.springs import Springs
+
+POINTS, FINE = 20, 801
+CM, KN_PER_CM, N_PER_CM2 = 1e-2, 1e5, 1e4  # in SI; T and Q have the factor 0.001
+_FRAME = "pile axis down; depths from the pile head [m]; z of T-Z and Q-Z positive downwards (pile in compression)"
+_UNITS = "metric: depth m, P kN/cm, y and z cm, T and Q 0.001 kN/cm2 (factor 0.001 in columns 39-44; that of P is 1)"
+_LOST = (
+    "the pile is the caisson: give it a very stiff section; PSI takes other actions of the pile by itself",
+    "torsion is not written: PSI takes GJ/L of the pile without it, and warns",
+    "the vertical curves are changes from the state at rest: PSI begins at zero load",
+    "lateral curves do not depend on V; PSI resolves them in the two local planes of the pile",
+    "nonlinear elastic (monotonic backbone): no hysteresis, no memory; curves are flat behind their last point",
+)
+
+
+def _lateral(made: Uniaxial) -> tuple[list[Spring], list[str]]:
+    """Return the p springs of all slices, with forces of tip and lid in the slice beside; and what is left out."""
+    slices = [each for each in made.springs if each.direction == "lateral" and each.height > 0.0]
+    if not slices:
+        raise refused("springs", f"the set '{made.model.spring_set}' has no p-y springs")
+    ends = [each for each in made.springs if each.direction == "lateral" and each.height == 0.0]
+    turning = sorted({each.name for each in made.springs if each.direction == "rotation"})
+    lost = [f"no P-Y card for what acts against the rotation: {', '.join(turning)}"] if turning else []
+    if ends:
+        lost.append(f"forces of {', '.join(each.name for each in ends)} act on the slices beside them")
+    for end in ends:
+        k = min(range(len(slices)), key=lambda j: abs(slices[j].depth - end.depth))
+        slices[k] = _sum(slices[k], end)
+    return slices, lost
+
+
+def _sum(one: Spring, other: Spring) -> Spring:
+    force, more = one.force, other.force
+    reach = min(one.high, other.high)
+    return replace(one, low=-reach, high=reach, force=lambda x: force(x) + more(x))
+
+
+def _vertical(made: Uniaxial) -> tuple[list[Spring], list[Spring]]:
+    """Return springs t [N/m] of all slices, and the sum of tip and lid [N], over the change of w from rest."""
+    import numpy as np
+
+    from pysprings.macro.solver import row_values
+    from pysprings.results.exporters.uniaxial.curve import Spring
+
+    table = made.model.vertical
+    if table is None:
+        return [], []
+    down, up = table.branch(1.0), table.branch(-1.0)
+    high, low = (0.0 if each is None else each.end[0] for each in (down, up))
+
+    def spring(name: str, depth: float, height: float, rows: list[int]) -> Spring:
+        def force(x: np.ndarray) -> np.ndarray:
+            out = np.zeros(x.size)
+            for branch in filter(None, (down, up)):
+                own = branch.sign * x > 0.0
+                count = np.full(len(rows), branch.x.size)
+                knots = np.tile(branch.x, (len(rows), 1))
+                q = np.tile(np.minimum(np.abs(x[own]), branch.x[-1]), (len(rows), 1))
+                values = row_values(knots, branch.r[rows], branch.slope[rows], count, q) - branch.r[rows][:, :1]
+                out[own] = values.sum(axis=0)
+            return out
+
+        return Spring(name, "vertical", depth, height, -low, high, force)
+
+    skirt = [spring("t", float(table.depth[j]), float(table.b[j]), [int(j)]) for j in np.flatnonzero(table.name == "t")]
+    ends = [int(j) for j in np.flatnonzero(np.isin(table.name, ("V_tip", "V_lid")))]
+    return skirt, [spring("q", float(table.depth.max()), 0.0, ends)] if ends else []
+
+
+def _stratum(given: Table, bounds: tuple[float, float], unit: float) -> Stratum:
+    """Return the curve of a table, reactions in `unit` of SI, as the cards hold it."""
+    from pysprings.results.exporters.sacs_cards import Stratum, rounded
+
+    odd = given.spring.odd
+    used = given.q >= 0.0 if odd else slice(None)
+    return rounded(Stratum(*bounds, given.q[used] / CM, given.f[used] / unit, odd))
+
+
+def _bounds(made: Uniaxial, depth: float, head: float) -> tuple[float, float]:
+    """Return top and bottom of the slice at a depth [m], below the pile head."""
+    import numpy as np
+
+    edges = made.model.origin["depth_bounds"]
+    k = int(np.argmin(np.abs(made.model.origin.depth - depth)))
+    return head + float(edges[k, 0]), head + float(edges[k, 1])
+
+
+def _as_written(given: Table, stratum: Stratum, unit: float) -> Table:
+    """Return a symmetric table with the numbers of the cards, in SI."""
+    import numpy as np
+
+    q, f = stratum.q * CM, stratum.f * unit
+    spring = replace(given.spring, low=-float(q[-1]), high=float(q[-1]))
+    return replace(given, spring=spring, q=np.concatenate([-q[:0:-1], q]), f=np.concatenate([-f[:0:-1], f]))
+
+
+def _texts(source: Source, options: Options) -> tuple[list[str], list[str]]:
+    """Return the lines of the cards, and the sentences on what is lost."""
+    from pysprings.results.exporters.sacs_cards import MOST
+    from pysprings.results.exporters.uniaxial.sets import uniaxial
+    from pysprings.springs.springs import Springs
+
+    points = int(options["points"])
+    if not 3 <= points <= MOST:
+        raise refused("--option points", f"{points} is not from 3 to {MOST}")
+    springs = Springs.of(source.springs)
+    springs = springs if options["rate"] is None else springs.at_rate(float(options["rate"]))
+    made = uniaxial(springs, options["springs"], None if options["V"] is None else float(options["V"]), planes=2)
+    axial, words = _axial_cards(springs, made, options)
+    lateral, errors = _lateral_cards(springs, made, options)
+    return [*axial, *lateral], [f"springs '{made.model.spring_set}'", *made.lost, *_LOST, *words, *errors]
+
+
+def _lateral_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[list[str], list[str]]:
+    """Return P-Y cards, and sentences on what they lose, with the errors of the curves as they are written."""
+    from pysprings.results.exporters.sacs_cards import PY, cards
+    from pysprings.results.exporters.uniaxial.curve import table
+    from pysprings.results.exporters.uniaxial.sets import change_by_tables, errors_by_path, with_tables
+
+    head, (slices, lost) = float(options["head"] or 0.0), _lateral(made)
+    strata, written = [], []
+    for given in (table(each, 2 * int(options["points"]) - 1) for each in slices):
+        unit = KN_PER_CM * given.spring.height
+        strata.append(_stratum(given, _bounds(made, given.spring.depth, head), unit))
+        written.append(_as_written(given, strata[-1], unit))
+    fine, carried = with_tables(made, [table(each, FINE) for each in slices]), with_tables(made, written)
+    lost += [change_by_tables(springs, fine, carried), *errors_by_path(springs, carried, "error of these P-Y cards")]
+    return list(cards(PY, strata, str(options["soil"]), 100.0 * springs.diameter)), lost
+
+
+def _axial_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[list[str], list[str]]:
+    """Return T-Z and Q-Z cards, and sentences on them; no cards without vertical paths."""
+    from pysprings.results.exporters.sacs_cards import MOST, QZ, TZ, cards
+    from pysprings.results.exporters.uniaxial.curve import table
+
+    skirt, end = _vertical(made)
+    if not skirt:
+        return [], ["no T-Z and Q-Z cards: the springs have no vertical paths"]
+    head, soil = float(options["head"] or 0.0), str(options["soil"])
+    points = min(2 * int(options["points"]) - 1, MOST)  # of both sides
+    thickness = float(springs.attrs["skirt_thickness_m"])
+    area = math.pi * (springs.diameter - thickness) * thickness
+    around = N_PER_CM2 * math.pi * springs.diameter
+    strata = [_stratum(table(each, points), _bounds(made, each.depth, head), around) for each in skirt]
+    lines = list(cards(TZ, strata, soil))
+    bounds = head, head + springs.length + 1.0
+    strata = [_stratum(table(each, points), bounds, N_PER_CM2 * area) for each in end]
+    return [*lines, *(cards(QZ, strata, soil) if end else ())], list(_axial(made, area))
+
+
+def _axial(made: Uniaxial, area: float) -> Iterator[str]:
+    yield "T is the net of both walls over the outer circumference"
+    yield f"Q is (V_tip + V_lid)/{area:.6g} m2, the tip of the wall: give the pile this end area (not plugged)"
+    table = made.model.vertical
+    for change, words in ((1.0, "pressed down"), (-1.0, "pulled up")):
+        if table is not None and table.branch(change) is None:
+            yield f"no vertical path of a caisson that is {words}: T-Z and Q-Z carry nothing there"
+
+
+def _comments(lines: Sequence[str]) -> Iterator[str]:
+    for line in lines:
+        yield from textwrap.wrap(line, 78, initial_indent="* ", subsequent_indent="*   ")
+
+
+def _write(source: Source, target: Target, options: Options) -> Exported:
+    from pysprings.results.exporters.header import header
+
+    lines, lost = _texts(source, options)
+    head = [*header(source, "SACS PSI soil cards (not run in SACS)", _FRAME, _UNITS), *lost]
+    text = "\n".join([*_comments(head), *lines]) + "\n"
+    return Exported([target.write("caisson_sacs.inp", text)], lost)
+
+
+SACS = Exporter(
+    name="sacs",
+    description="P-Y, T-Z and Q-Z cards for SACS PSI, metric; not run in SACS",
+    write=_write,
+    suffixes=(".inp",),
+    options=(
+        Option("springs", "spring set whose p-y springs are written", "full", choices=("full", "pisa", "py")),
+        Option("points", "points of a side of a curve; a curve has at most 30", POINTS),
+        *(option for option in table_options(POINTS) if option.name in ("V", "rate")),
+        Option("soil", "name of the soil, four letters", "SOL1"),
+        Option("head", "height of the pile head above mudline", unit="m", example="2 m"),
+    ),
+)

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: MIT
+"""The spring file of the SoilDyn library: the macro-model on a fan of rays as text (`foundation.c` reads it)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.errors import refused
+from pysprings.macro.fan import FanTable
+from pysprings.macro.model import MacroModel
+from pysprings.macro.vertical import Branch
+
+Array = NDArray[np.float64]
+
+VERSION = 1
+PROPS = 20000  # numbers that SoilDyn keeps for a point
+_SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 16, 3, 9, 2, 3  # of `foundation.c`
+
+
+def spring_text(
+    head: Sequence[str], model: MacroModel, torsion: float, reaction_at_rest: bool, stop_beyond: bool
+) -> str:
+    """Return the spring file of a model.
+
+    Parameters
+    ----------
+    head
+        Lines of the header.
+    model
+        Macro-model on a fan, of springs with a vertical stiffness.
+    torsion
+        Stiffness about the vertical axis [N m/rad].
+    reaction_at_rest
+        With it the reaction at rest is the vertical load at rest, else the change from there.
+    stop_beyond
+        The library stops beyond the calibrated range instead of extrapolating with a warning.
+
+    Raises
+    ------
+    UserInputError
+        No fan, no vertical stiffness, or more numbers than SoilDyn keeps.
+    """
+    table = model.table
+    if not isinstance(table, FanTable):
+        raise refused("springs", "the SoilDyn library needs a fan of load paths: see the template 'fan'")
+    if model.stiffness_initial is None:
+        raise refused("springs", "springs from a table have no vertical stiffness: SoilDyn needs springs.nc")
+    _check_size(model, table)
+    w, V = (_rest_rows(table, name) for name in ("w", "V"))
+    rest = (float(w[0]), float(V[0])) if model.vertical is None else model.vertical.rest
+    lines = [f"! {line}" for line in head]
+    lines += [
+        f"pysprings_soildyn {VERSION}",
+        _row("length_m", [table.length]),
+        _row("torsion_Nm", [torsion]),
+        _row("rest_w_m_V_N", rest),
+        _row("offset_N", [0.0 if reaction_at_rest else rest[1]]),
+        _row("vertical_stiffness_N_per_m", [float(model.stiffness_initial[1, 1])]),
+        _row("settled_m", [model.settled]),
+        _row("elastic_V_N", np.clip(model.elastic_loads, -1e300, 1e300)),
+        f"stop_beyond_range {int(stop_beyond)}",
+        f"rays {table.angle.size}",
+        *_ray_lines(model, table),
+        *_branch_lines(model, "down", 1.0),
+        *_branch_lines(model, "up", -1.0),
+        "end",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _rest_rows(table: FanTable, name: str) -> Array:
+    """Return the value at rest of a row by ray."""
+    values: Array = table.r[table.name == name][0][:, 0]
+    return values
+
+
+def _check_size(model: MacroModel, table: FanTable) -> None:
+    branches = () if model.vertical is None else model.vertical.branches
+    size = _SCALARS + sum(_RAY_HEAD + _COLUMNS * int(n) for n in table.count)
+    size += sum(_BRANCH_HEAD + _BRANCH * branch.x.size for branch in branches)
+    if size > PROPS:
+        raise refused("springs", f"{size} numbers: SoilDyn keeps {PROPS} for a point; use fewer rays or steps")
+
+
+def _ray_lines(model: MacroModel, table: FanTable) -> Iterator[str]:
+    """Yield each ray: angle, knots, whether its path failed; then rho, H, M, w and V with their slopes by knot."""
+    _, _, knots, loads, slopes, _ = table.solver_arrays
+    down = [(table.r[table.name == name][0], table.slope[table.name == name][0]) for name in ("w", "V")]
+    yield "! ray: angle of (u, rotation L) [rad], knots, 1 if its path stopped; rho, H, dH, M, dM, w, dw, V, dV"
+    for k, path in enumerate(table.path):
+        n = int(table.count[k])
+        columns = [knots[2 * k], loads[2 * k], slopes[2 * k], loads[2 * k + 1], slopes[2 * k + 1]]
+        columns += [each[k] for pair in down for each in pair]
+        yield f"! path {path}"
+        yield _row("ray", [table.angle[k], n, float(model.ends[path].failed)])
+        yield from (_row("", row) for row in np.stack(columns, axis=1)[:n])
+
+
+def _branch_lines(model: MacroModel, word: str, sign: float) -> Iterator[str]:
+    """Yield a vertical curve: knots, whether its path failed; then |w - w0|, V and its slope by knot."""
+    branch: Branch | None = None if model.vertical is None else model.vertical.branch(sign)
+    if branch is None:
+        yield f"{word} 0 0"
+        return
+    yield _row(word, [branch.x.size, float(model.ends[branch.path].failed)])
+    yield from (_row("", row) for row in np.stack([branch.x, branch.r[-1], branch.slope[-1]], axis=1))
+
+
+def _row(word: str, values: Iterable[float]) -> str:
+    return " ".join(filter(None, [word, *(f"{value:.17g}" for value in values)]))

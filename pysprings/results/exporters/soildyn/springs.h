@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Springs of a caisson as numbers in Props of SoilDyn, what is read from them, and the parts of the library.
+ */
+#ifndef PYSPRINGS_SOILDYN_H
+#define PYSPRINGS_SOILDYN_H
+
+#include <stdio.h>
+
+#define NAME 45          /* characters of a file name */
+#define PROPS 20000      /* numbers in Props */
+#define LINE 512         /* characters of a line of the spring file */
+#define MAGIC 20611.0    /* Props were filled by this library */
+#define VERSION 1        /* of the spring file */
+#define SLACK 1e-6       /* share by which a range may be exceeded (rounding) */
+#define PI 3.14159265358979323846
+
+/* Props: scalars at these places, then rays, then the vertical curves. */
+enum {
+  P_MAGIC, P_VERSION, P_LENGTH, P_TORSION, P_REST_W, P_REST_V, P_OFFSET, P_VERTICAL, P_SETTLED, P_LOW, P_HIGH, P_STOP,
+  P_RAYS, P_DOWN, P_UP, P_END, P_FIRST
+};
+/* A ray: angle, number of knots, 1 if its path failed; then COLUMNS numbers by knot: rho, and each value with its slope.
+ * A vertical curve: number of knots, 1 if its path failed; then BRANCH numbers by knot: |w - w0|, V, slope. */
+enum { RAY_HEAD = 3, LOAD_H = 1, LOAD_M = 3, HEAVE = 5, LOAD_V = 7, COLUMNS = 9, BRANCH_HEAD = 2, BRANCH = 3 };
+
+/* Forces on the soil; shares of the calibrated ranges; what the springs have no answer for (NULL: nothing). */
+typedef struct { double force[6], used, used_vertical; const char *beyond; } Answer;
+
+/* A spring file that is read: its name, the present line, and why it was refused. */
+typedef struct { FILE *file; char name[NAME + 1], text[LINE]; int line; const char *why; } Reader;
+
+const double *pysprings_ray(const double *P, int k);
+void pysprings_forces(const double *P, const double d[6], Answer *out);
+void pysprings_stiffness(const double *P, const double d[6], double *D);
+int pysprings_read(Reader *r, double *P);
+
+#endif

@@ -1,0 +1,288 @@
+# SPDX-License-Identifier: MIT
+"""Spring sets that uniaxial springs can represent, and the errors that this causes on the paths of the full model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.errors import refused
+from pysprings.macro import measures
+from pysprings.macro.comparison import along_path
+from pysprings.macro.curve_table import Row, SpringTable, stack
+from pysprings.macro.fan import has_fan
+from pysprings.macro.model import MacroModel
+from pysprings.macro.solver import row_values
+from pysprings.macro.vertical import Branch
+from pysprings.results.exporters.uniaxial.curve import Spring, Table, table, with_far
+from pysprings.results.exporters.uniaxial.options import VIRTUAL
+from pysprings.results.exporters.uniaxial.planes import spread, together
+from pysprings.results.exporters.uniaxial.virtual import virtual_table
+from pysprings.springs.path import SpringPath
+from pysprings.springs.springs import Springs
+from pysprings.springs.sums import slice_heights
+
+Array = NDArray[np.float64]
+
+PLANES = 8  # of virtual springs
+ROUNDING = 1e-6  # u over that of the rotation: less is no displacement
+CORNER = 1e-7  # share of a segment over which the straight lines of a table are joined
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Uniaxial:
+    """Uniaxial springs of a caisson.
+
+    Attributes
+    ----------
+    model : macro-model of a motion along a plane; its lateral springs all read the displacement that they act against.
+    rows : laws of the lateral and rotational springs in each plane.
+    planes : number of vertical planes, at equal angles.
+    springs : lateral, rotational and vertical springs; the last act from the state at rest on.
+    lost : sentences on what the springs do not represent.
+    """
+
+    model: MacroModel
+    rows: SpringTable
+    planes: int
+    springs: tuple[Spring, ...]
+    lost: tuple[str, ...]
+
+    @property
+    def between(self) -> MacroModel:
+        """Macro-model of a motion in the middle between two planes."""
+        return replace(self.model, table=together(self.rows, self.planes, between=True))
+
+
+def uniaxial(springs: Springs, kind: str | None = None, V: float | None = None, planes: int = 0) -> Uniaxial:
+    """Return the uniaxial springs of a set: "virtual" (of a fan; the default with one), "pisa", "full" or "py".
+
+    V [N] selects the lateral springs of several vertical loads. `planes` is the number of vertical planes in which
+    springs stand, even; 0 for that of the set: 8 of virtual springs, 2 of others, which are exact along both.
+
+    Raises
+    ------
+    UserInputError
+        The springs do not give the set, or there are none of a full model.
+    """
+    chosen = kind or (VIRTUAL if has_fan(springs) else "full")
+    planes = planes or (PLANES if chosen == VIRTUAL else 2)
+    if planes < 2 or planes % 2:
+        raise refused("--option planes", f"{planes} is not an even number of planes")
+    model = MacroModel.from_springs(springs, "fan" if chosen == VIRTUAL else chosen, V=V)
+    if chosen == VIRTUAL:
+        made, lost = (
+            virtual_table(model, planes),
+            ["lateral springs stand at virtual depths: they represent the whole foundation"],
+        )
+    else:
+        assert isinstance(model.table, SpringTable)
+        made, lost = _represent(model.table, model.origin)
+        made = spread(_loaded(made), planes)
+    if not made.name:
+        raise refused("springs", f"the set '{chosen}' has no springs")
+    own = replace(model, table=together(made, planes), spring_set=chosen)
+    return Uniaxial(own, made, planes, (*_lateral(made, model), *_vertical(own)), tuple(lost))
+
+
+def _represent(rows: SpringTable, path: SpringPath) -> tuple[SpringTable, list[str]]:
+    """Return the rows that read what they act against, the others as springs on the lid; and what is lost.
+
+    The action of the others along the path is kept: their force over u, their moment over the rotation.
+    """
+    cross = np.abs(rows.a[:, 0] * rows.b[:, 1] - rows.a[:, 1] * rows.b[:, 0])
+    own = cross <= 1e-9 * np.linalg.norm(rows.a, axis=1) * np.linalg.norm(rows.b, axis=1)
+    if own.all():
+        return rows, []
+    parts = [_part(rows, int(j)) for j in np.flatnonzero(own)]
+    states = np.stack([path.u - path.u[0], path.rotation - path.rotation[0]])
+    others = ~own
+    forces = row_values(rows.q[others], rows.r[others], rows.slope[others], rows.count[others], rows.a[others] @ states)
+    action = rows.b[others].T @ forces
+    names = ", ".join(sorted({f"{rows.name[j]} at {rows.depth[j]:.3g} m" for j in np.flatnonzero(others)}))
+    lost = [f"springs that read another displacement stand on the lid, exact on path '{path.name}' alone: {names}"]
+    for name, q, r, a in (("H_rest", states[0], action[0], (1.0, 0.0)), ("M_rest", states[1], action[1], (0.0, 1.0))):
+        if (np.diff(np.abs(q)) > 0.0).all():
+            parts.append(Row(name, 0.0, "u" if a[0] else "rotation", a, a, q, r))
+        elif np.abs(r).max() > 0.0:
+            lost.append(
+                f"their {'force' if a[0] else 'moment'} is left out: its displacement does not grow on the path"
+            )
+    return stack(parts), lost
+
+
+def _part(rows: SpringTable, j: int) -> Row:
+    n = int(rows.count[j])
+    a, b = (float(x) for x in rows.a[j]), (float(x) for x in rows.b[j])
+    pair_a, pair_b = tuple(a), tuple(b)
+    return Row(
+        rows.name[j], float(rows.depth[j]), rows.carrier[j], (pair_a[0], pair_a[1]), (pair_b[0], pair_b[1]),
+        rows.q[j, :n], rows.r[j, :n], bool(rows.natural[j]), bool(rows.cut[j]),
+    )  # fmt: skip
+
+
+def _loaded(rows: SpringTable) -> SpringTable:
+    """Return the rows without those that carry nothing."""
+    carry = [_part(rows, j) for j in range(len(rows.name)) if rows.r[j, : rows.count[j]].any()]
+    return rows if len(carry) == len(rows.name) else stack(carry)
+
+
+def _lateral(rows: SpringTable, model: MacroModel) -> Iterator[Spring]:
+    """Yield the lateral and rotational springs of a plane."""
+    heights = dict(zip(model.origin.depth.tolist(), slice_heights(model.origin.recorded).tolist(), strict=True))
+    for j, name in enumerate(rows.name):
+        sideways = bool(rows.a[j, 0] != 0.0)
+        k = 0 if sideways else 1
+        depth = float(rows.a[j, 1] / rows.a[j, 0]) if sideways else float(rows.depth[j])
+        end, factor = float(rows.range[j] / abs(rows.a[j, k])), float(rows.b[j, k])
+
+        def force(x: Array, j: int = j, k: int = k, factor: float = factor) -> Array:
+            one = slice(j, j + 1)
+            q = np.ascontiguousarray(np.atleast_1d(x)[None] * rows.a[j, k])
+            values: Array = factor * row_values(rows.q[one], rows.r[one], rows.slope[one], rows.count[one], q)[0]
+            return values
+
+        height = heights.get(float(rows.depth[j]), 0.0) if name in ("p", "m") else 0.0
+        yield Spring(name, "lateral" if sideways else "rotation", depth, height, -end, end, force)
+
+
+def _vertical(model: MacroModel) -> Iterator[Spring]:
+    """Yield the vertical spring: the change of V [N] over the change of w [m] from rest, elastic where not known."""
+    vertical = model.vertical
+    if model.stiffness_initial is None:
+        return
+    stiffness, reach = float(model.stiffness_initial[1, 1]), 1e-3
+    down, up = (None, None) if vertical is None else (vertical.branch(1.0), vertical.branch(-1.0))
+
+    def force(x: Array) -> Array:
+        values = stiffness * np.atleast_1d(x)
+        for branch in (down, up):
+            if branch is not None:
+                own = branch.sign * values > 0.0
+                values[own] = _change(branch, np.abs(np.atleast_1d(x)[own]))
+        return values
+
+    low, high = -(up.end[0] if up else reach), down.end[0] if down else reach
+    yield Spring("V", "vertical", 0.0, 0.0, low, high, force)
+
+
+def _change(branch: Branch, x: Array) -> Array:
+    """Return the change of V [N] at changes x (n,) >= 0 of w [m] along a branch, beyond its end along the last step."""
+    last, k = branch.r[-1], np.array([branch.x.size])
+    chord = (last[-1] - last[-2]) / (branch.x[-1] - branch.x[-2])
+    inside = row_values(branch.x[None], last[None], branch.slope[-1:], k, np.minimum(x, branch.x[-1])[None])[0]
+    values: Array = inside + chord * np.maximum(x - branch.x[-1], 0.0) - last[0]
+    return values
+
+
+# --- tables, and what they cost ---
+
+
+def tables(made: Uniaxial, points: int, far: bool = True) -> list[Table]:
+    """Return every spring as a table of at most `points` points within its range, with two far ones."""
+    given = [table(spring, points) for spring in made.springs]
+    return [with_far(each) for each in given] if far else given
+
+
+def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
+    """Return the model on the straight lines of tables (corners rounded over 1e-7 of a segment)."""
+    lateral = [each for each in given if each.spring.odd]
+    knots = [_lines(each) for each in lateral]
+    count = np.array([q.size for q, _, _ in knots], dtype=np.int64)
+    q = np.full((len(knots), int(count.max())), np.inf)
+    r, slope = np.zeros_like(q), np.zeros_like(q)
+    for j, (x, y, s) in enumerate(knots):
+        q[j, : x.size], r[j, : x.size], slope[j, : x.size] = x, y, s
+    sideways = np.array([each.spring.direction == "lateral" for each in lateral])
+    depth = np.array([each.spring.depth for each in lateral])
+    a = np.where(sideways[:, None], np.stack([np.ones(depth.size), depth], axis=1), [0.0, 1.0])
+    names = [each.spring.name for each in lateral]
+    carriers = ["y" if each else "rotation" for each in sideways]
+    whole = np.ones(count.size, dtype=bool)
+    rows = SpringTable(names, depth, carriers, a, a, q, r, slope, count, whole, ~whole)
+    return replace(made.model, table=together(rows, made.planes))
+
+
+def _lines(given: Table) -> tuple[Array, Array, Array]:
+    """Return knots, reactions and slopes of the straight lines for q >= 0."""
+    q, f = given.within()
+    q, f = q[q >= 0.0], f[q >= 0.0]
+    slopes = np.diff(f) / np.diff(q)
+    gap = CORNER * np.minimum(np.diff(q)[:-1], np.diff(q)[1:])
+    x, y, s = [q[0]], [f[0]], [slopes[0]]
+    for k, e in enumerate(gap):
+        x += [q[k + 1] - e, q[k + 1] + e]
+        y += [f[k + 1] - e * slopes[k], f[k + 1] + e * slopes[k + 1]]
+        s += [slopes[k], slopes[k + 1]]
+    return np.array([*x, q[-1]]), np.array([*y, f[-1]]), np.array([*s, slopes[-1]])
+
+
+def errors_by_path(springs: Springs, model: MacroModel, what: str) -> list[str]:
+    """Return a sentence for each lateral path: largest errors beside the full model, as `compare` measures."""
+    lines = []
+    for path in springs.paths.values():
+        if path.is_vertical:
+            continue
+        answer = along_path(path, model)
+        n = answer.sizes["step"]
+        errors = measures.errors(path, answer, measures.abscissa(path)[:n], path.rules.answers)
+        errors |= measures.at_equal_load(path, answer)
+        if np.abs(path.u).max() < ROUNDING * springs.length * np.abs(path.rotation).max():
+            errors["u_error_max_pct"] = np.nan  # a rotation about the lid centre
+        parts = [
+            f"{words} {errors[f'{key}_error_max_pct'] + 0.0:+.2f} %"
+            for key, words in (("H", "H"), ("M", "M"), ("rotation", "rotation"), ("u", "u at equal load"))
+            if np.isfinite(errors[f"{key}_error_max_pct"])
+        ]
+        short = "" if n == path.n else f"; no equilibrium beyond state {n}"
+        lines.append(f"{what}, path {path.name} ({path.role}): {', '.join(parts) or 'no state'}{short}")
+    return lines
+
+
+def change_by_tables(springs: Springs, smooth: MacroModel, straight: MacroModel) -> str:
+    """Return a sentence on what tables change on all paths: loads at recorded motions, motions under these loads."""
+    motion, load = np.zeros(2), np.zeros(2)
+    for path in springs.paths.values():
+        if path.is_vertical or path.n < 3:
+            continue
+        for step in (path.n // 4, path.n // 2, path.n - 1):
+            a, b = (model.reactions(path.u[step], path.rotation[step])[0] for model in (smooth, straight))
+            load = np.maximum(load, _relative(a, b, smooth.length))
+            both = [model.solve_cases("load", a[None]) for model in (smooth, straight)]
+            if all(reached[0] for _, _, reached in both):
+                (x,), (y,) = (states for states, _, _ in both)
+                motion = np.maximum(motion, _relative(x, y, 1.0 / smooth.length))
+    H, M, u, rotation = 100.0 * np.concatenate([load, motion])
+    return (
+        f"the tables change H by at most {H:.2g} % and M by {M:.2g} % at the recorded motions, "
+        f"u by {u:.2g} % and rotation by {rotation:.2g} % under the recorded loads"
+    )
+
+
+def _relative(a: Array, b: Array, length: float) -> Array:
+    """Return |b - a|/|a| of (force, moment) or (u, rotation); a small part counts beside 5 % of the larger one."""
+    scale = np.array([1.0, length])
+    change: Array = np.abs(b - a) / scale / np.maximum(np.abs(a) / scale, 0.05 * np.abs(a / scale).max())
+    return change
+
+
+def other_planes(springs: Springs, made: Uniaxial) -> str:
+    """Return a sentence on motions in other directions: loads between two planes beside those along one."""
+    worst, between = 0.0, made.between
+    for path in springs.paths.values():
+        if path.is_vertical:
+            continue
+        for step in (path.n // 4, path.n // 2, path.n - 1):
+            x = path.u[step], path.rotation[step]
+            a, b = made.model.reactions(*x)[0], between.reactions(*x)[0]
+            scale = np.array([1.0, made.model.length])
+            worst = max(worst, float(np.linalg.norm((b - a) / scale) / np.linalg.norm(a / scale)))
+    angle = 180.0 / made.planes
+    return (
+        f"springs stand in {made.planes} vertical planes, each {angle:g} degrees from the next, and act independently: "
+        f"at {0.5 * angle:g} degrees from a plane the loads of a motion differ from those along it by up to "
+        f"{100.0 * worst:.2g} % (a quarter, half and the end of each path)"
+    )

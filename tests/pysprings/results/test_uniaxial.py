@@ -1,0 +1,375 @@
+# SPDX-License-Identifier: MIT
+"""Uniaxial springs for other programs: their sums, their tables, and the programs themselves beside `predict`."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import warnings
+from itertools import pairwise, product
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.macro.model import MacroModel
+from pysprings.macro.predict import predict
+from pysprings.results.exporters import Source, export
+from pysprings.results.exporters.uniaxial.curve import table
+from pysprings.results.exporters.uniaxial.sets import (
+    Uniaxial,
+    change_by_tables,
+    other_planes,
+    tables,
+    uniaxial,
+    with_tables,
+)
+from pysprings.springs.springs import Springs
+from tests.support import fans, synthetic
+from tests.support.in_opensees import answer_of
+from tests.support.vertical import fan_with_vertical, vertical_springs
+
+SUPPORT = Path(__file__).parents[2] / "support"
+# H [N], height of the load [m], V [N] above that at rest: mudline, waves, wind, mooring line, towards -x
+CASES = [(1.6e6, 0.0, 0.0), (1.0e6, 5.0, 1e6), (0.25e6, 30.0, 3e6), (1.4e6, -1.0, -1e6), (-1.2e6, 2.0, 5e6)]
+FULL = 3001
+
+
+@pytest.fixture(scope="session")
+def source() -> Source:
+    return Source(fan_with_vertical())
+
+
+@pytest.fixture(scope="session")
+def made(source: Source) -> Uniaxial:
+    return uniaxial(Springs.of(source.springs))
+
+
+@pytest.fixture(scope="session")
+def expected(made: Uniaxial) -> np.ndarray:
+    """u, rotation and change of w by `predict` in the cases."""
+    rows = []
+    for H, arm, V in CASES:
+        answer = predict_quietly(made.model, H, arm)
+        vertical = made.model.vertical
+        assert vertical is not None
+        rows.append([*answer, vertical.displacement(made.model.rest_load + V)[0] - vertical.rest[0]])
+    return np.array(rows)
+
+
+def predict_quietly(model: MacroModel, H: float, arm: float) -> list[float]:
+    with warnings.catch_warnings():  # the path behind a fan is one of its rays
+        warnings.simplefilter("ignore")
+        answer = predict(model, H=H, arm=arm)
+    return [float(answer["u"]), float(answer["rotation"])]
+
+
+def largest_error(model: MacroModel) -> float:
+    """Error of the loads beside a coupled law in closed form, all over the plane of (u, rotation)."""
+    errors = []
+    for u, rotation in fans.scattered(100):
+        own, exact = model.reactions(u, rotation)[0], fans.loads(fans.potential, u, rotation)
+        errors.append(np.linalg.norm((own - exact) / [1.0, fans.LENGTH]) / np.linalg.norm(exact / [1.0, fans.LENGTH]))
+    return max(errors)
+
+
+def test_virtual_springs_answer_as_the_fan_in_every_direction(source: Source, made: Uniaxial) -> None:
+    """A coupled law in closed form: within 3 % along a plane and between two, and at rest to 1e-4."""
+    assert largest_error(made.model) < 0.03 and largest_error(made.between) < 0.03
+    K = Springs.of(source.springs).lateral_stiffness
+    for model in (made.model, made.between):
+        np.testing.assert_allclose(model.reactions(0.0, 0.0)[1], K, rtol=1e-4)
+
+
+def test_two_planes_carry_too_much_between_them_and_more_planes_less(source: Source) -> None:
+    """Plastic springs in two planes carry sqrt(2) times the load at 45 degrees."""
+    springs = Springs.of(source.springs)
+    errors = [largest_error(uniaxial(springs, planes=planes).between) for planes in (2, 4, 8)]
+    assert 0.3 < errors[0] < np.sqrt(2.0) - 1.0 and errors[1] < 0.06 and errors[2] < 0.03
+    printed = [float(re.findall(r"([\d.]+) %", other_planes(springs, uniaxial(springs, planes=n)))[0]) for n in (2, 8)]
+    assert printed[0] > 30.0 and printed[1] < 3.0
+    with pytest.raises(UserInputError, match="3 is not an even number"):
+        uniaxial(springs, planes=3)
+
+
+@pytest.mark.parametrize("kind", ["pisa", "py"])
+def test_springs_at_real_depths_spread_over_planes_answer_nearly_as_before(kind: str) -> None:
+    springs = Springs.of(vertical_springs())
+    two, eight = (uniaxial(springs, kind, planes=planes) for planes in (2, 8))
+    for u, rotation in ((2e-3, -3e-4), (-4e-3, 1e-4), (4e-4, 2e-5)):
+        exact = two.model.reactions(u, rotation)[0]
+        for model in (eight.model, eight.between):
+            np.testing.assert_allclose(model.reactions(u, rotation)[0], exact, rtol=0.02)
+
+
+def test_a_linear_fan_is_exact() -> None:
+    springs = Springs.of(fans.fan_springs(fans.linear))
+    model = uniaxial(springs).model
+    for u, rotation in fans.scattered(20):
+        np.testing.assert_allclose(model.reactions(u, rotation)[0], fans.loads(fans.linear, u, rotation), rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["pisa", "full", "py"])
+def test_sets_at_real_depths_keep_resultant_and_moment(kind: str) -> None:
+    """Springs of a set whose springs read what they act against: H and M of `predict` at imposed motions."""
+    springs = Springs.of(vertical_springs())
+    one = uniaxial(springs, kind)
+    for u, rotation in ((2e-3, -3e-4), (-4e-3, 1e-4), (0.0, 5e-4)):
+        H = M = 0.0
+        for spring in one.springs:
+            if spring.direction == "lateral":
+                force = float(spring.force(np.array([u + spring.depth * rotation]))[0])
+                H, M = H + force, M + force * spring.depth
+            elif spring.direction == "rotation":
+                M += float(spring.force(np.array([rotation]))[0])
+        np.testing.assert_allclose([H, M], one.model.reactions(u, rotation)[0], rtol=1e-12, atol=1e-6)
+    skirt = [spring for spring in one.springs if spring.name == "p"]
+    assert skirt and all(0.0 <= spring.depth <= springs.length and spring.height > 0.0 for spring in skirt)
+
+
+def test_springs_that_read_another_displacement_are_named() -> None:
+    one = uniaxial(Springs.of(synthetic.make_springs()), "full")
+    own = one.model.table
+    cross = own.a[:, 0] * own.b[:, 1] - own.a[:, 1] * own.b[:, 0]
+    np.testing.assert_allclose(cross, 0.0, atol=1e-9 * np.abs(own.b).max())
+
+
+@pytest.mark.parametrize("points", [5, 20, 41, 401])
+def test_tables_are_bounded_by_their_printed_error(made: Uniaxial, points: int) -> None:
+    for spring in made.springs:
+        one = table(spring, points)
+        assert one.q.size <= points
+        assert (np.diff(one.q) > 0.0).all() and (np.diff(one.f) > 0.0).all()
+        assert one.f[one.q == 0.0] == 0.0
+        assert (one.q[0], one.q[-1]) == pytest.approx((spring.low, spring.high))
+        x = np.random.default_rng(1).uniform(spring.low, spring.high, 5000)
+        y = spring.force(x)
+        left = np.abs(np.interp(x, one.q, one.f) - y).max() / np.abs(y).max()
+        assert left <= one.error * (1.0 + 1e-3) + 1e-12
+        assert one.error < {5: 0.2, 20: 0.03, 41: 0.01, 401: 1e-4}[points]
+
+
+def test_straight_lines_are_those_of_the_tables(made: Uniaxial) -> None:
+    given = tables(made, 20)
+    model = with_tables(made, given)
+    for u, rotation in fans.scattered(30, size=6e-3):
+        H = M = 0.0
+        for each, c in product(given, np.cos(np.pi / made.planes * np.arange(made.planes))):
+            if each.spring.direction == "lateral":
+                force = c * float(np.interp(c * (u + each.spring.depth * rotation), each.q, each.f))
+                H, M = H + force, M + force * each.spring.depth
+            elif each.spring.direction == "rotation":
+                M += c * float(np.interp(c * rotation, each.q, each.f))
+        np.testing.assert_allclose(model.reactions(u, rotation)[0], [H, M], rtol=1e-6)
+
+
+def test_the_error_of_the_tables_is_printed(source: Source, made: Uniaxial) -> None:
+    springs = Springs.of(source.springs)
+    shares = [
+        [
+            float(value)
+            for value in re.findall(r"([\d.e-]+) %", change_by_tables(springs, made.model, with_tables(made, t)))
+        ]
+        for t in (tables(made, 20), tables(made, 401))
+    ]
+    assert len(shares[0]) == 4
+    assert all(few > 50.0 * many for few, many in zip(*shares, strict=True))
+
+
+def check(found: np.ndarray, expected: np.ndarray, error: float) -> None:
+    """Compare u and rotation; w, of one curve whose table is not helped by others, to twice the error."""
+    np.testing.assert_allclose(found[:, :2], expected[:, :2], rtol=error)
+    np.testing.assert_allclose(found[:, 2], expected[:, 2], rtol=2.0 * error, atol=1e-12)
+
+
+# --- OpenSees ---
+
+
+def in_opensees(
+    folder: Path, steps: int = 20, angle: float = 0.0, ending: str = "py", skirt: tuple[float, ...] = ()
+) -> np.ndarray:
+    """u, rotation, w, motion across and number of nodes of the script under the cases in a direction."""
+    cases = [(H, -H * arm, V) for H, arm, V in CASES]
+    task = {
+        "script": str(folder / f"caisson_opensees.{ending}"),
+        "loads": cases,
+        "steps": steps,
+        "angle": angle,
+        "skirt": skirt,
+    }
+    rows = np.array(answer_of(SUPPORT / "opensees_caisson.py", task))
+    assert not rows[:, 0].any()
+    return rows[:, 1:]
+
+
+@pytest.mark.parametrize(("points", "error"), [pytest.param(FULL, 1e-6, marks=pytest.mark.slow), (20, 5e-3)])
+def test_opensees_finds_what_predict_finds(
+    source: Source, expected: np.ndarray, tmp_path: Path, points: int, error: float
+) -> None:
+    export(source, "opensees", tmp_path, points=points, torsion=1e9)
+    found = in_opensees(tmp_path)
+    check(found, expected, error)
+    assert found[:, 3].max() < 1e-9
+
+
+@pytest.mark.slow
+def test_opensees_under_loads_between_two_planes(source: Source, made: Uniaxial, tmp_path: Path) -> None:
+    """Planes from 20 degrees on, the load at 31.25: `predict` of the motion between two planes, the fan to 3 %."""
+    export(source, "opensees", tmp_path, points=FULL, torsion=1e9, azimuth=np.radians(20.0))
+    found = in_opensees(tmp_path, angle=np.radians(31.25))
+    own = np.array([predict_quietly(made.between, H, arm) for H, arm, _ in CASES])
+    np.testing.assert_allclose(found[:, :2], own, rtol=1e-6)
+    fan = np.array([predict_quietly(MacroModel.from_springs(source.springs), H, arm) for H, arm, _ in CASES])
+    np.testing.assert_allclose(found[:, :2], fan, rtol=0.05)
+
+
+def test_tcl_and_python_hold_the_same_springs(source: Source, tmp_path: Path) -> None:
+    export(source, "opensees", tmp_path, points=20, torsion=1e9)
+    numbers = [
+        [
+            float(x)
+            for x in re.findall(r"-?\d+\.?\d*(?:e[-+]?\d+)?", re.sub(r"(?m)^ *#.*$", "", text.split("attach")[0]))
+        ]
+        for text in ((tmp_path / f"caisson_opensees.{ending}").read_text() for ending in ("py", "tcl"))
+    ]
+    assert len(numbers[0]) > 500
+    assert numbers[0] == numbers[1][: len(numbers[0])]
+
+
+def test_hysteresis_is_on_request_and_labelled(source: Source, tmp_path: Path) -> None:
+    plain = export(source, "opensees", tmp_path, points=20, torsion=1e9)
+    assert not any("Masing" in remark for remark in plain.remarks)
+    done = export(source, "opensees", tmp_path, points=20, torsion=1e9, material="masing")
+    assert any("Masing" in remark for remark in done.remarks)
+    assert "Masing" in (tmp_path / "caisson_opensees.py").read_text()
+    monotonic = in_opensees(tmp_path)
+    assert np.isfinite(monotonic).all()
+
+
+def test_tcl_and_python_give_the_same_answers(source: Source, tmp_path: Path) -> None:
+    """The Tcl commands run in OpenSees, by the interpreter of Python's tkinter where that is there."""
+    export(source, "opensees", tmp_path, points=20, torsion=1e9)
+    np.testing.assert_allclose(in_opensees(tmp_path, ending="tcl"), in_opensees(tmp_path), rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("ending", ["py", "tcl"])
+def test_springs_at_real_depths_hang_on_a_skirt_of_beams(tmp_path: Path, ending: str) -> None:
+    """A rigid skirt with nodes at the springs answers as the rigid links do."""
+    export(Source(vertical_springs()), "opensees", tmp_path, springs="pisa", points=20, torsion=1e9)
+    made = uniaxial(Springs.of(vertical_springs()), "pisa")
+    depths = tuple(each.depth for each in made.springs if each.name == "p" and each.depth)
+    plain, hung = in_opensees(tmp_path, ending=ending), in_opensees(tmp_path, ending=ending, skirt=depths[1:])
+    np.testing.assert_allclose(hung[:, :4], plain[:, :4], rtol=1e-9, atol=1e-15)
+    hanging = sum(each.direction == "lateral" and each.depth in depths[1:] for each in made.springs)
+    assert hanging >= len(depths) - 1 > 5
+    assert hung[0, 4] == plain[0, 4] + len(depths[1:]) - hanging  # nodes of the skirt in place of those of springs
+
+
+# --- CalculiX, Abaqus, ANSYS ---
+
+
+def in_calculix(folder: Path, H: float, arm: float, V: float) -> np.ndarray:
+    """u, rotation and w of the exported example under other loads."""
+    text = (folder / "example_calculix.inp").read_text()
+    text = text.replace("1, 1, 1.E6\n", f"1, 1, {H}\n1, 3, {-V}\n").replace("2, 2, 5.E6", f"2, 2, {H * arm}")
+    (folder / "case.inp").write_text(text)
+    done = subprocess.run(["ccx", "case"], cwd=folder, capture_output=True, text=True, timeout=280)
+    assert done.returncode == 0 and "Job finished" in done.stdout, done.stdout[-2000:]
+    lid, rotations = (
+        [float(x) for x in line.split()[1:]] for line in (folder / "case.dat").read_text().splitlines()[-2:]
+    )
+    return np.array([lid[0], -rotations[1], -lid[2]])
+
+
+needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="ccx is not installed (Debian: calculix-ccx)")
+
+
+@needs_ccx
+@pytest.mark.slow
+@pytest.mark.parametrize(("points", "error"), [(FULL, 1e-6), (20, 5e-3)])
+def test_calculix_finds_what_predict_finds(
+    source: Source, made: Uniaxial, expected: np.ndarray, tmp_path: Path, points: int, error: float
+) -> None:
+    """Five cases; seven digits are printed. With few points also what their straight lines give, to 1e-6."""
+    export(source, "calculix", tmp_path, points=points, torsion=1e9)
+    answers = np.array([in_calculix(tmp_path, *case) for case in CASES])
+    check(answers, expected, error)
+    straight = with_tables(made, tables(made, points))
+    loads = np.array([[H, -H * arm] for H, arm, _ in CASES])
+    np.testing.assert_allclose(answers[:, :2], straight.solve_cases("load", loads)[0], rtol=1e-6)
+
+
+def spring_tables(text: str) -> list[list[tuple[float, float]]]:
+    """Tables (displacement, force) of the nonlinear springs of a deck, in their order."""
+    number = r"-?\d\.\d+E[-+]\d+"
+    blocks = re.findall(rf"\*SPRING, ELSET=SPRING\d+, NONLINEAR\n(?:1, 1\n)?((?:{number}, {number}\n?)+)", text)
+    rows = [[line.split(",") for line in block.splitlines()] for block in blocks]
+    return [[(float(q), float(f)) for f, q in block] for block in rows]
+
+
+def number_of_springs(source: Source) -> int:
+    """Springs of all planes."""
+    made = uniaxial(Springs.of(source.springs))
+    return sum(made.planes if spring.odd else 1 for spring in made.springs)
+
+
+def test_springs_in_parallel_carry_tables_that_are_too_long_for_calculix(source: Source, tmp_path: Path) -> None:
+    for name in ("abaqus", "calculix"):
+        export(source, name, tmp_path, points=401)
+    whole, parts = (spring_tables((tmp_path / f"caisson_{name}.inp").read_text()) for name in ("abaqus", "calculix"))
+    assert len(whole) == number_of_springs(source) and len(parts) == 3 * len(whole)
+    assert max(map(len, parts)) <= 200
+    for k, table_ in enumerate(whole):
+        q, f = np.array(table_).T
+        x = np.linspace(q[1], q[-2], 1000)
+        together = sum(np.interp(x, *np.array(part).T) for part in parts[3 * k : 3 * k + 3])
+        np.testing.assert_allclose(together, np.interp(x, q, f), rtol=1e-9, atol=1e-9 * f.max())
+
+
+def test_abaqus_and_calculix_hold_the_same_tables(source: Source, tmp_path: Path) -> None:
+    for name in ("abaqus", "calculix"):
+        export(source, name, tmp_path, points=20)
+    texts = [(tmp_path / f"caisson_{name}.inp").read_text() for name in ("abaqus", "calculix")]
+    first, second = (spring_tables(text) for text in texts)
+    assert len(first) == number_of_springs(source)
+    assert first == second
+    for block in first:
+        assert all(b[0] > a[0] and b[1] > a[1] for a, b in pairwise(block))
+        assert (0.0, 0.0) in block
+    assert "*RIGID BODY" not in texts[0].split("\n*")[1]
+    assert "\n1, 6" in (tmp_path / "example_abaqus.inp").read_text()  # torsion is held without a value
+
+
+def test_combin39_takes_twenty_points(source: Source, tmp_path: Path) -> None:
+    done = export(source, "ansys", tmp_path)
+    text = (tmp_path / "caisson_ansys.inp").read_text()
+    blocks = re.findall(r"(?m)^R,\d+,(.*(?:\nRMORE,.*)*)", text)
+    assert len(blocks) == number_of_springs(source)
+    for block in blocks:
+        assert all(line.count(",") <= 6 for line in block.splitlines())
+        cells = [float(x) for x in block.replace("\nRMORE,", ",").split(",")]
+        q, f = np.array(cells[::2]), np.array(cells[1::2])
+        assert q.size <= 20 and (np.diff(q) > 0.0).all() and q[-1] > 0.0 > q[0]
+        assert f[q == 0.0] == 0.0
+    assert any("the tables change H by at most" in remark for remark in done.remarks)
+    with pytest.raises(UserInputError, match="not from 5 to 20"):
+        export(source, "ansys", tmp_path, points=21)
+
+
+@pytest.mark.slow
+def test_headers_name_origin_conditions_and_losses(source: Source, tmp_path: Path) -> None:
+    for name, files in {"opensees": ("py", "tcl"), "calculix": ("inp",), "abaqus": ("inp",), "ansys": ("inp",)}.items():
+        export(source, name, tmp_path, points=20)
+        for ending in files:
+            text = (tmp_path / f"caisson_{name}.{ending}").read_text()
+            for words in (
+                "written by pysprings", str(source.springs.attrs["scene_sha256"]), "z up", "units: m, rad, N, N m",
+                "drainage: drained", "vertical load at rest", "not for cyclic", "range, path ray_0",
+                "measured error, path",
+                "error of these springs beside the full model, path ray_0 (calibration): H", "degrees from a plane",
+                "behind their range springs go on",
+                "the tables change H by at most", "torsion is not known",
+            ):  # fmt: skip
+                assert words in text, (name, words)
