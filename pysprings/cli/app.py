@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from pysprings.cli import compare, predict, run, scene, springs, studies
+from pysprings.cli import capacity, compare, design, diff, predict, run, scene, soildyn, springs, studies
 from pysprings.cli.guard import DEBUG, guarded
 from pysprings.core.jit import choose_for_command
 from pysprings.core.streams import open_missing_streams
@@ -35,8 +35,12 @@ for command in (
     run.run,
     springs.springs,
     springs.export,
+    soildyn.soildyn,
     predict.predict,
     compare.compare,
+    diff.diff,
+    design.design,
+    capacity.capacity,
     studies.accuracy,
     studies.stability,
     studies.paper,

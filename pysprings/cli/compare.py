@@ -9,17 +9,32 @@ import typer
 
 from pysprings.cli.inputs import springs_of
 from pysprings.cli.options import Json, OneSpringSet, Result
-from pysprings.cli.support import print_json
+from pysprings.cli.support import print_json, refuse
 
 
 def compare(
     result: Result,
     spring_set: OneSpringSet = None,
     slices: Annotated[bool, typer.Option("--slices", help="error and cost by number of depth slices instead")] = False,
+    cycles: Annotated[
+        bool,
+        typer.Option("--cycles", help="paths that turn back instead: errors, and peaks, work and damping by cycle"),
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Set the prediction with the springs beside the full model, by path: eta and errors."""
     tree = springs_of(result)
+    if slices and cycles:
+        refuse("--cycles", "give either this or --slices")
+    if cycles:
+        from pysprings.macro import cycles as by_cycle
+
+        found = by_cycle.compare_cycles(tree, spring_set)
+        if as_json:
+            print_json(by_cycle.to_dict(found))
+        else:
+            print(by_cycle.to_text(found), end="")
+        return
     if slices:
         from pysprings.macro import slices as by_slices
 

@@ -15,7 +15,7 @@ from typing import Any, ParamSpec
 
 import typer
 
-from pysprings.cli.support import to_stderr
+from pysprings.cli.support import LOG, to_stderr
 from pysprings.core.errors import (
     EXIT_BUG,
     EXIT_INTERRUPTED,
@@ -40,6 +40,7 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
 
     @functools.wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        LOG.set(None)  # that of a command before it in this process
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = _show_warning

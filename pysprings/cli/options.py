@@ -21,6 +21,12 @@ Series = Annotated[
 Target = Annotated[
     TargetError | None, typer.Option("--target-error", help="the cheapest setting with this error, instead of a mesh")
 ]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help='value instead of the scene\'s, e.g. soil.young_modulus="80 MPa"; repeated'
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
 
 

@@ -17,7 +17,9 @@ from pysprings.cli.support import print_json, quantities, refuse, to_stderr
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pysprings.cli import predictions
     from pysprings.macro.sets import AnySprings
+    from pysprings.macro.stiffness import Form
 
 MISSING = 'missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve'
 
@@ -30,8 +32,10 @@ _QUANTITIES = {
     "u_max": ("--u-max", "m", "5 mm"),
     "u": ("--u", "m", "3 mm"),
     "rotation": ("--rotation", "rad", "0.5 mrad"),
+    "tilt": ("--tilt", "rad", "0.25 deg"),
     "skirt_length": ("--skirt-length", "m", "4 m"),
     "rate": ("--rate", "m/s", "0.1 mm/s"),
+    "reference_depth": ("--reference-depth", "m", "4 m"),
 }
 
 
@@ -46,8 +50,10 @@ class Question:
     u_max: float | None = None
     u: float | None = None
     rotation: float | None = None
+    tilt: float | None = None
     skirt_length: float | None = None
     rate: float | None = None
+    reference_depth: float | None = None
     sequence: Path | None = None
     points: int = 50
 
@@ -73,12 +79,12 @@ class Question:
     def refuse_contradictions(self) -> None:
         """Raise UserInputError for loads and motions that are missing or given twice."""
         there = self.given
-        motions = there & {"--u", "--rotation"}
+        motions = there & {"--u", "--rotation", "--tilt"}
         if self.sequence is not None:
-            for option in sorted(there - {"--V", "--skirt-length", "--rate"}):
+            for option in sorted(there - {"--V", "--skirt-length", "--rate", "--reference-depth"}):
                 refuse(option, "give either this or --sequence: the file holds loads, motions and their height")
             return
-        if not there & {"--H", "--M", "--V", "--u-max", "--u", "--rotation"}:
+        if not there & {"--H", "--M", "--V", "--u-max", *motions}:
             refuse("--H", MISSING)
         if {"--H", "--u-max"} <= there:
             refuse("--u-max", "give either --H or --u-max: the load is an answer of the curve")
@@ -88,9 +94,11 @@ class Question:
             refuse(min(motions), f"give either this or {other[0]}: a load is the answer to a motion")
         if {"--arm", "--M"} <= there:
             refuse("--M", "give either --arm or --M, not both (M = -H*arm)")
+        if "--tilt" in there and len(motions) > 1:
+            refuse("--tilt", f"give either this or {min(motions - {'--tilt'})}")
         if len(motions) == 2 and "--arm" in there:
             refuse("--arm", "with --u and --rotation both loads are answers: leave --arm out")
-        if "--arm" in there and not there & {"--H", "--u-max", "--u", "--rotation"}:
+        if "--arm" in there and not there & {"--H", "--u-max", *motions}:
             refuse("--H", MISSING)
 
 
@@ -101,6 +109,7 @@ class Choice:
     spring_set: str | None = None
     path: str | None = None
     strict: bool = False
+    extrapolate: bool = False
 
 
 def predict(
@@ -124,9 +133,13 @@ def predict(
         str | None,
         typer.Option("--rotation", metavar="ANGLE", help="the load at this rotation; with --u: both imposed"),
     ] = None,
+    tilt: Annotated[
+        str | None,
+        typer.Option("--tilt", metavar="ANGLE", help="the lateral load that turns it by this angle"),
+    ] = None,
     sequence: Annotated[
         Path | None,
-        typer.Option("--sequence", metavar="FILE", help="CSV with a load (H_N, M_Nm, V_N) or motion (u_m ...) a line"),
+        typer.Option("--sequence", metavar="FILE", help="table with a load (H_N, M_Nm) or motion (u_m ...) a line"),
     ] = None,
     spring_set: SpringSet = None,
     path: Annotated[
@@ -134,6 +147,9 @@ def predict(
     ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="refuse an answer that the springs support only in part")
+    ] = False,
+    extrapolate: Annotated[
+        bool, typer.Option("--extrapolate", help="answer beyond the calibrated range of the springs, marked")
     ] = False,
     rate: Annotated[
         str | None,
@@ -145,8 +161,18 @@ def predict(
             "--stiffness", help="also the stiffness of the springs at each state, and the full model's initial one, 6x6"
         ),
     ] = False,
+    secant: Annotated[bool, typer.Option("--secant", help="stiffness from rest to each state, not tangent")] = False,
+    symmetric: Annotated[bool, typer.Option("--symmetric", help="symmetric part of stiffnesses")] = False,
+    reference_depth: Annotated[
+        str | None,
+        typer.Option("--reference-depth", metavar="LENGTH", help="point of stiffnesses on the axis, below mudline"),
+    ] = None,
+    z_up: Annotated[bool, typer.Option("--z-up", help="stiffnesses in axes with z up; x stays")] = False,
     skirt_length: Annotated[
         str | None, typer.Option("--skirt-length", metavar="LENGTH", help="of a table without depth_bottom_m")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="write the answer to a file: csv, json or nc")
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -157,17 +183,24 @@ def predict(
     from pysprings.cli import predictions
 
     texts = {"H": load, "arm": arm, "M": moment, "V": vertical, "u_max": u_max, "u": u, "rotation": rotation}
-    texts |= {"skirt_length": skirt_length, "rate": rate}
+    texts |= {"tilt": tilt, "skirt_length": skirt_length, "rate": rate, "reference_depth": reference_depth}
     question = Question.read(texts, sequence, points)
     springs = _at_rate(springs_or_table(result, question.skirt_length, strict), question.rate)
-    states = answer(springs, question, Choice(spring_set, path, strict))
-    six = _initial_stiffness(springs) if stiffness else None
+    choice = Choice(spring_set, path, strict, extrapolate)
+    states = answer(springs, question, choice)
+    form: Form = {"secant": secant, "symmetric": symmetric, "z_up": z_up}
+    form["reference_depth"] = question.reference_depth or 0.0
+    matrices = _matrices(springs, states, question, choice, form) if stiffness or any(form.values()) else None
+    if out is not None:
+        predictions.write(states, predictions.stiffness(matrices) if matrices else {}, out)
+        print(out)
+        return
     if as_json:
-        print_json(predictions.prediction(states) | (predictions.stiffness(states, six) if stiffness else {}))
+        print_json(predictions.prediction(states) | (predictions.stiffness(matrices) if matrices else {}))
         return
     predictions.print_prediction(states)
-    if stiffness:
-        predictions.print_stiffness(states, six)
+    if matrices:
+        predictions.print_stiffness(matrices)
     if remarks := predictions.remarks_of(states):
         to_stderr(remarks)
 
@@ -177,22 +210,40 @@ def answer(springs: AnySprings, question: Question, choice: Choice) -> xr.Datase
     from pysprings.macro import predict
 
     options = question
-    common: dict[str, Any] = {"springs_kind": choice.spring_set, "path": choice.path, "strict": choice.strict}
+    common: dict[str, Any] = {"springs_kind": choice.spring_set, "path": choice.path}
+    common |= {"strict": choice.strict, "extrapolate": choice.extrapolate}
     if options.sequence is not None:
         from pysprings.results.tables.sequence import read_sequence
 
         read = read_sequence(options.sequence)
         V = read.V if read.V is not None else options.V
-        return predict.sequence(springs, read.targets, control=read.control, arm=read.arm, V=V, **common)
+        states = predict.sequence(springs, read.targets, control=read.control, arm=read.arm, V=V, **common)
+        return states.assign_attrs(question="sequence")
     if options.u_max is not None:
         return predict.curve(
             springs, u_max=options.u_max, arm=options.arm or 0.0, n=options.points, V=options.V, **common
         )
+    if options.tilt is not None:
+        return _tilted(springs, options, common)
     if options.u is not None or options.rotation is not None:
         common |= {"u": options.u, "rotation": options.rotation}
-        states = predict.impose(springs, arm=options.arm or 0.0, V=options.V, **common)
+        states = predict.way_to_motion(springs, arm=options.arm or 0.0, V=options.V, **common)
     else:
-        states = predict.predict(springs, H=options.H, arm=options.arm, M=options.M, V=options.V, **common)
+        states = predict.way_to_load(springs, H=options.H, arm=options.arm, M=options.M, V=options.V, **common)
+    return states.isel(step=[-1])
+
+
+def _tilted(springs: AnySprings, question: Question, common: Mapping[str, Any]) -> xr.Dataset:
+    """Return the state under the load H > 0 that turns the caisson by an angle, one way or the other."""
+    from pysprings.macro import predict
+
+    assert question.tilt is not None
+    model = predict.model_of(springs, common["springs_kind"], common["path"], question.V)
+    care = {name: common[name] for name in ("strict", "extrapolate")}
+    arm = question.arm or 0.0
+    small = predict.way_to_motion(model, u=1e-6, arm=arm, n=1, extrapolate=True)  # which way a load turns it
+    way = -1.0 if float(small["rotation"][-1]) * float(small["H"][-1]) < 0.0 else 1.0
+    states = predict.way_to_motion(model, rotation=way * abs(question.tilt), arm=arm, V=question.V, **care)
     return states.isel(step=[-1])
 
 
@@ -210,8 +261,20 @@ def _at_rate(springs: AnySprings, rate: float | None) -> AnySprings:
     return Springs.of(springs).at_rate(rate)
 
 
-def _initial_stiffness(springs: AnySprings) -> xr.DataArray | None:
-    """Return the initial stiffness 6x6; None for a table without vertical stiffness."""
-    from pysprings.macro.stiffness_six import has_six, stiffness_six
+def _matrices(
+    springs: AnySprings, states: xr.Dataset, question: Question, choice: Choice, form: Form
+) -> predictions.Matrices:
+    """Return the stiffness of the springs at each state, and the initial one; 6x6 where w is known."""
+    from pysprings.cli import predictions
+    from pysprings.macro import stiffness
+    from pysprings.macro.predict import model_of
 
-    return stiffness_six(springs) if has_six(springs) else None
+    model = model_of(springs, choice.spring_set, choice.path, question.V)
+    initial = stiffness.Form(**{**form, "secant": False})
+    known = stiffness.has_six(springs)
+    one = known and states.sizes["step"] == 1
+    return predictions.Matrices(
+        at_states=stiffness.at_states(model, states, form),
+        six_at_state=stiffness.six_at_state(model, states.isel(step=0), form) if one else None,
+        six=stiffness.stiffness_six(springs, **initial) if known else None,
+    )

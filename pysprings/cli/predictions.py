@@ -4,9 +4,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.cli.support import print_table, to_stderr
+from pysprings.cli.support import print_table, refuse, to_stderr
+from pysprings.core.errors import printable
+from pysprings.core.files.storage import replacing, write_text
+from pysprings.core.text import json_text
+from pysprings.core.words import RANGE_END
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,6 +38,34 @@ def prediction(states: xr.Dataset) -> dict[str, Any]:
     return {"attributes": states.attrs, "units": units, "states": rows}
 
 
+def write(states: xr.Dataset, matrices: dict[str, Any], out: Path) -> None:
+    """Write an answer into a file whose ending chooses the form: csv, json or nc; SI."""
+    ending = out.suffix.lower()
+    if out.is_dir() or ending not in (".csv", ".json", ".nc"):
+        refuse("--out", "name a file that ends in csv, json or nc", out)
+    if ending == ".json":
+        write_text(json_text(prediction(states) | matrices, indent=2) + "\n", out)
+    elif ending == ".csv":
+        write_text(_csv(states), out)
+    else:
+        lists = ("warnings", "remarks", "refusals", "beyond_range")
+        with replacing(out) as temporary:
+            texts = {name: "; ".join(states.attrs.get(name, ())) for name in lists}
+            states.assign_attrs(texts).to_netcdf(temporary, engine="netcdf4")
+
+
+def _csv(states: xr.Dataset) -> str:
+    """Return the states as a table: one a line, the unit behind each name; attributes in front, behind #."""
+    import pandas as pd
+
+    names = [str(name) for name in states.data_vars if states[name].dims == ("step",)]
+    units = {"m": "_m", "radian": "_rad", "N": "_N", "N m": "_Nm"}
+    columns = {f"{name}{units.get(str(states[name].attrs.get('units')), '')}": states[name].values for name in names}
+    heads = [f"# {name}: {value}" for name, value in states.attrs.items() if not isinstance(value, list)]
+    heads += [f"# {name}: {text}" for name in ("warnings", "remarks") for text in states.attrs.get(name, ())]
+    return "\n".join([*map(printable, heads), pd.DataFrame(columns).to_csv(index=False)])
+
+
 def print_prediction(states: xr.Dataset) -> None:
     """Print states (dimension step) as a table in mm, deg, kN and kN m, with their marks."""
     columns = [column for column in COLUMNS if column[0] in states]
@@ -43,6 +77,38 @@ def print_prediction(states: xr.Dataset) -> None:
         headers, cells = [*headers, "marks"], [*cells, marks]
     left = [head == "marks" for head in headers]
     print_table(headers, [list(row) for row in zip(*cells, strict=True)], left)
+    if states.attrs.get("question") != "sequence":
+        for text in filter(None, (capacity(states), vertical_capacity(states))):
+            print(text)
+
+
+def capacity(states: xr.Dataset) -> str:
+    """Return a line on the largest load that is known in the direction of the last state; empty without load."""
+    attrs = states.attrs
+    if "capacity_kind" not in attrs:
+        return ""
+    loads = [float(attrs[key]) for key in ("capacity_H_N", "capacity_M_Nm")]
+    force, moment = (0.0 if abs(load) <= ROUNDING * max(map(abs, loads)) else 1e-3 * load for load in loads)
+    used = 100.0 * float(states["utilisation"].values[-1])
+    known = "largest load known" if attrs["capacity_kind"] == RANGE_END else "capacity"
+    return (
+        f"{known} in this direction: H = {force:.5g} kN with M = {moment:.5g} kN m, {used:.4g} % of it used "
+        f"({attrs['capacity_kind']}: {attrs['capacity_from']})"
+    )
+
+
+def vertical_capacity(states: xr.Dataset) -> str:
+    """Return a line on the largest vertical load that is known; empty without V or vertical springs."""
+    attrs = states.attrs
+    V = float(states["V"].values[-1]) if "V" in states else 0.0
+    if "capacity_V_kind" not in attrs or abs(V) <= ROUNDING * abs(float(attrs["capacity_V_N"])):
+        return ""
+    used = 100.0 * float(states["utilisation_V"].values[-1])
+    known = "largest vertical load known" if attrs["capacity_V_kind"] == RANGE_END else "vertical capacity"
+    return (
+        f"{known}: V = {1e-3 * float(attrs['capacity_V_N']):.5g} kN, {used:.4g} % of it used "
+        f"({attrs['capacity_V_kind']}: {attrs['capacity_V_from']})"
+    )
 
 
 MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load")
@@ -63,39 +129,54 @@ def _figures(value: float, factor: float, noise: float) -> str:
     return "0" if abs(value) <= noise else f"{value * factor:.5g}"
 
 
-def stiffness(states: xr.Dataset, six: xr.DataArray | None) -> dict[str, Any]:
-    """Return the tangents by state and the initial 6x6 matrix with their meaning; SI."""
-    tangent = states["stiffness"]
-    meaning = {"dofs": tangent["dof"].values, "comment": tangent.attrs["comment"], "matrices": tangent.values}
-    if six is None:
-        return {"stiffness": meaning}
-    attrs = {name: six.attrs[name] for name in ("long_name", "comment", "torsion")}
-    return {"stiffness": meaning, "stiffness_6x6": {"dofs": six["dof"].values, **attrs, "matrix": six.values}}
+@dataclass(frozen=True, slots=True)
+class Matrices:
+    """Stiffness of the springs at states (step, 3, 3) and at the one state (6, 6); the initial one (6, 6)."""
+
+    at_states: xr.DataArray
+    six_at_state: xr.DataArray | None
+    six: xr.DataArray | None
+
+
+def stiffness(matrices: Matrices) -> dict[str, Any]:
+    """Return stiffnesses with their meaning; SI."""
+    given = matrices.at_states
+    document: dict[str, Any] = {"stiffness": _meaning(given) | {"matrices": given.values}}
+    for key, six in (("stiffness_6x6_at_state", matrices.six_at_state), ("stiffness_6x6", matrices.six)):
+        if six is not None:
+            document[key] = _meaning(six) | {"torsion": six.attrs["torsion"], "matrix": six.values}
+    return document
+
+
+def _meaning(matrix: xr.DataArray) -> dict[str, Any]:
+    return {"dofs": matrix["dof"].values, **{name: matrix.attrs[name] for name in ("long_name", "comment")}}
 
 
 MOST_MATRICES = 1  # more states are printed as one line each
 
 
-def print_stiffness(states: xr.Dataset, six: xr.DataArray | None) -> None:
-    """Print the springs' tangent at one state as a matrix, at several as a line each; then the initial 6x6 matrix."""
-    tangent = states["stiffness"]
-    dofs = [str(name) for name in tangent["dof"].values]
-    print("\nstiffness of the springs at the state, at mudline (MN, m, rad):")
-    if tangent.sizes["step"] <= MOST_MATRICES:
-        print_table(["", *(f"per {name}" for name in dofs)], _lines(tangent.isel(step=-1), dofs))
+def print_stiffness(matrices: Matrices) -> None:
+    """Print the springs' stiffness at one state as matrices, at several as a line each; then the initial 6x6 matrix."""
+    given, six = matrices.at_states, matrices.six
+    dofs = [str(name) for name in given["dof"].values]
+    print(f"\n{given.attrs['long_name']} (MN, m, rad):")
+    if given.sizes["step"] <= MOST_MATRICES:
+        print_table(["", *(f"per {name}" for name in dofs)], _lines(given.isel(step=-1), dofs))
     else:
         n = len(dofs)
         coupled = [(i, j) for i in range(n) for j in range(n) if i == j or "w" not in (dofs[i], dofs[j])]
         lines = [
-            [str(step), *(f"{matrix[i, j] * 1e-6:.5g}" for i, j in coupled)]
-            for step, matrix in enumerate(tangent.values)
+            [str(step), *(f"{matrix[i, j] * 1e-6:.5g}" for i, j in coupled)] for step, matrix in enumerate(given.values)
         ]
         print_table(["step", *(f"{dofs[i]},{dofs[j]}" for i, j in coupled)], lines)
     if six is None:
         to_stderr("note: no 6x6 stiffness: a table without a vertical path has no vertical stiffness")
         return
-    print(f"\n{six.attrs['long_name']}, 6x6 (MN, m, rad):")
-    print_table(["", *(f"per {name}" for name in six["dof"].values)], _lines(six, [str(x) for x in six["dof"].values]))
+    for matrix in (matrices.six_at_state, six):
+        if matrix is not None:
+            print(f"\n{matrix.attrs['long_name']}, 6x6 (MN, m, rad):")
+            names = [str(name) for name in matrix["dof"].values]
+            print_table(["", *(f"per {name}" for name in names)], _lines(matrix, names))
     to_stderr(f"note: {six.attrs['torsion']}")
 
 

@@ -42,8 +42,12 @@ def _has_springs(folder: Path, record: RunRecord) -> bool:
     return record.balance is not None and (folder / "springs.nc").exists()
 
 
-def print_results(folder: Path) -> None:
-    """Print where the results of a run are, how the paths went, the cost, and the comparison."""
+def print_results(folder: Path, verbose: bool = False) -> None:
+    """Print where the results of a run are, limit loads, warnings, the comparison and the cost in a line.
+
+    verbose: also iterations, attempts given up, contact, balances of water and energy, and the cost by phase. The paths
+    of a run that stopped are shown always.
+    """
     from pysprings.macro.comparison_text import to_text
 
     record = read_record(folder)
@@ -53,16 +57,31 @@ def print_results(folder: Path) -> None:
     width = max((len(name) for name, _ in rows), default=0)
     for name, text in rows:
         print(f"  {name.ljust(width)}  {text}")
+    for name, limit in record.limit_loads.items():
+        print(f"limit load of path {name}: {limit}")
     for text in record.warnings:
         print(printable(f"warning: {text}"))
-    print_paths(record)
-    print_water(record)
-    print_energy(record)
+    if verbose or not record.complete:
+        print_paths(record)
+    if verbose:
+        print_water(record)
+        print_energy(record)
+        print_phases(record)
     print_cost(record)
     print_estimate(record)
     if _has_springs(folder, record):
         print("\nprediction with the springs against the full model:")
         print(to_text(_comparison(folder, record)), end="")
+    print_summary(record)
+
+
+def print_summary(record: RunRecord) -> None:
+    """Print the run in ten lines."""
+    if record.summary:
+        width = max(map(len, record.summary))
+        print("\nsummary")
+        for name, text in record.summary.items():
+            print(printable(f"  {name.ljust(width)}  {text}"))
 
 
 def _comparison(folder: Path, record: RunRecord) -> pd.DataFrame:
@@ -183,8 +202,8 @@ def print_energy(record: RunRecord) -> None:
     print_table(("path", *_ENERGY), rows)
 
 
-def print_cost(record: RunRecord) -> None:
-    """Print wall and CPU time by phase, factorisations, iterations and peak memory."""
+def print_phases(record: RunRecord) -> None:
+    """Print wall and CPU time by phase."""
     phases = record.phases
     if not phases:
         return
@@ -192,6 +211,14 @@ def print_cost(record: RunRecord) -> None:
     rows.append(("total", _seconds(record.wall_s or None), _seconds(record.cpu_s or None)))  # 0: not recorded
     print()
     print_table(("phase", "wall [s]", "CPU [s]"), rows)
+
+
+def print_cost(record: RunRecord) -> None:
+    """Print time, unknowns, factorisations, iterations and peak memory."""
+    if not record.phases:
+        return
+    times = {"wall": record.wall_s, "CPU": record.cpu_s}  # 0: not recorded
+    print("\n" + "".join(f"{value:.2f} s {name}, " for name, value in times.items() if value), end="")
     solver, mesh = record.solver, record.mesh
     spent = sum(path.iterations + path.iterations_in_cut_backs for path in record.paths.values())
     print(f"{number(mesh.nodes)} nodes, {number(mesh.unknowns)} unknowns; ", end="")

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,9 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pysprings.cli.folders import record_stamp, refuse_other_run, result_folder
-from pysprings.cli.options import Json, Mesh, SceneFile, Series, Target
+from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series, Target
 from pysprings.cli.scene import load, on_mesh
-from pysprings.cli.support import interruptible, print_json, refuse, to_stderr
+from pysprings.cli.support import interruptible, logged, print_json, refuse, to_stderr, write_log
 from pysprings.core.errors import ResourceError, RunIncomplete
 from pysprings.core.files.layout import is_unfinished
 
@@ -25,13 +26,16 @@ Stopped = RunIncomplete | ResourceError | KeyboardInterrupt | None
 
 @dataclass(frozen=True)
 class RunOptions:
-    """Options of a run: mesh preset or target error, discretisation, error estimate, resumption."""
+    """Options of a run: mesh preset or target error, discretisation, error estimate, resumption, changed values."""
 
     mesh: str | None = None
     discretisation: str | None = None
     target: str | None = None
     estimate: bool | None = None
     resume: bool = False
+    changes: tuple[str, ...] = ()
+    figures: bool = True
+    quiet: bool = False
 
     def command(self, scene: Path, folder: Path) -> str:
         """Return the command that resumes the run."""
@@ -39,6 +43,8 @@ class RunOptions:
         options = "".join(f" {flag} {value}" for flag, value in given.items() if value)
         if self.estimate is not None:
             options += " --estimate-error" if self.estimate else " --no-estimate-error"
+        options += "".join(f" --set {shlex.quote(change)}" for change in self.changes)
+        options += "" if self.figures else " --no-figures"
         return f"pysprings run {scene} --out {folder}{options} --resume"
 
 
@@ -59,13 +65,26 @@ def run(
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="go on with the interrupted run in the folder")] = False,
     force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
+    changes: Changes = None,
+    no_figures: Annotated[bool, typer.Option("--no-figures", help="draw no pictures")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="also iterations, balances and cost by phase at the end")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="errors and warnings alone")] = False,
+    log: Annotated[
+        Path | None,
+        typer.Option("--log", metavar="FILE", help="also write progress and messages to a file"),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Run the full model, extract the springs, predict with them, and write tables and pictures."""
     from pysprings.cli.results import print_results, results
 
-    options = RunOptions(mesh, discretisation, target, estimate, resume)
-    loaded, extra = _chosen(load(scene, discretisation), options)
+    if verbose and quiet:
+        refuse("--quiet", "give either this or --verbose")
+    write_log(log)
+    options = RunOptions(mesh, discretisation, target, estimate, resume, tuple(changes or ()), not no_figures, quiet)
+    loaded, extra = _chosen(load(scene, discretisation, changes), options)
     folder = out or Path("out") / scene.stem
     with result_folder(folder, force, resume):
         if resume and not is_unfinished(folder):
@@ -74,8 +93,8 @@ def run(
             stopped = _run(loaded, folder, options, extra)
     if as_json:
         print_json(results(folder))
-    else:
-        print_results(folder)
+    elif not quiet:
+        print_results(folder, verbose)
     if isinstance(stopped, KeyboardInterrupt) and is_unfinished(folder):
         to_stderr(f"go on with: {options.command(scene, folder)}")
     if stopped is not None:
@@ -106,12 +125,16 @@ def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[
 def _run(scene: Scene, folder: Path, options: RunOptions, extra: dict[str, Any]) -> Stopped:
     """Run a scene; return the error that ended it early if results were written nevertheless."""
     from pysprings.core.progress import reporter
-    from pysprings.results.folder import run_to_folder
+    from pysprings.results.folder import Writing, run_to_folder
 
+    target_error = extra.pop("target_error", None)
     before = record_stamp(folder)
     try:
-        with interruptible(), reporter(sys.stderr) as progress:
-            run_to_folder(scene, folder, mesh=options.mesh, progress=progress, resume=options.resume, **extra)
+        with interruptible(), reporter(None if options.quiet else sys.stderr) as progress:
+            run_to_folder(
+                scene, folder, mesh=options.mesh, progress=logged(progress), resume=options.resume,
+                writing=Writing(target_error=target_error, figures=options.figures), **extra,
+            )  # fmt: skip
     except (RunIncomplete, ResourceError, KeyboardInterrupt) as error:
         if record_stamp(folder) in (None, before):
             raise

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pysprings.cli.options import Json, Mesh, SceneFile, Series
+from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
 from pysprings.core.errors import printable
 from pysprings.core.text import number
@@ -24,9 +24,14 @@ LABELS = {
     "memory_GB": "memory, estimated [GB]",
     "disk_GB": "full_model.nc, estimated [GB]",
     "time_s": "time, estimated [s]",
+    "memory_with_pardiso_GB": "memory with Pardiso (extra mkl) [GB]",
+    "time_with_pardiso_s": "time with Pardiso (extra mkl) [s]",
     "domain_radius_over_diameter": "radius of the domain over the diameter",
     "soil_below_tip_over_diameter": "soil below the tip over the diameter",
-    "stiffening_by_the_domain_percent": "stiffer than unbounded soil, about [%]",
+    "stiffening_by_the_domain_percent": "stiffer than unbounded soil, at most [%]",
+    "stiffening_of_K_H_percent": "of it K_H, at most [%]",
+    "stiffening_of_K_V_percent": "of it K_V, at most [%]",
+    "stiffening_of_K_M_percent": "of it K_M, at most [%]",
     "normal_stiffness_N_per_m3": "penalty, normal [N/m3]",
     "shear_stiffness_N_per_m3": "penalty, shear [N/m3]",
     "largest_initial_penetration_m": "its largest initial penetration [m]",
@@ -38,7 +43,7 @@ def init(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="scene file to write")] = Path("caisson.toml"),
     template: Annotated[
         str, typer.Option("--template", metavar="NAME", help=f"scene to start from: {', '.join(template_names())}")
-    ] = "paper-drained",
+    ] = "caisson",
     force: Annotated[bool, typer.Option("--force", help="replace existing files")] = False,
 ) -> None:
     """Write a commented scene, and the JSON schema that helps editors with it."""
@@ -51,11 +56,17 @@ def init(
     to_stderr(f"{note}next: pysprings check {file}")
 
 
-def check(scene: SceneFile, mesh: Mesh = None, discretisation: Series = None, as_json: Json = False) -> None:
+def check(
+    scene: SceneFile,
+    mesh: Mesh = None,
+    discretisation: Series = None,
+    changes: Changes = None,
+    as_json: Json = False,
+) -> None:
     """Validate a scene; print what it leaves out, the size of the model and its cost. Solves nothing."""
     from pysprings.model.forecast.estimate import describe
 
-    loaded = on_mesh(load(scene, discretisation), mesh)
+    loaded = on_mesh(load(scene, discretisation, changes), mesh)
     about = describe(loaded)
     if as_json:
         print_json(description(scene, loaded, about))
@@ -63,13 +74,13 @@ def check(scene: SceneFile, mesh: Mesh = None, discretisation: Series = None, as
         print_description(scene, loaded, about)
 
 
-def load(file: Path, discretisation: str | None = None) -> Scene:
-    """Load a scene; refuse a discretisation that cannot represent it."""
+def load(file: Path, discretisation: str | None = None, changes: Sequence[str] | None = None) -> Scene:
+    """Load a scene with changed values; refuse a discretisation that cannot represent it."""
     from pysprings.scene.checks import clashes, dotted
     from pysprings.scene.load import load_scene
 
-    scene = load_scene(file)
-    if discretisation is None or discretisation == scene.mesh.discretisation:
+    scene = load_scene(file, changes or ())
+    if discretisation is None or discretisation == scene.discretisation:
         return scene
     changed = scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"discretisation": discretisation})})
     for clash in clashes(changed):
@@ -84,7 +95,7 @@ def on_mesh(scene: Scene, preset: str | None) -> Scene:
 
 def description(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[str, Any]:
     """Return the document that `pysprings check --json` prints."""
-    paths = [{"name": path.name, "kind": path.kind, "role": path.role} for path in scene.paths]
+    paths = [{"name": path.name, "kind": path.kind, "role": path.role} for path in scene.load_paths]
     head = {"scene": str(file), "title": scene.title, "scene_sha256": scene.sha256, "paths": paths}
     return {**head, "left_out": [], **about}
 
@@ -115,7 +126,7 @@ def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> Non
 
     print(printable(f"{file}: {scene.title}"))
     print(f"sha256 {scene.sha256}")
-    paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.paths)
+    paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.load_paths)
     print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
     apart = ("ground", "left_out", "warnings")
     rows = [row for key, value in about.items() if key not in apart for row in _rows(key, value)]

@@ -3,21 +3,79 @@
 
 from __future__ import annotations
 
+import io
 import os
+import shlex
 import signal
 import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
+from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any, NoReturn
 
 from pysprings.core.errors import Problem, UserInputError, printable, refused
+from pysprings.core.progress import PlainLines, Progress
 from pysprings.core.text import json_text, plain_table
+from pysprings.core.version import __version__
+
+LOG: ContextVar[Path | None] = ContextVar("log", default=None)  # of `pysprings run --log`
 
 
 def to_stderr(text: str) -> None:
-    """Print a message on stderr; characters that control a terminal are written out."""
-    print("\n".join(map(printable, text.split("\n"))), file=sys.stderr, flush=True)
+    """Print a message on stderr, and in the log; characters that control a terminal are written out."""
+    shown = "\n".join(map(printable, text.split("\n")))
+    print(shown, file=sys.stderr, flush=True)
+    _to_log(shown)
+
+
+def write_log(file: Path | None) -> None:
+    """Begin a log in a file, behind what it has; None: there is no log."""
+    if file is None:
+        return
+    if file.is_dir():
+        refuse("--log", "is a folder, not a file", file)
+    try:
+        _append(file, f"pysprings {__version__}: {shlex.join(sys.argv[1:])}")
+    except OSError as error:
+        refuse("--log", f"cannot be written ({error.strerror})", file)
+    LOG.set(file)
+
+
+def logged(progress: Progress) -> Progress:
+    """Return a progress function that writes plain lines to the log, too, where there is one."""
+    if LOG.get() is None:
+        return progress
+    lines = PlainLines(_Log())
+
+    def both(path: str, fraction: float, message: str) -> None:
+        progress(path, fraction, message)
+        lines(path, fraction, message)
+
+    return both
+
+
+class _Log(io.StringIO):
+    """A stream whose text goes to the log."""
+
+    def write(self, text: str) -> int:
+        if text.strip():
+            _to_log(text.rstrip("\n"))
+        return len(text)
+
+
+def _to_log(text: str) -> None:
+    file = LOG.get()
+    if file is not None:
+        _append(file, text)
+
+
+def _append(file: Path, text: str) -> None:
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    with file.open("a", encoding="utf-8") as stream:
+        stream.write("".join(f"{now} {line}\n" for line in text.split("\n")))
 
 
 def print_json(data: Any) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,11 +29,13 @@ from pysprings.full_model.compute import compute, scene_to_run
 from pysprings.full_model.record import Meter
 from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.full_model.run_record import Computed, RunRecord
+from pysprings.macro.memory.build import with_memory
 from pysprings.model.forecast.resources import refuse_full_disk
 from pysprings.results.exporters import EXPORTERS, Source, Target, export
 from pysprings.results.exporters.csv import write_frame, write_load_displacement
 from pysprings.results.layout import FIGURES, PARAVIEW, own_folders, refuse_linked_folders, remove_results
 from pysprings.results.report.page import write_report
+from pysprings.results.summary import summary
 from pysprings.springs.dataset import get_path, path_names
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
@@ -43,10 +46,24 @@ if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
 
+@dataclass(frozen=True)
+class Writing:
+    """What decides the files of a run beside its scene.
+
+    Attributes
+    ----------
+    target_error : goes into run.json.
+    figures : False draws no pictures, whatever the scene says.
+    """
+
+    target_error: Mapping[str, Any] | None = None
+    figures: bool = True
+
+
 def run_to_folder(
     scene: Scene, out: str | os.PathLike[str], mesh: str | None = None, progress: Progress | None = None,
     resume: bool = False, estimate_error: bool | None = None, time_unit: bool = False,
-    target_error: Mapping[str, Any] | None = None,
+    writing: Writing | None = None,
 ) -> Path:  # fmt: skip
     """Run a scene and write full model, springs, tables, comparison, pictures, report and run.json; return the folder.
 
@@ -54,7 +71,7 @@ def run_to_folder(
     refused does not change them. A run that stops early writes what converged, marked as partial, and then
     raises RunIncomplete (or KeyboardInterrupt, or ResourceError). One run at a time holds the folder. Checkpoints are
     in it until everything is written; ``resume`` goes on from them. ``estimate_error`` is that of `full_model.run`,
-    ``time_unit`` that of `full_model.compute`; ``target_error`` goes into run.json.
+    ``time_unit`` that of `full_model.compute`; ``writing`` is what else decides the files.
     """
     folder, ran = Path(out), scene_to_run(scene, mesh)
     refuse_full_disk(ran, folder)
@@ -69,8 +86,9 @@ def run_to_folder(
         )  # fmt: skip
         if estimated and not result.interrupted:
             add_estimate(ran, result, compute, progress, beside)
-        result.record.target_error = None if target_error is None else dict(target_error)
-        _write_all(folder, scene, result)
+        more = writing or Writing()
+        result.record.target_error = None if more.target_error is None else dict(more.target_error)
+        _write_all(folder, scene, result, more.figures and scene.output.figures)
         if not result.interrupted:
             checkpoints.remove()
         raise_if_incomplete(result, folder)
@@ -95,7 +113,7 @@ def run_or_go_on(scene: Scene, folder: Path, progress: Progress | None = None, t
         return run_to_folder(scene, folder, None, progress, estimate_error=False, time_unit=time_unit)
 
 
-def _write_all(folder: Path, scene: Scene, computed: Computed) -> None:
+def _write_all(folder: Path, scene: Scene, computed: Computed, drawn: bool) -> None:
     """Write every file of a result, in the place of those of an earlier run; run.json has its status at the end."""
     meter, record, result = Meter(), computed.record, computed.recorded()
     remove_results(folder)
@@ -110,7 +128,7 @@ def _write_all(folder: Path, scene: Scene, computed: Computed) -> None:
         if "volume" in result.children:
             export(source, "paraview", Target(folder / PARAVIEW, written))
     with meter.clock.phase("output: pictures"):
-        figures = _draw(folder, source, springs, written) if scene.output.figures else []
+        figures = _draw(folder, source, springs, written) if drawn else []
     meter.charge(record)  # the report shows the cost of everything but itself
     with meter.clock.phase("output: report"):
         compared = None if springs is None else source.comparison
@@ -124,7 +142,7 @@ def _write_all(folder: Path, scene: Scene, computed: Computed) -> None:
 def _springs(result: xr.DataTree) -> xr.DataTree | None:
     """Return the springs of a result; None when too little converged."""
     try:
-        return extract_springs(result)
+        return with_memory(extract_springs(result))
     except UserInputError:
         if result.attrs["status"] == "complete":
             raise
@@ -138,6 +156,7 @@ def _write_tables(folder: Path, source: Source, has_springs: bool, record: RunRe
     if has_springs:
         springs = source.springs
         record.balance = {name: balance(get_path(springs, name)) for name in path_names(springs)}
+        source.summary = record.summary = summary(source.result, record, source.comparison)
         for exporter in EXPORTERS:
             if exporter.of_every_run:
                 export(source, exporter.name, folder / exporter.file)

@@ -24,6 +24,8 @@ _AFTER = {
     "run.json": "status, solver, cost",
 }
 
+LOAD_CASES = "design.csv"  # answers to load cases, which `pysprings design --report` puts there
+
 _STATE = re.compile(r"last|[0-9.]+mm")
 
 
@@ -87,5 +89,5 @@ def remove_results(folder: Path) -> None:
     """
     refuse_linked_folders(folder)
     inside = tuple(name for name in own_folders() if name != CHECKPOINT)
-    for path in [*listed(folder, inside), *(folder / name for name in run_files()), folder / LIST]:
+    for path in [*listed(folder, inside), *(folder / name for name in (*run_files(), LOAD_CASES)), folder / LIST]:
         path.unlink(missing_ok=True)

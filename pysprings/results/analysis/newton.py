@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+_STOPPED = ("partial", "limit load")
+
+
 @dataclass(frozen=True)
 class Attempt:
     """One try at an increment: step, number, rows in the record, iterations taken, whether the step kept it.
@@ -30,10 +33,11 @@ class Attempt:
 
 
 def failed_steps(path: xr.Dataset, record: xr.Dataset) -> tuple[int, ...]:
-    """Return the steps of a record that were never accepted: marked so, or the last one of a partial path."""
+    """Return the steps of a record that were never accepted: marked so, or the one behind the last step of a path."""
     failed = {int(k) for k in np.flatnonzero(~converged(path))}
-    if path.attrs.get("status") == "partial" and record.sizes["iteration"]:
-        failed.add(int(record["increment"].values[-1]))
+    last = int(record["increment"].values[-1]) if record.sizes["iteration"] else 0
+    if path.attrs.get("status") in _STOPPED and last >= path.sizes["step"]:
+        failed.add(last)
     return tuple(sorted(failed))
 
 

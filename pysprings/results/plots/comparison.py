@@ -20,6 +20,7 @@ from pysprings.results.plots.style import (
     MM,
     MRAD,
     ORANGE,
+    PURPLE,
     VERMILLION,
     new_figure,
     note_unconverged,
@@ -39,6 +40,7 @@ LOOKS = {
     "full": (BLUE, "--", "o"),
     "pisa": (ORANGE, ":", "D"),
     "py": (VERMILLION, "--", "s"),
+    "memory": (PURPLE, "-", "v"),
 }
 SMALLEST = 0.01  # states below this share of the largest displacement have no error and no point of rotation
 

@@ -14,6 +14,7 @@ import matplotlib as mpl
 
 from pysprings.core.files.storage import replacing
 from pysprings.core.registry import Registry
+from pysprings.core.words import MOST_DRAWN
 from pysprings.results.analysis.parts import path_data, pick_step, section_data
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.pictures import PICTURES
@@ -78,9 +79,24 @@ def figures(
     for picture in pictures:
         if picture.scope == "run" and picture.applies(view):
             yield picture.name, picture.draw(view)
-    for name in path_names(result):
+    for name in drawn_paths(result):
         path = view.with_settings(path_data(result, name))
         yield from path_figures(replace(view, path=path, predictions=curves.get(name, {})), pictures)
+
+
+def drawn_paths(result: xr.DataTree) -> list[str]:
+    """Return the paths that are drawn: all of a few; of many the first of each kind and role.
+
+    A fan has fifteen paths and more: pictures of each would take longer than the run.
+    """
+    names = path_names(result)
+    if len(names) <= MOST_DRAWN:
+        return list(names)
+    first: dict[tuple[object, object], str] = {}
+    for name in names:
+        attrs = result[f"paths/{name}"].attrs
+        first.setdefault((attrs.get("kind"), attrs.get("role")), name)
+    return list(first.values())
 
 
 def path_figures(view: View, pictures: Registry[Picture] = PICTURES) -> Iterator[tuple[str, Figure]]:

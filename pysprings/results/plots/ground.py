@@ -26,6 +26,7 @@ from pysprings.results.plots.style import (
     set_title,
     styled,
 )
+from pysprings.scene.extent import extent_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -80,7 +81,7 @@ def profile(view: View) -> Figure:
     figure = new_figure(9.0, 5.2)
     widths = [1.6, *(2 + len(columns)) * [1.0]]
     panels = figure.subplots(1, len(widths), sharey=True, width_ratios=widths)
-    deepest = min(_DEEPEST * scene.caisson.skirt_length, scene.domain.depth)
+    deepest = min(_DEEPEST * scene.caisson.skirt_length, extent_of(scene).ground)
     _draw_section(panels[0], view, scene, ground, deepest)
     _draw_curves(panels[1], ground, deepest, "vertical", KPA, BLUE, "vertical effective\nstress [kPa]")
     _draw_curves(panels[2], ground, deepest, "shear", MPA, GREEN, "shear modulus\nG [MPa]")

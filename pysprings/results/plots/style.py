@@ -91,8 +91,11 @@ def headline(attrs: Mapping[str, Any]) -> str:
     parts += [plain(attrs["drainage"])] if attrs.get("drainage") else []
     if np.isfinite(attrs.get("outer_diameter_m", np.nan)):
         parts.append(f"D = {attrs['outer_diameter_m']:g} m, L = {attrs.get('skirt_length_m', np.nan):g} m")
-    if attrs.get("status", "complete") != "complete":
-        parts.append(f"{plain(attrs['status'])}: stopped before its end")
+    status = attrs.get("status", "complete")
+    if status == "limit load":
+        parts.append("to its limit load")
+    elif status != "complete":
+        parts.append(f"{plain(status)}: stopped before its end")
     return "  |  ".join(parts)
 
 

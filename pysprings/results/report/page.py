@@ -18,6 +18,7 @@ from pysprings.full_model.run_record import RunRecord
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import picture_kind, pictures_in
+from pysprings.results.report.load_cases import read_answers
 from pysprings.results.report.table import ReportData, Section, Table
 from pysprings.results.report.tables import tables_of
 from pysprings.results.report.validity import validity
@@ -59,8 +60,8 @@ def write_report(
 ) -> Path:
     """Write ``report.html`` into the folder of a run, whole or not at all; return its path.
 
-    Whatever is not given is read from the folder: full_model.nc, springs.nc, compare.csv, run.json and the
-    pictures in its subfolder ``figures``. Only the result is needed.
+    Whatever is not given is read from the folder: full_model.nc, springs.nc, compare.csv, run.json, design.csv
+    (answers to load cases) and the pictures in its subfolder ``figures``. Only the result is needed.
     """
     from pysprings.core.files.storage import read_tree, write_text
 
@@ -72,7 +73,7 @@ def write_report(
         compare = read_comparison(place / "compare.csv")
     run = RunRecord.read(place) if run is None else run
     files = [Path(file) for file in figures] if figures is not None else pictures_in(place)
-    return write_text(render(result, springs, compare, run, files), place / "report.html")
+    return write_text(render(result, springs, compare, run, files, read_answers(place)), place / "report.html")
 
 
 def render(
@@ -81,6 +82,7 @@ def render(
     compare: pd.DataFrame | None = None,
     run: RunRecord | None = None,
     figures: Sequence[Path] = (),
+    cases: pd.DataFrame | None = None,
 ) -> str:
     """Return the report as HTML text.
 
@@ -96,17 +98,21 @@ def render(
         Record of the run: cost by phase, what was left out.
     figures
         Picture files, named as `pysprings.results.plots.save_all` names them.
+    cases
+        Answers to load cases (`pysprings design`), in SI.
     """
-    data = ReportData(result, springs, compare, run)
-    sections: tuple[Section, ...] = ("inputs", "limits", "mesh", "checks", "springs", "comparison", "cost")
+    data = ReportData(result, springs, compare, run, cases)
+    sections: tuple[Section, ...] = ("cases", "inputs", "limits", "mesh", "checks", "springs", "comparison", "cost")
     return (
         environment()
         .get_template("report.html.j2")
         .render(
             attrs={key: result.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")},
+            summary=(run.summary or {}) if run else {},
             status=str(run.status if run else result.attrs.get("status", "")),
             started=run.started_utc if run else "",
             failures=run.failures if run else [],
+            limits=[f"{name}: {at}" for name, at in run.limit_loads.items()] if run else [],
             warnings=run.warnings if run else [],
             sketch=picture_uri(axes_svg().encode(), ".svg"),
             validity=validity(result, springs),

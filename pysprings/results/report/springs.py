@@ -62,4 +62,19 @@ def _at_half(y: np.ndarray, p: np.ndarray) -> str:
     return number(float(np.interp(0.5 * size[-1], size, p)))
 
 
+def stiffness_table(result: xr.DataTree) -> Table | None:
+    """Return the table of the initial stiffness of the full model; None for results without it."""
+    if "stiffness_initial" not in result.dataset:
+        return None
+    matrix = result.dataset["stiffness_initial"]
+    dofs = [str(name) for name in matrix["dof"].values]
+    loads = {"u": "H [MN]", "w": "V [MN]", "rotation": "M [MN m]"}
+    values = [[f"{1e-6 * value:.15g}" for value in row] for row in matrix.values]
+    rows = [[loads[name], *cells] for name, cells in zip(dofs, values, strict=True)]
+    heads = ("", "per u [m]", "per w [m]", "per rotation [rad]")
+    note = "At the lid centre, z down. `pysprings predict --stiffness` gives 6 x 6, other axes and reference points."
+    return Table("Initial stiffness of the full model", heads, rows, note)
+
+
+STIFFNESS = ReportTable("stiffness", "springs", lambda data: [stiffness_table(data.result)])
 SPRINGS = ReportTable("springs", "springs", lambda data: spring_tables(data.springs))

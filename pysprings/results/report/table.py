@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pysprings.full_model.run_record import PathFigures, RunRecord
 
 # Parts of the page in their order; "path" is repeated for each path.
-Section = Literal["inputs", "limits", "mesh", "checks", "springs", "comparison", "path", "cost"]
+Section = Literal["inputs", "limits", "mesh", "checks", "springs", "comparison", "path", "cost", "cases"]
 # a number, with the letter of a quantity before it and its unit behind it; "-" and blank: there is none
 _NUMBER = re.compile(r"([A-Z] )?[-+]?[\d,]*\.?\d+(e[-+]?\d+)?( [A-Za-z%/]+)*|-|")
 
@@ -69,6 +69,8 @@ class ReportData:
         Errors of the macro-model by path and spring set; None without springs.
     run
         Record of the run; None without one.
+    cases
+        Answers to load cases in SI, a row a case; None without any.
     path
         Name of the path, for tables of the section "path".
     """
@@ -77,6 +79,7 @@ class ReportData:
     springs: xr.DataTree | None = None
     comparison: pd.DataFrame | None = None
     run: RunRecord | None = None
+    cases: pd.DataFrame | None = None
     path: str = ""
 
     @property

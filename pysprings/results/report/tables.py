@@ -9,12 +9,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from pysprings.core.registry import Registry
-from pysprings.results.report import balances, cost, inputs, solution, springs, validity
+from pysprings.results.report import balances, cost, inputs, load_cases, solution, springs, validity
 from pysprings.results.report.table import ReportData, ReportTable, Section, Table
 
 REPORT_TABLES: Registry[ReportTable] = Registry(
     "report table",
     (
+        load_cases.CASES,
         inputs.INPUTS,
         inputs.OMISSIONS,
         inputs.MESH,
@@ -25,6 +26,7 @@ REPORT_TABLES: Registry[ReportTable] = Registry(
         balances.WATER,
         balances.ENERGY,
         validity.ESTIMATE,
+        springs.STIFFNESS,
         springs.SPRINGS,
         validity.COMPARISON,
         solution.END,

@@ -10,6 +10,7 @@ import numpy as np
 from pysprings.core.path_kinds import driven
 from pysprings.core.text import number
 from pysprings.results.report.table import ReportTable, Table
+from pysprings.springs.path_ends import end_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,17 +25,23 @@ def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
     behaviour = result.attrs.get("caisson_behaviour", "rigid")
     length = float((springs.attrs if springs is not None else {}).get("skirt_length_m", np.nan))
     for name, path in result["paths"].children.items() if "paths" in result.children else ():
-        sentences.append(_range_sentence(name, path, length))
+        sentences.append(_range_sentence(name, path, length) + _end_sentence(name, path))
     return [
         *sentences,
         "Springs from one path hold on paths with nearly the same ratio of rotation to displacement. "
         "p(z)/y(z) is not a property of the soil: check other load heights against the full model.",
         f"Monotonic loading; small displacements; the caisson is {behaviour} and wished in place, without "
         "installation effects.",
-        "The soil domain is finite: its size stiffens the answer (a domain of 24 m by 12 m around a caisson "
-        "of 7.8 m by about a third in elasticity, compared with a half-space).",
-        "Beyond the displacements above the springs are extrapolated.",
+        "The soil domain is finite and stiffens the answer; the summary and `pysprings check` bound its effect on the "
+        "elastic stiffness.",
+        "Beyond the displacements above `predict` refuses an answer unless `--extrapolate` asks for one.",
     ]
+
+
+def _end_sentence(name: str, path: Any) -> str:
+    """Return a sentence on a path that did not come to its aim; empty for others."""
+    end = end_of(name, path.to_dataset(inherit=False))
+    return f" It {end.words}." if end.failed else ""
 
 
 def _range_sentence(name: str, path: Any, length: float) -> str:

@@ -84,7 +84,7 @@ def test_help_lists_the_names_that_options_accept() -> None:
 def test_words_of_options_are_those_of_the_scene_and_the_presets() -> None:
     mesh = SECTIONS["mesh"].model_fields
     assert get_args(MeshPreset) == field_of(mesh["preset"]).words
-    assert get_args(Discretisation) == field_of(mesh["discretisation"]).words
+    assert ("auto", *get_args(Discretisation)) == field_of(mesh["discretisation"]).words
     assert presets.TARGETS == {"5%": 5.0, "2%": 2.0, "1%": 1.0, "0.5%": 0.5}
 
 

@@ -49,13 +49,13 @@ def test_a_load_is_passed_on_in_si(springs_file: Path, args: list[str], question
     (state,) = states(springs_file, *args)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", predict.MacroWarning)
-        answer = predict.predict(open_springs(springs_file), **question).isel(step=-1)
+        answer = predict.predict(open_springs(springs_file), **question)
     for name in ("u", "w", "rotation", "H", "V", "M"):
         assert state[name] == pytest.approx(float(answer[name]), rel=1e-12, abs=1e-15)
 
 
 def test_motions_are_passed_on_in_si(springs_file: Path) -> None:
-    curve = states(springs_file.parent, "--u-max", "4 mm", "--arm", "-2 m", "--points", "5")
+    curve = states(springs_file.parent, "--u-max", "4 mm", "--arm", "-2 m", "--points", "5", "--extrapolate")
     assert [row["u"] for row in curve] == pytest.approx([0, 1e-3, 2e-3, 3e-3, 4e-3])
     assert curve[-1]["M"] == pytest.approx(2.0 * curve[-1]["H"])
     (both,) = states(springs_file, "--u", "1 mm", "--rotation", "-0.2 mrad")
@@ -175,8 +175,8 @@ def test_a_skirt_length_is_for_tables(springs_file: Path) -> None:
 def test_predict_strict_refuses_what_the_springs_do_not_cover(springs_file: Path) -> None:
     done = command("predict", springs_file, "--H", "9e9 N", "--strict")
     assert (done.code, done.out) == (2, "")
-    assert done.err.startswith("fatal: user input: strict: ")
-    assert "beyond the range of path 'pull'" in done.err
+    assert done.err.startswith("fatal: user input: springs: beyond the range of path 'pull'")
+    assert "--extrapolate" in done.err
     assert len(done.err.splitlines()) == 1
     assert command("predict", springs_file, "--u-max", "2 mm", "--strict").code == 0
 
@@ -209,7 +209,7 @@ def test_fan_is_the_default_where_there_is_one(springs_file: Path) -> None:
 def test_predict_beyond_the_springs_warns(springs_file: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        done = command("predict", springs_file, "--H", "9e9 N")
+        done = command("predict", springs_file, "--H", "9e9 N", "--extrapolate")
     assert done.code == 0
-    assert done.err.startswith("warning: ")
+    assert done.err.startswith("warning: beyond ")
     assert "beyond the range of path 'pull'" in done.err

@@ -101,6 +101,7 @@ def test_water_and_energy(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
+    results.print_phases(RunRecord.from_dict(RECORD))
     results.print_cost(RunRecord.from_dict(RECORD))
     found = lines(capsys)
     assert found[:2] == ["", "phase wall [s] CPU [s]"]
@@ -108,7 +109,9 @@ def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
         "mesh 0.12 0.25",
         "solve 2.00 -",
         "total 3.46 6.50",
-        "2,000 nodes, 15,000 unknowns; 75 Newton iterations, those in cut-backs included; 9 factorisations (superlu); "
+        "",
+        "3.46 s wall, 6.50 s CPU, 2,000 nodes, 15,000 unknowns; "
+        "75 Newton iterations, those in cut-backs included; 9 factorisations (superlu); "
         "peak memory 250 MB",
         "checkpoints: 4 of steps, 0.50 s, 1.2 % of the time of the paths",
         "resumed 2026-01-31T00:00:00Z from path 'pull', step 3",

@@ -64,7 +64,7 @@ def test_progress_goes_to_stderr(ran: tuple[Path, Result]) -> None:
 def test_an_ended_run_is_printed_again(ran: tuple[Path, Result]) -> None:
     folder, _ = ran
     before = contents(folder)
-    done = command("run", folder.parent / "caisson.toml", "--out", folder, "--resume")
+    done = command("run", folder.parent / "caisson.toml", "--out", folder, "--resume", "--verbose")
     assert done.code == 0
     assert done.err == f"the run in {folder} has ended (complete): nothing is left to do\n"
     record = read_record(folder)
@@ -142,7 +142,8 @@ phase      wall [s]    CPU [s]
 -------  ----------  ---------
 mesh           0.40       0.28
 total         85.28          -
-1,848 nodes, 4,631 unknowns; 200 Newton iterations, those in cut-backs included; \
+
+85.28 s wall, 1,848 nodes, 4,631 unknowns; 200 Newton iterations, those in cut-backs included; \
 190 factorisations (pardiso); peak memory 448 MB
 """.replace(
     "CUT_BACKS", "\n".join(["pull: at 12.5 % of the path after 9 iterations: the residual stalls (node 7)"] * 12)
@@ -159,10 +160,14 @@ def write_folder(folder: Path) -> Path:
 
 
 def test_text(capsys: pytest.CaptureFixture[str]) -> None:
-    """One snapshot of the whole text: numbers, their columns and their order."""
-    results.print_results(write_folder(Path("out")))
+    """One snapshot of the whole text: numbers, their columns and their order; without --verbose the cost in a line."""
+    folder = write_folder(Path("out"))
+    results.print_results(folder, verbose=True)
     lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
     assert "\n".join(lines) + "\n" == SNAPSHOT
+    results.print_results(folder)
+    short = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    assert short == [*lines[:3], *lines[-2:]]
 
 
 # --- folders ---

@@ -25,7 +25,7 @@ def test_init_writes_scene_and_schema() -> None:
     done = command("init")
     assert (done.code, done.out) == (0, "caisson.toml\npysprings.schema.json\n")
     assert done.err == "next: pysprings check caisson.toml\n"
-    assert load_scene("caisson.toml") == Scene()
+    assert load_scene("caisson.toml") == Scene(springs={"reach": 0.02}, solver={"tolerance": 1e-4})
     assert Path("caisson.toml").read_text().startswith("#:schema ./pysprings.schema.json\n")
     assert json.loads(Path("pysprings.schema.json").read_text())["title"] == "pysprings scene"
 
@@ -49,7 +49,7 @@ def test_init_never_overwrites_without_force() -> None:
     assert (other.out, other.err) == ("other.toml\n", f"{kept}next: pysprings check other.toml\n")
     assert Path("pysprings.schema.json").read_text() == "mine too"
     assert command("init", "--force").code == 0
-    assert load_scene("caisson.toml") == Scene()
+    assert load_scene("caisson.toml") == Scene(springs={"reach": 0.02}, solver={"tolerance": 1e-4})
     assert Path("pysprings.schema.json").read_text() != "mine too"
 
 

@@ -10,6 +10,7 @@ import xarray as xr
 from pysprings import Scene
 from pysprings.results.plots.ground import PICTURE
 from pysprings.results.plots.picture import View
+from pysprings.scene.extent import PAPER
 from pysprings.scene.ground import ground_of
 
 LAYERS = [
@@ -17,7 +18,7 @@ LAYERS = [
     {"top": 2.0, "name": "clay", "law": "tresca", "undrained_shear_strength": {"top": 40e3, "bottom": 60e3},
      "rigidity_ratio": 100.0},
 ]  # fmt: skip
-SCENE = Scene(soil={"layers": LAYERS}, interface={"adhesion_factor": 0.5})
+SCENE = Scene(domain=PAPER, soil={"layers": LAYERS}, interface={"adhesion_factor": 0.5})
 
 
 def view(scene: Scene) -> View:

@@ -476,7 +476,10 @@ def test_attempts_tell_cut_backs_from_accepted_increments(record: xr.Dataset) ->
 
 def test_the_last_step_of_a_partial_path_failed(pull: xr.Dataset, record: xr.Dataset) -> None:
     assert newton.failed_steps(pull, record) == ()
-    assert newton.failed_steps(pull.assign_attrs(status="partial"), record) == (24,)
+    for status in ("partial", "limit load"):
+        stopped = pull.assign_attrs(status=status)
+        assert newton.failed_steps(stopped.isel(step=slice(-1)), record) == (24,)
+        assert newton.failed_steps(stopped, record) == ()  # its last step was taken
     pull["converged"][20] = 0
     assert newton.failed_steps(pull, record) == (20,)
 
@@ -525,7 +528,7 @@ def test_every_figure_that_a_result_allows_is_written(trees: tuple[xr.DataTree, 
     assert {file.name for file in (tmp_path / "figures").iterdir()} == {file.name for file in written}
     assert layout.pictures_in(tmp_path) == sorted(written)
     kinds = [layout.picture_kind(stem, "pull" if stem != "mesh" else "") for stem in STEMS]
-    others = {"pressure", "section_pressure", "vertical", "ovalisation", "ground"}  # drained, lateral, rigid, one sand
+    others = {"pressure", "section_pressure", "vertical", "ovalisation", "ground", "loops"}  # drained, lateral, one way
     assert {kind[0] for kind in kinds if kind} == set(PICTURES.names()) - others
 
 

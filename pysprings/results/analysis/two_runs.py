@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""Two runs beside each other: what differs in their scenes, initial stiffness, paths and limit loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.core.path_kinds import kind_of
+from pysprings.core.text import number
+from pysprings.full_model.run_record import RunRecord
+from pysprings.springs.dataset import get_path, path_names
+from pysprings.springs.path_ends import end_of
+
+Array = NDArray[np.float64]
+
+POINTS = 200  # of the range that both paths have, where their loads are compared
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run: its name, full-model result and record."""
+
+    name: str
+    result: xr.DataTree
+    record: RunRecord
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A quantity of both runs, as texts; change [%] of the second to the first where both are numbers."""
+
+    part: str
+    quantity: str
+    first: str
+    second: str
+    change: float | None = None
+
+
+def differences(first: Run, second: Run) -> list[Row]:
+    """Return the rows of a comparison: keys of the scenes that differ, and the numbers of both runs."""
+    return [*_scene(first, second), *_setting(first, second), *_stiffness(first, second), *_paths(first, second)]
+
+
+def common_paths(first: Run, second: Run) -> list[str]:
+    """Return the names of the paths that both runs have, of the same kind, with more than the initial state."""
+    known = set(path_names(second.result))
+    return [
+        name for name in path_names(first.result)
+        if name in known
+        and get_path(first.result, name).attrs["kind"] == get_path(second.result, name).attrs["kind"]
+        and min(get_path(each.result, name).sizes["step"] for each in (first, second)) > 1
+    ]  # fmt: skip
+
+
+def _scene(first: Run, second: Run) -> Iterator[Row]:
+    values = [_keys(each.record.scene_toml) for each in (first, second)]
+    for key in dict.fromkeys([*values[0], *values[1]]):
+        a, b = (each.get(key, "-") for each in values)
+        if a != b:
+            yield Row("scene", key, a, b)
+
+
+def _keys(text: str) -> dict[str, str]:
+    """Return the values of a scene file by dotted key; paths and layers by their names."""
+    import tomllib
+
+    return dict(_flat("", tomllib.loads(text)))
+
+
+def _flat(name: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, dict):
+        for key, each in value.items():
+            yield from _flat(f"{name}.{key}".lstrip("."), each)
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        for k, each in enumerate(value):
+            yield from _flat(f"{name}.{each.get('name', k + 1)}", each)
+    else:
+        yield name, str(value)
+
+
+def _setting(first: Run, second: Run) -> Iterator[Row]:
+    for words, read in (
+        ("version", lambda record: record.version),
+        ("unknowns", lambda record: number(record.mesh.unknowns)),
+        ("status", lambda record: str(record.status)),
+    ):
+        a, b = read(first.record), read(second.record)
+        if a != b:
+            yield Row("run", words, a, b)
+    yield _row("run", "wall [s]", first.record.wall_s, second.record.wall_s)
+
+
+def _stiffness(first: Run, second: Run) -> Iterator[Row]:
+    a, b = (each.result.dataset["stiffness_initial"].values for each in (first, second))
+    for words, i, j in (
+        ("H per u [MN/m]", 0, 0), ("H per rotation [MN/rad]", 0, 2), ("M per rotation [MN m/rad]", 2, 2),
+        ("V per w [MN/m]", 1, 1),
+    ):  # fmt: skip
+        yield _row("initial stiffness", words, 1e-6 * float(a[i, j]), 1e-6 * float(b[i, j]))
+
+
+def _paths(first: Run, second: Run) -> Iterator[Row]:
+    for name in common_paths(first, second):
+        a, b = (get_path(each.result, name) for each in (first, second))
+        yield from _along(f"path {name}", a, b)
+        ends = [end_of(name, each) for each in (a, b)]
+        if any(each.failed for each in ends):
+            yield Row(f"path {name}", "end", ends[0].words, ends[1].words)
+
+
+def _along(part: str, a: xr.Dataset, b: xr.Dataset) -> Iterator[Row]:
+    """Yield the loads of both at the end of what both have reached, and their largest difference up to there."""
+    rules = kind_of(a.attrs)
+    driver, load = rules.drives, rules.load
+    end = min(float(_moved(each[driver].values)[-1]) for each in (a, b))
+    at = f"at {driver} = {1e3 * end:.4g} {'mrad' if driver == 'rotation' else 'mm'}"
+    quantities = [load] + [each for each in ("M", "rotation") if load == "H" and each in rules.answers]
+    for quantity in quantities:
+        unit, factor = _UNITS[quantity]
+        values = [factor * float(np.interp(end, *_curve(each, driver, quantity))) for each in (a, b)]
+        yield _row(part, f"{quantity} {at} [{unit}]", *values)
+    grid = np.linspace(0.0, end, POINTS)
+    loads = [np.interp(grid, *_curve(each, driver, load)) for each in (a, b)]
+    if size := float(np.abs(loads[0]).max()):
+        largest = 100.0 * float(np.abs(loads[1] - loads[0]).max()) / size
+        yield Row(part, f"largest difference of {load}, in % of the largest", "", number(largest, 3))
+
+
+_UNITS = {"H": ("kN", 1e-3), "V": ("kN", 1e-3), "M": ("kN m", 1e-3), "rotation": ("mrad", 1e3)}
+
+
+def _moved(values: Array) -> Array:
+    return np.maximum.accumulate(np.abs(values - values[0]))
+
+
+def _curve(path: xr.Dataset, driver: str, quantity: str) -> tuple[Array, Array]:
+    """Return the motion from the initial state on, as it grows, and a quantity."""
+    x = _moved(path[driver].values)
+    grows = np.concatenate([[True], np.diff(x) > 0.0])
+    return x[grows], path[quantity].values[grows]
+
+
+def _row(part: str, quantity: str, first: float, second: float) -> Row:
+    change = 100.0 * (second / first - 1.0) if first and np.isfinite([first, second]).all() else None
+    return Row(part, quantity, number(first, 5), number(second, 5), change)

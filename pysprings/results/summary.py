@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: MIT
+"""A run in ten lines: end of `pysprings run`, first page of the report, first sheet of the workbook."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pysprings.core.path_kinds import PATH_KINDS
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from pysprings.full_model.run_record import RunRecord
+    from pysprings.scene.load import Scene
+
+TILT = 0.25  # deg: the usual tolerance of offshore wind turbines over their life
+_GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
+_GOOD_MESH = 5.0  # percent of load
+
+
+@dataclass(frozen=True)
+class Run:
+    """What the lines are made from; ``comparison`` is None without springs, the others are always there."""
+
+    scene: Scene
+    result: xr.DataTree
+    record: RunRecord
+    comparison: pd.DataFrame | None
+
+
+def summary(result: xr.DataTree, record: RunRecord, comparison: pd.DataFrame | None = None) -> dict[str, str]:
+    """Return the text of each line by its heading; empty where the scene of the record cannot be read."""
+    from pysprings.core.errors import PyspringsError
+    from pysprings.scene.load import parse_scene
+
+    try:
+        run = Run(parse_scene(record.scene_toml), result, record, comparison)
+    except PyspringsError:  # of another version
+        return {}
+    lines = [
+        ("caisson", _caisson(run)), ("ground", _ground(run)), ("initial stiffness", _stiffness(run)),
+        ("loads", _loads(run)), ("tilt", _tilt(run)), ("range", _range(run)), ("mesh error", _mesh(run)),
+        ("springs", _springs(run)), ("warnings", _warnings(run)), ("use", _use(run)),
+    ]  # fmt: skip
+    return {name: text for name, text in lines if text}
+
+
+def _caisson(run: Run) -> str:
+    each = run.scene.caisson
+    ratio = each.skirt_length / each.outer_diameter
+    load = "balanced" if each.vertical_load == "balanced" else f"{1e-6 * float(each.vertical_load):.4g} MN"
+    return (
+        f"D {each.outer_diameter:g} m, L {each.skirt_length:g} m (L/D {ratio:.2g}), skirt "
+        f"{1e3 * each.skirt_thickness:g} mm, {each.behaviour}; vertical load {load}"
+    )
+
+
+def _ground(run: Run) -> str:
+    from pysprings.scene.ground import drainage_of, ground_of
+
+    layers = [each for each in ground_of(run.scene).strata if not each.like]
+    names = ", ".join(f"{each.name} ({each.law}) from {each.top:g} m" for each in layers[:4])
+    more = f" and {len(layers) - 4} more layers" if len(layers) > 4 else ""
+    return f"{names}{more}; {drainage_of(run.scene)}"
+
+
+def _stiffness(run: Run) -> str:
+    if "stiffness_initial" not in run.result.dataset:
+        return ""
+    k = run.result.dataset["stiffness_initial"].values
+    return (
+        f"K_H {1e-6 * k[0, 0]:.4g} MN/m, K_V {1e-6 * k[1, 1]:.4g} MN/m, K_M {1e-6 * k[2, 2]:.4g} MN m/rad, "
+        f"K_HM {1e-6 * k[0, 2]:.4g} MN/rad at the lid centre"
+    )
+
+
+def _loads(run: Run) -> str:
+    """Give the limit loads, else the largest H, M and V that the paths reached."""
+    limits = [f"limit load of {name}: {limit}" for name, limit in run.record.limit_loads.items()]
+    if limits:
+        return "; ".join(limits)
+    parts = []
+    for load, unit in (("H", "MN"), ("M", "MN m")):
+        best = max(_lateral(run), key=lambda item: float(np.abs(item[1][load]).max()), default=None)
+        if best is not None:
+            at = int(np.abs(best[1][load].values).argmax())
+            u, turn = float(best[1]["u"][at]), float(best[1]["rotation"][at])
+            value = 1e-6 * abs(float(best[1][load][at]))
+            parts.append(
+                f"{load} {value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, {math.degrees(turn):.3g} deg)"
+            )
+    return f"largest reached, no limit load: {', '.join(parts)}" if parts else ""
+
+
+def _tilt(run: Run) -> str:
+    """Give the load of the tilt tolerance on the highest pull with a free head, or the tilt at its end."""
+    pulls = [(name, path) for name, path in _lateral(run) if PATH_KINDS[str(path.attrs["kind"])].free_head]
+    pulls = [each for each in pulls if "arm_from_m" not in each[1].attrs]
+    if not pulls:
+        return ""
+    name, path = max(pulls, key=lambda item: float(item[1].attrs.get("arm_m", 0.0)))
+    turn, load = np.degrees(np.abs(path["rotation"].values)), np.abs(path["H"].values)
+    where = f"under a load at {float(path.attrs['arm_m']):g} m (path {name})"
+    if turn.max() < TILT or not (np.diff(turn) > 0.0).all():
+        last = 1e-6 * float(load[-1])
+        return f"{turn[-1]:.3g} deg at H {last:.4g} MN {where}; {TILT:g} deg is not reached"
+    return f"{TILT:g} deg at H {1e-6 * float(np.interp(TILT, turn, load)):.4g} MN {where}"
+
+
+def _range(run: Run) -> str:
+    calibrated = [each for _, each in _lateral(run) if each.attrs.get("role") == "calibration"]
+    if not calibrated:
+        return "no lateral path was calibrated"
+    u = 1e3 * max(float(np.abs(each["u"]).max()) for each in calibrated)
+    turn = math.degrees(max(float(np.abs(each["rotation"]).max()) for each in calibrated))
+    fan = _is_fan(run)
+    kind = "load heights of its rays" if fan else f"the load height of path {_lateral(run)[0][0]} only"
+    return f"u up to {u:.3g} mm, rotation up to {turn:.3g} deg, {kind}; monotonic loading; in proportion"
+
+
+def _mesh(run: Run) -> str:
+    from pysprings.full_model.accuracy.measures import MEASURES
+    from pysprings.model.forecast.domain_effect import domain_effect
+
+    estimate = (run.record.error_estimate or {}).get("estimate_pct") or {}
+    parts = [f"{MEASURES[name].head} {value:.2g} %" for name, value in estimate.items()]
+    most = domain_effect(run.scene).percent
+    bounds = f"at most {most['H']:.2g} % (K_H), {most['M']:.2g} % (K_M)" if math.isfinite(most["H"]) else "far"
+    domain = f"domain: stiffness {bounds} above unbounded soil"
+    return f"{'estimated ' + ', '.join(parts) if parts else 'not estimated'}; {domain}"
+
+
+def _springs(run: Run) -> str:
+    worst = _held_back(run)
+    if worst is None:
+        return "not checked: no path is held back" if run.comparison is not None else "none: too little converged"
+    errors = ", ".join(f"{name} {value:.2g} %" for name, value in worst.items())
+    return f"against the full model on the paths held back, largest error at equal displacement: {errors}"
+
+
+def _warnings(run: Run) -> str:
+    texts = [*run.record.failures, *run.record.warnings]
+    return "none" if not texts else f"{len(texts)}: {texts[0]}" + (" ..." if len(texts) > 1 else "")
+
+
+def _use(run: Run) -> str:
+    """Say for what the springs may be used."""
+    if run.comparison is None:
+        return "no springs were made"
+    if run.record.failures:
+        return "not for design: the run did not come to its end"
+    if not _is_fan(run):
+        return "only on the path that they were made from: other load heights need a fan ([springs] reach)"
+    worst, limits = _held_back(run) or {}, []
+    if not worst:
+        limits.append("they were not checked on a path of their own")
+    elif max(worst.values()) > _GOOD:
+        limits.append(f"their error is above {_GOOD:g} % on a path held back")
+    estimate = ((run.record.error_estimate or {}).get("estimate_pct") or {}).get("load_max")
+    if estimate is None or estimate > _GOOD_MESH:
+        size = "unknown" if estimate is None else f"{estimate:.2g} %"
+        limits.append(f"the mesh error of load is {size}: for design take --target-error or a finer --mesh")
+    return "predictions within the range" + (f"; preliminary: {'; '.join(limits)}" if limits else "")
+
+
+def _lateral(run: Run) -> list[tuple[str, xr.Dataset]]:
+    """Return the converged states of the paths that move the caisson sideways, by name."""
+    given = run.result["paths"].children if "paths" in run.result.children else {}
+    return [(name, states) for name, states in _converged(given) if states.sizes["step"] > 1]
+
+
+def _converged(given: object) -> Iterator[tuple[str, xr.Dataset]]:
+    for name, group in dict(given).items():  # type: ignore[call-overload]
+        path = group.to_dataset(inherit=False)
+        if PATH_KINDS[str(path.attrs["kind"])].drives != "w":
+            yield name, path.isel(step=np.flatnonzero(path["converged"].values == 1))
+
+
+def _is_fan(run: Run) -> bool:
+    return run.comparison is not None and bool((run.comparison["springs"] == "fan").any())
+
+
+def _held_back(run: Run) -> dict[str, float] | None:
+    """Return the largest errors of the fan (else of all families) in H and rotation on proportional paths held back."""
+    frame = run.comparison
+    if frame is None or frame.empty:
+        return None
+    own = frame[(frame["role"] == "held-back") & (frame["springs"] == ("fan" if _is_fan(run) else "full"))]
+    own = own[[PATH_KINDS[str(kind)].free_head for kind in own["kind"]]]
+    if own.empty:
+        return None
+    columns = {"H": "H_error_max_pct", "rotation": "rotation_error_max_pct"}
+    worst = {name: float(own[column].abs().max()) for name, column in columns.items()}
+    return {name: value for name, value in worst.items() if math.isfinite(value)}

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: MIT
+"""Options that people expect: --set, --quiet, --log, --no-figures, --tilt, --out."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from pysprings.scene.load import load_scene
+from pysprings.springs.file import save_springs
+from tests.support import tiny
+from tests.support.commands import command
+from tests.support.fans import fan_springs, potential
+from tests.support.files import read_record
+
+SET = {
+    'soil.young_modulus="80 MPa"': lambda scene: scene.soil.young_modulus == 80e6,
+    "soil.young_modulus=80 MPa": lambda scene: scene.soil.young_modulus == 80e6,
+    "soil.poisson_ratio=0.25": lambda scene: scene.soil.poisson_ratio == 0.25,
+    'limit.rotation="2 deg"': lambda scene: scene.limit.rotation == pytest.approx(np.radians(2.0)),
+    'path.pull.arm="5 m"': lambda scene: scene.paths[0].arm == 5.0,
+    "title=Another": lambda scene: scene.title == "Another",
+    "output.figures=true": lambda scene: scene.output.figures,
+}
+
+
+@pytest.mark.parametrize("change", SET, ids=SET.keys())
+def test_a_value_is_set(scene_file: Path, change: str) -> None:
+    """The scene is that of a file with the value in it; its own text has it, too."""
+    scene = load_scene(scene_file, [change])
+    assert SET[change](scene)
+    assert scene.sha256 != load_scene(scene_file).sha256
+    assert json.loads(command("check", scene_file, "--set", change, "--json").out)["scene_sha256"] == scene.sha256
+    again = scene_file.with_name("again.toml")
+    again.write_text(scene.source_text, encoding="utf-8")
+    assert load_scene(again) == scene
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ("soil.young_modulus", '--set: "soil.young_modulus" is not KEY=VALUE'),
+        ("soil.young_modulus=80", '--set: soil.young_modulus: expected a quantity with unit such as "200 MPa"'),
+        ("soil.young_modolus=80 MPa", "--set: soil.young_modolus: unknown key (did you mean 'young_modulus'?)"),
+        ("soil.poisson_ratio=0.7", "--set: soil.poisson_ratio: 0.7 is not in [0, 0.5)"),
+        ("path.storm.arm=5 m", "--set path.storm.arm: no 'storm'; there are: pull"),
+        ("title.x=1", "--set title.x: 'title' is a value, not a table"),
+        ("path.arm=5 m", "--set path.arm: is a list: name one of its tables, and a key of it"),
+    ],
+)
+def test_a_wrong_value_is_refused_in_one_line(scene_file: Path, change: str, says: str) -> None:
+    done = command("check", scene_file, "--set", change)
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith(f"fatal: user input: {says}")
+    assert len(done.err.splitlines()) == 1
+
+
+def test_a_quiet_run_without_pictures_and_its_log(tmp_path: Path) -> None:
+    """Nothing on the terminal; progress, with times, in the log; the scene is the same, so that a run can go on."""
+    scene = tiny.scene(output={"figures": True})
+    file, out, log = tiny.write(scene, tmp_path / "caisson.toml"), tmp_path / "out", tmp_path / "run.log"
+    done = command("run", file, "--out", out, "--quiet", "--no-figures", "--log", log, "--set", "soil.K0=0.9")
+    assert (done.code, done.out, done.err) == (0, "", "")
+    assert not (out / "figures").exists()
+    assert read_record(out)["scene_sha256"] == scene.replace(soil={"K0": 0.9}).sha256
+    lines = log.read_text(encoding="utf-8").splitlines()
+    assert all(re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00 ", line) for line in lines)
+    assert any("pull 100 %" in line for line in lines)
+    refused = command("run", file, "--out", out, "--log", log)
+    assert refused.code == 2
+    assert "holds results already" in log.read_text(encoding="utf-8").splitlines()[-1]
+    assert command("run", file, "--out", out, "--log", tmp_path).code == 2
+
+
+@pytest.fixture
+def fan_file(tmp_path: Path) -> Path:
+    return save_springs(fan_springs(potential), tmp_path / "fan.nc")
+
+
+@pytest.mark.parametrize("arm", ["2 m", "-1 m"])
+def test_the_load_of_a_tilt(fan_file: Path, arm: str) -> None:
+    """H > 0 whatever way the caisson turns; under that load it has the tilt."""
+    (state,) = json.loads(command("predict", fan_file, "--tilt", "0.02 deg", "--arm", arm, "--json").out)["states"]
+    assert abs(np.degrees(state["rotation"])) == pytest.approx(0.02, rel=1e-9)
+    assert state["H"] > 0.0
+    back = command("predict", fan_file, "--H", f"{state['H']!r} N", "--arm", arm, "--json")
+    assert abs(np.degrees(json.loads(back.out)["states"][0]["rotation"])) == pytest.approx(0.02, rel=1e-6)
+    far = command("predict", fan_file, "--tilt", "5 deg", "--arm", arm)
+    assert (far.code, far.out) == (2, "")
+    assert "beyond the range" in far.err
+    assert command("predict", fan_file, "--tilt", "1 deg", "--H", "1 MN").code == 2
+
+
+@pytest.mark.parametrize("ending", ["csv", "json", "nc"])
+def test_answers_go_into_a_file(fan_file: Path, tmp_path: Path, ending: str) -> None:
+    out = tmp_path / f"answer.{ending}"
+    asked = ("predict", fan_file, "--u-max", "2 mm", "--arm", "2 m", "--points", "5")
+    done = command(*asked, "--out", out)
+    assert (done.code, done.out) == (0, f"{out}\n")
+    states = json.loads(command(*asked, "--json").out)["states"]
+    if ending == "csv":
+        made = pd.read_csv(out, comment="#")["H_N"].to_list()
+    elif ending == "json":
+        made = [state["H"] for state in json.loads(out.read_text())["states"]]
+    else:
+        with xr.open_dataset(out) as data:
+            made = data["H"].values.tolist()
+    assert made == pytest.approx([state["H"] for state in states], rel=1e-12)
+    refused = command(*asked, "--out", tmp_path / "answer.docx")
+    assert (refused.code, "csv, json or nc" in refused.err) == (2, True)

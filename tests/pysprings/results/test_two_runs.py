@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: MIT
+"""Two runs beside each other: keys that differ, numbers of both, pictures of both."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pysprings.results.folder import run_to_folder
+from tests.support import tiny
+from tests.support.commands import command
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Runs of an elastic soil and of one that is a tenth stiffer: every load is a tenth larger."""
+    place, made = tmp_path_factory.mktemp("two"), []
+    for name, modulus in (("soft", 100e6), ("stiff", 110e6)):
+        soil = {"yield_surface": "elastic", "young_modulus": modulus}
+        contact = {"normal_stiffness": 100.0 * modulus, "shear_stiffness": 100.0 * modulus, "friction_coefficient": 5.0}
+        pull = {**tiny.PULL, "lateral_displacement": 1e-5}
+        made.append(run_to_folder(tiny.scene(soil=soil, interface=contact, paths=(pull,)), place / name))
+    return made[0], made[1]
+
+
+def rows(*args: object) -> dict[str, dict[str, Any]]:
+    done = command("diff", *args, "--json")
+    assert done.code == 0, done.err
+    return {f"{row['part']}: {row['quantity']}": row for row in json.loads(done.out)["rows"]}
+
+
+def test_the_numbers_of_both(folders: tuple[Path, Path]) -> None:
+    """A tenth in every stiffness and in the load at equal motion; the keys of the scenes that differ are named."""
+    made = rows(*folders)
+    young = made["scene: soil.young_modulus"]
+    assert (young["first"], young["second"]) == ("100 MPa", "110 MPa")
+    assert {name for name in made if name.startswith("scene: ")} == {
+        f"scene: {key}" for key in ("soil.young_modulus", "interface.normal_stiffness", "interface.shear_stiffness")
+    }
+    for name in ("H per u [MN/m]", "M per rotation [MN m/rad]", "V per w [MN/m]"):
+        assert made[f"initial stiffness: {name}"]["change"] == pytest.approx(10.0, abs=0.01)
+    load = made["path pull: H at u = 0.01 mm [kN]"]
+    assert load["change"] == pytest.approx(10.0, abs=0.2)
+    with xr.open_dataset(folders[0] / "full_model.nc", group="paths/pull") as path:
+        assert float(load["first"]) == pytest.approx(1e-3 * float(path["H"][-1]), rel=1e-4)
+    assert float(made["path pull: largest difference of H, in % of the largest"]["second"]) == pytest.approx(
+        10.0, abs=0.2
+    )
+
+
+def test_a_run_beside_itself_and_what_is_no_run(folders: tuple[Path, Path], tmp_path: Path) -> None:
+    made = rows(folders[0], folders[0])
+    assert not [name for name in made if name.startswith("scene: ")]
+    assert {row["change"] for row in made.values() if row["change"] is not None} == {0.0}
+    done = command("diff", folders[0], tmp_path)
+    assert (done.code, done.out) == (2, "")
+    assert "is not the folder of a run" in done.err
+
+
+def test_the_picture_has_the_curves_of_both(folders: tuple[Path, Path], tmp_path: Path) -> None:
+    from pysprings.core.files.storage import read_tree
+    from pysprings.full_model.run_record import RunRecord
+    from pysprings.results.analysis.two_runs import Run
+    from pysprings.results.plots.two_runs import overlay
+
+    done = command("diff", *folders, "--out", tmp_path / "both")
+    assert done.out.splitlines()[-1] == str(tmp_path / "both" / "pull.png")
+    assert (tmp_path / "both" / "pull.png").stat().st_size > 10_000
+    runs = [Run(each.name, read_tree(each / "full_model.nc"), RunRecord()) for each in folders]
+    load, rotation, springs = overlay(*runs, "pull").axes
+    for axes, name, scale in ((load, "H", 1e-3), (rotation, "rotation", 180.0 / np.pi)):
+        curves = [line for line in axes.get_lines() if len(line.get_xdata()) > 2]
+        for line, run in zip(curves, runs, strict=True):
+            np.testing.assert_allclose(line.get_ydata(), scale * run.result[f"paths/pull/{name}"].values)
+    assert len([line for line in springs.get_lines() if len(line.get_xdata()) > 2]) == 6

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: MIT
+"""Misuses of the program, each with what it has to say: `tests/pysprings/cli/test_misuses.py` runs them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import xarray as xr
+
+from pysprings.springs.file import save_springs
+from tests.support import synthetic
+from tests.support.fans import fan_springs, potential
+from tests.support.vertical import vertical_springs
+
+# exit codes: no answer; an answer with a warning, and with marks where it has states; no equilibrium
+REFUSED, WARNED, LOST = 2, 0, 3
+
+
+@dataclass(frozen=True)
+class Misuse:
+    """What somebody does, the command, its exit code, and a pattern of what it says on stderr."""
+
+    what: str
+    command: str
+    code: int
+    says: str
+
+
+def _m(what: str, command: str, says: str, code: int = REFUSED) -> Misuse:
+    return Misuse(what, command, code, says)
+
+
+LOADS = (
+    _m(
+        "load beyond the calibrated range", "predict one.nc --H 20MN", "beyond the range of path 'pull'.*they carry H ="
+    ),
+    _m("the same, the other way", "predict one.nc --H -20MN", "beyond the range of path 'pull'.*they carry H = -"),
+    _m("moment beyond the range", "predict one.nc --M 500MNm", "beyond the range.*--extrapolate"),
+    _m("load beyond the range of a fan", "predict fan.nc --H 100MN --arm 5m", "beyond the range of the fan of 8 paths"),
+    _m("curve beyond the range", "predict one.nc --u-max 50mm", "beyond the range of path 'pull'"),
+    _m("displacement beyond the range", "predict one.nc --u 50mm", "beyond the range of path 'pull'"),
+    _m("rotation beyond the range", "predict fan.nc --rotation 5deg", "beyond the range of the fan"),
+    _m("stiffness under a load beyond the range", "predict one.nc --H 20MN --stiffness", "beyond the range"),
+    _m(
+        "answer beyond the range that was asked for",
+        "predict one.nc --H 20MN --extrapolate",
+        "warning: beyond the range",
+        WARNED,
+    ),
+    _m("load beyond a limit load of the full model", "predict limit.nc --H 4MN", "path 'pull' met a limit load"),
+    _m("the same, with --extrapolate", "predict limit.nc --H 4MN --extrapolate", "path 'pull' met a limit load"),
+    _m("load beyond the end of a path that stopped", "predict stopped.nc --H 4MN", "path 'pull' stopped.*apex"),
+    _m(
+        "load that no motion carries",
+        "predict soft.csv --H 5MN --arm -2m --extrapolate",
+        "no equilibrium beyond H = ",
+        LOST,
+    ),
+    _m("--strict and --extrapolate", "predict one.nc --H 20MN --strict --extrapolate", "give one of them"),
+)
+DIRECTIONS = (
+    _m(
+        "springs of one pull under a load at another height",
+        "predict one.nc --H 300kN --arm 8m",
+        "off the path 'pull'",
+        WARNED,
+    ),
+    _m("the same, with --strict", "predict one.nc --H 300kN --arm 8m --strict", "off the path 'pull'"),
+    _m("p-y springs alone", "predict one.nc --H 100kN --springs py", "they carry a fraction of the load", WARNED),
+    _m("between rays that are too far apart", "predict wide.nc --H -500kN --M 3MNm", "90 degrees apart", WARNED),
+    _m("the same, with --strict", "predict wide.nc --H -500kN --M 3MNm --strict", "90 degrees apart"),
+    _m("sequence that turns back", "predict fan.nc --sequence back.csv", "come after the sequence turned back", WARNED),
+    _m("the same, with --strict", "predict fan.nc --sequence back.csv --strict", "turned back"),
+    _m("sequence that turns aside", "predict fan.nc --sequence aside.csv", "left its first direction", WARNED),
+    _m("the same, with --strict", "predict fan.nc --sequence aside.csv --strict", "left its first direction"),
+    _m("fan from one path", "predict one.nc --H 1MN --springs fan", "a fan needs at least 2 calibration paths"),
+    _m("path that is not there", "predict one.nc --H 1MN --path storm", "no path 'storm'; the springs have: pull"),
+    _m("spring set that is not there", "predict one.nc --H 1MN --springs best", "unknown spring set|best"),
+    _m("comparison with a fan that is not there", "compare one.nc --springs fan", "no springs 'fan' here"),
+)
+VERTICAL = (
+    _m("V far beyond that of the paths", "predict one.nc --V 500MN", "V is known from 0 to 4000000 N"),
+    _m("uplift without a vertical path", "predict one.nc --H 100kN --V -1MN", "V is known from 0 to 4000000 N"),
+    _m("V other than that of the paths", "predict one.nc --H 100kN --V 2.7MN", "is not that of path 'pull'", WARNED),
+    _m("the same, with --strict", "predict one.nc --H 100kN --V 2.7MN --strict", "is not that of path 'pull'"),
+    _m(
+        "V beyond the vertical springs",
+        "predict down.nc --V 60MN",
+        "beyond the vertical springs .path down",
+    ),
+    _m("V against the only vertical path", "predict down.nc --V 1MN", "no vertical path leads upwards"),
+    _m("V with springs from a table", "predict py.csv --H 10kN --V 1MN", "leave V out"),
+)
+WORDS = (
+    _m("load without a unit", "predict one.nc --H 2", 'expected a quantity with unit such as "2 MN"'),
+    _m("pressure for a force", "predict one.nc --H 2MPa", "is a pressure or stress; expected a force"),
+    _m("force for a height", "predict one.nc --H 1MN --arm 8kN", "is a force; expected a length"),
+    _m("millinewtons for meganewtons", "predict one.nc --H 5mN", "m is milli, M is mega"),
+    _m("moment and height together", "predict one.nc --H 1MN --arm 1m --M 1MNm", "give either --arm or --M"),
+    _m("load and motion together", "predict one.nc --H 1MN --u 1mm", "a load is the answer to a motion"),
+    _m("no load at all", "predict one.nc --arm 1m", "missing: give a load"),
+    _m("rate of drained springs", "predict one.nc --H 1MN --rate 1mm/s", "do not depend on a rate"),
+    _m("reference depth as a bare number", "predict one.nc --H 1MN --stiffness --reference-depth 4", "unit"),
+)
+FILES = (
+    _m("table beyond its range", "predict py.csv --u 50mm", "beyond the range of path 'table'"),
+    _m(
+        "table beyond a peak of its curves", "predict soft.csv --u 3mm --rotation 0mrad", "a curve that softens", WARNED
+    ),
+    _m("rate of a table", "predict py.csv --H 10kN --rate 1mm/s", "a table has no rates"),
+    _m("table in another format", "predict py.ods --H 10kN", "tables in the format .ods cannot be read"),
+    _m("column in another unit", "predict stress.csv --H 10kN", "wrong unit|wrong name or unit"),
+    _m("sequence in another unit", "predict one.nc --sequence tons.csv", "907, 1000 or 1016 kg|wrong name or unit"),
+    _m("skirt length for a spring file", "predict one.nc --H 10kN --skirt-length 4m", "is for tables"),
+    _m("file that is not there", "predict none.nc --H 10kN", "none.nc"),
+    _m("file cut short", "predict short.nc --H 10kN", "short.nc"),
+    _m("file with doubled reactions", "predict doubled.nc --H 10kN", "the reactions sum to"),
+    _m("folder without springs", "predict empty --H 10kN", "no springs.nc in this folder"),
+    _m("folder of a run that was killed", "predict killed --H 10kN", "holds a run that has not ended"),
+    _m("folder of an interrupted run, --strict", "predict broken --H 10kN --strict", "the run was interrupted"),
+    _m("option of an export without a value", "export one.nc --to openfast --option torsion", "is not NAME=VALUE"),
+)
+SCENES = (
+    _m("unknown key", "check key.toml", "unknown key .did you mean 'friction_coefficient'"),
+    _m("bare number", "check bare.toml", "expected a quantity with unit"),
+    _m("value out of range", "check range.toml", r"0.6 is not in \[0, 0.5\)"),
+    _m("unit of another quantity", "check unit.toml", "is a length; expected a pressure|is a length"),
+    _m("caisson that does not fit into the domain", "check domain.toml", "domain"),
+    _m("domain that is tight around the caisson", "check tight.toml", "domain", WARNED),
+    _m("motion beyond small displacements", "check large.toml", "small", WARNED),
+    _m("unusual stiffness", "check weak.toml", "shear modulus .*outside the common range", WARNED),
+    _m("two paths of one name", "check twice.toml", "twice|already|unique|same name"),
+    _m("path without its displacement", "check path.toml", "lateral_displacement"),
+)
+CASES = (
+    _m("load cases without units", "design fan.nc nounit.csv", r"no unit: write 'H \[kN\]'"),
+    _m("thousands or decimals", "design fan.nc doubt.csv", "may be 1.25 or 1250"),
+    _m("moment and height of one load", "design fan.nc both.csv", "give either a moment or the height of H"),
+    _m("loads at an angle at different heights", "design fan.nc skew.csv", "loads in one vertical plane"),
+    _m("overturning moment with the sign of H", "design fan.nc sign.csv", "H and M have the same sign", WARNED),
+    _m("case beyond the springs, --strict", "design fan.nc far.csv --strict", "1 no answer"),
+    _m("file for the answers in another format", "design fan.nc far.csv --out a.pdf", "ends in none of .csv"),
+    _m("capacity at a V without a unit", "capacity tight.toml --V 3", "expected a quantity with unit"),
+    _m("factor that raises the strength", "capacity tight.toml --factor 0.8", "expected a number from 1 to 5"),
+)
+MISUSES = (*LOADS, *DIRECTIONS, *VERTICAL, *WORDS, *FILES, *SCENES, *CASES)
+CHAPTERS = {
+    "Loads and motions": LOADS, "Directions and springs": DIRECTIONS, "Vertical loads": VERTICAL,
+    "Quantities and options": WORDS, "Files": FILES, "Scenes": SCENES,
+    "Load cases and capacity": CASES,
+}  # fmt: skip
+
+_TABLE = "depth_m,depth_top_m,depth_bottom_m,y_m,p_N_per_m\n"
+_PULL = '[[path]]\nname = "pull"\nkind = "pull"\nlateral_displacement = "5 mm"\n'
+
+
+def write_files(folder: Path) -> None:
+    """Write the files of the misuses into a folder."""
+    for name, tree in _springs().items():
+        save_springs(tree, folder / f"{name}.nc")
+    _write_broken(folder)
+    slices = [(1.0, (0.0, 1e5, 1.5e5, 5e4)), (3.0, (0.0, 1e5, 1.5e5, 5e4))]
+    knots = (0.0, 1e-3, 2e-3, 4e-3)
+    soft = [f"{z},{z - 1},{z + 1},{y},{p}" for z, values in slices for y, p in zip(knots, values, strict=True)]
+    hard = [f"{z},{z - 1},{z + 1},{y},{1e8 * y}" for z, _ in slices for y in knots]
+    (folder / "soft.csv").write_text(_TABLE + "\n".join(soft) + "\n")
+    (folder / "py.csv").write_text(_TABLE + "\n".join(hard) + "\n")
+    (folder / "py.ods").write_text("PK")
+    (folder / "stress.csv").write_text("depth_m,y_kPa,p_N_per_m\n1,0.1,1e5\n3,0.1,1e5\n")
+    (folder / "tons.csv").write_text("H_tons,M_Nm\n1,0\n")
+    (folder / "back.csv").write_text("H_N,arm_m\n2e5,2\n4e5,2\n1e5,2\n")
+    (folder / "aside.csv").write_text("H_N,M_Nm\n1e5,0\n2e5,0\n2e5,-1e6\n")
+    for name, text in _CASES.items():
+        (folder / f"{name}.csv").write_text(text, encoding="utf-8")
+    for name, text in _SCENES.items():
+        (folder / f"{name}.toml").write_text(text, encoding="utf-8")
+
+
+def _springs() -> dict[str, xr.DataTree]:
+    rays = [("push", "translation", 8e-3), ("turn", "rotation", 2e-3), ("back", "rotation", -2e-3)]
+    wide = synthetic.make_springs(tuple(synthetic.Path(name, kind, size=size, steps=8) for name, kind, size in rays))
+    trees = {
+        "one": synthetic.make_springs(), "fan": fan_springs(potential), "wide": wide,
+        "down": vertical_springs(ends=(1e-2,)),
+    }  # fmt: skip
+    for name, how, why in (
+        ("limit", "limit load", "limit load: 1.2 % of the initial stiffness is left"),
+        ("stopped", "stopped", "apex: 31 % of the soil there has no confining stress left"),
+    ):
+        trees[name] = synthetic.make_springs()
+        path = trees[name]["paths/pull"]
+        ends = {"H": "end_H_N", "M": "end_M_Nm", "u": "end_u_m", "rotation": "end_rotation_rad"}
+        path.attrs |= {"end": how, "end_reason": why, "status": "limit load" if how == "limit load" else "partial"}
+        path.attrs |= {key: float(path[quantity][-1]) for quantity, key in ends.items()}
+    return trees
+
+
+def _write_broken(folder: Path) -> None:
+    whole = (folder / "one.nc").read_bytes()
+    (folder / "short.nc").write_bytes(whole[: len(whole) // 2])
+    doubled = synthetic.make_springs()
+    doubled["paths/pull/p"].values = 2.0 * doubled["paths/pull/p"].values
+    doubled.to_netcdf(folder / "doubled.nc")
+    (folder / "empty").mkdir()
+    for name, status in (("killed", "writing"), ("broken", "interrupted")):
+        (folder / name).mkdir()
+        (folder / name / "springs.nc").write_bytes(whole)
+        (folder / name / "run.json").write_text(json.dumps({"status": status, "scene_sha256": "0" * 64}))
+
+
+_SCENES = {
+    "key": "[interface]\nfriction_coeficient = 0.5\n",
+    "bare": "[caisson]\nouter_diameter = 7.8\n",
+    "range": "[soil]\npoisson_ratio = 0.6\n",
+    "unit": '[soil]\nyoung_modulus = "200 m"\n',
+    "domain": '[caisson]\nouter_diameter = "20 m"\n[domain]\nradius = "9 m"\ndepth = "12 m"\n',
+    "tight": '[domain]\nradius = "6 m"\ndepth = "7 m"\n[mesh]\nrefinement = 0.4\n' + _PULL,
+    "large": "[mesh]\nrefinement = 0.4\n" + _PULL.replace("5 mm", "3 m"),
+    "weak": '[soil]\nyoung_modulus = "200 kPa"\n[mesh]\nrefinement = 0.4\n' + _PULL,
+    "twice": _PULL + _PULL,
+    "path": '[[path]]\nname = "pull"\nkind = "pull"\n',
+}
+_CASES = {
+    "nounit": "name,H,arm [m]\na,100,2\n",
+    "doubt": "name;H [kN]\na;1,250\n",
+    "both": "name,H [kN],arm [m],M [kN m]\na,100,2,-200\n",
+    "skew": "name,H [kN],arm [m],direction [deg]\na,100,50,0\na,100,10,30\n",
+    "sign": "name,H [kN],M [kN m]\na,100,200\n",
+    "far": "name,H [MN],arm [m]\na,500,2\n",
+}
