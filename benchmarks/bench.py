@@ -43,12 +43,15 @@ def scene(mesh: str, end: float, mode: str = "drained") -> Any:
     """Return the paper's pull to an end (m) on a preset, with an optional factor ("medium:1.4"); no pictures."""
     from pysprings import Scene
     from pysprings.full_model.accuracy.settings import read_mesh
+    from pysprings.scene.extent import PAPER
 
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end}
     if mode == "coupled":
         path["rate"] = 0.05 * MM
     output = {"figures": False, "section": False}
-    return read_mesh(mesh).scene(Scene.model_validate({"path": [path], "drainage": {"mode": mode}, "output": output}))
+    return read_mesh(mesh).scene(
+        Scene.model_validate({"path": [path], "domain": PAPER, "drainage": {"mode": mode}, "output": output})
+    )
 
 
 def record(mesh: str, end: float, mode: str = "drained") -> RunRecord:

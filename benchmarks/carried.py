@@ -24,6 +24,7 @@ from pysprings.full_model.run_record import COMPLETE
 from pysprings.full_model.work import Work
 from pysprings.model.build import Built, build_model, build_on
 from pysprings.model.mesh import CaissonMesh
+from pysprings.scene.extent import PAPER
 
 # Steps that do not depend on how Newton does: two models then go the same way.
 STEPS = {"first_step_fraction": 0.25, "max_step_fraction": 0.25, "tolerance": 1e-9, "max_iterations": 40}
@@ -33,8 +34,12 @@ SMOOTH: dict[str, Any] = {"soil": {"yield_surface": "elastic"}, "interface": {"f
 def scene(end: float = 0.5e-3, rate: float | None = None, **sections: Any) -> Scene:
     """Return a scene of 216 nodes in equal steps, pulled to ``end`` (m) at a rate (m/s)."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": rate}
-    small: dict[str, Any] = {"mesh": {"refinement": 0.4}, "output": {"figures": False}, "solver": STEPS}
-    return Scene(**small, paths=(path,)).replace(**sections)
+    small: dict[str, Any] = {
+        "mesh": {"refinement": 0.4, "discretisation": "hex8"},
+        "output": {"figures": False},
+        "solver": STEPS,
+    }
+    return Scene(**small, domain=PAPER, paths=(path,)).replace(**sections)
 
 
 @dataclass(frozen=True)

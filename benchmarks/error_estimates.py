@@ -36,6 +36,7 @@ from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import read_mesh
 from pysprings.full_model.compute import compute, scene_to_run
 from pysprings.full_model.run_record import Computed, RunRecord, Status
+from pysprings.scene.extent import PAPER
 
 ASKED = 0.9
 # Fourier series -> meshes of the truth, meshes whose estimates are judged
@@ -121,7 +122,7 @@ def scene_of(name: str, reach: float) -> Scene:
         for key in ("lateral_displacement", "rotation"):
             if key in path:
                 path[key] = reach * path[key]
-    return Scene.model_validate({"title": name, "output": OUTPUT} | values | {"path": paths})
+    return Scene.model_validate({"title": name, "domain": PAPER, "output": OUTPUT} | values | {"path": paths})
 
 
 def result_of(scene: Scene, folder: Path) -> Any:

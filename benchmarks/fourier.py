@@ -24,6 +24,7 @@ from pysprings.core.threads import blas_on_one_thread
 from pysprings.full_model.discretise import make_engine
 from pysprings.model.discretise import build
 from pysprings.model.stages import path_stages
+from pysprings.scene.extent import PAPER
 
 SERIES = (
     ("coarse", 2),
@@ -42,9 +43,9 @@ def scene_of(end: float, tolerance: float, rate: float | None = None, **mesh: An
     """Return the paper's pull to ``end`` (m): coupled at a ``rate`` (m/s), or drained."""
     path: dict[str, Any] = {"name": "pull", "kind": "pull", "lateral_displacement": end}
     if rate is None:
-        return Scene(paths=(path,), mesh=mesh, solver={"tolerance": tolerance})
+        return Scene(domain=PAPER, paths=(path,), mesh=mesh, solver={"tolerance": tolerance})
     wet = path | {"rate": rate}
-    return Scene(paths=(wet,), mesh=mesh, solver={"tolerance": tolerance}, drainage={"mode": "coupled"})
+    return Scene(domain=PAPER, paths=(wet,), mesh=mesh, solver={"tolerance": tolerance}, drainage={"mode": "coupled"})
 
 
 def line(scene: Scene) -> str:

@@ -33,6 +33,7 @@ from pysprings import Scene
 from pysprings.cli import app
 from pysprings.core.files.storage import read_tree, write_text
 from pysprings.results.folder import run_to_folder
+from pysprings.scene.extent import PAPER
 
 
 def scenes(refinement: float) -> dict[str, Scene]:
@@ -40,10 +41,11 @@ def scenes(refinement: float) -> dict[str, Scene]:
     pull = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3, "rate": 1e-4}
     turn = {"name": "turn", "kind": "translation", "lateral_displacement": 5e-4, "rate": 1e-3}
     common = {
-        "title": "killed", "mesh": {"refinement": refinement}, "caisson": {"vertical_load": 1.5e6},
+        "title": "killed", "mesh": {"refinement": refinement, "discretisation": "hex8"},
+        "caisson": {"vertical_load": 1.5e6},
         "solver": {"first_step_fraction": 0.05, "max_step_fraction": 0.2}, "output": {"figures": False},
     }  # fmt: skip
-    drained = Scene().replace(**common, paths=(pull, turn))
+    drained = Scene(domain=PAPER).replace(**common, paths=(pull, turn))
     rests = {**pull, "role": "held-back", "then": ("rest 2 hour",)}
     return {"drained": drained, "coupled": drained.replace(drainage={"mode": "coupled"}, paths=(rests, turn))}
 

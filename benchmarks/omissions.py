@@ -26,6 +26,7 @@ from fe_engine.linear.solver import LinearSolver
 from fe_engine.state import FIELDS, State
 from pysprings import Scene
 from pysprings.model.build import Built, build_model
+from pysprings.scene.extent import PAPER
 
 _FACTOR_KILOBYTES = 16  # Pardiso's iparm 17, from 0: memory of factorisation and solution
 
@@ -61,8 +62,13 @@ def cases(preset: str, end: float) -> list[Case]:
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": 0.05e-3}
 
     def scene(**sections: Any) -> Scene:
-        given = {"mesh": {"preset": preset}, "output": {"figures": False}, "solver": _STEPS, "paths": [path]}
-        return Scene(**given).replace(**sections)
+        given = {
+            "mesh": {"preset": preset, "discretisation": "hex8"},
+            "output": {"figures": False},
+            "solver": _STEPS,
+            "paths": [path],
+        }
+        return Scene(domain=PAPER, **given).replace(**sections)
 
     drained, wet = scene(), scene(drainage={"mode": "coupled"})
     wet_steel = wet.replace(caisson={"behaviour": "elastic"})
@@ -127,7 +133,7 @@ def _factor_bytes(built: Built, symmetric: bool | None) -> int:
 
 def contact_seconds(preset: str) -> dict[str, float]:
     """Return processor time (s) of one residual and tangent of the smooth interface, with and without shear."""
-    scene = Scene(mesh={"preset": preset}, **carried.SMOOTH)
+    scene = Scene(domain=PAPER, mesh={"preset": preset, "discretisation": "hex8"}, **carried.SMOOTH)
     seconds = {}
     for name, built in (("without", build_model(scene)), ("with", carried.with_shear(scene))):
         system, state = System(built.model), State(built.model)

@@ -18,6 +18,7 @@ import xarray as xr
 
 from pysprings import Scene
 from pysprings.full_model.compute import compute
+from pysprings.scene.extent import PAPER
 
 END, STOPS = 20e-3, (2.5e-3, 5e-3, 10e-3)
 DEGREE = np.pi / 180.0
@@ -48,7 +49,14 @@ def run(preset: str, mode: str, rate: float, sections: dict) -> xr.DataTree:
     drainage = {"mode": mode, **sections.get("drainage", {})}
     rest = {name: value for name, value in sections.items() if name != "drainage"}
     return compute(
-        Scene(mesh={"preset": preset}, drainage=drainage, paths=[path], output={"figures": False}, **rest)
+        Scene(
+            domain=PAPER,
+            mesh={"preset": preset, "discretisation": "hex8"},
+            drainage=drainage,
+            paths=[path],
+            output={"figures": False},
+            **rest,
+        )
     ).recorded()
 
 

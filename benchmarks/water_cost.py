@@ -14,6 +14,7 @@ from typing import Any
 
 from pysprings import Scene
 from pysprings.full_model.compute import compute
+from pysprings.scene.extent import PAPER
 
 PHASES = ("assembly", "factorisation", "solve")
 
@@ -21,7 +22,13 @@ PHASES = ("assembly", "factorisation", "solve")
 def record(mode: str, preset: str, end: float) -> dict[str, Any]:
     """Return the run.json of a pull to ``end`` (m) at the paper's rate."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": 0.05e-3}
-    scene = Scene(mesh={"preset": preset}, drainage={"mode": mode}, paths=[path], output={"figures": False})
+    scene = Scene(
+        domain=PAPER,
+        mesh={"preset": preset, "discretisation": "hex8"},
+        drainage={"mode": mode},
+        paths=[path],
+        output={"figures": False},
+    )
     return compute(scene).record.as_dict()
 
 

@@ -85,6 +85,7 @@ class Clay:
         return SectionCounts(
             plug=scaled(9), outer=scaled(13), tip=1, skirt=scaled(8 + 8 * self.embedment), below=scaled(13),
             wall=2.0 * size, mudline=size / self.embedment, toe=size / self.embedment, harmonics=self.harmonics,
+            own=True,
         )  # fmt: skip
 
 

@@ -23,6 +23,7 @@ from pysprings.model.build import Built, build_model
 from pysprings.model.contact import SURFACE
 from pysprings.model.mesh import SURFACES
 from pysprings.model.stages import path_stages
+from pysprings.scene.extent import PAPER
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,8 @@ class Push:
 def push_scene(end: float, stops: tuple[float, ...] = (), **sections: dict) -> Scene:
     """The paper's caisson pulled at the lid centre to ``end`` (m), on the coarse mesh unless sections say else."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "report_at": stops}
-    return Scene(**({"mesh": {"preset": "coarse"}} | sections | {"paths": [path]}))
+    mesh = {"preset": "coarse", "discretisation": "hex8"} | sections.pop("mesh", {})
+    return Scene(**({"domain": PAPER} | sections | {"mesh": mesh, "paths": [path]}))
 
 
 def push(scene: Scene, gauss: bool = False, facets: bool = True) -> Push:

@@ -72,7 +72,7 @@ def elastic_scene(variant: Variant, **sections) -> Scene:
         "caisson": {"skirt_thickness": variant.thickness},
         "interface": {"normal_stiffness": variant.penalty, "shear_stiffness": variant.penalty},
         "domain": {"radius": variant.radius, "depth": 0.5 * variant.radius},
-        "mesh": {"preset": variant.preset, "refinement": variant.refinement},
+        "mesh": {"discretisation": "hex8", "preset": variant.preset, "refinement": variant.refinement},
     }
     return Scene(**base).replace(**sections)
 

@@ -26,6 +26,7 @@ from pysprings.full_model.compute import compute
 from pysprings.model.build import build_model
 from pysprings.model.stages import path_stages
 from pysprings.model.water import undrained_time
+from pysprings.scene.extent import PAPER
 from tests.verification.cases.undrained_column import checkerboard
 from tests.verification.rows import Row
 
@@ -42,7 +43,9 @@ def stiffness(
 ) -> dict[str, float]:
     """Stiffness of the whole caisson in MN and m over a time step (s); None: one in which nothing flows."""
     scene = Scene(
-        mesh={"preset": preset}, soil={"yield_surface": "elastic"}, caisson={"skirt_thickness": 1e-3},
+        domain=PAPER,
+        mesh={"preset": preset, "discretisation": "hex8"}, soil={"yield_surface": "elastic"},
+        caisson={"skirt_thickness": 1e-3},
         interface={"normal_stiffness": penalty, "shear_stiffness": penalty, "friction_coefficient": 5.0},
         drainage={"mode": mode, "water_bulk_modulus": "incompressible", **drainage},
     )  # fmt: skip
@@ -99,7 +102,8 @@ def push(mode: str, rate: float, end: float, drainage: dict | None = None, **sec
     """The paper's caisson pulled at the lid centre on the coarse mesh."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": rate}
     scene = Scene(
-        mesh={"preset": "coarse"}, drainage={"mode": mode, **(drainage or {})}, paths=[path],
+        domain=PAPER,
+        mesh={"preset": "coarse", "discretisation": "hex8"}, drainage={"mode": mode, **(drainage or {})}, paths=[path],
         output={"figures": False}, **sections,
     )  # fmt: skip
     return compute(scene).recorded()["paths/pull"].to_dataset()
@@ -111,7 +115,8 @@ def checkerboard_rows() -> list[Row]:
     variants = (("", 1e-12, 1.0), (", without the stabilisation", 1e-12, 0.0), (", k 0.01 m/s: water flows", 1e-2, 1.0))
     for words, conductivity, factor in variants:
         scene = Scene(
-            mesh={"preset": "coarse"}, soil={"hydraulic_conductivity": conductivity},
+        domain=PAPER,
+            mesh={"preset": "coarse", "discretisation": "hex8"}, soil={"hydraulic_conductivity": conductivity},
             drainage={"mode": "coupled", "stabilisation": factor},
         )  # fmt: skip
         pressure, mesh = first_step(scene, 0.02e-3, 1e-3)

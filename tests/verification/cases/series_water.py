@@ -26,6 +26,7 @@ from fe_engine.solve.newton import Newton
 from pysprings import Scene
 from pysprings.full_model.compute import compute
 from pysprings.model.fourier import nodal_rings
+from pysprings.scene.extent import PAPER
 from tests.support.fourier_models import section
 from tests.verification.blocks import elastic_soil
 from tests.verification.cases import caisson_water, terzaghi
@@ -112,6 +113,7 @@ def rows() -> tuple[Row, ...]:
 def stiffness_rows(preset: str) -> list[Row]:
     """Undrained stiffness of the caisson in elastic soil."""
     scene = Scene(
+        domain=PAPER,
         mesh={"preset": preset, "discretisation": "fourier", "harmonics": 1}, soil={"yield_surface": "elastic"},
         caisson={"skirt_thickness": 1e-3}, drainage={"mode": "undrained", "water_bulk_modulus": "incompressible"},
         interface={"normal_stiffness": 1e11, "shear_stiffness": 1e11, "friction_coefficient": 5.0},
@@ -136,6 +138,7 @@ def pull(mode: str, rate: float, end: float) -> xr.Dataset:
     path |= {"report_at": [2.5e-3]} if end > 2.5 else {}
     path |= {"rate": 1e-3 * rate} if mode == "coupled" else {}
     scene = Scene(
+        domain=PAPER,
         mesh={"preset": "medium", "discretisation": "fourier", "harmonics": 3}, drainage={"mode": mode}, paths=[path],
         output={"figures": False},
     )  # fmt: skip

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""The same caisson in pysprings and in programs of others (`make bench-peers`)."""
