@@ -11,6 +11,8 @@ STAMP := $(VENV)/.installed
 DEV := $(VENV)/.installed-dev
 LOWEST := .venv-lowest
 SCENE := out/caisson.toml
+# compiled modules are kept, whatever the caller's environment asks for
+export PYTHONDONTWRITEBYTECODE :=
 RESULT := out/caisson
 
 # quick ones that touch every dependency; a run of the engine among them
@@ -18,7 +20,7 @@ LOWEST_TOOLS := "pytest>=8.3" "pytest-timeout>=2.3" "hypothesis>=6.120" "cf-xarr
 LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.py core/test_storage.py \
 	$(addprefix results/test_,tables.py exporters.py plots.py report.py))
 
-.PHONY: run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint evidence figure docs accuracy stability bench reference clean
+.PHONY: run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint evidence figure docs accuracy stability bench bench-peers reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -102,6 +104,12 @@ stability: $(DEV)
 # what the solver costs, as ratios of one run (about half an hour; SECTION=units for one of them)
 bench: $(DEV)
 	$(BIN)/python -m benchmarks.bench $(SECTION)
+
+# an elastic caisson, pushes with contact, and the macro-model of a run in OpenSees, CalculiX and Kratos, where they are there
+KRATOS := KratosMultiphysics KratosStructuralMechanicsApplication
+bench-peers: $(DEV)
+	-$(BIN)/uv pip install --quiet --only-binary :all: --python $(BIN)/python $(KRATOS)
+	$(BIN)/python -m benchmarks.peers $(or $(filter-out out/caisson,$(RESULT)),out/fan)
 
 # the small results that the regression test compares with
 reference: $(DEV)

@@ -16,9 +16,11 @@ OF_BENCHMARKS = {
     "tests/docs/test_docs.py",
     "tests/pysprings/full_model/test_accuracy_benchmarks.py",
     "tests/pysprings/model/test_omissions.py",
+    "tests/pysprings/model/test_domain_effect.py",
     "tests/pysprings/model/test_omissions_benchmark.py",
     "tests/pysprings/test_mutation.py",
     "tests/test_house.py",
+    "tests/verification/test_peers.py",
 }
 
 

@@ -20,9 +20,11 @@ from benchmarks import evidence, evidence_store, reference_pages
 from pysprings import Scene
 from pysprings.cli.app import app
 from pysprings.macro.predict import MacroWarning
+from pysprings.springs.file import save_springs
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.place import ROOT
+from tests.support.winkler import with_invented_memory
 
 README = ROOT / "README.md"
 RUN_HERE = [README, *sorted((ROOT / "docs" / "start").glob("*.md")), *sorted((ROOT / "docs" / "guide").glob("*.md"))]
@@ -37,6 +39,11 @@ ELSEWHERE = {
     "pysprings run caisson.toml --out out --resume": "an interrupted run is needed: full_model/test_resume.py",
     "pysprings run caisson.toml --target-error 5% --out within5": "no tiny mesh: full_model/test_accuracy_settings.py",
     "pysprings accuracy caisson.toml --quick --out study": "a study of many runs: studies/test_accuracy_study.py",
+    "pysprings check mono.toml": "the files are blocks of docs/guide/load-cases.md, which other tests read",
+    "pysprings capacity mono.toml --cases loads.csv --out mono": "many runs: studies/test_capacity.py",
+    "pysprings design mono/runs/characteristic-V3000kN-rays loads.csv --out design.html": "needs the runs before it",
+    'pysprings capacity sand.toml --V "1 MN" --V "3 MN" --directions 8 --out envelope': "many runs: as above",
+    'pysprings capacity sand.toml --V "1 MN" --cases cases.csv --factor 1.25 --out envelope': "many runs: as above",
     'pysprings predict rates --u-max "20 mm" --rate "0.5 mm/s"': "springs at two rates: springs/test_rates.py",
 }
 MM = 1.0e-3
@@ -141,6 +148,11 @@ def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(folder / "out", folder / "fan")
     tables = blocks(ROOT / "docs/guide/own-springs.md", "text"), blocks(ROOT / "docs/guide/predict.md", "text")
     (folder / "curves.csv").write_text(next(each for each in tables[0] if each.startswith("depth_m")))
+    cases = blocks(ROOT / "docs/guide/load-cases.md", "text")
+    (folder / "cases.csv").write_text(next(each for each in cases if each.startswith("case,")))
+    rows = blocks(ROOT / "docs/guide/cycles.md", "text")
+    (folder / "sequence.csv").write_text(next(each for each in rows if each.startswith("H_kN")))
+    save_springs(with_invented_memory(), folder / "springs.nc")
     (folder / "loads.csv").write_text(next(each for each in tables[1] if each.startswith("H_N")))
     return folder
 
@@ -151,7 +163,11 @@ def scratch(prepared: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(prepared, tmp_path / "scratch"))
 
 
-@pytest.mark.parametrize("page", [page for page in RUN_HERE if here(page)], ids=name)
+@pytest.mark.parametrize(
+    "page",
+    [page if page == README else pytest.param(page, marks=pytest.mark.slow) for page in RUN_HERE if here(page)],
+    ids=name,
+)
 def test_commands_of_a_document_run(page: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for line in here(page):
         done = call(line, scratch, monkeypatch)
@@ -193,7 +209,7 @@ def test_scenes_of_the_documents_are_valid(tmp_path: Path) -> None:
     for number, text in enumerate(scenes):
         file = tmp_path / f"{number}.toml"
         file.write_text(text, encoding="utf-8")
-        assert load_scene(file).paths
+        assert load_scene(file).load_paths
 
 
 # --- their links resolve ---

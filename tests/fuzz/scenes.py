@@ -12,6 +12,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from pysprings.core import units
+from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.scene.by_depth import Profile
 from pysprings.scene.by_surface import SURFACES, BySurface
 from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity, QuantityList, Text
@@ -177,6 +178,8 @@ def _value(draw: st.DrawFn, field: Field) -> Any:
         return draw(st.one_of(each, st.fixed_dictionaries(dict.fromkeys(SURFACES, each))))
     if isinstance(field, Profile):
         return draw(_by_depth(field.quantity))
+    if isinstance(field, QuantityList):
+        return [f"{draw(_number(each.interval))!r} {each.unit}" for _, each in field.quantities]
     assert isinstance(field, Quantity)
     if field.word and draw(st.booleans()):
         return field.word
@@ -189,6 +192,7 @@ def _value(draw: st.DrawFn, field: Field) -> Any:
 _USED = {
     "pull": ("lateral_displacement", "arm"), "translation": ("lateral_displacement", "rotation"),
     "rotation": ("rotation",), "swipe": ("lateral_displacement", "rotation"), "load": ("lateral_force", "arm"),
+    "probe": ("lateral_displacement", "load_angle"),
 }  # fmt: skip
 
 
@@ -198,11 +202,11 @@ def _path(draw: st.DrawFn, name: str) -> dict[str, Any]:
     kind = draw(st.sampled_from(list(_USED)))
     path: dict[str, Any] = {"name": name, "kind": kind, "role": "held-back"}
     path |= {key: draw(_value(fields[key])) for key in _USED[kind]}
-    pace = ("rate",) if kind == "swipe" else ("duration",) if kind in ("rotation", "load") else ("rate", "duration")
+    pace = PATH_KINDS[kind].paces
     if draw(st.integers(0, 3)):
         key = draw(st.sampled_from(pace))
         path[key] = draw(_value(fields[key]))
-    if kind != "swipe" and draw(st.integers(0, 3)) == 0:
+    if kind not in ("swipe", "probe") and draw(st.integers(0, 3)) == 0:
         entries = fields["then"]
         assert isinstance(entries, QuantityList)
         quantity = dict(entries.quantities)[kind]

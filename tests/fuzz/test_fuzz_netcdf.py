@@ -64,13 +64,14 @@ def ask_of_bytes(folder: Path, todo: list[Op], in_place: str, asked: list[str]) 
 in_place = st.integers(0, 7).flatmap(lambda n: st.just("") if n else st.sampled_from(IN_PLACE))
 
 
+@pytest.mark.long
 @budget(QUICK)
 @given(data=spoiled_trees(), asked=questions)
 def test_spoiled_trees(tmp_path: Path, data: dict[str, xr.Dataset], asked: list[str]) -> None:
     ask_of_tree(tmp_path, data, asked)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @budget(1100)
 @given(data=spoiled_trees(), asked=questions)
 def test_many_spoiled_trees(tmp_path: Path, data: dict[str, xr.Dataset], asked: list[str]) -> None:
@@ -83,7 +84,7 @@ def test_spoiled_bytes(tmp_path: Path, todo: list[Op], place: str, asked: list[s
     ask_of_bytes(tmp_path, todo, place, asked)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @budget(1000)
 @given(todo=raw_ops, place=in_place, asked=questions)
 def test_many_spoiled_bytes(tmp_path: Path, todo: list[Op], place: str, asked: list[str]) -> None:

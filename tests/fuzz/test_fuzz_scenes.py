@@ -48,7 +48,7 @@ def test_damaged_scenes(tmp_path: Path, data: bytes) -> None:
     check(DAMAGED, tmp_path, data)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @budget(1300)
 @given(data=damaged())
 def test_many_damaged_scenes(tmp_path: Path, data: bytes) -> None:
@@ -61,7 +61,7 @@ def test_typed_scenes(tmp_path: Path, text: str) -> None:
     check(TYPED, tmp_path, text.encode())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @budget(900)
 @given(text=typed())
 def test_many_typed_scenes(tmp_path: Path, text: str) -> None:

@@ -47,7 +47,7 @@ def test_csv_tables(tmp_path: Path, data: bytes, asked: list[str]) -> None:
     predict(CSV, tmp_path, "t.csv", data, asked)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @budget(1000)
 @given(data=csv_files(), asked=questions)
 def test_many_csv_tables(tmp_path: Path, data: bytes, asked: list[str]) -> None:
@@ -60,7 +60,7 @@ def test_workbooks(tmp_path: Path, data: bytes, asked: list[str]) -> None:
     predict(BOOKS, tmp_path, "t.xlsx", data, asked)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @budget(600)
 @given(data=workbooks(), asked=questions)
 def test_many_workbooks(tmp_path: Path, data: bytes, asked: list[str]) -> None:
@@ -73,7 +73,7 @@ def test_sequences(tmp_path: Path, data: bytes, full: bool) -> None:
     follow(tmp_path, data, record() if full else MINIMAL)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @budget(500)
 @given(data=csv_files([SEQUENCE, MOTIONS]), full=st.booleans())
 def test_many_sequences(tmp_path: Path, data: bytes, full: bool) -> None:

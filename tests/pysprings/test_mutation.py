@@ -161,6 +161,7 @@ def test_loops_of_unchanged_code_are_given_and_no_others(tmp_path: Path) -> None
     assert given("fe_engine/alone.py") == {"loop", "law"}
 
 
+@pytest.mark.slow
 def test_the_map_covers_this_project() -> None:
     """Every module but the entry points has a test file, and kernels count as compiled; wherever the files are."""
     found = TestMap(mutation.ROOT, tuple(folder for folder, _ in mutation.PARTS.values()))
@@ -216,6 +217,7 @@ def test_calls_are_kept_by_the_digest_of_the_test_file(
     assert "tests/test_late.py" not in mutation_calls.record(project, file, run)
 
 
+@pytest.mark.slow
 def test_a_session_records_what_each_file_calls(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """In a process of its own, with a true pytest; what is called when a module is loaded is not counted."""
     monkeypatch.setattr(mutation_calls, "FOLDERS", ("tests",))
@@ -359,6 +361,7 @@ def test_the_list_of_what_changes_nothing_has_reasons_and_is_of_this_code() -> N
 # --- the process that forks ---
 
 
+@pytest.mark.slow
 def test_forks_run_the_sources_of_their_folder(project: Path) -> None:
     """A change is seen by the next call; a test that does not end is ended; settings are those of the call."""
     server = Server()

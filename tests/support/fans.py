@@ -49,7 +49,7 @@ def fan_springs(law, angles=ANGLES, rho=RHO, held_back=()) -> xr.DataTree:
             states = np.stack([rho * np.cos(angle), rho * np.sin(angle) / LENGTH])
         else:
             states = pull_states(law, path.arm, 0.5 * rho)
-        _replace(tree, path.name, law, *states)
+        set_path(tree, path.name, law, *states)
     h = 1e-9
     k = np.zeros((3, 3))
     k[np.ix_([0, 2], [0, 2])] = np.stack([loads(law, h, 0.0), loads(law, 0.0, h)], axis=1) / h
@@ -66,7 +66,8 @@ def pull_states(law, arm, u):
     return u, np.array([brentq(unbalance, -2.0 * x, x, args=(x,), xtol=1e-18) if x else 0.0 for x in u])
 
 
-def _replace(tree, name, law, u, rotation):
+def set_path(tree, name, law, u, rotation):
+    """Give a path of a tree the states (n,) = (u, rotation) and the reactions of a law."""
     data = tree[f"paths/{name}"].to_dataset(inherit=False).copy(deep=True)
     y = u + rotation * DEPTH[:, None]
     p, m = law(DEPTH[:, None], y, rotation + 0.0 * y)

@@ -11,15 +11,23 @@ import xarray as xr
 
 from pysprings import Scene
 from pysprings.full_model.compute import run
+from pysprings.scene.extent import PAPER
 
 PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 0.5e-3}
 SECTIONS: dict[str, Any] = {
     "title": "tiny",
-    "mesh": {"refinement": 0.4},
+    "domain": PAPER,
+    "mesh": {"refinement": 0.4, "discretisation": "hex8"},
     "solver": {"first_step_fraction": 0.05, "max_step_fraction": 0.5},
     "output": {"figures": False},
     "paths": (PULL,),
 }
+
+
+def paper(**sections: Any) -> Scene:
+    """Return the paper's caisson in the paper's domain, on bricks, with some values changed."""
+    mesh = {"discretisation": "hex8"} | sections.pop("mesh", {})
+    return Scene(**sections | {"domain": PAPER | sections.pop("domain", {}), "mesh": mesh})
 
 
 def scene(**sections: Any) -> Scene:

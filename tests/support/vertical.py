@@ -9,7 +9,7 @@ import xarray as xr
 from pysprings.core import variables
 from pysprings.macro.vertical import build_vertical
 from pysprings.springs.springs import Springs
-from tests.support import synthetic
+from tests.support import fans, synthetic
 
 K, REST = 4e9, 2e6  # N/m, N: of the invented vertical springs
 RAYS = [
@@ -65,3 +65,12 @@ def pressed(path: xr.Dataset, V: float) -> xr.Dataset:
     assert table is not None
     out["w"] = out["w"] + table.displacement(V)[0]
     return variables.attach(out, "springs_path")
+
+
+def fan_with_vertical() -> xr.DataTree:
+    """Return the eight rays of a coupled law in closed form (`fans.potential`), with vertical paths down and up."""
+    tree = fans.fan_springs(fans.potential)
+    for end in (1e-2, -1e-2):
+        path = vertical_path(tree["paths/ray_0"].to_dataset(inherit=False), end)
+        tree[f"paths/{'down' if end > 0.0 else 'up'}"] = xr.DataTree(path)
+    return tree
