@@ -1,6 +1,7 @@
 # make run       first use: installs the package alone, runs the default scene, prints where tables and pictures are
 # make test      the quick tests, seconds each;  make test-slow  about a minute each;  make test-long  many minutes each;
 # make test-all  all of them;  make lint  style, types, import contracts
+# make site      the documentation site in out/site;  make gallery  the same with all examples run
 #                (these install what development needs, too; THIRD-PARTY.md has the licences)
 # make test-lowest  a few tests with the oldest dependencies that pyproject.toml allows
 
@@ -9,6 +10,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 DEV := $(VENV)/.installed-dev
+DOCS := $(VENV)/.installed-docs
 LOWEST := .venv-lowest
 SCENE := out/caisson.toml
 # compiled modules are kept, whatever the caller's environment asks for
@@ -20,11 +22,21 @@ LOWEST_TOOLS := "pytest>=8.3" "pytest-timeout>=2.3" "hypothesis>=6.120" "cf-xarr
 LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.py core/test_storage.py \
 	$(addprefix results/test_,tables.py exporters.py plots.py report.py))
 
-.PHONY: run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint evidence figure docs accuracy stability bench bench-peers reference clean
+# pages of an earlier run of the gallery stay as they are; GALLERY=1 runs the examples whose text has changed
+SPHINX = $(BIN)/python -m sphinx -b html -q -W --keep-going docs out/site
+
+.PHONY: site gallery run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint evidence figure docs accuracy stability bench bench-peers reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
 	$(BIN)/pysprings run $(SCENE) --out $(RESULT) --force
+
+site: $(DOCS)
+	$(SPHINX)
+	@echo "the site is in out/site: open out/site/index.html"
+
+gallery: $(DOCS)
+	GALLERY=1 $(SPHINX)
 
 test: $(DEV)
 	$(BIN)/python -m pytest -n 2 --dist worksteal
@@ -135,5 +147,9 @@ $(DEV): pyproject.toml | $(VENV)/pyvenv.cfg
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
 	@touch $(STAMP) $(DEV)
 
+$(DOCS): pyproject.toml | $(VENV)/pyvenv.cfg
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
+	@touch $(STAMP) $(DOCS)
+
 clean:
-	rm -rf $(VENV) $(LOWEST) out build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) $(LOWEST) out build dist docs/reference/api docs/gallery .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
