@@ -36,14 +36,14 @@ GROUP_TITLES = {
 
 def commands_page() -> str:
     """Return the page of the commands with all options, from the signatures of their functions."""
-    from pysprings.cli.app import app
+    from pysprings.cli.app import application
 
     parts = [
         MARK,
         "# Commands\n\nData go to stdout, messages to stderr. `--json` prints one JSON document. "
         "[Exit codes](exit-codes.md) are the same for all commands.\n",
     ]
-    for command in app.registered_commands:
+    for command in application().registered_commands:
         assert command.callback is not None
         name = command.name or command.callback.__name__.replace("_", "-")
         hints = get_type_hints(command.callback, include_extras=True)

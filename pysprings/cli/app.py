@@ -6,12 +6,13 @@ Data go to stdout, messages to stderr.
 
 from __future__ import annotations
 
+import functools
+import importlib
 import sys
 from typing import Annotated
 
 import typer
 
-from pysprings.cli import capacity, compare, design, diff, predict, run, scene, soildyn, springs, studies
 from pysprings.cli.guard import DEBUG, guarded
 from pysprings.core.jit import choose_for_command
 from pysprings.core.streams import open_missing_streams
@@ -21,31 +22,40 @@ EPILOG = (
     "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; 130 interrupted."
 )
 
-app = typer.Typer(
-    help="p-y springs of suction caissons from a 3D finite-element model, and the prediction made with them.",
-    epilog=EPILOG,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+# command: its module in this package; the function has the name of the command
+COMMANDS = {
+    "init": "scene",
+    "check": "scene",
+    "run": "run",
+    "springs": "springs",
+    "export": "springs",
+    "soildyn": "soildyn",
+    "predict": "predict",
+    "compare": "compare",
+    "diff": "diff",
+    "design": "design",
+    "capacity": "capacity",
+    "accuracy": "studies",
+    "stability": "studies",
+    "paper": "studies",
+}
 
-for command in (
-    scene.init,
-    scene.check,
-    run.run,
-    springs.springs,
-    springs.export,
-    soildyn.soildyn,
-    predict.predict,
-    compare.compare,
-    diff.diff,
-    design.design,
-    capacity.capacity,
-    studies.accuracy,
-    studies.stability,
-    studies.paper,
-):
-    app.command()(guarded(command))
+
+@functools.cache
+def application(command: str | None = None) -> typer.Typer:
+    """Return the command line with all commands, or with one of `COMMANDS`, whose module alone is then imported."""
+    app = typer.Typer(
+        help="p-y springs of suction caissons from a 3D finite-element model, and the prediction made with them.",
+        epilog=EPILOG,
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback()(_options)
+    for name in COMMANDS if command is None else (command,):
+        module = importlib.import_module(f"pysprings.cli.{COMMANDS[name]}")
+        app.command()(guarded(getattr(module, name)))
+    return app
 
 
 def _print_version(requested: bool) -> None:
@@ -57,7 +67,6 @@ def _print_version(requested: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _options(
     _version: Annotated[
         bool,
@@ -74,7 +83,8 @@ def main() -> None:
     """Run the command line."""
     open_missing_streams()
     choose_for_command(sys.argv[1:])
-    app(prog_name="pysprings")
+    first = sys.argv[1] if len(sys.argv) > 1 else ""
+    application(first if first in COMMANDS else None)(prog_name="pysprings")
 
 
 if __name__ == "__main__":

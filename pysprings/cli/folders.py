@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from pysprings.cli.support import refuse
 from pysprings.core.files.layout import is_unfinished
 from pysprings.core.files.lock import exclusive, new_folder
-from pysprings.results.layout import refuse_linked_folders, results_in
 
 if TYPE_CHECKING:
     from pysprings.full_model.run_record import RunRecord
@@ -25,6 +24,8 @@ def result_folder(out: Path, force: bool, resume: bool = False) -> Iterator[None
 
     A new folder is removed again if it stays empty.
     """
+    from pysprings.results.layout import refuse_linked_folders
+
     if force and resume:
         refuse("--resume", "goes on with a run, --force begins anew: give one of them")
     refuse_no_folder(out)
@@ -52,6 +53,8 @@ def refuse_no_folder(out: Path) -> None:
 
 def _refuse_contents(out: Path, resume: bool) -> None:
     """Refuse a folder with an interrupted run or with results, and with `resume` one without either."""
+    from pysprings.results.layout import results_in
+
     results, unfinished = results_in(out), is_unfinished(out)
     if resume and not unfinished and "run.json" not in results:
         refuse("--resume", "nothing to resume: no interrupted run in this folder", out)

@@ -18,7 +18,7 @@ import pytest
 
 from benchmarks import evidence, evidence_store, reference_pages
 from pysprings import Scene
-from pysprings.cli.app import app
+from pysprings.cli.app import application
 from pysprings.macro.predict import MacroWarning
 from pysprings.springs.file import save_springs
 from tests.support import tiny
@@ -103,7 +103,7 @@ def test_reasons_name_lines_that_exist() -> None:
 
 
 def test_every_command_of_the_program_is_in_the_readme() -> None:
-    registered = [command.name or command.callback.__name__ for command in app.registered_commands]
+    registered = [command.name or command.callback.__name__ for command in application().registered_commands]
     assert registered
     text = README.read_text(encoding="utf-8")
     assert not [each for each in registered if f"| `pysprings {each} " not in text]

@@ -67,7 +67,7 @@ def run(kind: str, folder: Path, *args: object) -> Outcome:
 @cache
 def _command() -> Any:
     """The command line, put together once."""
-    return typer.main.get_command(app.app)
+    return typer.main.get_command(app.application())
 
 
 def _invoked(args: list[str]) -> Outcome:

@@ -26,7 +26,7 @@ class Result:
 
 def command(*args: object, **options: Any) -> Result:
     """Run `pysprings` with these arguments; raise an exception that the tool does not turn into an exit code."""
-    done = CliRunner().invoke(app.app, [str(arg) for arg in args], prog_name="pysprings", **options)
+    done = CliRunner().invoke(app.application(), [str(arg) for arg in args], prog_name="pysprings", **options)
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception
     assert "Traceback" not in done.stderr or "--debug" in args

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.candidates import force_directions, gaps, mechanisms
@@ -62,6 +61,8 @@ def calibrate(
 
     candidates: plastic and gap elements to choose from, instead of those of `pysprings.macro.memory.candidates`.
     """
+    from scipy.optimize import nnls  # a prediction by a fan does without SciPy
+
     reach = max(float(np.hypot(*way.motions.T).max()) for way in ways)
     plastic, gap = candidates or (mechanisms(reach), gaps(reach))
     loads = [way.loads(table) for way in ways]

@@ -48,12 +48,12 @@ def test_help_tells_the_exit_codes() -> None:
     assert "130" in text
 
 
-@pytest.mark.parametrize("name", sorted(get_command(app.app).commands))
+@pytest.mark.parametrize("name", sorted(get_command(app.application()).commands))
 def test_help_shows_every_bracket_of_its_texts(name: str) -> None:
     """rich reads `[word]` as markup and leaves it out: every text must arrive whole."""
     env = {"COLUMNS": "2000", "TERMINAL_WIDTH": "2000"}
     shown = command(name, "--help", env=env).out
-    known = get_command(app.app).commands[name]
+    known = get_command(app.application()).commands[name]
     texts = [known.help, *(text for param in known.params if (text := getattr(param, "help", None)))]
     assert len(texts) > 1
     for text in texts:

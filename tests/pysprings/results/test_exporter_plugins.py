@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from pysprings.cli.app import app
+from pysprings.cli.app import application
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.written import listed
 from pysprings.results import exporters
@@ -60,7 +60,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def command(*args: object) -> Any:
-    return CliRunner().invoke(app, [str(arg) for arg in args], prog_name="pysprings")
+    return CliRunner().invoke(application(), [str(arg) for arg in args], prog_name="pysprings")
 
 
 def test_python(toy: Exporter, tmp_path: Path) -> None:
