@@ -53,6 +53,7 @@ def test_files_to_edit_count_code_and_branches_but_no_texts(tmp_path: Path) -> N
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_new_part_is_few_files(house: dict[str, str]) -> None:
     most = {"soil law": 3, "exporter": 1, "picture": 2, "kind of path": 2}
     for kind in EXAMPLES:
@@ -65,6 +66,7 @@ def house() -> dict[str, str]:
     return measure(ROOT)
 
 
+@pytest.mark.slow
 def test_the_house_has_few_rooms_and_no_circle_between_them(house: dict[str, str]) -> None:
     figures = house
     inside, engine = map(int, figures["entries on the top level of pysprings, fe_engine"].split(", "))
@@ -74,6 +76,7 @@ def test_the_house_has_few_rooms_and_no_circle_between_them(house: dict[str, str
     assert 0 < tool <= 9 and 0 < engine <= 9
 
 
+@pytest.mark.slow
 def test_modules_make_no_circle_and_functions_take_eight_arguments_at_most(house: dict[str, str]) -> None:
     """Imports inside functions and for types count, too; kernels and commands may have more arguments."""
     figures = house

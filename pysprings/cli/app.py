@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import importlib
 import sys
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,6 +17,20 @@ from pysprings.cli.guard import DEBUG, guarded
 from pysprings.core.jit import choose_for_command
 from pysprings.core.streams import open_missing_streams
 from pysprings.core.version import __version__
+
+if TYPE_CHECKING:  # those that `application` imports by name, for checks of the import graph
+    from pysprings.cli import (  # noqa: F401
+        capacity,
+        compare,
+        design,
+        diff,
+        predict,
+        run,
+        scene,
+        soildyn,
+        springs,
+        studies,
+    )
 
 EPILOG = (
     "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; 130 interrupted."

@@ -271,6 +271,7 @@ def judged(project: Path, before: str) -> mutation.Verdict:
     return mutation.confirmed([found], copy, 120.0)[0]
 
 
+@pytest.mark.slow
 def test_more_tests_are_asked_where_the_nearest_pass(project: Path) -> None:
     (project / "tests/test_sum.py").write_text(
         "from pack.deep.sum import add\ndef test_add():\n    assert add(0, 0) == 0\n"
@@ -279,6 +280,7 @@ def test_more_tests_are_asked_where_the_nearest_pass(project: Path) -> None:
     assert (found.outcome, found.by) == (mutation.KILLED, "tests/test_late.py::test_far")
 
 
+@pytest.mark.slow
 def test_a_change_that_no_test_notices_survives(project: Path) -> None:
     (project / "tests/test_sum.py").write_text(
         "from pack.deep.sum import add\ndef test_add():\n    assert add(0, 0) == 0\n"
@@ -287,6 +289,7 @@ def test_a_change_that_no_test_notices_survives(project: Path) -> None:
     assert judged(project, "+").outcome == mutation.SURVIVED
 
 
+@pytest.mark.slow
 def test_a_test_that_fails_without_the_change_too_kills_nothing(project: Path) -> None:
     (project / "tests/test_sum.py").write_text(
         "from pack.deep.sum import add\ndef test_add():\n    assert add(0, 0) == 1\n"
@@ -297,6 +300,7 @@ def test_a_test_that_fails_without_the_change_too_kills_nothing(project: Path) -
 # --- samples and the page ---
 
 
+@pytest.mark.slow
 def test_verdicts_are_kept_and_only_survivors_run_again(project: Path, tmp_path: Path) -> None:
     out, file = tmp_path / "out", project / "pack/deep/sum.py"
     mutants = [("tool", each) for each in find_mutants(file.read_bytes(), "pack/deep/sum.py")]

@@ -40,6 +40,7 @@ def paper(poisson: float, order: int = 4) -> np.ndarray:
     return np.array(axisymmetric.stiffness(*PAPER, poisson, order=order)) / 1e6
 
 
+@pytest.mark.slow
 def test_rough_disc_on_an_incompressible_half_space():
     """K_H = 8 G R/(2 - nu) (Mindlin 1949) and K_M = 8 G R^3/(3 (1 - nu)) (Borowicka 1943): both 16/3 at nu = 0.5.
 
@@ -54,12 +55,14 @@ def test_rough_disc_on_an_incompressible_half_space():
     assert k_c / (shear * radius**2) == pytest.approx(0.0, abs=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio, poisson", HALF_SPACE)
 def test_half_space_is_that_of_a_boundary_method(ratio, poisson):
     found = axisymmetric.stiffness(1.0, 2.0 * ratio, FAR, FAR, 1.0, poisson, cells=6)
     assert found == pytest.approx(HALF_SPACE[ratio, poisson], rel=2.5e-3, abs=0.006)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("poisson", MIXED)
 def test_order_four_does_not_lock(poisson):
     assert paper(poisson) == pytest.approx(np.array(MIXED[poisson]), rel=1e-4)

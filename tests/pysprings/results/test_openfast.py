@@ -251,6 +251,7 @@ def vertical_of(model: MacroModel, u: float, rotation: float, V: float) -> float
     return w + model.vertical.displacement(V)[0] - model.vertical.displacement(V_path)[0]
 
 
+@pytest.mark.slow
 def test_soildyn_reacts_as_predict_in_a_thousand_states(soil: Path) -> None:
     model = MacroModel.from_springs(fan_with_vertical())
     motions = random_motions(1000, seed=4)

@@ -93,6 +93,7 @@ def in_plane(force: np.ndarray, direction: float) -> tuple[float, float, float, 
     return force[0] * c + force[1] * s, force[3] * s - force[4] * c, -force[2], *across
 
 
+@pytest.mark.slow
 def test_forces_are_those_of_predict(point: Point, springs: xr.DataTree) -> None:
     model = MacroModel.from_springs(springs)
     assert model.vertical is not None

@@ -92,6 +92,7 @@ def full(found: rows.StudyResult) -> pd.DataFrame:
     return found.table[found.table["model"] == rows.FULL].set_index("name")
 
 
+@pytest.mark.slow
 def test_every_setting_has_cost_and_error(done: Any) -> None:
     table = full(done.found)
     assert list(table.index) == [each.name for each in done.settings]
@@ -105,6 +106,7 @@ def test_every_setting_has_cost_and_error(done: Any) -> None:
     assert table.loc["coarse-1.35", "load_max_pct"] < table.loc["coarse-0.75", "load_max_pct"]
 
 
+@pytest.mark.slow
 def test_what_a_setting_changes_by_itself(done: Any, tmp_path: Path) -> None:
     """The invented soil knows nothing of tolerances, and little of steps; with 3 % more load it is 3 %."""
     table = full(done.found)
@@ -123,6 +125,7 @@ def test_what_a_setting_changes_by_itself(done: Any, tmp_path: Path) -> None:
     assert full(found).loc["coarse-tolerance-1e-3", "from_mesh_pct"] == pytest.approx(3.0)
 
 
+@pytest.mark.slow
 def test_one_mesh_says_nothing_of_its_error(done: Any, tmp_path: Path) -> None:
     """It would be its own reference, and exact: no error, no target, no presets; what a setting changes is noted."""
     kept(done, tmp_path)
@@ -136,6 +139,7 @@ def test_one_mesh_says_nothing_of_its_error(done: Any, tmp_path: Path) -> None:
         study.presets(elastic(), found)
 
 
+@pytest.mark.slow
 def test_reference_is_told_by_quantity(done: Any) -> None:
     assert list(done.found.series) == ["coarse-0.75", "coarse", "coarse-1.35"]
     lines = list(text.reference_lines(done.found))
@@ -177,6 +181,7 @@ def test_series_are_the_reference_and_bricks_beside_them(tmp_path: Path) -> None
     assert presets.cheapest("5%", shipped, steel).discretisation == "hex8"  # a series does not carry it
 
 
+@pytest.mark.slow
 def test_macro_models_by_mesh_and_slices(done: Any) -> None:
     table = done.found.table[done.found.table["model"] == rows.MACRO]
     assert {"coarse-0.75", "coarse", "coarse-1.35"} == {name.split(",")[0] for name in table["name"]}
@@ -187,6 +192,7 @@ def test_macro_models_by_mesh_and_slices(done: Any) -> None:
     assert own.iloc[0]["rotation_max_pct"] > own.iloc[-1]["rotation_max_pct"]
 
 
+@pytest.mark.slow
 def test_files(done: Any) -> None:
     for name in study.FILES:
         assert (done.out / name).exists(), name
@@ -201,6 +207,7 @@ def test_files(done: Any) -> None:
     assert len(whole["rows"]) == len(table)
 
 
+@pytest.mark.slow
 def test_progress_of_all_runs_grows_to_the_end(done: Any) -> None:
     shares = [share for name, share, _ in done.noted if name == "all runs"]
     assert shares == sorted(shares)
@@ -237,6 +244,7 @@ def test_nothing_runs_twice_and_what_is_forgotten_runs_again(done: Any) -> None:
     assert ran == ["coarse-0.75"]  # the warm-up is kept, too
 
 
+@pytest.mark.slow
 def test_a_run_that_does_not_fit_is_a_row(done: Any, tmp_path: Path) -> None:
     def fails(scene: Scene, folder: Path, progress: Any) -> None:
         if folder.name == "coarse-1.35":
@@ -265,6 +273,7 @@ def test_a_run_that_does_not_fit_is_a_row(done: Any, tmp_path: Path) -> None:
     assert "9 TB" in text.to_markdown(found, {}, "x.png")
 
 
+@pytest.mark.slow
 def test_presets_of_a_study_serve_a_run(done: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written = json.loads(study.write_presets(elastic(), done.found, tmp_path / "presets.json").read_text("utf-8"))
     assert {each["name"] for each in written["settings"]} == {each.name for each in done.settings}
@@ -291,6 +300,7 @@ def test_presets_of_a_study_serve_a_run(done: Any, tmp_path: Path, monkeypatch: 
     assert both.code == 2 and "give it or --mesh" in both.err
 
 
+@pytest.mark.slow
 def test_presets_take_the_smallest_order_of_all_paths(done: Any) -> None:
     known = done.found.references["pull"]
     slower = known | {"load": replace(known["load"], order=1.25), "py": replace(known["py"], order=None)}
@@ -367,6 +377,7 @@ def test_what_the_process_of_a_run_says_comes_back(tmp_path: Path) -> None:
     assert "SIGKILL (out of memory?)" in str(child._ended(-9))
 
 
+@pytest.mark.slow
 def test_picture_shows_every_group_and_the_reference_hollow(done: Any) -> None:
     figure = error_against_time(done.found.table, "tiny $x$")
     load, py, macro = figure.axes
@@ -404,6 +415,7 @@ def test_a_real_study_of_elastic_soil(tmp_path: Path) -> None:
     assert table.loc["coarse-tolerance-1e-3", "from_mesh_pct"] < 0.01 * table.loc["coarse", "load_max_pct"]
 
 
+@pytest.mark.slow
 def test_a_study_whose_runs_all_stop_says_so(tmp_path: Path) -> None:
     """A limit load on every mesh: there are costs and reasons, no errors, and the documents are written."""
 
