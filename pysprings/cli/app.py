@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import importlib
 import sys
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -17,20 +17,6 @@ from pysprings.cli.guard import DEBUG, guarded
 from pysprings.core.jit import choose_for_command
 from pysprings.core.streams import open_missing_streams
 from pysprings.core.version import __version__
-
-if TYPE_CHECKING:  # those that `application` imports by name, for checks of the import graph
-    from pysprings.cli import (  # noqa: F401
-        capacity,
-        compare,
-        design,
-        diff,
-        predict,
-        run,
-        scene,
-        soildyn,
-        springs,
-        studies,
-    )
 
 EPILOG = (
     "Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged (partial results saved); 4 resources; 130 interrupted."
@@ -55,6 +41,22 @@ COMMANDS = {
 }
 
 
+def _load_all() -> None:
+    """Import the modules of all commands; where they stand in full, checks of the import graph read them."""
+    from pysprings.cli import (  # noqa: F401
+        capacity,
+        compare,
+        design,
+        diff,
+        predict,
+        run,
+        scene,
+        soildyn,
+        springs,
+        studies,
+    )
+
+
 @functools.cache
 def application(command: str | None = None) -> typer.Typer:
     """Return the command line with all commands, or with one of `COMMANDS`, whose module alone is then imported."""
@@ -66,6 +68,8 @@ def application(command: str | None = None) -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_options)
+    if command is None:
+        _load_all()
     for name in COMMANDS if command is None else (command,):
         module = importlib.import_module(f"pysprings.cli.{COMMANDS[name]}")
         app.command()(guarded(getattr(module, name)))
