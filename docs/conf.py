@@ -8,6 +8,7 @@ does not reach these, by the short list in ``other_projects.txt``.
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 import zlib
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent))
+sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 from pysprings import __version__  # noqa: E402
 
@@ -30,6 +31,7 @@ extensions = [
     "sphinx.ext.intersphinx",
     "numpydoc",
     "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 myst_heading_anchors = 4
@@ -42,6 +44,22 @@ autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = True
+
+# `make gallery` runs the examples whose text has changed; other builds keep their pages, or make them without pictures
+RUN = os.environ.get("GALLERY") == "1"
+exclude_patterns = ["gallery/sg_execution_times.rst", "sg_execution_times.rst"]
+sphinx_gallery_conf = {
+    "examples_dirs": str(HERE.parent / "examples"),
+    "gallery_dirs": str(HERE / "gallery"),
+    "filename_pattern": "/plot_",
+    "plot_gallery": str(RUN),
+    "image_scrapers": ("gallery_pictures",),
+    "abort_on_example_error": True,
+    "write_computation_times": False,
+    "remove_config_comments": True,
+    "download_all_examples": False,
+    "show_signature": False,
+}
 
 html_theme = "pydata_sphinx_theme"
 html_title = "pysprings"
@@ -90,14 +108,19 @@ intersphinx_disabled_reftypes = ["std:*"]
 
 LINK = re.compile(r"^(?:- |\| ).*?\[[^\]]+\]\(([^)\s#:]+)\.(?:md|rst)\)", re.M)
 # a file of the repository -> its page on the site
-OUTSIDE = {"CHANGELOG.md": "/develop/changes.md", "THIRD-PARTY.md": "/reference/licences.md"}
+OUTSIDE = {
+    "CHANGELOG.md": "/develop/changes.md",
+    "CONTRIBUTING.md": "/develop/contributing.md",
+    "THIRD-PARTY.md": "/reference/licences.md",
+    "examples/README.rst": "/gallery/index.rst",
+}
 
 
 def adapt(app: Any, docname: str, source: list[str]) -> None:
     """Lead links to files beside docs/ to pages of the site; append the contents that the links of an index make."""
     for file, page in OUTSIDE.items():
         source[0] = re.sub(rf"\]\((?:\.\./)+{re.escape(file)}\)", f"]({page})", source[0])
-    if docname.rpartition("/")[2] == "index" and docname != "gallery/index":
+    if docname.rpartition("/")[2] == "index" and not docname.startswith("gallery/"):
         pages = "\n".join(dict.fromkeys(LINK.findall(source[0])))
         source[0] += f"\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n"
 

@@ -32,6 +32,7 @@ from pysprings.core.errors import (
 
 P = ParamSpec("P")
 
+OURS = ("", "pysprings", "fe_engine")
 DEBUG: ContextVar[bool] = ContextVar("debug", default=False)  # `pysprings --debug`
 
 
@@ -83,6 +84,8 @@ def _explained(error: BaseException) -> tuple[str, int]:
     if isinstance(error, OSError):
         what = f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
         return f"fatal: resources: {printable(what)}", EXIT_RESOURCES
+    if isinstance(error, ModuleNotFoundError) and (error.name or "").partition(".")[0] not in OURS:
+        return f"fatal: resources: this needs the package {error.name}, which is not installed", EXIT_RESOURCES
     engine = sys.modules.get("fe_engine.errors")  # errors of the engine that no caller has converted
     if engine and isinstance(error, engine.NotConverged):
         return f"fatal: not converged: {printable(error)}", EXIT_NOT_CONVERGED

@@ -63,7 +63,7 @@ def _csv(states: xr.Dataset) -> str:
     columns = {f"{name}{units.get(str(states[name].attrs.get('units')), '')}": states[name].values for name in names}
     heads = [f"# {name}: {value}" for name, value in states.attrs.items() if not isinstance(value, list)]
     heads += [f"# {name}: {text}" for name in ("warnings", "remarks") for text in states.attrs.get(name, ())]
-    return "\n".join([*map(printable, heads), pd.DataFrame(columns).to_csv(index=False)])
+    return "\n".join([*map(printable, heads), pd.DataFrame(columns).to_csv(index=False, lineterminator="\n")])
 
 
 def print_prediction(states: xr.Dataset) -> None:

@@ -45,7 +45,7 @@ def _write(table: pd.DataFrame, out: Path) -> None:
     """Write stability.csv, stability.md and stability.png."""
     from pysprings.studies.stability.picture import catalogue
 
-    write_text(table.to_csv(index=False), out / "stability.csv")
+    write_text(table.to_csv(index=False, lineterminator="\n"), out / "stability.csv")
     write_text(stability_text.to_markdown(table), out / "stability.md")
     with replacing(out / "stability.png") as temporary:
         catalogue(table).savefig(temporary, dpi=110, format="png")

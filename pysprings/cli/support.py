@@ -74,7 +74,7 @@ def _to_log(text: str) -> None:
 
 def _append(file: Path, text: str) -> None:
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    with file.open("a", encoding="utf-8") as stream:
+    with file.open("a", encoding="utf-8", newline="\n") as stream:
         stream.write("".join(f"{now} {line}\n" for line in text.split("\n")))
 
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Numba for the macro-model's loops, or not: one prediction in plain Python is over before Numba is loaded."""
+"""Numba for the macro-model's loops, or not: one prediction in plain Python is over before Numba is loaded.
+
+Where Numba is not installed (``requirements-predict.txt``) all of them are plain Python.
+"""
 
 from __future__ import annotations
 
@@ -25,8 +28,12 @@ def jitted(function: F) -> F:
     """
     if PLAIN.get():
         return function
-    from fe_engine.compiled import cached, digest
-
+    try:
+        from fe_engine.compiled import cached, digest
+    except ModuleNotFoundError as missing:
+        if missing.name != "numba":
+            raise
+        return function
     file = Path(function.__code__.co_filename)
     return cast(F, cached(function, file.parent, digest(file.parent, [file])))
 

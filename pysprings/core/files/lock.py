@@ -59,7 +59,7 @@ def exclusive(folder: Path) -> Iterator[None]:
     try:
         holder = {"pid": os.getpid(), "host": platform.node(), "since": datetime.now(UTC).isoformat(timespec="seconds")}
         (folder / HOLDER).unlink(missing_ok=True)  # a link of this name leads elsewhere
-        (folder / HOLDER).write_text(json.dumps(holder), encoding="utf-8")
+        (folder / HOLDER).write_text(json.dumps(holder), encoding="utf-8", newline="\n")
         yield
     finally:
         _held.discard(mine)

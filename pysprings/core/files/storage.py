@@ -159,7 +159,7 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
         # seconds stay numbers: a duration is not a date
         with xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as tree:
             result = _with_bounds_units(tree.load())
-    except (UserInputError, ResourceError):
+    except (UserInputError, ResourceError, ModuleNotFoundError):
         raise
     except Exception as error:  # the C libraries below raise many types on a damaged file
         raise refused(None, f"broken or incomplete NetCDF file ({error})", path) from error

@@ -42,7 +42,7 @@ def own_folder(folder: Path, name: str) -> Path:
 
 def note(folder: Path, file: Path) -> None:
     """Add a file that has been written to the list of its result folder."""
-    with (folder / LIST).open("a", encoding="utf-8") as stream:
+    with (folder / LIST).open("a", encoding="utf-8", newline="\n") as stream:
         stream.write(file.relative_to(folder).as_posix() + "\n")
 
 

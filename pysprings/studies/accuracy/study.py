@@ -130,7 +130,7 @@ def _write(out: Path, scene: Scene, outcome: StudyResult) -> None:
     from pysprings.results.plots.files import save
     from pysprings.studies.accuracy.picture import error_against_time
 
-    write_text(outcome.table.to_csv(index=False), out / "accuracy.csv")
+    write_text(outcome.table.to_csv(index=False, lineterminator="\n"), out / "accuracy.csv")
     write_text(json_text(to_json(scene, outcome), indent=1) + "\n", out / "accuracy.json")
     head = {
         "scene": scene.title,

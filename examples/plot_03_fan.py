@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: MIT
+"""
+A fan of load paths, and a prediction
+=====================================
+
+Springs of one path hold on that path. A fan of paths holds between them. A pull that was held back measures how
+well.
+"""
+
+import pysprings
+from pysprings import plots
+
+scene = pysprings.Scene(
+    title="A fan to 10 mm",
+    springs={"reach": 10e-3, "held_back": False},
+    paths=({"name": "pull", "kind": "pull", "lateral_displacement": 5e-3, "arm": 7.8, "role": "held-back"},),
+    mesh={"preset": "coarse", "harmonics": 3},
+    solver={"tolerance": 1e-3},
+)
+springs = pysprings.extract_springs(pysprings.run(scene, estimate_error=False))
+
+# %%
+# Held-back paths measure a prediction; calibration paths only how well the springs give back their own data.
+table = pysprings.compare(springs)
+held_back = table[(table["path"] == "pull") & (table["springs"] == "fan")].iloc[0]
+print(f"largest error in load {held_back['H_error_max_pct']:.2f} %")
+
+# %%
+# One load, one answer, with the share of the largest known load in its direction. Beyond the range there is no
+# answer.
+answer = pysprings.predict(springs, H=4.0e5, arm=7.8)
+print(f"u = {1e3 * float(answer['u']):.2f} mm, rotation = {1e3 * float(answer['rotation']):.3f} mrad")
+print(f"utilisation {float(answer['utilisation']):.2f} ({answer.attrs['capacity_kind']})")
+try:
+    pysprings.predict(springs, H=2.0e6, arm=7.8)
+except pysprings.errors.BeyondSprings as refusal:
+    print(f"refused: {str(refusal)[:120]} ...")
+
+# %%
+full = plots.path_data(springs, "pull")
+fan = pysprings.curve(springs, u_max=float(full["u"][-1]), arm=7.8, springs_kind="fan")
+figure = plots.macro_against_full(full, {"fan": fan})

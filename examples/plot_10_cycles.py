@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+"""
+Cycles: springs with memory
+===========================
+
+Springs of a fan go back on the curve that they came on. Two rays that turn back calibrate springs that
+remember. A pull that was held back and reverses shows both beside the full model.
+"""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+work = Path(tempfile.mkdtemp())
+scene = """
+title = "A pull that reverses"
+springs = { reach = "8 mm", memory = true, held_back = false }
+mesh = { preset = "coarse", harmonics = 3, refinement = 0.7 }
+solver = { tolerance = 1e-3 }
+domain = { radius = "40 m", depth = "30 m" }
+
+[soil]
+cohesion = "2 kPa"
+
+[[path]]
+name = "turns"
+kind = "pull"
+lateral_displacement = "3 mm"
+arm = "7.8 m"
+role = "held-back"
+then = ["-2 mm", "2 mm"]
+"""
+(work / "turns.toml").write_text(scene, encoding="utf-8")
+
+
+def pysprings(*words):
+    """Run the command; return what it prints."""
+    done = subprocess.run([sys.executable, "-m", "pysprings", *words], cwd=work, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+pysprings("run", "turns.toml", "--out", "turns", "--no-estimate-error")
+errors = pysprings("compare", "turns", "--cycles")
+print(errors[: errors.index("\n\n")])
+
+# %%
+# The picture of the run: loops of the full model, of the fan and of the springs with memory.
+picture = next((work / "turns" / "figures").rglob("turns_loops*.png"))
+figure, axes = plt.subplots(figsize=(9.0, 5.0), layout="constrained")
+axes.imshow(plt.imread(picture))
+axes.axis("off")
