@@ -104,6 +104,7 @@ class RingFilm:
     station : (m,) station whose gap holds at each point; ends : (m, 2) film nodes of its piece of the line.
     slope : (m, 2) derivatives along the line, over_radius : (m, 2) values over the radius, 1/m; area : (m,) m2.
     residual_aperture : D_0, m; transfer : T_w, m/(Pa s); viscosity : Pa s.
+    wetted : (ns,) share of every station's area that has a film; None: all of it.
     """
 
     soil: np.ndarray
@@ -117,6 +118,7 @@ class RingFilm:
     residual_aperture: float
     transfer: float
     viscosity: float
+    wetted: np.ndarray | None = None
 
     @property
     def n_nodes(self) -> int:
@@ -136,6 +138,7 @@ class SeriesWater:
     fixed : (nc + nf,) bool, where the pressure keeps its initial value.
     initial : (nc + nf, N + 1) Pa, at the start.
     film : water in the interface, None where the interface holds none.
+    wet : (ne,) bool, see model.Water.
     """
 
     mobility: float | np.ndarray
@@ -144,6 +147,7 @@ class SeriesWater:
     initial: np.ndarray
     scale: float
     film: RingFilm | None = None
+    wet: np.ndarray | None = None
 
 
 @dataclass
@@ -214,6 +218,8 @@ class FourierModel:
             pressures = len(self.mesh.corners) + (0 if film is None else film.n_nodes)
             shapes["water.fixed"] = (self.water.fixed.shape, (pressures,))
             shapes["water.initial"] = (self.water.initial.shape, (pressures, self.harmonics + 1))
+            if self.water.wet is not None:
+                shapes["water.wet"] = self.water.wet.shape, (ne,)
         for name, (got, expected) in shapes.items():
             if got != expected:
                 raise ModelError(f"{name} has shape {got}, expected {expected}")

@@ -54,6 +54,8 @@ class Water:
     initial : (n + nf,) Pa, pressures at the start.
     scale : Pa/m, turns a pressure into an unknown of the size of a displacement.
     film : water in the interface, None where the interface holds none.
+    wet : (ne,) bool, elements that hold water; None: all. The others neither store, squeeze nor pass water, so that
+        their boundary is impervious; nodes of them alone are fixed.
     """
 
     mobility: float | np.ndarray
@@ -63,6 +65,7 @@ class Water:
     initial: np.ndarray
     scale: float
     film: Film | None = None
+    wet: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -151,6 +154,8 @@ class Model:
         if self.water is not None:
             shapes["water.fixed"] = (self.water.fixed.shape, (n + self.n_film,))
             shapes["water.initial"] = (self.water.initial.shape, (n + self.n_film,))
+            if self.water.wet is not None:
+                shapes["water.wet"] = self.water.wet.shape, (ne,)
             if self.n_film and self.stations is None:
                 raise ModelError("a film needs the stations of an interface")
         if self.linear is not None:

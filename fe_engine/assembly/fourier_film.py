@@ -15,6 +15,7 @@ from fe_engine.assembly.kernels_water import Step
 from fe_engine.compiled import njit
 from fe_engine.contact import flow
 from fe_engine.elements import fourier as elements
+from fe_engine.elements.interface import film_areas
 from fe_engine.fourier_model import FourierModel
 
 _transmissivity, _exchange = flow.transmissivity, flow.exchange
@@ -23,12 +24,14 @@ _transmissivity, _exchange = flow.transmissivity, flow.exchange
 class PackedFilm(NamedTuple):
     """The film as arrays: see fourier_model.RingFilm; pressures are numbered through, the soil's first.
 
-    soil, film (ns, 2) pressures of each station, share (ns, 2, K) their shares at its azimuth; ends (m, 2) pressures
+    soil, film (ns, 2) pressures of each station, station_area (ns,) m2 of film there, share (ns, 2, K) the pressures'
+    shares at its azimuth; ends (m, 2) pressures
     and gradient (m, 2, 2, K), along the line and around, of each point, station (m,), area (m,); law (D_0, T_w, mu_w).
     """
 
     soil: np.ndarray
     film: np.ndarray
+    station_area: np.ndarray
     share: np.ndarray
     ends: np.ndarray
     gradient: np.ndarray
@@ -58,15 +61,16 @@ def pack_film(model: FourierModel) -> PackedFilm | None:
     around = film.over_radius[:, :, None] * (-k * at[..., 1])[:, None]
     return PackedFilm(
         film.soil[film.nodes].astype(np.int64), (first + film.nodes).astype(np.int64),
+        film_areas(model.stations.area, film.wetted),
         film.weight[:, :, None] * wave[:, None, :, 0], (first + film.ends).astype(np.int64),
         np.ascontiguousarray(np.stack([along, around], axis=1)), film.station.astype(np.int64),
         np.ascontiguousarray(film.area), np.array([film.residual_aperture, film.transfer, film.viscosity]),
     )  # fmt: skip
 
 
-def transfer_matrix(film: PackedFilm, area: np.ndarray, n: int) -> csr_matrix:
-    """Return what leaves each pressure by transfer, (n K, n K) in m3/(Pa s), for areas (ns,) of the stations."""
-    waves = film.share.shape[2]
+def transfer_matrix(film: PackedFilm, n: int) -> csr_matrix:
+    """Return what leaves each pressure by transfer, (n K, n K) in m3/(Pa s)."""
+    waves, area = film.share.shape[2], film.station_area
     nodes = np.concatenate([film.soil, film.film], axis=1)
     share = np.concatenate([film.share, -film.share], axis=1).reshape(len(area), -1)
     at = (nodes[:, :, None] * waves + np.arange(waves)).reshape(len(area), -1)
@@ -97,13 +101,13 @@ def station_water(s, f, step, gaps, pressure, force, border, rows):
     for k in range(len(s.area)):
         p1, p3 = _at_station(f.soil[k], f.share[k], pressure), _at_station(f.film[k], f.share[k], pressure)
         to_film, _, stored = _exchange(transfer, 0.0, (p1, p3, 0.0), gap_old[k], gap[k])
-        square += s.area[k] ** 2 * (gap[k] ** 2 + to_film**2)
-        size = -step.scale * s.area[k]
+        square += f.station_area[k] ** 2 * (gap[k] ** 2 + to_film**2)
+        size = -step.scale * f.station_area[k]
         for a in range(2):
             for m in range(f.share.shape[2]):
                 rows[f.soil[k, a], m] += size * f.share[k, a, m] * to_film
                 rows[f.film[k, a], m] += size * f.share[k, a, m] * (stored - to_film)
-        press = -s.area[k] * p3
+        press = -f.station_area[k] * p3
         for c in range(3):
             for m in range(s.operator.shape[3]):
                 force[s.node[k], c, m] += s.operator[k, 0, c, m] * press
@@ -145,7 +149,7 @@ def film_matrix(s, f, state, place, film_place, out):
                 here = film_place[f.film[k, a], m]
                 if here < 0:
                     continue
-                value = -scale * s.area[k] * f.share[k, a, m]
+                value = -scale * f.station_area[k] * f.share[k, a, m]
                 for b in range(n):
                     out[at[b], here] += value * row[b]
                     if state.gap[k] > 0.0:

@@ -97,8 +97,8 @@ class WetSoil:
         self.scale = water.water.scale
         self.n_soil, self.waves = water.n_soil, pattern.held.shape[2]
         self.free = ~pattern.pressure_held
-        self.sealed = self.free.copy()  # where nothing is held but what has to vanish on the axis
-        self.sealed[: self.n_soil] = ~held_pressures(np.zeros(self.n_soil, dtype=bool), on_axis, self.waves - 1)
+        self.sealed = self.free.copy()  # where nothing is held but in dry soil, and what has to vanish on the axis
+        self.sealed[: self.n_soil] = ~held_pressures(water.dry, on_axis, self.waves - 1)
         self.film_place = pattern.film_place[self.n_soil :]
         self.size = len(pattern.interface)
         coupling = _folding(pattern) @ water.coupling[:, : self.n_soil * self.waves]

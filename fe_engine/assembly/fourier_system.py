@@ -240,6 +240,11 @@ class FourierSystem:
             return 0.0
         return self.water.work(old, new, self.jumps(new)[:, 0] - self.jumps(old)[:, 0])
 
+    @property
+    def film_area(self) -> np.ndarray:
+        """Areas (ns,) of the film at the stations, m2; 0 without a film."""
+        return np.zeros(len(self.stations.area)) if self.water is None else self.water.film_area
+
     def elements_at(self, equations: np.ndarray) -> np.ndarray:
         """Return the elements that these equations belong to; none where they are those of the film alone."""
         nodes = self._nodes_of(np.asarray(equations))

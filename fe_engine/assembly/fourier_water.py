@@ -29,6 +29,7 @@ class FourierWater:
     ----------
     coupling : (n_u, n_p) Q in m2; seepage : (n_p, n_p) in m3/(Pa s); storage : (n_p, n_p) in m3/Pa.
     exchange : (n_p, n_p) m3/(Pa s), transfer between soil and film.
+    dry : (n_soil,) bool, corners of elements without water alone.
     """
 
     def __init__(self, model: FourierModel, contact: Contact) -> None:
@@ -39,7 +40,12 @@ class FourierWater:
         self.n_soil = len(mesh.corners)
         self._quads = mesh.quads
         self._corner = mesh.corner_numbers(mesh.quads[:, :N_CORNERS])
+        self.dry = np.zeros(self.n_soil, dtype=bool)
+        if self.water.wet is not None:
+            self.dry[:] = True
+            self.dry[self._corner[self.water.wet]] = False
         parts = pore_matrices(mesh.nodes, mesh.quads, model.harmonics, self.water.mobility, self.water.storage)
+        parts = parts.only(self.water.wet)
         self._seepage, self._swelling = parts.seepage, parts.coupling.sum(axis=-1)
         k = np.arange(self._waves)[:, None, None]
         ne = mesh.n_elements
@@ -60,7 +66,7 @@ class FourierWater:
         n, waves = self.model.n_pressures, range(self._waves)
         if self.film is None:
             return csr_matrix((n * self._waves, n * self._waves))
-        whole = fourier_film.transfer_matrix(self.film, self.contact.area, n)
+        whole = fourier_film.transfer_matrix(self.film, n)
         between = [whole[k :: self._waves, m :: self._waves] for k in waves for m in waves if m != k]
         if max((abs(each).max() for each in between), default=0.0) > _ORTHOGONAL * abs(whole).max():
             raise ModelError("stations of a film stand at equidistant azimuths, more of them than harmonics")
@@ -123,7 +129,12 @@ class FourierWater:
         pressure = 0.5 * (old.pressure + new.pressure)
         move = (new.displacement - old.displacement).ravel()
         soil = -float(pressure.ravel() @ (self._squeezed @ move))
-        return soil - float(np.sum(self.contact.area * self.film_pressure(pressure) * opened))
+        return soil - float(np.sum(self.film_area * self.film_pressure(pressure) * opened))
+
+    @property
+    def film_area(self) -> np.ndarray:
+        """Areas (ns,) of the film at the stations, m2."""
+        return np.zeros(len(self.contact.area)) if self.film is None else self.film.station_area
 
 
 def _assembled(blocks: np.ndarray, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> csr_matrix:

@@ -15,7 +15,7 @@ from fe_engine.assembly.pattern import Pattern
 from fe_engine.assembly.scatter import add_border, add_dof, add_entry
 from fe_engine.compiled import njit
 from fe_engine.contact import flow
-from fe_engine.elements.interface import GAUSS_SHAPES
+from fe_engine.elements.interface import GAUSS_SHAPES, film_areas
 from fe_engine.model import Model
 
 _transmissivity, _exchange = flow.transmissivity, flow.exchange
@@ -30,10 +30,14 @@ class Step(NamedTuple):
 
 
 class PackedFilm(NamedTuple):
-    """The film as arrays: see interface.Film and pattern.Pattern; ``law`` is (D_0, T_w, mu_w, sealed)."""
+    """The film as arrays: see interface.Film and pattern.Pattern; ``law`` is (D_0, T_w, mu_w, sealed).
+
+    ``station_area`` (ns,) m2 is the area of every station that has a film.
+    """
 
     station_nodes: np.ndarray
     station_offset: np.ndarray
+    station_area: np.ndarray
     weight: np.ndarray
     face_nodes: np.ndarray
     face_offset: np.ndarray
@@ -48,7 +52,8 @@ def pack_film(model: Model, pattern: Pattern) -> PackedFilm:
     film = model.water.film  # type: ignore[union-attr]
     assert film is not None
     return PackedFilm(
-        pattern.station_film, pattern.film_offset, film.weight.astype(float), pattern.face_nodes, pattern.face_offset,
+        pattern.station_film, pattern.film_offset, film_areas(model.stations.area, film.wetted),  # type: ignore[union-attr]
+        film.weight.astype(float), pattern.face_nodes, pattern.face_offset,
         film.corners.astype(np.int64), np.ascontiguousarray(film.gradient), np.ascontiguousarray(film.area),
         np.array([film.residual_aperture, film.transfer, film.viscosity, float(film.sealed)]),
     )  # fmt: skip
@@ -154,11 +159,11 @@ def station_water(s, f, step, gaps, pressure, scatter, forces, targets):
         transfer = step.time * f.law[1]
         second = transfer if porous else 0.0
         to_film, to_side_2, stored = _exchange(transfer, second, (p1, p3, p2), gap_old[k], gap[k])
-        square += s.area[k] ** 2 * (gap[k] ** 2 + to_film**2 + to_side_2**2)
+        square += f.station_area[k] ** 2 * (gap[k] ** 2 + to_film**2 + to_side_2**2)
         for a in range(size):
             leaves = side_1[a] * to_film - side_2[a] * to_side_2 + film[a] * (stored - to_film + to_side_2)
-            add_dof(scatter, f.station_nodes[k, a], _PRESSURE, -scale * s.area[k] * leaves, forces)
-        _press(s, k, p3, scatter, forces)
+            add_dof(scatter, f.station_nodes[k, a], _PRESSURE, -scale * f.station_area[k] * leaves, forces)
+        _press(s, k, f.station_area[k] * p3, scatter, forces)
         if targets.with_tangent:
             rates = transfer, second, scale
             _station_tangent(s, f, k, rates, gap[k] > 0.0, (side_1, side_2, film), scatter, targets)
@@ -166,10 +171,10 @@ def station_water(s, f, step, gaps, pressure, scatter, forces, targets):
 
 
 @njit
-def _press(s, k, p3, scatter, forces):
-    """Add the force of the film pressure on the two faces of a station."""
+def _press(s, k, push, scatter, forces):
+    """Add the force (N) of the film pressure on the two faces of a station."""
     for i in range(3):
-        force = -s.area[k] * p3 * s.frame[k, 0, i]
+        force = -push * s.frame[k, 0, i]
         for a in range(s.nodes.shape[1]):
             add_dof(scatter, s.nodes[k, a], i, s.weight[k, a] * force, forces)
         for j in range(len(forces.border)):
@@ -189,12 +194,12 @@ def _station_tangent(s, f, k, rates, is_open, shares, scatter, targets):
             column = f.station_nodes[k, b]
             first = (side_1[a] - film[a]) * transfer_1 * (side_1[b] - film[b])
             second = (side_2[a] - film[a]) * transfer_2 * (side_2[b] - film[b])
-            value = -scale * scale * s.area[k] * (first + second)
+            value = -scale * scale * f.station_area[k] * (first + second)
             if value != 0.0:
                 add_entry(scatter, row, _PRESSURE, column, _PRESSURE, f.station_offset[k, a, b], value, targets)
         if film[a] == 0.0:
             continue
-        share = -scale * s.area[k] * film[a]
+        share = -scale * f.station_area[k] * film[a]
         for b in range(nn):
             column = s.nodes[k, b]
             for i in range(3):

@@ -79,7 +79,7 @@ class System:
         coupling = _in_nodal_axes(self.mean_gradient, self.hexes, self.frame_of, self.frames)
         self.pores = biot.make_pores(
             self.gradient, self.volume, coupling, water.mobility, water.storage, water.stabilisation
-        )
+        ).only(water.wet)
         self.film = None if water.film is None else kernels_water.pack_film(self.model, self.pattern)
         self._soil_water = self._soil_water_tangent(1.0, 0.0), self._soil_water_tangent(0.0, 1.0)
 
@@ -184,9 +184,15 @@ class System:
         film = wet.film
         if film is None:
             return soil
-        p = self.stations.area * np.einsum("sc,sc->s", film.weight, pressure[n:][film.nodes])
+        p = self.film_area * np.einsum("sc,sc->s", film.weight, pressure[n:][film.nodes])
         opened = [self.jumps(each)[:, 0] for each in (old, new)]
         return soil - float(p @ (opened[1] - opened[0]))
+
+    @property
+    def film_area(self) -> np.ndarray:
+        """Areas (ns,) of the film at the stations, m2; 0 without a film."""
+        film = None if self.model.water is None else self.film
+        return np.zeros(len(self.stations.area)) if film is None else film.station_area
 
     def elements_at(self, equations: np.ndarray) -> np.ndarray:
         """Return the elements that these equations belong to; none where they are those of film nodes alone."""

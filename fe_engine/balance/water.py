@@ -3,10 +3,10 @@
 
     expelled = compressed + in the film + flown out
 
-expelled is the pore volume that the soil has lost, from the displacements of its boundary alone (divergence theorem);
-compressed is S int p dV; the film holds sum of area times gap. What flows out is the Darcy flow into the nodes of the
-drained boundary, added up over the steps, and what the cells of these nodes themselves have given off. Nothing is read
-from a residual, so that the imbalance shows what Newton has left.
+expelled is the pore volume that the wet soil has lost, from the displacements of its boundary alone (divergence
+theorem); compressed is S int p dV; the film holds sum of area times gap. What flows out is the Darcy flow into the
+nodes of the drained boundary, added up over the steps, and what the cells of these nodes themselves have given off.
+Nothing is read from a residual, so that the imbalance shows what Newton has left.
 """
 
 from __future__ import annotations
@@ -95,9 +95,7 @@ class WaterBalance:
         own = self._volumes.fixed(self._volumes.leaving(initial, state, 0.0))
         expelled = -float(np.sum(self.area_vectors * (state.displacement - initial.displacement)))
         compressed = self._volumes.compressed(state.pressure - initial.pressure)
-        film = 0.0
-        if system.model.water is not None and system.model.water.film is not None:
-            film = float(np.sum(system.stations.area * (system.gaps(state) - system.gaps(initial))))
+        film = float(np.sum(system.film_area * (system.gaps(state) - system.gaps(initial))))
         return Balance(expelled, compressed, film, self._flown_out - own, self._moved)
 
 
@@ -143,7 +141,7 @@ class _Series:
         self.system, self.wet = system, system.water
         model = system.model
         self.area_vectors = np.zeros(model.displacement_shape)
-        vectors = section_area_vectors(model.mesh.nodes, model.mesh.quads)
+        vectors = section_area_vectors(model.mesh.nodes, model.mesh.quads[_wet(self.wet.water.wet)])
         self.area_vectors[:, 0, 0], self.area_vectors[:, 2, 0] = np.pi * vectors.T
         k, m = np.arange(model.harmonics + 1), 2 * (model.harmonics + 1)
         wave = fourier.waves(fourier.azimuths(m), model.harmonics)[..., 0]
@@ -183,10 +181,16 @@ def section_area_vectors(nodes: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return vectors
 
 
+def _wet(wet: np.ndarray | None) -> np.ndarray | slice:
+    """Return the index of the elements that hold water."""
+    return slice(None) if wet is None else wet
+
+
 def _boundary_area_vectors(system: System) -> np.ndarray:
-    """Return integrals (n, 3) of N_a n dA over the soil boundary, in nodal axes; exact for bilinear faces."""
-    mesh = system.model.mesh
-    faces = mesh.hexes[:, FACES].reshape(-1, 4)
+    """Return integrals (n, 3) of N_a n dA over the boundary of wet soil, in nodal axes; exact for bilinear faces."""
+    mesh, water = system.model.mesh, system.model.water
+    assert water is not None
+    faces = mesh.hexes[_wet(water.wet)][:, FACES].reshape(-1, 4)
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     vectors = interface.nodal_area_vectors(mesh.nodes, faces[first[count == 1]])
     for node, axes in system.model.frames.items():

@@ -48,6 +48,13 @@ class Pores:
         """What the compiled loops need: seepage, storage, volume, coupling."""
         return self.seepage, self.storage, self.volume, self.coupling
 
+    def only(self, wet: np.ndarray | None) -> Pores:
+        """Return the matrices with zeros for elements without water; ``wet`` (ne,) bool, None: all hold water."""
+        if wet is None:
+            return self
+        parts = self.seepage, self.storage, self.compression, self.volume, self.coupling
+        return Pores(*(part * wet.reshape(-1, *[1] * (part.ndim - 1)) for part in parts))
+
 
 Values = float | np.ndarray
 

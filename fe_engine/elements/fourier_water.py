@@ -35,6 +35,12 @@ class PoreMatrices:
     seepage: np.ndarray
     storage: np.ndarray
 
+    def only(self, wet: np.ndarray | None) -> PoreMatrices:
+        """Return the matrices with zeros for elements without water; ``wet`` (ne,) bool, None: all hold water."""
+        if wet is None:
+            return self
+        return PoreMatrices(*(part * wet[:, None, None] for part in (self.coupling, self.seepage, self.storage)))
+
 
 def corner_shapes() -> np.ndarray:
     """Return the bilinear functions (4 Gauss points, 4 corners)."""

@@ -65,9 +65,11 @@ class Film:
     n_nodes : number of film nodes.
     nodes : (ns, k) film nodes of every station, weight : (ns, k) their shares (sum 1).
     faces : (m, 4) film nodes, corners : (m, 4) the station whose gap holds at each corner.
-    gradient : (m, 4 gauss, 4 nodes, 3) surface gradients in 1/m, area : (m, 4) m2; see film_geometry.
+    gradient : (m, 4 gauss, 4 nodes, 3) surface gradients in 1/m, area : (m, 4) m2, see film_geometry; 0 where a face
+        has no film.
     residual_aperture : D_0, m; transfer : T_w, m/(Pa s); viscosity : Pa s.
     sealed : no water passes to side 2, though it is deformable.
+    wetted : (ns,) share of every station's area that has a film; None: all of it.
     """
 
     n_nodes: int
@@ -81,6 +83,12 @@ class Film:
     transfer: float
     viscosity: float
     sealed: bool = False
+    wetted: np.ndarray | None = None
+
+
+def film_areas(area: np.ndarray, wetted: np.ndarray | None) -> np.ndarray:
+    """Return the areas (ns,) m2 of the film at stations of these areas (ns,); see Film.wetted."""
+    return area.astype(float) if wetted is None else area * wetted
 
 
 def film_geometry(nodes: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

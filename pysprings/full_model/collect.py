@@ -62,15 +62,17 @@ class Collector:
         """Record a state; ``converged`` marks it."""
         stations = self.system.stations
         traction = np.einsum("sij,si->sj", stations.frame, state.traction)
-        water = self._film_pressure(state)
-        force = -2.0 * stations.area[:, None] * (traction - stations.frame[:, 0] * water[:, None])
+        share = self.system.film_area / stations.area
+        water = self._film_pressure(state) * (share > 0.0)
+        acting = water * share  # on the whole area
+        force = -2.0 * stations.area[:, None] * (traction - stations.frame[:, 0] * acting[:, None])
         u, w, rotation = (float(v) for v in state.border)
         row: dict[str, Any] = {"time": time, "u": u, "w": w, "rotation": rotation, "converged": np.int8(converged)}
         row |= self._resultants(force)
-        row |= self._rings(state, force, water)
+        row |= self._rings(state, force, acting)
         row |= self._shape(state, u + rotation * self.depth)
         row |= self._patches(state, water)
-        row |= self._water(state, water)
+        row |= self._water(state, acting)
         if self.keep_fields:
             row |= self._wall_fields(state, traction, water)
         if self.keep_section:

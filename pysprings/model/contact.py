@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
 SURFACE = {name: code for code, name in enumerate(SURFACES)}
+_BELOW = 1.0e-6  # m
 # names of the surfaces in a scene
 _NAMES = {"outer": "outside", "inner": "inside", "lid": "lid", "tip": "tip"}
 
@@ -51,7 +52,7 @@ def contact_of(scene: Scene, stations: Stations, wall: np.ndarray) -> tuple[Cont
         rows[shared, coulomb.MU] = 0.0
         return coulomb.LAW, rows
     limit, tension = _limits(scene, stations)
-    friction = np.where(ground_of(scene).in_total_stress(depth), 0.0, mu)
+    friction = np.where(ground_of(scene).in_total_stress(_beside(stations)), 0.0, mu)
     rows = adhesion.pack(kn, kt, friction, limit, tension)
     rows[shared, adhesion.MU] = rows[shared, adhesion.ADHESION] = 0.0
     return adhesion.LAW, rows
@@ -66,11 +67,17 @@ def largest_tension(model: Model | FourierModel) -> np.ndarray:
     return found
 
 
+def _beside(stations: Stations) -> np.ndarray:
+    """Return depths (ns,) m of the soil beside the stations; below the tip it is that of the layer below."""
+    below = np.where(stations.surface == SURFACE["tip"], _BELOW, 0.0)
+    return np.asarray(stations.position[:, 2] + below)
+
+
 def _limits(scene: Scene, stations: Stations) -> tuple[np.ndarray, np.ndarray]:
     """Return the adhesion and largest tension (ns,) of the stations, Pa."""
     ground, drainage = ground_of(scene), scene.drainage
     limit, tension = np.zeros(len(stations)), np.zeros(len(stations))
-    number = ground.number(stations.position[:, 2])
+    number = ground.number(_beside(stations))
     for surface, name in _NAMES.items():
         opening = of_surface(scene.interface.opening, name)
         for k in np.unique(number):

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 # An undrained path lasts this share of the time in which water crosses the smallest cell: nothing flows.
 _UNDRAINED = 1.0e-6
+_BELOW = 1.0e-6  # m: the soil below a horizontal surface is that of this depth below it
 
 
 def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> tuple[Water | None, np.ndarray]:
@@ -34,14 +35,16 @@ def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> tuple[
     fixed = _drained_nodes(scene, caisson)
     depth = _depths(scene, mesh)
     bulk, shear = _moduli(scene, depth)
+    wet = _wet(scene, depth)
     water = Water(
         mobility=mobility(scene, depth),
         storage=_storage(scene),
         stabilisation=drainage.stabilisation * biot.projection_factor(bulk, shear),
-        fixed=np.concatenate([fixed, fixed[film_mesh_node]]),
+        fixed=np.concatenate([fixed, fixed[film_mesh_node] | _outside_film(film)]),
         initial=np.zeros(mesh.n_nodes + film.n_nodes),
-        scale=float(np.median(shear)) / _cell_size(mesh),
+        scale=float(np.median(shear if wet is None else shear[wet])) / _cell_size(mesh),
         film=film,
+        wet=wet,
     )
     return water, film_mesh_node
 
@@ -62,19 +65,19 @@ def make_series_water(
     """Return the water of the scene on a section; None where it is drained."""
     if scene.drainage.mode == "drained":
         return None
-    mesh, depth = section.mesh, np.array(0.0)
-    if not ground_of(scene).is_uniform:
-        depth = mesh.nodes[mesh.quads[:, :4]].mean(axis=1)[:, 1]
+    mesh, depth = section.mesh, _section_depths(scene, section)
     film, edge = _ring_film(scene, section, stations), mesh.nodes[mesh.quads[:, 2]] - mesh.nodes[mesh.quads[:, 0]]
     fixed = drained_corners(scene, section)
-    fixed = np.concatenate([fixed, fixed[film.soil]])
+    fixed = np.concatenate([fixed, fixed_film(scene, section, fixed)])
+    wet, shear = _wet(scene, depth), _moduli(scene, depth)[1]
     return SeriesWater(
         mobility=mobility(scene, depth),
         storage=_storage(scene),
         fixed=fixed,
         initial=np.zeros((len(fixed), harmonics + 1)),
-        scale=float(np.median(_moduli(scene, depth)[1]) / np.median(np.linalg.norm(edge, axis=1))),
+        scale=float(np.median(shear if wet is None else shear[wet]) / np.median(np.linalg.norm(edge, axis=1))),
         film=film,
+        wet=wet,
     )
 
 
@@ -85,18 +88,42 @@ def _storage(scene: Scene) -> float:
 
 
 def drained_corners(scene: Scene, section: CaissonSection) -> np.ndarray:
-    """Return the corners (nc,) bool at hydrostatic pressure: see `_drained_nodes`.
+    """Return the corners (nc,) bool whose pressure is no unknown: see `_drained_nodes`.
 
-    None where nothing drains: a first layer below mudline would, however short the time.
+    Where nothing drains only those of dry soil: a first layer below mudline would, however short the time.
     """
     mesh, node = section.mesh, section.mesh.corners
     rim = mesh.nodes[section.walls["outside"][0], 0]
+    fixed = _without_pressure(scene, mesh.corner_numbers(mesh.quads[:, :4]), _section_depths(scene, section), len(node))
     if scene.drainage.mode == "undrained":
-        return np.zeros(len(node), dtype=bool)
-    fixed: np.ndarray = (mesh.nodes[node, 1] == 0.0) & (mesh.nodes[node, 0] > rim * (1.0 - 1e-9))
+        return fixed
+    fixed |= (mesh.nodes[node, 1] == 0.0) & (mesh.nodes[node, 0] > rim * (1.0 - 1e-9))
     if scene.domain.side_drainage == "drained":
         fixed |= np.isin(node, mesh.node_sets["side"])
     return fixed
+
+
+def fixed_film(scene: Scene, section: CaissonSection, fixed: np.ndarray) -> np.ndarray:
+    """Return the film nodes (nf,) bool whose pressure is no unknown, from the ``fixed`` (nc,) corners of the soil."""
+    corner = film_corners(section)
+    held = ~np.isin(corner, np.concatenate([piece[:, ::2].ravel() for piece in _wet_pieces(scene, section).values()]))
+    return np.asarray(held | fixed[section.mesh.corner_numbers(corner)])
+
+
+def _wet_pieces(scene: Scene, section: CaissonSection) -> dict[str, np.ndarray]:
+    """Return the pieces of every line of the section with water beside them: nodes (k, 3), corners at the ends."""
+    wet = {}
+    for name, line in section.lines.items():
+        pieces = np.stack([line[:-2:2], line[1:-1:2], line[2::2]], axis=1)
+        wet[name] = pieces[_beside_water(scene, name, section.mesh.nodes[pieces[:, 1], 1])]
+    return wet
+
+
+def _section_depths(scene: Scene, section: CaissonSection) -> np.ndarray:
+    """Return depths (ne,) m of the centres of the elements; one depth, (), where the ground is the same everywhere."""
+    if ground_of(scene).is_uniform:
+        return np.array(0.0)
+    return np.asarray(section.mesh.nodes[section.mesh.quads[:, :4]].mean(axis=1)[:, 1])
 
 
 def film_corners(section: CaissonSection) -> np.ndarray:
@@ -105,12 +132,15 @@ def film_corners(section: CaissonSection) -> np.ndarray:
 
 
 def _ring_film(scene: Scene, section: CaissonSection, stations: RingStations) -> RingFilm:
-    """Return one film from mudline outside round the tip to the lid; its nodes are corners of the section."""
-    mesh, lines = section.mesh, section.lines
+    """Return one film from mudline outside round the tip to the lid; its nodes are corners of the section.
+
+    Pieces of it beside soil that holds no water have no film.
+    """
+    mesh, lines, wet = section.mesh, section.lines, _wet_pieces(scene, section)
     corner = film_corners(section)
     number = np.full(mesh.n_nodes, -1)
     number[corner] = np.arange(len(corner))
-    nodes = np.full((len(stations), 2), -1)
+    nodes, wetted = np.full((len(stations), 2), -1), np.empty(len(stations))
     parts = []
     for code, name in enumerate(SURFACES):
         line, mine = lines[name], stations.surface == code
@@ -118,7 +148,8 @@ def _ring_film(scene: Scene, section: CaissonSection, stations: RingStations) ->
         place[line] = np.arange(len(line))
         at = place[stations.nodes[mine, 0]]
         nodes[mine] = number[np.stack([line[at - at % 2], line[at + at % 2]], axis=1)]
-        parts.append(_flow_points(mesh, line, np.flatnonzero(mine), at, stations))
+        wetted[mine] = _wet_share(mesh, line, wet[name])[at]
+        parts.append(_flow_points(mesh, wet[name], np.flatnonzero(mine), place, stations))
     ends, station, slope, over_radius, area = (np.concatenate(part) for part in zip(*parts, strict=True))
     return RingFilm(
         soil=mesh.corner_numbers(corner),
@@ -132,26 +163,38 @@ def _ring_film(scene: Scene, section: CaissonSection, stations: RingStations) ->
         residual_aperture=scene.interface.residual_aperture,
         transfer=scene.interface.transversal_conductivity,
         viscosity=scene.drainage.water_viscosity,
+        wetted=None if wetted.all() and np.ptp(wetted) == 0.0 else wetted,
     )
 
 
-def _flow_points(
-    mesh: SectionMesh, line: np.ndarray, mine: np.ndarray, at: np.ndarray, stations: RingStations
-) -> tuple[np.ndarray, ...]:
-    """Return the points of the film along a line of nodes: on its nodes (Simpson), at every azimuth of the stations.
+def _wet_share(mesh: SectionMesh, line: np.ndarray, pieces: np.ndarray) -> np.ndarray:
+    """Return the share (n,) of each node of a line in its pieces (k, 3) with water, by their lengths."""
+    length = np.linalg.norm(mesh.nodes[line[2::2]] - mesh.nodes[line[:-2:2]], axis=1)
+    held = length * np.isin(line[1::2], pieces[:, 1])
+    share = np.empty(len(line))
+    share[1::2] = held / length
+    share[::2] = np.append(held, 0.0) + np.insert(held, 0, 0.0)
+    share[::2] /= np.append(length, 0.0) + np.insert(length, 0, 0.0)
+    return share
 
-    ``mine`` (k,) are the stations of the line and ``at`` their places in it. A node without stations, as at the corners
-    of the tip, has the gap of the next one that has some; on the axis nothing flows.
+
+def _flow_points(
+    mesh: SectionMesh, pieces: np.ndarray, mine: np.ndarray, place: np.ndarray, stations: RingStations
+) -> tuple[np.ndarray, ...]:
+    """Return the points of the film along pieces (m, 3) of a line: on its nodes (Simpson), at every station's azimuth.
+
+    ``mine`` (k,) are the stations of the line, ``place`` (n,) are the places of nodes in it. A node without stations,
+    as at the corners of the tip, has the gap of the next one that has some; on the axis nothing flows.
     """
-    azimuths = np.unique(stations.azimuth)
+    azimuths, at = np.unique(stations.azimuth), place[stations.nodes[mine, 0]]
     of_place = {place: mine[at == place] for place in np.unique(at)}
     held = np.array(sorted(of_place))
     ends, station, slope, over_radius, area = [], [], [], [], []
-    for first in range(0, len(line) - 2, 2):
-        a, b = line[first], line[first + 2]
+    for piece in pieces:
+        first, a, b = place[piece[0]], piece[0], piece[2]
         length = float(np.linalg.norm(mesh.nodes[b] - mesh.nodes[a]))
         for i, weight in enumerate((1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0)):
-            radius = float(mesh.nodes[line[first + i], 0])
+            radius = float(mesh.nodes[piece[i], 0])
             if radius == 0.0:
                 continue
             nearest = held[np.argmin(np.abs(held - first - i))]
@@ -162,7 +205,9 @@ def _flow_points(
                 slope.append((-1.0 / length, 1.0 / length))
                 over_radius.append(share / radius)
                 area.append(weight * length * radius * np.pi / len(azimuths))
-    return np.array(ends), np.array(station), np.array(slope), np.array(over_radius), np.array(area)
+    shapes = (2,), (), (2,), (2,), ()
+    parts = zip((ends, station, slope, over_radius, area), shapes, (int, int, float, float, float), strict=True)
+    return tuple(np.array(values, dtype=kind).reshape(-1, *shape) for values, shape, kind in parts)
 
 
 def mobility(scene: Scene, depth: np.ndarray) -> np.ndarray:
@@ -190,6 +235,8 @@ def undrained_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
     c_v = k M/gamma_w, M = K + 4 G/3.
     """
     depth = np.unique(mesh.nodes[:, -1])
+    wet = ground_of(scene).holds_water(depth, scene.drainage.mode)
+    depth = depth[wet] if wet.any() else depth  # a drained scene does not use it
     bulk, shear = _moduli(scene, depth)
     consolidation = float(np.max(mobility(scene, depth) * (bulk + 4.0 * shear / 3.0)))
     return _UNDRAINED * mesh.shortest_edge() ** 2 / consolidation
@@ -201,24 +248,58 @@ def _cell_size(mesh: Mesh) -> float:
 
 
 def _drained_nodes(scene: Scene, caisson: CaissonMesh) -> np.ndarray:
-    """Return nodes (n,) bool at hydrostatic pressure: mudline outside the caisson, and a side that drains."""
+    """Return nodes (n,) bool without unknown pressure: mudline outside the caisson, a side that drains, dry soil."""
     mesh = caisson.mesh
     radius = np.hypot(mesh.nodes[:, 0], mesh.nodes[:, 1])
     rim = radius[caisson.walls["outside"][:, 0]].min()
     fixed: np.ndarray = (mesh.nodes[:, 2] == 0.0) & (radius > rim * (1.0 - 1e-9))
     if scene.domain.side_drainage == "drained":
         fixed[mesh.node_sets["side"]] = True
+    return fixed | _without_pressure(scene, mesh.hexes, _depths(scene, mesh), mesh.n_nodes)
+
+
+def _without_pressure(scene: Scene, elements: np.ndarray, depth: np.ndarray, n: int) -> np.ndarray:
+    """Return nodes (n,) bool of elements (ne, k) at depths (ne,) m of which none holds water.
+
+    In a coupled scene the nodes of drained layers, too: these drain what lies beside them.
+    """
+    fixed, wet = np.zeros(n, dtype=bool), _wet(scene, depth)
+    if wet is None:
+        return fixed
+    fixed[:] = True
+    fixed[elements[wet]] = False
+    if scene.drainage.mode == "coupled":
+        fixed[elements[~wet & ~ground_of(scene).in_total_stress(depth)]] = True
     return fixed
 
 
+def _wet(scene: Scene, depth: np.ndarray) -> np.ndarray | None:
+    """Return whether elements with centres at depths (ne,) m hold water; None where all do."""
+    wet = ground_of(scene).holds_water(depth, scene.drainage.mode)
+    return None if np.all(wet) else wet
+
+
+def _beside_water(scene: Scene, surface: str, depth: np.ndarray) -> np.ndarray:
+    """Return whether the soil beside pieces of a surface at depths (k,) m holds water; that below lid and tip."""
+    below = _BELOW if surface in ("lid", "tip") else 0.0
+    return ground_of(scene).holds_water(depth + below, scene.drainage.mode)
+
+
 def _film(scene: Scene, mesh: Mesh, stations: Stations) -> tuple[np.ndarray, Film]:
-    """Return one film from mudline outside round the tip to the lid: mesh node of each film node, and the film."""
+    """Return one film from mudline outside round the tip to the lid: mesh node of each film node, and the film.
+
+    Faces beside soil that holds no water have no film.
+    """
     faces = np.concatenate([mesh.face_sets[name] for name in SURFACES])
     surface = np.repeat(np.arange(len(SURFACES)), [len(mesh.face_sets[name]) for name in SURFACES])
     node = np.unique(faces)
     number = np.full(mesh.n_nodes, -1)
     number[node] = np.arange(len(node))
     gradient, area = interface.film_geometry(mesh.nodes[node], number[faces])
+    middle = mesh.nodes[faces].mean(axis=1)[:, 2]
+    wet = [_beside_water(scene, name, middle[surface == code]) for code, name in enumerate(SURFACES)]
+    beside = np.concatenate(wet)
+    area[~beside] = 0.0
     film = Film(
         n_nodes=len(node),
         nodes=number[stations.nodes],
@@ -230,8 +311,28 @@ def _film(scene: Scene, mesh: Mesh, stations: Stations) -> tuple[np.ndarray, Fil
         residual_aperture=scene.interface.residual_aperture,
         transfer=scene.interface.transversal_conductivity,
         viscosity=scene.drainage.water_viscosity,
+        wetted=None if beside.all() else _wetted(mesh, faces, surface, beside, stations),
     )
     return node, film
+
+
+def _wetted(mesh: Mesh, faces: np.ndarray, surface: np.ndarray, beside: np.ndarray, stations: Stations) -> np.ndarray:
+    """Return the share (ns,) of each station's area on faces with water ``beside`` them, (m,) bool."""
+    shares = np.empty(len(stations))
+    for code in range(len(SURFACES)):
+        whole, wet = faces[surface == code], faces[(surface == code) & beside]
+        size, held = (np.linalg.norm(interface.nodal_area_vectors(mesh.nodes, each), axis=1) for each in (whole, wet))
+        mine, of_face = stations.surface == code, {tuple(nodes) for nodes in wet}
+        node = stations.nodes[mine]
+        central = np.array([tuple(each) in of_face for each in node], dtype=float)
+        nodal = held[node[:, 0]] / size[node[:, 0]]
+        shares[mine] = np.where(stations.weight[mine, 0] < 1.0, central, nodal)
+    return shares
+
+
+def _outside_film(film: Film) -> np.ndarray:
+    """Return the film nodes (nf,) bool of which no face has a film."""
+    return np.isin(np.arange(film.n_nodes), film.faces[film.area.any(axis=1)], invert=True)
 
 
 def _corners(faces: np.ndarray, surface: np.ndarray, stations: Stations) -> np.ndarray:

@@ -28,7 +28,7 @@ class Stratum:
     """A layer between two depths (m) with the values of its soil.
 
     ``above`` is the vertical effective stress (Pa) at its top; ``number`` its place among the layers of the scene.
-    ``like`` is the law of the soil above, where this is the elastic ground below it.
+    ``like`` is the law of the soil above, where this is the elastic ground below it; ``drainage`` is the layer's own.
     """
 
     number: int
@@ -39,6 +39,7 @@ class Stratum:
     above: float
     values: dict[str, Value]
     like: str = ""
+    drainage: str | None = None
 
     def value(self, name: str, depth: np.ndarray) -> np.ndarray:
         """Return a value of the soil at depths (...,) of this layer; Young's modulus from what gives the stiffness."""
@@ -65,6 +66,10 @@ class Stratum:
     def total_stress(self) -> bool:
         """Whether the layer is undrained clay in total stress."""
         return SOIL_LAWS[self.like or self.law].total_stress
+
+    def drainage_in(self, mode: str) -> str:
+        """Return how water takes part in this layer of a scene with this drainage.mode; "total-stress" in clay."""
+        return "total-stress" if self.total_stress else self.drainage or mode
 
     @property
     def varies(self) -> bool:
@@ -149,6 +154,11 @@ class Ground:
         """Return whether each depth (...,) lies in undrained clay in total stress."""
         return np.array([each.total_stress for each in self.strata])[self.number(depth)]
 
+    def holds_water(self, depth: np.ndarray, mode: str) -> np.ndarray:
+        """Return whether pore pressures are unknown at each depth (...,) in a scene with this drainage.mode."""
+        wet = [each.drainage_in(mode) in ("coupled", "undrained") for each in self.strata]
+        return np.array(wet)[self.number(depth)]
+
     def _by_layer(self, depth: np.ndarray, of: Callable[[Stratum, np.ndarray], np.ndarray]) -> np.ndarray:
         depth = np.asarray(depth, dtype=float)
         if len(self.strata) == 1:
@@ -169,8 +179,8 @@ def ground_of(scene: SceneSections) -> Ground:
 
 
 def drainage_of(scene: SceneSections) -> str:
-    """Return how the water takes part: the mode of the scene, "total-stress" for undrained clay, or both."""
-    kinds = {"total-stress" if each.total_stress else scene.drainage.mode for each in ground_of(scene).strata}
+    """Return how the water takes part: the mode of the scene, "total-stress" for undrained clay, or several of them."""
+    kinds = {each.drainage_in(scene.drainage.mode) for each in ground_of(scene).strata}
     return ", ".join(sorted(kinds))
 
 
@@ -186,7 +196,8 @@ def make_ground(soil: Soil, extent: Extent) -> Ground:
     for number, (top, bottom) in enumerate(zip(tops, [*tops[1:], extent.ground], strict=True)):
         layer = layers[number] if layers else None
         name, law = (layer.name, layer.law or soil.yield_surface) if layer else ("soil", soil.yield_surface)
-        strata.append(Stratum(number, name, law, top, bottom, above, values_of(soil, layer)))
+        water = layer.drainage if layer else None
+        strata.append(Stratum(number, name, law, top, bottom, above, values_of(soil, layer), drainage=water))
         above = float(strata[-1].vertical_stress(np.array(bottom)))
     if extent.depth > extent.ground:
         strata.append(_elastic(strata[-1], extent.depth, above))
@@ -199,7 +210,10 @@ def _elastic(above: Stratum, bottom: float, stress: float) -> Stratum:
     values: dict[str, Value] = {name: float(above.value(name, end)) for name in _OF_ELASTIC if name in above.values}
     with suppress(KeyError):  # a soil without what gives its stiffness is refused
         values["young_modulus"] = float(above.value("young_modulus", end))
-    return Stratum(above.number, f"{above.name}, elastic", "elastic", above.bottom, bottom, stress, values, above.law)
+    name = f"{above.name}, elastic"
+    return Stratum(
+        above.number, name, "elastic", above.bottom, bottom, stress, values, above.law, above.drainage
+    )  # fmt: skip
 
 
 def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:

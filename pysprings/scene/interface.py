@@ -78,13 +78,15 @@ def _cohesive(stratum: Stratum) -> bool:
 
 
 def drainage_clashes(scene: SceneSections) -> Iterator[Clash]:
-    """Check that the drainage of each layer is that of its law and of the scene."""
+    """Check that the drainage of each layer fits its law and that of the scene, and that water is somewhere."""
     mode, clay = scene.drainage.mode, [SOIL_LAWS[law].total_stress for law in laws_of(scene.soil)]
     for number, (layer, undrained) in enumerate(zip(scene.soil.layers, clay, strict=False)):
-        expected = "total-stress" if undrained else mode
-        if layer.drainage not in (None, expected):
+        possible = ("total-stress",) if undrained else tuple(dict.fromkeys((mode, "drained")))
+        if layer.drainage is not None and layer.drainage not in possible:
             why = "undrained clay has no pore pressure as unknown" if undrained else f'drainage.mode is "{mode}"'
-            yield Clash((("soil", "layer", number, "drainage"), ("drainage", "mode")), f'must be "{expected}": {why}')
-    if mode != "drained" and any(clay):
-        text = 'must be "drained": undrained clay in total stress has no pore pressure, and the model has no water then'
+            allowed = " or ".join(f'"{each}"' for each in possible)
+            yield Clash((("soil", "layer", number, "drainage"), ("drainage", "mode")), f"must be {allowed}: {why}")
+    given = [each.drainage for each in scene.soil.layers] or [None]
+    if mode != "drained" and all(dry or each == "drained" for dry, each in zip(clay, given, strict=False)):
+        text = 'must be "drained": no layer has a pore pressure; clay in total stress and drained layers have none'
         yield Clash((("drainage", "mode"), ("soil", "yield_surface")), text)

@@ -71,7 +71,8 @@ _OPENING = BySurface(
 )  # fmt: skip
 _DRAINED = Choice(
     ("total-stress", "drained", "coupled", "undrained"),
-    "water of the layer: total-stress for undrained clay, that of [drainage] for the others", optional=True,
+    "water of the layer: total-stress for undrained clay, for others that of [drainage] (default) or drained",
+    optional=True,
 )  # fmt: skip
 _SEA = "depth of the sea; where given, suction is checked for cavitation"
 _DEPTH = Quantity("m", "[0, 2e4]", _SEA, "30 m", optional=True)

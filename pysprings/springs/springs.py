@@ -175,7 +175,7 @@ class Springs:
     @cached_property
     def rate_sets(self) -> tuple[RateSet, ...]:
         """Lateral calibration paths by rate, slowest first; none where the springs do not depend on a rate."""
-        return rates.rate_sets(self.lateral) if self.drainage == "coupled" else ()
+        return rates.rate_sets(self.lateral) if "coupled" in self.drainage.split(", ") else ()
 
     @cached_property
     def rays(self) -> Mapping[str, float]:

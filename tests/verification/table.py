@@ -25,6 +25,7 @@ from tests.verification.cases import (
     drained_push,
     film_flow,
     film_transfer,
+    layered_water,
     mandel,
     patch,
     porous_interface,
@@ -73,6 +74,8 @@ SLOW: dict[str, Rows] = {
     "circle on clay": clay.circle_rows,
     "flow around a pile": clay.pile_rows,
     "pull-out from clay": clay.pull_out_rows,
+    "sand with water over clay": layered_water.rows,
+    "sand with water over clay, yielding": layered_water.push_rows,
 }
 # Several factorisations of the paper mesh
 LONG: dict[str, Rows] = {

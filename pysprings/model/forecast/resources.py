@@ -29,7 +29,7 @@ from pysprings.model.fourier import fixed_directions, section_counts_of, section
 from pysprings.model.fourier_mesh import CaissonSection, counted_section
 from pysprings.model.mesh import Counts, core_square, counted
 from pysprings.model.steel import patch
-from pysprings.model.water import drained_corners, film_corners
+from pysprings.model.water import drained_corners, film_corners, fixed_film
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -86,6 +86,7 @@ def size_of(scene: Scene, whole: bool = False) -> Size:
     unknowns = 3 * (nodes - plan) - ((0 if whole else plane) + around) * (levels - 1) + 3
     pores = film = 0
     if scene.drainage.mode != "drained":
+        # all layers count: those without water make an upper bound of it
         film = around * (2 * counts.skirt + counts.tip - 1) + core + counts.plug * around  # without the rim outside
         pores = nodes - around * (counts.outer + 1)
         pores -= around * (levels - 1) if scene.domain.side_drainage == "drained" else 0
@@ -125,8 +126,9 @@ def _series_pressures(scene: Scene, section: CaissonSection, harmonics: int) -> 
     """Return the unknown pressures of the soil and of the film of a Fourier model."""
     mesh, fixed = section.mesh, drained_corners(scene, section)
     held = held_pressures(fixed, mesh.on_axis[mesh.corners], harmonics)
-    film = mesh.corner_numbers(film_corners(section))
-    return int(np.count_nonzero(~held)), int(np.count_nonzero(~held[film]))
+    film = fixed_film(scene, section, fixed)
+    on_axis = mesh.on_axis[film_corners(section)]
+    return int(np.count_nonzero(~held)), int(np.count_nonzero(~held_pressures(film, on_axis, harmonics)))
 
 
 def model_bytes(scene: Scene, symmetric: bool = False) -> float:

@@ -70,6 +70,15 @@ GROUND_CASES = (
         "kind": "vertical", "lateral_displacement": None, "vertical_displacement": -0.2}),
     Case("clay", "sand-over-clay", "2 m of sand over clay of su 50 kPa", _layers(
         {"top": 0.0}, {"top": 2.0, **_STIFF}, interface=_BUCKET), hard=True),
+    Case("clay", "sand-over-clay-undrained", "2 m of undrained sand over clay", _layers(
+        {"top": 0.0}, {"top": 2.0, **_STIFF}, interface=_BUCKET) | {"drainage": {"mode": "undrained"}}, hard=True),
+    Case("clay", "sand-over-clay-coupled", "2 m of coupled sand over clay", _layers(
+        {"top": 0.0}, {"top": 2.0, **_STIFF}, interface=_BUCKET) | {"drainage": {"mode": "coupled"}}),
+    Case("clay", "clay-over-coupled-sand", "clay of su 5 kPa over confined coupled sand", _layers(
+        {"top": 0.0, **_WEAK, "undrained_shear_strength": 5e3}, {"top": 2.0}, interface=_BUCKET) | {
+        "drainage": {"mode": "coupled"}}),
+    Case("ground", "drained-seam", "10 cm that drain, in undrained sand at 2 m", _layers(
+        {"top": 0.0}, {"top": 2.0, "drainage": "drained"}, {"top": 2.1}) | {"drainage": {"mode": "undrained"}}),
     Case("clay", "clay-over-sand", "2 m of clay of su 1 kPa over sand", _layers(
         {"top": 0.0, **_WEAK}, {"top": 2.0}, interface=_BUCKET)),
     Case("clay", "clay-with-friction", "su beside a friction angle", _clay(friction_angle_final=0.6)),

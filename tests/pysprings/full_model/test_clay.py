@@ -119,6 +119,27 @@ def test_a_pull_in_sand_over_clay_has_springs_that_balance(discretisation):
 
 
 @pytest.mark.parametrize("discretisation", MESHES)
+def test_water_of_sand_over_clay_stays_in_the_sand_and_in_balance(discretisation):
+    layers = [
+        {"top": 0.0, "law": "drucker-prager", "young_modulus": 40e6, "friction_angle_initial": "auto"},
+        {"top": 2.0, "undrained_shear_strength": 30e3},
+    ]
+    soil = {"layers": layers, "undrained_shear_strength": 20e3, "surcharge": 5e3}
+    pull = {**tiny.PULL, "lateral_displacement": 2e-3, "rate": 1e-4}
+    scene = clay(discretisation, soil, interface={"adhesion_factor": 0.5}, paths=(pull,), drainage={"mode": "coupled"})
+    result = compute(scene).recorded()
+    assert (result.attrs["status"], result.attrs["drainage"]) == ("complete", "coupled, total-stress")
+    end = result["paths/pull"].to_dataset().isel(step=-1)
+    assert abs(float(end["water_imbalance"])) < 1e-8 * float(end["water_moved"])
+    water = abs(end["p_component"].sel(component="water")).max("side")
+    assert float(water.where(end["depth_bounds"][:, 0] >= 2.0, 0.0).sum()) <= 0.2 * float(water.sum())
+    pressure = end["pore_pressure"].where(end["depth_bounds"][:, 0] > 2.0, drop=True)
+    assert float(abs(pressure).sum()) == 0.0
+    springs = extract_springs(result)
+    assert max(balance(springs["paths/pull"].to_dataset()).values()) < 1e-8
+
+
+@pytest.mark.parametrize("discretisation", MESHES)
 def test_fields_of_the_walls_show_suction_and_no_gap_where_the_contact_carries_it(discretisation):
     opening = {"outside": "vented", "inside": "bonded", "lid": "bonded", "tip": "bonded"}
     pull = {**tiny.PULL, "lateral_displacement": 50e-3}

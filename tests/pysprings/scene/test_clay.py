@@ -147,7 +147,9 @@ def test_clay_that_cannot_be_is_refused_with_its_place(old, new, message):
     ("old", "new", "message"),
     [
         ('"total-stress"', '"drained"', r'^14:12: soil.layer\[1\].drainage: must be "total-stress"'),
-        ("[interface]", '[drainage]\nmode = "undrained"\n[interface]', r'drainage.mode: must be "drained": undr'),
+        ('name = "sand"', 'drainage = "coupled"', r'soil.layer\[0\].drainage: must be "drained": drainage.mode is'),
+        ('name = "sand"', 'drainage = "drained"\n[drainage]\nmode = "undrained"\n',
+         r'drainage.mode: must be "drained": no layer has a pore pressure'),
         ('name = "clay"', 'friction_angle_final = "30 deg"', r"soil.layer\[1\].friction_angle_final: is not used"),
         ('name = "sand"', "rigidity_ratio = 100", r"soil.layer\[0\].rigidity_ratio: is not used by"),
         ("K0 = 0.6", 'K0 = 0.6\nundrained_shear_strength = { top = "1 kPa", gradient = "1 kPa/m" }',
@@ -159,6 +161,21 @@ def test_sand_over_clay_that_cannot_be_is_refused(old, new, message):
     assert old in SAND_OVER_CLAY
     found = messages(SAND_OVER_CLAY.replace(old, new, 1))
     assert any(re.search(message, each) for each in found), found
+
+
+def test_water_may_stand_beside_clay_and_in_some_layers_of_sand():
+    wet = parse_scene(SAND_OVER_CLAY + '[drainage]\nmode = "undrained"\n')
+    assert drainage_of(wet) == "total-stress, undrained"
+    depth = np.array([1.0, 2.0, 2.1])
+    assert list(ground_of(wet).holds_water(depth, "undrained")) == [True, True, False]
+    assert not ground_of(wet).holds_water(depth, "drained").any()
+    text = SAND_OVER_CLAY.replace('name = "sand"', 'drainage = "drained"')
+    text = text.replace('[[soil.layer]]\ntop = "2 m"', '[[soil.layer]]\ntop = "1 m"\n[[soil.layer]]\ntop = "2 m"')
+    mixed = parse_scene(text + '[drainage]\nmode = "undrained"\n')
+    assert list(ground_of(mixed).holds_water(depth, "undrained")) == [False, True, False]
+    assert drainage_of(mixed) == "drained, total-stress, undrained"
+    (message,) = messages(text.replace('drainage = "drained"', 'drainage = "total-stress"'))
+    assert 'soil.layer[0].drainage: must be "drained"' in message
 
 
 def test_all_problems_of_clay_come_at_once():

@@ -75,16 +75,26 @@ def make_column() -> Newton:
         fixed, 3, np.ones(3), stations, coulomb.pack(_STIFF, _STIFF, 0.0)[None],
         np.full(len(node), terzaghi.LOAD), water,
     )  # fmt: skip
+    return newton_of(model)
+
+
+def newton_of(model: FourierModel) -> Newton:
+    """Newton of a model, tight."""
     system = FourierSystem(model)
     return Newton(system, FourierStage(system), Settings(tolerance=1e-9))
 
 
+def plate_load() -> Stage:
+    """The load on the plate of the column."""
+    control = np.eye(3)[[0, 2]]
+    force = np.array([0.0, terzaghi.LOAD * 0.5 * np.pi * RADIUS**2, 0.0])
+    return Stage("load", control, np.zeros(2), control.T, force)
+
+
 def consolidate(plan: dict[float, int]) -> dict[float, tuple[float, float]]:
     """U and p(base)/q of the column at the time factors of the plan."""
-    newton, area = make_column(), 0.5 * np.pi * RADIUS**2
-    control = np.eye(3)[[0, 2]]
-    load = Stage("load", control, np.zeros(2), control.T, np.array([0.0, terzaghi.LOAD * area, 0.0]))
-    stages = consolidation(load, consolidation_time(terzaghi.HEIGHT), plan)
+    newton = make_column()
+    stages = consolidation(plate_load(), consolidation_time(terzaghi.HEIGHT), plan)
     final = terzaghi.LOAD * terzaghi.HEIGHT / oedometric_modulus()
     mesh = newton.system.model.mesh
     base = int(np.argmax(mesh.nodes[mesh.corners, 1]))
