@@ -26,6 +26,7 @@ U, W, ROTATION = range(3)
 
 # What happened at a Gauss point or a station in the last evaluation
 REGIME_ELASTIC, REGIME_CONE, REGIME_APEX = 0, 1, 2
+REGIME_STIFFNESS = 3  # inside the surface, but not with the initial stiffness
 CONTACT_STICK, CONTACT_SLIP, CONTACT_OPEN = 0, 1, 2
 
 # Status of a kernel: zero is success, anything else becomes a Python error

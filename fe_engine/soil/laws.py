@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from fe_engine.register import Register
-from fe_engine.soil import elastic, plasol, tresca, van_eekelen, von_mises
+from fe_engine.soil import elastic, following, plasol, tresca, van_eekelen, von_mises
 from fe_engine.soil.law import SoilLaw
 
 SOIL_LAWS: Register[SoilLaw] = Register(
@@ -14,4 +14,5 @@ SOIL_LAWS: Register[SoilLaw] = Register(
     van_eekelen.LAW,
     von_mises.LAW,
     tresca.LAW,
+    following.LAW,
 )

@@ -11,13 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fe_engine.material import Material
-from fe_engine.soil import elastic, mobilised, plasol, tresca, van_eekelen, von_mises
+from fe_engine.soil import elastic, following, mobilised, plasol, tresca, van_eekelen, von_mises
 from fe_engine.soil.law import SoilLaw
 from pysprings.scene.clay_laws import TRESCA, VON_MISES
 from pysprings.scene.ground import Stratum, ground_of
+from pysprings.scene.soil_laws import DEGRADATION_KEYS
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
+
+
+LEAST_STIFFNESS = 0.2  # of the initial one, where degradation_limit is not given
 
 
 @dataclass(frozen=True)
@@ -70,7 +74,12 @@ ENGINE_LAWS = {
 
 def engine_laws(scene: Scene) -> list[SoilLaw]:
     """Return the engine's laws of a scene's layers."""
-    return [ENGINE_LAWS[each.law].law for each in ground_of(scene).strata]
+    return [_engine_law(each) for each in ground_of(scene).strata]
+
+
+def _engine_law(stratum: Stratum) -> SoilLaw:
+    """Return the law of a layer: that of its word, or the one whose stiffness changes."""
+    return following.LAW if stratum.stiffness_changes else ENGINE_LAWS[stratum.law].law
 
 
 def soil_materials(scene: Scene, depth: np.ndarray) -> tuple[list[Material], np.ndarray]:
@@ -82,9 +91,19 @@ def soil_materials(scene: Scene, depth: np.ndarray) -> tuple[list[Material], np.
     number = ground_of(scene).number(depth.mean(axis=1))
     materials = []
     for k, stratum in enumerate(strata):
-        chosen = ENGINE_LAWS[stratum.law]
-        materials.append(Material(chosen.law, chosen.pack(_values(stratum, depth[number == k]))))
+        materials.append(Material(_engine_law(stratum), _packed(stratum, depth[number == k])))
     return materials, np.asarray(number, dtype=np.int64)
+
+
+def _packed(stratum: Stratum, depth: np.ndarray) -> np.ndarray:
+    """Return the packed parameters of a layer for depths (k, np) of its points."""
+    chosen = ENGINE_LAWS[stratum.law]
+    rows = chosen.pack(_values(stratum, depth))
+    if not stratum.stiffness_changes:
+        return rows
+    stress = stratum.mean_stress(depth) if stratum.exponent else 1.0
+    strain, least = (stratum.values.get(name) for name in DEGRADATION_KEYS)
+    return following.pack(chosen.law, rows, stress, stratum.exponent, strain, least or LEAST_STIFFNESS)  # type: ignore[arg-type]
 
 
 def _values(stratum: Stratum, depth: np.ndarray) -> SimpleNamespace:

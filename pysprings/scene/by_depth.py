@@ -12,7 +12,7 @@ from pydantic import ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from pysprings.core.units import quoted
-from pysprings.scene.fields import QUANTITY_PATTERN, Field, Number, Quantity, refuse
+from pysprings.scene.fields import QUANTITY_PATTERN, Choice, Field, Number, Quantity, refuse
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class ByDepth:
     reference, reference_depth, depth_offset, exponent : reference ((z + offset)/reference_depth)^exponent, with z the
         depth below mudline in m.
     reference, reference_stress, exponent : reference (p'/reference_stress)^exponent, with p' the initial mean effective
-        stress in Pa.
+        stress in Pa; with ``follows`` "stress" the value changes with p' in a run.
     """
 
     top: float | None = None
@@ -37,6 +37,7 @@ class ByDepth:
     depth_offset: float | None = None
     reference_stress: float | None = None
     exponent: float | None = None
+    follows: str | None = None
 
     def at(self, depth: np.ndarray, top: float, bottom: float, stress: np.ndarray | None = None) -> np.ndarray:
         """Return the values at depths (...,) in m of a layer from ``top`` to ``bottom``.
@@ -63,15 +64,17 @@ class ByDepth:
 
 Value = float | ByDepth  # "auto" is resolved where the ground is made
 _LINEAR = ({"top", "bottom"}, {"top", "bottom", "to"}, {"top", "gradient"})
-_POWERS = ({"reference", "reference_depth", "exponent"}, {"reference", "reference_stress", "exponent"})
+_BY_STRESS = {"reference", "reference_stress", "exponent"}
+_POWERS = ({"reference", "reference_depth", "exponent"}, _BY_STRESS, {*_BY_STRESS, "follows"})
 _DEPTH = Quantity("m", "(0, 1e4]", "", "5 m")
 _OFFSET = Quantity("m", "[0, 1e4]", "", "1 m")
 _STRESS = Quantity("kPa", "(0, 1e6]", "", "100 kPa")
 _EXPONENT = Number("[0, 2]", "", 0.5)
 _OWN = {
     "to": _DEPTH, "reference_depth": _DEPTH, "depth_offset": _OFFSET, "reference_stress": _STRESS,
-    "exponent": _EXPONENT,
+    "exponent": _EXPONENT, "follows": Choice(("stress",), "stiffness follows the mean effective stress"),
 }  # fmt: skip
+_LEAST_LINEAR = 1.0  # exponents of a stiffness that follows the stress are less
 
 
 @dataclass(frozen=True)
@@ -97,6 +100,8 @@ class Profile(Field):
                 read[name] = self._field(name).validate(each, info)
             except PydanticCustomError as error:
                 wrong.append(f"{name}: {error.message()}")
+        if "follows" in read and read.get("exponent", 0.0) >= _LEAST_LINEAR:
+            wrong.append(f"exponent: {read['exponent']:g} must be less than 1 where the stiffness follows the stress")
         if wrong:
             raise refuse("; ".join(wrong))
         return ByDepth(**read)
@@ -106,14 +111,7 @@ class Profile(Field):
         if name == "gradient":
             unit = f"{self.quantity.unit}/m"
             return Quantity(unit, "[-1e9, 1e9]", "", f"2 {unit}")
-        own = {
-            "to": _DEPTH,
-            "reference_depth": _DEPTH,
-            "depth_offset": _OFFSET,
-            "reference_stress": _STRESS,
-            "exponent": _EXPONENT,
-        }
-        return own.get(name, self.quantity)
+        return _OWN.get(name, self.quantity)
 
     def in_toml(self, value: Any) -> Any:
         if not isinstance(value, ByDepth):
@@ -123,9 +121,11 @@ class Profile(Field):
 
     def schema(self) -> dict[str, Any]:
         text = {"type": "string", "pattern": QUANTITY_PATTERN}
-        keys = {name: text for form in (*_LINEAR, *(_POWERS if self.powers else ())) for name in sorted(form)}
+        keys: dict[str, Any] = {
+            name: text for form in (*_LINEAR, *(_POWERS if self.powers else ())) for name in sorted(form)
+        }
         if self.powers:
-            keys |= {"exponent": {"type": "number"}, "depth_offset": text}
+            keys |= {"exponent": {"type": "number"}, "depth_offset": text, "follows": {"enum": ["stress"]}}
         table = {"type": "object", "additionalProperties": False, "properties": keys}
         about = f"{self.quantity.text} (in {self.quantity.interval} {self.quantity.unit}); a value, or a table by depth"
         return {"description": about, "anyOf": [{**text, "examples": [self.quantity.example]}, table]}

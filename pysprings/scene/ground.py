@@ -72,6 +72,19 @@ class Stratum:
         return "total-stress" if self.total_stress else self.drainage or mode
 
     @property
+    def exponent(self) -> float:
+        """Exponent of the stress that the stiffness follows; 0 where it is frozen."""
+        given = self.values.get("young_modulus")
+        follows = isinstance(given, ByDepth) and given.follows is not None
+        return float(given.exponent or 0.0) if follows else 0.0  # type: ignore[union-attr]
+
+    @property
+    def stiffness_changes(self) -> bool:
+        """Whether the stiffness follows the stress or degrades with shear strain."""
+        changes = self.exponent > 0.0 or self.values.get("degradation_strain") is not None
+        return changes and SOIL_LAWS[self.law].frictional
+
+    @property
     def varies(self) -> bool:
         """Whether any value differs from depth to depth."""
         return any(isinstance(value, ByDepth) for value in self.values.values())
@@ -104,6 +117,9 @@ class Stratum:
         elif SOIL_LAWS[self.law].yields:
             row["friction_angle_deg"] = math.degrees(value["friction_angle_final"])
             row["cohesion_Pa"] = value["cohesion"]
+        if self.stiffness_changes:
+            row["stiffness_exponent"] = self.exponent
+            row["degradation_strain"] = value.get("degradation_strain")
         return row
 
     def mean_stress(self, depth: np.ndarray) -> np.ndarray:

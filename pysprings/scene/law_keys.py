@@ -31,8 +31,10 @@ def key_clashes(soil: Soil) -> Iterator[Clash]:
     if len(kinds) == 1:
         yield from _foreign(("soil",), given_keys(soil), laws[0])
     yield from _one_stiffness(("soil",), given_keys(soil))
+    yield from _changing(("soil",), soil, laws if not soil.layers else [], soil)
     for number, layer in enumerate(soil.layers):
         here: KeyPath = ("soil", "layer", number)
+        yield from _changing(here, layer, [laws[number]], soil)
         yield from _foreign(here, given_keys(layer), laws[number])
         yield from _one_stiffness(here, given_keys(layer))
     if soil.layers:
@@ -49,6 +51,20 @@ def _foreign(here: KeyPath, given: set[str], law: str) -> Iterator[Clash]:
         if name in given:
             expected = "its strength is undrained_shear_strength" if clay else 'su is that of "tresca" or "von-mises"'
             yield Clash(((*here, name),), f'is not used by law "{law}": {expected}')
+
+
+def _changing(here: KeyPath, table: Soil | Layer, laws: list[str], soil: Soil) -> Iterator[Clash]:
+    """Check that a stiffness that changes in a run belongs to a law with friction, and that its limit has a strain."""
+    young = getattr(table, "young_modulus", None)
+    follows = isinstance(young, ByDepth) and young.follows is not None
+    if follows and any(not SOIL_LAWS[law].frictional for law in laws):
+        text = f'follows: the stiffness of law "{laws[0]}" does not change; "drucker-prager" and "van-eekelen" follow'
+        yield Clash(((*here, "young_modulus"),), text)
+    if any(law == "elastic" for law in laws) and "degradation_strain" in given_keys(table):
+        yield Clash(((*here, "degradation_strain"),), 'is not used by law "elastic"')
+    strains = getattr(table, "degradation_strain", None), soil.degradation_strain
+    if "degradation_limit" in given_keys(table) and strains == (None, None):
+        yield Clash(((*here, "degradation_limit"),), "needs a degradation_strain")
 
 
 def _one_stiffness(here: KeyPath, given: set[str]) -> Iterator[Clash]:

@@ -15,6 +15,7 @@ from pysprings.scene.fields import Interval
 from pysprings.scene.ground import Stratum, make_ground
 from pysprings.scene.positions import KeyPath
 from pysprings.scene.sections import Soil
+from pysprings.scene.soil_laws import DEGRADATION_KEYS
 
 _STATIONS = 33  # depths of a layer where its values are checked
 
@@ -68,7 +69,7 @@ def uniform_soils(soil: Soil, domain: Extent) -> Iterator[tuple[Soil, tuple[floa
 def _at(stratum: Stratum, depth: float) -> dict[str, float | None]:
     """Return the values of a layer at a depth (m), Young's modulus among them; None for those it does not have."""
     values = {name: float(stratum.value(name, np.array(depth))) for name in (*stratum.values, "young_modulus")}
-    return {"strain_at_half_strength": None, **values}
+    return {"strain_at_half_strength": None, **dict.fromkeys(DEGRADATION_KEYS), **values}
 
 
 def values_inside(soil: Soil, domain: Extent) -> Iterator[Clash]:

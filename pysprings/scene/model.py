@@ -16,7 +16,10 @@ from pysprings.scene.sections import Limit
 from pysprings.scene.toml import to_toml
 
 # keys of a soil that did not exist when folders of runs were first named by the number of a scene
-LATER_KEYS = ("shear_modulus", "undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", "drainage")
+LATER_KEYS = (
+    "shear_modulus", "undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", "drainage",
+    "degradation_strain", "degradation_limit",
+)  # fmt: skip
 
 
 class Scene(SceneSections):
@@ -52,6 +55,9 @@ class Scene(SceneSections):
             for key in LATER_KEYS:
                 if table.get(key, 0) is None:
                     del table[key]
+            for value in table.values():
+                if isinstance(value, dict) and value.get("follows", "") is None:
+                    del value["follows"]
         for path in values["paths"]:
             if path["load_angle"] is None:
                 del path["load_angle"]

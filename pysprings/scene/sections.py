@@ -61,6 +61,12 @@ _RIGIDITY = Number("[1, 1e5]", "shear modulus over su, instead of young_modulus"
 _HALF = Number(
     "[1e-6, 0.5]", "engineering shear strain at half of su (1.5 times eps50 of a triaxial test)", 0.01, optional=True
 )
+_DEGRADES = Number(
+    "[1e-6, 0.1]", "shear strain gamma_0.7 at which sand has 72.2 % of its initial secant shear modulus", 2e-4,
+    optional=True,
+)  # fmt: skip
+_DEGRADED = Number("[0.01, 1]", "share of the initial stiffness left at large strains (0.2 where not given)", 0.2,
+                   optional=True)  # fmt: skip
 _ADHESION = BySurface(
     Number("[0, 1]", "largest shear over su (or over the cohesion)", 0.65), ("api",),
     "largest shear of the interface over su of the soil beside it",
@@ -166,6 +172,8 @@ class SoilValues(Section):
     undrained_shear_strength: Annotated[float | ByDepth | None, Profile(_SU)] = None
     rigidity_ratio: Annotated[float | None, _RIGIDITY] = None
     strain_at_half_strength: Annotated[float | None, _HALF] = None
+    degradation_strain: Annotated[float | None, _DEGRADES] = None
+    degradation_limit: Annotated[float | None, _DEGRADED] = None
 
 
 class LayerPlace(Section):

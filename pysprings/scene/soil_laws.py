@@ -71,6 +71,11 @@ class SoilLaw:
     total_stress: bool = False
     defaults: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def frictional(self) -> bool:
+        """Whether it is a law of sand: friction, and a stiffness that may follow the stress."""
+        return "friction_angle_final" in self.keys
+
 
 @dataclass(frozen=True)
 class Surface:
@@ -225,7 +230,11 @@ def _nothing(*_: object) -> Iterator[Clash]:
     return iter(())
 
 
-FRICTION_KEYS = ("friction_angle_initial", "friction_angle_final", "hardening_parameter", "dilation_angle", "cohesion")
+DEGRADATION_KEYS = ("degradation_strain", "degradation_limit")
+FRICTION_KEYS = (
+    "friction_angle_initial", "friction_angle_final", "hardening_parameter", "dilation_angle", "cohesion",
+    *DEGRADATION_KEYS,
+)  # fmt: skip
 CLAY_KEYS = ("undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength")
 _CLAY_POISSON = 0.495  # almost constant volume; quadratic and mean-dilatation elements do not lock there
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -87,7 +88,9 @@ def all_of(mesh: Mesh, axis: int, value: float) -> np.ndarray:
 def soil(law: SoilLaw = plasol.LAW, **changes: float) -> Material:
     """Return the material of SAND with some parameters changed; those that the law has."""
     names = ("young", "poisson", "phi_i", "phi_f", "b_phi", "psi", "cohesion")
-    values = dict(zip(names, SAND, strict=True)) | {"strength": 2.0e4} | changes
+    values: dict[str, Any] = dict(zip(names, SAND, strict=True)) | {"strength": 2.0e4} | changes
+    follows = {"pressure": 1.0e5, "exponent": 0.5, "strain": 5.0e-4, "least": 0.2}
+    values |= {"law": plasol.LAW, "rows": plasol.pack(*(values[name] for name in names))} | follows
     accepted = inspect.signature(law.pack).parameters
     return Material(law, law.pack(**{name: value for name, value in values.items() if name in accepted}))
 

@@ -30,6 +30,7 @@ from tests.verification.cases import (
     patch,
     porous_interface,
     pressure_patch,
+    sand_stiffness,
     series_water,
     sliding_block,
     steel_shell,
@@ -60,6 +61,7 @@ QUICK: dict[str, Rows] = {
     "stiffness, coarse mesh": caisson_stiffness.rows,
     "water in series": series_water.rows,
     "cavities in clay": clay.cavity_rows,
+    "sand, stiffness in a run": sand_stiffness.rows,
 }
 # Up to a minute each
 SLOW: dict[str, Rows] = {

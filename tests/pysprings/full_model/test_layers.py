@@ -107,3 +107,23 @@ def test_layers_of_one_conductivity_are_one_soil_for_the_water():
     layers = [{"top": top, "hydraulic_conductivity": 1e-5} for top in tops]
     cut = compute(whole.replace(soil={"layers": layers})).tree["paths/pull"]
     np.testing.assert_allclose(cut["F_pw"], compute(whole).tree["paths/pull"]["F_pw"], rtol=1e-6, atol=1.0)
+
+
+@pytest.mark.parametrize("discretisation", ["hex8", "fourier"])
+def test_a_stiffness_that_changes_takes_part_in_a_run(discretisation):
+    """From one initial stiffness: degradation lowers the load, and the balance of energy holds."""
+    young = {"reference": 80e6, "reference_stress": 100e3, "exponent": 0.5}
+    path = {**tiny.PULL, "lateral_displacement": 2e-3}
+    ends, stiffnesses = [], []
+    for changes in ({}, {"young_modulus": young | {"follows": "stress"}}, {"degradation_strain": 1e-4}):
+        layer = {"top": 0.0, "young_modulus": young} | changes
+        scene = tiny.scene(mesh={"discretisation": discretisation}, soil={"layers": [layer]}, paths=(path,))
+        result = compute(scene)
+        figures = result.record.paths["pull"]
+        assert (figures.status.value, figures.cut_backs) == ("complete", 0)
+        assert abs(figures.energy["imbalance_over_largest_term"]) < 1e-5
+        ends.append(float(result.tree["paths/pull"]["H"][-1]))
+        stiffnesses.append(float(result.recorded()["stiffness_initial"][0, 0]))
+    assert stiffnesses == pytest.approx(stiffnesses[:1] * 3, rel=1e-12)
+    assert 1e-4 < abs(ends[1] / ends[0] - 1.0) < 0.1
+    assert 0.5 * ends[0] < ends[2] < 0.9 * ends[0]
