@@ -42,7 +42,23 @@ def cases() -> dict[str, Case]:
         "sand": Case("sand", "the paper's caisson, drained sand", paper, 20e-3, 1.0e6),
         "cohesive": Case("cohesive", "L/D 1, soil with cohesion, drained", cohesive, 30e-3, 1.0e6),
         "clay": Case("clay", "L/D 0.75, soft clay, undrained", clay, 100e-3, 1.0e6),
+        "sand-iwan": Case("sand-iwan", "the paper's caisson, sand with kinematic hardening", iwan_sand(), 20e-3, 1.0e6),
+        "clay-iwan": Case("clay-iwan", "L/D 0.75, clay with kinematic hardening", iwan_clay(), 100e-3, 1.0e6),
     }
+
+
+def iwan_sand(law: str = "iwan-sand") -> Scene:
+    """Return the paper's caisson in sand of this law."""
+    paper = {"outer_diameter": 7.8, "skirt_length": 4.0}
+    return Scene(caisson=paper, domain={"radius": 24.0, "depth": 12.0}, soil={"yield_surface": law})
+
+
+def iwan_clay(law: str = "iwan-clay") -> Scene:
+    """Return the caisson of the template for soft clay, in clay of this law that is stiff at small strains."""
+    data = parse_scene(template_text("soft-clay")).model_dump()
+    soft = {"yield_surface": law, "rigidity_ratio": 600.0, "strain_at_half_strength": 0.005}
+    data["soil"] = {name: value for name, value in data["soil"].items() if value is not None} | soft
+    return Scene.model_validate(data)
 
 
 def scene_of(case: Case) -> Scene:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from fe_engine.register import Register
-from fe_engine.soil import elastic, following, plasol, tresca, van_eekelen, von_mises
+from fe_engine.soil import elastic, following, iwan_clay, iwan_sand, plasol, tresca, van_eekelen, von_mises
 from fe_engine.soil.law import SoilLaw
 
 SOIL_LAWS: Register[SoilLaw] = Register(
@@ -15,4 +15,6 @@ SOIL_LAWS: Register[SoilLaw] = Register(
     von_mises.LAW,
     tresca.LAW,
     following.LAW,
+    iwan_clay.LAW,
+    iwan_sand.LAW,
 )

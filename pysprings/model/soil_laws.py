@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fe_engine.material import Material
-from fe_engine.soil import elastic, following, mobilised, plasol, tresca, van_eekelen, von_mises
+from fe_engine.soil import elastic, following, iwan_clay, iwan_sand, mobilised, plasol, tresca, van_eekelen, von_mises
 from fe_engine.soil.law import SoilLaw
 from pysprings.scene.clay_laws import TRESCA, VON_MISES
 from pysprings.scene.ground import Stratum, ground_of
@@ -20,16 +20,20 @@ from pysprings.scene.soil_laws import DEGRADATION_KEYS
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
-
+LEAST_PRESSURE = 1.0e4  # Pa, of the backbone of "iwan-sand": strains at a given share of the strength grow with it
 LEAST_STIFFNESS = 0.2  # of the initial one, where degradation_limit is not given
 
 
 @dataclass(frozen=True)
 class EngineLaw:
-    """A law of the engine, and how its parameters are packed from the values of a soil (numbers, or arrays)."""
+    """A law of the engine, and how its parameters are packed from the values of a soil (numbers, or arrays).
+
+    by_stress : whether the parameters follow the initial stress, so that they differ from point to point.
+    """
 
     law: SoilLaw
     pack: Callable[[Any], np.ndarray]
+    by_stress: bool = False
 
 
 def _friction(soil: Any) -> np.ndarray:
@@ -63,12 +67,34 @@ def _clay(measure: float) -> Callable[[Any], np.ndarray]:
     return pack
 
 
+def _iwan_clay(soil: Any) -> np.ndarray:
+    young, poisson, strength = soil.young_modulus, soil.poisson_ratio, soil.undrained_shear_strength
+    shear = young / (2.0 * (1.0 + poisson))
+    half = getattr(soil, "strain_at_half_strength", None)
+    scale = strength / shear if half is None else np.maximum(mobilised.scale_of(half, strength, shear), 0.0)
+    return iwan_clay.pack(young, poisson, strength, scale)
+
+
+def _iwan_sand(soil: Any) -> np.ndarray:
+    return iwan_sand.pack(
+        young=soil.young_modulus,
+        poisson=soil.poisson_ratio,
+        phi_i=soil.friction_angle_initial,
+        phi_f=soil.friction_angle_final,
+        b_phi=soil.hardening_parameter,
+        cohesion=soil.cohesion,
+        pressure=np.maximum((1.0 + 2.0 * soil.K0) / 3.0 * soil.vertical_effective_stress, LEAST_PRESSURE),
+    )
+
+
 ENGINE_LAWS = {
     "drucker-prager": EngineLaw(plasol.LAW, _friction),
     "van-eekelen": EngineLaw(van_eekelen.LAW, _friction),
     "elastic": EngineLaw(elastic.LAW, _elastic),
     "tresca": EngineLaw(tresca.LAW, _clay(TRESCA)),
     "von-mises": EngineLaw(von_mises.LAW, _clay(VON_MISES)),
+    "iwan-clay": EngineLaw(iwan_clay.LAW, _iwan_clay),
+    "iwan-sand": EngineLaw(iwan_sand.LAW, _iwan_sand, by_stress=True),
 }
 
 
@@ -109,7 +135,8 @@ def _packed(stratum: Stratum, depth: np.ndarray) -> np.ndarray:
 def _values(stratum: Stratum, depth: np.ndarray) -> SimpleNamespace:
     """Return the values of a layer as numbers, or as arrays (k, np) of its points where one of them varies."""
     names = [*stratum.values, "young_modulus"]
-    if stratum.varies or "strain_at_half_strength" in stratum.values:  # what is mobilised follows the stress
+    # what is mobilised follows the stress
+    if stratum.varies or ENGINE_LAWS[stratum.law].by_stress or "strain_at_half_strength" in stratum.values:
         values: dict[str, Any] = {name: stratum.value(name, depth) for name in names}
         return SimpleNamespace(**values, vertical_effective_stress=stratum.vertical_stress(depth))
     return SimpleNamespace(**{name: float(stratum.value(name, np.array(0.0))) for name in names})

@@ -82,7 +82,7 @@ class Stratum:
     def stiffness_changes(self) -> bool:
         """Whether the stiffness follows the stress or degrades with shear strain."""
         changes = self.exponent > 0.0 or self.values.get("degradation_strain") is not None
-        return changes and SOIL_LAWS[self.law].frictional
+        return changes and SOIL_LAWS[self.law].changes_stiffness
 
     @property
     def varies(self) -> bool:

@@ -49,7 +49,8 @@ def _foreign(here: KeyPath, given: set[str], law: str) -> Iterator[Clash]:
     clay = SOIL_LAWS[law].total_stress
     for name in FRICTION_KEYS if clay else CLAY_KEYS:
         if name in given:
-            expected = "its strength is undrained_shear_strength" if clay else 'su is that of "tresca" or "von-mises"'
+            clays = ", ".join(f'"{each.name}"' for each in SOIL_LAWS.values() if each.total_stress)
+            expected = "its strength is undrained_shear_strength" if clay else f"su is that of {clays}"
             yield Clash(((*here, name),), f'is not used by law "{law}": {expected}')
 
 
@@ -57,11 +58,15 @@ def _changing(here: KeyPath, table: Soil | Layer, laws: list[str], soil: Soil) -
     """Check that a stiffness that changes in a run belongs to a law with friction, and that its limit has a strain."""
     young = getattr(table, "young_modulus", None)
     follows = isinstance(young, ByDepth) and young.follows is not None
-    if follows and any(not SOIL_LAWS[law].frictional for law in laws):
-        text = f'follows: the stiffness of law "{laws[0]}" does not change; "drucker-prager" and "van-eekelen" follow'
+    constant = [law for law in laws if not SOIL_LAWS[law].changes_stiffness]
+    if follows and constant:
+        text = (
+            f'follows: the stiffness of law "{constant[0]}" does not change; "drucker-prager" and "van-eekelen" follow'
+        )
         yield Clash(((*here, "young_modulus"),), text)
-    if any(law == "elastic" for law in laws) and "degradation_strain" in given_keys(table):
-        yield Clash(((*here, "degradation_strain"),), 'is not used by law "elastic"')
+    other = [law for law in constant if not SOIL_LAWS[law].total_stress]
+    if other and "degradation_strain" in given_keys(table):
+        yield Clash(((*here, "degradation_strain"),), f'is not used by law "{other[0]}"')
     strains = getattr(table, "degradation_strain", None), soil.degradation_strain
     if "degradation_limit" in given_keys(table) and strains == (None, None):
         yield Clash(((*here, "degradation_limit"),), "needs a degradation_strain")

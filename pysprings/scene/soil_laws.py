@@ -72,9 +72,9 @@ class SoilLaw:
     defaults: Mapping[str, Any] = field(default_factory=dict)
 
     @property
-    def frictional(self) -> bool:
-        """Whether it is a law of sand: friction, and a stiffness that may follow the stress."""
-        return "friction_angle_final" in self.keys
+    def changes_stiffness(self) -> bool:
+        """Whether its stiffness may follow the stress and degrade with strain."""
+        return DEGRADATION_KEYS[0] in self.keys
 
 
 @dataclass(frozen=True)
@@ -135,6 +135,14 @@ def _van_eekelen_clashes(soil: Soil) -> Iterator[Clash]:
     yield from _contraction(soil, VAN_EEKELEN)
 
 
+def _iwan_sand_clashes(soil: Soil) -> Iterator[Clash]:
+    yield from _angles(soil)
+    yield from _strength(soil)
+    if soil.dilation_angle != 0.0:
+        text = f"{show(soil.dilation_angle, 'deg')} would change the volume in every cycle: it must be 0 deg"
+        yield Clash((("soil", "dilation_angle"), ("soil", "yield_surface")), text)
+
+
 def _contraction(soil: Soil, surface: Surface) -> Iterator[Clash]:
     """Check that a contracting soil (dilation angle < 0) stays stable when its volume is held.
 
@@ -169,8 +177,10 @@ def _lost(soil: Soil, psi: float, surface: Surface) -> float:
     return worst
 
 
-def _initial_state(surface: Surface) -> Callable[[Soil, tuple[float, float]], Iterator[Clash]]:
-    """Make the check that the geostatic stress is inside the initial yield surface.
+def _initial_state(
+    surface: Surface, angle: str = "friction_angle_initial"
+) -> Callable[[Soil, tuple[float, float]], Iterator[Clash]]:
+    """Make the check that the geostatic stress is inside the yield surface of the friction angle of that key.
 
     With compression positive and the vertical stress s: II = |1 - K0| s/sqrt(3), I = (1 + 2 K0) s, and the
     surface is II = m I + 6 c cos(phi)/(sqrt(3) (3 - sin(phi))), m = 2 sin(phi)/(sqrt(3) (3 - sin(phi))). For K0 > 1
@@ -178,12 +188,12 @@ def _initial_state(surface: Surface) -> Callable[[Soil, tuple[float, float]], It
     """
 
     def check(soil: Soil, stresses: tuple[float, float]) -> Iterator[Clash]:
-        names = ("K0", "friction_angle_initial", "cohesion", "surcharge", "effective_unit_weight", "yield_surface")
+        names = ("K0", angle, "cohesion", "surcharge", "effective_unit_weight", "yield_surface")
         keys = (*(("soil", name) for name in names), ("domain", "depth"))
         bottom = stresses[1]
         if bottom == 0.0 and soil.cohesion == 0.0:
             yield Clash((("soil", "surcharge"), *keys), "a soil without weight, surcharge and cohesion has no strength")
-        phi = float(soil.friction_angle_initial)
+        phi = float(getattr(soil, angle))
         sine, cosine = math.sin(phi), math.cos(phi)
         slope, strength = formulas.cone_slope(sine), formulas.cone_cohesion(sine, cosine, soil.cohesion)
         less = surface.section(phi, math.pi / 3.0)[0]
@@ -193,12 +203,12 @@ def _initial_state(surface: Surface) -> Callable[[Soil, tuple[float, float]], It
         shear, pressure = abs(1.0 - soil.K0) / math.sqrt(3.0), 1.0 + 2.0 * soil.K0
         worst = max((shear - slope * pressure) * vertical for vertical in stresses)
         if worst > strength + 1e-9 * bottom:
-            angle = show(phi, "deg")
-            allowed = f"({angle}{_range(*reaches, soil)})"
-            text = f"{soil.K0:g} puts the initial stress outside the initial yield surface {allowed}"
+            first = angle == "friction_angle_initial"
+            allowed = f"({show(phi, 'deg')}{_range(*reaches, soil)})"
+            text = f"{soil.K0:g} puts the initial stress outside the {'initial ' * first}yield surface {allowed}"
             least = math.degrees(_least_friction(surface)(soil.K0))
             hint = f'; friction_angle_initial = "{math.ceil(100.0 * least) / 100.0:g} deg" or "auto" holds it'
-            yield Clash(keys, text + (hint if least < math.degrees(soil.friction_angle_final) else ""))
+            yield Clash(keys, text + (hint if first and least < math.degrees(soil.friction_angle_final) else ""))
 
     return check
 
@@ -231,10 +241,8 @@ def _nothing(*_: object) -> Iterator[Clash]:
 
 
 DEGRADATION_KEYS = ("degradation_strain", "degradation_limit")
-FRICTION_KEYS = (
-    "friction_angle_initial", "friction_angle_final", "hardening_parameter", "dilation_angle", "cohesion",
-    *DEGRADATION_KEYS,
-)  # fmt: skip
+STRENGTH_KEYS = ("friction_angle_initial", "friction_angle_final", "hardening_parameter", "dilation_angle", "cohesion")
+FRICTION_KEYS = (*STRENGTH_KEYS, *DEGRADATION_KEYS)
 CLAY_KEYS = ("undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength")
 _CLAY_POISSON = 0.495  # almost constant volume; quadratic and mean-dilatation elements do not lock there
 
@@ -259,5 +267,13 @@ SOIL_LAWS = {
         SoilLaw("elastic", (), _angles, _nothing, lambda k0: 0.0, yields=False),
         _clay("tresca", TRESCA),
         _clay("von-mises", VON_MISES),
+        _clay("iwan-clay", VON_MISES),
+        SoilLaw(
+            "iwan-sand",
+            STRENGTH_KEYS,
+            _iwan_sand_clashes,
+            _initial_state(CONE, "friction_angle_final"),
+            _least_friction(CONE),
+        ),
     )
 }

@@ -10,6 +10,7 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.model.forecast.profile import profile, unusual_values
+from pysprings.model.soil_laws import soil_materials
 from pysprings.scene.ground import drainage_of, ground_of
 from pysprings.scene.interface import api_factor
 from pysprings.scene.load import Scene, parse_scene
@@ -238,7 +239,7 @@ def test_unusual_clay_is_named(old, new, words):
         (
             "drucker-prager",
             {"undrained_shear_strength": 5e4, "rigidity_ratio": 200.0, "strain_at_half_strength": 0.01},
-            'su is that of "tresca" or "von-mises"',
+            'su is that of "tresca", "von-mises", "iwan-clay"',
         ),
         (
             "tresca",
@@ -258,3 +259,23 @@ def test_keys_of_other_laws_are_named_in_the_order_of_the_reference(law, keys, w
     messages = [f'soil.{key}: is not used by law "{law}": {why}' for key in keys]
     assert [text.count(message) for message in messages] == [1] * len(keys)
     assert [text.index(message) for message in messages] == sorted(text.index(message) for message in messages)
+
+
+def test_kinematic_clay_without_a_strain_has_the_hyperbola_of_its_stiffness():
+    """Half of su is then mobilised at su/G."""
+    base = {"yield_surface": "iwan-clay", "undrained_shear_strength": 2e4, "rigidity_ratio": 100.0}
+    found = []
+    for soil in (base, base | {"strain_at_half_strength": 0.01}):
+        materials, _ = soil_materials(Scene(soil=soil, interface={"adhesion_factor": 1.0}), np.array([[1.0, 1.0]]))
+        found.append(materials[0].parameters.reshape(-1, materials[0].parameters.shape[-1])[0])
+    np.testing.assert_allclose(*found, rtol=1e-12, atol=1e-15)
+
+
+def test_kinematic_sand_refuses_dilation_and_takes_any_first_yield():
+    sand = {"yield_surface": "iwan-sand", "K0": 0.5, "friction_angle_initial": 0.02}
+    materials, _ = soil_materials(Scene(soil=sand), np.array([[1.0, 3.0], [2.0, 5.0]]))
+    assert materials[0].parameters.shape[:2] == (2, 2)
+    with pytest.raises(ValueError, match="dilation_angle: 3 deg would change the volume in every cycle"):
+        Scene(soil=sand | {"dilation_angle": np.radians(3.0)})
+    with pytest.raises(ValueError, match="outside the yield surface"):
+        Scene(soil=sand | {"K0": 0.1})

@@ -249,7 +249,8 @@ def test_schema_speaks_of_toml_values() -> None:
     assert modulus["description"] == "Young modulus (in [0.001, 1e6] MPa)"
     assert re.match(modulus["pattern"], "200 MPa")
     assert not re.match(modulus["pattern"], "200")
-    assert soil["yield_surface"]["enum"] == ["drucker-prager", "van-eekelen", "elastic", "tresca", "von-mises"]
+    laws = ["drucker-prager", "van-eekelen", "elastic", "tresca", "von-mises", "iwan-clay", "iwan-sand"]
+    assert soil["yield_surface"]["enum"] == laws
     assert soil["poisson_ratio"] == {
         "description": "Poisson ratio (in [0, 0.5))",
         "type": "number",

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: MIT
+"""Undrained clay in total stress with kinematic hardening: von Mises elements in parallel (see `overlay`).
+
+Strength s, shear modulus and backbone are those of the law "von-mises" (see `mobilised`),
+
+    gamma = x s/G + g_s x^2/(1 - x),      tau = x s,
+
+in simple shear and plane strain. Unloading follows Masing's rules. With g_s = s/G the secant is
+G/G_0 = 1/(1 + gamma G_0/s), and the damping ratio of a loop of this hyperbola goes to 2/pi.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fe_engine.soil import overlay
+from fe_engine.soil.elastic import moduli
+from fe_engine.soil.law import SoilLaw
+
+
+def pack(young: Any, poisson: Any, strength: Any, strain: Any = 0.0) -> np.ndarray:
+    """Return the packed parameters; each may be an array.
+
+    Parameters
+    ----------
+    young, poisson : elastic constants; Young's modulus in Pa.
+    strength : largest shear stress in simple shear in Pa, > 0.
+    strain : g_s, scale of the plastic shear strain (`mobilised.scale_of`). 0 is perfect plasticity.
+    """
+    strength, strain = np.broadcast_arrays(np.asarray(strength, dtype=float), np.asarray(strain, dtype=float))
+    shear = np.broadcast_to(moduli(young, poisson)[1], strength.shape)
+    x, s = overlay.mobilised_shares(overlay.ELEMENTS - 1), strength[..., None]
+    gamma = x * s / shear[..., None] + strain[..., None] * x * x / (1.0 - x)
+    slope = s / (s / shear[..., None] + strain[..., None] * x * (2.0 - x) / (1.0 - x) ** 2)
+    return overlay.pack(young, poisson, 0.0, strength, *overlay.shares(x * s, gamma, slope, shear, strength))
+
+
+LAW = SoilLaw("iwan-clay", overlay.PARAMETERS, overlay.HISTORY, pack, overlay.elastic_moduli, overlay.update)
