@@ -86,6 +86,7 @@ class RingStations(Stations):
 
     position, frame, area, body and surface as in interface.Stations (global axes, half the circle); ``nodes`` (ns, 1)
     are nodes of the section, ``weight`` (ns, 1) is 1, and ``azimuth`` (ns,) rad is their position on the circle.
+    Where the body is linear elements, nodes (ns, 2) are one of the soil and its node at the same place; weights 1, -1.
     """
 
     azimuth: np.ndarray = field(default_factory=lambda: np.zeros(0))
@@ -150,13 +151,25 @@ class SeriesWater:
     wet: np.ndarray | None = None
 
 
+@dataclass(frozen=True)
+class LinearRings:
+    """Elements of constant stiffness beside the soil's; their displacement 0 is without stress.
+
+    quads : (nl, 8) nodes, which stand behind the soil's; stiffness : (N + 1, nl, 24, 24) of each harmonic over half a
+    circle, N/m; see elements.fourier.stiffness.
+    """
+
+    quads: np.ndarray
+    stiffness: np.ndarray
+
+
 @dataclass
 class FourierModel:
     """Everything the engine needs to compute on a Fourier series.
 
     Attributes
     ----------
-    mesh : section of the soil.
+    mesh : section of the soil; its nodes include those of linear elements.
     harmonics : N, highest harmonic; azimuths : M > N, azimuths of the half circle at which the soil law is evaluated.
     materials, material : laws in use, and the index of each element's (ne,).
     initial_stress : (ne, 4 M, 6) Pa in cylindrical axes, point g at azimuth j stands at g M + j; see model.Model.
@@ -164,6 +177,7 @@ class FourierModel:
     n_border, border_scale, contact, contact_laws, contact_law, initial_pressure : see model.Model.
     stations : interface stations on circles.
     water : pore water; None leaves every pressure unknown out (drained).
+    linear : elements of constant stiffness, of what stands between the stations and the border; None where it is rigid.
     """
 
     mesh: SectionMesh
@@ -181,6 +195,12 @@ class FourierModel:
     water: SeriesWater | None = None
     contact_laws: tuple[ContactLaw, ...] = (coulomb.LAW,)
     contact_law: np.ndarray | None = None
+    linear: LinearRings | None = None
+
+    @property
+    def n_soil(self) -> int:
+        """Number of nodes of the soil."""
+        return self.mesh.n_nodes if self.linear is None else int(self.linear.quads.min())
 
     @property
     def displacement_shape(self) -> tuple[int, int, int]:
@@ -210,8 +230,12 @@ class FourierModel:
             "border_scale": (self.border_scale.shape, (self.n_border,)),
             "initial_pressure": (self.initial_pressure.shape, (ns,)),
             "stations.azimuth": (self.stations.azimuth.shape, (ns,)),
-            "stations.nodes": (self.stations.nodes.shape, (ns, 1)),
+            "stations.nodes": (self.stations.nodes.shape, (ns, 1 if self.linear is None else 2)),
         }
+        if self.linear is not None:
+            matrix = 3 * elements.N_NODES
+            matrices = self.harmonics + 1, len(self.linear.quads), matrix, matrix
+            shapes["linear.stiffness"] = (self.linear.stiffness.shape, matrices)
         shapes |= material_shapes(self) | contact_shapes(self)
         if self.water is not None:
             film = self.water.film

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,8 @@ class FourierPattern:
     On the axis u_r = U cos(theta) and u_theta = -U sin(theta): V is held there, and follows U.
     Equations of the pressures (np, K) stand behind those of the displacements; ``pressure_held`` (np, K) are those that
     are held, and ``film_place`` (np, K) is where those of the film stand in the interface, or -1.
+    Where linear elements stand on the other side of the stations, ``opposite`` (nk,) are their nodes there, and
+    ``beyond`` (m,) the equations that an equation of the interface has there, or -1; ``opposite`` is empty elsewhere.
     """
 
     held: np.ndarray
@@ -29,6 +31,8 @@ class FourierPattern:
     place: np.ndarray
     pressure_held: np.ndarray
     film_place: np.ndarray
+    opposite: np.ndarray
+    beyond: np.ndarray
 
     @property
     def n_moving(self) -> int:
@@ -62,6 +66,41 @@ class FourierPattern:
         move[self.axis, 1, 1:2] = -move[self.axis, 0, 1:2]
         return move
 
+    def facing(self, move: np.ndarray) -> np.ndarray:
+        """Return coefficients (n, 3, K) with the motion of the soil beside the stations counted from the other side."""
+        if not len(self.opposite):
+            return move
+        relative = move.copy()
+        relative[self.retained] -= move[self.opposite]
+        return relative
+
+    def add_across(self, across: np.ndarray, force: np.ndarray) -> None:
+        """Add forces (n, 3, K) of the stations on the soil to forces (n, 3, K), and the opposite ones beyond."""
+        force += across
+        force[self.opposite] -= across[self.retained[: len(self.opposite)]]
+
+    def jump(self, x: np.ndarray) -> np.ndarray:
+        """Return what stations see (m,) of all equations' unknowns (n_free,)."""
+        seen, joined = x[self.interface], self.beyond >= 0
+        seen[joined] -= x[self.beyond[joined]]
+        return seen
+
+    def add_jump_forces(self, force: np.ndarray, out: np.ndarray) -> None:
+        """Add forces (m,) of the stations to the rows (n_free,) of all equations: the transpose of `jump`."""
+        joined = self.beyond >= 0
+        out[self.interface] += force
+        out[self.beyond[joined]] -= force[joined]
+
+    def of_soil(self, n: int) -> FourierPattern:
+        """Return the pattern of the first n nodes alone, those of the soil, as if the body were rigid."""
+        less = self.held[n:].size
+        interface = np.where(self.interface < self.held.size, self.interface, self.interface - less)
+        none = np.full(len(interface), -1)
+        return replace(
+            self, held=self.held[:n], axis=self.axis[:n], place=self.place[:n], interface=interface,
+            opposite=self.opposite[:0], beyond=none,
+        )  # fmt: skip
+
 
 def held_coefficients(mesh: SectionMesh, fixed: np.ndarray, harmonics: int) -> np.ndarray:
     """Return whether each coefficient (n, 3, K) is held, for fixed directions (n, 3).
@@ -90,7 +129,7 @@ def held_pressures(fixed: np.ndarray, on_axis: np.ndarray, harmonics: int) -> np
 def make_pattern(model: FourierModel) -> FourierPattern:
     """Return numbers for all equations."""
     axis, held = model.mesh.on_axis, held_coefficients(model.mesh, model.fixed, model.harmonics)
-    retained = np.unique(model.stations.nodes)
+    retained, first = np.unique(model.stations.nodes[:, 0], return_index=True)
     if axis[retained].any():
         raise ModelError("a station stands on the axis, where it has no area")
     place = np.full(held.shape, -1)
@@ -104,5 +143,12 @@ def make_pattern(model: FourierModel) -> FourierPattern:
     film[: len(model.mesh.corners)] = False
     film_place = np.full(still.shape, -1)
     film_place[film] = len(at) + np.arange(np.count_nonzero(film))
+    opposite = model.stations.nodes[first, 1] if model.linear is not None else retained[:0]
+    beyond = np.full(len(interface) + int(np.count_nonzero(film)), -1)
+    if len(opposite):
+        if (held[retained] & ~held[opposite]).any():
+            raise ModelError("a linear element is free beside soil that is held")
+        there = np.ravel_multi_index((opposite[at], i, k), held.shape)
+        beyond[: len(interface)] = np.where(held.ravel()[there], -1, there)
     interface = np.concatenate([interface, held.size + np.flatnonzero(film)])
-    return FourierPattern(held, axis, retained, interface, place, still, film_place)
+    return FourierPattern(held, axis, retained, interface, place, still, film_place, opposite, beyond)

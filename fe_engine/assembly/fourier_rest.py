@@ -101,7 +101,7 @@ class WetSoil:
         self.sealed[: self.n_soil] = ~held_pressures(water.dry, on_axis, self.waves - 1)
         self.film_place = pattern.film_place[self.n_soil :]
         self.size = len(pattern.interface)
-        coupling = _folding(pattern) @ water.coupling[:, : self.n_soil * self.waves]
+        coupling = folding(pattern) @ water.coupling[: pattern.n_moving, : self.n_soil * self.waves]
         self.coupling = (self.scale * coupling @ _diagonal(self.sealed[: self.n_soil].ravel())).tocsr()
         self.squeezed = self.coupling.T.tocsr()
         self.left, self.compliance = self._eliminate()
@@ -146,7 +146,7 @@ class WetAtRest:
     uneven = True
 
     def __init__(self, soil: WetSoil, time_step: float, sealed: bool = False) -> None:
-        self.soil, self._rest, self.made_for = soil, soil.rest, (time_step, sealed)
+        self.soil, self._rest = soil, soil.rest
         self._free = soil.sealed[: soil.n_soil] if sealed else soil.free[: soil.n_soil]
         self._harmonics = [soil.harmonic(k, time_step, sealed) for k in range(soil.waves)]
         self.matrix = np.zeros((soil.size, soil.size))
@@ -199,7 +199,7 @@ def _diagonal(values: np.ndarray) -> csr_matrix:
     return coo_matrix((values.astype(float), (n, n))).tocsr()
 
 
-def _folding(pattern: FourierPattern) -> csr_matrix:
+def folding(pattern: FourierPattern) -> csr_matrix:
     """Return the matrix of `FourierPattern.folded`: forces on all coefficients to those that are free."""
     equation = np.arange(pattern.held.size).reshape(pattern.held.shape)
     r, t = (equation[pattern.axis, i, 1:2].ravel() for i in (0, 1))

@@ -15,6 +15,7 @@ import numpy as np
 from fe_engine.assembly import fourier_kernels as kernels
 from fe_engine.assembly.bordered import Residual, summary
 from fe_engine.assembly.fourier_film import FilmState
+from fe_engine.assembly.fourier_linear import BesideLinear, LinearElements
 from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.assembly.fourier_rest import AtRest, SoilAtRest, WetAtRest, WetSoil
 from fe_engine.assembly.fourier_water import FourierWater
@@ -71,9 +72,11 @@ class FourierSystem:
         self.stations = pack_stations(model)
         self.contact = _contact(model, self.stations)
         self.water = None if model.water is None else FourierWater(model, self.contact)
-        self._soil_rest = SoilAtRest(self.factors, self.pattern)
-        self._wet_soil = None if self.water is None else WetSoil(self._soil_rest, self.water, self.pattern)
-        self._wet_rest: WetAtRest | None = None
+        self.linear = None if model.linear is None else LinearElements(model, self.pattern)
+        alone = self.pattern.of_soil(model.n_soil)
+        self._soil_rest = SoilAtRest(self.factors, alone)
+        self._wet_soil = None if self.water is None else WetSoil(self._soil_rest, self.water, alone)
+        self._rest: tuple[tuple[float, bool], AtRest] | None = None
         self.is_pressure = np.zeros(self.pattern.n_free, dtype=bool)
         self.is_pressure[self.pattern.n_moving :] = True
         shape, ns = model.initial_stress.shape[:2], len(model.stations)
@@ -92,15 +95,17 @@ class FourierSystem:
         waves = range(model.harmonics + 1)
         stiffness = np.array([elements.stiffness(gradient, volume, tangent, k) for k in waves])
         _hold(stiffness, p.held[model.mesh.quads], p.axis[model.mesh.quads])
-        return HarmonicFactors(model.mesh.quads, p.retained, stiffness, p.held)
+        return HarmonicFactors(model.mesh.quads, p.retained, stiffness, p.held[: model.n_soil])
 
     def at_rest(self, time_step: float) -> AtRest:
         """Return the linear system with the soil at rest; with water it is made anew for each new time step (s)."""
-        if self._wet_soil is None:
-            return self._soil_rest
-        if self._wet_rest is None or self._wet_rest.made_for != (time_step, self.sealed):
-            self._wet_rest = WetAtRest(self._wet_soil, time_step, self.sealed)
-        return self._wet_rest
+        wanted = (0.0, False) if self._wet_soil is None else (time_step, self.sealed)
+        if self._rest is None or self._rest[0] != wanted:
+            soil: AtRest = self._soil_rest
+            if self._wet_soil is not None:
+                soil = WetAtRest(self._wet_soil, *wanted)
+            self._rest = wanted, soil if self.linear is None else BesideLinear(soil, self.linear, self.pattern)
+        return self._rest[1]
 
     @property
     def relaxed(self) -> float:
@@ -125,20 +130,19 @@ class FourierSystem:
     def residual(self, state: State) -> Residual:
         """Evaluate the residual of the laws at the trial displacement; the committed copy is only read."""
         with self.clock.phase("assembly"):
-            force, border = self._soil(state, False), np.zeros(self.model.n_border)
-            rows, square = self._water(state, force, border)
-            return self._contact(state, (force, border, rows), square)
+            forces, square = self._forces(state, False)
+            return self._contact(state, forces, square)
 
     def linearise(self, state: State, fresh: bool) -> tuple[Residual, Residual, FourierTangent]:
         """Evaluate the residual of the laws, and the linear model that Newton solves next; see `assembly.System`."""
         with self.clock.phase("assembly"):
-            force, border = self._soil(state, True), np.zeros(self.model.n_border)
-            rows, square = self._water(state, force, border)
-            judged = self._contact(state, (force.copy(), border.copy(), rows), square)
+            (force, across, border, rows), square = self._forces(state, True)
+            judged = self._contact(state, (force.copy(), across.copy(), border.copy(), rows), square)
             if fresh:
                 self._iterate.traction[:] = 0.0
-            old, new = (ContactState(f.displacement, f.border, f.traction) for f in (state.committed, state.trial))
-            kernels.linear_contact(self.contact, old, new, self._iterate, force, border)
+            old, new = self._faces(state.committed), self._faces(state.trial)
+            kernels.linear_contact(self.contact, old, new, self._iterate, across, border)
+            self.pattern.add_across(across, force)
             linear = replace(judged, free=self._row(force, rows), border=border)
             film = None
             if self.water is not None:
@@ -147,6 +151,22 @@ class FourierSystem:
             contact = self._iterate.tangent.copy()
             tangent = FourierTangent(contact, self._plastic, self.regime.copy(), self.time_step, film)
             return judged, linear, tangent
+
+    def _faces(self, fields: Fields) -> ContactState:
+        """Return what stations ask of a state: coefficients of what they see, border and tractions."""
+        return ContactState(self.pattern.facing(fields.displacement), fields.border, fields.traction)
+
+    def _forces(self, state: State, with_tangent: bool) -> tuple[tuple, float]:
+        """Return forces (n, 3, K), those across the interface (n, 3, K), (nb,), rows (np, K) of the water.
+
+        Without contact; and the sum of squares of the volumes of the water, m6.
+        """
+        force = self._soil(state, with_tangent)
+        if self.linear is not None:
+            self.linear.add_force(state.trial.displacement, force)
+        across, border = np.zeros(force.shape), np.zeros(self.model.n_border)
+        rows, square = self._water(state, (force, across, border))
+        return (force, across, border, rows), square
 
     def _row(self, force: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """Return forces (n, 3, K) and rows of the water (np, K) in one row, nothing in those that are held."""
@@ -165,21 +185,22 @@ class FourierSystem:
             raise LawError(f"soil law did not converge in element {bad} at r={r:.3f}, z={z:.3f} m")
         return force
 
-    def _water(self, state: State, force: np.ndarray, border: np.ndarray) -> tuple[np.ndarray, float]:
+    def _water(self, state: State, forces: tuple) -> tuple[np.ndarray, float]:
         """Add the forces of the water; return its rows (np, K) and the sum of squares of its volumes, m6."""
         if self.water is None:
             return np.zeros((0, self.model.harmonics + 1)), 0.0
         gaps, step = (self.gaps(state.committed), self.gaps(state.trial)), self.water.step(self.time_step)
-        return self.water.add(step, state.committed, state.trial, gaps, (force, border))
+        return self.water.add(step, state.committed, state.trial, gaps, forces)
 
     def _contact(self, state: State, forces: tuple, volume: float) -> Residual:
         """Add the contact forces of the law and sum up.
 
-        forces : (n, 3, K), (nb,) and the rows (np, K) of the water, whose volumes have the sum of squares ``volume``.
+        forces : see `_forces`; volumes of the water have the sum of squares ``volume``.
         """
-        old, new = (ContactState(f.displacement, f.border, f.traction) for f in (state.committed, state.trial))
-        force, border, rows = forces
-        kernels.contact_forces(self.contact, old, new, self.contact_state, force, border)
+        old, new = self._faces(state.committed), self._faces(state.trial)
+        force, across, border, rows = forces
+        kernels.contact_forces(self.contact, old, new, self.contact_state, across, border)
+        self.pattern.add_across(across, force)
         norm = self._contact_norm(new.traction)
         free = self._row(force, rows)
         return summary(free, border, norm, float(np.sqrt(volume)), self.regime, self.contact_state)
@@ -221,7 +242,7 @@ class FourierSystem:
 
     def jumps(self, fields: Fields) -> np.ndarray:
         """Return the jumps (ns, 3) in m of all stations in their frames."""
-        jumps: np.ndarray = kernels.station_jumps(self.contact, fields.displacement, fields.border)
+        jumps: np.ndarray = kernels.station_jumps(self.contact, self.pattern.facing(fields.displacement), fields.border)
         return jumps
 
     def gaps(self, fields: Fields) -> np.ndarray:
@@ -229,10 +250,12 @@ class FourierSystem:
         return contact_gaps(self.model, self.jumps(fields)[:, 0])
 
     def solid_work(self, old: Fields, new: Fields) -> tuple[float, float, float]:
-        """Return the work (J) of the soil from one state to the next: stored, dissipated, and of the initial stress."""
+        """Return the work (J) of soil and linear elements in a step: stored, dissipated, and of the initial stress."""
         states = (SoilState(f.displacement, f.stress, f.history) for f in (old, new))
-        work: tuple[float, float, float] = kernels.soil_work(self.soil, *states)
-        return work
+        stored, dissipated, initial = kernels.soil_work(self.soil, *states)
+        if self.linear is not None:
+            stored += self.linear.stored(new) - self.linear.stored(old)
+        return stored, dissipated, initial
 
     def water_work(self, old: Fields, new: Fields) -> float:
         """Return the work (J) done against the pore pressures, by soil and gaps."""
@@ -266,13 +289,14 @@ class FourierSystem:
             film, k = divmod(equation - n - self._n_soil_water, self.model.harmonics + 1)
             return f"film node {film}, harmonic {k}"
         r, z = self.model.mesh.nodes[node]
-        element = int(np.argmax((self.model.mesh.quads == node).any(axis=1)))
+        mine = (self.model.mesh.quads == node).any(axis=1)
+        element = f"element {int(np.argmax(mine))}" if mine.any() else "a linear element"
         if equation >= n:
             k, what = (equation - n) % (self.model.harmonics + 1), "pore pressure"
         else:
             _, component, k = (int(i) for i in np.unravel_index(equation, self.model.displacement_shape))
             what = f"direction {('r', 'theta', 'z')[component]}"
-        return f"node {node} of element {element}, harmonic {k}, {what}, at r={r:.3f}, z={z:.3f} m"
+        return f"node {node} of {element}, harmonic {k}, {what}, at r={r:.3f}, z={z:.3f} m"
 
     @property
     def _n_soil_water(self) -> int:

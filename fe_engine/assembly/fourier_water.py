@@ -79,23 +79,24 @@ class FourierWater:
     def add(
         self, step: Step, old: Fields, new: Fields, gaps: tuple[np.ndarray, np.ndarray], forces: tuple
     ) -> tuple[np.ndarray, float]:
-        """Add the forces of the water to (n, 3, K) and (nb,).
+        """Add the forces of the water.
 
         Parameters
         ----------
         gaps : openings (ns,) of the old and the new state, m.
+        forces : (n, 3, K) on the soil, (n, 3, K) across the interface on its side of it, and (nb,).
 
         Returns
         -------
         rows : (np, K) of the water, and the sum of squares of the volumes that have changed and that flow, m6.
         """
-        force, border = forces
+        force, across, border = forces
         force -= (self.coupling @ new.pressure.ravel()).reshape(force.shape)
         rows = -step.scale * self.leaving(step, old, new)
         square = self._squares(step, new)
         if self.film is not None:
             pressure = new.pressure
-            square += fourier_film.station_water(self.contact, self.film, step, gaps, pressure, force, border, rows)
+            square += fourier_film.station_water(self.contact, self.film, step, gaps, pressure, across, border, rows)
             square += fourier_film.line_water(self.film, step, gaps[1], pressure, rows)
         return rows, square
 

@@ -158,8 +158,8 @@ class _Series:
 
     def leaving(self, old: Fields, new: Fields, time_step: float) -> np.ndarray:
         system, step = self.system, kernels_water.Step(time_step, -1.0)
-        force, border = np.zeros(system.model.displacement_shape), np.zeros(system.model.n_border)
-        rows, _ = self.wet.add(step, old, new, (system.gaps(old), system.gaps(new)), (force, border))
+        forces = *np.zeros((2, *system.model.displacement_shape)), np.zeros(system.model.n_border)
+        rows, _ = self.wet.add(step, old, new, (system.gaps(old), system.gaps(new)), forces)
         return rows
 
 

@@ -163,8 +163,8 @@ class Preconditioner:
 
     def __init__(self, system: FourierSystem, tangent: FourierTangent, control: Control) -> None:
         self.n, self.control = system.pattern.n_free, control
-        self._interface, self._rest = system.pattern.interface, system.at_rest(tangent.time_step)
-        m = len(self._interface)
+        self._pattern, self._rest = system.pattern, system.at_rest(tangent.time_step)
+        m = self._m = len(self._pattern.interface)
         self._contact = contact = system.contact_matrix(tangent)
         k = control.motions.shape[1]
         self.size = self.n + k
@@ -184,16 +184,16 @@ class Preconditioner:
 
     def right_hand_side(self, free: np.ndarray, border: np.ndarray) -> np.ndarray:
         """Return the right-hand side (n + k,) of forces (n,), (nb,), less those of the imposed motions."""
-        at_interface, b = self._interface, self.control.imposed
-        imposed = self._contact[:, len(at_interface) :] @ b
-        rhs = np.concatenate([free, self.control.forces.T @ (border - imposed[len(at_interface) :])])
-        rhs[at_interface] -= imposed[: len(at_interface)]
+        m = self._m
+        imposed = self._contact[:, m:] @ self.control.imposed
+        rhs = np.concatenate([free, self.control.forces.T @ (border - imposed[m:])])
+        self._pattern.add_jump_forces(-imposed[:m], rhs[: self.n])
         return rhs
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """Apply the inverse to rhs (n + k,)."""
         swept, left = self._rest.forward(rhs[: self.n])
-        m, middle = len(self._interface), np.concatenate([left, rhs[self.n :]])
+        m, middle = self._m, np.concatenate([left, rhs[self.n :]])
         if self._row is not None:
             middle *= self._row
         middle, _ = lapack.dgetrs(self._lu, self._pivots, middle)
@@ -206,8 +206,8 @@ class Preconditioner:
     def border_force(self, x: np.ndarray) -> np.ndarray:
         """Return the forces (nb,) on the border under a solution."""
         free, border = self.motions(x)
-        m = len(self._interface)
-        force: np.ndarray = self._contact[m:, :m] @ free[self._interface] + self._contact[m:, m:] @ border
+        m = self._m
+        force: np.ndarray = self._contact[m:, :m] @ self._pattern.jump(free) + self._contact[m:, m:] @ border
         return force
 
 

@@ -96,6 +96,19 @@ class FourierCollector(Collector):
             walls.append(sum(share * part for share, part in zip(_SIMPSON, parts, strict=True)))
         return np.stack(walls)
 
+    def _shape(self, state: Fields, rigid: np.ndarray) -> dict[str, np.ndarray]:
+        """See `collect.Collector`; in the middle of each slice."""
+        steel = self.built.steel
+        if steel is None:
+            return {"y": rigid}
+        bent = 0.5 * sum(state.displacement[wall[1::2]] for wall in steel.walls.values())
+        even = np.arange(0, bent.shape[2], 2)
+        return {
+            "y": rigid + _mean_along_x(bent),
+            "diameter_change_x": 2.0 * bent[:, 0, even].sum(axis=1),
+            "diameter_change_y": 2.0 * bent[:, 0, even] @ (-1.0) ** (even // 2),
+        }
+
     def _section(self, state: Fields) -> dict[str, np.ndarray]:
         fields = self._plane.fields(state)
         return fields if self.balance is None else fields | {"section_pore_pressure": self._plane.pressure(state)}
@@ -119,6 +132,12 @@ class FourierCollector(Collector):
     def _pressure_range(self, state: Fields) -> dict[str, float]:
         every, soil = self._wet_pressures(state), len(self.built.section.mesh.corners) * len(self.azimuth)
         return {"pressure_min": float(every.min()), "pressure_max": float(every[:soil].max())}
+
+
+def _mean_along_x(bent: np.ndarray) -> np.ndarray:
+    """Return the mean displacement (nd,) along x of rings with coefficients (nd, 3, K): that of k = 1."""
+    mean: np.ndarray = 0.5 * (bent[:, 0, 1:2] - bent[:, 1, 1:2]).sum(axis=1)
+    return mean
 
 
 def slice_shares(line: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ import xarray as xr
 
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.elements import fourier as elements
+from fe_engine.elements.rigid import displacement_operator
 from fe_engine.material import history_of
 from fe_engine.soil.law import PLASTIC_STRAIN
 from fe_engine.state import Fields
@@ -34,13 +35,15 @@ class FourierVolume:
         fields |= {f"volume_s{name}": stress[:, i] for i, name in enumerate(variables.STRESSES)}
         fields |= {"volume_plastic_strain": self.grid.plastic(state), "volume_gap": self._gap(state)}
         if self.built.model.water is not None:
-            fields["volume_pore_pressure"] = self.grid.pressure(state)
+            pressure = np.zeros((len(self.grid.edges), len(self.grid.corner)))
+            pressure[:, : len(self.built.section.mesh.corners)] = self.grid.pressure(state)
+            fields["volume_pore_pressure"] = pressure.ravel()
         return {name: values.astype(np.float32) for name, values in fields.items()}
 
     def _gap(self, state: Fields) -> np.ndarray:
         """Return the largest opening (n,) of the stations of a node, those at the nearest azimuth."""
         node, corner, gap = self.system.contact.node, self.grid.corner, self.system.gaps(state)
-        widest = np.zeros((len(self.grid.edges), self.built.section.mesh.n_nodes))
+        widest = np.zeros((len(self.grid.edges), self.built.model.mesh.n_nodes))
         for i, azimuth in enumerate(self._nearest):
             mine = self._station_azimuth == azimuth
             np.maximum.at(widest[i], node[mine], gap[mine])
@@ -48,46 +51,57 @@ class FourierVolume:
 
 
 class Sectors:
-    """Nodes and cells: corners of the section at the edges (M + 1,) between the azimuths of the law."""
+    """Nodes and cells: corners of the section at the edges (M + 1,) between the azimuths of the law, then the steel's.
+
+    Cells are those of the soil at all azimuths, then those of the steel.
+    """
 
     def __init__(self, built: BuiltFourier) -> None:
-        mesh, m = built.section.mesh, built.model.azimuths
+        mesh, m = built.model.mesh, built.model.azimuths
         self.built, self.edges = built, np.linspace(0.0, np.pi, m + 1)
-        self.corner = mesh.corners
+        steel = mesh.quads[:0] if built.steel is None else built.steel.quads
+        self.corner = np.concatenate([mesh.corners, np.unique(steel[:, :4])])
         number = np.full(mesh.n_nodes, -1)
         number[self.corner] = np.arange(len(self.corner))
-        quads, n = number[mesh.quads[:, [0, 3, 2, 1]]], len(self.corner)
-        self.hexes = np.concatenate([np.hstack([quads + j * n, quads + (j + 1) * n]) for j in range(m)])
+        n = len(self.corner)
+        parts = (number[quads[:, [0, 3, 2, 1]]] for quads in (mesh.quads, steel))
+        self.hexes = np.concatenate([np.hstack([q + j * n, q + (j + 1) * n]) for q in parts for j in range(m)])
+        self.n_steel = m * len(steel)
         r, z = mesh.nodes[self.corner].T
         c, s = np.cos(self.edges)[:, None], np.sin(self.edges)[:, None]
         self.nodes = np.stack([c * r, s * r, np.broadcast_to(z, (m + 1, n))], axis=-1).reshape(-1, 3)
         self._wave = elements.waves(self.edges, built.model.harmonics)
+        of_steel = np.tile(self.corner >= built.model.n_soil, m + 1)
+        self._rigid = displacement_operator(self.nodes, np.zeros(3)) * of_steel[:, None, None]
 
     def displacement(self, state: Fields) -> np.ndarray:
-        """Return the displacement (nodes, 3) in global axes."""
+        """Return the displacement (nodes, 3) in global axes; steel moves with the rigid motion, too."""
         move = state.displacement[self.corner]
         r, t, z = (np.einsum("jk,nk->jn", self._wave[..., w], move[:, i]) for i, w in enumerate((0, 1, 0)))
         c, s = np.cos(self.edges)[:, None], np.sin(self.edges)[:, None]
-        return np.stack([c * r - s * t, s * r + c * t, z], axis=-1).reshape(-1, 3)
+        move = np.stack([c * r - s * t, s * r + c * t, z], axis=-1).reshape(-1, 3)
+        whole: np.ndarray = move + self._rigid @ state.border
+        return whole
 
     def pressure(self, state: Fields) -> np.ndarray:
-        """Return the excess pore pressure (nodes,), Pa."""
-        pressure: np.ndarray = self._wave[..., 0] @ state.pressure[: len(self.corner)].T
-        return pressure.ravel()
+        """Return the excess pore pressure (M + 1, nc) at the soil's nodes, Pa."""
+        pressure: np.ndarray = self._wave[..., 0] @ state.pressure[: len(self.built.section.mesh.corners)].T
+        return pressure
 
     def stress(self, state: Fields) -> np.ndarray:
-        """Return the mean stress (cells, 6) in global axes."""
+        """Return the mean stress (cells, 6) in global axes; not a number in steel."""
         rr, tt, zz, rt, tz, zr = np.moveaxis(self._mean(state.stress), -1, 0)
         angle = elements.azimuths(self.built.model.azimuths)[:, None]
         c, s = np.cos(angle), np.sin(angle)
         xx, yy = c * c * rr + s * s * tt - 2 * c * s * rt, s * s * rr + c * c * tt + 2 * c * s * rt
         xy = c * s * (rr - tt) + (c * c - s * s) * rt
-        return np.stack([xx, yy, zz, xy, s * zr + c * tz, c * zr - s * tz], axis=-1).reshape(-1, 6)
+        soil = np.stack([xx, yy, zz, xy, s * zr + c * tz, c * zr - s * tz], axis=-1).reshape(-1, 6)
+        return np.vstack([soil, np.full((self.n_steel, 6), np.nan)])
 
     def plastic(self, state: Fields) -> np.ndarray:
-        """Return the mean equivalent plastic strain (cells,)."""
+        """Return the mean equivalent plastic strain (cells,); 0 in steel."""
         plastic = history_of(self.built.model, state.history, PLASTIC_STRAIN)
-        return self._mean(plastic[..., None]).ravel()
+        return np.append(self._mean(plastic[..., None]).ravel(), np.zeros(self.n_steel))
 
     def _mean(self, values: np.ndarray) -> np.ndarray:
         """Return the means (M, ne, nv) over the points of a section at each azimuth."""
@@ -100,6 +114,6 @@ def fourier_volume_dataset(built: BuiltFourier) -> xr.Dataset:
     """Return the nodes and cells of the whole half model."""
     grid = Sectors(built)
     data = {f"volume_{axis}": ("volume_node", grid.nodes[:, i]) for i, axis in enumerate("xyz")}
-    flag = np.zeros(len(grid.hexes), dtype=np.int8)
+    flag = (np.arange(len(grid.hexes)) >= len(grid.hexes) - grid.n_steel).astype(np.int8)
     cells = (("volume_cell", "vertex"), grid.hexes.astype(np.int32))
     return variables.attach(xr.Dataset(data | {"volume_hex": cells, "volume_steel": ("volume_cell", flag)}), "volume")

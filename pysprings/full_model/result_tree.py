@@ -65,7 +65,7 @@ def _mesh(work: Work) -> MeshFigures:
         nodes=mesh.n_nodes,
         elements=mesh.n_elements,
         unknowns=work.system.pattern.n_unknowns + 3,
-        steel_elements=0 if built.steel is None else len(built.steel.hexes),
+        steel_elements=0 if built.steel is None else built.steel.n_elements,
         interface_stations=len(work.system.stations.area),
         min_scaled_jacobian=built.quality.min_jacobian,
         max_aspect=built.quality.max_aspect,

@@ -22,6 +22,7 @@ from pysprings.model.build import (
 from pysprings.model.contact import SURFACE, contact_of
 from pysprings.model.fourier_mesh import PRESETS, CaissonSection, SectionCounts, make_section, refine_section
 from pysprings.model.soil_laws import soil_materials
+from pysprings.model.steel_rings import SteelRings, add_steel, make_steel_rings
 from pysprings.model.water import make_series_water
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class BuiltFourier:
     quality: Quality
     balanced_load: float
     extra_load: float
-    steel: None = None
+    steel: SteelRings | None = None
 
     def extra_load_of(self, load: float | str) -> float:
         """Return what a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
@@ -94,13 +95,17 @@ def build_on_section(scene: Scene, counts: SectionCounts) -> BuiltFourier:
         initial_pressure=pressure,
         water=water,
     )
-    return BuiltFourier(model, section, azimuth, quality, balanced, extra_load(scene.caisson.vertical_load, balanced))
+    steel = None if scene.caisson.behaviour == "rigid" else make_steel_rings(section, scene.caisson.lid_thickness)
+    if steel is not None:
+        model = add_steel(model, steel, scene.caisson.young_modulus, scene.caisson.poisson_ratio)
+    extra = extra_load(scene.caisson.vertical_load, balanced)
+    return BuiltFourier(model, section, azimuth, quality, balanced, extra, steel)
 
 
 def section_of(scene: Scene, counts: SectionCounts) -> CaissonSection:
     """Make the section of a scene with these numbers of elements. Raises MeshError."""
     try:
-        return make_section(geometry_of(scene), counts)
+        return make_section(geometry_of(scene), counts, patch=scene.caisson.behaviour == "elastic")
     except ValueError as error:  # the growth of cell sizes has no solution
         message = "elements cannot be graded in this geometry; change mesh.refinement, the preset or the domain"
         raise MeshError(message) from error

@@ -14,6 +14,7 @@ import numpy as np
 from fe_engine.fourier_model import SectionMesh
 from pysprings.model.grading import graded
 from pysprings.model.mesh import Geometry, PlaneCounts, counted, depths, outside, skirt_cells, tip_radii
+from pysprings.model.steel import PATCH
 
 
 @dataclass(frozen=True)
@@ -57,15 +58,12 @@ class CaissonSection:
         return {"outer": self.walls["outside"], "inner": self.walls["inside"], "lid": self.lid, "tip": self.tip}
 
 
-def make_section(geometry: Geometry, counts: SectionCounts) -> CaissonSection:
-    """Build the section of the soil."""
-    r, z = _radii(geometry, counts), depths(geometry, counts, _GRADED_FROM)
+def make_section(geometry: Geometry, counts: SectionCounts, patch: bool = False) -> CaissonSection:
+    """Build the section of the soil; elements end at the edge of the lid's stiff ``patch`` (see steel.PATCH)."""
+    r, z = _radii(geometry, counts, patch), depths(geometry, counts, _GRADED_FROM)
     i, j = np.meshgrid(np.arange(len(r) - 1), np.arange(len(z) - 1), indexing="ij")
-    inner, outer, toe = (
-        2 * counts.plug,
-        2 * (counts.plug + len(tip_radii(geometry, counts)) - 1),
-        2 * skirt_cells(geometry, z),
-    )
+    inner, toe = 2 * int(np.argmin(np.abs(r - geometry.inner_radius))), 2 * skirt_cells(geometry, z)
+    outer = inner + 2 * (len(tip_radii(geometry, counts)) - 1)
     slot = (2 * i >= inner) & (2 * i < outer) & (2 * j < toe)
     # nodes on a grid of half elements
     a, b = 2 * i[~slot], 2 * j[~slot]
@@ -102,9 +100,13 @@ def refine_section(counts: SectionCounts, factor: float) -> SectionCounts:
     return replace(counts, **sizes, **scaled)
 
 
-def _radii(geometry: Geometry, counts: SectionCounts) -> np.ndarray:
+def _radii(geometry: Geometry, counts: SectionCounts, patch: bool) -> np.ndarray:
     wall = counts.wall * geometry.outer_radius
-    plug = graded(geometry.inner_radius, 0.0, counts.plug, wall)[::-1]
+    if patch:  # takes the place of the element at the axis
+        edge = PATCH * geometry.inner_radius
+        plug = np.append(graded(geometry.inner_radius, edge, max(1, counts.plug - 1), wall), 0.0)[::-1]
+    else:
+        plug = graded(geometry.inner_radius, 0.0, counts.plug, wall)[::-1]
     plug[0] = 0.0
     return np.concatenate([plug, tip_radii(geometry, counts)[1:], outside(geometry, counts)[1:]])
 

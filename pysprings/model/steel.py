@@ -44,6 +44,11 @@ class SteelMesh:
     walls: dict[str, np.ndarray]
     partner: dict[int, tuple[tuple[int, float], ...]]
 
+    @property
+    def n_elements(self) -> int:
+        """Number of steel elements."""
+        return len(self.hexes)
+
 
 def make_steel(caisson: CaissonMesh, lid_thickness: float) -> SteelMesh:
     """Build the steel that fits a soil mesh; lid_thickness in m."""

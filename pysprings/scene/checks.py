@@ -85,8 +85,6 @@ def _series(scene: SceneSections) -> Iterator[Clash]:
         return
     if mesh.azimuth is not None:
         yield Clash((("mesh", "azimuth"), chosen), "counts bricks; a series has mesh.harmonics")
-    if scene.caisson.behaviour != "rigid":
-        yield Clash((("caisson", "behaviour"), chosen), 'must be "rigid" with discretisation = "fourier"')
     if scene.drainage.stabilisation != 1.0:
         yield Clash((("drainage", "stabilisation"), chosen), "is one of bricks; pressures of a series need none")
 

@@ -49,8 +49,8 @@ class SceneSections(Section):
         chosen = self.mesh.discretisation
         if chosen != AUTO:
             return cast(Discretisation, chosen)
-        needs_bricks = self.caisson.behaviour != "rigid" or self.drainage.stabilisation != 1.0
-        return "hex8" if needs_bricks or self.mesh.azimuth is not None else "fourier"
+        needs_bricks = self.drainage.stabilisation != 1.0 or self.mesh.azimuth is not None
+        return "hex8" if needs_bricks else "fourier"
 
     @property
     def load_paths(self) -> tuple[Path, ...]:

@@ -12,7 +12,7 @@ from fe_engine.contact import coulomb
 from fe_engine.elements import fourier as elements
 from fe_engine.elements import rigid
 from fe_engine.elements.interface import local_frames
-from fe_engine.fourier_model import FourierModel, RingFilm, RingStations, SectionMesh, SeriesWater
+from fe_engine.fourier_model import FourierModel, LinearRings, RingFilm, RingStations, SectionMesh, SeriesWater
 from fe_engine.settings import Settings
 from fe_engine.soil import elastic, plasol
 from fe_engine.soil.law import SoilLaw
@@ -73,6 +73,26 @@ def disc(
     )  # fmt: skip
 
 
+def on_plate(model: FourierModel, young: float = 1.0e9, thickness: float = 0.1) -> FourierModel:
+    """The disc as an elastic plate (nu 0.3) between the stations and the border; held within half of its radius."""
+    soil_nodes, s, n = model.mesh, model.stations, model.mesh.n_nodes
+    lines = np.unique(soil_nodes.nodes[s.nodes[:, 0], 0])
+    r = np.concatenate([[0.0], lines[1::2]])
+    plate = section(r, np.array([-thickness, 0.0]))
+    nodes = np.concatenate([soil_nodes.nodes, plate.nodes])
+    held = (plate.nodes[:, 0] <= 0.5 * r[-1])[:, None] & np.ones(3, dtype=bool)
+    gradient, volume = elements.geometry(plate.nodes, plate.quads)
+    tangent = np.broadcast_to(elastic.elastic_matrix(young, 0.3), (*volume.shape, 6, 6))
+    stiffness = np.array([elements.stiffness(gradient, volume, tangent, k) for k in range(model.harmonics + 1)])
+    under = np.array([n + np.argmin(np.abs(plate.nodes - nodes[k]).sum(axis=1)) for k in s.nodes[:, 0]])
+    assert np.abs(nodes[under] - nodes[s.nodes[:, 0]]).max() < 1e-12
+    stations = replace(s, nodes=np.stack([s.nodes[:, 0], under], axis=1), weight=np.tile([1.0, -1.0], (len(s), 1)))
+    return replace(
+        model, mesh=replace(soil_nodes, nodes=nodes), fixed=np.concatenate([model.fixed, held]), stations=stations,
+        linear=LinearRings(n + plate.quads, stiffness),
+    )  # fmt: skip
+
+
 def wet(model: FourierModel, film: bool = True, **changes: float) -> FourierModel:
     """The disc with water: drained around the disc, a film of 0.1 mm below it; changes of mobility, storage, ..."""
     given = {"mobility": 1.0e-9, "storage": 1.0e-10, "aperture": 1.0e-4, "transfer": 1.0e-8} | changes
@@ -92,8 +112,8 @@ def ring_film(model: FourierModel, aperture: float, transfer: float) -> RingFilm
     """Return the film along the top of the section, between the axis and the last of the stations."""
     mesh, s = model.mesh, model.stations
     top = mesh.node_sets["top"]
-    line = top[mesh.nodes[top, 0] <= mesh.nodes[s.nodes, 0].max()]
-    corner, place = line[::2], np.argmax(line == s.nodes, axis=1)
+    line = top[mesh.nodes[top, 0] <= mesh.nodes[s.nodes[:, 0], 0].max()]
+    corner, place = line[::2], np.argmax(line == s.nodes[:, :1], axis=1)
     ends, station, slope, over_radius, area = [], [], [], [], []
     for k in np.argsort(place, kind="stable"):  # every station once for each of its elements, weights of Simpson
         radius = mesh.nodes[line[place[k]], 0]

@@ -49,7 +49,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "mesh": {
             "nodes": mesh.n_nodes,
             "elements": mesh.n_elements,
-            "steel_elements": 0 if built.steel is None else len(built.steel.hexes),
+            "steel_elements": 0 if built.steel is None else built.steel.n_elements,
             "interface_stations": len(built.model.initial_pressure),
             "smallest_scaled_Jacobian": quality.min_jacobian,
             "largest_aspect_ratio": quality.max_aspect,

@@ -29,6 +29,7 @@ from pysprings.model.fourier import fixed_directions, section_counts_of, section
 from pysprings.model.fourier_mesh import CaissonSection, counted_section
 from pysprings.model.mesh import Counts, core_square, counted
 from pysprings.model.steel import patch
+from pysprings.model.steel_rings import make_steel_rings, with_rings
 from pysprings.model.water import drained_corners, film_corners, fixed_film
 
 if TYPE_CHECKING:
@@ -106,17 +107,23 @@ def _series_size(scene: Scene) -> Size:
         counts = counted_section(geometry_of(scene), counts)
     except MeshError as error:
         raise refused("mesh", str(error)) from error
-    mesh = section.mesh
-    held = held_coefficients(mesh, fixed_directions(scene, mesh), counts.harmonics)
+    mesh, steel_corners, steel_elements = section.mesh, 0, 0
+    fixed, by_depth = fixed_directions(scene, mesh), 12
+    if scene.caisson.behaviour == "elastic":
+        steel = make_steel_rings(section, scene.caisson.lid_thickness)
+        (mesh, fixed), by_depth = with_rings(mesh, fixed, steel), 14
+        steel_corners, steel_elements = len(np.unique(steel.quads[:, :4])), steel.n_elements
+    held = held_coefficients(mesh, fixed, counts.harmonics)
     corners = mesh.corners
-    values = 60 + 12 * counts.skirt + 2 * waves * 2 * (counts.plug + counts.tip)
+    values = 60 + by_depth * counts.skirt + 2 * waves * (len(section.lid) + len(section.tip) - 2)
     if scene.output.interface_fields:
         values += 5 * 2 * (2 * waves + 1) * counts.skirt
     if scene.output.section:
         plane = 2 * len(corners) - int(mesh.on_axis[corners].sum())
         values += (2 if scene.drainage.mode == "drained" else 3) * plane
     m = counts.harmonics + 3
-    volume = 4 * (4 * len(corners) * (m + 1) + 7 * mesh.n_elements * m) if scene.output.paraview else 0
+    cells = 4 * (len(corners) + steel_corners) * (m + 1) + 7 * (mesh.n_elements + steel_elements) * m
+    volume = 4 * cells if scene.output.paraview else 0
     pores, film = (0, 0) if scene.drainage.mode == "drained" else _series_pressures(scene, section, counts.harmonics)
     unknowns = int(np.count_nonzero(~held)) + 3 + pores + film
     return Size(mesh.n_nodes, mesh.n_elements, unknowns, 8 * values + volume, pores, film)
@@ -142,6 +149,8 @@ def model_bytes(scene: Scene, symmetric: bool = False) -> float:
     lanes = LANES * math.ceil(waves / LANES)
     interface = 3 * waves * 2 * (2 * counts.skirt + counts.plug + counts.tip) + size.film_pressures
     pressures = _SERIES_WATER * size.pore_pressures**2 / waves
+    if scene.caisson.behaviour == "elastic":
+        pressures += 2.0 * interface**2 + 2.0 * waves * (2.0 * interface / waves) ** 2  # of the steel
     return (
         _BASE_BYTES + 8.0 * lanes * _SERIES_ENTRIES * float(size.elements) ** _SERIES_EXPONENT
         + 8.0 * 4 * m * size.elements * _BYTES_OF_A_POINT + 8.0 * (4.0 * interface**2 + pressures)

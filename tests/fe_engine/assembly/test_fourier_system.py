@@ -13,14 +13,14 @@ from fe_engine.contact import coulomb
 from fe_engine.contact.law import Slide
 from fe_engine.conventions import REGIME_ELASTIC
 from fe_engine.elements import fourier as elements
-from fe_engine.errors import LawError, ModelError
+from fe_engine.errors import LawError, LinearSolverError, ModelError
 from fe_engine.material import Material
 from fe_engine.soil import elastic
 from fe_engine.soil.law import Point
 from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.stage import Balance
 from fe_engine.state import State
-from tests.support.fourier_models import disc, run, start
+from tests.support.fourier_models import disc, on_plate, run, start
 from tests.support.models import replace, stage, taylor_slope
 
 MOVE = 4.0e-5  # m: opens stations (2e4 Pa over 1e8 N/m3 is 2e-4 m, less with stiffer ones) and shears the sand
@@ -90,7 +90,8 @@ def plain_loop(model, state):
         for k in range(waves):
             c, d = np.cos(k * theta), np.sin(k * theta)
             local = np.stack([c * radial, d * around, c * np.array([0.0, 0.0, 1.0])], axis=1)
-            jump[:, number[s.nodes[i, 0], :, k]] = s.frame[i] @ local
+            for node, weight in zip(s.nodes[i], s.weight[i], strict=True):
+                jump[:, number[node, :, k]] = weight * s.frame[i] @ local
         jump[:, n:] = -s.frame[i] @ s.body[i]
         w, w_old = (jump @ np.concatenate([f.displacement.ravel(), f.border]) for f in (new, old))
         p, p0 = model.contact[i], model.initial_pressure[i]
@@ -100,6 +101,11 @@ def plain_loop(model, state):
         coulomb.linearise(p, slide, guess, traction, tangent)
         force += s.area[i] * jump.T @ (traction + np.array([p0, 0.0, 0.0]))
         stiffness += s.area[i] * jump.T @ tangent @ jump
+    if model.linear is not None:
+        for k, e in np.ndindex(waves, len(model.linear.quads)):
+            at = number[model.linear.quads[e], :, k].ravel()
+            force[at] += model.linear.stiffness[k, e] @ new.displacement.ravel()[at]
+            stiffness[np.ix_(at, at)] += model.linear.stiffness[k, e]
     whole = np.zeros((n + 3, n + 3))
     whole[:n, :n], whole[n:, n:] = reduce, np.eye(3)
     return whole.T @ force, whole.T @ stiffness @ whole
@@ -109,9 +115,9 @@ def product(system, tangent, free, border):
     """The tangent times increments, from its parts."""
     p, m = system.pattern, len(system.pattern.interface)
     elastic = elastic_product(system, free)
-    contact = system.contact_matrix(tangent) @ np.concatenate([free[p.interface], border])
+    contact = system.contact_matrix(tangent) @ np.concatenate([p.jump(free), border])
     out = elastic + system.plastic_product(tangent, free)
-    out[p.interface] += contact[:m]
+    p.add_jump_forces(contact[:m], out)
     return np.concatenate([out, contact[m:]])
 
 
@@ -120,16 +126,20 @@ def elastic_product(system, free):
     calm = replace(system.model, materials=_elastic_soils(system.model))
     state, rest = State(calm), FourierSystem(calm)
     rest.apply(state, free, np.zeros(3))
-    return rest.pattern.folded(rest._soil(state, False)) - 0.0
+    force = rest._soil(state, False)
+    if rest.linear is not None:
+        rest.linear.add_force(state.trial.displacement, force)
+    return rest.pattern.folded(force)
 
 
 def _elastic_soils(model):
     return [Material(elastic.LAW, np.stack(m.law.moduli(m.parameters))) for m in model.materials]
 
 
+@pytest.mark.parametrize("body", [lambda model: model, on_plate])
 @pytest.mark.parametrize(("harmonics", "seed"), [(0, 3), (1, 2), (2, 0)])
-def test_residual_and_tangent_equal_the_plain_loop(harmonics, seed):
-    model = disc(harmonics, contact=SOFT, skew=True)
+def test_residual_and_tangent_equal_the_plain_loop(harmonics, seed, body):
+    model = body(disc(harmonics, contact=SOFT, skew=True))
     system, state, rng = moved(model, seed)
     judged, linear, tangent = system.linearise(state, True)
     force, stiffness = plain_loop(model, state)
@@ -144,9 +154,11 @@ def test_residual_and_tangent_equal_the_plain_loop(harmonics, seed):
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-11 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize(("seed", "relaxed"), [(0, 1.0), (1, 1.0), (1, 0.3)])
-def test_the_tangent_is_consistent(seed, relaxed):
-    model = disc(2, contact=SOFT, skew=True)
+@pytest.mark.parametrize(("seed", "relaxed", "body"), [
+    (0, 1.0, lambda model: model), (1, 1.0, on_plate), (1, 0.3, lambda model: model),
+])  # fmt: skip
+def test_the_tangent_is_consistent(seed, relaxed, body):
+    model = body(disc(2, contact=SOFT, skew=True))
     system, state, rng = moved(model, seed)
     system.relax(relaxed)
     size = system.pattern.n_free
@@ -183,8 +195,9 @@ def test_viscous_soil_goes_a_share_of_the_way_from_the_elastic_to_its_own_stress
     np.testing.assert_allclose(state.trial.history, before + 0.3 * (history - before), rtol=1e-9, atol=1e-15)
 
 
-def test_a_step_solves_the_bordered_system():
-    model = disc(2, contact=SOFT, skew=True)
+@pytest.mark.parametrize("body", [lambda model: model, on_plate])
+def test_a_step_solves_the_bordered_system(body):
+    model = body(disc(2, contact=SOFT, skew=True))
     system, state, _ = moved(model)
     _, linear, tangent = system.linearise(state, True)
     control, load, violation = np.array([[1.0, 0.0, 0.0]]), np.array([[1.0], [0.0], [-2.0]]), np.array([3e-5])
@@ -205,9 +218,10 @@ def test_elastic_soil_takes_no_iteration():
     assert out.driver.newton.stage.n_solves > 0
 
 
-def test_border_stiffness_is_the_slope_of_the_forces():
+@pytest.mark.parametrize("body", [lambda model: model, on_plate])
+def test_border_stiffness_is_the_slope_of_the_forces(body):
     """Small elastic motions of the border, solved by Newton, against the stiffness."""
-    model = disc(1, elastic.LAW, contact=(1e9, 1e9, 50.0))
+    model = body(disc(1, elastic.LAW, contact=(1e9, 1e9, 50.0)))
     matrix = start(model).driver.newton.border_stiffness(State(model))
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())
     for j in range(3):
@@ -239,8 +253,9 @@ def test_converged_forces_balance_and_newton_is_fast():
 
 
 @pytest.mark.slow
-def test_energy_balances():
-    model = disc(2)
+@pytest.mark.parametrize("body", [lambda model: model, on_plate])
+def test_energy_balances(body):
+    model = body(disc(2))
     out = start(model, tolerance=1e-8)
     energy = EnergyBalance(out.driver.newton.system)
 
@@ -251,6 +266,21 @@ def test_energy_balances():
     now = energy.now()
     assert now.plastic > 0.0 and now.friction > 0.0
     assert abs(now.imbalance) < 1e-6 * now.moved
+
+
+def test_a_stiff_plate_is_the_rigid_disc_and_a_soft_one_is_not():
+    stiffness = [start(each).driver.newton.border_stiffness(State(each)) for each in (
+        disc(1, elastic.LAW), on_plate(disc(1, elastic.LAW), 1e17), on_plate(disc(1, elastic.LAW), 1e8),
+    )]  # fmt: skip
+    np.testing.assert_allclose(stiffness[1], stiffness[0], atol=1e-6 * np.abs(stiffness[0]).max())
+    assert np.all(np.diag(stiffness[2]) < 0.99 * np.diag(stiffness[0]))
+
+
+def test_linear_elements_that_nothing_holds_are_refused():
+    model = on_plate(disc(1))
+    loose = replace(model, fixed=np.where(np.arange(model.mesh.n_nodes)[:, None] < model.n_soil, model.fixed, False))
+    with pytest.raises(LinearSolverError, match="linear elements are not held"):
+        FourierSystem(loose)
 
 
 def test_a_law_that_fails_is_named_with_its_place(monkeypatch):

@@ -15,7 +15,7 @@ from fe_engine.soil import elastic
 from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.stage import Balance
 from fe_engine.state import State, initial_fields
-from tests.support.fourier_models import disc, run, section, start, wet
+from tests.support.fourier_models import disc, on_plate, run, section, start, wet
 from tests.support.models import replace, stage
 
 MOVE, PRESSURE = 4.0e-5, 2.0e-5  # m of displacement, and of pressure in units of model.water.scale
@@ -47,12 +47,12 @@ def together(residual):
     return np.concatenate([residual.free, residual.border])
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize(("seed", "body"), [(0, lambda model: model), (1, lambda model: model), (0, on_plate)])
 @pytest.mark.parametrize("law", ["plastic", "elastic"])
-def test_a_step_is_newtons(seed, law):
+def test_a_step_is_newtons(seed, body, law):
     """Along the step s of a free border the residual falls as (1 - h) R + O(h2): solver and tangent, in one."""
     soil = {"law": elastic.LAW} if law == "elastic" else {}
-    system, state, rng = moved(wet(disc(2, contact=SOFT, skew=True, pressure=4.0e3, **soil)), seed)
+    system, state, rng = moved(wet(body(disc(2, contact=SOFT, skew=True, pressure=4.0e3, **soil))), seed)
     at = random_move(system, rng)
     system.apply(state, *at)
     assert np.all(system.gaps(state.trial) > 0.0) == (seed == 1)
@@ -113,8 +113,9 @@ def pushed(model, tolerance=1e-9):
     return out, water.now(out.state.committed), energy.now()
 
 
-def test_water_and_energy_balance():
-    out, water, energy = pushed(wet(disc(2)))
+@pytest.mark.parametrize("body", [lambda model: model, on_plate])
+def test_water_and_energy_balance(body):
+    out, water, energy = pushed(wet(body(disc(2))))
     assert abs(water.outflow) > 1e-4 * water.moved > 0.0
     assert abs(water.imbalance) < 1e-8 * water.moved
     assert energy.water > 0.0 and energy.plastic > 0.0

@@ -68,8 +68,6 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
         ("[mesh]\nharmonics = 3\ndiscretisation = 'hex8'\n", '2:13: mesh.harmonics: are those of discretisation = "fourier"'),
         ('[mesh]\ndiscretisation = "fourier"\n[drainage]\nstabilisation = 0.5\n',
          "4:17: drainage.stabilisation: is one of bricks; pressures of a series need none"),
-        ('[mesh]\ndiscretisation = "fourier"\n[caisson]\nbehaviour = "elastic"\n',
-         '4:13: caisson.behaviour: must be "rigid" with discretisation = "fourier"'),
         # paths and layers
         ('[[path]]\nname = "a"\nkind = "vertical"\nvertical_displacement = "1 mm"\nheave = "fixed"\n',
          '5:9: path[0].heave: a path of kind "vertical" moves the caisson up or down'),
