@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The elastic caisson in Fourier series: fits the section, balances, is the rigid one where stiff, and that of bricks."""
+"""The elastic caisson in Fourier series: fits the section, balances, is the rigid one where stiff, and near bricks."""
 
 from __future__ import annotations
 
