@@ -25,7 +25,7 @@ LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.
 # pages of an earlier run of the gallery stay as they are; GALLERY=1 runs the examples whose text has changed
 SPHINX = $(BIN)/python -m sphinx -b html -q -W --keep-going docs out/site
 
-.PHONY: site gallery run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint evidence figure docs accuracy stability bench bench-peers reference clean
+.PHONY: site gallery build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint evidence figure docs accuracy stability bench bench-peers reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -48,6 +48,17 @@ test-lowest: $(DEV)
 		-r pyproject.toml $(LOWEST_TOOLS)
 	$(BIN)/uv pip install --quiet --python $(LOWEST)/bin/python --no-deps -e .
 	NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/numba $(LOWEST)/bin/python -m pytest -q -p no:cacheprovider $(LOWEST_TESTS)
+
+# wheel and sdist in dist/; the wheel in fresh environments of every Python that is there; a release (DRY=1 shows it)
+build: $(DEV)
+	rm -rf dist
+	$(BIN)/uv build --quiet --out-dir dist
+
+wheel-check: $(DEV)
+	$(BIN)/python -m benchmarks.wheel_check
+
+release: $(DEV)
+	$(BIN)/python -m benchmarks.release $(VERSION) $(if $(DRY),--dry-run)
 
 test-slow: $(DEV)
 	$(BIN)/python -m pytest -m "slow and not long" -n 2 --dist worksteal

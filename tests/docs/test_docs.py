@@ -27,7 +27,11 @@ from tests.support.place import ROOT
 from tests.support.winkler import with_invented_memory
 
 README = ROOT / "README.md"
-RUN_HERE = [README, *sorted((ROOT / "docs" / "start").glob("*.md")), *sorted((ROOT / "docs" / "guide").glob("*.md"))]
+RUN_HERE = [
+    README,
+    *(page for part in ("start", "tutorials", "guide") for page in sorted((ROOT / "docs" / part).glob("*.md"))),
+]
+SCENES_OF_TUTORIALS = ("sand", "clay", "layered", "slow")
 PAGES = [README, ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 # commands that compute a full model or more: in the slow tests
@@ -145,7 +149,10 @@ def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     tiny.write(tiny.scene(), folder / "caisson.toml")
     done = command("run", str(folder / "fan.toml"), "--out", str(folder / "out"))
     assert done.code == 0, done.err
-    shutil.copytree(folder / "out", folder / "fan")
+    for name in ("fan", *SCENES_OF_TUTORIALS):
+        shutil.copytree(folder / "out", folder / name)
+    for name in SCENES_OF_TUTORIALS:
+        tiny.write(fan_scene(), folder / f"{name}.toml")
     tables = blocks(ROOT / "docs/guide/own-springs.md", "text"), blocks(ROOT / "docs/guide/predict.md", "text")
     (folder / "curves.csv").write_text(next(each for each in tables[0] if each.startswith("depth_m")))
     cases = blocks(ROOT / "docs/guide/load-cases.md", "text")

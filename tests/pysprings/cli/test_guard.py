@@ -37,6 +37,11 @@ def failing(error: BaseException) -> Callable[[], None]:
             "fatal: not converged: pull: stopped at 3 mm\nwhat converged is kept in out/caisson\n",
         ),
         (NotConverged("no balance", "node 3"), 3, "fatal: not converged: no balance (node 3)\n"),
+        (
+            ModuleNotFoundError("No module named 'numba'", name="numba"),
+            4,
+            "fatal: resources: this needs the package numba, which is not installed\n",
+        ),
         (MeshError("inverted element 7"), 2, "fatal: user input: mesh: inverted element 7\n"),
         (ResourceError("pardiso is not installed"), 4, "fatal: resources: pardiso is not installed\n"),
         (KeyboardInterrupt(), 130, "interrupted\n"),
