@@ -269,6 +269,18 @@ def test_every_source_file_that_a_page_names_exists() -> None:
     assert not [f"{name(page)}: {path}" for page, path in named if not (ROOT / path).exists()]
 
 
+# files of the engine that hold no law or element of their own
+HELPERS = {"__init__.py", "dispatch.py", "formulas.py", "law.py", "laws.py", "lode.py", "principal.py"}
+
+
+def test_the_page_of_laws_names_every_file_of_a_law_or_element() -> None:
+    text = (ROOT / "docs/theory/laws-and-files.md").read_text(encoding="utf-8")
+    files = [file for room in ("soil", "contact", "elements") for file in (ROOT / "fe_engine" / room).glob("*.py")]
+    named = [file.relative_to(ROOT).as_posix() for file in files if file.name not in HELPERS]
+    assert len(named) > 12
+    assert not [name for name in named if f"`{name}`" not in text]
+
+
 # --- the generated pages ---
 
 
