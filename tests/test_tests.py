@@ -19,6 +19,7 @@ OF_BENCHMARKS = {
     "tests/pysprings/model/test_domain_effect.py",
     "tests/pysprings/model/test_omissions_benchmark.py",
     "tests/pysprings/test_mutation.py",
+    "tests/pysprings/test_release.py",
     "tests/test_house.py",
     "tests/verification/test_peers.py",
 }
