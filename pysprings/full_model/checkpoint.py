@@ -202,6 +202,15 @@ class Checkpoints:
             if not any(place.iterdir()):
                 place.rmdir()
 
+    @property
+    def harmonics(self) -> int | None:
+        """Number of harmonics of the run that was interrupted here; None of bricks, and where nothing can be read."""
+        try:
+            number = read(self.place / _START).meta["harmonics"]
+        except (OSError, Damaged, LookupError, TypeError):
+            return None
+        return None if number is None else int(number)
+
     def are_of(self, scene_sha256: str) -> bool:
         """Return whether the checkpoints can be read and belong to a run of this scene."""
         try:

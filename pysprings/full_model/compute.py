@@ -90,7 +90,9 @@ def run(
     """
     ran = scene_to_run(scene, mesh, linear)
     estimated = estimates_by_default(ran) if estimate_error is None else estimate_error
-    beside = companions_of(ran, compute, progress) if estimated else Companions()
+    unfinished = checkpoint is not None and is_unfinished(FilePath(checkpoint))
+    chosen = Checkpoints(FilePath(checkpoint)).harmonics if checkpoint is not None and unfinished else None
+    beside = companions_of(ran, compute, progress, chosen) if estimated else Companions()
     options = RunOptions(mesh, linear, progress, harmonics=beside.harmonics)
     result = _compute(scene, options) if checkpoint is None else _compute_in(FilePath(checkpoint), scene, options)
     if estimated and not result.interrupted:
@@ -190,7 +192,8 @@ def _take_up(work: Work, started: str, resume: bool) -> Loaded:
         work.resumed.append({"at_utc": started, "from": loaded.place})
         work.warnings += [f"checkpoint {text}; what it held is computed again" for text in loaded.damaged]
     if loaded.shared is None:
-        loaded.shared = Saved({"started_utc": started}, {"stiffness": _initial_stiffness(work)})
+        about = {"started_utc": started, "harmonics": work.scene.mesh.harmonics}
+        loaded.shared = Saved(about, {"stiffness": _initial_stiffness(work)})
         if checkpoints is not None:
             with work.clock.phase("checkpoint"):
                 checkpoints.begin(loaded.shared, anew=not resume)

@@ -79,7 +79,8 @@ def run_to_folder(
         refuse_linked_folders(folder)
         checkpoints = Checkpoints(folder)
         estimated = estimates_by_default(ran) if estimate_error is None else estimate_error
-        beside = companions_of(ran, compute, progress) if estimated else Companions()
+        chosen = checkpoints.harmonics if resume else None
+        beside = companions_of(ran, compute, progress, chosen) if estimated else Companions()
         result = compute(
             scene, mesh, progress, checkpoints=checkpoints, resume=resume, time_unit=time_unit,
             harmonics=beside.harmonics,

@@ -53,10 +53,13 @@ def estimates_by_default(scene: Scene) -> bool:
     return scene.discretisation == FOURIER
 
 
-def companions_of(scene: Scene, compute: Compute, progress: Progress | None = None) -> Companions:
+def companions_of(
+    scene: Scene, compute: Compute, progress: Progress | None = None, chosen: int | None = None
+) -> Companions:
     """Run a Fourier scene on its coarser mesh, and choose the number of harmonics with which the scene itself is run.
 
-    Bricks have none here: their coarser mesh is run after them (`add_estimate`).
+    Bricks have none here: their coarser mesh is run after them (`add_estimate`). A run that goes on keeps the number
+    that was ``chosen`` when it began.
 
     Raises
     ------
@@ -66,18 +69,20 @@ def companions_of(scene: Scene, compute: Compute, progress: Progress | None = No
     companions = Companions()
     if scene.discretisation == FOURIER:
         with companions.clock.phase(PHASE):
-            _choose(scene, companions, compute, progress)
+            _choose(scene, companions, compute, progress, chosen)
     return companions
 
 
-def _choose(scene: Scene, companions: Companions, compute: Compute, progress: Progress | None) -> None:
+def _choose(
+    scene: Scene, companions: Companions, compute: Compute, progress: Progress | None, chosen: int | None
+) -> None:
     """Raise the harmonics on the coarser mesh until two more of them change little."""
     from pysprings.model.fourier import section_counts_of
 
     coarse = _coarser(scene, companions)
     if coarse is None:
         return
-    n = section_counts_of(scene).harmonics
+    n = chosen or section_counts_of(scene).harmonics
     while _run(coarse.replace(mesh={"harmonics": n}), n, companions, compute, progress):
         companions.harmonics = n
         if not _run(coarse.replace(mesh={"harmonics": n + 2}), n + 2, companions, compute, progress):
@@ -85,7 +90,7 @@ def _choose(scene: Scene, companions: Companions, compute: Compute, progress: Pr
         change = two_mesh.difference(companions.trees[n + 2], companions.trees[n]) or {}
         most = ENOUGH.get(scene.mesh.preset, ENOUGH_ELSE)
         enough = not any(change.get(name, 0.0) > most for name in two_mesh.ESTIMATED)  # NaN: not on these paths
-        if enough or scene.mesh.harmonics is not None or n + 2 > MOST:
+        if enough or chosen or scene.mesh.harmonics is not None or n + 2 > MOST:
             return
         n += 2
 

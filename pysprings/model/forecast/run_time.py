@@ -24,6 +24,10 @@ _SYMMETRIC = 0.77  # 1/1.3 of benchmarks/omissions.py on `coarse`: the least, si
 # that, 28 increments become 28 (1 + s), with 1 - s + 4.3 s times the time of an increment (`paper` to 20 mm).
 _LIFT_OFF, _LIFT_OFF_INCREMENTS, _LIFT_OFF_TIME = 1.0e-3, 2.0, 4.3
 PICTURE_SECONDS = 10.0  # of one path
+# The same of series, by a power of the unknowns; with water; and of the two runs on a coarser section that choose the
+# harmonics and estimate the error, of four paths at most (full_model.accuracy.own_estimate).
+_SERIES_START, _SERIES_PER_UNKNOWN, _SERIES_EXPONENT = 1.0, 8.0e-7, 1.32
+_SERIES_WATER, _SERIES_ESTIMATE, _ESTIMATED_PATHS = 2.0, 0.7, 4
 
 
 def least_increments(scene: Scene) -> list[int]:
@@ -53,14 +57,31 @@ def seconds(
     21.7, 265 and 77 s. Coupled: `medium` 13.7 s, `paper` to 1 mm 53 s; law 12.7 and 56 s. `coarse` to 20 mm takes 45
     increments, as in the law. The motion under an imposed force is unknown: lift-off of the lid is not counted.
 
+    Series take c N^1.32 an increment, their error estimate included. Measured without it at the default tolerance, one
+    thread: `paper` N 3 to 2.5 mm 2.3 s, coupled 4.5 and 5.2 s, `medium` N 3 to 20 mm 4.3 s, coupled 10.1 s; law without
+    start and estimate 2.3, 4.6, 3.3 and 6.5 s. `paper` to 20 mm takes 22 s, law 7 s.
+
     ``water``: pressures are among the unknowns; ``superlu``: SuperLU factorises bricks (None: as in the scene, here).
     """
     wet = scene.drainage.mode != "drained" if water is None else water
+    if scene.discretisation == "fourier":
+        each = _SERIES_PER_UNKNOWN * unknowns**_SERIES_EXPONENT * (_SERIES_WATER if wet else 1.0)
+        share = min(1.0, _ESTIMATED_PATHS / len(scene.load_paths))
+        return _pictures(scene) + _SERIES_START + (1.0 + _SERIES_ESTIMATE * share) * _of_paths(scene, each)
     each = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2
     each *= (_WATER if wet else 1.0) * (_SYMMETRIC if symmetric else 1.0)
     if uses_superlu(scene) if superlu is None else superlu:
         each *= superlu_time(unknowns)
-    total = _START + (PICTURE_SECONDS * min(len(scene.load_paths), MOST_DRAWN) if scene.output.figures else 0.0)
+    return _pictures(scene) + _START + _of_paths(scene, each)
+
+
+def _pictures(scene: Scene) -> float:
+    return PICTURE_SECONDS * min(len(scene.load_paths), MOST_DRAWN) if scene.output.figures else 0.0
+
+
+def _of_paths(scene: Scene, each: float) -> float:
+    """Return the time of all paths, for that of an increment before lift-off (s)."""
+    total = 0.0
     for path, number in zip(scene.load_paths, least_increments(scene), strict=True):
         lifted = _lifted(scene, path)
         total += number * (1.0 - lifted + _LIFT_OFF_TIME * lifted) * each

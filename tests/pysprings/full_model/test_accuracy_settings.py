@@ -228,6 +228,9 @@ def test_harmonics_grow_until_two_more_change_little(change: dict[int, float], c
     assert found.harmonics == chosen
     assert asked == list(range(3, chosen + 3, 2))  # none twice
     assert scene_to_run(scene, harmonics=found.harmonics).mesh.harmonics == chosen
+    asked.clear()
+    assert companions_of(scene, compute, chosen=chosen).harmonics == chosen  # a run that goes on
+    assert asked == [chosen, chosen + 2]
     given = scene.replace(mesh={"harmonics": 3})
     assert companions_of(given, compute).harmonics == 3
     assert scene_to_run(given, harmonics=9) is given

@@ -270,6 +270,7 @@ def test_a_stopped_run_goes_on_to_the_same_result(after, tmp_path):
     whole = compute(loaded_scene()).recorded()
     stopped = compute(loaded_scene(), progress=_Stop(after), checkpoints=Checkpoints(tmp_path)).recorded()
     assert stopped.attrs["status"] == "interrupted"
+    assert Checkpoints(tmp_path).harmonics == 2 and Checkpoints(tmp_path / "none").harmonics is None
     resumed = compute(loaded_scene(), checkpoints=Checkpoints(tmp_path), resume=True).recorded()
     assert resumed.attrs["status"] == "complete"
     for name in ("pull", "second"):

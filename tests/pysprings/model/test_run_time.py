@@ -62,6 +62,27 @@ def test_time_is_what_was_measured(unknowns: int, end: float, mode: str, measure
     assert seconds(pull(end, drainage={"mode": mode}), unknowns) == pytest.approx(measured, rel=0.15)
 
 
+@pytest.mark.parametrize(
+    ("unknowns", "end", "mode", "measured"),
+    [
+        (7_262, 2.5e-3, "drained", 2.3),
+        (7_900, 2.5e-3, "coupled", 4.9),
+        (3_868, 20e-3, "drained", 4.3),
+        (4_200, 20e-3, "coupled", 10.1),
+    ],
+)
+def test_time_of_a_series_is_what_was_measured(unknowns: int, end: float, mode: str, measured: float) -> None:
+    """docs/theory/fourier.md, N 3 at the default tolerance; start and error estimate are not in those."""
+    scene = pull(end, drainage={"mode": mode}, mesh={"discretisation": "fourier", "preset": "paper"})
+    assert (seconds(scene, unknowns) - 1.0) / 1.7 == pytest.approx(measured, rel=0.4)
+
+
+def test_the_error_estimate_of_a_fan_has_four_paths() -> None:
+    mesh = {"discretisation": "fourier"}
+    one, ten = (pull(0.0, paths=_turns(names), mesh=mesh) for names in ("a", "abcdefghij"))
+    assert (seconds(ten, 9_000) - 1.0) / (seconds(one, 9_000) - 1.0) == pytest.approx(10 * 1.28 / 1.7, rel=1e-6)
+
+
 def test_cost_grows_with_the_mesh_and_the_paths() -> None:
     small, large = 5_000, 50_000
     assert 10 * memory_bytes(small) > memory_bytes(large) > memory_bytes(small) > 0.2e9
