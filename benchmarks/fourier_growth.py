@@ -118,7 +118,7 @@ def main() -> None:
     parser.add_argument("--end", type=float, default=1.0, help="lateral displacement, mm")
     parser.add_argument("--mesh", default="medium", help="preset of the harmonics")
     parser.add_argument("--out", type=Path)
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     head = GROWTH if given.what == "growth" else HARMONICS
     print(",".join(head))
     rows = growth(given.meshes, 1e-3 * given.end) if given.what == "growth" else harmonics(given.mesh)

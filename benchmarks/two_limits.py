@@ -47,7 +47,8 @@ CASES: dict[str, tuple[float, dict[str, Any]]] = {
         {"top": 0.0, "name": "loose", "friction_angle_final": 0.5236, "young_modulus": 60e6},
         {"top": 2.5, "name": "dense", "friction_angle_final": 0.6632, "young_modulus": 200e6},
     ]}}),
-    "cohesion 15 kPa, gap": (2.5, {"domain": PAPER, "soil": {"cohesion": 15e3, "K0": 0.6, "friction_angle_initial": "auto"}}),
+    "cohesion 15 kPa, gap": (2.5, {"domain": PAPER, "soil": {
+        "cohesion": 15e3, "K0": 0.6, "friction_angle_initial": "auto"}}),
 }  # fmt: skip
 
 
