@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""A plain tower on one bucket in OpenFAST: 60 s of free vibration on the nonlinear foundation and on its matrix.
+"""A plain tower on one bucket in OpenFAST: 60 s of free vibration on nonlinear foundations and on their matrix.
 
     python -m benchmarks.openfast_tower SPRINGS DIR [--openfast PROGRAM]
 
-SPRINGS has a fan of load paths (template `fan`). DIR gets the input files of both models (they differ in the file of
-SoilDyn), and the output of OpenFAST. The tower is a tube of 60 m between sea bed and its top, with a mass on it; it is
-pulled aside and released. Gravity is 0 and the reaction at rest is left out: both foundations start at the same state.
+SPRINGS has a fan of load paths (template `fan`), and elements with memory where `[springs] memory = true`. DIR gets the
+input files of all models (they differ in the file of SoilDyn), and the output of OpenFAST. The tower is a tube of 60 m
+between sea bed and its top, with a mass on it; it is pulled aside and released. Gravity is 0, the reaction at rest is
+left out: all foundations start at the same state.
 """
 
 from __future__ import annotations
@@ -19,8 +20,10 @@ from pathlib import Path
 import numpy as np
 
 from pysprings import open_springs
+from pysprings.macro.memory.build import has_memory
 from pysprings.results.exporters import Source, export
 from pysprings.results.exporters.soildyn.library import build
+from pysprings.springs.springs import Springs
 
 DEPTH, TOP, SECONDS, STEP = 30.0, 10.0, 60.0, 0.01  # m, m, s, s
 NACELLE, PUSH = 250e3, 0.10  # kg on the tower, m of its platform at the start
@@ -102,19 +105,26 @@ def primary(soil: str) -> Iterable[str]:
     )  # fmt: skip
 
 
-def write(springs: str, folder: Path) -> None:
-    """Write both models."""
+def write(springs: str, folder: Path) -> list[str]:
+    """Write all models; return their names."""
     source = Source(open_springs(springs))
-    export(source, "openfast", folder, torsion=2e10, z=-DEPTH, reaction_at_rest="none")
-    build(folder)
     parts = {"elastodyn.dat": ELASTODYN, "blade.dat": BLADE, "tower.dat": TOWER, "subdyn.dat": SUBDYN}
-    parts |= {"matrix.fst": primary("soildyn.dat"), "nonlinear.fst": primary("soildyn_nonlinear.dat")}
+    soils = {"matrix": "soildyn.dat"}
+    for kind in ("memory", "fan") if has_memory(Springs.of(source.springs)) else ("fan",):
+        export(source, "openfast", folder, torsion=2e10, z=-DEPTH, reaction_at_rest="none", springs=kind)
+        soils[kind] = f"soildyn_{kind}.dat"
+        (folder / "caisson.txt").replace(folder / f"{kind}.txt")
+        text = (folder / "soildyn_nonlinear.dat").read_text()
+        (folder / soils[kind]).write_text(text.replace("./caisson.txt", f"./{kind}.txt"))
+    build(folder)
+    parts |= {f"{name}.fst": primary(file) for name, file in soils.items()}
     values = {"{push}": f"{PUSH}", "{tilt}": "0.05", "{mass}": f"{NACELLE}"}
     for name, lines in parts.items():
         text = "\n".join(lines) + "\n"
         for key, value in values.items():
             text = text.replace(key, value)
         (folder / name).write_text(text)
+    return list(soils)
 
 
 def read(file: Path) -> dict[str, np.ndarray]:
@@ -126,15 +136,15 @@ def read(file: Path) -> dict[str, np.ndarray]:
 
 
 def main() -> None:
-    """Write, run and compare both models."""
+    """Write, run and compare the models."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("springs")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--openfast", default=shutil.which("openfast"))
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    write(given.springs, given.folder)
-    for name in ("matrix", "nonlinear") if given.openfast else ():
+    names = write(given.springs, given.folder)
+    for name in names if given.openfast else ():
         log = given.folder / f"{name}.log"
         with log.open("w") as out:
             done = subprocess.run(

@@ -7,6 +7,8 @@ to +-K_k d_k, so that unloading follows twice the backbone. It has nothing to do
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 
@@ -87,16 +89,22 @@ def elements_of(rows: np.ndarray, table: FanTable) -> ElementSet:
     """Return a set of elements that share out nothing but their loads."""
     odd = ~table.even
     none = Shares(
-        odd, np.zeros(odd.size), np.zeros((odd.sum(), 2)), np.zeros((odd.sum(), 2 * len(rows))),
+        odd, np.where(odd, 0.0, table.r[:, 0, 0]), np.zeros((odd.sum(), 2)), np.zeros((odd.sum(), 2 * len(rows))),
         np.zeros(((~odd).sum(), len(rows))), np.inf,
     )  # fmt: skip
     return ElementSet(rows, REACH, none, 0.0, {"0 degrees": (0.0, 0.0)}, 5 * REACH)
 
 
-def with_invented_memory() -> xr.DataTree:
-    """Return springs that hold elements which were not calibrated: quick to make."""
+def with_invented_memory(rows: np.ndarray | None = None, settling: bool = False) -> xr.DataTree:
+    """Return springs that hold elements which were not calibrated: quick to make. Settling ones change w and V."""
     tree = springs()
     given = Springs.of(tree)
-    stored = memory_dataset(given, elements_of(mixed(), build_fan(given)))
+    table = build_fan(given)
+    elements = elements_of(mixed() if rows is None else rows, table)
+    if settling:
+        shares = elements.shares
+        even = np.random.default_rng(7).uniform(-1.0, 1.0, shares.even.shape)
+        elements = replace(elements, shares=replace(shares, even=even, length=0.3 * REACH))
+    stored = memory_dataset(given, elements)
     groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
     return xr.DataTree.from_dict(groups | {"/memory": stored}, name=tree.name)

@@ -19,7 +19,10 @@ _ERRORS = {
 }  # fmt: skip
 
 
-def header(source: Source, target: str, frame: str, units: str) -> list[str]:
+BACKBONE = "monotonic backbone of a nonlinear response, not cyclic"
+
+
+def header(source: Source, target: str, frame: str, units: str, use: str = BACKBONE) -> list[str]:
     """Return the lines of a header, without comment signs.
 
     Parameters
@@ -30,6 +33,8 @@ def header(source: Source, target: str, frame: str, units: str) -> list[str]:
         Program and kind of file.
     frame, units
         Axes with their signs, and units, of the numbers in the file.
+    use
+        A sentence on the kind of loading that the numbers stand for.
     """
     springs = source.springs
     attrs, given = springs.attrs, Springs.of(springs)
@@ -43,7 +48,7 @@ def header(source: Source, target: str, frame: str, units: str) -> list[str]:
         f"units: {units}",
         f"drainage: {given.drainage}; rate: {rates or 'none: the springs do not depend on it'}; "
         f"vertical load at rest: {given.rest_load / 1e3:.6g} kN",
-        "monotonic backbone of a nonlinear response, not cyclic",
+        use,
         *(f"range, path {name}: {range_of_path(springs, name)}" for name in path_names(springs)),
         *(
             f"measured error, path {row['path']}, springs {row['springs']}: {error_of_row(row)}"

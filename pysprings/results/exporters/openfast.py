@@ -19,17 +19,23 @@ if TYPE_CHECKING:
 _SPRING_FILE = "caisson.txt"
 _NO_FAN = "no nonlinear foundation: it needs a fan of load paths (template 'fan'); the matrices are linear"
 _BUILD = "build the library with: pysprings soildyn DIR; OpenFAST loads {library} from its working folder"
-_LOST = (
-    "nonlinear elastic: no hysteresis, no memory of earlier loads (springs with memory do not exist yet)",
-    "out of one plane of motion: the secant stiffness at the size of the whole motion, an assumption; torsion linear",
+_LOST = {
+    "fan": ("nonlinear elastic: no hysteresis, no memory of earlier loads (`springs=memory` has one)",
+            "out of one plane of motion: the secant stiffness at the size of the whole motion, an assumption"),
+    "memory": ("no degradation by the number of cycles",
+               "out of one plane of motion: elements with one gauge of the motion in both planes, an assumption"),
+}  # fmt: skip
+_ALWAYS = (
+    "torsion is linear",
     "SubDyn 5.0.0 writes NaN for base reactions with a library: read Sld1Fxg and the like",
 )
+_CYCLES = "elements that remember reversals, for tens of cycles"
 
 
 def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[Path], list[str]]:
     """Write the spring file and the SoilDyn input for the library; return them, and what is lost."""
     from pysprings.macro.fan import has_fan
-    from pysprings.results.exporters.header import header
+    from pysprings.results.exporters.header import BACKBONE, header
     from pysprings.results.exporters.soildyn.inputs import library_input
     from pysprings.results.exporters.soildyn.library import library_name
     from pysprings.results.exporters.soildyn.spring_file import spring_text
@@ -38,7 +44,9 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     if not has_fan(springs):
         return [], [_NO_FAN]
     model = _model(springs, options)
-    head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m"), *_LOST, _conditions(model)]
+    lost = [*_LOST[str(options["springs"])], *_between_planes(model), *_ALWAYS]
+    use = BACKBONE if model.memory is None else _CYCLES
+    head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use), *lost, _conditions(model)]
     total, stop = options["reaction_at_rest"] == "load", options["beyond"] == "stop"
     text = spring_text(head, model, float(options["torsion"] or 0.0), total, stop)
     library = f"./{library_name()}"
@@ -46,7 +54,7 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
         target.write(_SPRING_FILE, text),
         target.write("soildyn_nonlinear.dat", library_input(head, library, f"./{_SPRING_FILE}", [_place(options)])),
     ]
-    return files, [*_LOST, _BUILD.format(library=library)]
+    return files, [*lost, _BUILD.format(library=library)]
 
 
 def _chosen(source: Source, options: Options) -> Springs:
@@ -61,7 +69,20 @@ def _model(springs: Springs, options: Options) -> MacroModel:
     from pysprings.macro.model import MacroModel
 
     V = options["V"]
-    return MacroModel.from_springs(springs, "fan", V=None if V is None else float(V))
+    return MacroModel.from_springs(springs, str(options["springs"]), V=None if V is None else float(V))
+
+
+def _between_planes(model: MacroModel) -> list[str]:
+    """Return a sentence on motions at 45 degrees between the planes of the plates, of springs with memory."""
+    from pysprings.results.exporters.soildyn.between_planes import error_between_planes
+
+    if model.memory is None:
+        return []
+    H, M = error_between_planes(model.memory)
+    return [
+        f"gap elements stand in the planes of x and y: at 45 degrees between them loads differ by up to "
+        f"{100 * H:.2g} % in H and {100 * M:.2g} % in M, of the largest on a way to half of the reach, back and forth"
+    ]
 
 
 def _conditions(model: MacroModel) -> str:
@@ -100,6 +121,8 @@ OPENFAST = Exporter(
         Option("x", "place of the lid centre in the frame of OpenFAST", unit="m", example="0 m"),
         Option("y", "the same", unit="m", example="0 m"),
         Option("z", "height of the mudline above still water, negative", unit="m", example="-30 m"),
+        Option("springs", "of the nonlinear foundation: the fan, or the elements that remember reversals", "fan",
+               choices=("fan", "memory")),
         Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
         Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
         Option("reaction_at_rest", "vertical reaction of the nonlinear foundation at displacement 0: the vertical load "

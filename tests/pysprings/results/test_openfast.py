@@ -11,9 +11,11 @@ import pytest
 from scipy.optimize import brentq
 
 from pysprings.core.errors import UserInputError
+from pysprings.macro.memory.elements import GAP
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, impose
 from pysprings.macro.stiffness import stiffness_six
+from pysprings.macro.trace import trace
 from pysprings.results.exporters import Source, export
 from pysprings.results.exporters.linear import linear_errors
 from pysprings.results.exporters.soildyn.inputs import library_input
@@ -21,7 +23,7 @@ from pysprings.results.exporters.soildyn.library import COMPILERS, build, librar
 from pysprings.results.exporters.subdyn import labels
 from pysprings.results.tables import open_table
 from pysprings.springs.springs import Springs
-from tests.support import openfast, subdyn, synthetic, written
+from tests.support import openfast, subdyn, synthetic, winkler, written
 from tests.support.commands import command
 from tests.support.fans import LENGTH
 from tests.support.vertical import fan_with_vertical, vertical_springs
@@ -317,3 +319,27 @@ def test_a_moment_that_is_rounding_has_no_error_of_the_matrix() -> None:
     lines = linear_errors(Springs.of(tree))
     assert lines
     assert all("H " in line and "M " not in line for line in lines)
+
+
+def test_soildyn_follows_a_sequence_with_memory(library: Path, tmp_path: Path) -> None:
+    """Turning motions in a plane at an angle: SoilDyn keeps the state of the elements from step to step."""
+    rows = winkler.mixed()
+    springs = winkler.with_invented_memory(rows[rows[:, 0] != GAP])
+    export(springs, "openfast", tmp_path, torsion=TORSION, z=-30.0, springs="memory")
+    shutil.copy(library, tmp_path)
+    t = np.linspace(0.0, 1.0, 200)[1:]
+    states = np.stack([6e-3 * np.sin(14.0 * t) * t, 1.5e-3 * np.sin(9.0 * t)], axis=1)
+    c, s = np.cos(0.7), np.sin(0.7)
+    motions = np.zeros((len(states), 6))
+    motions[:, 0], motions[:, 1] = c * states[:, 0], s * states[:, 0]
+    motions[:, 3], motions[:, 4] = s * states[:, 1], -c * states[:, 1]
+    done = openfast.drive(tmp_path, motions, "soildyn_nonlinear.dat")
+    assert done.code == 0, done.log
+    passed = done.channels[:, 6:12] * [1.0, 1.0, 1.0, *np.radians([1.0, 1.0, 1.0])]  # angles in degrees
+    loads = trace(MacroModel.from_springs(springs, "memory"), "state", np.stack(
+        [passed[:, 0] * c + passed[:, 1] * s, passed[:, 3] * s - passed[:, 4] * c], axis=1))  # fmt: skip
+    H, M = loads["H"].values, loads["M"].values
+    expected = -np.stack([H * c, H * s, M * s, -M * c], axis=1)
+    np.testing.assert_allclose(
+        1e3 * done.channels[:, [0, 1, 3, 4]], expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max(axis=0).max()
+    )

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A suction caisson for SoilDyn (OpenFAST, CalcOption 3): the macro-model of pysprings on a fan of load paths.
+ * A suction caisson for SoilDyn (OpenFAST, CalcOption 3): the macro-model of pysprings, a fan or springs with memory.
  *
  *   cc -O2 -shared -fPIC *.c -o libpysprings_soildyn.so -lm          Linux (proven)
  *   cc -O2 -dynamiclib *.c -o libpysprings_soildyn.dylib             macOS (not tried)
@@ -8,7 +8,9 @@
  *
  * SoilDyn calls INTERFACEFOUNDATION with IDTask 1 (initialise: read the spring file PROPSFILE), 2 (force at a
  * displacement), 3 (force and stiffness at a displacement). The library has no variables: the springs are kept in Props
- * and the marks in StVar, both of them arrays of the caller, a set for each point. The springs are nonlinear elastic.
+ * and the state in StVar, both of them arrays of the caller, a set for each point. A call goes on from the state that it is
+ * given: a step that is rejected and repeated from the earlier state leaves no trace. Without elements with a memory in the
+ * file the springs are nonlinear elastic.
  */
 #include <math.h>
 #include <string.h>
@@ -24,10 +26,6 @@
 enum { INITIALISE = 1, FORCE = 2, STIFFNESS = 3 };
 /* Above 6, the largest code of SoilDyn's own texts: OpenFAST stops, and the text of this library stands before. */
 enum { NO_FILE = 101, BAD_FILE = 102, NO_STATE = 103, BEYOND = 104, BAD_TASK = 105, BAD_MOTION = 106 };
-/* StVar: marks of the last state. */
-enum { S_USED, S_USED_VERTICAL, S_WARNED };
-#define STATES 1200
-
 static void say(const char *kind, const char *name, int line, const char *text) {
   if (line) printf("\npysprings SoilDyn library: %s: %s, line %d: %s\n", kind, name, line, text);
   else printf("\npysprings SoilDyn library: %s: %s: %s\n", kind, name, text);
@@ -66,8 +64,8 @@ static int evaluate(int task, const double *P, double *state, const double *d, d
       say("fatal", "displacement", 0, "a component is not finite");
       return BAD_MOTION;
     }
-  pysprings_forces(P, d, &answer);
-  if (task == STIFFNESS) pysprings_stiffness(P, d, D);
+  if (task == STIFFNESS) pysprings_stiffness(P, state, d, D);
+  pysprings_forces(P, state, d, &answer);
   memcpy(force, answer.force, sizeof answer.force);
   state[S_USED] = answer.used;
   state[S_USED_VERTICAL] = answer.used_vertical;
@@ -80,6 +78,11 @@ static int evaluate(int task, const double *P, double *state, const double *d, d
     sprintf(text, "beyond the calibrated range (%.3g laterally, %.3g vertically, limit 1): reactions are extrapolated",
             answer.used, answer.used_vertical);
     say("warning", "springs", 0, text);
+  }
+  if (P[P_COUNT] > 0.0 && state[S_WARNED_WAY] == 0.0 && state[S_WAY] > P[P_WAY] * (1.0 + SLACK)) {
+    state[S_WARNED_WAY] = 1.0;
+    say("warning", "springs", 0,
+        "motions add up to more than the paths of the calibration: settlement is extrapolated from here on");
   }
   return 0;
 }

@@ -12,7 +12,8 @@ from pathlib import Path
 
 from pysprings.core.errors import ResourceError
 
-SOURCES = tuple(Path(__file__).with_name(name) for name in ("foundation.c", "springs.c", "spring_file.c"))
+_NAMES_OF_SOURCES = ("foundation.c", "springs.c", "memory.c", "spring_file.c")
+SOURCES = tuple(Path(__file__).with_name(name) for name in _NAMES_OF_SOURCES)
 COMPILERS = ("cc", "gcc", "clang")
 _NAMES = {"linux": "libpysprings_soildyn.so", "darwin": "libpysprings_soildyn.dylib", "win32": "pysprings_soildyn.dll"}
 

@@ -86,6 +86,28 @@ static int read_branch(Reader *r, const char *word, double *P, int *place, int w
   return knots(r, P, place, count_of(head[0]), BRANCH);
 }
 
+/* Read elements with a memory; none is allowed. */
+static int read_elements(Reader *r, double *P, int *place) {
+  double head[1];
+  int k, n;
+  if (!numbers(r, "elements", head, 1)) return 0;
+  n = count_of(head[0]);
+  if (n < 0) return refuse(r, "the number of elements is not a count");
+  P[P_COUNT] = (double)n;
+  P[P_ELEMENTS] = (double)*place;
+  if (n == 0) return 1;
+  if (!numbers(r, "memory", P + P_LARGEST, 5)) return 0;
+  if (!(P[P_LARGEST] > 0.0) || !(P[P_LIMIT] >= 0.0)) return refuse(r, "the largest step is positive, the limit of ways not negative");
+  if (*place + n * ELEMENT > PROPS) return refuse(r, "more numbers than SoilDyn keeps for a point (Props, 20,000)");
+  for (k = 0; k < n; k++, *place += ELEMENT) {
+    if (!numbers(r, "", P + *place, ELEMENT)) return 0;
+    if (P[*place] != 0.0 && P[*place] != 1.0) return refuse(r, "the kind of an element is 0 (plastic) or 1 (gap)");
+    if (!(P[*place + 7] > 0.0)) return refuse(r, "the size of an element is positive");
+  }
+  if (pysprings_states(P) > STATES) return refuse(r, "more numbers than SoilDyn keeps of a state (StVar, 1,200)");
+  return 1;
+}
+
 /* Fill Props from an open spring file; 0, with the reason in the reader, where it is refused. */
 int pysprings_read(Reader *r, double *P) {
   static const struct { const char *word; int at, n; } heads[] = {
@@ -96,12 +118,13 @@ int pysprings_read(Reader *r, double *P) {
   size_t k;
   char *p;
   if (!numbers(r, "pysprings_soildyn", P + P_VERSION, 1)) return 0;
-  if (P[P_VERSION] != VERSION) return refuse(r, "this library reads version 1 of the spring file");
+  if (P[P_VERSION] != VERSION) return refuse(r, "this library reads version 2 of the spring file");
   for (k = 0; k < sizeof heads / sizeof heads[0]; k++)
     if (!numbers(r, heads[k].word, P + heads[k].at, heads[k].n)) return 0;
   if (!(P[P_LENGTH] > 0.0) || !(P[P_VERTICAL] > 0.0)) return refuse(r, "length and vertical stiffness are positive");
   if (!read_rays(r, P, &place)) return 0;
   if (!read_branch(r, "down", P, &place, P_DOWN) || !read_branch(r, "up", P, &place, P_UP)) return 0;
+  if (!read_elements(r, P, &place)) return 0;
   p = next_line(r);
   if (!p || strncmp(p, "end", 3)) return refuse(r, "the file ends early, without its last line 'end'");
   P[P_END] = (double)place;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The spring file of the SoilDyn library: the macro-model on a fan of rays as text (`foundation.c` reads it)."""
+"""The spring file of the SoilDyn library: the macro-model as text, a fan or springs with memory (`spring_file.c`)."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.macro.fan import FanTable
+from pysprings.macro.memory.elements import GAP
 from pysprings.macro.model import MacroModel
 from pysprings.macro.vertical import Branch
 
 Array = NDArray[np.float64]
 
-VERSION = 1
-PROPS = 20000  # numbers that SoilDyn keeps for a point
-_SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 16, 3, 9, 2, 3  # of `foundation.c`
+VERSION = 2
+PROPS, STATES = 20000, 1200  # numbers that SoilDyn keeps for a point, and of its state
+_SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 23, 3, 9, 2, 3  # of `springs.h`
+_ELEMENT, _STATE_HEAD, _PLASTIC, _GAP = 12, 9, 5, 6
 
 
 def spring_text(
@@ -66,6 +68,7 @@ def spring_text(
         *_ray_lines(model, table),
         *_branch_lines(model, "down", 1.0),
         *_branch_lines(model, "up", -1.0),
+        *_element_lines(model),
         "end",
     ]
     return "\n".join(lines) + "\n"
@@ -81,8 +84,14 @@ def _check_size(model: MacroModel, table: FanTable) -> None:
     branches = () if model.vertical is None else model.vertical.branches
     size = _SCALARS + sum(_RAY_HEAD + _COLUMNS * int(n) for n in table.count)
     size += sum(_BRANCH_HEAD + _BRANCH * branch.x.size for branch in branches)
+    size += 0 if model.memory is None else _ELEMENT * len(model.memory.elements.rows)
     if size > PROPS:
         raise refused("springs", f"{size} numbers: SoilDyn keeps {PROPS} for a point; use fewer rays or steps")
+    if model.memory is not None:
+        rows = model.memory.elements.rows
+        kept = _STATE_HEAD + int(np.where(rows[:, 0] == GAP, _GAP, _PLASTIC).sum())
+        if kept > STATES:
+            raise refused("springs", f"{kept} numbers of {len(rows)} elements: SoilDyn keeps {STATES} of a state")
 
 
 def _ray_lines(model: MacroModel, table: FanTable) -> Iterator[str]:
@@ -107,6 +116,23 @@ def _branch_lines(model: MacroModel, word: str, sign: float) -> Iterator[str]:
         return
     yield _row(word, [branch.x.size, float(model.ends[branch.path].failed)])
     yield from (_row("", row) for row in np.stack([branch.x, branch.r[-1], branch.slope[-1]], axis=1))
+
+
+def _element_lines(model: MacroModel) -> Iterator[str]:
+    """Yield the elements with a memory: their number; step, limit of ways, way, w and V at rest; a row for each."""
+    if model.memory is None:
+        yield "elements 0"
+        return
+    elements = model.memory.elements
+    shares, table = elements.shares, model.memory.table
+    names = [str(name) for name in table.name[~shares.odd]]
+    down = [names.index(name) for name in ("w", "V")]
+    rest = shares.rest[~shares.odd][down]
+    yield f"elements {len(elements.rows)}"
+    yield "! largest step [m], 1/s of the ways [1/m], way of the calibration [m], w [m] and V [N] at rest"
+    yield _row("memory", [elements.largest, 1.0 / shares.length, elements.way, *rest])
+    yield "! kind (0 plastic, 1 gap), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m], factors of w and V [1, N/m]"
+    yield from (_row("", row) for row in np.concatenate([elements.rows, shares.even[down].T], axis=1))
 
 
 def _row(word: str, values: Iterable[float]) -> str:

@@ -16,6 +16,9 @@
  *   (H, M/L) = (P S(rho, phi) + (1 - P) mean S(rho)) (a, b).
  *
  * P is 1 for a motion in one plane. The law is exact for linear springs and has no preferred direction.
+ *
+ * Elements with a memory, where the file has them, give H, M and the settlement in place of the fan (memory.c); the fan then
+ * gives the shares of its range.
  */
 #include <math.h>
 #include <string.h>
@@ -241,9 +244,9 @@ static double vertical(const double *P, double w, const Loads *lateral, Answer *
   return V;
 }
 
-/* Forces on the soil in the frame of SoilDyn at a displacement in it. */
-void pysprings_forces(const double *P, const double d[6], Answer *out) {
-  double L = P[P_LENGTH], a[2], b[2], S[2][2], Ha[2], Mb[2], w = P[P_REST_W] - d[2];
+/* Forces on the soil in the frame of SoilDyn at a displacement in it; elements with a memory go on from the state. */
+void pysprings_forces(const double *P, double *state, const double d[6], Answer *out) {
+  double L = P[P_LENGTH], a[2], b[2], S[2][2], Ha[2], Mb[2], q[4], F[4], w = P[P_REST_W] - d[2];
   Loads lateral;
   int i;
   memset(out, 0, sizeof *out);
@@ -255,6 +258,15 @@ void pysprings_forces(const double *P, const double d[6], Answer *out) {
   for (i = 0; i < 2; i++) {
     Ha[i] = S[0][0] * a[i] + S[0][1] * b[i];
     Mb[i] = L * (S[1][0] * a[i] + S[1][1] * b[i]);
+    q[2 * i] = a[i];
+    q[2 * i + 1] = b[i];
+  }
+  if (P[P_COUNT] > 0.0) {
+    pysprings_elements(P, state, q, F, &lateral.w, &lateral.V);
+    for (i = 0; i < 2; i++) {
+      Ha[i] = F[2 * i];
+      Mb[i] = L * F[2 * i + 1];
+    }
   }
   out->used = lateral.used;
   if (lateral.failed) out->beyond = "a load path of the full model stopped, or met a limit load, before this displacement";
@@ -268,16 +280,24 @@ void pysprings_forces(const double *P, const double d[6], Answer *out) {
     out->beyond = "the displacement is beyond the calibrated range of the springs";
 }
 
-/* Stiffness (6, 6), column-major: at rest that of the secant, elsewhere differences of the forces. */
-void pysprings_stiffness(const double *P, const double d[6], double *D) {
+/* Forces from a state that stays as it is. */
+static void tried(const double *P, const double *state, const double d[6], Answer *out) {
+  double copy[STATES];
+  memcpy(copy, state, sizeof copy);
+  pysprings_forces(P, copy, d, out);
+}
+
+/* Stiffness (6, 6), column-major: at rest that of the springs there, elsewhere differences of the forces. */
+void pysprings_stiffness(const double *P, const double *state, const double d[6], double *D) {
   double zero[2] = {0.0, 0.0}, S[2][2], x[6], size, step, L = P[P_LENGTH];
   Loads lateral;
   Answer more, less;
   int i, j;
   memset(D, 0, 36 * sizeof(double));
   size = sqrt(d[0] * d[0] + d[1] * d[1] + L * L * (d[3] * d[3] + d[4] * d[4]));
-  if (size <= ORIGIN && fabs(d[2]) <= ORIGIN) {
-    secant(P, zero, zero, S, &lateral);
+  if (size <= ORIGIN && fabs(d[2]) <= ORIGIN && state[S_WAY] == 0.0) {
+    if (P[P_COUNT] > 0.0) pysprings_rest(P, S);
+    else secant(P, zero, zero, S, &lateral);
     D[0] = D[7] = S[0][0];
     D[21] = D[28] = L * L * S[1][1];
     D[24] = -L * S[0][1];
@@ -292,9 +312,9 @@ void pysprings_stiffness(const double *P, const double d[6], double *D) {
   for (j = 0; j < 6; j++) {
     memcpy(x, d, sizeof x);
     x[j] = d[j] + (j < 3 ? step : step / L);
-    pysprings_forces(P, x, &more);
+    tried(P, state, x, &more);
     x[j] = d[j] - (j < 3 ? step : step / L);
-    pysprings_forces(P, x, &less);
+    tried(P, state, x, &less);
     for (i = 0; i < 6; i++) D[i + 6 * j] = (more.force[i] - less.force[i]) / (2.0 * (j < 3 ? step : step / L));
   }
 }

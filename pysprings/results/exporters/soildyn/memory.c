@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Elements with a memory, as `pysprings.macro.memory.elements`, for motions in two planes at right angles.
+ *
+ * A motion q = (u_x, rotation_x L, u_y, rotation_y L) [m] gives the loads F = (H_x, M_x/L, H_y, M_y/L) [N].
+ *
+ * A plastic element keeps an elastic motion e in both planes, and its way p:
+ *
+ *   f = B e in each plane,   gauge^2 = e_x.G e_x + e_y.G e_y <= r(p)^2,   r(p) = d (1 + a p/(p + h)),
+ *
+ * with a radial return. In a plane of any direction this is the element of the macro-model; turned motions give turned
+ * loads, and no closed way gives work. A gap element is one plate for each plane: it is that of the macro-model in both
+ * planes, and too strong between them (up to the root of 2; the spring file states the error of the whole).
+ *
+ * w and V follow the ways p of the elements, as sums of p/(1 + p/s).
+ */
+#include <math.h>
+#include <string.h>
+
+#include "springs.h"
+
+#define SHORTEST 1e-4    /* share of a step below which it is not halved again */
+enum { PLASTIC = 5, GAP = 6 };   /* numbers that an element keeps */
+
+static int size_of(const double *row) { return row[0] == 0.0 ? PLASTIC : GAP; }
+
+/* Numbers of StVar that the elements need. */
+int pysprings_states(const double *P) {
+  const double *row = P + (int)P[P_ELEMENTS];
+  int k, n = S_FIRST;
+  for (k = 0; k < (int)P[P_COUNT]; k++, row += ELEMENT) n += size_of(row);
+  return n;
+}
+
+/* Stiffness at rest (u, rotation L), both walls of a plate in contact. */
+void pysprings_rest(const double *P, double K[2][2]) {
+  const double *row = P + (int)P[P_ELEMENTS];
+  int k;
+  memset(K, 0, 4 * sizeof(double));
+  for (k = 0; k < (int)P[P_COUNT]; k++, row += ELEMENT) {
+    int gap = row[0] != 0.0;
+    K[0][0] += gap ? row[6] * row[4] * row[4] : row[4];
+    K[0][1] += gap ? row[6] * row[4] * row[5] : row[5];
+    K[1][1] += gap ? row[6] * row[5] * row[5] : row[6];
+  }
+  K[1][0] = K[0][1];
+}
+
+/* Advance a plastic element by dq; add its loads. */
+static void plastic(const double *row, double *s, const double dq[4], double F[4]) {
+  double a = row[8], h = row[9], d = row[7], gauge = 0.0, radius, over, c, p = s[4], share = 1.0;
+  int k;
+  for (k = 0; k < 4; k++) s[k] += dq[k];
+  for (k = 0; k < 4; k += 2)
+    gauge += s[k] * (row[1] * s[k] + row[2] * s[k + 1]) + s[k + 1] * (row[2] * s[k] + row[3] * s[k + 1]);
+  gauge = sqrt(gauge);
+  radius = a != 0.0 ? d * (1.0 + a * p / (p + h)) : d;
+  if (gauge > radius) {
+    if (a != 0.0) {
+      over = gauge + p - d;
+      c = over - h - a * d;
+      s[4] = 0.5 * (c + sqrt(c * c + 4.0 * over * h));
+      share = (gauge + p - s[4]) / gauge;
+    } else {
+      s[4] = p + gauge - d;
+      share = d / gauge;
+    }
+  }
+  for (k = 0; k < 4; k++) s[k] *= share;
+  for (k = 0; k < 4; k += 2) {
+    F[k] += row[4] * s[k] + row[5] * s[k + 1];
+    F[k + 1] += row[5] * s[k] + row[6] * s[k + 1];
+  }
+}
+
+/* Advance the plate of one plane to x; return its force. */
+static double plate(double d, double *s, double x) {
+  double force = 0.0;
+  if (x > s[0]) {
+    if (x - s[0] > d) {
+      s[2] += x - d - s[0];
+      s[0] = x - d;
+    }
+    force += x - s[0];
+  }
+  if (x < s[1]) {
+    if (s[1] - x > d) {
+      s[2] += s[1] - d - x;
+      s[1] = x + d;
+    }
+    force += x - s[1];
+  }
+  return force;
+}
+
+/* Advance all elements by dq to q; write loads, and the sums of their ways for w and V. */
+static void step(const double *P, double *s, const double q[4], const double dq[4], double F[4], double even[2]) {
+  const double *row = P + (int)P[P_ELEMENTS];
+  double p, force;
+  int k, j;
+  memset(F, 0, 4 * sizeof(double));
+  even[0] = even[1] = 0.0;
+  for (k = 0; k < (int)P[P_COUNT]; k++, row += ELEMENT) {
+    if (row[0] == 0.0) {
+      plastic(row, s, dq, F);
+      p = s[4];
+    } else {
+      for (j = 0; j < 4; j += 2) {
+        force = row[6] * plate(row[7], s + 3 * (j / 2), row[4] * q[j] + row[5] * q[j + 1]);
+        F[j] += row[4] * force;
+        F[j + 1] += row[5] * force;
+      }
+      p = s[2] + s[5];
+    }
+    s += size_of(row);
+    p /= 1.0 + p * P[P_LIMIT];
+    even[0] += row[10] * p;
+    even[1] += row[11] * p;
+  }
+}
+
+/* Go from the motion of the state to q; steps are halved until they are short enough, as `elements.follow` does. */
+void pysprings_elements(const double *P, double *state, const double q[4], double F[4], double *w, double *V) {
+  double from[4], dq[4], at[4], even[2], length = 0.0;
+  int k, j, parts = 1;
+  memcpy(from, state + S_MOTION, sizeof from);
+  for (k = 0; k < 4; k++) length += (q[k] - from[k]) * (q[k] - from[k]);
+  length = sqrt(length);
+  while (length > P[P_LARGEST] * parts && parts * SHORTEST < 1.0) parts *= 2;
+  for (k = 0; k < 4; k++) dq[k] = (q[k] - from[k]) / parts;
+  for (j = 1; j <= parts; j++) {
+    for (k = 0; k < 4; k++) at[k] = j == parts ? q[k] : from[k] + j * dq[k];
+    step(P, state + S_FIRST, at, dq, F, even);
+  }
+  memcpy(state + S_MOTION, q, sizeof from);
+  state[S_WAY] += length;
+  *w = P[P_HEAVE] + even[0];
+  *V = P[P_CARRIED] + even[1];
+}

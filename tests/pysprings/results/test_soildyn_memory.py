@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: MIT
+"""Springs with memory in the SoilDyn library beside `predict`: along sequences that turn back, in any direction."""
+
+from __future__ import annotations
+
+import shutil
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pysprings.core.errors import UserInputError
+from pysprings.macro.memory.elements import GAP
+from pysprings.macro.model import MacroModel
+from pysprings.macro.trace import trace
+from pysprings.results.exporters import export
+from pysprings.results.exporters.soildyn.library import build
+from pysprings.results.exporters.soildyn.spring_file import spring_text
+from tests.support import winkler
+from tests.support.foundation import FORCE, Point
+
+pytestmark = pytest.mark.skipif(
+    not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
+)
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build(tmp_path_factory.mktemp("library"))
+
+
+def point_of(library: Path, springs: xr.DataTree, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Point:
+    """Point on the springs with memory, in the present folder, without a header."""
+    (folder / "caisson.txt").write_text(spring_text([], MacroModel.from_springs(springs, "memory"), 1e9, True, False))
+    monkeypatch.chdir(folder)
+    return Point(library, "./caisson.txt")
+
+
+def sequence(seed: int = 3, n: int = 60) -> np.ndarray:
+    """Motions (n, 2) = (u, rotation) that turn back often, in steps of all sizes, within the reach."""
+    random = np.random.default_rng(seed)
+    corners = 0.5 * winkler.REACH * random.uniform(-1.0, 1.0, (n // 6, 2)) / [1.0, winkler.LENGTH]
+    way = np.concatenate([np.zeros((1, 2)), corners])
+    return np.concatenate([a + np.sort(random.random(6))[:, None] * (b - a) for a, b in pairwise(way)])
+
+
+def motion(state: np.ndarray, direction: float, w: float = 0.0) -> np.ndarray:
+    """Motion (6,) in the frame of OpenFAST of (u, rotation) in the plane at an angle from x."""
+    c, s = np.cos(direction), np.sin(direction)
+    return np.array([state[0] * c, state[0] * s, -w, state[1] * s, -state[1] * c, 0.0])
+
+
+def in_plane(force: np.ndarray, direction: float) -> tuple[float, float, float, float]:
+    """H and M in the plane of motion, and force and moment across it."""
+    c, s = np.cos(direction), np.sin(direction)
+    across = force[1] * c - force[0] * s, force[3] * c + force[4] * s
+    return force[0] * c + force[1] * s, force[3] * s - force[4] * c, *across
+
+
+@pytest.mark.parametrize("direction", [0.0, 0.5 * np.pi, np.pi, 0.7, 2.3])
+def test_forces_follow_a_sequence_as_predict_does(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, direction: float
+) -> None:
+    """Gap elements are exact in the planes of x and y, plastic ones in every plane."""
+    rows = winkler.mixed()
+    both = np.isclose(np.sin(2.0 * direction), 0.0)
+    rows = rows if both else rows[rows[:, 0] != GAP]
+    springs = winkler.with_invented_memory(rows)
+    point = point_of(library, springs, tmp_path, monkeypatch)
+    states = sequence()
+    answer = trace(MacroModel.from_springs(springs, "memory"), "state", states)
+    assert answer.sizes["step"] == len(states)
+    expected = np.stack([answer["H"].values, answer["M"].values], axis=1)
+    assert np.abs(expected).max() > 1e5
+    for state, loads in zip(states, expected, strict=True):
+        H, M, *across = in_plane(point.forces(motion(state, direction)), direction)
+        np.testing.assert_allclose([H, M], loads, rtol=1e-6, atol=1e-6 * np.abs(expected).max(axis=0).min())
+        np.testing.assert_allclose(across, 0.0, atol=1e-8 * np.abs(expected).max())
+
+
+def test_the_settlement_of_the_elements_carries_no_load(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At the w that `predict` gives, V is the load at rest and that of the elements."""
+    springs = winkler.with_invented_memory(settling=True)
+    point = point_of(library, springs, tmp_path, monkeypatch)
+    model = MacroModel.from_springs(springs, "memory")
+    states = sequence(5)
+    answer = trace(model, "state", states)
+    w, V = answer["w"].values, answer["V"].values
+    largest = np.abs(w).max()
+    assert largest > 1e-4
+    assert model.stiffness_initial is not None
+    near = (
+        2e-3 * largest * model.stiffness_initial[1, 1]
+    )  # `predict` divides long steps of loads and of w in other ways
+    for state, down, load in zip(states, w, V, strict=True):
+        assert -point.forces(motion(state, 0.0, down))[2] == pytest.approx(load, abs=near)
+
+
+def test_a_repeated_step_leaves_no_trace_and_points_are_independent(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    springs = winkler.with_invented_memory()
+    first = point_of(library, springs, tmp_path, monkeypatch)
+    points = [first, *(Point(library, "./caisson.txt") for _ in range(3))]
+    ways = [sequence(seed) for seed in (1, 2, 3, 4)]
+    alone = []
+    for way in ways:
+        single = Point(library, "./caisson.txt")
+        alone.append([single.forces(motion(state, 0.0)) for state in way])
+    for k in range(len(ways[0])):
+        for point, way, expected in zip(points, ways, alone, strict=True):
+            kept = point.state.copy()
+            point.forces(motion(1.7 * way[k], 1.0))  # rejected
+            point.state[:] = kept
+            np.testing.assert_array_equal(point.forces(motion(way[k], 0.0)), expected[k])
+
+
+def test_stiffness_is_that_of_the_forces_and_the_one_at_rest_is_symmetric(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    springs = winkler.with_invented_memory()
+    point = point_of(library, springs, tmp_path, monkeypatch)
+    K = point.stiffness(np.zeros(6))
+    np.testing.assert_allclose(K, K.T)
+    assert np.linalg.eigvalsh(K[:2, :2]).min() > 0.0
+    assert (K[0, 0], K[0, 4], K[3, 3]) == (K[1, 1], -K[1, 3], K[4, 4])
+    for state in sequence(9, 12):
+        point.forces(motion(state, 0.4))
+    kept, aim = point.state.copy(), motion(sequence(9, 12)[3], 1.1)
+    D = point.stiffness(aim)
+    step = 1e-7
+    for j in range(6):
+        pair = []
+        for sign in (1.0, -1.0):
+            point.state[:] = kept
+            pair.append(point.forces(aim + sign * step * np.eye(6)[j]))
+        slope = (pair[0] - pair[1]) / (2.0 * step)
+        np.testing.assert_allclose(D[:, j], slope, rtol=0.05, atol=1e-3 * np.abs(D).max())
+
+
+def test_turned_motions_of_plastic_elements_give_turned_forces(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Out of one plane: a way around, and the same way turned by an angle; no work is won on it."""
+    rows = winkler.mixed()
+    springs = winkler.with_invented_memory(rows[rows[:, 0] != GAP])
+    point = point_of(library, springs, tmp_path, monkeypatch)
+    other, angle = Point(library, "./caisson.txt"), 0.8
+    R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    turns = np.linspace(0.0, 6.0 * np.pi, 120)
+    circle = 8e-3 * np.stack([np.cos(turns) - 1.0, np.sin(turns)])
+    work, before = 0.0, np.zeros(2)
+    for x, y in circle.T:
+        force = point.forces(np.array([x, y, 0.0, 0.0, 0.0, 0.0]))
+        turned = other.forces(np.array([*(R @ [x, y]), 0.0, 0.0, 0.0, 0.0]))
+        np.testing.assert_allclose(turned[:2], R @ force[:2], rtol=1e-8, atol=1e-6)
+        work += force[:2] @ (np.array([x, y]) - before)
+        before = np.array([x, y])
+    assert work > 0.0
+
+
+def test_a_way_beyond_that_of_the_calibration_is_a_warning(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    point = point_of(library, winkler.with_invented_memory(), tmp_path, monkeypatch)
+    for k in range(20):
+        assert point.ask(FORCE, motion(np.array([0.4 * winkler.REACH * (-1) ** k, 0.0]), 0.0)) == 0
+    assert capfd.readouterr().out.count("settlement is extrapolated") == 1
+
+
+def test_more_elements_than_a_state_has_are_refused() -> None:
+    many = winkler.with_invented_memory(np.tile(winkler.mixed(), (6, 1)))
+    with pytest.raises(UserInputError, match="SoilDyn keeps 1200 of a state"):
+        spring_text([], MacroModel.from_springs(many, "memory"), 1e9, True, False)
+
+
+def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
+    done = export(winkler.with_invented_memory(), "openfast", tmp_path, springs="memory")
+    (line,) = [remark for remark in done.remarks if "at 45 degrees" in remark]
+    text = (tmp_path / "caisson.txt").read_text()
+    assert line in text and "not cyclic" not in text and "\nelements 49\n" in text
