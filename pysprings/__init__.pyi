@@ -15,6 +15,7 @@ from .results import plots as plots
 from .results.tables import open_table as open_table
 from .scene.load import Scene as Scene
 from .scene.load import load_scene as load_scene
+from .springs.edge import lump_edge as lump_edge
 from .springs.extract import extract_springs as extract_springs
 from .springs.file import open_springs as open_springs
 from .springs.springs import Springs as Springs

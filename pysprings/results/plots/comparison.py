@@ -166,4 +166,5 @@ PICTURE = Picture(
     caption="Rigid body on springs against the full model",
     draw=lambda view: macro_against_full(view.path, view.predictions),
     applies=lambda view: not view.is_vertical and bool(view.predictions),
+    section="comparison",
 )

@@ -172,4 +172,5 @@ PICTURE = Picture(
     draw=lambda view: gap_map(view.path, view.step),
     scope="state",
     applies=lambda view: "gap" in view.path,
+    section="states",
 )

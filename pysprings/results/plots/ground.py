@@ -135,4 +135,5 @@ PICTURE = Picture(
     profile,
     scope="run",
     applies=_applies,
+    section="ground",
 )

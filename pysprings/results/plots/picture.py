@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Scope = Literal["run", "path", "state"]
+# Part of the report that shows a picture; "" leaves it to the folder of figures
+Part = Literal["", "springs", "capacity", "tilt", "comparison", "ground", "states", "numerics"]
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,8 @@ class Picture:
         Whether a view holds the data that the picture needs.
     tall
         The picture needs the height of a printed page.
+    section
+        Part of the report that shows it: of a path the one that stands for all, of a state the last.
     """
 
     name: str
@@ -107,3 +111,4 @@ class Picture:
     scope: Scope = "path"
     applies: Callable[[View], bool] = _always
     tall: bool = False
+    section: Part = ""

@@ -14,11 +14,15 @@ from pysprings.results.plots import (
     load,
     loops,
     newton,
+    overview,
     pressure_rose,
+    profiles,
     reactions,
     rose,
+    secant,
     section,
     steel,
+    tilt,
 )
 from pysprings.results.plots import vertical as vertical_springs
 from pysprings.results.plots.picture import Picture
@@ -28,10 +32,14 @@ PICTURES: Registry[Picture] = Registry(
     (
         section.MESH,
         ground.PICTURE,
+        overview.PICTURE,
+        tilt.PICTURE,
+        secant.PICTURE,
         load.PICTURE,
         comparison.PICTURE,
         loops.PICTURE,
         reactions.PICTURE,
+        profiles.PICTURE,
         vertical_springs.PICTURE,
         rose.OUTSIDE,
         rose.INSIDE,

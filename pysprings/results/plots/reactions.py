@@ -11,8 +11,9 @@ import numpy as np
 
 from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.data import lateral_reaction, pick_depths, spread_depths
-from pysprings.results.plots.labels import label_ends
+from pysprings.results.plots.labels import label_ends, last_point
 from pysprings.results.plots.picture import Picture
+from pysprings.results.plots.profiles import limits_without_edge
 from pysprings.results.plots.style import (
     KN,
     MM,
@@ -23,14 +24,17 @@ from pysprings.results.plots.style import (
     styled,
     zero_lines,
 )
+from pysprings.springs.edge import edge_rings
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
 MOST_CURVES = 8
+EDGE_WORDS = "dotted: edge ring of the tip, whose p depends on the mesh; it does not set the scale"
 PANELS = {"net": "net (outside + inside)", "outside": "outside of the skirt", "inside": "inside of the skirt"}
 
 
@@ -56,8 +60,14 @@ def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure
         _make_room(axes)
         _label_depths(axes)
         zero_lines(axes)
-    set_title(figure, "p-y curves by depth (depth below mudline at the end of each curve)", path.attrs)
+    set_title(figure, "p-y curves by depth (depth below mudline at the end of each curve)", path.attrs, EDGE_WORDS)
     return figure
+
+
+def _ends_in_view(axes: Axes, line: Line2D, text: str) -> bool:
+    """Return whether a line is a curve of a depth that ends within the frame."""
+    end, (low, high) = last_point(line), sorted(axes.get_ylim())
+    return text.endswith(" m") and end is not None and low <= end[1] <= high
 
 
 def depth_colours(n: int) -> list[Any]:
@@ -66,11 +76,14 @@ def depth_colours(n: int) -> list[Any]:
 
 
 def _panel(axes: Axes, path: xr.Dataset, p: NDArray[np.float64], rings: list[int], title: str) -> None:
-    good = converged(path)
+    good, edge = converged(path), edge_rings(path)
     y = path["y"].transpose("depth", "step").values
     for ring, colour in zip(rings, depth_colours(len(rings)), strict=True):
-        depth = float(path["depth"][ring])
-        plot_path(axes, y[ring] * MM, p[ring] * KN, good, color=colour, linewidth=1.7, label=f"_{depth:.2f} m")
+        depth, line = float(path["depth"][ring]), ":" if edge[ring] else "-"
+        name = f"_{depth:.2f} m"
+        plot_path(axes, y[ring] * MM, p[ring] * KN, good, color=colour, linewidth=1.7, linestyle=line, label=name)
+    within = [ring for ring in rings if not edge[ring]]
+    limits_without_edge(axes, p[within] * KN, "y")
     note_unconverged(axes, good)
     if not good.all():
         axes.legend(loc="best")
@@ -81,7 +94,7 @@ def _panel(axes: Axes, path: xr.Dataset, p: NDArray[np.float64], rings: list[int
 
 def _make_room(axes: Axes) -> None:
     """Widen the view for the labels: most curves end on the right."""
-    axes.margins(x=0.04, y=0.1)
+    axes.margins(x=0.04)
     left, right = axes.get_xlim()
     axes.set_xlim(left, right + 0.14 * (right - left))
 
@@ -89,7 +102,7 @@ def _make_room(axes: Axes) -> None:
 def _label_depths(axes: Axes) -> None:
     """Label each curve at its last converged point."""
     curves = [(line, str(line.get_label()).lstrip("_")) for line in axes.get_lines()]
-    label_ends(axes, [(line, text) for line, text in curves if text.endswith(" m")])
+    label_ends(axes, [(line, text) for line, text in curves if _ends_in_view(axes, line, text)])
 
 
 PICTURE = Picture(
@@ -97,4 +110,5 @@ PICTURE = Picture(
     caption="p-y curves by depth",
     draw=lambda view: py_curves(view.reactions),
     applies=lambda view: not view.is_vertical,
+    section="springs",
 )

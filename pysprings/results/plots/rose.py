@@ -284,6 +284,7 @@ def _picture(side: str) -> Picture:
         scope="state",
         applies=lambda view: "normal_effective_stress" in view.path,
         tall=True,
+        section="states" if side == "outside" else "",
     )
 
 

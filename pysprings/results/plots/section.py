@@ -11,6 +11,7 @@ from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 
+from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.results.analysis.parts import pick_step
 from pysprings.results.plots.data import caisson_size, step_text
 from pysprings.results.plots.picture import Picture
@@ -89,7 +90,7 @@ def section_displacement(
         _zoom(axes, section, 2.6, 2.4)
         _label_axes(axes)
         axes.set_title(title)
-    _load_arrow(lateral, section)
+    _load_arrow(lateral, section, path)
     factor = _draw_moved_caisson(lateral, section, path, step)
     _draw_moved_caisson(vertical, section, path, step)
     elastic = path.attrs.get("caisson_behaviour") == "elastic"
@@ -121,7 +122,7 @@ def section_pressure(
     _draw_caisson(axes, section)
     _zoom(axes, section, 2.6, 2.4)
     _label_axes(axes)
-    _load_arrow(axes, section)
+    _load_arrow(axes, section, path)
     set_title(figure, "Excess pore pressure in the symmetry plane", path.attrs, f"at {step_text(path, step)}")
     return figure
 
@@ -228,18 +229,26 @@ def _label_axes(axes: Axes) -> None:
     axes.set_ylabel("depth below mudline [m]")
 
 
-def _load_arrow(axes: Axes, section: xr.Dataset) -> None:
-    """Mark the sense of a positive load above the lid."""
+def _load_arrow(axes: Axes, section: xr.Dataset, path: xr.Dataset | None = None) -> None:
+    """Mark where the load of a path acts, and its positive sense: at its arm, or at the frame's edge with the arm.
+
+    Without a path, or where no load height is given, the arrow is the positive sense of H at the lid.
+    """
     _, outer, _ = caisson_size(section)
-    if np.isfinite(outer):
-        axes.annotate(
-            "",
-            (1.35 * outer, -0.12 * outer),
-            xytext=(1.03 * outer, -0.12 * outer),
-            zorder=8,
-            arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.6},
-        )
-        axes.annotate("H, u", (1.4 * outer, -0.12 * outer), va="center", ha="left", fontsize=9)
+    if not np.isfinite(outer):
+        return
+    arm = None if path is None or not PATH_KINDS[str(path.attrs["kind"])].free_head else path.attrs.get("arm_m")
+    if arm is None:
+        start, depth, words = 1.03 * outer, -0.12 * outer, "H, u"
+    else:
+        top = min(axes.get_ylim())
+        start, depth = 0.0, max(-float(arm), 0.75 * top)
+        beyond = " (beyond the frame)" if -float(arm) < 0.75 * top else ""
+        words = f"H at {float(arm):g} m above mudline{beyond}"
+    axes.annotate("", (start + 0.32 * outer, depth), xytext=(start, depth), zorder=8,
+                  arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.6})  # fmt: skip
+    text = axes.annotate(words, (start + 0.37 * outer, depth), va="center", ha="left", fontsize=9, zorder=8)
+    text.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.85})
 
 
 def _mesh_counts(section: xr.Dataset) -> str:
@@ -257,6 +266,7 @@ MESH = Picture(
     draw=lambda view: mesh(view.plane),
     scope="run",
     applies=lambda view: view.section is not None,
+    section="numerics",
 )
 DISPLACEMENT = Picture(
     name="section",
@@ -264,6 +274,7 @@ DISPLACEMENT = Picture(
     draw=lambda view: section_displacement(view.plane, view.path, view.step),
     scope="state",
     applies=lambda view: view.section is not None and "section_ux" in view.path,
+    section="states",
 )
 PRESSURE = Picture(
     name="section_pressure",

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from pysprings.core.errors import UserInputError
@@ -86,6 +87,33 @@ def omission_table(left_out: Any) -> Table | None:
     return Table("What this scene leaves out", ("what", "why", "what it saves"), rows) if rows else None
 
 
-INPUTS = ReportTable("inputs", "inputs", lambda data: input_tables(str(data.result.attrs.get("scene_toml", ""))))
+# Sections that decide the computation, not the case: they stand in the appendix
+_NUMERICAL = ("mesh", "solver", "output", "springs")
+# Keys that a scene with drained ground alone does not use
+_WATER = {"hydraulic_conductivity", "transversal_conductivity", "residual_aperture", "side_drainage"}
+_STEEL = {"young_modulus", "poisson_ratio"}
+
+
+def used_tables(scene_toml: str, numerical: bool) -> list[Table]:
+    """Return the inputs that a scene uses: those of its case, or those of its computation (`numerical`)."""
+    given = {table.title: {row[0]: row[1] for row in table.rows} for table in input_tables(scene_toml)}
+    drained = given.get("drainage", {}).get("mode") == "drained"
+    rigid = given.get("caisson", {}).get("behaviour") == "rigid"
+    forces = any(rows.get("kind") in ("load", "probe") for rows in given.values())
+    tables = []
+    for table in input_tables(scene_toml):
+        if (table.title in _NUMERICAL) != numerical or table.title == "scene":
+            continue
+        unused = set() if not drained else set(_WATER)
+        unused |= {row[0] for row in table.rows if row[0] != "mode"} if drained and table.title == "drainage" else set()
+        unused |= _STEEL if rigid and table.title == "caisson" else set()
+        unused |= {row[0] for row in table.rows} if table.title == "limit" and not forces else set()
+        rows = [row for row in table.rows if row[0] not in unused]
+        tables += [replace(table, rows=rows)] if rows else []
+    return tables
+
+
+INPUTS = ReportTable("inputs", "inputs", lambda data: used_tables(str(data.result.attrs.get("scene_toml", "")), False))
+SETTINGS = ReportTable("settings", "mesh", lambda data: used_tables(str(data.result.attrs.get("scene_toml", "")), True))
 OMISSIONS = ReportTable("omissions", "limits", lambda data: [omission_table(data.run.left_out if data.run else [])])
 MESH = ReportTable("mesh", "mesh", lambda data: [mesh_table(data.result.attrs, data.run.mesh if data.run else None)])

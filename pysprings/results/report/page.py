@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """One self-contained report.html of a run: inputs, checks, figures, comparison, limits, cost.
 
-The page needs nothing beside it (pictures are inside), runs no script, and prints. Every text that comes from
-a scene or a file is escaped by the template engine.
+The page needs nothing beside it (pictures are inside) and prints. Curves can be read under the pointer where the
+browser runs the page's scripts (`pysprings.results.report.live`); in print and without them pictures stand in their
+places. Every text that comes from a scene or a file is escaped by the template engine.
 """
 
 from __future__ import annotations
@@ -10,14 +11,15 @@ from __future__ import annotations
 import base64
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import picture_kind, pictures_in
+from pysprings.results.report.live import Live, live_parts
 from pysprings.results.report.load_cases import read_answers
 from pysprings.results.report.table import ReportData, Section, Table
 from pysprings.results.report.tables import tables_of
@@ -28,26 +30,32 @@ if TYPE_CHECKING:
     import xarray as xr
     from jinja2 import Environment
 
+# parts of the page that hold tables, and pictures that have an interactive twin there
+SECTIONS: tuple[Section, ...] = (
+    "cases", "springs", "capacity", "tilt", "comparison", "inputs", "limits", "mesh", "checks", "cost",
+)  # fmt: skip
+TWINS = ("py", "profiles", "overview", "tilt", "stress_outside")
+OF_PULLS = ("macro_against_full", "stress_outside", "section", "gap")
 MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure of the report: caption, the file's bytes as a data URI, whether it needs a page's height."""
+    """A figure of the report: caption, bytes as a data URI, page's height or not, interactive twin or not."""
 
     caption: str
     source: str
     tall: bool = False
+    twin: bool = False
 
 
 @dataclass(frozen=True)
 class PathPart:
-    """The part of the report about one path."""
+    """The tables of the report about one path."""
 
     name: str
     status: str
     tables: Sequence[Table]
-    pictures: Sequence[Picture] = field(default_factory=tuple)
 
 
 def write_report(
@@ -73,7 +81,8 @@ def write_report(
         compare = read_comparison(place / "compare.csv")
     run = RunRecord.read(place) if run is None else run
     files = [Path(file) for file in figures] if figures is not None else pictures_in(place)
-    return write_text(render(result, springs, compare, run, files, read_answers(place)), place / "report.html")
+    cases, live = read_answers(place), live_parts(result)
+    return write_text(render(result, springs, compare, run, files, cases, live), place / "report.html")
 
 
 def render(
@@ -83,6 +92,7 @@ def render(
     run: RunRecord | None = None,
     figures: Sequence[Path] = (),
     cases: pd.DataFrame | None = None,
+    live: Live | None = None,
 ) -> str:
     """Return the report as HTML text.
 
@@ -100,9 +110,10 @@ def render(
         Picture files, named as `pysprings.results.plots.save_all` names them.
     cases
         Answers to load cases (`pysprings design`), in SI.
+    live
+        Interactive parts; None for a page without scripts.
     """
     data = ReportData(result, springs, compare, run, cases)
-    sections: tuple[Section, ...] = ("cases", "inputs", "limits", "mesh", "checks", "springs", "comparison", "cost")
     return (
         environment()
         .get_template("report.html.j2")
@@ -116,12 +127,11 @@ def render(
             warnings=run.warnings if run else [],
             sketch=picture_uri(axes_svg().encode(), ".svg"),
             validity=validity(result, springs),
-            tables={section: tables_of(section, data) for section in sections},
-            mesh_pictures=_pictures(figures, ""),
+            tables={section: tables_of(section, data) for section in SECTIONS},
+            pictures_of=pictures_by_part(figures, list(data.paths), live is not None),
+            live=live,
             paths=[
-                PathPart(
-                    name, str(path.attrs.get("status", "")), tables_of("path", data, name), _pictures(figures, name)
-                )
+                PathPart(name, str(path.attrs.get("status", "")), tables_of("path", data, name))
                 for name, path in data.paths.items()
             ],
         )
@@ -138,25 +148,49 @@ def environment() -> Environment:
     )  # fmt: skip
 
 
-def _pictures(files: Iterable[Path], path: str) -> list[Picture]:
-    """Embed the pictures of a path (of the whole run: ``""``), once each; SVG if present."""
+def pictures_by_part(files: Iterable[Path], paths: Sequence[str], live: bool = False) -> dict[str, list[Picture]]:
+    """Embed the pictures of each part of the report: those of the run, and of one path that stands for the others.
+
+    Of several states of a path the last is shown. SVG is taken where there is one. Pictures without a part stay in
+    their folder.
+    """
+    from pysprings.results.plots.picture import Part
+    from pysprings.results.plots.pictures import PICTURES
+
     best: dict[str, Path] = {}
     for file in files:
         if file.stem not in best or file.suffix == ".svg":
             best[file.stem] = file
-    from pysprings.results.plots.pictures import PICTURES
+    parts: dict[str, list[Picture]] = {name: [] for name in get_args(Part) if name}
+    for kind in PICTURES:
+        stem, state = _stands_for(kind.name, best, paths)
+        if not kind.section or not stem:
+            continue
+        own = stem.removesuffix(f"_{state}" if state else "").removesuffix(f"_{kind.name}")
+        of = "" if kind.scope == "run" else f", path {own}"
+        file = best[stem]
+        shown = Picture(
+            _caption(kind.caption, state) + of,
+            picture_uri(file.read_bytes(), file.suffix), kind.tall, live and kind.name in TWINS,
+        )  # fmt: skip
+        parts.setdefault(kind.section, []).append(shown)
+    return parts
 
-    kinds = {stem: kind for stem in best if (kind := picture_kind(stem, path))}
-    names = PICTURES.names()
-    order = sorted(kinds, key=lambda stem: (names.index(kinds[stem][0]), kinds[stem][1] == "last"))
-    return [
-        Picture(
-            _caption(PICTURES[kinds[stem][0]].caption, kinds[stem][1]),
-            picture_uri(best[stem].read_bytes(), best[stem].suffix),
-            PICTURES[kinds[stem][0]].tall,
-        )
-        for stem in order
+
+def _stands_for(kind: str, stems: Iterable[str], paths: Sequence[str]) -> tuple[str, str]:
+    """Return stem and state of the picture of a kind that the report shows; blank where there is none.
+
+    The first path that has one: of pulls before others in the parts about loads and states.
+    """
+    known = list(stems)
+    order = sorted(paths, key=lambda name: not name.startswith("pull")) if kind in OF_PULLS else list(paths)
+    candidates = [
+        (found[1] != "last", stem, found[1])
+        for path in ("", *order)
+        for stem in known
+        if (found := picture_kind(stem, path)) and found[0] == kind
     ]
+    return min(candidates, key=lambda each: each[0])[1:] if candidates else ("", "")
 
 
 def _caption(caption: str, state: str) -> str:

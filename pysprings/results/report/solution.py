@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.full_model.ring_measure import contact_alternation
 from pysprings.results.analysis.newton import attempts, failed_steps
@@ -108,47 +109,88 @@ def ring_table(paths: Mapping[str, Any]) -> Table:
     return Table("Contact from station to station", columns, rows, note)
 
 
-def end_table(path: Any) -> Table:
-    """List loads and motion at the last converged step of a path, in mm, mrad, kN and kN m."""
-    good = np.flatnonzero(path["converged"].values.astype(bool))
-    last = int(good[-1]) if good.size else 0
-    rows = [
-        ("step", number(last)),
-        *(
-            (text, f"{float(path[name][last]) * factor + 0.0:.4g} {unit}")
-            for name, text, factor, unit in _END
-            if name in path
-        ),
-    ]
-    if "gap" in path:
-        from pysprings.results.analysis.gap import openings
-
-        rows += [("widest gap, " + each.surface, _opening(each)) for each in openings(path.to_dataset(), last)]
-    return Table("At the last converged step", ("", ""), rows, head=False)
+def end_table(paths: Mapping[str, Any]) -> Table | None:
+    """List loads and motion at the last converged step of every path, and how it ended; None without paths."""
+    rows = []
+    for name, group in paths.items():
+        path = group.to_dataset(inherit=False)
+        good = np.flatnonzero(path["converged"].values.astype(bool))
+        last = int(good[-1]) if good.size else 0
+        values = [_clean(path, key, last, factor) for key, factor in _END]
+        status = str(path.attrs.get("status", ""))
+        rows.append((name, str(path.attrs.get("kind", "")), status, *values))
+    heads = ("path", "kind", "status", "u [mm]", "w [mm]", "rotation [mrad]", "H [kN]", "V [kN]", "M [kN m]",
+             "H tip [kN]", "H lid [kN]")  # fmt: skip
+    note = "w and V are positive down; M is about the lid centre. Every step is in load_displacement.csv."
+    return Table("At the last converged step", heads, rows, note, wide=True) if rows else None
 
 
 _END = (
-    ("u", "lateral displacement of the lid centre, u", 1e3, "mm"),
-    ("w", "vertical displacement of the lid centre, w (down +)", 1e3, "mm"),
-    ("rotation", "rotation", 1e3, "mrad"),
-    ("H", "horizontal load, H", 1e-3, "kN"),
-    ("V", "vertical load, V (down +)", 1e-3, "kN"),
-    ("M", "moment about the lid centre, M", 1e-3, "kN m"),
-    ("H_outer", "H carried by the outside of the skirt", 1e-3, "kN"),
-    ("H_inner", "H carried by the inside of the skirt", 1e-3, "kN"),
-    ("H_lid", "H carried by the lid", 1e-3, "kN"),
-    ("H_tip", "H carried by the tip", 1e-3, "kN"),
-    ("F_in", "change of vertical shear force inside, F_in (on the soil, down +)", 1e-3, "kN"),
-    ("F_out", "change of vertical shear force outside, F_out (on the soil, down +)", 1e-3, "kN"),
-    ("F_pw", "change of water force under the lid, F_pw", 1e-3, "kN"),
-)
+    ("u", 1e3), ("w", 1e3), ("rotation", 1e3), ("H", 1e-3), ("V", 1e-3), ("M", 1e-3), ("H_tip", 1e-3), ("H_lid", 1e-3),
+)  # fmt: skip
+
+
+def _clean(path: Any, key: str, step: int, factor: float) -> str:
+    """Write a value of a step; a rounding error beside the largest load or motion of the path is 0."""
+    if key not in path:
+        return "-"
+    alike = [name for name in ("H", "V", "M") if name in path] if key[0] in "HVM" else ["u", "w", "rotation"]
+    largest = max(float(np.abs(path[name].values).max(initial=0.0)) for name in alike if name in path)
+    value = float(path[key][step])
+    return number(0.0 if abs(value) < 1e-9 * largest else value * factor, 4)
+
+
+TILTS = (0.25, 0.5)  # deg: usual tolerances of a wind turbine
+
+
+def tilt_table(paths: Mapping[str, Any]) -> Table | None:
+    """List H and M at limits of tilt on each path with a free head; None without such a path."""
+    rows = []
+    for name, group in paths.items():
+        kind, path = PATH_KINDS.get(str(group.attrs.get("kind"))), group.to_dataset(inherit=False)
+        if kind is None or not kind.free_head or "arm_from_m" in path.attrs:
+            continue
+        good = path["converged"].values.astype(bool)
+        turn = np.degrees(np.abs(path["rotation"].values[good]))
+        cells = [text for limit in TILTS for text in _at_tilt(limit, turn, path, good)]
+        most = f"{turn.max(initial=0.0):.3g}"
+        rows.append((name, number(float(path.attrs.get("arm_m", 0.0))), most, *cells))
+    units = {"H": "kN", "M": "kN m"}
+    loads = [f"{load} at {limit:g} deg [{unit}]" for limit in TILTS for load, unit in units.items()]
+    heads = ("path", "height of the load [m]", "largest tilt [deg]", *loads)
+    note = "Full model, between its steps linear. '-': the path does not reach this tilt, or does not tilt steadily."
+    return Table("Loads at limits of tilt", heads, rows, note, wide=True) if rows else None
+
+
+def _at_tilt(limit: float, turn: np.ndarray, path: Any, good: np.ndarray) -> tuple[str, str]:
+    if turn.size < 2 or turn.max() < limit or not (np.diff(turn) > 0.0).all():
+        return "-", "-"
+    loads = (np.interp(limit, turn, np.abs(path[name].values[good])) for name in ("H", "M"))
+    H, M = (number(1e-3 * float(load), 4) for load in loads)
+    return H, M
+
+
+def opening_table(paths: Mapping[str, Any]) -> Table | None:
+    """List the widest gap at the last converged step of each path; None where interface fields were not kept."""
+    from pysprings.results.analysis.gap import openings
+
+    rows = []
+    for name, group in paths.items():
+        path = group.to_dataset(inherit=False)
+        good = np.flatnonzero(path["converged"].values.astype(bool))
+        if "gap" in path and good.size:
+            widest = max(openings(path, int(good[-1])), key=lambda each: each.width)
+            rows.append((name, widest.surface, _opening(widest)) if widest.width > 0 else (name, "-", "closed"))
+    return Table("Widest gap at the last converged step", ("path", "surface", "gap"), rows) if rows else None
 
 
 def _opening(opening: Any) -> str:
-    return f"{opening.width * 1e3:.3g} mm at {opening.place}" if opening.width > 0 else "closed"
+    return f"{opening.width * 1e3:.3g} mm at {opening.place}"
 
 
 CONVERGENCE = ReportTable("convergence", "checks", lambda data: [convergence_table(data.paths, data.figures)])
 CUT_BACKS = ReportTable("cut-backs", "checks", lambda data: [cut_back_table(data.figures)])
 RINGS = ReportTable("rings", "checks", lambda data: [ring_table(data.paths)])
-END = ReportTable("end", "path", lambda data: [end_table(data.paths[data.path])])
+END = ReportTable("end", "capacity", lambda data: [end_table(data.paths)])
+TILT = ReportTable("tilt", "tilt", lambda data: [tilt_table(data.paths)])
+GAPS = ReportTable("gaps", "checks", lambda data: [opening_table(data.paths)])

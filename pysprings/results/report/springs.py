@@ -10,6 +10,7 @@ import numpy as np
 from pysprings.core.text import number
 from pysprings.results.report.table import ReportTable, Table
 from pysprings.springs.dataset import get_path, is_vertical, path_names
+from pysprings.springs.edge import edge_rings
 from pysprings.springs.sums import net_m, net_p
 
 if TYPE_CHECKING:
@@ -20,24 +21,27 @@ _COLUMNS = ("depth [m]", "slice [m]", "y [mm]", "p outside [kN/m]", "p inside [k
 _NOTE = (
     "At the last converged step; soil reactions, positive when they oppose a positive displacement. y: displacement of "
     "the caisson's mean fibre; p: lateral, m: moment of the vertical shear, both per metre of depth; normal stress, "
-    "shear and water together. Every step is in springs.xlsx, py.csv and springs.nc."
+    "shear and water together. *: edge ring of the tip, whose p depends on the mesh; its force does not. Every path "
+    "and step is in springs.xlsx, py.csv and springs.nc."
 )
 
 
 def spring_tables(springs: xr.DataTree | None) -> list[Table]:
-    """Return a table for each lateral path of a spring set; none without springs."""
+    """Return the table of the first lateral path of a spring set; none without springs."""
     if springs is None:
         return []
-    return [_table(name, get_path(springs, name)) for name in path_names(springs) if not is_vertical(springs, name)]
+    lateral = [name for name in path_names(springs) if not is_vertical(springs, name)]
+    return [_table(name, get_path(springs, name)) for name in lateral[:1]]
 
 
 def _table(name: str, path: xr.Dataset) -> Table:
     p, m, y = net_p(path).values * 1e-3, net_m(path).values * 1e-3, path["y"].transpose("depth", "step").values * 1e3
     sides = path["p"].sum("component").transpose("side", "depth", "step").values * 1e-3
+    edge = edge_rings(path)
     order = [str(side) for side in path["side"].values]
     rows = [
         (
-            number(float(depth)),
+            number(float(depth)) + ("*" if edge[k] else ""),
             "{:.2f} to {:.2f}".format(*path["depth_bounds"].values[k]),
             number(y[k, -1]),
             number(sides[order.index("outside"), k, -1]),
@@ -69,7 +73,8 @@ def stiffness_table(result: xr.DataTree) -> Table | None:
     matrix = result.dataset["stiffness_initial"]
     dofs = [str(name) for name in matrix["dof"].values]
     loads = {"u": "H [MN]", "w": "V [MN]", "rotation": "M [MN m]"}
-    values = [[f"{1e-6 * value:.15g}" for value in row] for row in matrix.values]
+    least = 1e-12 * float(np.abs(matrix.values).max())  # symmetry makes the others zero but for rounding
+    values = [[number(1e-6 * float(value) if abs(value) > least else 0.0, 6) for value in row] for row in matrix.values]
     rows = [[loads[name], *cells] for name, cells in zip(dofs, values, strict=True)]
     heads = ("", "per u [m]", "per w [m]", "per rotation [rad]")
     note = "At the lid centre, z down. `pysprings predict --stiffness` gives 6 x 6, other axes and reference points."

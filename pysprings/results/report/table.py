@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from pysprings.full_model.run_record import PathFigures, RunRecord
 
 # Parts of the page in their order; "path" is repeated for each path.
-Section = Literal["inputs", "limits", "mesh", "checks", "springs", "comparison", "path", "cost", "cases"]
+Section = Literal[
+    "cases", "springs", "capacity", "tilt", "comparison", "inputs", "limits", "mesh", "checks", "path", "cost"
+]
 # a number, with the letter of a quantity before it and its unit behind it; "-" and blank: there is none
 _NUMBER = re.compile(r"([A-Z] )?[-+]?[\d,]*\.?\d+(e[-+]?\d+)?( [A-Za-z%/]+)*|-|")
 

@@ -87,7 +87,9 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
     """Return the table macro-model against full model, without the columns that hold no number; None without rows."""
     if compare is None or compare.empty:
         return None
-    shown = compare[[name for name in COMPARED if name in compare.columns]].dropna(axis=1, how="all")
+    best = "fan" if (compare["springs"] == "fan").any() else None
+    kept = compare if best is None else compare[compare["springs"].isin([best, "vertical", "memory"])]
+    shown = kept[[name for name in COMPARED if name in compare.columns]].dropna(axis=1, how="all")
     decimals = [COMPARED[str(name)][1] for name in shown.columns]
     rows = [[_fixed(v, n) for v, n in zip(row, decimals, strict=True)] for row in shown.itertuples(index=False)]
     note = (
@@ -97,7 +99,7 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
         "load-displacement curves over the area under the full model's, to a small displacement and to the "
         "end. extrapolated, off path, other V: states that the springs do not cover. py: lateral p-y springs alone; "
         "full: with distributed moment, tip and lid terms; fan: all of them by displacement and rotation, from all "
-        "calibration paths of constant ratio."
+        "calibration paths of constant ratio. Of a fan its rows alone are shown; compare.csv has those of every set."
     )
     ended = [
         f" {row['path']}, {row['springs']}: {row['status']}."

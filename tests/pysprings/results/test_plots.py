@@ -502,9 +502,13 @@ def test_newton_figure_counts_and_marks(record: xr.Dataset) -> None:
 
 STEMS = [
     "mesh",
+    "overview",
+    "tilt",
+    "secant_stiffness",
     "pull_load_displacement",
     "pull_macro_against_full",
     "pull_py",
+    "pull_profiles",
     "pull_stress_outside_2.5mm",
     "pull_stress_inside_2.5mm",
     "pull_gap_2.5mm",
@@ -527,7 +531,7 @@ def test_every_figure_that_a_result_allows_is_written(trees: tuple[xr.DataTree, 
     assert [file.name for file in of_pull] == [f"{stem}.{form}" for stem in STEMS for form in ("png", "svg")]
     assert {file.name for file in (tmp_path / "figures").iterdir()} == {file.name for file in written}
     assert layout.pictures_in(tmp_path) == sorted(written)
-    kinds = [layout.picture_kind(stem, "pull" if stem != "mesh" else "") for stem in STEMS]
+    kinds = [layout.picture_kind(stem, "pull" if stem.startswith("pull") else "") for stem in STEMS]
     others = {"pressure", "section_pressure", "vertical", "ovalisation", "ground", "loops"}  # drained, lateral, one way
     assert {kind[0] for kind in kinds if kind} == set(PICTURES.names()) - others
 
@@ -558,6 +562,35 @@ def test_save_all_writes_readable_pictures_whole(trees: tuple[xr.DataTree, xr.Da
     assert {file for file in (tmp_path / "figures").iterdir()} == set(written)  # nothing half-written is left
     assert all(f.read_bytes().startswith(b"\x89PNG") for f in written if f.suffix == ".png")
     assert all(b"</svg>" in f.read_bytes() and f.stat().st_size <= 400_000 for f in written if f.suffix == ".svg")
+
+
+def test_the_edge_ring_is_dotted_and_does_not_set_the_scale(pull: xr.Dataset) -> None:
+    path = pull.copy(deep=True)
+    path["p_component"][-1] *= 50.0
+    axes = plots.py_curves(path).axes[0]
+    dotted = [line for line in axes.get_lines() if line.get_linestyle() == ":"]
+    assert [str(line.get_label()) for line in dotted] == [f"_{float(path['depth'][-1]):.2f} m"]
+    inner = path["p_component"].sum(("side", "component")).transpose("depth", "step").values[:-1] * 1e-3
+    top = axes.get_ylim()[1]
+    assert inner.max() < top < 1.3 * inner.max() < np.nanmax(dotted[0].get_ydata())
+
+
+def test_profiles_stand_at_shares_of_the_largest_load(pull: xr.Dataset) -> None:
+    figure = plots.profiles(pull, levels=(0.5, 1.0))
+    lines = [line for line in figure.axes[0].get_lines() if str(line.get_label()).endswith("of the largest load")]
+    assert [str(line.get_label())[:5] for line in lines] == ["50 % ", "100 %"]
+    p = pull["p_component"].sum(("side", "component")).transpose("depth", "step").values * 1e-3
+    assert np.allclose(lines[1].get_xdata(), p[:, -1])
+    half = int(np.abs(pull["H"].values - 0.5 * pull["H"].values.max()).argmin())
+    assert np.allclose(lines[0].get_xdata(), p[:, half])
+
+
+def test_the_load_arrow_is_at_the_height_of_the_load(pull: xr.Dataset, plane: xr.Dataset) -> None:
+    near = plots.section_displacement(plane, pull.assign_attrs(arm_m=0.5)).axes[0]
+    far = plots.section_displacement(plane, pull.assign_attrs(arm_m=40.0)).axes[0]
+    texts = [next(text for text in axes.texts if "above mudline" in text.get_text()) for axes in (near, far)]
+    assert texts[0].xy[1] == pytest.approx(-0.5) and texts[0].get_text() == "H at 0.5 m above mudline"
+    assert texts[1].xy[1] > min(far.get_ylim()) and texts[1].get_text().endswith("(beyond the frame)")
 
 
 def simple_figure() -> Figure:

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import base64
+import gzip
+import hashlib
 import json
 import re
 import tomllib
@@ -21,6 +23,7 @@ from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Sta
 from pysprings.results import axes
 from pysprings.results.report import balances, inputs, solution, validity
 from pysprings.results.report import page as report
+from pysprings.results.report.live import live_parts
 from pysprings.results.report.table import ReportData, ReportTable, Table
 from pysprings.results.report.tables import REPORT_TABLES
 from pysprings.scene.load import parse_scene
@@ -121,24 +124,55 @@ def test_hostile_text_is_escaped_everywhere(result: xr.DataTree, springs: xr.Dat
 def test_the_page_needs_nothing_beside_it(result: xr.DataTree, springs: xr.DataTree, pictures: list[Path]) -> None:
     page = Page(report.render(result, springs, None, RUN, pictures))
     sources = [attrs["src"] for tag, attrs in page.tags if tag == "img"]
-    assert len(sources) == 1 + 6  # the sketch and the known pictures
+    assert len(sources) == 1 + 3  # the sketch, and of the known pictures one of each kind that the report shows
     assert all(source is not None and source.startswith("data:image/") for source in sources)
-    assert base64.b64decode(str(sources[1]).partition("base64,")[2]) == PIXEL
+    assert [base64.b64decode(str(source).partition("base64,")[2]) == PIXEL for source in sources].count(True) == 3
     assert not {"script", "link", "iframe"} & {tag for tag, _ in page.tags}
     assert any("default-src 'none'" in str(attrs.get("content")) for tag, attrs in page.tags if tag == "meta")
 
 
-def test_pictures_stand_in_reading_order_with_captions(result: xr.DataTree, pictures: list[Path]) -> None:
+def test_a_picture_of_each_kind_stands_in_its_part(result: xr.DataTree, pictures: list[Path]) -> None:
     page = Page(report.render(result, figures=[*pictures[::-1]]))
-    found = [attrs["alt"] for tag, attrs in page.tags if tag == "img"][1:]
-    assert found == [
+    assert page.pictures == [
+        "p-y curves by depth, path pull",
+        "Gap opening, at the last converged step, path pull",
+        "Axes and signs of the caisson",
         "Mesh in the symmetry plane",
-        "p-y curves by depth",
-        "Gap opening, at u = 2.5 mm",
-        "Gap opening, at the last converged step",
-        "Newton iterations",
-        "p-y curves by depth",
     ]
+
+
+def test_the_summary_is_first_and_every_link_of_the_contents_has_its_part(
+    result: xr.DataTree, springs: xr.DataTree
+) -> None:
+    run = RUN.replace(summary={"loads": "H 4 MN"})
+    page = Page(report.render(result, springs, None, run))
+    heads = [
+        page.text.rindex(word)
+        for word in ("Summary", "H 4 MN", "Contents", "Springs from one path", "Appendix: numerics\n")
+    ]
+    assert heads == sorted(heads)
+    links = [str(attrs["href"]).lstrip("#") for tag, attrs in page.tags if tag == "a"]
+    assert len(links) >= 5 and set(links) <= {attrs.get("id") for _, attrs in page.tags}
+
+
+def test_interactive_parts_hold_one_library_and_allow_no_other_script(result: xr.DataTree) -> None:
+    pytest.importorskip("plotly")
+    hostile_result = result.copy()
+    hostile_result["paths/pull"].attrs["role"] = "</script><script>alert(1)</script>"
+    live = live_parts(hostile_result)
+    assert live is not None
+    page = Page(report.render(hostile_result, live=live))
+    scripts = [attrs for tag, attrs in page.tags if tag == "script"]
+    assert [attrs.get("id") for attrs in scripts] == ["run-data", "library", None]
+    (policy,) = [str(attrs["content"]) for tag, attrs in page.tags if "content" in attrs and "http-equiv" in attrs]
+    assert policy.count("'sha256-") == 2 and "script-src 'sha256-" in policy
+    digest = base64.b64encode(hashlib.sha256(gzip.decompress(base64.b64decode(live.library))).digest()).decode()
+    assert digest in policy
+    data = json.loads(live.data)
+    (pull,) = [path for path in data["paths"] if path["name"] == "pull"]
+    assert pull["role"] == "</script><script>alert(1)</script>" and "<" not in live.data
+    assert pull["H"][-1] == pytest.approx(1e-6 * float(result["paths/pull"]["H"][-1]), rel=1e-3)
+    assert np.shape(pull["p"]) == (len(pull["u"]), len(pull["depth"])) and pull["edge"][-1]
 
 
 def test_svg_is_taken_where_there_is_one(result: xr.DataTree, pictures: list[Path], tmp_path: Path) -> None:
@@ -237,12 +271,29 @@ def test_convergence_counts(result: xr.DataTree) -> None:
 def test_end_state_is_the_last_converged_step_in_units_for_people(result: xr.DataTree) -> None:
     tree = result.copy(deep=True)
     tree["paths/pull"]["converged"][-1] = 0
-    rows = dict(solution.end_table(tree["paths/pull"]).rows)
+    table = solution.end_table(dict(tree["paths"].children))
+    assert table is not None
+    row = dict(zip(table.columns, next(row for row in table.rows if row[0] == "pull"), strict=True))
     path = tree["paths/pull"].to_dataset(inherit=False).isel(step=-2)
-    assert rows["lateral displacement of the lid centre, u"] == f"{float(path['u']) * 1e3:.4g} mm"
-    assert rows["horizontal load, H"] == f"{float(path['H']) * 1e-3:.4g} kN"
+    assert row["u [mm]"] == number(float(path["u"]) * 1e3, 4)
+    assert row["H [kN]"] == number(float(path["H"]) * 1e-3, 4)
+    gaps = solution.opening_table(dict(tree["paths"].children))
+    assert gaps is not None
     width = float(path["gap"].sel(side="outside").max()) * 1e3
-    assert rows["widest gap, outside"].startswith(f"{width:.3g} mm at azimuth 180°")
+    (gap,) = [row for row in gaps.rows if row[0] == "pull"]
+    assert list(gap[:2]) == ["pull", "outside"]
+    assert gap[2].startswith(f"{width:.3g} mm at azimuth 180°")
+
+
+def test_loads_at_a_tilt_are_interpolated_and_a_tilt_not_reached_is_a_dash(result: xr.DataTree) -> None:
+    tree = result.copy(deep=True)
+    path = tree["paths/pull"]
+    n = path.sizes["step"]
+    path["rotation"][:] = -np.radians(np.linspace(0.0, 0.4, n))
+    path["H"][:] = np.linspace(0.0, 8e6, n)
+    table = solution.tilt_table(dict(tree["paths"].children))
+    assert table is not None and [row[0] for row in table.rows] == ["pull"]
+    assert list(table.rows[0][2:4]) == ["0.4", "5000"] and list(table.rows[0][5:]) == ["-", "-"]
 
 
 def test_validity_states_the_calibrated_range(result: xr.DataTree, springs: xr.DataTree) -> None:
