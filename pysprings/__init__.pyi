@@ -19,3 +19,4 @@ from .springs.edge import lump_edge as lump_edge
 from .springs.extract import extract_springs as extract_springs
 from .springs.file import open_springs as open_springs
 from .springs.springs import Springs as Springs
+from .studies.sweep.dataset import open_study as open_study

@@ -35,6 +35,7 @@ COMMANDS = {
     "diff": "diff",
     "design": "design",
     "capacity": "capacity",
+    "sweep": "sweep",
     "accuracy": "studies",
     "stability": "studies",
     "paper": "studies",
@@ -54,6 +55,7 @@ def _load_all() -> None:
         soildyn,
         springs,
         studies,
+        sweep,
     )
 
 

@@ -38,6 +38,7 @@ from pysprings.results.report.page import write_report
 from pysprings.results.summary import summary
 from pysprings.springs.dataset import get_path, path_names
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.file import save_springs
 from pysprings.springs.sums import balance
 
 if TYPE_CHECKING:
@@ -54,10 +55,12 @@ class Writing:
     ----------
     target_error : goes into run.json.
     figures : False draws no pictures, whatever the scene says.
+    springs_alone : True writes springs.nc and run.json and no other file.
     """
 
     target_error: Mapping[str, Any] | None = None
     figures: bool = True
+    springs_alone: bool = False
 
 
 def run_to_folder(
@@ -89,7 +92,10 @@ def run_to_folder(
             add_estimate(ran, result, compute, progress, beside)
         more = writing or Writing()
         result.record.target_error = None if more.target_error is None else dict(more.target_error)
-        _write_all(folder, scene, result, more.figures and scene.output.figures)
+        if more.springs_alone:
+            _write_springs(folder, result)
+        else:
+            _write_all(folder, scene, result, more.figures and scene.output.figures)
         if not result.interrupted:
             checkpoints.remove()
         raise_if_incomplete(result, folder)
@@ -98,7 +104,10 @@ def run_to_folder(
     return folder
 
 
-def run_or_go_on(scene: Scene, folder: Path, progress: Progress | None = None, time_unit: bool = False) -> Path:
+def run_or_go_on(
+    scene: Scene, folder: Path, progress: Progress | None = None, time_unit: bool = False,
+    writing: Writing | None = None,
+) -> Path:  # fmt: skip
     """Run a scene into a folder, or resume the interrupted run there; the error is not estimated.
 
     The run starts anew where the checkpoints belong to another scene, mesh or version, or are damaged. A folder that is
@@ -106,12 +115,26 @@ def run_or_go_on(scene: Scene, folder: Path, progress: Progress | None = None, t
     """
     own_folder(folder.parent, folder.name)
     resume = is_unfinished(folder)
+    again = partial(run_to_folder, scene, folder, None, progress, estimate_error=False, time_unit=time_unit,
+                    writing=writing)  # fmt: skip
     try:
-        return run_to_folder(scene, folder, None, progress, resume, estimate_error=False, time_unit=time_unit)
+        return again(resume=resume)
     except UserInputError:
         if not resume:
             raise
-        return run_to_folder(scene, folder, None, progress, estimate_error=False, time_unit=time_unit)
+        return again()
+
+
+def _write_springs(folder: Path, computed: Computed) -> None:
+    """Write the springs and the record of a result alone, in the place of the files of an earlier run."""
+    record, springs = computed.record, _springs(computed.recorded())
+    remove_results(folder)
+    remove_leftovers(folder, *(folder / name for name in own_folders()))
+    if springs is not None:
+        record.balance = {name: balance(get_path(springs, name)) for name in path_names(springs)}
+        save_springs(springs, folder / "springs.nc")
+    record.files = noted(folder)
+    _write_record(folder, record.as_dict())
 
 
 def _write_all(folder: Path, scene: Scene, computed: Computed, drawn: bool) -> None:

@@ -30,12 +30,19 @@ def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
     if springs.reach is None:
         return ()
     rates = springs.rates or (None,)
-    parts = [*_rays(springs, caisson, rates), *_vertical(springs, rates[0])]
+    parts = [*_rays(springs, caisson, rates, ray_angles(springs))]
+    if springs.vertical:
+        parts += _vertical(springs, rates[0])
     if springs.memory:
         parts += _reversed(springs, caisson, rates[0])
     if springs.held_back:
         parts += _pulls(springs, caisson, rates[0])
     return tuple(Path(**part) for part in parts)
+
+
+def ray_angles(springs: Springs) -> tuple[float, ...]:
+    """Return the directions of the rays of a fan, degrees."""
+    return tuple(float(f"{math.degrees(angle):.9g}") for angle in springs.rays) or RAYS
 
 
 def few_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
@@ -50,7 +57,7 @@ def few_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
 
 
 def _rays(
-    springs: Springs, caisson: Caisson, rates: tuple[float | None, ...], angles: tuple[int, ...] = RAYS
+    springs: Springs, caisson: Caisson, rates: tuple[float | None, ...], angles: tuple[float, ...]
 ) -> Iterator[dict[str, Any]]:
     assert springs.reach is not None
     loads = (None, *springs.vertical_loads)
@@ -64,7 +71,7 @@ def _rays(
                 }  # fmt: skip
 
 
-def _motion(rho: float, angle: int, caisson: Caisson) -> dict[str, Any]:
+def _motion(rho: float, angle: float, caisson: Caisson) -> dict[str, Any]:
     """Return kind and motion of a ray of a size [m] and an angle [deg]."""
     along, turn = math.cos(math.radians(angle)), math.sin(math.radians(angle))
     motion: dict[str, Any] = {"kind": _RAY["rotation" if angle == 90 else "u"]}
@@ -89,8 +96,8 @@ def _reversed(springs: Springs, caisson: Caisson, rate: float | None) -> Iterato
         }  # fmt: skip
 
 
-def _ray_name(angle: int) -> str:
-    return f"ray_{'minus_' if angle < 0 else ''}{abs(angle)}"
+def _ray_name(angle: float) -> str:
+    return f"ray_{'minus_' if angle < 0 else ''}{abs(angle):g}".replace(".", "_")
 
 
 def _vertical(springs: Springs, rate: float | None) -> Iterator[dict[str, Any]]:

@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.scene.changes import OPTION, applied, read_changes
+from pysprings.scene.changes import OPTION, Change, applied, read_changes
 from pysprings.scene.checks import dotted
 from pysprings.scene.fields import FROM_TOML, suggestion
 from pysprings.scene.model import Scene
@@ -95,27 +95,47 @@ def load_scene(path: str | os.PathLike[str], changes: Sequence[str] = ()) -> Sce
 
 def parse_scene(text: str, file: str | None = None, changes: Sequence[str] = ()) -> Scene:
     """Read a scene from TOML text; `file` is its name in messages, `changes` are those of `load_scene`."""
-    try:
-        refuse_depth(text)
-        data = _parse_toml(text, file)
-        places = locate(text)
-    except TooDeep as error:
-        _refuse(file, str(error), *error.place)
-    except RecursionError:
-        _refuse(file, "lists or tables are nested too deeply")
-    profile = _read_profile(data, places, file)
-    changed = applied(data, read_changes(changes))
-    if not data:
-        _refuse(file, "the file is empty; `pysprings init` writes a commented scene")
-    try:
-        scene = Scene.model_validate(data, context=FROM_TOML, by_alias=True, by_name=False)
-    except ValidationError as error:
-        faults = _all_faults(data, error)
-        problems = [_problem(fault, places, file, changed) for fault in faults]
-        raise UserInputError(sorted(problems, key=lambda problem: (problem.line or 0, problem.col or 0))) from None
-    if not profile and not changed:  # a scene of a profile is written with its layers: it needs no other file then
-        scene._source = (text, scene.sha256)
-    return scene
+    return SceneText(text, file).scene(read_changes(changes))
+
+
+class SceneText:
+    """The text of a scene file, read once: `scene` returns it with values changed, as often as asked.
+
+    Raises UserInputError where the text is no TOML.
+    """
+
+    def __init__(self, text: str, file: str | None = None) -> None:
+        self.text, self.file = text, file
+        try:
+            refuse_depth(text)
+            self._data = _parse_toml(text, file)
+            self._places = locate(text)
+        except TooDeep as error:
+            _refuse(file, str(error), *error.place)
+        except RecursionError:
+            _refuse(file, "lists or tables are nested too deeply")
+        self._profile = _read_profile(self._data, self._places, file)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> SceneText:
+        """Return the text of a scene file."""
+        return cls(_read_text(FilePath(path)), str(path))
+
+    def scene(self, changes: Sequence[Change] = ()) -> Scene:
+        """Return the scene with values changed. Raises UserInputError with every problem."""
+        data = copy.deepcopy(self._data)
+        changed = applied(data, changes)
+        if not data:
+            _refuse(self.file, "the file is empty; `pysprings init` writes a commented scene")
+        try:
+            scene = Scene.model_validate(data, context=FROM_TOML, by_alias=True, by_name=False)
+        except ValidationError as error:
+            problems = [_problem(fault, self._places, self.file, changed) for fault in _all_faults(data, error)]
+            raise UserInputError(sorted(problems, key=lambda each: (each.line or 0, each.col or 0))) from None
+        # a scene of a profile is written with its layers: it needs no other file then
+        if not self._profile and not changed:
+            scene._source = (self.text, scene.sha256)
+        return scene
 
 
 def _read_profile(data: dict[str, Any], places: dict[KeyPath, Place], file: str | None) -> bool:

@@ -96,6 +96,10 @@ _FURTHER_LOADS = QuantityList(
     "", (("", Quantity("MN", "[-1e4, 1e4]", "vertical load", "4 MN")),),
     "further vertical loads under which the rays are computed, beside that of [caisson]",
 )  # fmt: skip
+_RAYS = QuantityList(
+    "", (("", Quantity("deg", "[-90, 90]", "direction of a ray", "-30 deg")),),
+    "directions of the rays, in place of the usual eight: angles of (u, rotation * skirt_length)",
+)  # fmt: skip
 _RATES = QuantityList(
     "", (("", Quantity("mm/s", "[1e-9, 1e6]", "rate", "0.05 mm/s")),),
     "rates of the reach at which the rays are computed; needed where water flows",
@@ -368,10 +372,12 @@ class Springs(Section):
 
     Eight rays move the lid centre by u and turn the caisson in proportion, until sqrt(u^2 + (rotation skirt_length)^2)
     is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` two rays go to 40 % of it,
-    back to the opposite motion, and there again.
+    back to the opposite motion, and there again. `rays` has other directions than the usual eight.
     """
 
     reach: Annotated[float | None, _REACH] = None
+    rays: Annotated[tuple[float, ...], _RAYS] = ()
+    vertical: Annotated[bool, Flag("also compute the two vertical paths")] = True
     vertical_loads: Annotated[tuple[float, ...], _FURTHER_LOADS] = ()
     rates: Annotated[tuple[float, ...], _RATES] = ()
     held_back: Annotated[bool, Flag("also compute pulls at five heights, on which the springs are only checked")] = True

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings sweep`: many scenes, a folder each, one dataset of all."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pysprings.cli.options import Json
+from pysprings.cli.support import interruptible, print_json, print_table, refuse, to_stderr
+from pysprings.core.errors import RunIncomplete
+
+if TYPE_CHECKING:
+    from pysprings.studies.sweep.study import Study
+
+
+def sweep(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="study file (TOML): base scene and axes")],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/sweep-STUDY]")
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler", metavar="ADDRESS", help="Dask scheduler (tcp://...), or its scheduler file; not this machine"
+        ),
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", metavar="N", min=1, help="processes on this machine \\[default: its cores]")
+    ] = None,
+    plan_only: Annotated[bool, typer.Option("--plan", help="check the cases and write cases.csv; run nothing")] = False,
+    again: Annotated[
+        bool, typer.Option("--again", help="make cases.csv anew from a changed study; what has run stays")
+    ] = False,
+    table: Annotated[
+        list[Path] | None, typer.Option("--table", metavar="FILE", help="also a table: .csv or .xlsx; may be repeated")
+    ] = None,
+    picture: Annotated[
+        list[str] | None,
+        typer.Option("--picture", metavar="NAME", help="draw a quantity of study.nc, e.g. K_H; may be repeated"),
+    ] = None,
+    over: Annotated[
+        str | None,
+        typer.Option("--over", metavar="AXIS[,AXIS]", help="axes of the pictures \\[default: the first two]"),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="errors and warnings alone")] = False,
+    as_json: Json = False,
+) -> None:
+    """Run a base scene over axes of its values: a folder a case, cases.csv, and study.nc with all of them.
+
+    Cases that have ended in DIR are not run again; interrupted ones go on. Failed and stopped cases are rows with a
+    reason, and end the command with exit code 3.
+    """
+    from pysprings.cli.folders import refuse_no_folder
+    from pysprings.core.progress import reporter
+    from pysprings.studies.sweep import study as studies
+    from pysprings.studies.sweep.cluster import Place
+    from pysprings.studies.sweep.study_file import read_study
+
+    if scheduler is not None and jobs is not None:
+        refuse("--jobs", "the scheduler has workers of its own: give one of the two")
+    folder = out or Path("out") / f"sweep-{study.stem}"
+    refuse_no_folder(folder)
+    plan = read_study(study)
+    say = (lambda _: None) if quiet else to_stderr
+    if plan_only:
+        ended = studies.planned(plan, folder, again)
+    else:
+        try:
+            with interruptible(), reporter(None if quiet else sys.stderr) as progress:
+                ended = studies.sweep(plan, folder, Place(scheduler, jobs), progress, say, again)
+        except KeyboardInterrupt:
+            to_stderr(f"what has run is kept in {folder}; the same command goes on")
+            raise
+    written = _outputs(ended, table or [], picture or [], over)
+    if as_json:
+        print_json(_summary(ended, folder))
+    elif not quiet:
+        _print(ended, folder, written)
+    _end(ended, plan_only)
+
+
+def _outputs(study: Study, tables: list[Path], pictures: list[str], over: str | None) -> dict[Path, str]:
+    """Write dataset, tables and pictures; return the files with their meaning."""
+    from pysprings.studies.sweep import dataset, picture, table
+
+    written = {study.out / "cases.csv": "the cases: values, status, reason, seconds, hash"}
+    file = dataset.write_study(study)
+    if file is None:
+        return written
+    written[file] = "all cases as one dataset (pysprings.open_study, xarray)"
+    with dataset.open_study(file) as data:
+        for each in tables or [study.out / table.CSV]:
+            written[table.write_table(data, each)] = "a row a case, for spreadsheets"
+        for name in pictures:
+            from pysprings.results.plots.files import save
+
+            axes = [axis.strip() for axis in over.split(",")] if over else []
+            stem = study.out / name.replace(":", "-")
+            for drawn in save(picture.draw(data, name, axes), stem, dpi=150):
+                written[drawn] = name
+    return written
+
+
+def _summary(study: Study, folder: Path) -> dict[str, Any]:
+    counts = Counter(state.status for state in study.states.values())
+    return {"folder": str(folder), "cases": len(study.plan.cases), "ran": study.ran, "status": dict(counts)}
+
+
+def _print(study: Study, folder: Path, written: dict[Path, str]) -> None:
+    counts = Counter(state.status for state in study.states.values())
+    print_table(["status", "cases"], [[name, f"{number:,}"] for name, number in counts.items()])
+    odd = [(case, study.states[case.number]) for case in study.plan.cases if study.states[case.number].reason]
+    if odd:
+        print()
+        rows = [[case.id, state.status, state.reason[:100]] for case, state in odd[:20]]
+        print_table(["case", "status", "reason"], rows, [True, True, True])
+        if len(odd) > 20:
+            print(f"and {len(odd) - 20:,} more in {folder / 'cases.csv'}")
+    print()
+    for file, meaning in written.items():
+        print(f"{file}: {meaning}")
+
+
+def _end(study: Study, plan_only: bool) -> None:
+    """Raise RunIncomplete where cases have no springs."""
+    bad = [state for state in study.states.values() if state.status in ("failed", "stopped")]
+    if bad and not plan_only:
+        raise RunIncomplete(f"{len(bad)} of {len(study.plan.cases)} cases ended without springs", study.out)

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: MIT
+"""`study.nc`: one dataset of a study, a dimension an axis (or `case`), written case by case.
+
+`open_study` opens it lazily: what is not asked for is not read.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pysprings.core.errors import refused
+from pysprings.core.files.storage import replacing
+from pysprings.core.units import unit_of
+from pysprings.core.variables import DOFS
+from pysprings.core.version import __version__
+from pysprings.studies.sweep import measures
+from pysprings.studies.sweep.cases_file import DONE, SHORT
+from pysprings.studies.sweep.measures import DEPTHS, SHARES, Measured, measure
+from pysprings.studies.sweep.plan import Axis, Case, split
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from pysprings.studies.sweep.study import Study
+
+FILE = "study.nc"
+SCHEMA = "pysprings-study-1"
+_STATE_UNITS = {
+    "u": "m", "w": "m", "rotation": "rad", "H": "N", "V": "N", "M": "N m", "H_tip": "N", "M_tip": "N m", "V_tip": "N",
+    "H_lid": "N", "M_lid": "N m", "V_lid": "N", "p": "N/m", "m": "N m/m", "t": "N/m",
+}  # fmt: skip
+NUMBERS = {
+    "wall_s": ("s", "wall time of the case"),
+    "cpu_s": ("s", "CPU time of the case"),
+    "peak_memory_bytes": ("byte", "largest memory of the case"),
+    "unknowns": ("1", "unknowns of its model"),
+    "iterations": ("1", "Newton iterations of all paths"),
+    "balance_error": ("1", "largest share of the load that the sums of the reactions miss"),
+}
+STIFFNESSES = {"K_H": ("u", "u", "N/m"), "K_V": ("w", "w", "N/m"), "K_M": ("rotation", "rotation", "N m/rad"),
+               "K_HM": ("u", "rotation", "N/rad")}  # fmt: skip
+
+
+def write_study(study: Study) -> Path | None:
+    """Write study.nc from the folders of the cases; None where no case has springs. Holds one case at a time."""
+    paths = _path_names(study)
+    if not paths:
+        return None
+    target = study.out / FILE
+    with replacing(target) as temporary:
+        _write(study, temporary, paths)
+    return target
+
+
+def _usable(study: Study) -> Iterable[Case]:
+    return (case for case in study.plan.cases if study.states[case.number].status in (DONE, SHORT))
+
+
+def _path_names(study: Study) -> tuple[str, ...]:
+    """Return the names of the paths of the first case that has springs."""
+    first = next(iter(_usable(study)), None)
+    return () if first is None else tuple(path.name for path in study.plan.scene_of(first).load_paths)
+
+
+def _write(study: Study, file: Path, paths: tuple[str, ...]) -> None:
+    import netCDF4
+
+    with netCDF4.Dataset(file, "w", format="NETCDF4") as data:
+        data.setncatts({
+            "Conventions": "CF-1.11", "schema": SCHEMA, "title": study.plan.title, "source": f"pysprings {__version__}",
+            "scene_toml": study.plan.scene.text, "axes": ", ".join(axis.name for axis in study.plan.axes),
+            "axis_keys": "; ".join(" ".join(axis.keys) for axis in study.plan.axes),
+        })  # fmt: skip
+        dims = _put_axes(data, study)
+        _make_variables(data, dims, paths)
+        place = _places(study)
+        for case in study.plan.cases:
+            at = place(case)
+            state = study.states[case.number]
+            data["status"][at] = state.status
+            data["case_number"][at] = case.number
+            if state.status in (DONE, SHORT):
+                found = measure(study.folder(case.number), study.plan.scene_of(case), paths)
+                if found is not None:
+                    _put(data, at, found)
+
+
+def _put_axes(data: Any, study: Study) -> tuple[str, ...]:
+    """Write dimensions and coordinates; return the dimensions of a case."""
+    plan = study.plan
+    if plan.is_grid:
+        for axis in plan.axes:
+            data.createDimension(axis.name, len(axis.values))
+            _put_values(data, axis, axis.name, axis.values)
+        return tuple(axis.name for axis in plan.axes)
+    data.createDimension("case", len(plan.cases))
+    for k, axis in enumerate(plan.axes):
+        _put_values(data, axis, "case", [case.values[k] for case in plan.cases])
+    return ("case",)
+
+
+def _put_values(data: Any, axis: Axis, dim: str, values: Iterable[Any]) -> None:
+    """Write the values of an axis: numbers in the unit that they have in common, or texts."""
+    pairs = [split(value) for value in values]
+    if any(isinstance(number, str) for number, _ in pairs):
+        variable = data.createVariable(axis.name, str, (dim,))
+        variable[:] = np.array([f"{number} {unit}".strip() for number, unit in pairs], dtype=object)
+    else:
+        units = {unit for _, unit in pairs}
+        own = len(units) == 1  # a column with several units is in SI
+        variable = data.createVariable(axis.name, "f8", (dim,))
+        variable[:] = [float(number) * (1.0 if own or not unit else unit_of(unit)[0]) for number, unit in pairs]
+        variable.units = (units.pop() or "1") if own else _si(pairs[0][1])
+    variable.long_name = " ".join(axis.keys)
+
+
+def _si(unit: str) -> str:
+    """Return the SI base units of a unit."""
+    names = {"kilogram": "kg", "meter": "m", "second": "s", "radian": "rad"}
+    if not unit:
+        return "1"
+    return " ".join(f"{names.get(name, name)}{'' if power == 1 else f'{power:g}'}" for name, power in unit_of(unit)[1])
+
+
+def _make_variables(data: Any, dims: tuple[str, ...], paths: tuple[str, ...]) -> None:
+    sizes = {"path": len(paths), "share": len(SHARES), "depth_share": DEPTHS, "dof": 3, "dof_conjugate": 3}
+    for name, size in sizes.items():
+        data.createDimension(name, size)
+    for name, texts in (("path", paths), ("dof", DOFS), ("dof_conjugate", DOFS)):
+        data.createVariable(name, str, (name,))[:] = np.array(texts, dtype=object)
+    data.createVariable("share", "f8", ("share",))[:] = SHARES
+    data.createVariable("depth_share", "f8", ("depth_share",))[:] = (np.arange(DEPTHS) + 0.5) / DEPTHS
+    data["share"].setncatts({"units": "1", "long_name": "share of the aim of the path"})
+    data["depth_share"].setncatts({"units": "1", "long_name": "depth over skirt length, middle of the slice"})
+    data.createVariable("status", str, dims)
+    data.createVariable("case_number", "i4", dims, fill_value=0)
+
+    def number(name: str, more: tuple[str, ...], unit: str, text: str = "") -> None:
+        whole = (*dims, *more)
+        chunks = [1] * len(dims) + [sizes[each] for each in more] if more else None
+        variable = data.createVariable(name, "f8" if not more else "f4", whole, zlib=bool(more), chunksizes=chunks,
+                                       fill_value=np.nan)  # fmt: skip
+        variable.setncatts({"units": unit} | ({"long_name": text} if text else {}))
+
+    for name in (*measures.STATES, *measures.ENDS):
+        number(name, ("path", "share"), _STATE_UNITS[name])
+    for name in measures.BY_DEPTH:
+        number(name, ("path", "depth_share", "share"), _STATE_UNITS[name], "both sides and all components together")
+    number("H_largest", ("path",), "N", "largest |H| of the path")
+    number("M_largest", ("path",), "N m", "largest |M| of the path")
+    number("reached", ("path",), "1", "share of its aim that the path reached")
+    number(
+        "limit_load", ("path",), "1", "1 where the path ended at a limit load, so that the largest load is a capacity"
+    )
+    for name, (_, _, unit) in STIFFNESSES.items():
+        number(name, (), unit, "initial stiffness at the lid centre")
+    number("stiffness_initial", ("dof", "dof_conjugate"), "N/m, N, N m")
+    for name, (unit, text) in NUMBERS.items():
+        number(name, (), unit, text)
+
+
+def _places(study: Study) -> Any:
+    """Return the function from a case to its index in the arrays."""
+    if study.plan.is_grid:
+        shape = tuple(len(axis.values) for axis in study.plan.axes)
+        return lambda case: tuple(int(k) for k in np.unravel_index(case.number - 1, shape))
+    order = {case.number: k for k, case in enumerate(study.plan.cases)}
+    return lambda case: (order[case.number],)
+
+
+def _put(data: Any, at: tuple[int, ...], found: Measured) -> None:
+    for name, values in (*found.along.items(), *found.by_depth.items()):
+        data[name][at] = values
+    data["H_largest"][at], data["M_largest"][at] = (_largest(found.along[name]) for name in ("H", "M"))
+    data["reached"][at], data["limit_load"][at] = found.reached, found.limit
+    data["stiffness_initial"][at] = found.stiffness
+    for name, (row, column, _) in STIFFNESSES.items():
+        data[name][at] = found.stiffness[DOFS.index(row), DOFS.index(column)]
+    for name, value in found.numbers.items():
+        data[name][at] = value
+
+
+def _largest(values: np.ndarray) -> np.ndarray:
+    """Return the largest size by path; NaN where nothing is known."""
+    filled = np.where(np.isfinite(values), np.abs(values), -1.0).max(axis=1)
+    return np.where(filled < 0.0, np.nan, filled)
+
+
+def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Open study.nc, or that of a folder, without reading its arrays; close it after use."""
+    import xarray as xr
+
+    file = Path(path) / FILE if Path(path).is_dir() else Path(path)
+    if not file.exists():
+        raise refused(None, "no such file; `pysprings sweep` writes it", file)
+    data = xr.open_dataset(file, engine="netcdf4", decode_times=False, decode_timedelta=False)
+    if data.attrs.get("schema") != SCHEMA:
+        data.close()
+        raise refused(None, f"is no {FILE} of a study ({SCHEMA})", file)
+    return data
+
+
+def scalars(data: xr.Dataset) -> Mapping[str, xr.DataArray]:
+    """Return the quantities of a study with one number a case: by name, or name:path."""
+    dims = set(data["case_number"].dims)
+    found: dict[str, xr.DataArray] = {}
+    for name, variable in data.data_vars.items():
+        if variable.dtype.kind != "f" or name == "case_number":
+            continue
+        if set(variable.dims) == dims:
+            found[str(name)] = variable
+        elif set(variable.dims) == dims | {"path"}:
+            found |= {f"{name}:{path}": variable.sel(path=path) for path in data["path"].values}
+    return found

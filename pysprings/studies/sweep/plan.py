@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: MIT
+"""The cases of a study: axes of scene values, and the rows that they make."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.scene.changes import OPTION, Change
+from pysprings.scene.load import SceneText
+from pysprings.scene.model import Scene
+
+DIGITS = 6  # figures of a value that a range or a sample makes
+Keep = Literal["springs", "all"]
+Value = str | float | int | bool
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A value of the scene that a study varies.
+
+    Attributes
+    ----------
+    name : column of cases.csv, dimension of study.nc.
+    keys : keys of the scene that take the value.
+    values : the values of a list or range, as TOML has them; none for a sampled axis.
+    low, high, unit, log : ends of a sampled axis in its unit ("" for a pure number), and whether its logarithm varies.
+    place : line and column in the study file.
+    """
+
+    name: str
+    keys: tuple[str, ...]
+    values: tuple[Value, ...] = ()
+    low: float = math.nan
+    high: float = math.nan
+    unit: str = ""
+    log: bool = False
+    place: tuple[int, int] | None = None
+
+    def at(self, share: float) -> Value:
+        """Return the value at a share of the way between the ends, rounded to `DIGITS` figures."""
+        ratio, way = self.high / self.low if self.log else 1.0, self.high - self.low
+        number = self.low * ratio**share if self.log else self.low + share * way
+        return quantity(float(f"{number:.{DIGITS}g}"), self.unit)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A row of a study: its number from 1, and a value for each axis."""
+
+    number: int
+    values: tuple[Value, ...]
+
+    @property
+    def id(self) -> str:
+        """Name in tables and messages."""
+        return f"{self.number:05d}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a study runs.
+
+    Attributes
+    ----------
+    file, title : of the study.
+    scene : text of the base scene.
+    axes, cases : what varies, and the rows.
+    keep : the files of a case: its springs and record alone, or all files of a run.
+    is_grid : whether the cases are all combinations of the values of the axes.
+    from_file : whether the values come from cases.csv or a table, not from the axes.
+    """
+
+    file: str
+    title: str
+    scene: SceneText
+    axes: tuple[Axis, ...]
+    cases: tuple[Case, ...]
+    keep: Keep = "springs"
+    is_grid: bool = True
+    from_file: str = ""
+
+    @property
+    def digest(self) -> str:
+        """Number of what the study file asks for, the base scene included."""
+        axes = [(axis.name, axis.keys) for axis in self.axes]
+        whole = [self.scene.text, axes, [case.values for case in self.cases]]
+        return hashlib.sha256(json.dumps(whole).encode()).hexdigest()
+
+    def changes(self, case: Case) -> list[Change]:
+        """Return what a case changes in the base scene."""
+        pairs = zip(self.axes, case.values, strict=True)
+        return [Change(tuple(key.split(".")), value) for axis, value in pairs for key in axis.keys]
+
+    def scene_of(self, case: Case) -> Scene:
+        """Return the scene of a case. Raises UserInputError."""
+        return self.scene.scene(self.changes(case))
+
+    def hashes(self) -> list[str]:
+        """Return the folder name of every case: the first letters of the number of its scene.
+
+        Raises
+        ------
+        UserInputError
+            The values of a case make no scene; every problem once, at its axis or its row.
+        """
+        names, problems = [], dict[tuple[Any, ...], Problem]()
+        for case in self.cases:
+            try:
+                names.append(self.scene_of(case).sha256[:16])
+            except UserInputError as error:
+                for each in error.problems:
+                    problem = self._placed(each, case)
+                    problems.setdefault((problem.line, problem.key, problem.message), problem)
+        if problems:
+            raise UserInputError(sorted(problems.values(), key=lambda each: each.line or 0))
+        return names
+
+    def _placed(self, problem: Problem, case: Case) -> Problem:
+        """Return a problem of a case at the axis, or the row, that its value comes from."""
+        if problem.file != OPTION and not (problem.key or "").startswith(OPTION):
+            return problem
+        key = (problem.key or "").removeprefix(OPTION).strip()
+        axis = next((each for each in self.axes if any(_same(key, own) for own in each.keys)), None)
+        text = f"case {case.id}: {problem.message}"
+        if self.from_file:
+            return Problem(self.from_file, case.number + 1, None, key, text)
+        line, col = (axis.place if axis else None) or (None, None)
+        return Problem(self.file, line, col, key, text if axis is None else problem.message)
+
+
+def _same(key: str, own: str) -> bool:
+    """Return whether a key of a message, with list numbers for names, is that of an axis."""
+    a, b = key.replace("[", ".").replace("]", "").split("."), own.split(".")
+    return a[0] == b[0] and (a[-1] == b[-1] or (len(b) > 1 and b[-2] in a[1:]))
+
+
+def quantity(number: float, unit: str) -> Value:
+    """Return a value as TOML has it: a text with its unit, or a pure number (whole ones without a point)."""
+    text = f"{number:.12g}"
+    if unit:
+        return f"{text} {unit}"
+    return int(text) if text.lstrip("-").isdigit() else float(text)
+
+
+def split(value: Value) -> tuple[float | str, str]:
+    """Return number and unit of a value; a word stays as it is."""
+    if isinstance(value, bool) or not isinstance(value, str):
+        return (str(value).lower(), "") if isinstance(value, bool) else (value, "")
+    head, _, unit = value.strip().partition(" ")
+    try:
+        return float(head), unit.strip()
+    except ValueError:
+        return value, ""
+
+
+def grid(axes: Sequence[Axis]) -> tuple[Case, ...]:
+    """Return all combinations of the values of the axes; the last axis varies first."""
+    rows = itertools.product(*(axis.values for axis in axes))
+    return tuple(Case(k + 1, tuple(row)) for k, row in enumerate(rows))
+
+
+def latin_hypercube(axes: Sequence[Axis], cases: int, seed: int) -> tuple[Case, ...]:
+    """Return cases of a Latin hypercube (McKay, Beckman & Conover 1979) between the ends of the axes."""
+    from scipy.stats import qmc
+
+    shares = qmc.LatinHypercube(len(axes), seed=np.random.default_rng(seed)).random(cases)
+    rows = ([axis.at(float(share)) for axis, share in zip(axes, row, strict=True)] for row in shares)
+    return tuple(Case(k + 1, tuple(row)) for k, row in enumerate(rows))
+
+
+def span(axis: Axis, count: int) -> tuple[Value, ...]:
+    """Return evenly spaced values from one end of an axis to the other."""
+    return tuple(axis.at(k / (count - 1)) for k in range(count)) if count > 1 else (axis.at(0.0),)

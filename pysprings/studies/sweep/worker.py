@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: MIT
+"""One case of a study, as a worker runs it: into its folder, or into one of its own that is carried back.
+
+A case folder has `case.json` at its end: status, reason, seconds, number of the scene, version. A study reads it
+in place of the much longer run.json.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import shutil
+import tempfile
+import time
+import warnings
+import zipfile
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from pysprings.core.errors import PyspringsError, RunIncomplete, UserInputError
+from pysprings.core.files.layout import is_unfinished
+from pysprings.core.version import __version__
+from pysprings.studies.sweep.cases_file import DONE, FAILED, SHORT, STOPPED
+
+ENDED = "case.json"
+SIGN = ".pysprings-study"  # a worker that sees this file of the study writes into its folder itself
+NEW = ".carried"
+FOLDER = "cases"
+_MOST_LETTERS = 300
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a worker gets: the scene as TOML, folder of the study, name of the case, sign, whether to keep all files."""
+
+    number: int
+    scene: str
+    out: str
+    name: str
+    sign: str
+    keep_all: bool = False
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a case ended."""
+
+    number: int
+    status: str
+    reason: str
+    seconds: float
+    name: str
+    version: str = __version__
+    scene_sha256: str = ""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a worker returns: how the case ended, its files where the folder of the study is not shared."""
+
+    ended: Ended
+    files: bytes | None = None
+    is_resource: bool = False
+
+
+def read_ended(folder: Path) -> Ended | None:
+    """Return how a case ended by its folder; None where it has not, or with another version."""
+    try:
+        ended = Ended(**json.loads((folder / ENDED).read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError):
+        return None
+    return ended if ended.version == __version__ and not is_unfinished(folder) else None
+
+
+def run_case(task: Task) -> Answer:
+    """Run a case and return how it ended; a case that has ended is not run again. Never raises an error of ours."""
+    out = Path(task.out)
+    if _is_shared(out, task.sign):
+        return _run(task, out / FOLDER / task.name)
+    with tempfile.TemporaryDirectory(prefix="pysprings-") as place:
+        folder = Path(place) / task.name
+        answer = _run(task, folder)
+        return Answer(answer.ended, packed(folder), answer.is_resource)
+
+
+def _is_shared(out: Path, sign: str) -> bool:
+    try:
+        return (out / SIGN).read_text(encoding="utf-8") == sign
+    except (OSError, ValueError):
+        return False
+
+
+def _run(task: Task, folder: Path) -> Answer:
+    if (known := read_ended(folder)) is not None:
+        return Answer(known)
+    start = time.monotonic()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        status, reason, digest = _computed(task, folder)
+    except (PyspringsError, OSError, MemoryError) as error:
+        refused = isinstance(error, UserInputError)
+        ended = Ended(task.number, FAILED if refused else STOPPED, _line(error), time.monotonic() - start, task.name)
+        return Answer(ended, is_resource=not refused)
+    ended = Ended(task.number, status, reason, round(time.monotonic() - start, 2), task.name, scene_sha256=digest)
+    try:
+        write_ended(folder, ended)
+    except OSError as error:
+        return Answer(Ended(task.number, STOPPED, _line(error), ended.seconds, task.name), is_resource=True)
+    return Answer(ended)
+
+
+def write_ended(folder: Path, ended: Ended) -> None:
+    """Mark a case as ended."""
+    from pysprings.core.files.storage import write_text
+
+    write_text(json.dumps(asdict(ended)) + "\n", folder / ENDED)
+
+
+def _computed(task: Task, folder: Path) -> tuple[str, str, str]:
+    """Run the full model; return status, reason and the number of the scene."""
+    from pysprings.full_model.run_record import RunRecord
+    from pysprings.results.folder import Writing, run_or_go_on
+    from pysprings.scene.load import parse_scene
+
+    scene = parse_scene(task.scene)
+    with warnings.catch_warnings(), suppress(RunIncomplete):  # the record has the reason, and the warnings
+        warnings.simplefilter("ignore")
+        run_or_go_on(scene, folder, writing=Writing(springs_alone=not task.keep_all))
+    record = RunRecord.read(folder)
+    if record is None:
+        return STOPPED, "no run.json was written", scene.sha256
+    has_springs = (folder / "springs.nc").exists()
+    status = DONE if record.complete and has_springs else SHORT if has_springs else FAILED
+    reason = "; ".join(record.short) or ("" if has_springs else "no springs")
+    return status, _line(reason) if reason else "", scene.sha256
+
+
+def _line(error: object) -> str:
+    """Return an error as one line."""
+    text = "; ".join(str(error).removeprefix("fatal: user input: ").split("\n")) or type(error).__name__
+    return text if len(text) <= _MOST_LETTERS else text[: _MOST_LETTERS - 3] + "..."
+
+
+def packed(folder: Path) -> bytes:
+    """Return the files of a folder as one archive."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as archive:
+        for file in sorted(each for each in folder.rglob("*") if each.is_file()):
+            archive.write(file, file.relative_to(folder).as_posix())
+    return stream.getvalue()
+
+
+def unpack(files: bytes, folder: Path) -> None:
+    """Put the files of an archive into a folder that is whole or absent: files of an earlier run are replaced."""
+    new = folder.with_name(folder.name + NEW)
+    shutil.rmtree(new, ignore_errors=True)
+    new.mkdir(parents=True)
+    try:
+        with zipfile.ZipFile(io.BytesIO(files)) as archive:
+            archive.extractall(new)
+        shutil.rmtree(folder, ignore_errors=True)
+        new.rename(folder)
+    finally:
+        shutil.rmtree(new, ignore_errors=True)

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: MIT
+"""Study files: axes, samples and tables of cases; what is wrong with them, all at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.studies.sweep.study_file import read_study
+from tests.support import tiny
+
+GRID = """
+scene = "base.toml"
+[[axis]]
+key = "soil.young_modulus"
+values = ["100 MPa", "200 MPa"]
+[[axis]]
+key = "interface.friction_coefficient"
+name = "mu"
+from = 0.3
+to = 0.6
+count = 3
+"""
+SAMPLE = """
+scene = "base.toml"
+[sampling]
+method = "latin-hypercube"
+cases = 16
+seed = 3
+[[axis]]
+key = "soil.young_modulus"
+from = "50 MPa"
+to = "0.2 GPa"
+spacing = "log"
+[[axis]]
+key = "interface.friction_coefficient"
+from = 0.3
+to = 0.6
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    tiny.write(tiny.scene(), tmp_path / "base.toml")
+
+    def read(text, **files):
+        for name, content in files.items():
+            (tmp_path / f"{name}.csv").write_text(content, encoding="utf-8")
+        (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+        return read_study(tmp_path / "study.toml")
+
+    return read
+
+
+def refusals(study, text, **files):
+    with pytest.raises(UserInputError) as error:
+        study(text, **files).hashes()
+    return [(problem.line, problem.key, problem.message) for problem in error.value.problems]
+
+
+def test_a_grid_has_all_combinations_and_each_changes_the_scene(study):
+    plan = study(GRID)
+    assert [case.values for case in plan.cases[:4]] == [
+        ("100 MPa", 0.3), ("100 MPa", 0.45), ("100 MPa", 0.6), ("200 MPa", 0.3),
+    ]  # fmt: skip
+    assert plan.is_grid and len(plan.cases) == 6
+    scene = plan.scene_of(plan.cases[4])
+    assert scene.soil.young_modulus == 200e6 and scene.interface.friction_coefficient == 0.45
+    assert len(set(plan.hashes())) == 6
+
+
+def test_a_sample_fills_every_row_of_the_hypercube_once_and_repeats_with_its_seed(study):
+    plan, same = study(SAMPLE), study(SAMPLE)
+    assert [case.values for case in plan.cases] == [case.values for case in same.cases]
+    other = study(SAMPLE.replace("seed = 3", "seed = 4"))
+    assert [case.values for case in plan.cases] != [case.values for case in other.cases]
+    stiffness = np.array([float(case.values[0].split()[0]) for case in plan.cases])
+    shares = np.log(stiffness / 50.0) / np.log(4.0)
+    assert sorted(np.floor(16 * shares).astype(int)) == list(range(16))
+    assert {case.values[0].split()[1] for case in plan.cases} == {"MPa"}
+
+
+def test_a_table_has_a_scene_key_a_column(study):
+    text = 'scene = "base.toml"\ncases = "mine.csv"\n'
+    plan = study(text, mine="id,soil.young_modulus [MPa],interface.friction_coefficient\n1,80,0.4\n2,90,0.5\n")
+    assert [case.values for case in plan.cases] == [("80 MPa", 0.4), ("90 MPa", 0.5)]
+    assert plan.scene_of(plan.cases[1]).soil.young_modulus == 90e6
+    decimal = study(text, mine="soil.young_modulus [MPa];interface.friction_coefficient\n80,5;0,4\n")
+    assert decimal.cases[0].values == ("80.5 MPa", 0.4)
+
+
+def test_all_faults_of_a_study_come_at_once_with_their_lines(study):
+    text = 'scene = "base.toml"\nkeeep = 1\n[[axis]]\nkey = "soil.K0"\nfrom = 2\nto = 1\ncount = 1\n'
+    text += "[[axis]]\nvalues = []\n"
+    assert refusals(study, text) == [
+        (2, "keeep", "unknown key (did you mean 'keep'?)"),
+        (6, "axis.1.to", "must be above from (2)"),
+        (7, "axis.1.count", "1 is not in [2, 1000000]"),
+        (8, "axis.2.key", 'expected a key of the scene such as "caisson.skirt_length"'),
+    ]
+
+
+def test_values_that_the_scene_refuses_stand_at_their_axis(study):
+    text = GRID.replace('"200 MPa"]', '"200 m"]').replace("to = 0.6", "to = 9")
+    found = refusals(study, text)
+    assert [line for line, _, _ in found] == [5, 9]
+    assert "expected a pressure or stress" in found[0][2] and "9 is not in [0, 5]" in found[1][2]
+
+
+def test_values_of_a_table_that_the_scene_refuses_stand_at_their_row(study):
+    found = refusals(study, 'scene = "base.toml"\ncases = "mine.csv"\n', mine="soil.poisson_ratio\n0.3\n0.7\n")
+    assert found == [(3, "soil.poisson_ratio", "case 00002: 0.7 is not in [0, 0.5)")]
+
+
+def test_unknown_keys_of_the_scene_are_refused(study):
+    (line, _, message), *_ = refusals(study, GRID.replace("soil.young_modulus", "soil.young_modulu"))
+    assert line == 5 and "did you mean 'young_modulus'" in message
+
+
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        (('method = "latin-hypercube"', 'method = "sobol"'), 'expected "latin-hypercube"'),
+        (("seed = 3\n", ""), "missing"),
+        (('to = "0.2 GPa"', 'to = "2 m"'), "units of different quantities"),
+        (('from = "50 MPa"', 'from = "-1 MPa"'), "must be positive"),
+    ],
+)
+def test_samples_that_are_none(study, change, words):
+    found = refusals(study, SAMPLE.replace(*change))
+    assert len(found) == 1 and words in found[0][2]

@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: MIT
+"""A study from its first case to its dataset: what has run stays, and edits of cases.csv count."""
+
+from __future__ import annotations
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import psutil
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.springs.file import open_springs
+from pysprings.springs.springs import Springs
+from pysprings.studies.sweep import dataset, study, worker
+from pysprings.studies.sweep.cases_file import AGAIN, DONE, SKIP, State, write_cases
+from pysprings.studies.sweep.measures import DEPTHS, SHARES, remap
+from pysprings.studies.sweep.picture import draw
+from pysprings.studies.sweep.study_file import read_study
+from pysprings.studies.sweep.table import write_table
+from tests.support import tiny
+
+TEXT = """
+title = "two by two"
+scene = "base.toml"
+[[axis]]
+key = "soil.young_modulus"
+values = ["100 MPa", "200 MPa"]
+[[axis]]
+key = "interface.friction_coefficient"
+name = "mu"
+values = [0.3, 0.5]
+"""
+
+
+def make(folder, text=TEXT):
+    tiny.write(tiny.scene(), folder / "base.toml")
+    (folder / "study.toml").write_text(text, encoding="utf-8")
+    return read_study(folder / "study.toml")
+
+
+def rows(out):
+    with (out / "cases.csv").open(encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def run_here(planned):
+    """Run the open cases of a study in this process, as its workers do."""
+    (planned.out / worker.SIGN).write_text("sign", encoding="utf-8")
+    for case in planned.plan.cases:
+        if planned.states[case.number].status == "waiting":
+            scene = planned.plan.scene_of(case).to_toml()
+            task = worker.Task(case.number, scene, str(planned.out), planned.hashes[case.number], "sign")
+            study._take(planned, worker.run_case(task))
+    planned.write(force=True)
+
+
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sweep")
+    planned = study.planned(make(folder), folder / "out")
+    run_here(planned)
+    dataset.write_study(planned)
+    return planned
+
+
+def test_every_case_is_a_row_and_a_folder_named_by_its_scene(ended):
+    found = rows(ended.out)
+    assert [row["status"] for row in found] == ["complete"] * 4
+    assert [row["young_modulus [MPa]"] for row in found] == ["100", "100", "200", "200"]
+    for case, row in zip(ended.plan.cases, found, strict=True):
+        assert ended.plan.scene_of(case).sha256.startswith(row["hash"])
+        assert sorted(file.name for file in (ended.out / "cases" / row["hash"]).iterdir()) == [
+            "case.json", "run.json", "springs.nc",
+        ]  # fmt: skip
+
+
+def test_what_has_ended_is_not_run_again(ended):
+    again = study.planned(ended.plan, ended.out)
+    assert [state.status for state in again.states.values()] == [DONE] * 4
+    before = {file: file.stat().st_mtime_ns for file in ended.out.glob("cases/*/run.json")}
+    run_here(again)
+    assert before == {file: file.stat().st_mtime_ns for file in ended.out.glob("cases/*/run.json")}
+    assert again.ran == 0
+
+
+def test_the_dataset_has_a_dimension_an_axis_and_the_numbers_of_each_run(ended):
+    with dataset.open_study(ended.out) as data:
+        assert data["K_H"].dims == ("young_modulus", "mu") and data["young_modulus"].attrs["units"] == "MPa"
+        assert data["p"].dims == ("young_modulus", "mu", "path", "depth_share", "share")
+        case = data.sel(young_modulus=200.0, mu=0.3)
+        assert int(case["case_number"]) == 3
+        springs = Springs.of(open_springs(ended.folder(3) / "springs.nc"))
+        path = springs.paths["pull"]
+        assert float(case["K_H"]) == springs.stiffness[0, 0]
+        assert float(case["H"].sel(path="pull")[-1]) == pytest.approx(path["H"][-1], rel=1e-6)
+        assert float(case["H_largest"].sel(path="pull")) == pytest.approx(path["H"].max(), rel=1e-6)
+        assert float(case["reached"].sel(path="pull")) == 1.0
+        assert np.isfinite(case["cpu_s"]) and float(case["balance_error"]) < 1e-9
+
+
+def test_springs_of_the_common_grid_sum_to_the_load(ended):
+    with dataset.open_study(ended.out) as data:
+        case = data.sel(young_modulus=100.0, mu=0.5, path="pull")
+        length = ended.plan.scene_of(ended.plan.cases[1]).caisson.skirt_length
+        height, depth = length / DEPTHS, case["depth_share"] * length
+        H = height * case["p"].sum("depth_share") + case["H_tip"] + case["H_lid"]
+        M = (height * (case["p"] * depth + case["m"]).sum("depth_share") + length * case["H_tip"]
+             + case["M_tip"] + case["M_lid"])  # fmt: skip
+        assert np.abs(H - case["H"]).max() < 1e-5 * case["H"].max()
+        assert np.abs(M - case["M"]).max() < 1e-5 * length * case["H"].max()
+        assert case.sizes["share"] == len(SHARES)
+
+
+def test_a_table_and_a_picture_of_the_dataset(ended, tmp_path):
+    import openpyxl
+
+    with dataset.open_study(ended.out) as data:
+        with write_table(data, tmp_path / "all.csv").open(encoding="utf-8") as stream:
+            found = list(csv.DictReader(stream))
+        book = openpyxl.load_workbook(write_table(data, tmp_path / "all.xlsx"))
+        assert len(found) == 4 and float(found[2]["K_H [N/m]"]) == pytest.approx(float(data["K_H"][1, 0]), rel=1e-9)
+        assert [row[0].value for row in book["cases"].iter_rows(min_row=2)] == [1, 2, 3, 4]
+        drawn = draw(data, "K_H", ["young_modulus", "mu"]).axes[0].collections[0].get_array()
+        assert np.array_equal(np.ravel(drawn), data["K_H"].values.T.ravel())
+        line = draw(data, "H_largest:pull", ["mu"]).axes[0].lines[0]
+        assert line.get_ydata() == pytest.approx(data["H_largest"].sel(path="pull")[1].values)
+        with pytest.raises(UserInputError, match="no quantity 'K_h'"):
+            draw(data, "K_h")
+
+
+def test_edits_of_cases_csv_count(ended, tmp_path):
+    plan = make(tmp_path)
+    out = tmp_path / "out"
+    first = study.planned(plan, out)
+    states = {1: State(SKIP), 2: State(AGAIN), 3: State("waiting"), 4: State("waiting")}
+    write_cases(out, plan, states)
+    text = (out / "cases.csv").read_text(encoding="utf-8").replace("00003,200,0.3", "00003,250,0.3")
+    (out / "cases.csv").write_text(text + "5,300,0.4,,,,\n", encoding="utf-8")
+    second = study.planned(plan, out)
+    assert [second.states[n].status for n in (1, 2, 3, 4, 5)] == [SKIP, "waiting", "waiting", "waiting", "waiting"]
+    assert second.plan.scene_of(second.plan.cases[2]).soil.young_modulus == 250e6
+    assert second.hashes[4] == first.hashes[4] and second.hashes[3] != first.hashes[3]
+    assert not second.plan.is_grid and len(second.plan.cases) == 5
+
+
+def test_wrong_edits_are_refused_at_their_line(tmp_path):
+    plan, out = make(tmp_path), tmp_path / "out"
+    study.planned(plan, out)
+    text = (out / "cases.csv").read_text(encoding="utf-8").replace("00002,100,0.5", "00001,100,0.5")
+    (out / "cases.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(UserInputError, match=r"cases.csv:3: id: case 00001 stands here twice"):
+        study.planned(plan, out)
+
+
+def test_a_changed_study_is_refused_unless_it_is_asked_for(tmp_path):
+    out = tmp_path / "out"
+    study.planned(make(tmp_path), out)
+    changed = make(tmp_path, TEXT.replace("0.3, 0.5", "0.3, 0.5, 0.6"))
+    with pytest.raises(UserInputError, match="has changed"):
+        study.planned(changed, out)
+    assert len(study.planned(changed, out, again=True).plan.cases) == 6
+
+
+def test_a_folder_that_is_not_shared_is_carried_back(ended, tmp_path):
+    case = ended.plan.cases[0]
+    scene = ended.plan.scene_of(case).to_toml()
+    task = worker.Task(1, scene, str(tmp_path / "elsewhere"), ended.hashes[1], "sign")
+    answer = worker.run_case(task)
+    assert answer.files is not None and answer.ended.status == DONE and not (tmp_path / "elsewhere").exists()
+    worker.unpack(answer.files, tmp_path / "cases" / ended.hashes[1])
+    carried = Springs.of(open_springs(tmp_path / "cases" / ended.hashes[1] / "springs.nc"))
+    here = Springs.of(open_springs(ended.folder(1) / "springs.nc"))
+    assert np.array_equal(carried.paths["pull"].p, here.paths["pull"].p)
+
+
+def test_a_case_that_cannot_converge_is_a_row_with_its_reason(tmp_path):
+    (tmp_path / worker.SIGN).write_text("sign", encoding="utf-8")
+    task = worker.Task(1, tiny.stuck_scene().to_toml(), str(tmp_path), "stuck", "sign")
+    ended = worker.run_case(task).ended
+    assert ended.status == "failed" and "pull" in ended.reason and "\n" not in ended.reason
+    assert worker.read_ended(tmp_path / "cases" / "stuck") == ended
+
+
+def test_remapped_slices_share_the_whole_skirt():
+    bounds = np.array([[0.0, 1.7], [1.7, 3.0]])
+    weights = remap(bounds, 3.0)
+    assert weights.sum(axis=0) == pytest.approx([1.7, 1.3]) and weights.sum(axis=1) == pytest.approx(3.0 / DEPTHS)
+
+
+COMMAND = [sys.executable, "-m", "pysprings", "sweep", "study.toml", "--out", "out", "--jobs", "2"]
+
+
+def kill_workers(process, until, period=1.0):
+    """Kill a worker of a study every period until it has ended or so many are dead; return the number."""
+    killed = 0
+    while process.poll() is None and killed < until:
+        time.sleep(period)
+        try:
+            found = [p for p in psutil.Process(process.pid).children(recursive=True)
+                     if "spawn_main" in " ".join(p.cmdline())]  # fmt: skip
+        except psutil.Error:
+            continue
+        if found:
+            found[killed % len(found)].kill()
+            killed += 1
+    return killed
+
+
+@pytest.mark.slow
+def test_killed_workers_lose_no_case_and_repeat_none(ended, tmp_path):
+    make(tmp_path)
+    process = subprocess.Popen(COMMAND, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    killer = threading.Thread(target=kill_workers, args=(process, 3, 6.0))
+    killer.start()
+    _, messages = process.communicate()
+    killer.join()
+    assert process.returncode == 0, messages
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["complete"] * 4
+    for case in ended.plan.cases:
+        name = ended.hashes[case.number]
+        left, right = (Springs.of(open_springs(out / "cases" / name / "springs.nc"))
+                       for out in (ended.out, tmp_path / "out"))  # fmt: skip
+        assert np.allclose(left.paths["pull"]["H"], right.paths["pull"]["H"], rtol=1e-12)
+
+
+@pytest.mark.slow
+def test_an_interrupted_study_goes_on(tmp_path):
+    make(tmp_path)
+    process = subprocess.Popen(COMMAND, cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    while process.poll() is None and not list((tmp_path / "out").glob("cases/*/case.json")):
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    _, messages = process.communicate(timeout=120)
+    assert process.returncode in (0, 130), messages
+    kept = {file: file.stat().st_mtime_ns for file in (tmp_path / "out").glob("cases/*/case.json")}
+    open_rows = "waiting" in {row["status"] for row in rows(tmp_path / "out")}
+    assert kept and (open_rows or process.returncode == 0)
+    subprocess.run(COMMAND, cwd=tmp_path, check=True, capture_output=True)
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["complete"] * 4
+    assert all(file.stat().st_mtime_ns == stamp for file, stamp in kept.items())
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="processes of the scheduler")
+def test_a_study_runs_on_a_scheduler_that_is_there_and_ends_when_it_goes(tmp_path):
+    make(tmp_path)
+    file = tmp_path / "scheduler.json"
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--scheduler-file", str(file), "--port", "0",
+            "--no-dashboard"]  # fmt: skip
+    worker_of = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(file), "--nthreads", "1",
+                 "--no-nanny", "--no-dashboard"]  # fmt: skip
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    processes = [subprocess.Popen(dask, **quiet)]
+    try:
+        while not file.exists():
+            time.sleep(0.1)
+        processes.append(subprocess.Popen(worker_of, **quiet))
+        command = [*COMMAND[:-2], "--scheduler", str(file)]
+        subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=300)
+        assert [row["status"] for row in rows(tmp_path / "out")] == ["complete"] * 4
+    finally:
+        for process in processes:
+            process.kill()
+    gone = subprocess.run([*command, "--out", "other"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert gone.returncode == 4 and "no scheduler answers" in gone.stderr
