@@ -40,6 +40,7 @@ class SoilLaw:
         increment. It allocates nothing that can be avoided and calls jitted functions alone.
     symmetric : whether every tangent is symmetric and positive definite, so that half of the factors will do.
     yields : whether points can leave the elastic regime.
+    isotropic : whether no direction is preferred; a law that is not prefers the vertical, z.
     """
 
     name: str
@@ -50,6 +51,7 @@ class SoilLaw:
     update: Any
     symmetric: bool = False
     yields: bool = True
+    isotropic: bool = True
 
 
 PLASTIC_STRAIN = "equivalent_plastic_strain"  # history variable that results show, where a law has it

@@ -4,7 +4,17 @@
 from __future__ import annotations
 
 from fe_engine.register import Register
-from fe_engine.soil import elastic, following, iwan_clay, iwan_sand, plasol, tresca, van_eekelen, von_mises
+from fe_engine.soil import (
+    anisotropic,
+    elastic,
+    following,
+    iwan_clay,
+    iwan_sand,
+    plasol,
+    tresca,
+    van_eekelen,
+    von_mises,
+)
 from fe_engine.soil.law import SoilLaw
 
 SOIL_LAWS: Register[SoilLaw] = Register(
@@ -17,4 +27,5 @@ SOIL_LAWS: Register[SoilLaw] = Register(
     following.LAW,
     iwan_clay.LAW,
     iwan_sand.LAW,
+    anisotropic.LAW,
 )

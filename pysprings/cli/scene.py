@@ -104,7 +104,9 @@ _GROUND = {
     "depth_m": ("z [m]", 1.0), "effective_unit_weight_N_per_m3": ("unit weight [kN/m3]", 1e-3),
     "vertical_effective_stress_Pa": ("vertical stress [kPa]", 1e-3), "K0": ("K0", 1.0),
     "shear_modulus_Pa": ("G [MPa]", 1e-6), "friction_angle_deg": ("phi [deg]", 1.0), "cohesion_Pa": ("c [kPa]", 1e-3),
-    "undrained_shear_strength_Pa": ("su [kPa]", 1e-3), "adhesion_factor_outside": ("alpha outside", 1.0),
+    "undrained_shear_strength_Pa": ("su [kPa]", 1e-3), "su_compression_Pa": ("su compression [kPa]", 1e-3),
+    "su_direct_shear_Pa": ("su direct shear [kPa]", 1e-3), "su_extension_Pa": ("su extension [kPa]", 1e-3),
+    "adhesion_factor_outside": ("alpha outside", 1.0),
     "adhesion_factor_inside": ("alpha inside", 1.0),
 }  # fmt: skip
 

@@ -11,7 +11,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fe_engine.material import Material
-from fe_engine.soil import elastic, following, iwan_clay, iwan_sand, mobilised, plasol, tresca, van_eekelen, von_mises
+from fe_engine.soil import (
+    anisotropic,
+    elastic,
+    following,
+    iwan_clay,
+    iwan_sand,
+    mobilised,
+    plasol,
+    tresca,
+    van_eekelen,
+    von_mises,
+)
 from fe_engine.soil.law import SoilLaw
 from pysprings.scene.clay_laws import TRESCA, VON_MISES
 from pysprings.scene.ground import Stratum, ground_of
@@ -104,7 +115,9 @@ def engine_laws(scene: Scene) -> list[SoilLaw]:
 
 
 def _engine_law(stratum: Stratum) -> SoilLaw:
-    """Return the law of a layer: that of its word, or the one whose stiffness changes."""
+    """Return the law of a layer: that of its word, or the one whose stiffness changes or whose su has directions."""
+    if stratum.factors is not None:
+        return anisotropic.LAW
     return following.LAW if stratum.stiffness_changes else ENGINE_LAWS[stratum.law].law
 
 
@@ -123,8 +136,11 @@ def soil_materials(scene: Scene, depth: np.ndarray) -> tuple[list[Material], np.
 
 def _packed(stratum: Stratum, depth: np.ndarray) -> np.ndarray:
     """Return the packed parameters of a layer for depths (k, np) of its points."""
-    chosen = ENGINE_LAWS[stratum.law]
-    rows = chosen.pack(_values(stratum, depth))
+    chosen, values = ENGINE_LAWS[stratum.law], _values(stratum, depth)
+    if stratum.factors is not None:
+        strengths = (values.undrained_shear_strength * factor for factor in stratum.factors)
+        return anisotropic.pack(values.young_modulus, values.poisson_ratio, *strengths)
+    rows = chosen.pack(values)
     if not stratum.stiffness_changes:
         return rows
     stress = stratum.mean_stress(depth) if stratum.exponent else 1.0

@@ -8,19 +8,21 @@ effective one and K0 the ratio of effective stresses. Its shear must be within t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
 
 _ROUNDING = 1.0e-9
+ANISOTROPY_KEYS = ("compression_factor", "direct_shear_factor", "extension_factor")
 # initial shear over |1 - K0| s'_v0, as each law measures it
 TRESCA, VON_MISES = 0.5, 1.0 / math.sqrt(3.0)
 
 
 def strength_clashes(soil: Any) -> Iterator[Clash]:
     """Check the strain at half of the strength, which is at least that of the elastic soil, su/(2 G)."""
+    yield from _anisotropy_clashes(soil)
     half, strength = soil.strain_at_half_strength, soil.undrained_shear_strength
     shear = soil.young_modulus / (2.0 * (1.0 + soil.poisson_ratio))
     if half is None or shear == 0.0:
@@ -31,11 +33,52 @@ def strength_clashes(soil: Any) -> Iterator[Clash]:
         yield Clash(keys, f"{half:g} must be at least su/(2 G), {least:.3g}: the soil is elastic below")
 
 
+def factors_of(values: Mapping[str, Any]) -> tuple[float, float, float] | None:
+    """Return su in compression, direct shear and extension over that of the soil; None where none is given."""
+    given = [values.get(name) for name in ANISOTROPY_KEYS]
+    if all(each is None for each in given):
+        return None
+    compression, direct, extension = (1.0 if each is None else float(each) for each in given)
+    return compression, direct, extension
+
+
+def _factors(soil: Any) -> tuple[float, float, float] | None:
+    return factors_of({name: getattr(soil, name) for name in ANISOTROPY_KEYS})
+
+
+def _anisotropy_clashes(soil: Any) -> Iterator[Clash]:
+    """Check that factors of su belong to a law that has them, and are those of a surface."""
+    factors = _factors(soil)
+    if factors is None:
+        return
+    keys = tuple(("soil", name) for name in ANISOTROPY_KEYS if getattr(soil, name) is not None)
+    if soil.yield_surface != "von-mises":
+        yield Clash(keys, f'is not used by law "{soil.yield_surface}": su differs by direction in "von-mises" alone')
+    if soil.strain_at_half_strength is not None:
+        yield Clash((*keys, ("soil", "strain_at_half_strength")), "cannot be used with strain_at_half_strength")
+    compression, direct, extension = factors
+    if compression + extension <= direct:
+        text = (
+            f"compression and extension ({compression:g} + {extension:g}) must be more than direct shear ({direct:g})"
+        )
+        yield Clash(keys, text)
+
+
+def triaxial_shares(compression: float, direct: float, extension: float) -> tuple[float, float]:
+    """Return the strengths of triaxial compression and extension, in the unit of those given; see soil.anisotropic."""
+    shift = 0.5 * (compression - extension)
+    radius = math.sqrt(max(0.25 * (compression + extension) ** 2 - 0.25 * direct**2, 0.0))
+    return radius + shift, radius - shift
+
+
 def initial_shear(measure: float) -> Callable[[Any, tuple[float, float]], Iterator[Clash]]:
     """Make the check that the geostatic stress is within the strength; see `TRESCA` and `VON_MISES`."""
 
     def check(soil: Any, stresses: tuple[float, float]) -> Iterator[Clash]:
-        strength = soil.undrained_shear_strength
+        strength, factors = soil.undrained_shear_strength, _factors(soil)
+        if factors is not None:
+            yield from _initial_anisotropic(soil, stresses, factors)
+            return
         shear = measure * abs(1.0 - soil.K0) * max(stresses)
         most = strength if soil.strain_at_half_strength is None else strength * (1.0 - _ROUNDING)
         if shear > most + _ROUNDING * max(stresses):
@@ -44,3 +87,20 @@ def initial_shear(measure: float) -> Callable[[Any, tuple[float, float]], Iterat
             yield Clash(keys, f"{text} {show(strength, 'kPa')}")
 
     return check
+
+
+def _initial_anisotropic(
+    soil: Any, stresses: tuple[float, float], factors: tuple[float, float, float]
+) -> Iterator[Clash]:
+    """Check that the geostatic stress is between the triaxial strengths."""
+    strength, shares = soil.undrained_shear_strength, triaxial_shares(*factors)
+    shear = 0.5 * (1.0 - soil.K0) * max(stresses)  # compression with a vertical axis is positive
+    low, high = -shares[1] * strength, shares[0] * strength
+    slack = _ROUNDING * max(stresses)
+    if not low - slack <= shear <= high + slack:
+        names = ("K0", "undrained_shear_strength", "surcharge", *ANISOTROPY_KEYS)
+        keys = tuple(("soil", name) for name in names if getattr(soil, name) is not None)
+        allowed = f"triaxial strengths of {show(low, 'kPa')} (extension) to {show(high, 'kPa')}"
+        yield Clash(
+            keys, f"{soil.K0:g} puts an initial shear stress of {show(shear, 'kPa')} into a soil with {allowed}"
+        )

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from pysprings.scene.by_depth import ByDepth, Value
+from pysprings.scene.clay_laws import factors_of
 from pysprings.scene.extent import Extent, extent_of
 from pysprings.scene.law_defaults import STIFFNESSES
 from pysprings.scene.scene_sections import SceneSections
@@ -85,6 +86,11 @@ class Stratum:
         return changes and SOIL_LAWS[self.law].changes_stiffness
 
     @property
+    def factors(self) -> tuple[float, float, float] | None:
+        """Factors of su in compression, direct shear and extension; None where su is the same in all directions."""
+        return factors_of(self.values)
+
+    @property
     def varies(self) -> bool:
         """Whether any value differs from depth to depth."""
         return any(isinstance(value, ByDepth) for value in self.values.values())
@@ -113,7 +119,10 @@ class Stratum:
             "shear_modulus_Pa": float(self.shear_modulus(z)),
         }
         if "undrained_shear_strength" in value:
-            row["undrained_shear_strength_Pa"] = value["undrained_shear_strength"]
+            su = row["undrained_shear_strength_Pa"] = value["undrained_shear_strength"]
+            if (factors := self.factors) is not None:
+                names = ("compression", "direct_shear", "extension")
+                row |= {f"su_{name}_Pa": su * factor for name, factor in zip(names, factors, strict=True)}
         elif SOIL_LAWS[self.law].yields:
             row["friction_angle_deg"] = math.degrees(value["friction_angle_final"])
             row["cohesion_Pa"] = value["cohesion"]

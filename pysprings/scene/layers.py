@@ -10,6 +10,7 @@ import numpy as np
 from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth, Profile
 from pysprings.scene.clash import Clash
+from pysprings.scene.clay_laws import ANISOTROPY_KEYS
 from pysprings.scene.extent import Extent
 from pysprings.scene.fields import Interval
 from pysprings.scene.ground import Stratum, make_ground
@@ -69,7 +70,8 @@ def uniform_soils(soil: Soil, domain: Extent) -> Iterator[tuple[Soil, tuple[floa
 def _at(stratum: Stratum, depth: float) -> dict[str, float | None]:
     """Return the values of a layer at a depth (m), Young's modulus among them; None for those it does not have."""
     values = {name: float(stratum.value(name, np.array(depth))) for name in (*stratum.values, "young_modulus")}
-    return {"strain_at_half_strength": None, **dict.fromkeys(DEGRADATION_KEYS), **values}
+    optional = "strain_at_half_strength", *ANISOTROPY_KEYS, *DEGRADATION_KEYS
+    return {**dict.fromkeys(optional), **values}
 
 
 def values_inside(soil: Soil, domain: Extent) -> Iterator[Clash]:

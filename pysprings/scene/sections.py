@@ -67,6 +67,9 @@ _DEGRADES = Number(
 )  # fmt: skip
 _DEGRADED = Number("[0.01, 1]", "share of the initial stiffness left at large strains (0.2 where not given)", 0.2,
                    optional=True)  # fmt: skip
+_COMPRESSED = Number("[0.1, 5]", "su in plane strain compression over undrained_shear_strength", 1.3, optional=True)
+_SHEARED = Number("[0.1, 5]", "su in direct simple shear over undrained_shear_strength", 1.0, optional=True)
+_EXTENDED = Number("[0.1, 5]", "su in plane strain extension over undrained_shear_strength", 0.7, optional=True)
 _ADHESION = BySurface(
     Number("[0, 1]", "largest shear over su (or over the cohesion)", 0.65), ("api",),
     "largest shear of the interface over su of the soil beside it",
@@ -176,6 +179,9 @@ class SoilValues(Section):
     undrained_shear_strength: Annotated[float | ByDepth | None, Profile(_SU)] = None
     rigidity_ratio: Annotated[float | None, _RIGIDITY] = None
     strain_at_half_strength: Annotated[float | None, _HALF] = None
+    compression_factor: Annotated[float | None, _COMPRESSED] = None
+    direct_shear_factor: Annotated[float | None, _SHEARED] = None
+    extension_factor: Annotated[float | None, _EXTENDED] = None
     degradation_strain: Annotated[float | None, _DEGRADES] = None
     degradation_limit: Annotated[float | None, _DEGRADED] = None
 

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 from fe_engine.soil import formulas
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
-from pysprings.scene.clay_laws import TRESCA, VON_MISES, initial_shear, strength_clashes
+from pysprings.scene.clay_laws import ANISOTROPY_KEYS, TRESCA, VON_MISES, initial_shear, strength_clashes
 
 MOST_FRICTION = math.radians(60.0)
 MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at constant volume
@@ -243,7 +243,7 @@ def _nothing(*_: object) -> Iterator[Clash]:
 DEGRADATION_KEYS = ("degradation_strain", "degradation_limit")
 STRENGTH_KEYS = ("friction_angle_initial", "friction_angle_final", "hardening_parameter", "dilation_angle", "cohesion")
 FRICTION_KEYS = (*STRENGTH_KEYS, *DEGRADATION_KEYS)
-CLAY_KEYS = ("undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength")
+CLAY_KEYS = ("undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", *ANISOTROPY_KEYS)
 _CLAY_POISSON = 0.495  # almost constant volume; quadratic and mean-dilatation elements do not lock there
 
 

@@ -90,6 +90,7 @@ def soil(law: SoilLaw = plasol.LAW, **changes: float) -> Material:
     names = ("young", "poisson", "phi_i", "phi_f", "b_phi", "psi", "cohesion")
     values: dict[str, Any] = dict(zip(names, SAND, strict=True)) | {"strength": 2.0e4} | changes
     follows = {"pressure": 1.0e5, "exponent": 0.5, "strain": 5.0e-4, "least": 0.2}
+    values |= {"compression": 2.5e4, "direct_shear": 2.0e4, "extension": 1.2e4}
     values |= {"law": plasol.LAW, "rows": plasol.pack(*(values[name] for name in names))} | follows
     accepted = inspect.signature(law.pack).parameters
     return Material(law, law.pack(**{name: value for name, value in values.items() if name in accepted}))

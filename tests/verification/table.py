@@ -21,6 +21,7 @@ from tests.verification.cases import (
     caisson_water,
     cavity,
     clay,
+    clay_anisotropy,
     cryer,
     drained_push,
     film_flow,
@@ -61,6 +62,7 @@ QUICK: dict[str, Rows] = {
     "stiffness, coarse mesh": caisson_stiffness.rows,
     "water in series": series_water.rows,
     "cavities in clay": clay.cavity_rows,
+    "clay with su by direction": clay_anisotropy.rows,
     "sand, stiffness in a run": sand_stiffness.rows,
 }
 # Up to a minute each

@@ -47,6 +47,18 @@ def test_a_pull_in_clay_has_springs_that_balance(discretisation, law):
     assert np.all(np.diff(result["paths/pull"]["H"]) > 0.0)
 
 
+@pytest.mark.parametrize("discretisation", MESHES)
+def test_weaker_extension_takes_some_load_and_equal_factors_none(discretisation):
+    pull = {**tiny.PULL, "lateral_displacement": 20e-3}
+    ends = []
+    for factors in ({}, {"direct_shear_factor": 1.0}, {"extension_factor": 0.5}):
+        result = compute(clay(discretisation, {"yield_surface": "von-mises"} | factors, paths=(pull,)))
+        assert result.record.paths["pull"].median_iterations <= 5
+        ends.append(float(result.tree["paths/pull"]["H"][-1]))
+    assert ends[1] == pytest.approx(ends[0], rel=1e-5)
+    assert 0.7 * ends[0] < ends[2] < 0.99 * ends[0]
+
+
 def capacity(scene: Scene) -> float:
     """Vertical load at the end of a path, N."""
     return float(compute(scene).tree["paths/down"]["V"][-1])

@@ -170,6 +170,7 @@ CLAY = {
     "interface": {"adhesion_factor": 0.5},
 }
 OF_CLAY = ("undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", "adhesion_factor")
+FACTORS = ("compression_factor", "direct_shear_factor", "extension_factor")
 CHANGES: dict[tuple[str, str], Any] = {
     ("soil", "layers"): ({"top": 0.0, "cohesion": 3e3},),
     ("interface", "normal_stiffness"): 3e9,
@@ -185,6 +186,9 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("soil", "undrained_shear_strength"): 30e3,
     ("soil", "rigidity_ratio"): 100.0,
     ("soil", "strain_at_half_strength"): 0.02,
+    **{("soil", name): 1.2 for name in FACTORS},
+    ("soil", "degradation_strain"): 3e-4,
+    ("soil", "degradation_limit"): 0.5,
     ("interface", "adhesion_factor"): 0.6,
     ("interface", "opening"): "bonded",
     ("mesh", "preset"): "medium",
@@ -286,8 +290,10 @@ def test_every_field_changes_some_output(section: str, name: str, base_outputs: 
         scene = scene.replace(paths=(path,))
     if (section, name) == ("mesh", "harmonics"):
         scene = scene.replace(mesh={"discretisation": "fourier"})
-    if name in OF_CLAY:
-        scene = scene.replace(**CLAY)
+    if name in (*OF_CLAY, *FACTORS):
+        scene = scene.replace(**CLAY).replace(soil={"yield_surface": "von-mises"} if name in FACTORS else {})
+    if name == "degradation_limit":
+        scene = scene.replace(soil={"degradation_strain": 2e-4})
     if section == "springs":
         scene = scene.replace(springs={"reach": 0.01})
     if (section, name) == ("soil", "K0"):

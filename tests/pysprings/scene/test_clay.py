@@ -8,6 +8,7 @@ import re
 import numpy as np
 import pytest
 
+from fe_engine.soil import anisotropic
 from pysprings.core.errors import UserInputError
 from pysprings.model.forecast.profile import profile, unusual_values
 from pysprings.model.soil_laws import soil_materials
@@ -177,6 +178,39 @@ def test_water_may_stand_beside_clay_and_in_some_layers_of_sand():
     assert drainage_of(mixed) == "drained, total-stress, undrained"
     (message,) = messages(text.replace('drainage = "drained"', 'drainage = "total-stress"'))
     assert 'soil.layer[0].drainage: must be "drained"' in message
+
+
+FACTORS = "compression_factor = 1.3\nextension_factor = 0.7\n"
+ANISOTROPIC = CLAY.replace('"tresca"', '"von-mises"').replace("rigidity_ratio", FACTORS + "rigidity_ratio")
+
+
+def test_factors_of_su_choose_the_law_and_are_printed_by_depth():
+    scene = parse_scene(ANISOTROPIC)
+    assert parse_scene(scene.to_toml()) == scene
+    (material, *_), _ = soil_materials(scene, np.array([[1.0, 3.0]]))
+    assert material.law is anisotropic.LAW
+    strengths = material.parameters[0, :, anisotropic.COMPRESSION :]
+    assert strengths == pytest.approx(np.outer([7e3, 11e3], [1.3, 1.0, 0.7]))
+    bottom = profile(scene)[1]
+    names = ("compression", "direct_shear", "extension")
+    assert [bottom[f"su_{name}_Pa"] for name in names] == pytest.approx([29e3 * f for f in (1.3, 1.0, 0.7)])
+    assert parse_scene(CLAY).sha256 != scene.sha256
+    assert "su_compression_Pa" not in profile(parse_scene(CLAY))[0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"von-mises"', '"tresca"', r'compression_factor: is not used by law "tresca": su differs by direction in'),
+        ("rigidity", "strain_at_half_strength = 0.02\nrigidity", r"compression_factor: cannot be used with strain_at"),
+        ("1.3", "0.2", r"compression_factor: compression and extension \(0.2 \+ 0.7\) must be more than direct shear"),
+        ("1.3", "9", r"compression_factor: 9 is not in \[0.1, 5\]"),
+        ("rigidity", "K0 = 3\nrigidity", r"soil.K0: 3 puts an initial shear stress of -\S+ kPa into a soil with"),
+    ],
+)  # fmt: skip
+def test_factors_of_su_that_cannot_be_are_refused(old, new, message):
+    found = messages(ANISOTROPIC.replace(old, new, 1))
+    assert any(re.search(message, each) for each in found), found
 
 
 def test_all_problems_of_clay_come_at_once():

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: MIT
+"""Undrained clay in total stress whose strength differs in compression, direct simple shear and extension.
+
+An ellipsoid in the space of deviatoric stress, symmetric about the vertical axis z, shifted towards compression:
+
+    (3/4 s_zz + alpha)^2/R^2 + (((s_xx - s_yy)/2)^2 + s_xy^2 + s_yz^2 + s_zx^2)/s_D^2 = 1,
+    alpha = (s_C - s_E)/2,     R^2 = ((s_C + s_E)/2)^2 - s_D^2/4,
+
+flow associated, no plastic change of volume, perfectly plastic. s_C and s_E are the strengths (sigma_1 - sigma_3)/2 in
+plane strain compression and extension with a vertical axis, s_D that of direct simple shear on a horizontal plane (and
+of shear in a horizontal plane). Triaxial strengths are R + alpha and R - alpha. In the plane (s_zz - s_xx, s_zx) it is
+the ellipse of Davis & Christian (1971), as NGI-ADP has it (Grimstad, Andresen & Jostad 2012); s_C = s_D = s_E is von
+Mises' surface (`von_mises`).
+
+In orthonormal coordinates y_1 .. y_5 of the deviator, y_1 = sqrt(3/2) s_zz counted from the centre, the surface is
+m_1 y_1^2 + m_2 (y_2^2 + .. + y_5^2) = 1, and backward Euler is the closest point: y_i = y_i_trial/(1 + L m_i), where L
+makes S(L) = sum m_i y_i^2 one. 1 - 1/sqrt(S) is almost a line in L, which Newton solves inside a bracket. With
+u_i = m_i D_i y_i, D_i = 1/(1 + L m_i), the tangent d(y_i)/d(y_j trial) is D_i delta_ij - u_i u_j/sum(m_k u_k y_k).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fe_engine.compiled import njit
+from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_CONE, REGIME_ELASTIC
+from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent, moduli
+from fe_engine.soil.law import PLASTIC_STRAIN, SoilLaw, rows
+
+PARAMETERS = ("bulk", "shear", "compression", "direct_shear", "extension")
+BULK, SHEAR, COMPRESSION, DIRECT_SHEAR, EXTENSION = range(len(PARAMETERS))
+HISTORY = (PLASTIC_STRAIN,)
+KAPPA = 0
+MAX_ITERATIONS = 60
+_TIGHT = 1.0e-14
+_R2, _R6 = math.sqrt(0.5), math.sqrt(1.0 / 6.0)
+
+
+def pack(young: float, poisson: float, compression: float, direct_shear: float, extension: float) -> np.ndarray:
+    """Return the packed parameters; each may be an array.
+
+    Parameters
+    ----------
+    young, poisson : elastic constants; Young's modulus in Pa.
+    compression, direct_shear, extension : s_C, s_D and s_E in Pa, > 0, with s_C + s_E > s_D.
+    """
+    return rows(*moduli(young, poisson), compression, direct_shear, extension)
+
+
+def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the bulk and shear modulus in Pa of packed parameters (..., 5)."""
+    return p[..., BULK], p[..., SHEAR]
+
+
+@njit
+def _surface(p):
+    """Return m_1, m_2 in 1/Pa2 and the coordinate y_1 of the centre in Pa."""
+    shift = 0.5 * (p[COMPRESSION] - p[EXTENSION])
+    square = 0.25 * (p[COMPRESSION] + p[EXTENSION]) ** 2 - 0.25 * p[DIRECT_SHEAR] ** 2
+    return 0.375 / square, 0.5 / p[DIRECT_SHEAR] ** 2, -4.0 / 3.0 * math.sqrt(1.5) * shift
+
+
+@njit
+def _coordinates(stress, out):
+    """Write the coordinates (5,) of the deviator of a stress (6,)."""
+    out[0] = _R6 * (2.0 * stress[2] - stress[0] - stress[1])
+    out[1] = _R2 * (stress[0] - stress[1])
+    for i in range(3):
+        out[2 + i] = stress[3 + i] / _R2
+
+
+@njit
+def yield_function(p, stress, kappa):
+    """Yield function, S - 1, of a stress (6,); negative inside the elastic domain."""
+    first, others, centre = _surface(p)
+    y = np.empty(5)
+    _coordinates(stress, y)
+    return first * (y[0] - centre) ** 2 + others * (y[1] ** 2 + y[2] ** 2 + y[3] ** 2 + y[4] ** 2) - 1.0
+
+
+@njit
+def update(p, strain, old, new, tangent, with_tangent):
+    """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
+    stress = new.stress
+    for i in range(6):
+        stress[i] = old.stress[i]
+    add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
+    new.history[KAPPA] = old.history[KAPPA]
+    mean = (stress[0] + stress[1] + stress[2]) / 3.0
+    first, others, centre = _surface(p)
+    y = np.empty(5)
+    _coordinates(stress, y)
+    y[0] -= centre
+    beside = y[1] ** 2 + y[2] ** 2 + y[3] ** 2 + y[4] ** 2
+    if first * y[0] ** 2 + others * beside <= 1.0:
+        if with_tangent:
+            elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
+        return OK, REGIME_ELASTIC
+    length, status = _closest(first * y[0] ** 2, others * beside, first, others)
+    shrink = 1.0 / (1.0 + length * first), 1.0 / (1.0 + length * others)
+    square = 0.0
+    for i in range(5):
+        factor = shrink[0] if i == 0 else shrink[1]
+        square += ((1.0 - factor) * y[i]) ** 2
+        y[i] *= factor
+    new.history[KAPPA] += math.sqrt(square / 1.5) / (2.0 * p[SHEAR])
+    if with_tangent:
+        _tangent(p, (first, others), shrink, y, tangent)
+    y[0] += centre
+    stress[0] = mean - _R6 * y[0] + _R2 * y[1]
+    stress[1] = mean - _R6 * y[0] - _R2 * y[1]
+    stress[2] = mean + 2.0 * _R6 * y[0]
+    for i in range(3):
+        stress[3 + i] = _R2 * y[2 + i]
+    return status, REGIME_CONE
+
+
+@njit
+def _closest(one, two, first, others):
+    """Return L for which one/(1 + L m_1)^2 + two/(1 + L m_2)^2 is 1, and the status."""
+    most = math.sqrt(one + two) - 1.0
+    low, high = most / max(first, others), most / min(first, others)
+    length = low
+    for _ in range(MAX_ITERATIONS):
+        a, b = 1.0 + length * first, 1.0 + length * others
+        s = one / (a * a) + two / (b * b)
+        slope = -2.0 * (one * first / (a * a * a) + two * others / (b * b * b))
+        g = 1.0 - 1.0 / math.sqrt(s)
+        if g > 0.0:
+            low = length
+        else:
+            high = length
+        if abs(g) <= _TIGHT or high - low <= _TIGHT * high:
+            return length, OK
+        step = length - g * 2.0 * s * math.sqrt(s) / slope
+        length = step if low < step < high else 0.5 * (low + high)
+    return length, OK if abs(g) <= 1.0e-9 else LAW_NOT_CONVERGED
+
+
+@njit
+def _tangent(p, m, shrink, y, tangent):
+    """Write the consistent tangent (6, 6) at the returned coordinates y (5,), counted from the centre."""
+    base, u, weight = np.zeros((5, 6)), np.empty(5), 0.0
+    for i in range(3):
+        base[0, i] = 2.0 * _R6 if i == 2 else -_R6
+        base[2 + i, 3 + i] = _R2
+    base[1, 0], base[1, 1] = _R2, -_R2
+    for i in range(5):
+        k = 0 if i == 0 else 1
+        u[i] = m[k] * shrink[k] * y[i]
+        weight += m[k] * u[i] * y[i]
+    for a in range(6):
+        for b in range(6):
+            tangent[a, b] = p[BULK] if a < 3 and b < 3 else 0.0
+    for i in range(5):
+        for j in range(5):
+            value = -u[i] * u[j] / weight
+            if i == j:
+                value += shrink[0 if i == 0 else 1]
+            for a in range(6):
+                for b in range(6):
+                    tangent[a, b] += 2.0 * p[SHEAR] * value * base[i, a] * base[j, b]
+
+
+LAW = SoilLaw("anisotropic", PARAMETERS, HISTORY, pack, elastic_moduli, update, isotropic=False)
