@@ -11,10 +11,13 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
 
 _ROUNDING = 1.0e-9
+_ATMOSPHERE = 100.0e3  # Pa, p_a
 ANISOTROPY_KEYS = ("compression_factor", "direct_shear_factor", "extension_factor")
 # initial shear over |1 - K0| s'_v0, as each law measures it
 TRESCA, VON_MISES = 0.5, 1.0 / math.sqrt(3.0)
@@ -31,6 +34,16 @@ def strength_clashes(soil: Any) -> Iterator[Clash]:
     if half < least * (1.0 - _ROUNDING):
         keys = ("soil", "strain_at_half_strength"), ("soil", "rigidity_ratio"), ("soil", "undrained_shear_strength")
         yield Clash(keys, f"{half:g} must be at least su/(2 G), {least:.3g}: the soil is elastic below")
+
+
+def small_strain_modulus(vertical_stress: Any, plasticity_index: Any, overconsolidation_ratio: Any) -> np.ndarray:
+    """Return G_max (...,) in Pa of clay (Andersen 2015): p_a (s'_v0/p_a)^0.9 (30 + 75/(I_p/100 + 0.03)) OCR^0.5.
+
+    ``vertical_stress`` s'_v0 in Pa, ``plasticity_index`` I_p in %.
+    """
+    factor = 30.0 + 75.0 / (np.asarray(plasticity_index) / 100.0 + 0.03)
+    normalised = np.asarray(vertical_stress) / _ATMOSPHERE
+    return np.asarray(_ATMOSPHERE * normalised**0.9 * factor * np.sqrt(overconsolidation_ratio))
 
 
 def factors_of(values: Mapping[str, Any]) -> tuple[float, float, float] | None:

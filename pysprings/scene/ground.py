@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pysprings.scene.by_depth import ByDepth, Value
-from pysprings.scene.clay_laws import factors_of
+from pysprings.scene.clay_laws import factors_of, small_strain_modulus
 from pysprings.scene.extent import Extent, extent_of
 from pysprings.scene.law_defaults import STIFFNESSES
 from pysprings.scene.scene_sections import SceneSections
@@ -55,6 +55,9 @@ class Stratum:
         """Return G (...,) in Pa at depths (...,) of this layer."""
         if "shear_modulus" in self.values:
             return self.value("shear_modulus", depth)
+        if "plasticity_index" in self.values:
+            ratio = self.values.get("overconsolidation_ratio", 1.0)
+            return small_strain_modulus(self.vertical_stress(depth), self.value("plasticity_index", depth), ratio)
         if "rigidity_ratio" in self.values:
             return self.value("rigidity_ratio", depth) * self.value("undrained_shear_strength", depth)
         return self.value("young_modulus", depth) / (2.0 * (1.0 + self.value("poisson_ratio", depth)))

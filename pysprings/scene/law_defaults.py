@@ -8,7 +8,7 @@ from typing import Any
 
 from pysprings.scene.soil_laws import FRICTION_KEYS, SOIL_LAWS
 
-STIFFNESSES = ("young_modulus", "shear_modulus", "rigidity_ratio")
+STIFFNESSES = ("young_modulus", "shear_modulus", "rigidity_ratio", "plasticity_index")  # the last two of clay alone
 
 
 def with_defaults_of_laws(data: dict[str, Any], defaults: Mapping[str, Any]) -> dict[str, Any]:

@@ -55,7 +55,7 @@ def _foreign(here: KeyPath, given: set[str], law: str) -> Iterator[Clash]:
 
 
 def _changing(here: KeyPath, table: Soil | Layer, laws: list[str], soil: Soil) -> Iterator[Clash]:
-    """Check that a stiffness that changes in a run belongs to a law with friction, and that its limit has a strain."""
+    """Check that a stiffness that changes in a run belongs to a law with friction, and what belongs to another key."""
     young = getattr(table, "young_modulus", None)
     follows = isinstance(young, ByDepth) and young.follows is not None
     constant = [law for law in laws if not SOIL_LAWS[law].changes_stiffness]
@@ -70,6 +70,9 @@ def _changing(here: KeyPath, table: Soil | Layer, laws: list[str], soil: Soil) -
     strains = getattr(table, "degradation_strain", None), soil.degradation_strain
     if "degradation_limit" in given_keys(table) and strains == (None, None):
         yield Clash(((*here, "degradation_limit"),), "needs a degradation_strain")
+    indices = getattr(table, "plasticity_index", None), soil.plasticity_index
+    if "overconsolidation_ratio" in given_keys(table) and indices == (None, None):
+        yield Clash(((*here, "overconsolidation_ratio"),), "needs a plasticity_index")
 
 
 def _one_stiffness(here: KeyPath, given: set[str]) -> Iterator[Clash]:
@@ -94,5 +97,5 @@ def _missing(soil: Soil, laws: list[str]) -> Iterator[Clash]:
             text = f'missing; law "{law}" needs it' if strength is None else "0: a soil without strength"
             yield Clash(((*here, "undrained_shear_strength"), ("soil", "undrained_shear_strength"), *place), text)
         if not (stiff or given & {*STIFFNESSES}):
-            text = f'missing; law "{law}" needs it, or shear_modulus, or young_modulus'
+            text = f'missing; law "{law}" needs it, or shear_modulus, or young_modulus, or plasticity_index'
             yield Clash(((*here, "rigidity_ratio"), *place), text)

@@ -70,7 +70,7 @@ def uniform_soils(soil: Soil, domain: Extent) -> Iterator[tuple[Soil, tuple[floa
 def _at(stratum: Stratum, depth: float) -> dict[str, float | None]:
     """Return the values of a layer at a depth (m), Young's modulus among them; None for those it does not have."""
     values = {name: float(stratum.value(name, np.array(depth))) for name in (*stratum.values, "young_modulus")}
-    optional = "strain_at_half_strength", *ANISOTROPY_KEYS, *DEGRADATION_KEYS
+    optional = "strain_at_half_strength", "overconsolidation_ratio", *ANISOTROPY_KEYS, *DEGRADATION_KEYS
     return {**dict.fromkeys(optional), **values}
 
 

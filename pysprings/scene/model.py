@@ -18,7 +18,8 @@ from pysprings.scene.toml import to_toml
 # keys of a soil that did not exist when folders of runs were first named by the number of a scene
 LATER_KEYS = (
     "shear_modulus", "undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", "drainage",
-    "degradation_strain", "degradation_limit", "compression_factor", "direct_shear_factor", "extension_factor",
+    "degradation_strain", "degradation_limit", "plasticity_index", "overconsolidation_ratio", "compression_factor",
+    "direct_shear_factor", "extension_factor",
 )  # fmt: skip
 
 

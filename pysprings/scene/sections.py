@@ -58,6 +58,11 @@ _SU = Quantity(
 )  # fmt: skip
 _G = Quantity("MPa", "[1e-4, 1e6]", "shear modulus, instead of young_modulus", "5 MPa", optional=True)
 _RIGIDITY = Number("[1, 1e5]", "shear modulus over su, instead of young_modulus", 200.0, optional=True)
+_PLASTICITY = Number(
+    "[0, 160]", "plasticity index in %; gives small-strain G of clay, with overconsolidation_ratio", 40.0,
+    optional=True,
+)  # fmt: skip
+_OCR = Number("[1, 40]", "overconsolidation ratio, 1 where not given; beside plasticity_index", 1.5, optional=True)
 _HALF = Number(
     "[1e-6, 0.5]", "engineering shear strain at half of su (1.5 times eps50 of a triaxial test)", 0.01, optional=True
 )
@@ -178,6 +183,8 @@ class SoilValues(Section):
     shear_modulus: Annotated[float | ByDepth | None, Profile(_G, powers=True)] = None
     undrained_shear_strength: Annotated[float | ByDepth | None, Profile(_SU)] = None
     rigidity_ratio: Annotated[float | None, _RIGIDITY] = None
+    plasticity_index: Annotated[float | None, _PLASTICITY] = None
+    overconsolidation_ratio: Annotated[float | None, _OCR] = None
     strain_at_half_strength: Annotated[float | None, _HALF] = None
     compression_factor: Annotated[float | None, _COMPRESSED] = None
     direct_shear_factor: Annotated[float | None, _SHEARED] = None

@@ -169,7 +169,10 @@ CLAY = {
     "soil": {"yield_surface": "tresca", "undrained_shear_strength": 20e3, "rigidity_ratio": 200.0},
     "interface": {"adhesion_factor": 0.5},
 }
-OF_CLAY = ("undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", "adhesion_factor")
+OF_CLAY = (
+    "undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", "adhesion_factor", "plasticity_index",
+    "overconsolidation_ratio",
+)  # fmt: skip
 FACTORS = ("compression_factor", "direct_shear_factor", "extension_factor")
 CHANGES: dict[tuple[str, str], Any] = {
     ("soil", "layers"): ({"top": 0.0, "cohesion": 3e3},),
@@ -186,6 +189,8 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("soil", "undrained_shear_strength"): 30e3,
     ("soil", "rigidity_ratio"): 100.0,
     ("soil", "strain_at_half_strength"): 0.02,
+    ("soil", "plasticity_index"): 40.0,
+    ("soil", "overconsolidation_ratio"): 2.0,
     **{("soil", name): 1.2 for name in FACTORS},
     ("soil", "degradation_strain"): 3e-4,
     ("soil", "degradation_limit"): 0.5,
@@ -292,6 +297,8 @@ def test_every_field_changes_some_output(section: str, name: str, base_outputs: 
         scene = scene.replace(mesh={"discretisation": "fourier"})
     if name in (*OF_CLAY, *FACTORS):
         scene = scene.replace(**CLAY).replace(soil={"yield_surface": "von-mises"} if name in FACTORS else {})
+    if name in ("plasticity_index", "overconsolidation_ratio"):
+        scene = scene.replace(soil={"rigidity_ratio": None, "plasticity_index": 30.0})
     if name == "degradation_limit":
         scene = scene.replace(soil={"degradation_strain": 2e-4})
     if section == "springs":

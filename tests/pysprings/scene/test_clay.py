@@ -213,6 +213,22 @@ def test_factors_of_su_that_cannot_be_are_refused(old, new, message):
     assert any(re.search(message, each) for each in found), found
 
 
+def test_small_strain_stiffness_follows_from_plasticity_and_overconsolidation():
+    """Andersen (2015): 100 kPa (s'_v0/100 kPa)^0.9 (30 + 75/(I_p/100 + 0.03)) OCR^0.5."""
+    plastic = "plasticity_index = 27\noverconsolidation_ratio = 4"
+    scene = parse_scene(CLAY.replace("rigidity_ratio = 200", plastic))
+    assert parse_scene(scene.to_toml()) == scene
+    bottom = profile(scene)[1]
+    stress = bottom["vertical_effective_stress_Pa"]
+    assert bottom["shear_modulus_Pa"] == pytest.approx(100e3 * (stress / 100e3) ** 0.9 * 280.0 * 2.0)
+    (message,) = messages(CLAY.replace("rigidity_ratio", "overconsolidation_ratio = 2\nrigidity_ratio"))
+    assert "soil.overconsolidation_ratio: needs a plasticity_index" in message
+    (message,) = messages(CLAY.replace("rigidity_ratio", "plasticity_index = 20\nrigidity_ratio"))
+    assert "give one of rigidity_ratio, plasticity_index" in message
+    (message,) = messages(SAND_OVER_CLAY.replace('name = "sand"', "plasticity_index = 20"))[:1]
+    assert "soil.layer[0].plasticity_index" in message
+
+
 def test_all_problems_of_clay_come_at_once():
     text = SAND_OVER_CLAY.replace('"total-stress"', '"drained"').replace(
         'young_modulus = "60 MPa"', "rigidity_ratio = 100"
