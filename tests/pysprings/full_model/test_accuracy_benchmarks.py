@@ -10,9 +10,10 @@ from typing import Any
 import pytest
 
 import pysprings
-from benchmarks import bench, error_estimates
+from benchmarks import bench, error_estimates, fourier_growth, two_limits
 from pysprings import Scene
 from pysprings.core.errors import PyspringsError
+from pysprings.full_model.accuracy.settings import read_mesh
 from pysprings.full_model.run_record import Computed, RunRecord, Status
 from tests.support import tiny
 from tests.support.synthetic import Path as Pull
@@ -120,3 +121,16 @@ def test_held_out_scenes_are_scenes_and_are_pushed_as_far_as_asked() -> None:
             assert (far is None) == (getattr(half.paths[0], key) is None)
             if far is not None:
                 assert getattr(half.paths[0], key) == pytest.approx(0.5 * far)
+
+
+@pytest.mark.parametrize("case", two_limits.CASES)
+def test_cases_of_two_limits_can_be_run_in_both_discretisations(case: str) -> None:
+    scene = two_limits.scene_of(case, None)
+    kinds = {read_mesh(name).scene(scene).discretisation for name in (*two_limits.BRICKS, *two_limits.SERIES)}
+    assert kinds == {"hex8", "fourier"}
+
+
+def test_meshes_of_the_growth() -> None:
+    assert fourier_growth.mesh_of("fine:1.8:fourier") == {
+        "preset": "fine", "discretisation": "fourier", "refinement": 1.8, "harmonics": 3}  # fmt: skip
+    assert fourier_growth.mesh_of("paper:hex8") == {"preset": "paper", "discretisation": "hex8"}

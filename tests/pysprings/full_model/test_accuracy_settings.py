@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from benchmarks import two_limits
 from pysprings import Scene, load_scene
 from pysprings.cli.run import with_target
 from pysprings.core.errors import ResourceError, UserInputError
@@ -290,3 +291,21 @@ def test_a_target_runs_what_the_study_ran_whatever_the_scene_says() -> None:
     setting = presets.cheapest("2%")
     assert found.sha256 == setting.scene(tiny.paper()).sha256
     assert noted["target_error"]["setting"] == setting.name
+
+
+def test_limits_that_are_apart_by_more_than_they_are_uncertain_by_are_marked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs with an error of second order around limits that are 1 % apart."""
+
+    def computed(scene: Scene) -> Computed:
+        n = round(500 * scene.mesh.refinement**2)
+        series = scene.discretisation == "fourier"
+        size = 4.0 * n if series else 4.0 * n**1.5  # of cells of the same size
+        tree = with_error(round(size), harmonics=3 if series else None, beside=0.0 if series else 0.01)
+        return Computed(tree, RunRecord(Status.COMPLETE))
+
+    monkeypatch.setattr(two_limits, "compute", computed)
+    meshes = {"bricks": ("coarse", "coarse:1.5", "coarse:2"), "series": (
+        "fourier-coarse@3", "fourier-coarse:1.5@3", "fourier-coarse:2@3")}  # fmt: skip
+    lines = two_limits.rows("the paper's", meshes, None)
+    assert [line[2] for line in lines] == list(two_limits.MEASURES)
+    assert float(lines[0][3]) == pytest.approx(1.0, abs=0.05)
