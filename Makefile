@@ -25,7 +25,7 @@ LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.
 # pages of an earlier run of the gallery stay as they are; GALLERY=1 runs the examples whose text has changed
 SPHINX = $(BIN)/python -m sphinx -b html -q -W --keep-going docs out/site
 
-.PHONY: site gallery build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint evidence figure docs accuracy stability bench bench-peers reference clean
+.PHONY: site gallery screenshots build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint evidence figure docs accuracy stability bench bench-peers reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -37,6 +37,10 @@ site: $(DOCS)
 
 gallery: $(DOCS)
 	GALLERY=1 $(SPHINX)
+
+# pictures of the site for docs/evidence, by Chromium
+screenshots: $(DOCS)
+	$(BIN)/python -m benchmarks.screenshots
 
 test: $(DEV)
 	$(BIN)/python -m pytest -n 2 --dist worksteal

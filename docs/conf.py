@@ -54,6 +54,7 @@ sphinx_gallery_conf = {
     "filename_pattern": "/plot_",
     "plot_gallery": str(RUN),
     "image_scrapers": ("gallery_pictures",),
+    "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
     "write_computation_times": False,
     "remove_config_comments": True,

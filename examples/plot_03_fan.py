@@ -7,6 +7,8 @@ Springs of one path hold on that path. A fan of paths holds between them. A pull
 well.
 """
 
+import matplotlib.pyplot as plt
+
 import pysprings
 from pysprings import plots
 
@@ -38,5 +40,11 @@ except pysprings.errors.BeyondSprings as refusal:
 
 # %%
 full = plots.path_data(springs, "pull")
-fan = pysprings.curve(springs, u_max=float(full["u"][-1]), arm=7.8, springs_kind="fan")
-figure = plots.macro_against_full(full, {"fan": fan})
+fan = pysprings.curve(springs, u_max=float(full["u"][-1]), arm=7.8)
+figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.8), layout="constrained")
+for axes, name, scale, label in ((left, "H", 1e-3, "load H [kN]"), (right, "rotation", 1e3, "rotation [mrad]")):
+    axes.plot(1e3 * full["u"], scale * full[name], "k.-", label="full model, held back")
+    axes.plot(1e3 * fan["u"], scale * fan[name], "--", label="springs of the fan")
+    axes.set(xlabel="u of the lid centre [mm]", ylabel=label)
+    axes.grid(alpha=0.4)
+left.legend()
