@@ -155,7 +155,7 @@ def book(folder):
 
 
 def test_workbook_sheets_frozen_and_charted(book):
-    names = ["About", "charts", "p-y", "m-theta", "base", "lid", "load-displacement", "stiffness 6x6"]
+    names = ["About", "charts", "p-y", "m-theta", "base", "lid", "load-displacement", "stiffness 6x6", "tidy"]
     assert book.sheetnames == names
     assert len(book["charts"]._charts) == 10
     assert {book[name].freeze_panes for name in names[2:7]} == {"C4"}
@@ -196,6 +196,27 @@ def test_workbook_values_with_their_units(book, springs):
     full = _column(book["load-displacement"], "full model H [kN]")
     macro = _column(book["load-displacement"], "macro-model, full springs: H [kN]")
     np.testing.assert_allclose(macro[:STEPS], full[:STEPS], rtol=1e-6, atol=1e-6)
+
+
+def test_sheets_print_one_page_wide_and_can_be_filtered(book):
+    for sheet in book:
+        assert (sheet.page_setup.orientation, sheet.page_setup.fitToHeight) == ("landscape", 0)
+        assert sheet.sheet_properties.pageSetUpPr.fitToPage
+    for name in ("p-y", "m-theta", "base", "lid", "load-displacement"):
+        assert book[name].auto_filter.ref.startswith("A3:") and book[name].print_title_rows == "$1:$3"
+
+
+def test_tidy_sheet_has_a_row_for_each_path_step_and_depth(book, springs):
+    rows = list(book["tidy"].iter_rows(values_only=True))
+    heads, rows = rows[0], [row for row in rows[1:] if row[0] is not None]
+    sizes = [path["y"].size for path in springs["paths"].children.values()]
+    assert len(rows) == sum(sizes)
+    name, path = next(iter(springs["paths"].children.items()))
+    last = dict(zip(heads, rows[sizes[0] - 1], strict=True))
+    assert last["path"] == name and last["edge ring (1 = yes)"] == 1
+    assert last["y [mm]"] == pytest.approx(1e3 * float(path["y"].transpose("step", "depth")[-1, -1]))
+    net = path["p"].sum(("side", "component")).transpose("step", "depth")
+    assert last["p net [kN/m]"] == pytest.approx(1e-3 * float(net[-1, -1]))
 
 
 def test_stiffness_sheet(book, springs):

@@ -6,23 +6,23 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from pysprings.macro.sets import spring_sets
 from pysprings.results.exporters.xlsx.sheet import HEAD_ROWS, Book
 from pysprings.springs.dataset import is_vertical, path_dataset
 
-CHART_DEPTHS = 6
+ROWS = 20  # cells from a row of charts to the next
 
 
 def add_charts(book: Book, sheet: Any, springs: xr.DataTree) -> None:
     """Insert one row of charts for each lateral path: load-displacement, p-y by depth, m by depth, tip and lid."""
     depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
-    shown = np.unique(np.linspace(0, depths.size - 1, CHART_DEPTHS).astype(int))
+    shown = range(depths.size)
     load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(spring_sets(springs))]
     py = [(f"{depths[k]:.2f} m", 2 + 4 * k, 3 + 4 * k) for k in shown]
     mtheta = [(f"{depths[k]:.2f} m", 2, 4 + 4 * k) for k in shown]
+    sheet.set_h_pagebreaks([2 * ROWS * k for k in range(1, 1 + len(book.rows) // 2)])
     lateral = [(name, rows) for name, rows in book.rows.items() if not is_vertical(springs, name)]
     for place, (name, rows) in enumerate(lateral):
         charts = (
@@ -33,18 +33,20 @@ def add_charts(book: Book, sheet: Any, springs: xr.DataTree) -> None:
             ("lid", f"{name}: force under the lid", [("H", 2, 5)], "u [mm]", "H [kN]"),
         )
         for col, (data, title, series, x, y) in enumerate(charts):
-            _insert(sheet, (place * 20, col * 9), _scatter(book, data, rows, series), title, x, y)
+            _insert(sheet, (place * ROWS, col * 9), _scatter(book, data, rows, series), title, x, y)
 
 
 def add_vertical_charts(book: Book, sheet: Any, springs: xr.DataTree, below: int) -> None:
     """Insert one row of charts for each vertical path from the row `below` on: V, and t by depth, over w."""
     depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
-    shown = np.unique(np.linspace(0, depths.size - 1, CHART_DEPTHS).astype(int))
+    shown = range(depths.size)
     V = [("V", 2, 3), ("tip", 2, 4), ("lid", 2, 5)]
     t = [(f"{depths[k]:.2f} m", 2, 6 + 3 * k) for k in shown]
     for place, (name, rows) in enumerate(book.rows.items(), start=below):
         for col, (title, series, y) in enumerate((("vertical load", V, "V [kN]"), ("t-z by depth", t, "t [kN/m]"))):
-            _insert(sheet, (place * 20, col * 9), _scatter(book, "t-z", rows, series), f"{name}: {title}", "w [mm]", y)
+            _insert(
+                sheet, (place * ROWS, col * 9), _scatter(book, "t-z", rows, series), f"{name}: {title}", "w [mm]", y
+            )
 
 
 def _insert(sheet: Any, cell: tuple[int, int], chart: Any, title: str, x: str, y: str) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pysprings.results.exporters.xlsx.names import Names
 from pysprings.springs.dataset import path_dataset, path_names
+from pysprings.springs.edge import edge_rings
 
 KN, MM, MRAD = 1e-3, 1e3, 1e3
 HEAD_ROWS = 3  # depth, slice, heading with unit
@@ -79,6 +80,19 @@ def fill(book: Book, sheet: Any, springs: xr.DataTree, columns: Sequence[Column]
     sheet.set_column(1, 1, 6)
     sheet.set_column(2, 2 + len(columns), 11)
     sheet.freeze_panes(HEAD_ROWS, 2)
+    sheet.repeat_rows(0, HEAD_ROWS - 1)
+    sheet.repeat_columns(0, 1)
+    last = max(end for _, end in book.rows.values())
+    sheet.autofilter(HEAD_ROWS - 1, 0, HEAD_ROWS + last, 2 + len(columns))
+
+
+def set_page(sheet: Any) -> None:
+    """Print a sheet in landscape on A4, one page wide, with page numbers."""
+    sheet.set_landscape()
+    sheet.set_paper(9)
+    sheet.set_margins(left=0.4, right=0.4, top=0.6, bottom=0.6)
+    sheet.fit_to_pages(1, 0)
+    sheet.set_footer("&L&A&RPage &P of &N")
 
 
 def datasets(springs: xr.DataTree) -> list[xr.Dataset]:
@@ -89,10 +103,11 @@ def datasets(springs: xr.DataTree) -> list[xr.Dataset]:
 def by_depth(springs: xr.DataTree, headings: Mapping[str, str], values: Sequence[list[Any]]) -> list[Column]:
     """Return columns of arrays (depth, step): for each depth one per heading; a name gets the number of the depth."""
     first = datasets(springs)[0]
+    edge = edge_rings(first)
     columns = []
     for k, depth in enumerate(first["depth"].values):
         top, bottom = first["depth_bounds"].values[k]
-        label = f"{top:.3f} - {bottom:.3f}"
+        label = f"{top:.3f} - {bottom:.3f}" + (" edge ring" if edge[k] else "")
         for (heading, name), parts in zip(headings.items(), values, strict=True):
             named = f"{name}_{k + 1}" if name else ""
             columns.append(Column(heading, [part[k] for part in parts], round(float(depth), 4), label, named))

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Excel workbook of a spring set for design spreadsheets: kN, m, mm, mrad, with charts.
 
-Sheets: About, charts, p-y, m-theta, t-z (of vertical paths), base, lid, load-displacement, stiffness 6x6. Data sheets
-hold all paths below each other: columns path and step, then the values; every heading has its unit. Every curve has a
-defined name (`names`), so that formulas need no cell addresses.
+Sheets: About, charts, p-y, m-theta, t-z (of vertical paths), base, lid, load-displacement, stiffness 6x6, tidy (a row
+for each path, step and depth, for pivots). Data sheets hold all paths below each other: columns path and step, then the
+values; every heading has its unit and a filter. Every sheet prints one page wide, with its headings repeated. Every
+curve has a defined name (`names`), so that formulas need no cell addresses.
 """
 
 from __future__ import annotations
@@ -26,8 +27,21 @@ from pysprings.results.exporters.tables import with_net
 from pysprings.results.exporters.xlsx.about import about_lines
 from pysprings.results.exporters.xlsx.charts import add_charts, add_vertical_charts
 from pysprings.results.exporters.xlsx.names import LENGTHS, Names
-from pysprings.results.exporters.xlsx.sheet import KN, MM, MRAD, Book, Column, by_depth, datasets, fill, rows_of, series
+from pysprings.results.exporters.xlsx.sheet import (
+    KN,
+    MM,
+    MRAD,
+    Book,
+    Column,
+    by_depth,
+    datasets,
+    fill,
+    rows_of,
+    series,
+    set_page,
+)
 from pysprings.results.exporters.xlsx.stiffness import write_stiffness
+from pysprings.results.exporters.xlsx.tidy import write_tidy
 from pysprings.springs.dataset import is_vertical, path_dataset, path_names
 
 # A text stays a text (a name may begin with =), and no temporary file is left elsewhere.
@@ -43,7 +57,8 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
     ):
         book = _open(file, springs)
         down = [name for name in book.rows if is_vertical(springs, name)]
-        before, behind = ("About", "charts", "p-y", "m-theta"), ("base", "lid", "load-displacement", "stiffness 6x6")
+        before = ("About", "charts", "p-y", "m-theta")
+        behind = ("base", "lid", "load-displacement", "stiffness 6x6", "tidy")
         names = (*before, *(["t-z"] if down else []), *behind)
         sheets = {name: file.add_worksheet(name) for name in names}
         _about(book, sheets["About"], about_lines(springs, source.comparison, source.summary))
@@ -58,6 +73,9 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
         _load(book, sheets["load-displacement"], source)
         write_stiffness(sheets["stiffness 6x6"], springs, book.names, book.title, book.head)
         add_charts(book, sheets["charts"], springs)
+        write_tidy(book, sheets["tidy"], springs)
+        for sheet in sheets.values():
+            set_page(sheet)
     return Path(path)
 
 
@@ -90,6 +108,8 @@ def _about(book: Book, sheet: Any, lines: Iterable[tuple[str, str, str]]) -> Non
             book.names.define(LENGTHS[name], "About", (row, 1), (row, 1))
         elif words:
             sheet.write_string(row, 1, words, formats[kind])
+            if kind == "text":
+                sheet.set_row(row, 15 * -(-max(len(words), 1) // 100))
 
 
 PY_HEADINGS = {"y [mm]": "y", "p net [kN/m]": "p", "p outside [kN/m]": "", "p inside [kN/m]": ""}
