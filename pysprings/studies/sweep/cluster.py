@@ -19,6 +19,7 @@ from pysprings.core.errors import ResourceError
 
 _SHARE = 0.9  # of the memory of this machine, for all workers
 _DEATHS = 10  # of workers with a case, before the case is given up
+_ATTEMPTS = 3  # to start the processes
 _WAIT = 15.0  # s for a scheduler to answer
 _THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -64,20 +65,32 @@ def client_of(place: Place) -> Iterator[Any]:
 def _local(jobs: int) -> Iterator[Any]:
     import dask
     import psutil
-    from distributed import Client, LocalCluster
+    from distributed import Client
 
     memory = int(_SHARE * psutil.virtual_memory().total / jobs)
     with dask.config.set({"distributed.scheduler.allowed-failures": _DEATHS, "distributed.admin.tick.limit": "1h"}):
-        cluster = LocalCluster(
-            n_workers=jobs, threads_per_worker=1, processes=True, memory_limit=memory, dashboard_address=":0",
-            silence_logs=logging.CRITICAL,
-        )  # fmt: skip
+        cluster = _started(jobs, memory)
         try:
             with Client(cluster) as client:
                 yield client
         finally:
             with suppress(Exception):  # what is left of workers dies with this process
                 cluster.close(timeout=5)
+
+
+def _started(jobs: int, memory: int) -> Any:
+    """Return processes that have started; a few attempts, as one that dies before it has started ends the attempt."""
+    from distributed import LocalCluster
+
+    for _ in range(_ATTEMPTS):
+        try:
+            return LocalCluster(
+                n_workers=jobs, threads_per_worker=1, processes=True, memory_limit=memory, dashboard_address=":0",
+                silence_logs=logging.CRITICAL,
+            )  # fmt: skip
+        except (RuntimeError, OSError, TimeoutError) as error:
+            reason = f"{type(error).__name__}: {error}"
+    raise ResourceError(f"the workers could not be started ({reason}); the same command goes on")
 
 
 @contextmanager

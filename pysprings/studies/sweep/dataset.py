@@ -202,7 +202,7 @@ def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
     if data.attrs.get("schema") != SCHEMA:
         data.close()
         raise refused(None, f"is no {FILE} of a study ({SCHEMA})", file)
-    return data
+    return data.set_coords(str(data.attrs["axes"]).split(", "))
 
 
 def scalars(data: xr.Dataset) -> Mapping[str, xr.DataArray]:

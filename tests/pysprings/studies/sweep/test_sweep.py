@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 import psutil
@@ -23,7 +24,7 @@ from pysprings.studies.sweep.cases_file import AGAIN, DONE, SKIP, State, write_c
 from pysprings.studies.sweep.measures import DEPTHS, SHARES, remap
 from pysprings.studies.sweep.picture import draw
 from pysprings.studies.sweep.study_file import read_study
-from pysprings.studies.sweep.table import write_table
+from pysprings.studies.sweep.table import heads_and_rows, write_table
 from tests.support import tiny
 
 TEXT = """
@@ -135,6 +136,17 @@ def test_a_table_and_a_picture_of_the_dataset(ended, tmp_path):
             draw(data, "K_h")
 
 
+def test_axes_of_a_sample_are_coordinates_and_stand_in_a_table_once(ended, tmp_path):
+    sampled = study.Study(replace(ended.plan, is_grid=False), tmp_path, ended.hashes, ended.states)
+    (tmp_path / "cases").symlink_to(ended.out / "cases")
+    dataset.write_study(sampled)
+    with dataset.open_study(tmp_path) as data:
+        assert data["K_H"].dims == ("case",) and set(data.coords) >= {"young_modulus", "mu"}
+        heads, rows_of = heads_and_rows(data)
+        assert len(set(heads)) == len(heads) and [row[1] for row in rows_of] == [100.0, 100.0, 200.0, 200.0]
+        assert draw(data, "K_H", ["mu"]).axes[0].lines[0].get_ydata() == pytest.approx(data["K_H"].values)
+
+
 def test_edits_of_cases_csv_count(ended, tmp_path):
     plan = make(tmp_path)
     out = tmp_path / "out"
@@ -197,11 +209,13 @@ def test_remapped_slices_share_the_whole_skirt():
 COMMAND = [sys.executable, "-m", "pysprings", "sweep", "study.toml", "--out", "out", "--jobs", "2"]
 
 
-def kill_workers(process, until, period=1.0):
-    """Kill a worker of a study every period until it has ended or so many are dead; return the number."""
+def kill_workers(process, started, until, period=1.0):
+    """Kill a worker every period once a folder is there, until the study has ended or so many are dead."""
     killed = 0
     while process.poll() is None and killed < until:
         time.sleep(period)
+        if not started.exists():
+            continue
         try:
             found = [p for p in psutil.Process(process.pid).children(recursive=True)
                      if "spawn_main" in " ".join(p.cmdline())]  # fmt: skip
@@ -217,7 +231,7 @@ def kill_workers(process, until, period=1.0):
 def test_killed_workers_lose_no_case_and_repeat_none(ended, tmp_path):
     make(tmp_path)
     process = subprocess.Popen(COMMAND, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    killer = threading.Thread(target=kill_workers, args=(process, 3, 6.0))
+    killer = threading.Thread(target=kill_workers, args=(process, tmp_path / "out" / "cases", 3, 6.0))
     killer.start()
     _, messages = process.communicate()
     killer.join()
