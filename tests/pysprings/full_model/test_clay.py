@@ -186,7 +186,7 @@ def test_omissions_tell_why_there_is_no_water():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["soft-clay", "sand-over-clay"])
+@pytest.mark.parametrize("name", ["soft-clay", "sand-over-clay", "layered-sand", "monobucket"])
 def test_a_template_runs_to_its_end_and_its_fan_predicts_the_pulls_held_back(name):
     """Within 2 % in load and 4 % in rotation, a median of at most five Newton iterations."""
     result = compute(parse_scene(template_text(name)))
@@ -194,6 +194,6 @@ def test_a_template_runs_to_its_end_and_its_fan_predicts_the_pulls_held_back(nam
     assert max(path.median_iterations for path in result.record.paths.values()) <= 5
     table = compare(extract_springs(result.recorded()))
     held = table[(table["role"] == "held-back") & (table["springs"] == "fan")]
-    assert len(held) == 2
+    assert len(held) >= 2
     assert held["H_error_max_pct"].abs().max() <= 2.0
     assert held["rotation_error_max_pct"].abs().max() <= 4.0
