@@ -37,7 +37,7 @@ from pysprings.springs.springs import Springs
 
 COMMAND = "python -m benchmarks.memory DIR --store"
 STEPS = 100_000
-_PERFECT = 8  # column of the gain in the parameters of an element: 0 is perfectly plastic
+_PERFECT = 3  # column of the gain in the parameters of a candidate: 0 is perfectly plastic
 _ANSWERS = ("u", "rotation", "H", "M")
 
 

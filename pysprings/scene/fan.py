@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 from pysprings.core.path_kinds import MEMORY, PATH_KINDS, VERTICAL
@@ -20,9 +21,10 @@ _PULL = next(name for name, kind in PATH_KINDS.items() if kind.free_head and not
 # The part of a fan on which meshes are compared: in the default scene it has the largest differences of the whole fan.
 FEW_RAYS, FEW_ARMS = (0, -50, 90), ARMS[-1:]
 _SHARE = 0.5  # of the reach: vertical paths and held-back pulls
-# Rays that turn back, degrees: a translation, and the direction of pulls with a free head. Share of the reach.
+# Rays that turn back, degrees: a translation, and the direction of pulls with a free head. Ends over the reach: what
+# an unloading looks like depends on how large the motion before was.
 REVERSED = (0, -50)
-REVERSED_SHARE = 0.4
+TURNS = (0.12, -0.12, 0.4, -0.4, 0.4)
 
 
 def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
@@ -83,16 +85,16 @@ def _motion(rho: float, angle: float, caisson: Caisson) -> dict[str, Any]:
 
 
 def _reversed(springs: Springs, caisson: Caisson, rate: float | None) -> Iterator[dict[str, Any]]:
-    """Yield the rays that turn back: to rho, to -rho, to rho again, at the vertical load of the scene."""
+    """Yield the rays that turn back, with a small and a large amplitude, at the vertical load of the scene."""
     assert springs.reach is not None
-    rho = REVERSED_SHARE * springs.reach
+    ways = [springs.reach * abs(end - start) for start, end in pairwise((0.0, *TURNS))]
+    times = [None if rate is None else way / rate for way in ways]
     for angle in REVERSED:
-        motion = _motion(rho, angle, caisson)
-        end, time = motion[PATH_KINDS[motion["kind"]].imposed], None if rate is None else 2.0 * rho / rate
+        motion = _motion(TURNS[0] * springs.reach, angle, caisson)
+        first = motion[PATH_KINDS[motion["kind"]].imposed]
         yield {
-            "name": f"{_ray_name(angle)}_reversed", **motion, "role": MEMORY,
-            "duration": None if rate is None else rho / rate,
-            "then": (Then(-end, time=time), Then(end, time=time)),
+            "name": f"{_ray_name(angle)}_reversed", **motion, "role": MEMORY, "duration": times[0],
+            "then": tuple(Then(first * end / TURNS[0], time=t) for end, t in zip(TURNS[1:], times[1:], strict=True)),
         }  # fmt: skip
 
 

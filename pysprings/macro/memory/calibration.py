@@ -15,7 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
-from pysprings.macro.memory.candidates import force_directions, gaps, mechanisms
+from pysprings.macro.memory.candidates import (
+    around,
+    force_directions,
+    gap_rows,
+    gaps,
+    mechanisms,
+    plastic_rows,
+)
 from pysprings.macro.memory.elements import histories
 from pysprings.macro.memory.samples import Sample
 from pysprings.macro.memory.shares import Shares, shares_of
@@ -59,24 +66,37 @@ def calibrate(
 ) -> ElementSet:
     """Return the elements that follow the ways; stiffness (2, 2) is the initial one for (u, rotation*L) [N/m].
 
-    candidates: plastic and gap elements to choose from, instead of those of `pysprings.macro.memory.candidates`.
+    candidates: plastic and gap elements to choose from, instead of those of `pysprings.macro.memory.candidates`. What
+    is chosen from them is chosen a second time, with what is `around` it.
     """
-    from scipy.optimize import nnls  # a prediction by a fan does without SciPy
-
     reach = max(float(np.hypot(*way.motions.T).max()) for way in ways)
-    plastic, gap = candidates or (mechanisms(reach), gaps(reach))
     loads = [way.loads(table) for way in ways]
-    A, b = _system(plastic, gap, ways, loads, stiffness, reach)
-    size = np.linalg.norm(A, axis=0)
-    factors, left = nnls(A / size, b, maxiter=20 * A.shape[1])
-    rows = _merged(plastic, gap, factors / size, FORGET * float(np.trace(stiffness)))
+    plastic, gap = candidates or (mechanisms(reach), gaps(reach))
+    _, _, chosen = _fitted(plastic, gap, ways, loads, stiffness, reach)
+    plastic, gap = around(plastic[chosen[: len(plastic)]], gap[chosen[len(plastic) :]])
+    rows, left, _ = _fitted(plastic, gap, ways, loads, stiffness, reach)
     shares, carried = shares_of(rows, ways, loads, table, SUBSTEP * reach)
     errors = {}
     for way, load, own in zip(ways, loads, carried, strict=True):
         worst = np.abs(own - load).max(axis=0) / np.abs(load).max()
         errors[way.name] = float(worst[0]), float(worst[1])
     longest = max(way_of(way.motions) for way in ways)
-    return ElementSet(rows, reach, shares, float(left / np.linalg.norm(b)), errors, longest)
+    return ElementSet(rows, reach, shares, left, errors, longest)
+
+
+def _fitted(
+    plastic: Array, gap: Array, ways: Sequence[Sample], loads: Sequence[Array], stiffness: Array, reach: float
+) -> tuple[Array, float, NDArray[np.bool_]]:
+    """Return elements (n, COLUMNS) chosen from plastic and gap ones, the relative residual, and which are chosen."""
+    from scipy.optimize import nnls  # a prediction by a fan does without SciPy
+
+    mechanism, plate = plastic_rows(plastic), gap_rows(gap)
+    A, b = _system(mechanism, plate, ways, loads, stiffness, reach)
+    size = np.linalg.norm(A, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    factors, left = nnls(A / size, b, maxiter=20 * A.shape[1])
+    rows, chosen = _merged(mechanism, plate, factors / size, FORGET * float(np.trace(stiffness)))
+    return rows, float(left / np.linalg.norm(b)), chosen
 
 
 def way_of(motions: Array) -> float:
@@ -113,8 +133,8 @@ def elastic_motions(rows: Array, motions: Array, largest: float) -> tuple[Array,
     return e, p
 
 
-def _merged(plastic: Array, gap: Array, factors: Array, least: float) -> Array:
-    """Return the chosen elements (n, COLUMNS) with their stiffness."""
+def _merged(plastic: Array, gap: Array, factors: Array, least: float) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the chosen elements (n, COLUMNS) with their stiffness, and which of all (plastic, then gap) they are."""
     m = force_directions()
     own = factors[: len(plastic) * len(m)].reshape(len(plastic), len(m))
     B = np.einsum("kj,ja,jb->kab", own, m, m)
@@ -122,4 +142,5 @@ def _merged(plastic: Array, gap: Array, factors: Array, least: float) -> Array:
     rows[:, 4], rows[:, 5], rows[:, 6] = B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]
     plates = gap.copy()
     plates[:, 6] = factors[len(plastic) * len(m) :]
-    return np.concatenate([rows[own.sum(axis=1) > least], plates[plates[:, 6] > least]])
+    chosen = np.concatenate([own.sum(axis=1), plates[:, 6]]) > least
+    return np.concatenate([rows, plates])[chosen], chosen

@@ -43,8 +43,8 @@ ARMIJO = 1e-4
 
 
 @jitted
-def _plastic(row, state, d0, d1, f, tangent):
-    """Advance a plastic element by a motion (d0, d1) [m]; write f (2,) and its tangent (2, 2)."""
+def _plastic(row, state, d0, d1):
+    """Advance a plastic element by a motion (d0, d1) [m]; return f1, f2 and its tangent t11, t12, t21, t22."""
     g11, g12, g22, b11, b12, b22, d, a, h = row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9]
     e0, e1, p = state[0] + d0, state[1] + d1, state[2]
     gauge = math.sqrt(e0 * (g11 * e0 + g12 * e1) + e1 * (g12 * e0 + g22 * e1))
@@ -61,25 +61,23 @@ def _plastic(row, state, d0, d1, f, tangent):
             share = (gauge + state[2] - p) / gauge
         else:
             p, share = p + gauge - d, d / gauge
-    m0, m1 = (
-        (g11 * e0 + g12 * e1) / gauge if gauge > 0.0 else 0.0,
-        (g12 * e0 + g22 * e1) / gauge if gauge > 0.0 else 0.0,
-    )
     # d(share e)/dq = share I + e (slope - share) m^T / gauge
     t00, t01, t10, t11 = share, 0.0, 0.0, share
     if yields:
-        c0, c1 = e0 * (slope - share) / gauge, e1 * (slope - share) / gauge
-        t00, t01, t10, t11 = share + c0 * m0, c0 * m1, c1 * m0, share + c1 * m1
+        factor = (slope - share) / (gauge * gauge)
+        m0, m1 = factor * (g11 * e0 + g12 * e1), factor * (g12 * e0 + g22 * e1)
+        t00, t01, t10, t11 = share + e0 * m0, e0 * m1, e1 * m0, share + e1 * m1
     e0, e1 = share * e0, share * e1
     state[0], state[1], state[2] = e0, e1, p
-    f[0], f[1] = b11 * e0 + b12 * e1, b12 * e0 + b22 * e1
-    tangent[0, 0], tangent[0, 1] = b11 * t00 + b12 * t10, b11 * t01 + b12 * t11
-    tangent[1, 0], tangent[1, 1] = b12 * t00 + b22 * t10, b12 * t01 + b22 * t11
+    return (
+        b11 * e0 + b12 * e1, b12 * e0 + b22 * e1,
+        b11 * t00 + b12 * t10, b11 * t01 + b12 * t11, b12 * t00 + b22 * t10, b12 * t01 + b22 * t11,
+    )  # fmt: skip
 
 
 @jitted
-def _gap(row, state, x, f, tangent):
-    """Advance a gap element to x [m] along its direction; write f (2,) and its tangent (2, 2)."""
+def _gap(row, state, x):
+    """Advance a gap element to x [m] along its direction; return f and tangent as `_plastic`."""
     n0, n1, size, d = row[4], row[5], row[6], row[7]
     force, stiffness = 0.0, 0.0
     if x > state[0]:
@@ -94,10 +92,9 @@ def _gap(row, state, x, f, tangent):
             state[2] += state[1] - d - x
             state[1], stiffness = x + d, 0.0
         force += x - state[1]
-    f[0], f[1] = size * n0 * force, size * n1 * force
     stiffness *= size
-    tangent[0, 0], tangent[0, 1] = n0 * n0 * stiffness, n0 * n1 * stiffness
-    tangent[1, 0], tangent[1, 1] = n0 * n1 * stiffness, n1 * n1 * stiffness
+    cross = n0 * n1 * stiffness
+    return size * n0 * force, size * n1 * force, n0 * n0 * stiffness, cross, cross, n1 * n1 * stiffness
 
 
 @jitted
@@ -106,18 +103,17 @@ def advance(rows, q0, q1, states, F, K):
 
     rows (n, COLUMNS); writes states (n, STATES), loads F (2,) [N] and tangent K (2, 2) [N/m].
     """
-    F[:] = 0.0
-    K[:, :] = 0.0
-    f, tangent = np.empty(2), np.empty((2, 2))
+    f0, f1, k00, k01, k10, k11 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    d0, d1 = q1[0] - q0[0], q1[1] - q0[1]
     for k in range(rows.shape[0]):
         if rows[k, 0] == GAP:
-            _gap(rows[k], states[k], rows[k, 4] * q1[0] + rows[k, 5] * q1[1], f, tangent)
+            one = _gap(rows[k], states[k], rows[k, 4] * q1[0] + rows[k, 5] * q1[1])
         else:
-            _plastic(rows[k], states[k], q1[0] - q0[0], q1[1] - q0[1], f, tangent)
-        for i in range(2):
-            F[i] += f[i]
-            K[i, 0] += tangent[i, 0]
-            K[i, 1] += tangent[i, 1]
+            one = _plastic(rows[k], states[k], d0, d1)
+        f0, f1 = f0 + one[0], f1 + one[1]
+        k00, k01, k10, k11 = k00 + one[2], k01 + one[3], k10 + one[4], k11 + one[5]
+    F[0], F[1] = f0, f1
+    K[0, 0], K[0, 1], K[1, 0], K[1, 1] = k00, k01, k10, k11
 
 
 @jitted
@@ -127,7 +123,7 @@ def histories(rows, ways, largest, elastic, paths):
     The way starts at the origin; steps longer than `largest` [m] are divided. The elastic motion of a gap element is
     the force of its walls over its stiffness, along its direction; its way is that of the walls.
     """
-    state, f, tangent = np.empty(STATES), np.empty(2), np.empty((2, 2))
+    state, one = np.empty(STATES), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(rows.shape[0]):
         state[:] = 0.0
         x0, x1 = 0.0, 0.0
@@ -137,13 +133,13 @@ def histories(rows, ways, largest, elastic, paths):
             for j in range(parts):
                 share = (j + 1.0) / parts
                 if rows[k, 0] == GAP:
-                    _gap(rows[k], state, rows[k, 4] * (x0 + share * d0) + rows[k, 5] * (x1 + share * d1), f, tangent)
+                    one = _gap(rows[k], state, rows[k, 4] * (x0 + share * d0) + rows[k, 5] * (x1 + share * d1))
                 else:
-                    _plastic(rows[k], state, d0 / parts, d1 / parts, f, tangent)
+                    one = _plastic(rows[k], state, d0 / parts, d1 / parts)
             x0, x1 = ways[i, 0], ways[i, 1]
             paths[i, k] = state[2]
             if rows[k, 0] == GAP:
-                elastic[i, k, 0], elastic[i, k, 1] = f[0] / rows[k, 6], f[1] / rows[k, 6]
+                elastic[i, k, 0], elastic[i, k, 1] = one[0] / rows[k, 6], one[1] / rows[k, 6]
             else:
                 elastic[i, k, 0], elastic[i, k, 1] = state[0], state[1]
 
