@@ -385,7 +385,6 @@ class Springs(Section):
 
     Eight rays move the lid centre by u and turn the caisson in proportion, until sqrt(u^2 + (rotation skirt_length)^2)
     is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` two rays go back
-    is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` two rays go back
     and forth, at 12 % and then at 40 % of it. `rays` has other directions than the usual eight.
     """
 
