@@ -232,7 +232,7 @@ def coverage(lines: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 def report(lines: Sequence[dict[str, Any]]) -> None:
     """Print the lines, and the coverage."""
-    print("estimate and true error [%]: load, largest; p-y, root mean square (truth uncertain by)")
+    print(f"estimate and true error [%] (truth uncertain by): {', '.join(two_mesh.ESTIMATED)}")
     for line in lines:
         head = f"{line['scene']:14} {line['mesh']:11}"
         if "why" in line:

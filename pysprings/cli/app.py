@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from pysprings.cli.guard import DEBUG, guarded
+from pysprings.cli.once import Once
 from pysprings.core.jit import choose_for_command
 from pysprings.core.streams import open_missing_streams
 from pysprings.core.version import __version__
@@ -74,7 +75,7 @@ def application(command: str | None = None) -> typer.Typer:
         _load_all()
     for name in COMMANDS if command is None else (command,):
         module = importlib.import_module(f"pysprings.cli.{COMMANDS[name]}")
-        app.command()(guarded(getattr(module, name)))
+        app.command(cls=Once)(guarded(getattr(module, name)))
     return app
 
 

@@ -13,7 +13,7 @@ from pysprings.core.errors import printable
 from pysprings.core.files.layout import WRITING
 from pysprings.core.text import number
 from pysprings.full_model.run_record import FILE, CutBack, PathFigures, RunRecord
-from pysprings.results.layout import listed_pictures, run_files
+from pysprings.results.layout import FIGURES, listed_pictures, run_files
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,15 +45,16 @@ def _has_springs(folder: Path, record: RunRecord) -> bool:
 def print_results(folder: Path, verbose: bool = False) -> None:
     """Print where the results of a run are, limit loads, warnings, the comparison and the cost in a line.
 
-    verbose: also iterations, attempts given up, contact, balances of water and energy, and the cost by phase. The paths
+    Without verbose the comparison has the springs that predict, on the paths held back. verbose: every picture, spring
+    set and path, iterations, attempts given up, contact, balances of water and energy, and the cost by phase. The paths
     of a run that stopped are shown always.
     """
-    from pysprings.macro.comparison_text import to_text
+    from pysprings.macro.comparison_text import to_brief_text, to_text
 
     record = read_record(folder)
     print(f"results in {folder} ({STATUS_WORDS.get(record.status, record.status)})")
     rows = [(str(folder / name), text) for name, text in run_files().items() if (folder / name).exists()]
-    rows += _pictures(folder)
+    rows += _pictures(folder) if verbose else _number_of_pictures(folder)
     width = max((len(name) for name, _ in rows), default=0)
     for name, text in rows:
         print(f"  {name.ljust(width)}  {text}")
@@ -71,7 +72,10 @@ def print_results(folder: Path, verbose: bool = False) -> None:
     print_estimate(record)
     if _has_springs(folder, record):
         print("\nprediction with the springs against the full model:")
-        print(to_text(_comparison(folder, record)), end="")
+        table = _comparison(folder, record)
+        print(to_text(table) if verbose else to_brief_text(table), end="")
+        if not verbose:
+            print(f"`pysprings compare {folder}`: all spring sets and paths")
     print_summary(record)
 
 
@@ -106,6 +110,12 @@ def _pictures(folder: Path) -> list[tuple[str, str]]:
     for path in listed_pictures(folder):
         by_stem.setdefault(path.with_suffix(""), []).append(path.suffix.lstrip("."))
     return [(str(stem), f"picture ({', '.join(formats)})") for stem, formats in by_stem.items()]
+
+
+def _number_of_pictures(folder: Path) -> list[tuple[str, str]]:
+    """Return one line for all pictures of a folder; none without pictures."""
+    pictures = _pictures(folder)
+    return [(str(folder / FIGURES), f"pictures: {len(pictures)}")] if pictures else []
 
 
 _NEWTON = {

@@ -47,13 +47,28 @@ _ROLE_TITLES = {
 }
 
 
-def to_text(frame: pd.DataFrame) -> str:
-    """Return the comparison as tables for a terminal, one a role, with definitions; '-' is imposed or undefined."""
+# Columns of the short table, and the spring sets that predict
+_BRIEF = ("path", "arm [m]", "V [MN]", "springs", "eta large", "H max [%]", "rot max [%]", "M max [%]", "w max [mm]")
+_PREDICTING = ("fan", "vertical")
+
+
+def to_brief_text(frame: pd.DataFrame) -> str:
+    """Return the rows that show what the springs are worth: the fan on the paths held back; else all, as `to_text`."""
+    own = frame[(frame["role"] == "held-back") & frame["springs"].isin(_PREDICTING)]
+    return to_text(frame) if own.empty else to_text(own, brief=True)
+
+
+def to_text(frame: pd.DataFrame, brief: bool = False) -> str:
+    """Return the comparison as tables for a terminal, one a role, with definitions; '-' is imposed or undefined.
+
+    brief: the columns of `_BRIEF` and one definition.
+    """
     shown = frame[list(_TEXT_COLUMNS)].rename(columns=_TEXT_COLUMNS)
     vertical = several_loads(frame)
     for place, (name, (title, factor)) in enumerate(_VERTICAL_COLUMNS.items() if vertical else ()):
         shown.insert(2 if place == 0 else shown.shape[1], title, frame[name] * factor)
     shown = shown.dropna(axis=1, how="all")
+    shown = shown[[name for name in shown.columns if not brief or name in _BRIEF]]
     head = [str(name) for name in shown.columns]
     cells = [[_cell(value, str(name)) for name, value in row.items()] for _, row in shown.iterrows()]
     widths = [max(len(row[j]) for row in [head, *cells]) for j in range(len(head))]
@@ -69,7 +84,7 @@ def to_text(frame: pd.DataFrame) -> str:
             lines += [_ROLE_TITLES[role], line(head), "  ".join("-" * w for w in widths), *rows, ""]
     ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
     ended += [f"path {name}: {how}" for name, how in _ends(frame).items()]
-    notes = _NOTES + (_VERTICAL_NOTES if vertical else [])
+    notes = _NOTES[:1] if brief else _NOTES + (_VERTICAL_NOTES if vertical else [])
     return "\n".join(lines + notes + ended + _marked(frame)) + "\n"
 
 

@@ -58,6 +58,8 @@ LOADS = (
         "no equilibrium beyond H = ",
         LOST,
     ),
+    _m("tilt beyond the range", "predict one.nc --tilt 5deg", "beyond the range of path 'pull'"),
+    _m("motion beyond a limit load", "predict limit.nc --u 6mm --extrapolate", "path 'pull' met a limit load"),
     _m("--strict and --extrapolate", "predict one.nc --H 20MN --strict --extrapolate", "give one of them"),
 )
 DIRECTIONS = (
@@ -102,6 +104,9 @@ WORDS = (
     _m("load and motion together", "predict one.nc --H 1MN --u 1mm", "a load is the answer to a motion"),
     _m("no load at all", "predict one.nc --arm 1m", "missing: give a load"),
     _m("rate of drained springs", "predict one.nc --H 1MN --rate 1mm/s", "do not depend on a rate"),
+    _m("one option twice", "predict one.nc --H 1MN --H 100kN", "--H: is given twice"),
+    _m("tilt without a unit", "predict one.nc --tilt 0.25", 'unit such as "0.25 deg"'),
+    _m("load that is no number", "predict one.nc --H nan", "expected a quantity with unit"),
     _m("reference depth as a bare number", "predict one.nc --H 1MN --stiffness --reference-depth 4", "unit"),
 )
 FILES = (
@@ -120,6 +125,10 @@ FILES = (
     _m("folder without springs", "predict empty --H 10kN", "no springs.nc in this folder"),
     _m("folder of a run that was killed", "predict killed --H 10kN", "holds a run that has not ended"),
     _m("folder of an interrupted run, --strict", "predict broken --H 10kN --strict", "the run was interrupted"),
+    _m("scene in the place of springs", "predict tight.toml --H 10kN", "of a run: springs.nc"),
+    _m("empty table", "predict zero.csv --H 10kN", "missing column"),
+    _m("memory of springs that have none", "predict fan.nc --H 10kN --springs memory", "no ray that turns back"),
+    _m("files in the place of folders of runs", "diff one.nc fan.nc", "is not the folder of a run"),
     _m("option of an export without a value", "export one.nc --to openfast --option torsion", "is not NAME=VALUE"),
 )
 SCENES = (
@@ -131,6 +140,8 @@ SCENES = (
     _m("domain that is tight around the caisson", "check tight.toml", "domain", WARNED),
     _m("motion beyond small displacements", "check large.toml", "small", WARNED),
     _m("unusual stiffness", "check weak.toml", "shear modulus .*outside the common range", WARNED),
+    _m("empty scene", "check zero.toml", "the file is empty"),
+    _m("changed value without a unit", "check tight.toml --set soil.young_modulus=80", "expected a quantity with unit"),
     _m("two paths of one name", "check twice.toml", "twice|already|unique|same name"),
     _m("path without its displacement", "check path.toml", "lateral_displacement"),
 )
@@ -140,6 +151,12 @@ CASES = (
     _m("moment and height of one load", "design fan.nc both.csv", "give either a moment or the height of H"),
     _m("loads at an angle at different heights", "design fan.nc skew.csv", "loads in one vertical plane"),
     _m("overturning moment with the sign of H", "design fan.nc sign.csv", "H and M have the same sign", WARNED),
+    _m("torsion", "design fan.nc torsion.csv", "unknown column; known are name"),
+    _m("direction without a unit", "design fan.nc direction.csv", r"write 'direction \[deg\]'"),
+    _m("negative partial factor", "design fan.nc negative.csv", "is negative: a partial factor is 0 or more"),
+    _m("one load in two columns", "design fan.nc twice.csv", "column stands 2 times"),
+    _m("cells that are no numbers", "design fan.nc nan.csv", "is not a finite number"),
+    _m("uplift beyond the springs, --strict", "design fan.nc uplift.csv --strict", "1 no answer"),
     _m("case beyond the springs, --strict", "design fan.nc far.csv --strict", "1 no answer"),
     _m("file for the answers in another format", "design fan.nc far.csv --out a.pdf", "ends in none of .csv"),
     _m("capacity at a V without a unit", "capacity tight.toml --V 3", "expected a quantity with unit"),
@@ -220,6 +237,7 @@ _SCENES = {
     "large": "[mesh]\nrefinement = 0.4\n" + _PULL.replace("5 mm", "3 m"),
     "weak": '[soil]\nyoung_modulus = "200 kPa"\n[mesh]\nrefinement = 0.4\n' + _PULL,
     "twice": _PULL + _PULL,
+    "zero": "",
     "path": '[[path]]\nname = "pull"\nkind = "pull"\n',
 }
 _CASES = {
@@ -228,5 +246,12 @@ _CASES = {
     "both": "name,H [kN],arm [m],M [kN m]\na,100,2,-200\n",
     "skew": "name,H [kN],arm [m],direction [deg]\na,100,50,0\na,100,10,30\n",
     "sign": "name,H [kN],M [kN m]\na,100,200\n",
+    "torsion": "name,H [kN],arm [m],torsion [kN m]\na,100,2,50\n",
+    "direction": "name,H [kN],arm [m],direction\na,100,2,45\n",
+    "negative": "name,H [kN],arm [m],factor\na,100,2,-1.35\n",
+    "twice": "name,H [kN],H [MN],arm [m]\na,100,0.1,2\n",
+    "nan": "name,H [kN],arm [m]\na,nan,2\nb,1e400,2\n",
+    "uplift": "name,V [kN]\na,-5000\n",
+    "zero": "",
     "far": "name,H [MN],arm [m]\na,500,2\n",
 }

@@ -187,4 +187,4 @@ def _refuse_foreign(path: Path) -> None:
     with path.open("rb") as stream:
         start = stream.read(len(_HDF5_SIGNATURE))
     if start != _HDF5_SIGNATURE:
-        raise refused(None, "not a NetCDF-4 file", path)
+        raise refused(None, "not a NetCDF-4 file (of a run: springs.nc or full_model.nc, or its folder)", path)

@@ -89,7 +89,7 @@ def _choose(
             return
         change = two_mesh.difference(companions.trees[n + 2], companions.trees[n]) or {}
         most = ENOUGH.get(scene.mesh.preset, ENOUGH_ELSE)
-        enough = not any(change.get(name, 0.0) > most for name in two_mesh.ESTIMATED)  # NaN: not on these paths
+        enough = not any(change.get(name, 0.0) > most for name in two_mesh.DECISIVE)  # NaN: not on these paths
         if enough or chosen or scene.mesh.harmonics is not None or n + 2 > MOST:
             return
         n += 2

@@ -21,7 +21,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.full_model.accuracy import measures
-from pysprings.full_model.accuracy.curves import LOAD, PY, curves_of, samples
+from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, STIFFNESS, curves_of, samples
 from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import BRICKS, COARSEST_FACTOR, FOURIER
 
@@ -34,12 +34,14 @@ USUAL_ORDER = 1.0
 # Roache (1994) takes 3 for an order that two meshes cannot confirm; see benchmarks/error_estimates.py for ours.
 SAFETY = {BRICKS: 3.0, FOURIER: 2.0}
 # Instead of the study's order: the coarser section has two or three elements along the skirt, where the differences of
-# p(y) fall much faster than between the meshes of the study. Two is the order of stresses in quadratic elements.
-ORDERS = {BRICKS: {}, FOURIER: {PY: 2.0}}
+# p(y) and of the initial stiffness fall much faster than between the meshes of the study. Two is the order of
+# stresses in quadratic elements.
+ORDERS = {BRICKS: {}, FOURIER: {PY: 2.0, STIFFNESS: 2.0}}
 SMALLEST_RATIO = 1.05  # of cell sizes: closer meshes give no estimate of their error
 
 # measure -> quantity whose order it takes
-ESTIMATED = {"load_max": LOAD, "py_rms": PY}
+ESTIMATED = {"load_max": LOAD, "py_rms": PY, "rotation_max": OTHER, "stiffness": STIFFNESS}
+DECISIVE = ("load_max", "py_rms")  # measures that choose the number of harmonics
 
 
 def coarser(scene: Scene) -> Scene:
@@ -77,7 +79,7 @@ def estimate(
 ) -> dict[str, Any]:
     """Return the estimate from a result and that of the coarser mesh, as run.json keeps it (percent).
 
-    ``orders`` are those of the quantities LOAD and PY; where a study has none, USUAL_ORDER. ``richer`` is the coarser
+    ``orders`` are those of a study by quantity; where it has none, USUAL_ORDER. ``richer`` is the coarser
     mesh with more harmonics.
     """
     unknowns = [int(tree.attrs["n_unknowns"]) for tree in (fine, coarse)]

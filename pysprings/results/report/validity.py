@@ -123,7 +123,12 @@ def estimate_table(run: RunRecord | None) -> Table | None:
         return None
     if not estimate["estimate_pct"]:
         return Table("Discretisation error", ("",), [(f"no estimate: {estimate['why_not']}",)])
-    words = {"load_max": "load, largest difference / largest load", "py_rms": "p(y), root mean square / largest p"}
+    words = {
+        "load_max": "load, largest difference / largest load",
+        "py_rms": "p(y), root mean square / largest p",
+        "rotation_max": "rotation, largest difference / largest rotation",
+        "stiffness": "initial stiffness",
+    }
     rows = [
         (words[name], number(estimate["difference_pct"][name], 3), number(estimate["order"][name], 3), number(value, 2))
         for name, value in estimate["estimate_pct"].items()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from pysprings.core.errors import RunIncomplete
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.forecast.run_time import seconds
-from pysprings.studies.capacity.plan import Group, Request, angles
+from pysprings.studies.capacity.plan import PROBE, Group, Request, angles
 from pysprings.studies.capacity.points import Point, point_of
 from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
 
@@ -60,6 +60,13 @@ class Ended:
         """Whether a probe did not come to failure."""
         return self.planned.angle is not None and (self.point is None or not self.point.is_capacity)
 
+    @property
+    def overloaded(self) -> bool:
+        """Whether a probe stopped under its vertical load, before the push: no direction has a capacity there."""
+        record = record_of(self.folder, self.planned.scene)
+        path = None if record is None else record.paths.get(PROBE)
+        return self.failed and path is not None and path.increments == (path.increments_of_dead_load or -1)
+
 
 def planned(groups: Iterable[Group], request: Request) -> list[Planned]:
     """Return the runs of a study in their order."""
@@ -74,11 +81,15 @@ def planned(groups: Iterable[Group], request: Request) -> list[Planned]:
 def run_all(runs: Sequence[Planned], out: Path, report: Progress) -> list[Ended]:
     """Run what has not ended below a folder. KeyboardInterrupt passes through: the same call goes on.
 
-    A probe that stops before failure is run once more with small steps, and the further one counts.
+    A probe that stops before failure is run once more with small steps, and the further one counts. Where a vertical
+    load is not carried, the other runs of its group are left out.
     """
     weights = {each.name: seconds(each.scene, size_of(each.scene).unknowns) for each in runs}
-    whole, ended = Whole(weights, report), []
+    whole = Whole(weights, report)
+    ended: list[Ended] = []
     for each in runs:
+        if any(one.overloaded for one in ended if one.planned.group is each.group):
+            continue
         missing = not has_ended(run_folder(out, each.name), each.scene)
         done = _run(each, out, whole.of(each.name), whole)
         if done.failed:

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core import version
-from pysprings.core.errors import PyspringsError
+from pysprings.core.errors import PyspringsError, RunIncomplete
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import read_tree, remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
@@ -70,6 +70,11 @@ def study(
 
     springs : a model whose envelope stands beside that of the full model, instead of one from rays. force : have every
     run made again.
+
+    Raises
+    ------
+    RunIncomplete
+        No direction has a load; nothing but the runs is written.
     """
     groups = list(plan.groups(scene, request))
     every = runs.planned(groups, request)
@@ -78,6 +83,8 @@ def study(
         if force:
             runs.forget_all(every, out)
         outcome = assess(scene, request, runs.run_all(every, out, report), springs, cases)
+        if outcome.table.empty:
+            raise RunIncomplete(f"no capacity was found: {'; '.join(outcome.remarks)}", out)
         write(out, outcome)
     return outcome
 
@@ -90,6 +97,9 @@ def assess(
     rows, remarks = [], []
     for group in dict.fromkeys(each.planned.group.name for each in ended):
         own = [each for each in ended if each.planned.group.name == group]
+        if own[0].overloaded:
+            remarks.append(f"{group}: the caisson does not carry this vertical load: {own[0].why}")
+            continue
         model, why = (springs, "") if springs is not None else _model_of(own)
         load = _load_of(own)
         remarks += [f"{group}: {why}"] if why else []

@@ -64,7 +64,7 @@ def test_springs_of_a_full_model_file() -> None:
     [
         (["no.nc"], "no.nc: no such file"),
         (["empty"], "empty: no springs.nc in this folder; is it a result of `pysprings run`?"),
-        (["caisson.toml"], "caisson.toml: not a NetCDF-4 file"),
+        (["caisson.toml"], "caisson.toml: not a NetCDF-4 file (of a run: springs.nc or full_model.nc, or its folder)"),
         (["results", "--format", "xlsx"], "--out: the format xlsx needs a file"),
         (["results", "--format", "nc"], "--out: the format nc needs a file"),
         (

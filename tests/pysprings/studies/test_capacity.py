@@ -156,6 +156,17 @@ def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
     assert len(list((tmp_path / "out/runs").glob("*/run.json"))) == 4
 
 
+@pytest.mark.slow
+def test_a_vertical_load_that_is_not_carried_is_named_once(tmp_path: Path) -> None:
+    """Far beyond what pulls the caisson out: no direction has a capacity, and the other runs are left out."""
+    file = tiny.write(SCENE, tmp_path / "tiny.toml")
+    done = command("capacity", file, "--V", "-500 MN", "--out", tmp_path / "out")
+    assert done.code == 3
+    assert "does not carry this vertical load: path 'probe' stopped on its way to" in done.err
+    assert len(list((tmp_path / "out/runs").iterdir())) == 2  # the first probe, and again with small steps
+    assert not (tmp_path / "out/capacity.csv").exists()
+
+
 def test_runs_have_names_and_springs() -> None:
     request = plan.Request((1e6,), directions=2)
     every = runs.planned(plan.groups(SCENE, request), request)
