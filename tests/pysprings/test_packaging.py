@@ -17,7 +17,7 @@ from pysprings.springs.file import save_springs
 from tests.support.fans import fan_springs
 from tests.support.place import ROOT
 
-LEFT_OUT = {"numba", "matplotlib"}  # of the light installation
+LEFT_OUT = {"numba", "matplotlib", "distributed"}  # of the light installation
 BLOCKED = (*LEFT_OUT, "llvmlite", "PIL", "fontTools", "contourpy", "kiwisolver")
 
 # --- the light installation ---
@@ -30,7 +30,7 @@ def name_of(requirement: str) -> str:
     return found[0].lower()
 
 
-def test_light_requirements_are_the_dependencies_but_numba_and_matplotlib() -> None:
+def test_light_requirements_are_the_dependencies_of_predictions() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     lines = (ROOT / "requirements-predict.txt").read_text(encoding="utf-8").splitlines()
     listed = [line for line in lines if line and not line.startswith("#")]

@@ -19,7 +19,7 @@ from fe_engine.soil.law import SoilLaw
 from fe_engine.soil.laws import SOIL_LAWS
 
 add_elastic_stress, elastic_tangent = elastic.add_elastic_stress, elastic.elastic_tangent
-HISTORY = ("e_xx", "e_yy", "e_zz", "g_xy", "g_yz", "g_zx", "length", "updates")
+HISTORY = ("e_xx", "e_yy", "e_zz", "g_xy", "g_yz", "g_zx", "length", "updates", *(f"unused_{k}" for k in range(60)))
 
 
 @njit
@@ -30,6 +30,8 @@ def recorded(p, strain, old, new, tangent, with_tangent):
         new.stress[i] = old.stress[i]
         new.history[i] = old.history[i] + strain[i]
         square += strain[i] ** 2
+    for i in range(8, old.history.size):
+        new.history[i] = old.history[i]
     new.history[6] = old.history[6] + square**0.5
     new.history[7] = old.history[7] + 1.0
     add_elastic_stress(p[0], p[1], strain, new.stress)

@@ -138,4 +138,5 @@ PICTURE = Picture(
     caption="Load by component, vertical forces, rotation and heave",
     draw=lambda view: load_displacement(view.path),
     applies=lambda view: not view.is_vertical,
+    section="",
 )

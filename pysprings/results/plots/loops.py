@@ -95,4 +95,5 @@ PICTURE = Picture(
         {MEMORY: view.predictions[MEMORY]},
     ),
     applies=lambda view: turns_back(view.path.attrs) and "u" in view.path and MEMORY in view.predictions,
+    section="",
 )

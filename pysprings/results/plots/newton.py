@@ -126,4 +126,5 @@ PICTURE = Picture(
     caption="Newton iterations",
     draw=_draw,
     applies=lambda view: view.convergence is not None,
+    section="",
 )

@@ -102,7 +102,8 @@ class Picture:
     tall
         The picture needs the height of a printed page.
     section
-        Part of the report that shows it: of a path the one that stands for all, of a state the last.
+        Part of the report that shows it: of a path the one that stands for all, of a state the last; by default its
+        appendix of numerics.
     """
 
     name: str
@@ -111,4 +112,4 @@ class Picture:
     scope: Scope = "path"
     applies: Callable[[View], bool] = _always
     tall: bool = False
-    section: Part = ""
+    section: Part = "numerics"

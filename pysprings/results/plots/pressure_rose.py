@@ -75,4 +75,5 @@ PICTURE = Picture(
     draw=lambda view: pressure_rose(view.path, view.step),
     scope="state",
     applies=lambda view: "pressure_min" in view.path and "pore_pressure" in view.path,
+    section="",
 )

@@ -282,4 +282,5 @@ PRESSURE = Picture(
     draw=lambda view: section_pressure(view.plane, view.path, view.step),
     scope="state",
     applies=lambda view: view.section is not None and "section_pore_pressure" in view.path,
+    section="",
 )

@@ -58,4 +58,5 @@ PICTURE = Picture(
     draw=lambda view: ovalisation(view.path, view.step),
     scope="state",
     applies=lambda view: "diameter_change_x" in view.path,
+    section="",
 )

@@ -82,4 +82,5 @@ PICTURE = Picture(
     caption="Vertical springs",
     draw=lambda view: vertical_springs(view.path),
     applies=lambda view: view.is_vertical,
+    section="",
 )

@@ -201,6 +201,7 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("mesh", "discretisation"): "fourier",
     ("springs", "vertical_loads"): (1e6,),
     ("springs", "rates"): (1e-4,),
+    ("springs", "rays"): (0.0, -0.5),
     ("mesh", "harmonics"): 2,
     ("mesh", "refinement"): 0.6,
     ("solver", "linear"): "superlu",

@@ -214,9 +214,12 @@ def test_a_fan_with_memory_has_two_rays_that_turn_back(rate: float | None) -> No
     rates = {} if rate is None else {"rates": (rate,)}
     scene = Scene(springs={"reach": 20e-3, "memory": True, **rates})
     shift, turned = (path for path in scene.load_paths if path.role == "memory")
-    assert [s.target.tolist() for s in path_stages(scene, shift, 0.0)] == [[8e-3, 0.0], [-8e-3, 0.0], [8e-3, 0.0]]
+    sizes = 20e-3 * np.array([0.12, -0.12, 0.4, -0.4, 0.4])  # forth, back to the other side, and farther
+    targets = [s.target.tolist() for s in path_stages(scene, shift, 0.0)]
+    np.testing.assert_allclose(targets, [[u, 0.0] for u in sizes], rtol=1e-12)
     ends = [s.target for s in path_stages(scene, turned, 0.0)]
-    np.testing.assert_allclose([np.hypot(u, turn * L) for u, turn in ends], 8e-3)
+    np.testing.assert_allclose([np.hypot(u, turn * L) for u, turn in ends], np.abs(sizes))
     np.testing.assert_allclose([np.degrees(np.arctan(turn * L / u)) for u, turn in ends], -50.0)
     times = [s.duration for s in path_stages(scene, turned, 0.0)]
-    assert times == ([0.0] * 3 if rate is None else pytest.approx([80.0, 160.0, 160.0]))
+    steps = np.abs(np.diff(sizes, prepend=0.0)) / 1e-4
+    assert times == ([0.0] * 5 if rate is None else pytest.approx(steps))

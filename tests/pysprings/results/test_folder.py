@@ -213,7 +213,7 @@ def test_force_leaves_nothing_of_an_earlier_run(tmp_path: Path, blank_pictures: 
     left = contents(out)
     assert set(left) == {*run_files(), *mine, "figures/pull_py.png", "figures/pull_py.svg"}
     assert all((left[name] == b"old") == (name in mine) for name in left)
-    assert read_report(out).pictures == ["Axes and signs of the caisson", "p-y curves by depth"]
+    assert read_report(out).pictures == ["p-y curves by depth, path pull", "Axes and signs of the caisson"]
 
 
 def test_a_run_without_springs_leaves_no_springs_of_the_run_before(tmp_path: Path) -> None:

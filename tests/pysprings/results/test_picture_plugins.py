@@ -62,7 +62,12 @@ def test_a_run_draws_lists_and_reports_them(toys: None, tmp_path: Path) -> None:
     assert json.loads((folder / "run.json").read_text())["files"] == [f"figures/{name}" for name in files]
     assert sorted(path.name for path in pictures_in(folder)) == files
     page = (folder / "report.html").read_text()
-    for caption in ("A toy of the path", "A toy of a state, at the last converged step", "A toy of the run"):
+    captions = (
+        "A toy of the path, path pull",
+        "A toy of a state, at the last converged step, path pull",
+        "A toy of the run",
+    )
+    for caption in captions:
         assert f"<figcaption>{caption}</figcaption>" in page
     assert "A toy of the water" not in page
 

@@ -246,7 +246,7 @@ def test_every_column_of_a_sheet(book: Any, name: str) -> None:
     for column in book[name].iter_cols(min_col=3, values_only=True):
         if isinstance(column[0], float | int) and name in ("p-y", "m-theta", "t-z"):
             top, bottom = rc.slice_of(float(column[0]))
-            assert column[1] == f"{top:.3f} - {bottom:.3f}"
+            assert column[1] == f"{top:.3f} - {bottom:.3f}" + (" edge ring" if bottom == LENGTH else "")
 
 
 def py_alone(path: str, step: int) -> tuple[float, float]:
