@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 PEAK = 1e-3  # share by which the largest load is above the last one
+# What fails is seen over this share of the conjugate displacement at least. The last steps of a probe that localisation
+# stops are smaller by orders of magnitude, and their load is flat or falls without a failure.
+SEEN = 0.01
 PLATEAU = 0.02  # growth of the load over that of the conjugate displacement, both relative, below which it is a plateau
 
 
@@ -43,7 +46,8 @@ class Point:
     H, V, M, u, w, rotation : at the largest load.
     rest_load : V [N] at the start; the vertical load of a probe is met to the tolerance of the solver.
     criterion : what makes it the capacity; where it is `Criterion.NONE`, the capacity is larger.
-    growth : relative growth of the load over that of the conjugate displacement at the end; 1 in a linear response.
+    growth : relative growth of the load over that of the conjugate displacement over the last steps, `SEEN` of
+        it at least; 1 in a linear response.
     moved : share of the limit of motion at the largest load.
     why : reason of a probe that stopped.
     """
@@ -100,9 +104,10 @@ def assess(states: Array, scene: Scene, angle: float, why: str = "") -> Point:
         moved = np.append(moved[:last], 1.0)
     load = states[:, 3] * np.cos(angle) + states[:, 5] / diameter * np.sin(angle)
     path = states[:, [0, 2]] @ along
-    growth = float(np.diff(load)[-1] / np.diff(path)[-1] * path[-1] / load[-1])
+    before = int(np.flatnonzero(path <= (1.0 - SEEN) * path[-1])[-1])
+    growth = float((load[-1] - load[before]) / (path[-1] - path[before]) * path[-1] / load[-1])
     best = int(np.argmax(load))
-    if load[best] > (1.0 + PEAK) * load[-1]:
+    if load[best] > (1.0 + PEAK) * load[-1] and path[best] <= (1.0 - SEEN) * path[-1]:
         criterion = Criterion.PEAK
     elif growth < PLATEAU:
         criterion = Criterion.PLATEAU

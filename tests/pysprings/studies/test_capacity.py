@@ -156,6 +156,16 @@ def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
     assert len(list((tmp_path / "out/runs").glob("*/run.json"))) == 4
 
 
+@pytest.mark.parametrize("step", [1e-6, -1e-6, -2e-3])
+def test_a_flat_end_of_tiny_steps_is_no_failure(step: float) -> None:
+    """A probe that localisation stops at an eighth of its way: the last steps, 0.01 % of it, are flat or fall."""
+    u = np.append(np.linspace(0.0, 0.012 * D, 9), 0.0120012 * D)
+    load = np.append(1e6 * np.sqrt(u[:-1]), 1e6 * np.sqrt(u[-2]) * (1.0 + step))
+    stopped = assess(curve(load, u), SCENE, 0.0, "localisation")
+    assert (stopped.criterion, stopped.why) == (Criterion.NONE, "localisation")
+    assert stopped.growth == pytest.approx(0.5, abs=0.05)
+
+
 @pytest.mark.slow
 def test_a_vertical_load_that_is_not_carried_is_named_once(tmp_path: Path) -> None:
     """Far beyond what pulls the caisson out: no direction has a capacity, and the other runs are left out."""
