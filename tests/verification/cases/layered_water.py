@@ -112,7 +112,7 @@ def push(name: str, mode: str, rate: float = 1e-4) -> xr.Dataset:
         {"rate": rate} if mode == "coupled" else {}
     )
     scene = sand_over_clay(
-        MESHES[name], mode, soil={"layers": [sand, clay]}, paths=[path], mesh={"refinement": 0.5},
+        MESHES[name], mode, soil={"layers": [sand, clay]}, paths=[path],
         interface={"adhesion_factor": 0.65, "opening": sides},
     )  # fmt: skip
     return compute(scene).recorded()["paths/pull"].to_dataset()
@@ -148,7 +148,7 @@ def stiffness_row(name: str) -> Row:
 
 
 def _push_rows(name: str) -> list[Row]:
-    case, source = f"2 m of sand over clay, pull, half of coarse, {name}", "each term on its own"
+    case, source = f"2 m of sand over clay, pull, coarse, {name}", "each term on its own"
     ends = {mode: float(push(name, mode)["H"][-1]) for mode in ("drained", "undrained")}
     slow, fast, paced = (push(name, "coupled", rate) for rate in (1e-8, 10.0, 1e-4))
     moved = float((np.abs(paced["water_imbalance"][1:]) / paced["water_moved"][1:]).max())
