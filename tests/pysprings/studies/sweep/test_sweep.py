@@ -282,5 +282,7 @@ def test_a_study_runs_on_a_scheduler_that_is_there_and_ends_when_it_goes(tmp_pat
     finally:
         for process in processes:
             process.kill()
-    gone = subprocess.run([*command, "--out", "other"], cwd=tmp_path, capture_output=True, text=True, check=False)
+            process.wait()
+    elsewhere = ["other" if word == "out" else word for word in command]
+    gone = subprocess.run(elsewhere, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert gone.returncode == 4 and "no scheduler answers" in gone.stderr
