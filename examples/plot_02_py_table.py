@@ -39,7 +39,7 @@ print(table.groupby("depth_m").last())
 
 # %%
 # The same motion answered by p-y springs alone, and by all springs of the path. p-y springs lack the shear on
-# the skirt, the tip and the lid; a warning says so, which is silenced here.
+# the skirt, the tip and the lid; the warning about this is silenced here.
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     alone = pysprings.impose(springs, u=4.5e-3, arm=7.8, springs_kind="py")
