@@ -35,7 +35,7 @@ EXAMPLES = {
     "exporter (Excel)": Example(r"(springs\.)?xlsx", r"xlsx", rf"{_USES}|tables|profile_table"),  # readers of Excel
     "picture (gap)": Example(r"gap|gap_map", r"/gap", rf"^(?!.*({_SHOWN}))"),
     "kind of path (swipe, translation)": Example(
-        r"swipe|translation", _NONE, "curve_table|macro_tables|pisa|directions"
+        r"swipe|translation", _NONE, rf"{_USES}|curve_table|macro_tables|directions"
     ),
 }
 # a comparison of a kind of path with a name is a branch that a new kind may have to join

@@ -28,16 +28,15 @@ import numpy as np
 
 from fe_engine.compiled import njit
 from fe_engine.conventions import OK, REGIME_ELASTIC, REGIME_STIFFNESS
-from fe_engine.register import Register
-from fe_engine.soil import plasol, van_eekelen
+from fe_engine.soil import plasol
 from fe_engine.soil.elastic import add_elastic_stress
+from fe_engine.soil.frictional import SURFACES
 from fe_engine.soil.law import Point, SoilLaw
 
 FLOOR, CEILING = 0.01, 100.0  # of the initial mean stress
 STEP = 1.0e-5
 _SMALL = 1.0e-6  # relative change of the mean stress below which its Taylor series is exact to rounding
 
-SURFACES: Register[SoilLaw] = Register("frictional surface", plasol.LAW, van_eekelen.LAW)
 _WIDTH = max(len(law.parameters) for law in SURFACES)
 PARAMETERS = (
     "bulk", "shear", *(f"surface_{i}" for i in range(2, _WIDTH)),

@@ -10,18 +10,16 @@ from fe_engine.soil import (
     following,
     iwan_clay,
     iwan_sand,
-    plasol,
     tresca,
-    van_eekelen,
     von_mises,
 )
+from fe_engine.soil.frictional import SURFACES
 from fe_engine.soil.law import SoilLaw
 
 SOIL_LAWS: Register[SoilLaw] = Register(
     "soil law",
     elastic.LAW,
-    plasol.LAW,
-    van_eekelen.LAW,
+    *SURFACES,
     von_mises.LAW,
     tresca.LAW,
     following.LAW,

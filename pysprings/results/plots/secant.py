@@ -32,7 +32,7 @@ def secant_stiffness(tree: xr.DataTree) -> Figure:
     diameter = float(tree.attrs.get("outer_diameter_m", np.nan))
     known = diameter if np.isfinite(diameter) else 1.0
     draw_secant(left, tree, "H", "u", known)
-    left.set(xlabel="u / D" if np.isfinite(diameter) else "u [m]", ylabel="H / u [MN/m]", title="Translation")
+    left.set(xlabel="u / D" if np.isfinite(diameter) else "u [m]", ylabel="H / u [MN/m]", title="Horizontal motion")
     draw_secant(right, tree, "M", "rotation", 1.0)
     right.set(xlabel="rotation [rad]", ylabel="M / rotation [MN m/rad]", title="Rotation")
     set_title(figure, "Secant stiffness against motion (dashed: held back)", settings(tree))

@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from pysprings.core.errors import UserInputError
+from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.full_model.run_record import MeshFigures
 from pysprings.model.forecast.omission_text import saved_text
@@ -99,7 +100,8 @@ def used_tables(scene_toml: str, numerical: bool) -> list[Table]:
     given = {table.title: {row[0]: row[1] for row in table.rows} for table in input_tables(scene_toml)}
     drained = given.get("drainage", {}).get("mode") == "drained"
     rigid = given.get("caisson", {}).get("behaviour") == "rigid"
-    forces = any(rows.get("kind") in ("load", "probe") for rows in given.values())
+    kinds = [PATH_KINDS.get(rows.get("kind", "")) for rows in given.values()]
+    forces = any(kind.limited for kind in kinds if kind)
     tables = []
     for table in input_tables(scene_toml):
         if (table.title in _NUMERICAL) != numerical or table.title == "scene":

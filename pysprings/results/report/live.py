@@ -102,7 +102,7 @@ def _path(name: str, path: xr.Dataset) -> dict[str, Any]:
 
 def _stress(path: xr.Dataset) -> Mapping[str, Any]:
     """Return p'_N [kPa] by side, step, depth and azimuth [deg], at some depths; empty where it was not kept."""
-    if "normal_effective_stress" not in path or path.attrs.get("kind") == "vertical":
+    if "normal_effective_stress" not in path or driven(path.attrs) == "w":
         return {}
     n = path.sizes["depth"]
     rings = np.unique(np.linspace(0, n - 1, min(n, MOST_DEPTHS)).astype(int))

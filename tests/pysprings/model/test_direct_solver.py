@@ -29,10 +29,10 @@ def test_a_series_uses_neither() -> None:
     assert not uses_superlu(tiny.paper(solver={"linear": "superlu"}, mesh={"discretisation": "fourier"}))
 
 
-def test_check_prints_what_the_extra_would_save() -> None:
-    tiny.write(tiny.paper(**BRICKS), Path("bricks.toml"))
-    about = json.loads(command("check", "bricks.toml", "--json").out)
+def test_check_prints_what_the_extra_would_save(tmp_path: Path) -> None:
+    scene = tiny.write(tiny.paper(**BRICKS), tmp_path / "bricks.toml")
+    about = json.loads(command("check", scene, "--json").out)
     assert 0.0 < about["time_with_pardiso_s"] < about["time_s"]
     assert 0.0 < about["memory_with_pardiso_GB"] < about["memory_GB"]
-    assert "time with Pardiso (extra mkl)" in command("check", "bricks.toml").out
-    assert "Pardiso" not in command("check", "bricks.toml", "--discretisation", "fourier").out
+    assert "time with Pardiso (extra mkl)" in command("check", scene).out
+    assert "Pardiso" not in command("check", scene, "--discretisation", "fourier").out
