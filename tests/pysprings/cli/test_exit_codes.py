@@ -114,6 +114,7 @@ def without(closed: str, *args: object, cwd: Path) -> subprocess.CompletedProces
     return subprocess.run(line, capture_output=True, text=True, cwd=cwd, env=env, timeout=120)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
 def test_a_closed_stream_is_no_bug(tmp_path: Path, closed: str) -> None:
     done = without(closed, "init", "a.toml", cwd=tmp_path)

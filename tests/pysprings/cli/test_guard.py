@@ -92,6 +92,7 @@ def test_warnings_are_one_line_each(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr() == ("", "warning: 30,000 unknowns with SuperLU\n")
 
 
+@pytest.mark.slow
 def test_reader_that_stops_early_is_no_error(tmp_path: Path) -> None:
     springs_file = save_springs(synthetic.make_springs(), tmp_path / "springs.nc")
     command = f"'{sys.executable}' -m pysprings springs '{springs_file}' | head -n 1; echo ${{PIPESTATUS[0]}}"

@@ -79,6 +79,7 @@ def path_of(mode: str) -> xr.Dataset:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["drained", "coupled"])
 @pytest.mark.parametrize(
     ("force", "length", "time"),
@@ -159,6 +160,7 @@ def test_a_turned_model_gives_the_turned_answer(mode: str, turn: np.ndarray) -> 
     assert mine[-1].increment.record[-1]["n_plastic"] > 0
 
 
+@pytest.mark.slow
 def test_half_the_step_is_half_the_error() -> None:
     """Backward Euler: the load at 4 mm with 5, 10, 20 and 40 equal steps; the rate is printed."""
     loads = []

@@ -33,6 +33,7 @@ def effect_of(length: float, beside: float, below: float, poisson: float, side: 
     return domain_effect(Scene(caisson=caisson, domain=domain, soil={"poisson_ratio": poisson}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "beside", "below", "poisson", "side"), DOMAINS)
 def test_the_bounds_are_above_what_the_engine_finds_and_not_far(
     length: float, beside: float, below: float, poisson: float, side: str

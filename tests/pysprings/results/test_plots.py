@@ -641,6 +641,7 @@ def test_the_users_settings_do_not_leak_in(pull: xr.Dataset) -> None:
     assert figure.axes[0].xaxis.label.get_fontsize() == 10.0
 
 
+@pytest.mark.slow
 def test_no_pyplot(tmp_path: Path) -> None:
     code = "import sys, pysprings.results.plots; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -56,6 +56,7 @@ def moved(one: Raw) -> np.ndarray:
     return np.array([frames[k].T @ u if k in frames else u for k, u in rows])
 
 
+@pytest.mark.slow
 def test_faces_of_the_caisson(path: xr.Dataset, name: str) -> None:
     for step in range(STEPS):
         now, here = raw(name, step), path.isel(step=step)
