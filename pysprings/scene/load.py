@@ -148,7 +148,7 @@ def _read_profile(data: dict[str, Any], places: dict[KeyPath, Place], file: str 
         wrong = "give soil.profile or [[soil.layer]], not both" if "layer" in soil else "expected the name of a table"
         raise UserInputError([Problem(file, *at, "soil.profile", wrong)])
     folder = FilePath(file).parent if file else FilePath()
-    soil["layer"] = read_layers(folder / name)
+    soil["layer"] = read_layers(folder / name, soil.get("yield_surface"))
     return True
 
 

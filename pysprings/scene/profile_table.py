@@ -6,28 +6,35 @@ groundhog's soil profiles: `Depth from [m]`, `Depth to [m]`, `Soil type`, parame
 for the depths, too; `law` chooses the law of a layer. A NAME is a key of [soil], with spaces or underscores, or one of
 `NAMES`. A cell "[5, 25]" holds the values at top and bottom.
 
-openpile's layers have `top` and `bottom` as elevations, `weight` (total) and `Su` without units: m, kN/m3 and kPa.
+openpile's layers have `top` and `bottom` as elevations, `weight` (total), `Su`, `G0`, `phi` and `eps50` without units:
+m, kN/m3, kPa, degrees.
+
+A row with su, without law and friction angle, is Tresca clay, unless [soil] names a law of clay. A total unit weight
+beside an effective one is not used.
 """
 
 from __future__ import annotations
 
 import csv
 import itertools
-import math
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.units import quoted
-from pysprings.scene.fields import FROM_TOML, suggestion
+from pysprings.core.units import QuantityError, quoted, read, show, si_of
+from pysprings.scene.by_depth import Profile
+from pysprings.scene.fields import FROM_TOML, Number, Quantity, suggestion
 from pysprings.scene.sections import BY_LAYER, Layer
+from pysprings.scene.soil_laws import SOIL_LAWS
 
 TOTAL = "total unit weight"  # less that of water it is the effective one
 WATER = 9.81  # kN/m3
+EPS50 = "eps50"  # axial strain at half of su in a triaxial test: two thirds of the engineering shear strain
 # other names of the keys, in lower case
 NAMES = {
     "depth from": "top", "depth to": "bottom", "top": "top", "bottom": "bottom",
@@ -38,20 +45,35 @@ NAMES = {
     "friction angle": "friction_angle_final", "psi": "dilation_angle", "c": "cohesion",
     "submerged unit weight": "effective_unit_weight", "weight": TOTAL, "total unit weight": TOTAL,
     "gamma'": "effective_unit_weight", "k0": "K0", "permeability": "hydraulic_conductivity",
-    "su": "undrained_shear_strength",
+    "su": "undrained_shear_strength", "g0": "shear_modulus", "g": "shear_modulus", "eps50": EPS50,
 }  # fmt: skip
 _HEADING = re.compile(r"(?P<name>[^\[\]]+?)(?:\s+(?P<end>from|to))?\s*(?:\[(?P<unit>[^\[\]]*)\])?")
 _PLAIN = ("name", "law")
-_UNITS = {"top": "m", "bottom": "m", "weight": "kN/m^3", "su": "kPa"}  # of openpile's columns, where a heading has none
+# of openpile's columns, where no heading has a unit
+_UNITS = {"top": "m", "bottom": "m", "weight": "kN/m^3", "su": "kPa", "g0": "kPa", "phi": "deg"}
 _NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 _PURE = ("", "-", "1")
+_ENDS = {"from": "top", "to": "bottom"}
+_PERCENT = "%"
+_IN_PERCENT = ("plasticity_index",)
+_DEPTHS = ("top", "bottom")
 MOST_ROWS = 100
 MOST_BYTES = 1_000_000
 _SAME = 1.0e-6  # m: depths closer than that are the same
 
 
-def read_layers(file: Path) -> list[dict[str, Any]]:
-    """Return the layers of a table as the scene file would hold them.
+@dataclass(frozen=True)
+class Column:
+    """A column: its heading, the key that it gives ("": none), "from", "to" or "", and its unit."""
+
+    head: str
+    key: str
+    end: str
+    unit: str
+
+
+def read_layers(file: Path, law: object = None) -> list[dict[str, Any]]:
+    """Return the layers of a table as the scene file would hold them; ``law`` is that of [soil], if it names one.
 
     Raises
     ------
@@ -66,6 +88,8 @@ def read_layers(file: Path) -> list[dict[str, Any]]:
     for line, row in enumerate(_depths(columns, rows[1:]), 2):
         layer, faults = _layer(columns, row, str(file), line)
         wrong += faults
+        if _is_clay(layer, law):
+            layer["law"] = "tresca"
         layers.append(layer)
         ends.append((line, layer.pop("bottom", None)))
     wrong += _joints(layers, ends, str(file))
@@ -113,31 +137,82 @@ def _workbook(file: Path) -> list[list[str]]:
     return [["" if cell is None else str(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
 
 
-def _columns(heads: Sequence[str], file: str) -> tuple[list[tuple[str, str, str]], list[Problem]]:
-    """Return (key, "from", "to" or "", unit) of each column, and what is wrong with the headings."""
+def _columns(heads: Sequence[str], file: str) -> tuple[list[Column], list[Problem]]:
+    """Return the columns, and what is wrong with the headings."""
+    plain = "weight" in [head.lower() for head in heads] and not any("[" in head for head in heads)
     columns, wrong = [], []
-    units = _UNITS if "weight" in [head.lower() for head in heads] and not any("[" in head for head in heads) else {}
     for head in heads:
-        match = _HEADING.fullmatch(head)
-        name = " ".join(match["name"].split()).lower().replace("_", " ") if match else ""
-        whole = f"{name} {match['end']}" if match and match["end"] else name
-        end = "" if match is None or whole in NAMES else match["end"] or ""
-        key = (
-            NAMES.get(whole) or NAMES.get(name) or {each.lower().replace("_", " "): each for each in BY_LAYER}.get(name)
-        )
-        if match is None or key not in {*BY_LAYER, "top", "bottom", TOTAL, *_PLAIN}:
+        column = _column(head, _UNITS if plain else {})
+        if not column.key:
             known = [*NAMES, *(each.replace("_", " ") for each in BY_LAYER)]
-            wrong.append(Problem(file, 1, key=head, message=f"unknown column{suggestion(name, known)}"))
-            key = ""
-        columns.append((key or "", end, (match["unit"] or units.get(name, "")).strip() if match else ""))
-    if "top" not in [key for key, _, _ in columns]:
+            near = suggestion(head.partition("[")[0].strip().lower(), known)
+            wrong.append(Problem(file, 1, key=head, message=f"unknown column{near}"))
+        elif fault := _unit_fault(column):
+            wrong.append(Problem(file, 1, key=head, message=fault))
+            column = replace(column, key=column.key if column.key in _DEPTHS else "", unit="m")
+        columns.append(column)
+    if "top" not in [column.key for column in columns]:
         wrong.append(Problem(file, 1, message='no column "Depth from [m]" (or "top [m]")'))
-    return columns, wrong
+    if "effective_unit_weight" in [column.key for column in columns]:
+        columns = [replace(column, key="") if column.key == TOTAL else column for column in columns]
+    return columns, [*wrong, *_repeated(columns, file)]
 
 
-def _depths(columns: Sequence[tuple[str, str, str]], rows: Sequence[Sequence[str]]) -> list[list[str]]:
+def _column(head: str, units: dict[str, str]) -> Column:
+    """Return the column of a heading; ``units`` are those of names without one."""
+    match = _HEADING.fullmatch(head)
+    if match is None:
+        return Column(head, "", "", "")
+    name = " ".join(match["name"].split()).lower().replace("_", " ")
+    whole = f"{name} {match['end']}" if match["end"] else name
+    own = {each.lower().replace("_", " "): each for each in BY_LAYER}
+    key = NAMES.get(whole) or NAMES.get(name) or own.get(name) or ""
+    end = "" if whole in NAMES else match["end"] or ""
+    return Column(head, key, end, (match["unit"] or units.get(name, "")).strip())
+
+
+def _unit_fault(column: Column) -> str:
+    """Return what is wrong with the unit of a heading, or nothing."""
+    if column.key in _PLAIN:
+        return ""
+    if column.key in _DEPTHS:
+        field: Any = Quantity("m", "", "", "2 m")
+    elif column.key == EPS50:
+        field = Number("", "", 0.01)
+    else:
+        key = "effective_unit_weight" if column.key == TOTAL else column.key
+        field = next(each for each in Layer.model_fields[key].metadata if isinstance(each, Quantity | Number | Profile))
+    quantity = field.quantity if isinstance(field, Profile) else field
+    if isinstance(quantity, Number):
+        return "" if column.unit in (*_PURE, _PERCENT) else f"[{column.unit}]: a pure number has no unit"
+    if column.unit in _PURE:
+        return f"expected a unit in the heading such as [{quantity.unit}]"
+    try:
+        read(f"1 {column.unit}", si_of(quantity.unit), quantity.example)
+    except QuantityError as error:
+        return str(error).replace(quoted(f"1 {column.unit}"), f"[{column.unit}]", 1)
+    return ""
+
+
+def _repeated(columns: Sequence[Column], file: str) -> Iterator[Problem]:
+    """Give the columns whose value an earlier one has given."""
+    ends: dict[str, list[str]] = {}
+    for column in columns:
+        known = ends.setdefault(column.key, [])
+        if column.key and known and not (column.end and column.end not in known and "" not in known):
+            yield Problem(file, 1, key=column.head, message=f"another column gives {column.key}, too")
+        known.append(column.end)
+
+
+def _is_clay(layer: dict[str, Any], law: object) -> bool:
+    """Return whether a row without a law is Tresca clay: it has su, no friction angle, and [soil] no law of clay."""
+    named = isinstance(law, str) and law in SOIL_LAWS and SOIL_LAWS[law].total_stress
+    return "undrained_shear_strength" in layer and not {"law", "friction_angle_final"} & set(layer) and not named
+
+
+def _depths(columns: Sequence[Column], rows: Sequence[Sequence[str]]) -> list[list[str]]:
     """Return the rows with elevations, which fall from row to row, turned into depths below the first top."""
-    at = [n for n, (key, _, _) in enumerate(columns) if key in ("top", "bottom")]
+    at = [n for n, column in enumerate(columns) if column.key in _DEPTHS]
     filled = [list(row) for row in rows]
     try:
         levels = [[float(row[n]) for n in at if n < len(row) and row[n]] for row in rows]
@@ -153,43 +228,48 @@ def _depths(columns: Sequence[tuple[str, str, str]], rows: Sequence[Sequence[str
     return filled
 
 
-def _layer(
-    columns: Sequence[tuple[str, str, str]], row: Sequence[str], file: str, line: int
-) -> tuple[dict[str, Any], list[Problem]]:
+def _layer(columns: Sequence[Column], row: Sequence[str], file: str, line: int) -> tuple[dict[str, Any], list[Problem]]:
     """Return a layer, `bottom` included, and what is wrong with its row."""
     layer: dict[str, Any] = {}
     wrong = []
-    for (key, end, unit), cell in zip(columns, row, strict=False):
-        if not key or not cell:
+    for column, cell in zip(columns, row, strict=False):
+        if not column.key or not cell:
             continue
         try:
-            value = cell if key in _PLAIN else _value(cell, unit)
+            value = cell if column.key in _PLAIN else _value(column, cell)
         except ValueError:
-            wrong.append(Problem(file, line, key=key, message=f"expected a number, got {quoted(cell)}"))
+            wrong.append(Problem(file, line, key=column.key, message=f"expected a number, got {quoted(cell)}"))
             continue
-        if key == TOTAL:
-            key, value = "effective_unit_weight", _submerged(cell, unit)
-        if end:
-            layer.setdefault(key, {})["top" if end == "from" else "bottom"] = value
+        key = {TOTAL: "effective_unit_weight", EPS50: "strain_at_half_strength"}.get(column.key, column.key)
+        if column.end:
+            ends = layer.get(key)
+            layer[key] = (ends if isinstance(ends, dict) else {}) | {_ENDS[column.end]: value}
         else:
             layer[key] = value
     return layer, [*wrong, *_refused(layer, file, line)]
 
 
-def _value(cell: str, unit: str, less: float = 0.0) -> Any:
-    """Return a number with its unit, or the table of a pair "[top, bottom]"; ``less`` is taken off, in the unit."""
+def _value(column: Column, cell: str) -> Any:
+    """Return a number with its unit, or the table of a pair "[top, bottom]"."""
     if cell[:1] in "[(":
         ends = _NUMBER.findall(cell)
         if len(ends) != 2:
             raise ValueError(cell)
-        return {name: _value(end, unit, less) for name, end in zip(("top", "bottom"), ends, strict=True)}
-    number = float(cell) - less
-    return number if unit in _PURE else f"{number!r} {unit}"
+        return {name: _value(column, end) for name, end in zip(("top", "bottom"), ends, strict=True)}
+    number = float(cell)
+    if column.key == TOTAL:
+        return _submerged(number, column.unit)
+    if column.unit == _PERCENT and column.key not in _IN_PERCENT:
+        number /= 100.0
+    if column.key == EPS50:
+        number *= 1.5
+    return number if column.unit in (*_PURE, _PERCENT) else f"{number!r} {column.unit}"
 
 
-def _submerged(cell: str, unit: str) -> Any:
-    """Return the effective unit weight from a total one; in another unit than kN/m3 it is refused as it stands."""
-    return _value(cell, unit, WATER if unit.replace("^", "").replace("³", "3") == "kN/m3" else math.inf)
+def _submerged(number: float, unit: str) -> str:
+    """Return the effective unit weight of a total one."""
+    total = read(f"{number!r} {unit}", "N/m^3")
+    return show(round(total - 1e3 * WATER, 6), "kN/m^3")
 
 
 def _refused(layer: dict[str, Any], file: str, line: int) -> Iterator[Problem]:
@@ -209,8 +289,6 @@ def _refused(layer: dict[str, Any], file: str, line: int) -> Iterator[Problem]:
 
 def _joints(layers: Sequence[dict[str, Any]], ends: Sequence[tuple[int, Any]], file: str) -> Iterator[Problem]:
     """Check that each layer begins where the one above it ends."""
-    from pysprings.core.units import read, show
-
     for (line, bottom), below in zip(ends, layers[1:], strict=False):
         try:
             end, top = (read(str(each), "m") for each in (bottom, below.get("top")))

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Print the verification table: ``python -m tests.verification.table [--quick] [--markdown] [--out FILE]``.
 
-Rows go to stdout as each case ends, progress to stderr; ``--out`` also writes them to a CSV file, from which
-`make evidence` makes the page of the documentation. Exit 1 when a row is out of tolerance or a case fails.
+``--only NAME`` computes a case alone. Rows go to stdout as each case ends, progress to stderr; ``--out`` also
+writes them to a CSV file, from which `make evidence` makes the page of the documentation; with ``--only`` they replace
+those of the same case in the file and follow those of other cases. Exit 1 when a row is out of tolerance or a case
+fails.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 
 from tests.verification.cases import (
@@ -91,8 +94,14 @@ LONG: dict[str, Rows] = {
 # Many increments in clay: up to a quarter of an hour
 LONGEST: dict[str, Rows] = {
     "circle on clay, three meshes": clay.circle_order_rows,
-    "caissons bonded to clay": clay.caisson_rows,
+} | {
+    f"caisson bonded to clay, d/D {embedment:g}, kappa {kappa:g}": partial(clay.caisson_case, embedment, kappa)
+    for embedment, kappa in clay.CAISSONS
 }
+
+
+def _all() -> dict[str, Rows]:
+    return QUICK | SLOW | LONG | LONGEST
 
 
 def compute(name: str, case: Rows) -> tuple[Row, ...]:
@@ -108,6 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the cases, print the table, return the exit code."""
     parser = argparse.ArgumentParser("python -m tests.verification.table", description="Print the verification table.")
     parser.add_argument("--quick", action="store_true", help="leave out the paper mesh, and collapse loads in clay")
+    parser.add_argument("--only", action="append", metavar="NAME", choices=[*_all()], help="a case; may be repeated")
     parser.add_argument("--markdown", action="store_true", help="print a markdown table")
     parser.add_argument("--out", type=Path, help="CSV file to write the rows to as well")
     options = parser.parse_args(arguments)
@@ -116,7 +126,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.markdown:
         print_line(("---", "---", "--:", "--:", "--:", "---"))
     done: list[Row] = []
-    for name, case in (QUICK | SLOW | ({} if options.quick else LONG | LONGEST)).items():
+    for name, case in _chosen(options).items():
         print(f"{name} ...", end=" ", file=sys.stderr, flush=True)
         start = time.perf_counter()
         rows = compute(name, case)
@@ -125,20 +135,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print_line(cells(row))
         done.extend(rows)
     if options.out:
-        write_rows(done, options.out)
+        write_rows(done, options.out, keep_others=bool(options.only))
     bad = sum(not row.holds for row in done)
     print(f"{len(done)} rows, {bad} out of tolerance", file=sys.stderr)
     return 1 if bad else 0
 
 
-def write_rows(rows: Iterable[Row], file: Path) -> None:
-    """Write rows to a CSV file: the texts of the printed table, then the figures they were rounded from."""
+def _chosen(options: argparse.Namespace) -> dict[str, Rows]:
+    """Return the cases that the options ask for."""
+    if options.only:
+        return {name: case for name, case in _all().items() if name in options.only}
+    return QUICK | SLOW if options.quick else _all()
+
+
+def write_rows(rows: Iterable[Row], file: Path, keep_others: bool = False) -> None:
+    """Write rows to a CSV file: the texts of the printed table, then the figures they were rounded from.
+
+    With ``keep_others`` the rows that the file has of other cases stay, before these.
+    """
+    heads = [*HEADINGS, "ours_exact", "reference_exact", "tolerance"]
+    lines = []
+    for row in rows:
+        tolerance = "" if row.tolerance is None else str(row.tolerance)
+        lines.append([*cells(row), repr(row.ours), repr(row.reference), tolerance])
+    if keep_others and file.exists():
+        with file.open(newline="", encoding="utf-8") as stream:
+            lines = [old for old in [*csv.reader(stream)][1:] if old[0] not in {line[0] for line in lines}] + lines
     with file.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow([*HEADINGS, "ours_exact", "reference_exact", "tolerance"])
-        for row in rows:
-            tolerance = "" if row.tolerance is None else row.tolerance
-            writer.writerow([*cells(row), repr(row.ours), repr(row.reference), tolerance])
+        csv.writer(stream, lineterminator="\n").writerows([heads, *lines])
 
 
 def _markdown_line(texts: Iterable[str]) -> None:

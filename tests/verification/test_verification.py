@@ -171,6 +171,22 @@ def test_table_exits_1_when_a_row_is_out_or_a_case_fails(monkeypatch, capsys, ca
     assert f"{code} out of tolerance" in err
 
 
+def test_table_of_one_case_replaces_its_rows_in_a_file(monkeypatch, tmp_path):
+    def one(case: str, found: float):
+        return lambda: (Row(case, "quantity", "m", found, 1.0, "source", 0.01),)
+
+    for name in ("SLOW", "LONG", "LONGEST"):
+        monkeypatch.setattr(table, name, {})
+    file = tmp_path / "rows.csv"
+    monkeypatch.setattr(table, "QUICK", {"a": one("first", 1.0), "b": one("second", 1.0)})
+    assert table.main(["--out", str(file)]) == 0
+    monkeypatch.setattr(table, "QUICK", {"a": one("first", 1.001), "b": one("second", 1.002)})
+    assert table.main(["--only", "a", "--out", str(file)]) == 0
+    with file.open(newline="") as stream:
+        found = [(row["case"], float(row["ours_exact"])) for row in csv.DictReader(stream)]
+    assert found == [("second", 1.0), ("first", 1.001)]
+
+
 def test_fitted_rate():
     size = np.array([0.4, 0.2, 0.1])
     assert fitted_rate(size, -3.0 * size**1.7) == pytest.approx(1.7)

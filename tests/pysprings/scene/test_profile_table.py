@@ -67,7 +67,11 @@ def test_an_excel_workbook_is_the_same(tmp_path):
     [
         ("2,12,Dense", "3,12,Dense", r"site.csv:2: bottom: the layers leave a gap: .* at 2 m, .* at 3 m"),
         ("0,2,Loose", "0,4,Loose", r"site.csv:2: bottom: the layers overlap"),
-        ("[kN/m3]", "[kPa]", r"site.csv:2: effective_unit_weight: .* is a pressure or stress"),
+        ("[kN/m3]", "[kPa]", r"site.csv:1: Effective unit weight \[kPa\]: \[kPa\] is a pressure or stress"),
+        ("Poisson ratio [-]", "Poisson ratio [kPa]", r"Poisson ratio \[kPa\]: .*: a pure number has no unit"),
+        ("Young modulus [MPa]", "Young modulus", r"site.csv:1: Young modulus: expected a unit in the heading"),
+        ("Young modulus [MPa]", "phi [deg]", r"site.csv:1: phi \[deg\]: another column gives friction_angle_final"),
+        ("Depth from [m]", "Depth from [kN]", r"site.csv:1: Depth from \[kN\]: \[kN\] is a force"),
         ("Young modulus", "Yung modulus", r"site.csv:1: Yung modulus \[MPa\]: unknown column \(did you mean"),
         ("120,0.3", "12o,0.3", r'site.csv:3: young_modulus: expected a number, got "12o"'),
         ("van-eekelen", "mohr", r'site.csv:3: law: "mohr" is not one of'),
@@ -153,8 +157,8 @@ def test_elevations_count_from_the_first_top(tmp_path):
         ("[5.0, 17.0]", "[5.0]", r'undrained_shear_strength: expected a number, got "\[5.0\]"'),
         ("[5.0, 17.0]", "[5.0, -17.0]", r"undrained_shear_strength: bottom: .* is not in \[0, 1e5\] kPa"),
         (",16.0,", ",8.0,", r"effective_unit_weight: .* is not in \[0, 100\] kN/m\^3"),
-        ("weight", "weight [kg/m3]", r"effective_unit_weight: "),
-        ("Su", "Su [kPa]", r"top: expected a quantity with unit"),
+        ("weight", "weight [kg/m3]", r"weight \[kg/m3\]: .* expected a force per volume"),
+        ("Su", "Su [kPa]", r"top: expected a unit in the heading such as \[m\]"),
     ],
 )
 def test_wrong_openpile_tables_are_refused(tmp_path, old, new, message):
@@ -164,3 +168,28 @@ def test_wrong_openpile_tables_are_refused(tmp_path, old, new, message):
     with pytest.raises(UserInputError) as refused:
         load_scene(file)
     assert any(re.search(message, str(problem)) for problem in refused.value.problems), refused.value.problems
+
+
+def test_a_wrong_unit_in_a_heading_is_one_problem_for_all_rows(tmp_path):
+    with pytest.raises(UserInputError) as refused:
+        load_scene(write(tmp_path, SITE.replace("[MPa]", "[m]").replace("[kN/m3]", "[kN]")))
+    assert [each.line for each in refused.value.problems] == [1, 1]
+
+
+def test_a_total_unit_weight_beside_an_effective_one_is_not_used(tmp_path):
+    table = "top [m],Effective unit weight [kN/m3],Total unit weight [kN/m3],young modulus [MPa]\n0,9,25,40\n"
+    assert load_scene(write(tmp_path, table)).soil.layers[0].effective_unit_weight == pytest.approx(9e3)
+
+
+def test_rows_with_su_alone_are_clay_and_eps50_is_an_axial_strain(tmp_path):
+    """Columns of openpile without a law: su, G0 and eps50 beside a row of sand."""
+    table = "name,top,bottom,weight,Su,G0,eps50,phi\nclay,0,-6,16,20,4000,0.01,\nsand,-6,-12,19,,30000,,35\n"
+    file = write(tmp_path, table)
+    file.write_text(CLAY.replace("rigidity_ratio = 200\n", ""))
+    clay, sand = ground_of(load_scene(file)).strata
+    assert (clay.law, sand.law) == ("tresca", "drucker-prager")
+    assert clay.values["strain_at_half_strength"] == pytest.approx(0.015)
+    assert sand.shear_modulus(np.array(8.0)) == pytest.approx(30e6)
+    file.write_text(file.read_text().replace("[soil]", '[soil]\nyield_surface = "von-mises"'))
+    file.with_name("site.csv").write_text(table.rsplit("sand", 1)[0])
+    assert ground_of(load_scene(file)).strata[0].law == "von-mises"

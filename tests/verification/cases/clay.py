@@ -246,6 +246,7 @@ _CAISSON = "independent series computation (0.5 to 1 %)"
 _HARMONICS = 3
 
 
+@cache
 def caisson_case(embedment: float, kappa: float) -> tuple[Row, ...]:
     """All loads of one caisson, on meshes with cells of D/20 and D/40 at toe and walls, and their limits."""
     found = []
@@ -260,9 +261,3 @@ def caisson_case(embedment: float, kappa: float) -> tuple[Row, ...]:
             Row(case, f"{load}, limit", "", limit, wanted, _CAISSON, 0.03),
         ]
     return tuple(found)
-
-
-@cache
-def caisson_rows() -> tuple[Row, ...]:
-    """Collapse loads of four caissons."""
-    return tuple(row for embedment, kappa in CAISSONS for row in caisson_case(embedment, kappa))
