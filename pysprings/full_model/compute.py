@@ -55,6 +55,7 @@ from pysprings.model.forecast.profile import unusual_values
 from pysprings.model.forecast.resources import refuse_what_cannot_fit
 from pysprings.model.forecast.small_strain import large_motion
 from pysprings.model.penalty import penalty_of
+from pysprings.model.stages import viscous_displacement
 from pysprings.model.water import undrained_time
 from pysprings.springs.path_ends import end_attrs
 
@@ -310,6 +311,8 @@ def _keep(work: Work, run: PathRun) -> None:
             dataset.attrs["rate_m_per_s"] = path.rate
         if path.arm_from is not None:
             dataset.attrs["arm_from_m"] = path.arm_from
+        if (viscous := viscous_displacement(work.scene, path)) is not None:
+            dataset.attrs["viscous_displacement_m"] = viscous
         dataset.attrs |= _parts(path)
         if path.load_angle is not None:
             dataset.attrs["load_angle_rad"] = path.load_angle

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fe_engine.model import Stage
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import MEMORY, PATH_KINDS
 from pysprings.core.variables import DOFS
 from pysprings.scene.ground import ground_of
+from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Path, Scene
@@ -25,6 +26,8 @@ _FIRST_STEP, _FIRST_STRAIN = 2.5e-6, 0.01
 _LARGEST_STEP = 0.05
 # Steps of a rest, which grow geometrically between these fractions
 _FIRST_OF_REST, _LARGEST_OF_REST = 1.0e-4, 0.2
+# Viscous displacement over the diameter of rays that turn back: sand localises on some of them, rounding decides where
+_TURNING_BACK = 1.0e-8
 
 
 # A dead load has acted for so long (s) that its pore pressures are gone
@@ -53,13 +56,25 @@ def path_stages(
     Every stage of an undrained path takes ``undrained_time`` (s), in which nothing flows. ``rest`` is the vertical
     displacement (m) under the dead load: what is imposed vertically counts from there.
     """
-    stages = _viscous(scene, _stages(scene, path, extra_load, undrained_time))
+    stages = _viscous(scene, path, _stages(scene, path, extra_load, undrained_time))
     return [replace(stage, target=stage.target + rest * stage.control[:, 1]) for stage in stages] if rest else stages
 
 
-def _viscous(scene: Scene, stages: list[Stage]) -> list[Stage]:
+def viscous_displacement(scene: Scene, path: Path) -> float | None:
+    """Return the imposed motion (m) in which the soil relaxes on a path; None where it has no viscosity.
+
+    Without one in the scene, paths of the role "memory" in soil with friction have a small one.
+    """
+    given, strata = scene.solver.viscous_displacement, ground_of(scene).strata
+    if given is not None or path.role != MEMORY or any(each.stiffness_changes for each in strata):
+        return given
+    localises = any(SOIL_LAWS[each.law].yields and not each.total_stress for each in strata)
+    return _TURNING_BACK * scene.caisson.outer_diameter if localises else None
+
+
+def _viscous(scene: Scene, path: Path, stages: list[Stage]) -> list[Stage]:
     """Return the stages of a path with the relaxation time of the soil; only imposed motions take time."""
-    relaxing = scene.solver.viscous_displacement
+    relaxing = viscous_displacement(scene, path)
     if relaxing is None:
         return stages
     viscous, start = [], np.zeros(len(stages[0].target))

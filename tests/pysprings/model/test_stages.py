@@ -150,6 +150,26 @@ def test_the_soil_relaxes_in_an_imposed_motion_of_the_scenes_length() -> None:
     assert stage("pull", lateral_displacement=5e-3).lag == 0.0
 
 
+def test_rays_that_turn_back_in_sand_have_a_small_viscosity_by_themselves() -> None:
+    """1e-8 of the diameter, unless the scene has one; none in clay, none where the stiffness changes, none on rays."""
+
+    def lag(role: str = "memory", viscous: float | None = None, **soil: Any) -> list[float]:
+        path = {"name": "a", "kind": "translation", "lateral_displacement": 5e-3, "role": role}
+        path |= {"then": ["-5 mm"]} if role == "memory" else {}
+        interface = {"adhesion_factor": 0.5} if "undrained_shear_strength" in soil else {}
+        solver = {"viscous_displacement": viscous}
+        scene = Scene(paths=[path], soil=soil, interface=interface, solver=solver)
+        return [each.lag for each in path_stages(scene, scene.paths[0], 0.0)]
+
+    small = 1e-8 * 7.8
+    assert lag() == pytest.approx([small / 5e-3, small / 10e-3])
+    assert lag(viscous=1e-7) == pytest.approx([1e-7 / 5e-3, 1e-7 / 10e-3])
+    assert lag(role="calibration") == [0.0]
+    assert lag(degradation_strain=1e-4) == [0.0, 0.0]
+    clay = {"yield_surface": "von-mises", "undrained_shear_strength": 50e3, "rigidity_ratio": 200.0}
+    assert lag(**clay) == [0.0, 0.0]
+
+
 def test_a_swipe_turns_where_it_has_slid_to() -> None:
     path = {"name": "a", "kind": "swipe", "lateral_displacement": 5e-3, "rotation": -2e-3, "rate": 1e-3,
             "role": "held-back"}  # fmt: skip
