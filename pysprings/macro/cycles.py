@@ -23,10 +23,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.errors import refused
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.macro.control import Control
 from pysprings.macro.model import MacroModel
@@ -44,7 +42,7 @@ _HELD = 1e-6  # share of the largest change below which a quantity is held
 class Followed:
     """A sequence of the full model and of springs: motions (n, 2) = (u, rotation), loads (n, 2) = (H, M) of both.
 
-    n is what the springs reached; `message` is where they ended before the end of the path.
+    n is what the springs reached; `message` is where they ended before the end of the path. model: the springs.
     """
 
     path: SpringPath
@@ -53,6 +51,7 @@ class Followed:
     full: tuple[Array, Array]
     macro: tuple[Array, Array]
     message: str
+    model: MacroModel | None = None
 
     @property
     def work(self) -> tuple[Array, Array]:
@@ -74,7 +73,7 @@ def follow_path(path: SpringPath, model: MacroModel) -> Followed:
     targets = loads if kind.force else motions
     found, carried, message = model.solve(control, targets, path.arm if np.isfinite(path.arm) else 0.0)
     n = len(found)
-    return Followed(path, model.spring_set, control, (motions[:n], loads[:n]), (found, carried), message)
+    return Followed(path, model.spring_set, control, (motions[:n], loads[:n]), (found, carried), message, model)
 
 
 def sequences(springs: Springs, sets: tuple[str, ...] = SETS) -> Iterator[Followed]:
@@ -151,65 +150,3 @@ def _work(motions: Array, loads: Array) -> Array:
     """Return the work (n,) [J] of loads along motions, trapezoid by step."""
     mean = 0.5 * (loads[1:] + loads[:-1])
     return np.concatenate([[0.0], np.cumsum((mean * np.diff(motions, axis=0)).sum(axis=1))])
-
-
-@dataclass(frozen=True, slots=True)
-class Cycles:
-    """Errors of all sequences, one row a path and spring set, and their branches (`cycles`)."""
-
-    errors: pd.DataFrame
-    branches: pd.DataFrame
-
-
-def compare_cycles(source: Springs | xr.DataTree, springs_kind: str | None = None) -> Cycles:
-    """Return errors and branches of all sequences of a set of springs.
-
-    Raises
-    ------
-    UserInputError
-        No path turns back or bends, or the springs do not give the spring set.
-    """
-    springs = Springs.of(source)
-    sets = SETS if springs_kind is None else (springs_kind,)
-    found = list(sequences(springs, sets))
-    if not found:
-        raise refused("springs", "no path turns back or bends, or the springs do not give this spring set for one")
-    branches = pd.concat([cycles(one) for one in found], ignore_index=True)
-    return Cycles(pd.DataFrame([errors(one) for one in found]), branches)
-
-
-_COLUMNS = {
-    "path": "path", "springs": "springs", "branch": "branch", "secant_full": "secant full", "secant_macro": "macro",
-    "F_end_full": "peak full", "F_end_macro": "macro ", "work_full_J": "work full [kJ]", "work_macro_J": "macro [kJ]",
-    "damping_full": "damping full", "damping_macro": "macro  ",
-}  # fmt: skip
-_NOTES = (
-    "errors: largest distance along the path over the largest value of the full model, of what answers",
-    "a branch goes from turn to turn; peak: H [kN] at its end, secant stiffness dH/du [MN/m]; M [kN m] and [MN m/rad] "
-    "where u is held or H constant; damping = 2 W/(pi (dH du + dM d(rotation))) of the cycle that ends with the branch",
-)
-
-
-def to_text(found: Cycles) -> str:
-    """Return both tables for a terminal."""
-    from tabulate import tabulate
-
-    shown = found.errors.rename(columns={name: str(name).replace("_error_pct", " [%]") for name in found.errors})
-    branches = found.branches[list(_COLUMNS)].copy()
-    for name in _COLUMNS:
-        factor = 1e-6 if name.startswith("secant") else 1e-3 if name.startswith(("work", "F_")) else None
-        branches[name] = branches[name] * factor if factor else branches[name]
-    tables = [
-        tabulate(frame.to_numpy().tolist(), headers=[str(name) for name in frame], floatfmt=".4g", missingval="-")
-        for frame in (shown.astype(object).where(shown.notna(), None), branches.rename(columns=_COLUMNS))
-    ]
-    return "\n\n".join([*tables, "\n".join(_NOTES)]) + "\n"
-
-
-def to_dict(found: Cycles) -> dict[str, Any]:
-    """Return both tables for JSON (SI); what is undefined is None."""
-    frames = {"errors": found.errors, "branches": found.branches}
-    return {
-        name: frame.astype(object).where(frame.notna(), None).to_dict(orient="records")
-        for name, frame in frames.items()
-    } | {"definitions": list(_NOTES)}

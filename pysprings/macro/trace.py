@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.control import Control
-from pysprings.macro.history import turns
+from pysprings.macro.history import turns, turns_of_load
 from pysprings.macro.limit import Limit, range_limit
 from pysprings.macro.model import MacroModel
 
@@ -28,8 +28,9 @@ def trace(
     states, loads, message = model.solve(control, targets, arm)
     down = V[: len(states)] if isinstance(V, np.ndarray) else V
 
-    if model.memory is not None:  # turns are what it is made for
-        answer = answer_dataset(model, Way(states, loads, control, down, float(arm), message))
+    if model.memory is not None:  # turns are what it is made for, those of V are not
+        turned = turns_of_load(len(states), down, model.rest_load)
+        answer = answer_dataset(model, Way(states, loads, control, down, float(arm), message, turned=turned))
         return answer.assign_attrs(warnings=[*answer.attrs["warnings"], *model.memory.notes(states)])
 
     def limit(first: int) -> Limit:

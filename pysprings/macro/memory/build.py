@@ -46,10 +46,10 @@ def build_memory(springs: Springs) -> MemoryModel:
     table = build_fan(springs)
     if not springs.remembering:
         raise refused("springs", MISSING)
-    stored = springs.memory
-    if stored is not None and stored.attrs.get("paths_sha256") == digest(springs):
-        return MemoryModel(from_dataset(stored), table)
-    return MemoryModel(_calibrated(springs, table), table)
+    stored, first = springs.memory, springs.remembering[0]
+    known = stored is not None and stored.attrs.get("paths_sha256") == digest(springs)
+    elements = from_dataset(stored) if stored is not None and known else _calibrated(springs, table)
+    return MemoryModel(elements, table, first.load, first.rate if springs.rate_sets else None)
 
 
 def _calibrated(springs: Springs, table: FanTable) -> ElementSet:

@@ -9,11 +9,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.arguments import check_numbers
 from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.macro.control import Control, ending, equations
 from pysprings.macro.fan import RANGE_SLACK, FanTable
 from pysprings.macro.memory.calibration import ElementSet, elastic_motions, way_of
 from pysprings.macro.memory.elements import STATES, advance, follow, tangents
+from pysprings.macro.memory.marks import StepMarks, lateral_marks, off_load, off_rate
 from pysprings.macro.solver import Drive
 
 Array = NDArray[np.float64]
@@ -29,10 +31,14 @@ class MemoryModel:
     ----------
     elements : calibrated elements.
     table : fan of the rays: names, depths and actions of the reactions, and the size of the loads.
+    V : vertical load [N] of the rays that turn back; NaN where it is not known.
+    rate : their rate [m/s, of rho]; None where springs do not depend on one.
     """
 
     elements: ElementSet
     table: FanTable
+    V: float = np.nan
+    rate: float | None = None
 
     @cached_property
     def to_motion(self) -> Array:
@@ -105,16 +111,28 @@ class MemoryStepper:
     ----------
     state : (elements, 3) committed numbers of the elements.
     motion, load : committed (u [m], rotation [rad]) and (H [N], M [N m]).
+    way : committed motions added up [m].
     """
 
     def __init__(self, model: MemoryModel) -> None:
         self.model = model
         self.state = np.zeros((len(model.elements.rows), STATES))
-        self.motion, self.load = np.zeros(2), np.zeros(2)
+        self.motion, self.load, self.way = np.zeros(2), np.zeros(2), 0.0
         self._trial = self.state.copy(), self.motion.copy(), self.load.copy()
+        self._conditions: tuple[float | None, float | None] = None, None
 
-    def advance(self, *, motion: tuple[float, float] | None = None, load: tuple[float, float] | None = None) -> Array:
+    def advance(
+        self,
+        *,
+        motion: tuple[float, float] | None = None,
+        load: tuple[float, float] | None = None,
+        V: float | None = None,
+        duration: float | None = None,
+    ) -> Array:
         """Go to a motion (u [m], rotation [rad]) or under a load (H [N], M [N m]); return the other one (2,).
+
+        V [N] and the duration [s] of the step change nothing of the answer: `marks` compares them with the vertical
+        load and the rate of the paths that the elements come from.
 
         Raises
         ------
@@ -125,6 +143,9 @@ class MemoryStepper:
         """
         if (motion is None) == (load is None):
             raise refused("motion", "give a motion or a load")
+        check_numbers(V=V, duration=duration)
+        if duration is not None and duration <= 0.0:
+            raise refused("duration", f"{duration:g} s must be more than 0 s")
         control: Control = "load" if motion is None else "state"
         model, aim = self.model, np.array([load if motion is None else motion], dtype=float)
         drive, aims = model.equations(control, aim, 0.0)
@@ -136,8 +157,28 @@ class MemoryStepper:
             H, M = np.array([at0, at1]) * model.to_motion
             raise BeyondSprings([Problem(key="springs", message=_NO_ANSWER.format(H, M))])
         self._trial = state, found[1] / model.to_motion, carried[1] * model.to_motion
+        self._conditions = V, duration
         answer: Array = self._trial[1 if motion is None else 2].copy()
         return answer
+
+    @property
+    def marks(self) -> StepMarks:
+        """What of the last trial state the springs do not cover; before the first step that of the state at rest."""
+        model, (V, duration) = self.model, self._conditions
+        used, aside = lateral_marks(model.table, (float(self._trial[1][0]), float(self._trial[1][1])))
+        moved = self._moved
+        return StepMarks(
+            range_used=used,
+            extrapolated=used > 1.0 + RANGE_SLACK,
+            off_path=aside,
+            off_load=off_load(model.V, V),
+            off_rate=off_rate(model.rate, moved, duration),
+            way_used=(self.way + moved) / model.elements.way,
+        )
+
+    @property
+    def _moved(self) -> float:
+        return float(np.hypot(*((self._trial[1] - self.motion) * self.model.to_motion)))
 
     @property
     def tangent(self) -> Array:
@@ -155,4 +196,5 @@ class MemoryStepper:
     def commit(self) -> None:
         """Keep the last trial state."""
         state, motion, load = self._trial
+        self.way += self._moved
         self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()

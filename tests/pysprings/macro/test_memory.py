@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -158,6 +159,35 @@ def test_steps_are_tried_from_the_committed_state_until_one_is_kept() -> None:
         stepper.advance()
 
 
+def test_a_step_is_marked_where_the_springs_do_not_cover_it() -> None:
+    reach, length = model().table.range.min(), model().table.length
+    stepper = MemoryStepper(replace(model(), V=2e6, rate=1e-3))
+    assert stepper.marks.names == () and stepper.marks.off_load is None
+    stepper.advance(motion=(0.5 * reach, 0.0), V=2e6, duration=500.0 * reach)
+    assert stepper.marks.names == () and stepper.marks.range_used == pytest.approx(0.5)
+    stepper.advance(motion=(0.0, 1.1 * reach / length), V=1e6, duration=1e4 * reach)
+    assert stepper.marks.names == ("extrapolated", "off_load", "off_rate")
+    for sign in (1, -1) * 20:
+        stepper.advance(motion=(0.5 * sign * reach, 0.0))
+        stepper.commit()
+    assert stepper.marks.names == ("heave_extrapolated",)
+    assert stepper.marks.way_used == pytest.approx(39.5 * reach / stepper.model.elements.way)
+    with pytest.raises(UserInputError, match="duration: 0 s must be more than 0 s"):
+        stepper.advance(motion=(0.0, 0.0), duration=0.0)
+
+
+def test_a_vertical_load_that_turns_back_is_marked() -> None:
+    """Vertical springs have no memory, the elements do: loads that turn back are not marked, V is."""
+    springs = Springs.of(winkler.with_invented_memory())
+    rest = MacroModel.from_springs(springs, "memory").rest_load
+    loads, V = np.array([[1e5, 0.0], [-1e5, 0.0], [0.0, 0.0]]), rest + np.array([1e5, 2e5, 1e5])
+    with pytest.warns(MacroWarning) as seen:
+        answer = sequence(springs, loads, V=V, springs_kind="memory", extrapolate=True)
+    marked = "1 of 3 states (from state 3 on) come after V turned back: vertical springs go back on the same curve"
+    assert any(marked in str(each.message) for each in seen)
+    np.testing.assert_array_equal(answer["turned_back"], [0, 0, 1])
+
+
 def test_a_fan_without_rays_that_turn_back_has_no_memory() -> None:
     springs = fan_springs(linear)
     assert "memory" not in spring_sets(springs)
@@ -269,6 +299,9 @@ def test_sequences_are_compared_by_cycle(tmp_path) -> None:
         (name, springs) for name in ("turning_0", "turning_minus_50") for springs in ("fan", "memory")
     }
     assert len(found["branches"]) == 4 * 3
+    for row in found["reactions"]:
+        depths = [d for d in found["depths"] if (d["path"], d["springs"]) == (row["path"], row["springs"])]
+        assert len(depths) == winkler.RINGS and max(d["p_error_pct"] for d in depths) == row["p_error_pct"] > 0.0
     full = [row["work_full_J"] for row in found["branches"] if row["path"] == "turning_0"]
     assert full[:3] == full[3:] and min(full) > 0.0
     text = command("compare", str(path), "--cycles", "--springs", "memory").out

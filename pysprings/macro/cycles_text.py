@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""All sequences of the full model beside springs, as tables: `pysprings compare --cycles`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+import xarray as xr
+
+from pysprings.core.errors import refused
+from pysprings.macro.cycle_reactions import by_depth, reaction_errors
+from pysprings.macro.cycles import SETS, cycles, errors, sequences
+from pysprings.springs.springs import Springs
+
+
+@dataclass(frozen=True, slots=True)
+class Cycles:
+    """Errors of all sequences, one row a path and spring set, their branches (`cycles`), and errors of the reactions.
+
+    depths : one row a path, spring set and depth: largest p of the full model there and error of p.
+    """
+
+    errors: pd.DataFrame
+    branches: pd.DataFrame
+    reactions: pd.DataFrame
+    depths: pd.DataFrame
+
+
+def compare_cycles(source: Springs | xr.DataTree, springs_kind: str | None = None) -> Cycles:
+    """Return errors and branches of all sequences of a set of springs.
+
+    Raises
+    ------
+    UserInputError
+        No path turns back or bends, or the springs do not give the spring set.
+    """
+    springs = Springs.of(source)
+    sets = SETS if springs_kind is None else (springs_kind,)
+    found = list(sequences(springs, sets))
+    if not found:
+        raise refused("springs", "no path turns back or bends, or the springs do not give this spring set for one")
+    branches = pd.concat([cycles(one) for one in found], ignore_index=True)
+    return Cycles(
+        pd.DataFrame([errors(one) for one in found]),
+        branches,
+        pd.DataFrame([reaction_errors(one) for one in found]),
+        pd.concat([by_depth(one) for one in found], ignore_index=True),
+    )
+
+
+_COLUMNS = {
+    "path": "path", "springs": "springs", "branch": "branch", "secant_full": "secant full", "secant_macro": "macro",
+    "F_end_full": "peak full", "F_end_macro": "macro ", "work_full_J": "work full [kJ]", "work_macro_J": "macro [kJ]",
+    "damping_full": "damping full", "damping_macro": "macro  ",
+}  # fmt: skip
+_NOTES = (
+    "errors: largest distance along the path over the largest value of the full model, of what answers",
+    "a branch goes from turn to turn; peak: H [kN] at its end, secant stiffness dH/du [MN/m]; M [kN m] and [MN m/rad] "
+    "where u is held or H constant; damping = 2 W/(pi (dH du + dM d(rotation))) of the cycle that ends with the branch",
+    "reactions: largest distance at any depth over the largest value of the full model on the path, as changes from "
+    "the start, at the motion of the springs. p error by depth: over the largest p at any depth",
+)
+
+
+def to_text(found: Cycles) -> str:
+    """Return the tables for a terminal."""
+    from tabulate import tabulate
+
+    shown = found.errors.rename(columns={name: str(name).replace("_error_pct", " [%]") for name in found.errors})
+    branches = found.branches[list(_COLUMNS)].copy()
+    for name in _COLUMNS:
+        factor = 1e-6 if name.startswith("secant") else 1e-3 if name.startswith(("work", "F_")) else None
+        branches[name] = branches[name] * factor if factor else branches[name]
+    tables = [
+        tabulate(frame.to_numpy().tolist(), headers=[str(name) for name in frame], floatfmt=".4g", missingval="-")
+        for frame in (
+            shown.astype(object).where(shown.notna(), None),
+            branches.rename(columns=_COLUMNS),
+            _reactions_shown(found.reactions),
+            *_depths_shown(found.depths),
+        )
+    ]
+    return "\n\n".join([*tables, "\n".join(_NOTES)]) + "\n"
+
+
+def _reactions_shown(frame: pd.DataFrame) -> pd.DataFrame:
+    shown = frame.rename(columns={name: str(name).replace("_error_pct", " [%]") for name in frame})
+    return shown.astype(object).where(shown.notna(), None)
+
+
+def _depths_shown(frame: pd.DataFrame) -> list[pd.DataFrame]:
+    """Return a table for each spring set: error of p [%], a row a depth and a column a path."""
+    tables = []
+    for springs, own in frame.groupby("springs", sort=False):
+        paths = list(dict.fromkeys(own["path"]))
+        wide = own.pivot_table(index="depth_m", columns="path", values="p_error_pct")[paths].reset_index()
+        tables.append(wide.rename(columns={"depth_m": f"p error [%], {springs}: depth [m]"}))
+    return tables
+
+
+def to_dict(found: Cycles) -> dict[str, Any]:
+    """Return the tables for JSON (SI); what is undefined is None."""
+    names = ("errors", "branches", "reactions", "depths")
+    frames: dict[str, pd.DataFrame] = {name: getattr(found, name) for name in names}
+    return {
+        name: frame.astype(object).where(frame.notna(), None).to_dict(orient="records")
+        for name, frame in frames.items()
+    } | {"definitions": list(_NOTES)}
