@@ -104,6 +104,7 @@ figure: $(DEV)
 	$(BIN)/pysprings init out/fan.toml --template fan --force
 	$(BIN)/pysprings run out/fan.toml --mesh coarse --out out/fan --force
 	$(BIN)/python -m benchmarks.readme_picture out/fan
+	$(BIN)/python -m benchmarks.thumbnails out/fan
 
 # the paper's figures and tables: runs what has not run yet (8 minutes on `medium`, then the sensitivities)
 MESH ?= medium

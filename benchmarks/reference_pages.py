@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Make the generated pages of docs/reference: ``python -m benchmarks.reference_pages`` (`make evidence`).
 
-Commands come from the command-line program, outputs from the registries, scene keys from the JSON schema, variables
-from `pysprings.core.variables`.
+Commands come from the command-line program, outputs and pictures from the registries, scene keys from the JSON
+schema, variables from `pysprings.core.variables`.
 """
 
 from __future__ import annotations
@@ -134,6 +134,38 @@ def outputs_page() -> str:
     return "".join(parts)
 
 
+PICTURES_HEAD = """# Pictures
+
+`tree` is a result (`pysprings.run`, `open_result`) or springs (`extract_springs`, `open_springs`, `open_table`). Each
+call returns a figure, and takes `figure=`: a figure, or a part of one, to draw on. `plots.draw(tree, NAME, ...)` is the
+same by name. [Notebooks](../start/notebook.md) has examples.
+
+Panels on axes of yours: `plots.draw_py(axes, path)`, `draw_profile`, `draw_secant`, `draw_tilt`, `draw_paths`. Runs
+over each other: `plots.overlay({"a": tree, "b": other}, path)`, and `pysprings diff --out`.
+"""
+
+
+def pictures_page() -> str:
+    """Return the page of the pictures: a small picture where there is one, caption, call, and function."""
+    from pysprings.results.plots import PICTURES
+
+    parts = [MARK, PICTURES_HEAD]
+    for each in PICTURES.built_in:
+        function, fixed = getattr(each.function, "func", each.function), getattr(each.function, "keywords", {})
+        scope = {"run": [], "path": ["path"], "state": ["path", "step=...", "displacement=..."]}[each.scope]
+        own = [
+            f"{key}=..." for key, value in inspect.signature(function).parameters.items()
+            if value.default is not inspect.Parameter.empty and key not in ("step", "displacement", *fixed)
+        ]  # fmt: skip
+        file = PAGES / "pictures" / f"{each.name}.png"
+        shown = f"![{each.name}](pictures/{each.name}.png)\n\n" if file.exists() else ""
+        call = f"tree.pysprings.plot.{each.name}({', '.join([*scope, *own])})"
+        about = _words(inspect.getdoc(function) or "").split(" Parameters ---")[0]
+        parts.append(f"\n## {each.name}\n\n{shown}{each.caption.rstrip('.')}.\n\n`{call}`\n\n")
+        parts.append(f"`plots.{function.__name__}`: {about}\n")
+    return "".join(parts)
+
+
 _SCOPES = {"run": "`NAME.png`", "path": "`PATH_NAME.png`", "state": "`PATH_NAME_STATE.png`"}
 _HEADS = ["key", "meaning", "value", "default"]
 
@@ -217,6 +249,7 @@ def pages() -> dict[str, str]:
     return {
         "commands.md": commands_page(),
         "outputs.md": outputs_page(),
+        "pictures.md": pictures_page(),
         "scene-keys.md": scene_page(),
         "variables.md": variables_page(),
     }

@@ -63,10 +63,12 @@ def _draw(first: Run, second: Run, names: list[str], out: Path) -> list[Path]:
     from pysprings.results.plots.two_runs import overlay
 
     out.mkdir(parents=True, exist_ok=True)
-    files = []
+    files, runs = [], {each.name: each.result for each in (first, second)}
     for name in names:
         file = out / f"{name}.png"
         with replacing(file) as temporary:
-            overlay(first, second, name).savefig(temporary, dpi=110, format="png")
+            overlay({each.name: each.result for each in (first, second)}, name).savefig(
+                temporary, dpi=110, format="png"
+            )
         files.append(file)
     return files

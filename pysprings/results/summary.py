@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.scene.card import caisson_text, ground_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,30 +45,12 @@ def summary(result: xr.DataTree, record: RunRecord, comparison: pd.DataFrame | N
     except PyspringsError:  # of another version
         return {}
     lines = [
-        ("caisson", _caisson(run)), ("ground", _ground(run)), ("initial stiffness", _stiffness(run)),
+        ("caisson", caisson_text(run.scene)), ("ground", ground_text(run.scene)),
+        ("initial stiffness", _stiffness(run)),
         ("loads", _loads(run)), ("tilt", _tilt(run)), ("range", _range(run)), ("mesh error", _mesh(run)),
         ("springs", _springs(run)), ("warnings", _warnings(run)), ("use", _use(run)),
     ]  # fmt: skip
     return {name: text for name, text in lines if text}
-
-
-def _caisson(run: Run) -> str:
-    each = run.scene.caisson
-    ratio = each.skirt_length / each.outer_diameter
-    load = "balanced" if each.vertical_load == "balanced" else f"{1e-6 * float(each.vertical_load):.4g} MN"
-    return (
-        f"D {each.outer_diameter:g} m, L {each.skirt_length:g} m (L/D {ratio:.2g}), skirt "
-        f"{1e3 * each.skirt_thickness:g} mm, {each.behaviour}; vertical load {load}"
-    )
-
-
-def _ground(run: Run) -> str:
-    from pysprings.scene.ground import drainage_of, ground_of
-
-    layers = [each for each in ground_of(run.scene).strata if not each.like]
-    names = ", ".join(f"{each.name} ({each.law}) from {each.top:g} m" for each in layers[:4])
-    more = f" and {len(layers) - 4} more layers" if len(layers) > 4 else ""
-    return f"{names}{more}; {drainage_of(run.scene)}"
 
 
 def _stiffness(run: Run) -> str:

@@ -97,6 +97,12 @@ class Scene(SceneSections):
             data[name] = {**data[name], **change} if merge else change
         return Scene.model_validate(data)
 
+    def _repr_html_(self) -> str:
+        """Show the scene in a notebook."""
+        from pysprings.scene.card import scene_card
+
+        return scene_card(self)
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.model_dump() == other.model_dump()
 

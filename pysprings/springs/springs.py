@@ -67,6 +67,12 @@ class Springs:
         groups |= {} if self.memory is None else {f"/{MEMORY}": self.memory}
         return xr.DataTree.from_dict(groups, name="springs")
 
+    def _repr_html_(self) -> str:
+        """Show the springs in a notebook."""
+        from pysprings.springs.card import springs_card
+
+        return springs_card(self)
+
     # --- attributes ---
 
     @property

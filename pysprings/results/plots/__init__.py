@@ -1,27 +1,34 @@
 # SPDX-License-Identifier: MIT
-"""Figures of a run: Dataset in, matplotlib Figure out (drawn by Agg, never through pyplot).
+"""Pictures of results and springs: figures of matplotlib, drawn by Agg, never through pyplot.
 
->>> from pysprings import plots                                            # doctest: +SKIP
->>> plots.py_curves(plots.path_data(springs, "pull")).savefig("py.png")    # doctest: +SKIP
+`draw` takes a result or springs and the name of a picture; `PICTURES` lists them. The function of each picture takes
+the data of its path. Those on given axes are `draw_paths`, `draw_py`, `draw_profile`, `draw_secant` and `draw_tilt`.
+
+>>> from pysprings import plots                                           # doctest: +SKIP
+>>> plots.draw(springs, "py", "pull", depths=[1, 2]).savefig("py.png")    # doctest: +SKIP
 """
 
 from pysprings.results.analysis.parts import convergence_data, path_data, section_data
 from pysprings.results.plots.comparison import macro_against_full
+from pysprings.results.plots.draw import draw
 from pysprings.results.plots.files import save, save_all
 from pysprings.results.plots.gap import gap_map
+from pysprings.results.plots.ground import ground_profile
 from pysprings.results.plots.load import load_displacement
+from pysprings.results.plots.loops import memory_loops
 from pysprings.results.plots.newton import newton_record
-from pysprings.results.plots.overview import overview
+from pysprings.results.plots.overview import draw_paths, lateral_paths, overview
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.pressure_rose import pressure_rose, shear_rose
-from pysprings.results.plots.profiles import profiles
-from pysprings.results.plots.reactions import py_curves
+from pysprings.results.plots.profiles import draw_profile, profiles
+from pysprings.results.plots.reactions import draw_py, py_curves
 from pysprings.results.plots.rose import stress_rose
-from pysprings.results.plots.secant import secant_stiffness
+from pysprings.results.plots.secant import draw_secant, secant_stiffness
 from pysprings.results.plots.section import mesh, section_displacement, section_pressure
 from pysprings.results.plots.steel import ovalisation
-from pysprings.results.plots.tilt import tilt
+from pysprings.results.plots.tilt import draw_tilt, tilt
+from pysprings.results.plots.two_runs import overlay
 from pysprings.results.plots.vertical import vertical_springs
 from pysprings.springs.dataset import path_names
 
@@ -30,12 +37,22 @@ __all__ = [
     "Picture",
     "View",
     "convergence_data",
+    "draw",
+    "draw_paths",
+    "draw_profile",
+    "draw_py",
+    "draw_secant",
+    "draw_tilt",
     "gap_map",
+    "ground_profile",
+    "lateral_paths",
     "load_displacement",
     "macro_against_full",
+    "memory_loops",
     "mesh",
     "newton_record",
     "ovalisation",
+    "overlay",
     "overview",
     "path_data",
     "path_names",

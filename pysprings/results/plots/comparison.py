@@ -164,7 +164,8 @@ def _draw(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset], driver
 PICTURE = Picture(
     name="macro_against_full",
     caption="Rigid body on springs against the full model",
-    draw=lambda view: macro_against_full(view.path, view.predictions),
+    function=macro_against_full,
+    data=lambda view: (view.path, view.predictions),
     applies=lambda view: not view.is_vertical and bool(view.predictions),
     section="comparison",
 )

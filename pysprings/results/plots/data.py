@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 # Rings nearest to these parts of the skirt length: 0.25, 1.25, 2.25 and 3.25 m on the paper's 4 m skirt.
 DEPTH_FRACTIONS = (1 / 16, 5 / 16, 9 / 16, 13 / 16)
+SMALLEST = 1e-9  # mm, mrad: smaller motions are rounding
 # degree of freedom that grows along a path -> factor and label of its axis
 _AXES = {
     "u": (MM, "lateral displacement u of the lid centre [mm]"),
@@ -47,11 +48,16 @@ def skirt_length(path: xr.Dataset) -> float:
 def step_text(path: xr.Dataset, step: int) -> str:
     """Describe the state of a step in words: lid displacement [mm] and rotation [mrad]."""
     u, rotation = float(path["u"][step]) * MM, float(path["rotation"][step]) * MRAD
-    text = f"u = {u:.3g} mm, rotation = {rotation:.3g} mrad"
+    text = f"u = {_short(u)} mm, rotation = {_short(rotation)} mrad"
     if driven(path.attrs) == "w":
-        text = f"w = {float(path['w'][step]) * MM:.3g} mm"
+        text = f"w = {_short(float(path['w'][step]) * MM)} mm"
     text = text.replace("-", "\N{MINUS SIGN}")
     return text if converged(path)[step] else text + " (NOT CONVERGED)"
+
+
+def _short(value: float) -> str:
+    """Return three digits of a motion [mm, mrad]; what is below a picometre is rounding."""
+    return f"{0.0 if abs(value) < SMALLEST else value:.3g}"
 
 
 def abscissa(path: xr.Dataset) -> tuple[NDArray[np.float64], str]:

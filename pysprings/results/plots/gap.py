@@ -13,7 +13,19 @@ from pysprings.results.analysis.gap import Opening, openings, plan_gap, skirt_ga
 from pysprings.results.analysis.parts import pick_step
 from pysprings.results.plots.data import step_text
 from pysprings.results.plots.picture import Picture
-from pysprings.results.plots.style import DEG, GREY, MM, PALE, PURPLE, STEEL, new_figure, set_title, styled
+from pysprings.results.plots.style import (
+    DEG,
+    GAP_COLOURS,
+    GREY,
+    MM,
+    PALE,
+    PURPLE,
+    RADIUS_COLOURS,
+    STEEL,
+    new_figure,
+    set_title,
+    styled,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,8 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
-
-COLOURS = "viridis_r"
 
 
 @styled
@@ -74,7 +84,7 @@ def _draw_skirt(axes: Axes, path: xr.Dataset, step: int, side: str, norm: Normal
         cell_edges(depth, 0.0, float(path["depth_bounds"].values.max())),
     )
     axes.set_facecolor(PALE)
-    drawn = axes.pcolormesh(*edges, np.ma.masked_less_equal(gap, 0.0), norm=norm, cmap=COLOURS, gid=f"gap {side}")
+    drawn = axes.pcolormesh(*edges, np.ma.masked_less_equal(gap, 0.0), norm=norm, cmap=GAP_COLOURS, gid=f"gap {side}")
     axes.set_xlim(0, 180)
     axes.set_ylim(edges[1][-1], 0)
     axes.set_xticks(range(0, 181, 30), ["0\nfront", "30", "60", "90\nside", "120", "150", "180\nback"])
@@ -114,7 +124,7 @@ def _draw_lid(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
         extent=(-radius, radius, -radius, radius),
         origin="lower",
         zorder=2,
-        cmap=COLOURS,
+        cmap=GAP_COLOURS,
         norm=Normalize(0.0, opening.width * MM or 1.0),
         interpolation="nearest",
         gid="gap lid",
@@ -140,7 +150,7 @@ def _draw_tip(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
         azimuth[order],
         gap[order] * MM,
         c=radius[order] if several else PURPLE,
-        cmap="viridis" if several else None,
+        cmap=RADIUS_COLOURS if several else None,
         s=22,
         linewidths=0,
         gid="gap tip",
@@ -169,7 +179,8 @@ def _bar(axes: Axes, drawn: ScalarMappable, values: NDArray[np.float64]) -> None
 PICTURE = Picture(
     name="gap",
     caption="Gap opening",
-    draw=lambda view: gap_map(view.path, view.step),
+    function=gap_map,
+    data=lambda view: (view.path, view.step),
     scope="state",
     applies=lambda view: "gap" in view.path,
     section="states",

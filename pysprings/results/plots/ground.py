@@ -66,7 +66,7 @@ def _applies(view: View) -> bool:
 
 
 @styled
-def profile(view: View) -> Figure:
+def ground_profile(view: View) -> Figure:
     """Draw layers, caisson and mesh, and by depth vertical effective stress, G, friction angle and su.
 
     Raises ValueError where the result does not hold its scene.
@@ -132,7 +132,7 @@ def _draw_curves(
 PICTURE = Picture(
     "ground",
     "Ground by depth: layers with the caisson and the mesh; vertical effective stress, shear modulus and strength.",
-    profile,
+    ground_profile,
     scope="run",
     applies=_applies,
     section="ground",

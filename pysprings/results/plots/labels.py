@@ -113,18 +113,23 @@ def _inside(box: Box, frame: Any) -> bool:
     )
 
 
+def _page(axes: Axes) -> Figure:
+    """Return the whole figure, also where the axes are in a part of one."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    return figure
+
+
 def _to_points(axes: Axes) -> Any:
     from matplotlib.transforms import Affine2D
 
-    figure = axes.figure
-    assert isinstance(figure, Figure)
+    figure = _page(axes)
     return Affine2D().scale(72 / figure.dpi)
 
 
 def _points(axes: Axes, data: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
     """Return places on the page [pt] of points in data units, with the layout settled."""
-    figure = axes.figure
-    assert isinstance(figure, Figure)
+    figure = _page(axes)
     engine = figure.get_layout_engine()
     if engine is None or isinstance(engine, CompressedLayout):
         figure.draw_without_rendering()
@@ -140,7 +145,7 @@ def _samples(axes: Axes, line: Line2D) -> NDArray[np.float64]:
     if line.get_transform() != axes.transData:
         return np.zeros((0, 2))
     path = np.column_stack([np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)])
-    corners = axes.transData.transform(path[np.isfinite(path).all(axis=1)]) * 72 / axes.figure.dpi
+    corners = axes.transData.transform(path[np.isfinite(path).all(axis=1)]) * 72 / _page(axes).dpi
     if len(corners) < 2:
         return np.asarray(corners).reshape(-1, 2)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])

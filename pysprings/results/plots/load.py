@@ -136,7 +136,8 @@ def _status(path: xr.Dataset) -> str:
 PICTURE = Picture(
     name="load_displacement",
     caption="Load by component, vertical forces, rotation and heave",
-    draw=lambda view: load_displacement(view.path),
-    applies=lambda view: not view.is_vertical,
+    function=load_displacement,
+    data=lambda view: (view.path,),
+    applies=lambda view: not view.is_vertical and "F_in" in view.path,
     section="",
 )

@@ -27,7 +27,7 @@ FULL = "full model"
 
 
 @styled
-def loops(path: SpringPath, answers: Mapping[str, xr.Dataset]) -> Figure:
+def memory_loops(path: SpringPath, answers: Mapping[str, xr.Dataset]) -> Figure:
     """Draw H over u and M over the rotation, and secant stiffness and damping ratio of each cycle over its amplitude.
 
     Parameters
@@ -90,7 +90,8 @@ def _label(name: str) -> str:
 PICTURE = Picture(
     name="loops",
     caption="Loops, secant stiffness and damping of the full model and of springs with memory",
-    draw=lambda view: loops(
+    function=memory_loops,
+    data=lambda view: (
         SpringPath(view.path.attrs["path"], view.path, float(view.path.attrs["skirt_length_m"])),
         {MEMORY: view.predictions[MEMORY]},
     ),

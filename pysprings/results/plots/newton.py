@@ -114,17 +114,17 @@ def _residuals(axes: Axes, record: xr.Dataset, tries: list[Attempt]) -> None:
     axes.axhline(1.0, color=GREY, linewidth=0.6)
 
 
-def _draw(view: View) -> Figure:
+def _data(view: View) -> tuple[xr.Dataset, tuple[int, ...]]:
     record = view.convergence
     assert record is not None  # `applies` has tested it
-    failed = failed_steps(view.path, record)
-    return newton_record(record.assign_attrs({**view.path.attrs, **record.attrs}), failed)
+    return record.assign_attrs({**view.path.attrs, **record.attrs}), failed_steps(view.path, record)
 
 
 PICTURE = Picture(
     name="newton",
     caption="Newton iterations",
-    draw=_draw,
+    function=newton_record,
+    data=_data,
     applies=lambda view: view.convergence is not None,
     section="",
 )

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import xarray as xr
 
@@ -83,6 +83,10 @@ def _always(_view: View) -> bool:
     return True
 
 
+def _view(view: View) -> tuple[Any, ...]:
+    return (view,)
+
+
 @dataclass(frozen=True, slots=True)
 class Picture:
     """A picture of a run.
@@ -93,8 +97,10 @@ class Picture:
         Part of the file name: `NAME` for the whole run, `PATH_NAME` for a path, `PATH_NAME_STATE` for a state.
     caption
         Caption in the report.
-    draw
-        View -> Figure.
+    function
+        Draws the picture of `data` and of options by keyword; returns a Figure.
+    data
+        View -> leading arguments of the function; the view itself by default.
     scope
         What one picture shows: the whole "run", a "path", or a "state" (last step, and u = 2.5 mm where reached).
     applies
@@ -108,8 +114,13 @@ class Picture:
 
     name: str
     caption: str
-    draw: Callable[[View], Figure]
+    function: Callable[..., Figure]
+    data: Callable[[View], tuple[Any, ...]] = _view
     scope: Scope = "path"
     applies: Callable[[View], bool] = _always
     tall: bool = False
     section: Part = "numerics"
+
+    def draw(self, view: View, **options: Any) -> Figure:
+        """Draw the picture of a view; options are keyword arguments of the function."""
+        return self.function(*self.data(view), **options)

@@ -72,7 +72,8 @@ def shear_rose(
 PICTURE = Picture(
     name="pressure",
     caption="Excess pore pressure around the skirt",
-    draw=lambda view: pressure_rose(view.path, view.step),
+    function=pressure_rose,
+    data=lambda view: (view.path, view.step),
     scope="state",
     applies=lambda view: "pressure_min" in view.path and "pore_pressure" in view.path,
     section="",

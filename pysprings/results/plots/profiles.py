@@ -14,7 +14,7 @@ from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.data import lateral_reaction
 from pysprings.results.plots.picture import Picture
-from pysprings.results.plots.style import KN, new_figure, set_title, styled
+from pysprings.results.plots.style import GREY, KN, LEVEL_COLOURS, new_figure, set_title, styled
 from pysprings.springs.edge import edge_rings
 
 if TYPE_CHECKING:
@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LEVELS = (0.25, 0.5, 0.75, 1.0)  # of the largest load of the path
+# label of the axis of each quantity
+QUANTITIES = {
+    "p": "p [kN/m]", "m": "m [kN m/m]", "t": "t [kN/m]", "mobilisation": "p / largest p so far",
+}  # fmt: skip
 
 
 def level_steps(path: xr.Dataset, levels: Sequence[float] = LEVELS) -> dict[float, int]:
@@ -51,19 +55,10 @@ def profiles(path: xr.Dataset, levels: Sequence[float] = LEVELS) -> Figure:
     """
     figure = new_figure(9.6, 4.4)
     panels = figure.subplots(1, 4, sharey=True)
-    p = lateral_reaction(path)["net"]
-    steps = level_steps(path, levels)
-    last = next(reversed(steps.values()), 0)
-    largest = np.maximum.accumulate(np.abs(p), axis=1)[:, last]
-    share = np.abs(p) / np.where(largest > 0.0, largest, 1.0)[:, None]
-    drawn = (("p [kN/m]", KN * p), ("m [kN m/m]", KN * _net(path, "m")), ("t [kN/m]", KN * _net(path, "t")),
-             ("p / largest p so far", share))  # fmt: skip
-    for axes, (label, values) in zip(panels, drawn, strict=True):
-        _draw(axes, path, values, steps)
-        axes.set_xlabel(label)
+    for axes, quantity in zip(panels, QUANTITIES, strict=True):
+        draw_profile(axes, path, quantity, levels)
     panels[0].set_ylabel("depth [m]")
     panels[0].set_ylim(float(path["depth_bounds"].values.max()), 0.0)
-    panels[3].set_xlim(0.0, 1.05)
     panels[3].set_title("mobilisation")
     handles, names = panels[0].get_legend_handles_labels()
     if names:
@@ -72,14 +67,14 @@ def profiles(path: xr.Dataset, levels: Sequence[float] = LEVELS) -> Figure:
     return figure
 
 
-def _net(path: xr.Dataset, name: str) -> NDArray[np.float64]:
-    values: NDArray[np.float64] = path[name].sum("side").transpose("depth", "step").values
-    return values
+def draw_profile(axes: Axes, path: xr.Dataset, quantity: str = "p", levels: Sequence[float] = LEVELS) -> None:
+    """Draw p, m, t or "mobilisation" by depth (downwards) at shares of the largest load on given axes.
 
-
-def _draw(axes: Axes, path: xr.Dataset, values: NDArray[np.float64], steps: dict[float, int]) -> None:
-    edge, depth = edge_rings(path), path["depth"].values
-    colours = mpl.colormaps["cividis_r"](np.linspace(0.1, 1.0, max(len(steps), 1)))
+    Mobilisation is p over its largest value so far at its depth.
+    """
+    steps, edge, depth = level_steps(path, levels), edge_rings(path), path["depth"].values
+    values = _values(path, quantity, next(reversed(steps.values()), 0))
+    colours = mpl.colormaps[LEVEL_COLOURS](np.linspace(0.1, 1.0, max(len(steps), 1)))
     for (level, step), colour in zip(steps.items(), colours, strict=False):
         word = f"{100 * level:.0f} % of the largest load"
         axes.plot(values[:, step], depth, "-", color=colour, label=word, linewidth=1.5)
@@ -87,8 +82,24 @@ def _draw(axes: Axes, path: xr.Dataset, values: NDArray[np.float64], steps: dict
         axes.plot(values[edge, step], depth[edge], "o", color=colour, markerfacecolor="white", markersize=5,
                   label="_edge", gid="edge")  # fmt: skip
     limits_without_edge(axes, values[~edge][:, list(steps.values())], "x")
-    axes.axvline(0.0, color="#7a7a7a", linewidth=0.8, zorder=1)
+    axes.axvline(0.0, color=GREY, linewidth=0.8, zorder=1)
     axes.locator_params(axis="x", nbins=4)
+    axes.set_xlabel(QUANTITIES[quantity])
+    axes.set_ylim(float(path["depth_bounds"].values.max()), 0.0)
+    if quantity == "mobilisation":
+        axes.set_xlim(0.0, 1.05)
+
+
+def _values(path: xr.Dataset, quantity: str, last: int) -> NDArray[np.float64]:
+    """Return a quantity (depth, step) in the unit of its axis; `last` is the step up to which p is the largest."""
+    if quantity in ("m", "t"):
+        values: NDArray[np.float64] = path[quantity].sum("side").transpose("depth", "step").values
+        return KN * values
+    p = lateral_reaction(path)["net"]
+    if quantity == "p":
+        return KN * p
+    largest = np.maximum.accumulate(np.abs(p), axis=1)[:, last]
+    return np.abs(p) / np.where(largest > 0.0, largest, 1.0)[:, None]
 
 
 def limits_without_edge(axes: Axes, values: NDArray[np.float64], which: str) -> None:
@@ -103,7 +114,8 @@ def limits_without_edge(axes: Axes, values: NDArray[np.float64], which: str) -> 
 PICTURE = Picture(
     name="profiles",
     caption="Reactions by depth at load levels; mobilisation",
-    draw=lambda view: profiles(view.reactions),
+    function=profiles,
+    data=lambda view: (view.reactions,),
     applies=lambda view: not view.is_vertical,
     section="springs",
 )

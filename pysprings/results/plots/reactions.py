@@ -15,6 +15,7 @@ from pysprings.results.plots.labels import label_ends, last_point
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.profiles import limits_without_edge
 from pysprings.results.plots.style import (
+    DEPTH_COLOURS,
     KN,
     MM,
     new_figure,
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
-    from numpy.typing import NDArray
 
 MOST_CURVES = 8
 EDGE_WORDS = "dotted: edge ring of the tip, whose p depends on the mesh; it does not set the scale"
@@ -49,13 +49,12 @@ def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure
     depths
         Depths [m]; the nearest rings are drawn. Default: at most eight rings, evenly over the skirt.
     """
-    rings = spread_depths(path, MOST_CURVES) if depths is None else pick_depths(path, depths)
-    reactions = {side: p for side, p in lateral_reaction(path).items() if side in PANELS}
     figure = new_figure(9.6, 7.4)
     grid = figure.add_gridspec(2, 2, height_ratios=[1.25, 1.0])
     places = {"net": grid[0, :], "outside": grid[1, 0], "inside": grid[1, 1]}
-    for side, p in reactions.items():
-        _panel(figure.add_subplot(places[side]), path, p, rings, PANELS[side])
+    for side in lateral_reaction(path):
+        if side in PANELS:
+            draw_py(figure.add_subplot(places[side]), path, depths, side)
     for axes in figure.axes:
         _make_room(axes)
         _label_depths(axes)
@@ -72,10 +71,13 @@ def _ends_in_view(axes: Axes, line: Line2D, text: str) -> bool:
 
 def depth_colours(n: int) -> list[Any]:
     """Return n colours from shallow (light) to deep (dark), readable on white and in grey print."""
-    return list(mpl.colormaps["viridis_r"](np.linspace(0.12, 1.0, n)))
+    return list(mpl.colormaps[DEPTH_COLOURS](np.linspace(0.12, 1.0, n)))
 
 
-def _panel(axes: Axes, path: xr.Dataset, p: NDArray[np.float64], rings: list[int], title: str) -> None:
+def draw_py(axes: Axes, path: xr.Dataset, depths: Iterable[float] | None = None, side: str = "net") -> None:
+    """Draw p against y by depth on given axes: net, outside or inside; the edge ring does not set the scale."""
+    rings = spread_depths(path, MOST_CURVES) if depths is None else pick_depths(path, depths)
+    p = lateral_reaction(path)[side]
     good, edge = converged(path), edge_rings(path)
     y = path["y"].transpose("depth", "step").values
     for ring, colour in zip(rings, depth_colours(len(rings)), strict=True):
@@ -89,7 +91,7 @@ def _panel(axes: Axes, path: xr.Dataset, p: NDArray[np.float64], rings: list[int
         axes.legend(loc="best")
     axes.set_xlabel("displacement y of the mean fibre [mm]")
     axes.set_ylabel("reaction p [kN/m]")
-    axes.set_title(title)
+    axes.set_title(PANELS[side])
 
 
 def _make_room(axes: Axes) -> None:
@@ -108,7 +110,8 @@ def _label_depths(axes: Axes) -> None:
 PICTURE = Picture(
     name="py",
     caption="p-y curves by depth",
-    draw=lambda view: py_curves(view.reactions),
+    function=py_curves,
+    data=lambda view: (view.reactions,),
     applies=lambda view: not view.is_vertical,
     section="springs",
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -280,7 +281,8 @@ def _picture(side: str) -> Picture:
     return Picture(
         name=f"stress_{side}",
         caption=f"Normal effective stress around the caisson, {side}",
-        draw=lambda view: stress_rose(view.path, view.step, side=side),
+        function=partial(stress_rose, side=side),
+        data=lambda view: (view.path, view.step),
         scope="state",
         applies=lambda view: "normal_effective_stress" in view.path,
         tall=True,

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.results.analysis.parts import converged, settings
-from pysprings.results.plots.overview import lateral_paths, path_colours
+from pysprings.results.plots.overview import lateral_paths
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import GREY, MN, new_figure, plain, set_title, styled
 
@@ -44,8 +44,7 @@ def secant_stiffness(tree: xr.DataTree) -> Figure:
 
 def draw_secant(axes: Axes, tree: xr.DataTree, load: str, motion: str, over: float) -> None:
     """Draw load over motion against motion / `over` on given axes, for the states where the load drives the motion."""
-    paths = list(lateral_paths(tree))
-    for (name, path), colour in zip(paths, path_colours(len(paths)), strict=True):
+    for name, path, colour in lateral_paths(tree):
         x, y = path[motion].values, path[load].values
         shown = converged(path) & (np.abs(x) > SMALLEST) & (x * y > 0.0)
         if shown.sum() > 1:
@@ -64,8 +63,9 @@ def draw_secant(axes: Axes, tree: xr.DataTree, load: str, motion: str, over: flo
 PICTURE = Picture(
     name="secant_stiffness",
     caption="Secant stiffness against motion; dotted: initial stiffness of the full model",
-    draw=lambda view: secant_stiffness(view.result),
+    function=secant_stiffness,
+    data=lambda view: (view.result,),
     scope="run",
-    applies=lambda view: bool(list(lateral_paths(view.result))),
+    applies=lambda view: bool(lateral_paths(view.result)),
     section="capacity",
 )

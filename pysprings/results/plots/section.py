@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import Normalize, TwoSlopeNorm
+from matplotlib.colors import Normalize
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 
@@ -15,7 +15,18 @@ from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.results.analysis.parts import pick_step
 from pysprings.results.plots.data import caisson_size, step_text
 from pysprings.results.plots.picture import Picture
-from pysprings.results.plots.style import INK, KPA, MM, SOIL, STEEL, VERMILLION, new_figure, set_title, styled
+from pysprings.results.plots.style import (
+    INK,
+    KPA,
+    MM,
+    SIGNED_COLOURS,
+    SOIL,
+    STEEL,
+    VERMILLION,
+    new_figure,
+    set_title,
+    styled,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -153,19 +164,14 @@ def _draw_field(axes: Axes, section: xr.Dataset, values: NDArray[np.float64], un
 
     grid = Triangulation(section["section_x"].values, section["section_depth"].values, triangles(section))
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    norm: Normalize
-    if low < 0.0 and -low > 0.05 * high:
-        norm, colours = TwoSlopeNorm(0.0, -max(high, -low), max(high, -low)), "RdBu_r"
-    else:
-        norm, colours = Normalize(min(low, 0.0), max(high, 1e-9)), "viridis"
-    shade = axes.tripcolor(grid, values, shading="gouraud", norm=norm, cmap=colours, rasterized=True)
+    size = max(high, -low, 1e-9)
+    shade = axes.tripcolor(grid, values, shading="gouraud", norm=Normalize(-size, size), cmap=SIGNED_COLOURS,
+                           rasterized=True)  # fmt: skip
     bar = axes.figure.colorbar(shade, ax=axes, label=unit, shrink=0.85, pad=0.02)
-    bar.ax.set_ylim(low, max(high, low + 1e-9))
     levels = np.asarray(MaxNLocator(9).tick_values(low, high) if high > low else [])
     if levels.size:
         lines = axes.tricontour(grid, values, levels=levels, colors="black", linewidths=0.5, linestyles="solid")
         bar.add_lines(lines)
-        bar.set_ticks([float(level) for level in levels if low <= level <= high])
     axes.grid(False)
 
 
@@ -263,7 +269,8 @@ def _mesh_counts(section: xr.Dataset) -> str:
 MESH = Picture(
     name="mesh",
     caption="Mesh in the symmetry plane",
-    draw=lambda view: mesh(view.plane),
+    function=mesh,
+    data=lambda view: (view.plane,),
     scope="run",
     applies=lambda view: view.section is not None,
     section="numerics",
@@ -271,7 +278,8 @@ MESH = Picture(
 DISPLACEMENT = Picture(
     name="section",
     caption="Displacement in the symmetry plane",
-    draw=lambda view: section_displacement(view.plane, view.path, view.step),
+    function=section_displacement,
+    data=lambda view: (view.plane, view.path, view.step),
     scope="state",
     applies=lambda view: view.section is not None and "section_ux" in view.path,
     section="states",
@@ -279,7 +287,8 @@ DISPLACEMENT = Picture(
 PRESSURE = Picture(
     name="section_pressure",
     caption="Excess pore pressure in the symmetry plane",
-    draw=lambda view: section_pressure(view.plane, view.path, view.step),
+    function=section_pressure,
+    data=lambda view: (view.plane, view.path, view.step),
     scope="state",
     applies=lambda view: view.section is not None and "section_pore_pressure" in view.path,
     section="",

@@ -4,19 +4,23 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, ParamSpec
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, ParamSpec, cast
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
+NOTEBOOK_DPI = 80
 KN, MN, KPA, MM, MRAD = 1e-3, 1e-6, 1e-3, 1e3, 1e3  # from N, N, Pa, m, rad
 DEG = 180 / np.pi
 
@@ -27,6 +31,14 @@ PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
 SURFACE_COLOURS = {"outer": BLUE, "inner": ORANGE, "lid": GREEN, "tip": PURPLE}
 SIDE_COLOURS = {"outside": BLUE, "inside": ORANGE}
 STEEL, SOIL = "#4a4a4a", "#f5efe1"
+
+# One colour map has one meaning in all figures
+DEPTH_COLOURS = "viridis_r"  # shallow to deep
+LEVEL_COLOURS = "cividis_r"  # small to large loads
+PATH_COLOURS = "turbo"  # load paths of a run
+GAP_COLOURS = "YlOrRd"  # narrow to wide gaps
+SIGNED_COLOURS = "RdBu_r"  # displacement and pressure, symmetric about zero
+RADIUS_COLOURS = "Purples"  # inner to outer stations of the tip
 
 # Any: the type of rc parameters lists every key by name.
 STYLE: Any = {
@@ -73,12 +85,39 @@ class CompressedLayout(ConstrainedLayoutEngine):
     """Layout of panels of equal aspect, which have their place only once they are drawn."""
 
 
+_TARGET: ContextVar[Figure | SubFigure | None] = ContextVar("_TARGET", default=None)
+
+
+@contextmanager
+def drawn_on(target: Figure | SubFigure | None) -> Iterator[None]:
+    """Draw the pictures of a block on a figure, or on a part of one (`Figure.subfigures`), in the place of new ones."""
+    token = _TARGET.set(target)
+    try:
+        yield
+    finally:
+        _TARGET.reset(token)
+
+
+class Drawing(Figure):
+    """A figure that notebooks show without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        stream = BytesIO()
+        with mpl.rc_context(STYLE):
+            self.savefig(stream, format="png", dpi=NOTEBOOK_DPI)
+        return stream.getvalue()
+
+
 def new_figure(width: float, height: float, compressed: bool = False) -> Figure:
-    """Return an empty figure of this size [inch], drawn by Agg, outside pyplot.
+    """Return an empty figure of this size [inch], drawn by Agg, outside pyplot; the emptied target of `drawn_on`.
 
     `compressed` closes the empty room between panels of equal aspect.
     """
-    figure = Figure(figsize=(width, height))
+    target = _TARGET.get()
+    if target is not None:
+        target.clear()
+        return cast(Figure, target)  # parts of figures have all methods that pictures use
+    figure = Drawing(figsize=(width, height))
     FigureCanvasAgg(figure)
     layout = CompressedLayout if compressed else ConstrainedLayoutEngine
     figure.set_layout_engine(layout(w_pad=0.08, h_pad=0.08, compress=compressed))

@@ -48,14 +48,15 @@ def tilt(tree: xr.DataTree, limits: Iterable[float] = LIMITS) -> Figure:
 
 def draw_tilt(axes: Axes, tree: xr.DataTree, load: str, limits: Iterable[float] = LIMITS) -> None:
     """Draw the size of a load against the size of the rotation on given axes."""
-    paths = [(_name(name, path), _sizes(path)) for name, path in lateral_paths(tree, free_head=True)]
+    free = lateral_paths(tree, free_head=True)
+    paths = [each._replace(name=_name(each.name, each.data), data=_sizes(each.data)) for each in free]
     draw_paths(axes, paths, ("rotation", DEG), (load, MN))
-    largest = max((float(path["rotation"].max()) * DEG for _, path in paths), default=0.0)
+    largest = max((float(path["rotation"].max()) * DEG for _, path, _ in paths), default=0.0)
     shown = [limit for limit in limits if limit <= 1.5 * largest]
     for limit in shown:
         axes.axvline(limit, color=INK, linewidth=1.0, linestyle=":", gid="limit", label="_limit")
-        axes.annotate(f"{limit:g}°", (limit, 1.0), (2, -2), xycoords=("data", "axes fraction"),
-                      textcoords="offset points", va="top", fontsize=8)  # fmt: skip
+        axes.annotate(f"{limit:g}°", (limit, 1.0), (-2, -2), xycoords=("data", "axes fraction"),
+                      textcoords="offset points", va="top", ha="right", fontsize=8)  # fmt: skip
     axes.set_xlim(0.0, 1.05 * max([largest, *shown]) or 1.0)
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("size of the rotation [deg]")
@@ -75,8 +76,9 @@ def _name(name: str, path: xr.Dataset) -> str:
 PICTURE = Picture(
     name="tilt",
     caption="Load and moment against tilt, with limits of tilt",
-    draw=lambda view: tilt(view.result),
+    function=tilt,
+    data=lambda view: (view.result,),
     scope="run",
-    applies=lambda view: bool(list(lateral_paths(view.result, free_head=True))),
+    applies=lambda view: bool(lateral_paths(view.result, free_head=True)),
     section="tilt",
 )

@@ -80,7 +80,8 @@ def _reactions(axes: Axes, path: xr.Dataset, x: np.ndarray) -> None:
 PICTURE = Picture(
     name="vertical",
     caption="Vertical springs",
-    draw=lambda view: vertical_springs(view.path),
+    function=vertical_springs,
+    data=lambda view: (view.path,),
     applies=lambda view: view.is_vertical,
     section="",
 )
