@@ -67,8 +67,6 @@ def _draw(first: Run, second: Run, names: list[str], out: Path) -> list[Path]:
     for name in names:
         file = out / f"{name}.png"
         with replacing(file) as temporary:
-            overlay({each.name: each.result for each in (first, second)}, name).savefig(
-                temporary, dpi=110, format="png"
-            )
+            overlay(runs, name).savefig(temporary, dpi=110, format="png")
         files.append(file)
     return files
