@@ -200,7 +200,8 @@ def test_workbook_values_with_their_units(book, springs):
 
 def test_sheets_print_one_page_wide_and_can_be_filtered(book):
     for sheet in book:
-        assert (sheet.page_setup.orientation, sheet.page_setup.fitToHeight) == ("landscape", 0)
+        high = 0 if sheet.title in ("About", "charts", "stiffness 6x6") else None  # as many as needed; one
+        assert (sheet.page_setup.orientation, sheet.page_setup.fitToHeight) == ("landscape", high)
         assert sheet.sheet_properties.pageSetUpPr.fitToPage
     for name in ("p-y", "m-theta", "base", "lid", "load-displacement"):
         assert book[name].auto_filter.ref.startswith("A3:") and book[name].print_title_rows == "$1:$3"

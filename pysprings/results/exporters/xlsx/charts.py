@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The sheet of charts: a row of them for each path."""
+"""The sheet of charts: those of a lateral path on a page, then those of the vertical paths."""
 
 from __future__ import annotations
 
@@ -12,18 +12,20 @@ from pysprings.macro.sets import spring_sets
 from pysprings.results.exporters.xlsx.sheet import HEAD_ROWS, Book
 from pysprings.springs.dataset import is_vertical, path_dataset
 
-ROWS = 20  # cells from a row of charts to the next
+ROWS, COLUMNS = 20, 9  # cells from a row of charts to the next, from a chart to the next one beside it
+ACROSS = 3  # charts beside each other
+ON_A_PAGE = 2  # rows of charts
 
 
 def add_charts(book: Book, sheet: Any, springs: xr.DataTree) -> None:
-    """Insert one row of charts for each lateral path: load-displacement, p-y by depth, m by depth, tip and lid."""
+    """Insert charts of each lateral path: load-displacement, p-y by depth, m by depth, tip and lid; a page each."""
     depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
     shown = range(depths.size)
     load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(spring_sets(springs))]
     py = [(f"{depths[k]:.2f} m", 2 + 4 * k, 3 + 4 * k) for k in shown]
     mtheta = [(f"{depths[k]:.2f} m", 2, 4 + 4 * k) for k in shown]
-    sheet.set_h_pagebreaks([2 * ROWS * k for k in range(1, 1 + len(book.rows) // 2)])
     lateral = [(name, rows) for name, rows in book.rows.items() if not is_vertical(springs, name)]
+    sheet.set_h_pagebreaks([ON_A_PAGE * ROWS * k for k in range(1, 1 + len(book.rows))])
     for place, (name, rows) in enumerate(lateral):
         charts = (
             ("load-displacement", f"{name}: load at the lid", load, "u [mm]", "H [kN]"),
@@ -32,20 +34,26 @@ def add_charts(book: Book, sheet: Any, springs: xr.DataTree) -> None:
             ("base", f"{name}: force on the tip", [("H", 2, 5)], "y of the tip [mm]", "H [kN]"),
             ("lid", f"{name}: force under the lid", [("H", 2, 5)], "u [mm]", "H [kN]"),
         )
-        for col, (data, title, series, x, y) in enumerate(charts):
-            _insert(sheet, (place * ROWS, col * 9), _scatter(book, data, rows, series), title, x, y)
+        for k, (data, title, series, x, y) in enumerate(charts):
+            cell = (ON_A_PAGE * place + k // ACROSS) * ROWS, k % ACROSS * COLUMNS
+            _insert(sheet, cell, _scatter(book, data, rows, series), title, x, y)
 
 
-def add_vertical_charts(book: Book, sheet: Any, springs: xr.DataTree, below: int) -> None:
-    """Insert one row of charts for each vertical path from the row `below` on: V, and t by depth, over w."""
+def add_vertical_charts(book: Book, sheet: Any, springs: xr.DataTree, above: int) -> None:
+    """Insert a row of charts for each vertical path below those of `above` lateral paths: V, and t by depth, over w."""
     depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
     shown = range(depths.size)
     V = [("V", 2, 3), ("tip", 2, 4), ("lid", 2, 5)]
     t = [(f"{depths[k]:.2f} m", 2, 6 + 3 * k) for k in shown]
-    for place, (name, rows) in enumerate(book.rows.items(), start=below):
+    for place, (name, rows) in enumerate(book.rows.items(), start=ON_A_PAGE * above):
         for col, (title, series, y) in enumerate((("vertical load", V, "V [kN]"), ("t-z by depth", t, "t [kN/m]"))):
             _insert(
-                sheet, (place * ROWS, col * 9), _scatter(book, "t-z", rows, series), f"{name}: {title}", "w [mm]", y
+                sheet,
+                (place * ROWS, col * COLUMNS),
+                _scatter(book, "t-z", rows, series),
+                f"{name}: {title}",
+                "w [mm]",
+                y,
             )
 
 

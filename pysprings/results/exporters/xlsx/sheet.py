@@ -18,6 +18,7 @@ from pysprings.springs.edge import edge_rings
 
 KN, MM, MRAD = 1e-3, 1e3, 1e3
 HEAD_ROWS = 3  # depth, slice, heading with unit
+MOST_PRINTED = 45  # rows of a data sheet
 
 
 @dataclass
@@ -28,6 +29,7 @@ class Book:
     head: Any
     title: Any
     number: Any
+    tenth: Any
     text: Any
     mono: Any
     left: Any
@@ -84,6 +86,7 @@ def fill(book: Book, sheet: Any, springs: xr.DataTree, columns: Sequence[Column]
     sheet.repeat_columns(0, 1)
     last = max(end for _, end in book.rows.values())
     sheet.autofilter(HEAD_ROWS - 1, 0, HEAD_ROWS + last, 2 + len(columns))
+    print_a_look(sheet, HEAD_ROWS, last + 1, 3 + len(columns))
 
 
 def set_page(sheet: Any) -> None:
@@ -93,6 +96,18 @@ def set_page(sheet: Any) -> None:
     sheet.set_margins(left=0.4, right=0.4, top=0.6, bottom=0.6)
     sheet.fit_to_pages(1, 0)
     sheet.set_footer("&L&A&RPage &P of &N")
+
+
+def print_a_look(sheet: Any, head: int, rows: int, columns: int) -> None:
+    """Print the first rows of a long sheet on one page, and state it at its foot; after `set_page`.
+
+    Such a sheet is for the screen and for formulas.
+    """
+    shown = min(rows, MOST_PRINTED)
+    sheet.print_area(0, 0, head + shown - 1, columns - 1)
+    sheet.fit_to_pages(1, 1)
+    cut = f": the first {shown} of {rows} rows are printed" if shown < rows else ""
+    sheet.set_footer(f"&L&A{cut}&RPage &P of &N")
 
 
 def datasets(springs: xr.DataTree) -> list[xr.Dataset]:

@@ -13,10 +13,11 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.stiffness import FULL_MODEL, TORSION, stiffness_six
-from pysprings.results.exporters.xlsx.names import Names
+from pysprings.results.exporters.xlsx.sheet import Book
 from pysprings.springs.dataset import is_vertical, path_names
 
 KN = 1e-3
+ON_A_PAGE = 31  # rows of a printed page
 _SIX = (("Fx [kN]", "Fy [kN]", "Fz [kN]", "Mx [kN m]", "My [kN m]", "Mz [kN m]"),
         ("per x [m]", "per y [m]", "per z [m]", "per rx [rad]", "per ry [rad]", "per rz [rad]"))  # fmt: skip
 _THREE = (("H [kN]", "V [kN]", "M [kN m]"), ("per u [m]", "per w [m]", "per rotation [rad]"))
@@ -31,21 +32,26 @@ _NOTES = (
 )
 
 
-def write_stiffness(sheet: Any, springs: xr.DataTree, names: Names, title: Any, head: Any) -> None:
+def write_stiffness(book: Book, sheet: Any, springs: xr.DataTree) -> None:
     """Write the full model's initial stiffness as 6 x 6, then the 3 x 3 of the full model and of each spring set."""
+    names = book.names
     sheet.set_column(0, 0, 30)
     sheet.set_column(1, 6, 16)
     full = springs.dataset["stiffness_initial"].values
-    row = _block(sheet, 0, f"{FULL_MODEL} at the lid centre, 6 x 6", stiffness_six(springs).values, _SIX, title, head)
+    row = _block(book, sheet, 0, f"{FULL_MODEL} at the lid centre, 6 x 6", stiffness_six(springs).values, _SIX)
     names.define("K_6x6", sheet.name, (2, 1), (7, 6))
     for note in _NOTES:
         sheet.write_string(row, 0, note)
         row += 1
     row += 1
     names.define("K_3x3", sheet.name, (row + 2, 1), (row + 4, 3))
-    row = _block(sheet, row, f"{FULL_MODEL} at the lid centre, 3 x 3", full, _THREE, title, head)
+    row = _block(book, sheet, row, f"{FULL_MODEL} at the lid centre, 3 x 3", full, _THREE)
+    breaks = [0]
     for words, matrix in _sets(springs):
-        row = _block(sheet, row, f"stiffness of the springs at rest: {words}", matrix, _THREE, title, head)
+        if row + 3 + len(matrix) > breaks[-1] + ON_A_PAGE:
+            breaks.append(row)
+        row = _block(book, sheet, row, f"stiffness of the springs at rest: {words}", matrix, _THREE)
+    sheet.set_h_pagebreaks(breaks[1:])
 
 
 def _sets(springs: xr.DataTree) -> list[tuple[str, NDArray[np.float64]]]:
@@ -63,19 +69,13 @@ def _sets(springs: xr.DataTree) -> list[tuple[str, NDArray[np.float64]]]:
 
 
 def _block(
-    sheet: Any,
-    row: int,
-    words: str,
-    matrix: NDArray[np.float64],
-    labels: tuple[tuple[str, ...], ...],
-    title: Any,
-    head: Any,
-) -> int:
+    book: Book, sheet: Any, row: int, words: str, matrix: NDArray[np.float64], labels: tuple[tuple[str, ...], ...]
+) -> int:  # fmt: skip
     """Write one matrix in kN, m, rad with its labels; return the row behind it."""
-    sheet.write_string(row, 0, words, title)
+    sheet.write_string(row, 0, words, book.title)
     for column, label in enumerate(labels[1], start=1):
-        sheet.write_string(row + 1, column, label, head)
+        sheet.write_string(row + 1, column, label, book.head)
     for line, label in enumerate(labels[0]):
-        sheet.write_string(row + 2 + line, 0, label, head)
-        sheet.write_row(row + 2 + line, 1, (matrix[line] * KN + 0.0).tolist())
+        sheet.write_string(row + 2 + line, 0, label, book.head)
+        sheet.write_row(row + 2 + line, 1, (matrix[line] * KN + 0.0).tolist(), book.tenth)
     return row + 3 + len(labels[0])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings.results.exporters.xlsx.sheet import KN, MM, MRAD, Book
+from pysprings.results.exporters.xlsx.sheet import KN, MM, MRAD, Book, print_a_look
 from pysprings.springs.dataset import path_dataset
 from pysprings.springs.edge import edge_rings
 from pysprings.springs.sums import by_depth
@@ -39,7 +39,7 @@ def write_tidy(book: Book, sheet: Any, springs: xr.DataTree) -> None:
         ]  # fmt: skip
         for col, values in enumerate(columns, start=2):
             cells = [None if np.isnan(value) else value for value in np.asarray(values, dtype=float).tolist()]
-            sheet.write_column(row + 1, col, cells, book.number if col >= 8 else None)
+            sheet.write_column(row + 1, col, cells, book.number if col in (4, 5, 6) or col >= 8 else None)
         row += step.size
     sheet.set_row(0, 45)
     sheet.set_column(0, 1, 14)
@@ -47,7 +47,7 @@ def write_tidy(book: Book, sheet: Any, springs: xr.DataTree) -> None:
     sheet.freeze_panes(1, 1)
     sheet.repeat_rows(0)
     sheet.autofilter(0, 0, row, len(HEADINGS) - 1)
-    sheet.print_area(0, 0, min(row, 60), len(HEADINGS) - 1)  # a look: the sheet is for filters, not for paper
+    print_a_look(sheet, 1, row, len(HEADINGS))
 
 
 _MOTION = {"u": MM, "w": MM, "rotation": MRAD}

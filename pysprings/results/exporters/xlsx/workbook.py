@@ -2,9 +2,9 @@
 """Excel workbook of a spring set for design spreadsheets: kN, m, mm, mrad, with charts.
 
 Sheets: About, charts, p-y, m-theta, t-z (of vertical paths), base, lid, load-displacement, stiffness 6x6, tidy (a row
-for each path, step and depth, for pivots). Data sheets hold all paths below each other: columns path and step, then the
-values; every heading has its unit and a filter. Every sheet prints one page wide, with its headings repeated. Every
-curve has a defined name (`names`), so that formulas need no cell addresses.
+for each path, step and depth, for pivots). Data sheets hold all paths below each other: columns path and step, then
+the values; every heading has its unit and a filter. Every sheet prints one page wide; long ones print their first rows,
+and state it. Every curve has a defined name (`names`), so that formulas need no cell addresses.
 """
 
 from __future__ import annotations
@@ -61,6 +61,8 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
         behind = ("base", "lid", "load-displacement", "stiffness 6x6", "tidy")
         names = (*before, *(["t-z"] if down else []), *behind)
         sheets = {name: file.add_worksheet(name) for name in names}
+        for sheet in sheets.values():
+            set_page(sheet)
         _about(book, sheets["About"], about_lines(springs, source.comparison, source.summary))
         _py(book, sheets["p-y"], springs)
         _mtheta(book, sheets["m-theta"], springs)
@@ -71,11 +73,9 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
         for part, name in (("tip", "base"), ("lid", "lid")):
             _end(book, sheets[name], springs, part)
         _load(book, sheets["load-displacement"], source)
-        write_stiffness(sheets["stiffness 6x6"], springs, book.names, book.title, book.head)
+        write_stiffness(book, sheets["stiffness 6x6"], springs)
         add_charts(book, sheets["charts"], springs)
         write_tidy(book, sheets["tidy"], springs)
-        for sheet in sheets.values():
-            set_page(sheet)
     return Path(path)
 
 
@@ -89,6 +89,7 @@ def _open(file: xlsxwriter.Workbook, springs: xr.DataTree) -> Book:
         head=file.add_format({"bold": True, "bg_color": "#DDE6EE", "border": 1, "text_wrap": True, "valign": "top"}),
         title=file.add_format({"bold": True, "font_size": 13}),
         number=file.add_format({"num_format": "0.000"}),
+        tenth=file.add_format({"num_format": "#,##0.0"}),
         text=file.add_format({"text_wrap": True, "valign": "top"}),
         mono=file.add_format({"font_name": "Consolas"}),
         left=file.add_format({"align": "left"}),
