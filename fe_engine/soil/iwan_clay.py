@@ -7,6 +7,9 @@ Strength s, shear modulus and backbone are those of the law "von-mises" (see `mo
 
 in simple shear and plane strain. Unloading follows Masing's rules. With g_s = s/G the secant is
 G/G_0 = 1/(1 + gamma G_0/s), and the damping ratio of a loop of this hyperbola goes to 2/pi.
+
+A table of G/G_0 by strain gives a polygon instead: elastic up to its first line, through all points of the table, and
+on along its last line up to the strength.
 """
 
 from __future__ import annotations
@@ -18,6 +21,8 @@ import numpy as np
 from fe_engine.soil import overlay
 from fe_engine.soil.elastic import moduli
 from fe_engine.soil.law import SoilLaw
+
+MOST_POINTS = overlay.ELEMENTS  # of a table: one line from point to point for each element, and the strength
 
 
 def pack(young: Any, poisson: Any, strength: Any, strain: Any = 0.0) -> np.ndarray:
@@ -35,6 +40,26 @@ def pack(young: Any, poisson: Any, strength: Any, strain: Any = 0.0) -> np.ndarr
     gamma = x * s / shear[..., None] + strain[..., None] * x * x / (1.0 - x)
     slope = s / (s / shear[..., None] + strain[..., None] * x * (2.0 - x) / (1.0 - x) ** 2)
     return overlay.pack(young, poisson, 0.0, strength, *overlay.shares(x * s, gamma, slope, shear, strength))
+
+
+def pack_table(young: Any, poisson: Any, strength: Any, strain: Any, ratio: Any) -> np.ndarray:
+    """Return the packed parameters of a backbone given by points; each of the first three may be an array.
+
+    Parameters
+    ----------
+    young, poisson : elastic constants; Young's modulus in Pa.
+    strength : largest shear stress in simple shear in Pa, > 0.
+    strain, ratio : engineering shear strain and secant modulus over the shear modulus, (n,), 2 to MOST_POINTS points
+        of a concave curve below the strength.
+    """
+    strength, strain = np.asarray(strength, dtype=float), np.asarray(strain, dtype=float)
+    shear = np.broadcast_to(moduli(young, poisson)[1], np.broadcast_shapes(strength.shape, np.shape(young)))
+    tau = shear[..., None] * np.asarray(ratio, dtype=float) * strain
+    line = np.minimum(np.arange(overlay.ELEMENTS - 1), strain.size - 2)  # the last one counts once: no change of slope
+    slope = (np.diff(tau) / np.diff(strain))[..., line]
+    return overlay.pack(
+        young, poisson, 0.0, strength, *overlay.shares(tau[..., line], strain[line], slope, shear, strength)
+    )
 
 
 LAW = SoilLaw("iwan-clay", overlay.PARAMETERS, overlay.HISTORY, pack, overlay.elastic_moduli, overlay.update)

@@ -26,6 +26,7 @@ from fe_engine.soil import (
 from fe_engine.soil.law import SoilLaw
 from pysprings.scene.clay_laws import TRESCA, VON_MISES
 from pysprings.scene.ground import Stratum, ground_of
+from pysprings.scene.reduction import KEY as REDUCTION
 from pysprings.scene.soil_laws import DEGRADATION_KEYS
 
 if TYPE_CHECKING:
@@ -80,6 +81,8 @@ def _clay(measure: float) -> Callable[[Any], np.ndarray]:
 
 def _iwan_clay(soil: Any) -> np.ndarray:
     young, poisson, strength = soil.young_modulus, soil.poisson_ratio, soil.undrained_shear_strength
+    if (table := getattr(soil, REDUCTION, None)) is not None:
+        return iwan_clay.pack_table(young, poisson, strength, *np.array(table).T)
     shear = young / (2.0 * (1.0 + poisson))
     half = getattr(soil, "strain_at_half_strength", None)
     scale = strength / shear if half is None else np.maximum(mobilised.scale_of(half, strength, shear), 0.0)
@@ -154,5 +157,7 @@ def _values(stratum: Stratum, depth: np.ndarray) -> SimpleNamespace:
     # what is mobilised follows the stress
     if stratum.varies or ENGINE_LAWS[stratum.law].by_stress or "strain_at_half_strength" in stratum.values:
         values: dict[str, Any] = {name: stratum.value(name, depth) for name in names}
-        return SimpleNamespace(**values, vertical_effective_stress=stratum.vertical_stress(depth))
-    return SimpleNamespace(**{name: float(stratum.value(name, np.array(0.0))) for name in names})
+        values |= {REDUCTION: stratum.reduction, "vertical_effective_stress": stratum.vertical_stress(depth)}
+        return SimpleNamespace(**values)
+    constant: dict[str, Any] = {name: float(stratum.value(name, np.array(0.0))) for name in names}
+    return SimpleNamespace(**constant | {REDUCTION: stratum.reduction})

@@ -15,6 +15,7 @@ import numpy as np
 
 from pysprings.core.units import show
 from pysprings.scene.clash import Clash
+from pysprings.scene.reduction import reduction_clashes
 
 _ROUNDING = 1.0e-9
 _ATMOSPHERE = 100.0e3  # Pa, p_a
@@ -26,6 +27,7 @@ TRESCA, VON_MISES = 0.5, 1.0 / math.sqrt(3.0)
 def strength_clashes(soil: Any) -> Iterator[Clash]:
     """Check the strain at half of the strength, which is at least that of the elastic soil, su/(2 G)."""
     yield from _anisotropy_clashes(soil)
+    yield from reduction_clashes(soil)
     half, strength = soil.strain_at_half_strength, soil.undrained_shear_strength
     shear = soil.young_modulus / (2.0 * (1.0 + soil.poisson_ratio))
     if half is None or shear == 0.0:

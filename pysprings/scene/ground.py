@@ -16,6 +16,8 @@ from pysprings.scene.by_depth import ByDepth, Value
 from pysprings.scene.clay_laws import factors_of, small_strain_modulus
 from pysprings.scene.extent import Extent, extent_of
 from pysprings.scene.law_defaults import STIFFNESSES
+from pysprings.scene.reduction import KEY as REDUCTION
+from pysprings.scene.reduction import Pairs
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import BY_LAYER, Layer, Soil
 from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS
@@ -29,6 +31,7 @@ class Stratum:
     """A layer between two depths (m) with the values of its soil.
 
     ``above`` is the vertical effective stress (Pa) at its top; ``number`` its place among the layers of the scene.
+    ``reduction`` is its table of G/G_0 by shear strain.
     ``like`` is the law of the soil above, where this is the elastic ground below it; ``drainage`` is the layer's own.
     """
 
@@ -41,6 +44,7 @@ class Stratum:
     values: dict[str, Value]
     like: str = ""
     drainage: str | None = None
+    reduction: Pairs | None = None
 
     def value(self, name: str, depth: np.ndarray) -> np.ndarray:
         """Return a value of the soil at depths (...,) of this layer; Young's modulus from what gives the stiffness."""
@@ -225,7 +229,8 @@ def make_ground(soil: Soil, extent: Extent) -> Ground:
         layer = layers[number] if layers else None
         name, law = (layer.name, layer.law or soil.yield_surface) if layer else ("soil", soil.yield_surface)
         water = layer.drainage if layer else None
-        strata.append(Stratum(number, name, law, top, bottom, above, values_of(soil, layer), drainage=water))
+        strata.append(Stratum(number, name, law, top, bottom, above, values_of(soil, layer), drainage=water,
+                              reduction=_reduction(soil, layer, law)))  # fmt: skip
         above = float(strata[-1].vertical_stress(np.array(bottom)))
     if extent.depth > extent.ground:
         strata.append(_elastic(strata[-1], extent.depth, above))
@@ -242,6 +247,12 @@ def _elastic(above: Stratum, bottom: float, stress: float) -> Stratum:
     return Stratum(
         above.number, name, "elastic", above.bottom, bottom, stress, values, above.law, above.drainage
     )  # fmt: skip
+
+
+def _reduction(soil: Soil, layer: Layer | None, law: str) -> Pairs | None:
+    """Return the table of G/G_0 of a layer of clay, that of the soil where it gives none."""
+    own: Pairs | None = getattr(layer, REDUCTION, None)
+    return (getattr(soil, REDUCTION) if own is None else own) if REDUCTION in SOIL_LAWS[law].keys else None
 
 
 def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:

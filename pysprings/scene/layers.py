@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from pysprings.scene.extent import Extent
 from pysprings.scene.fields import Interval
 from pysprings.scene.ground import Stratum, make_ground
 from pysprings.scene.positions import KeyPath
+from pysprings.scene.reduction import KEY as REDUCTION
 from pysprings.scene.sections import Soil
 from pysprings.scene.soil_laws import DEGRADATION_KEYS
 
@@ -67,11 +69,11 @@ def uniform_soils(soil: Soil, domain: Extent) -> Iterator[tuple[Soil, tuple[floa
             yield uniform, stresses, number
 
 
-def _at(stratum: Stratum, depth: float) -> dict[str, float | None]:
+def _at(stratum: Stratum, depth: float) -> dict[str, Any]:
     """Return the values of a layer at a depth (m), Young's modulus among them; None for those it does not have."""
     values = {name: float(stratum.value(name, np.array(depth))) for name in (*stratum.values, "young_modulus")}
     optional = "strain_at_half_strength", "overconsolidation_ratio", *ANISOTROPY_KEYS, *DEGRADATION_KEYS
-    return {**dict.fromkeys(optional), **values}
+    return {**dict.fromkeys(optional), **values, REDUCTION: stratum.reduction}
 
 
 def values_inside(soil: Soil, domain: Extent) -> Iterator[Clash]:

@@ -19,7 +19,7 @@ from pysprings.scene.toml import to_toml
 LATER_KEYS = (
     "shear_modulus", "undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", "drainage",
     "degradation_strain", "degradation_limit", "plasticity_index", "overconsolidation_ratio", "compression_factor",
-    "direct_shear_factor", "extension_factor",
+    "direct_shear_factor", "extension_factor", "shear_modulus_reduction",
 )  # fmt: skip
 
 

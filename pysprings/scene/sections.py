@@ -21,6 +21,7 @@ from pysprings.scene.by_depth import ByDepth, Profile
 from pysprings.scene.by_surface import BySurface
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
 from pysprings.scene.law_defaults import with_defaults_of_laws
+from pysprings.scene.reduction import Reduction
 from pysprings.scene.soil_laws import SOIL_LAWS
 from pysprings.scene.then import Then, ThenList
 
@@ -58,18 +59,12 @@ _SU = Quantity(
 )  # fmt: skip
 _G = Quantity("MPa", "[1e-4, 1e6]", "shear modulus, instead of young_modulus", "5 MPa", optional=True)
 _RIGIDITY = Number("[1, 1e5]", "shear modulus over su, instead of young_modulus", 200.0, optional=True)
-_PLASTICITY = Number(
-    "[0, 160]", "plasticity index in %; gives small-strain G of clay, with overconsolidation_ratio", 40.0,
-    optional=True,
-)  # fmt: skip
+_PLASTICITY = Number("[0, 160]", "plasticity index in %; gives small-strain G of clay, with overconsolidation_ratio",
+                     40.0, optional=True)  # fmt: skip
 _OCR = Number("[1, 40]", "overconsolidation ratio, 1 where not given; beside plasticity_index", 1.5, optional=True)
-_HALF = Number(
-    "[1e-6, 0.5]", "engineering shear strain at half of su (1.5 times eps50 of a triaxial test)", 0.01, optional=True
-)
-_DEGRADES = Number(
-    "[1e-6, 0.1]", "shear strain gamma_0.7 at which sand has 72.2 % of its initial secant shear modulus", 2e-4,
-    optional=True,
-)  # fmt: skip
+_HALF = Number("[1e-6, 0.5]", "engineering shear strain at su/2 (1.5 eps50 of a triaxial test)", 0.01, optional=True)
+_DEGRADES = Number("[1e-6, 0.1]", "shear strain gamma_0.7 at which sand has 72.2 % of its initial secant shear modulus",
+                   2e-4, optional=True)  # fmt: skip
 _DEGRADED = Number("[0.01, 1]", "share of the initial stiffness left at large strains (0.2 where not given)", 0.2,
                    optional=True)  # fmt: skip
 _COMPRESSED = Number("[0.1, 5]", "su in plane strain compression over undrained_shear_strength", 1.3, optional=True)
@@ -186,6 +181,7 @@ class SoilValues(Section):
     plasticity_index: Annotated[float | None, _PLASTICITY] = None
     overconsolidation_ratio: Annotated[float | None, _OCR] = None
     strain_at_half_strength: Annotated[float | None, _HALF] = None
+    shear_modulus_reduction: Reduction = None
     compression_factor: Annotated[float | None, _COMPRESSED] = None
     direct_shear_factor: Annotated[float | None, _SHEARED] = None
     extension_factor: Annotated[float | None, _EXTENDED] = None
@@ -204,7 +200,7 @@ class LayerPlace(Section):
     drainage: Annotated[str | None, _DRAINED] = None
 
 
-_NOT_BY_LAYER = ("yield_surface", "surcharge")
+_NOT_BY_LAYER = ("yield_surface", "surcharge", "shear_modulus_reduction")
 _BY_STRESS = ("young_modulus",)
 
 
@@ -221,6 +217,7 @@ def _layer_field(name: str) -> Any:
 
 BY_LAYER = tuple(name for name in SoilValues.model_fields if name not in _NOT_BY_LAYER)
 _VALUES: dict[str, Any] = {name: _layer_field(name) for name in BY_LAYER}
+_VALUES["shear_modulus_reduction"] = (Reduction, None)
 if TYPE_CHECKING:
     Layer = LayerPlace
 else:

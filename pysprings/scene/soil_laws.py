@@ -245,7 +245,7 @@ STRENGTH_KEYS = ("friction_angle_initial", "friction_angle_final", "hardening_pa
 FRICTION_KEYS = (*STRENGTH_KEYS, *DEGRADATION_KEYS)
 CLAY_KEYS = (
     "undrained_shear_strength", "rigidity_ratio", "plasticity_index", "overconsolidation_ratio",
-    "strain_at_half_strength", *ANISOTROPY_KEYS,
+    "strain_at_half_strength", "shear_modulus_reduction", *ANISOTROPY_KEYS,
 )  # fmt: skip
 _CLAY_POISSON = 0.495  # almost constant volume; quadratic and mean-dilatation elements do not lock there
 

@@ -12,6 +12,7 @@ from fe_engine.conventions import OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import iwan_clay, iwan_sand, overlay, von_mises
 from fe_engine.soil.elastic import elastic_matrix, moduli
 from fe_engine.soil.law import Point
+from pysprings.scene.reduction import MOST_POINTS
 from tests.support.models import taylor_slope
 
 YOUNG, POISSON, SU = 1.2e7, 0.49, 2.0e4
@@ -110,6 +111,58 @@ def test_without_hardening_it_is_von_mises():
         np.testing.assert_allclose(new.stress, theirs.stress, rtol=1e-12, atol=1e-6)
         np.testing.assert_allclose(tangent, slopes, rtol=1e-10, atol=1e-6 * SHEAR)
         assert new.history[overlay.KAPPA] == pytest.approx(theirs.history[0], rel=1e-9, abs=1e-15)
+
+
+# A published form: half at 0.2 %, and what is left of it at large strains
+TABLE = np.array([(1e-5, 0.99), (1e-4, 0.93), (5e-4, 0.75), (1e-3, 0.6), (2e-3, 0.45), (5e-3, 0.25), (2e-2, 0.08)])
+TABLED = iwan_clay.pack_table(YOUNG, POISSON, SU, *TABLE.T)
+
+
+def polygon():
+    """Corners of the backbone of the table: the elastic line, its points but the first, and the strength."""
+    gamma, tau = TABLE[:, 0], SHEAR * TABLE[:, 0] * TABLE[:, 1]
+    slope = np.diff(tau) / np.diff(gamma)
+    first = (tau[0] - slope[0] * gamma[0]) / (SHEAR - slope[0])
+    last = gamma[-1] + (SU - tau[-1]) / slope[-1]
+    return np.array([0.0, first, *gamma[1:], last]), np.array([0.0, SHEAR * first, *tau[1:], SU])
+
+
+def test_a_table_of_the_secant_modulus_is_followed_at_its_points_up_to_the_strength():
+    p = TABLED
+    assert [p[overlay.FIRST : overlay.RADIUS].sum(), p[overlay.RADIUS :].sum()] == pytest.approx([1.0, 1.0])
+    assert p[overlay.FIRST :].min() >= 0.0
+    found = [Soil(p).go(gamma * SIMPLE, 3)[-1] / gamma / SHEAR for gamma in TABLE[:, 0]]
+    np.testing.assert_allclose(found, TABLE[:, 1], rtol=1e-9)
+    corners, stresses = polygon()
+    assert Soil(p).go(corners[-1] * SIMPLE)[-1] == pytest.approx(Soil(p).go(2.0 * corners[-1] * SIMPLE)[-1])
+    assert stresses[-1] == SU
+    many = iwan_clay.pack_table(YOUNG, POISSON, SU * np.array([[1.0, 1.1]]), *TABLE.T)
+    assert many.shape == (1, 2, len(overlay.PARAMETERS))
+    np.testing.assert_allclose(many[0, 0], p, rtol=1e-12)
+    assert iwan_clay.MOST_POINTS == MOST_POINTS
+    ten = np.geomspace(1e-5, 1e-2, MOST_POINTS)
+    full = iwan_clay.pack_table(YOUNG, POISSON, SU, ten, 1.0 / (1.0 + ten / YIELD))
+    assert (full[overlay.FIRST : overlay.RADIUS] > 0.0).all()
+
+
+@pytest.mark.parametrize("amplitude", [5e-4, 2e-3, 1.3e-2])
+def test_the_damping_of_a_table_is_that_of_masings_rules(amplitude):
+    """(2/pi)(2 A/(tau gamma) - 1), A the area below the polygon up to the amplitude; steps end at its corners."""
+    corners, stresses = polygon()
+    inside = corners[corners < amplitude]
+    gamma = np.append(inside, amplitude)
+    tau = np.interp(gamma, corners, stresses)
+    area = np.trapezoid(tau, gamma)
+    expected = 2.0 / np.pi * (2.0 * area / (tau[-1] * amplitude) - 1.0)
+    soil, work = Soil(TABLED), 0.0
+    soil.go(amplitude * SIMPLE)
+    for sign in (-1.0, 1.0):
+        for step in np.diff(2.0 * gamma):
+            before = soil.stress[3]
+            work += 0.5 * (before + soil.go(sign * step * SIMPLE)[-1]) * sign * step
+    assert soil.stress[3] == pytest.approx(tau[-1], rel=1e-9)
+    assert work / (2.0 * np.pi * tau[-1] * amplitude) == pytest.approx(expected, rel=1e-9)
+    assert 0.02 < expected < 0.6
 
 
 # --- Masing -----------------------------------------------------------------------------------------------

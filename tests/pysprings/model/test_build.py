@@ -189,6 +189,7 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("soil", "undrained_shear_strength"): 30e3,
     ("soil", "rigidity_ratio"): 100.0,
     ("soil", "strain_at_half_strength"): 0.02,
+    ("soil", "shear_modulus_reduction"): [[1e-4, 0.9], [1e-3, 0.5], [1e-2, 0.1]],
     ("soil", "plasticity_index"): 40.0,
     ("soil", "overconsolidation_ratio"): 2.0,
     **{("soil", name): 1.2 for name in FACTORS},
@@ -300,6 +301,8 @@ def test_every_field_changes_some_output(section: str, name: str, base_outputs: 
         scene = scene.replace(**CLAY).replace(soil={"yield_surface": "von-mises"} if name in FACTORS else {})
     if name in ("plasticity_index", "overconsolidation_ratio"):
         scene = scene.replace(soil={"rigidity_ratio": None, "plasticity_index": 30.0})
+    if name == "shear_modulus_reduction":
+        scene = scene.replace(**CLAY).replace(soil={"yield_surface": "iwan-clay"})
     if name == "degradation_limit":
         scene = scene.replace(soil={"degradation_strain": 2e-4})
     if section == "springs":

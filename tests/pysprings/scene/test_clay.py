@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from fe_engine.soil import anisotropic
+from fe_engine.soil import anisotropic, iwan_clay
 from pysprings.core.errors import UserInputError
 from pysprings.model.forecast.profile import profile, unusual_values
 from pysprings.model.soil_laws import soil_materials
@@ -211,6 +211,46 @@ def test_factors_of_su_choose_the_law_and_are_printed_by_depth():
 def test_factors_of_su_that_cannot_be_are_refused(old, new, message):
     found = messages(ANISOTROPIC.replace(old, new, 1))
     assert any(re.search(message, each) for each in found), found
+
+
+REDUCED = CLAY.replace('"tresca"', '"iwan-clay"').replace(
+    "rigidity", "shear_modulus_reduction = [[1e-4, 0.9], [1e-3, 0.5], [1e-2, 0.1]]\nrigidity", 1
+)
+
+
+def test_a_table_of_the_secant_modulus_is_the_backbone_of_a_layer():
+    """tau = G gamma G/G_0 at the points of the table, at every depth; a layer has its own, or that of [soil]."""
+    scene = parse_scene(REDUCED)
+    assert parse_scene(scene.to_toml()) == scene != parse_scene(CLAY.replace('"tresca"', '"iwan-clay"'))
+    (material, *_), _ = soil_materials(scene, np.array([[1.0, 3.0]]))
+    own = iwan_clay.pack_table(2.0 * 1.495 * 200.0 * np.array([7e3, 11e3]), 0.495, np.array([7e3, 11e3]), *np.array(
+        [(1e-4, 0.9), (1e-3, 0.5), (1e-2, 0.1)]).T)  # fmt: skip
+    np.testing.assert_allclose(material.parameters[0], own, rtol=1e-12)
+    layered = REDUCED + '[[soil.layer]]\ntop = "0 m"\nundrained_shear_strength = "50 kPa"\n'
+    layered = layered.replace('{ top = "5 kPa", gradient = "2 kPa/m" }', '"50 kPa"')
+    given = layered + "shear_modulus_reduction = [[1e-4, 0.8], [1e-2, 0.1]]\n"
+    rows = [soil_materials(parse_scene(text), np.array([[1.0]]))[0][0].parameters for text in (layered, given)]
+    assert not np.allclose(rows[0], rows[1])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("iwan-clay", "von-mises", 'is not used by law "von-mises": only "iwan-clay" has a table'),
+        ("rigidity", "strain_at_half_strength = 0.02\nrigidity", "cannot be used with strain_at_half_strength"),
+        ("0.1]]", "0.6]]", r"row 3: G/G_0 must not be more than in the row before \(0.5\)"),
+        ("0.1]]", "0.04]]", "row 3: the stress, G times strain, must be more than in the row before"),
+        ("0.9]", "0.5]", r"row 1: the stress must rise less steeply after it than before \(slopes 0.5, 0.5 G_0"),
+        ("[1e-3, 0.5]", "[1e-5, 0.5]", "row 2: the strain must be more than that of the row before"),
+        ("0.9]", "1.9]", r"row 1: G/G_0 1.9 is not in \(0, 1\]"),
+        ("[1e-3, 0.5], [1e-2, 0.1]", "", r"expected 2 to 10 pairs \[shear strain, G/G_0\] such as"),
+        ("0.5], [1e-2, 0.1]", '"half"]', "expected 2 to 10 pairs"),
+        ("200", "2000", r"gives \S+ kPa at a shear strain of 0.01, more than su"),
+    ],
+)  # fmt: skip
+def test_tables_of_the_secant_modulus_that_cannot_be_are_refused(old, new, message):
+    found = messages(REDUCED.replace(old, new, 1))
+    assert any(re.search("shear_modulus_reduction: .*" + message, each) for each in found), found
 
 
 def test_small_strain_stiffness_follows_from_plasticity_and_overconsolidation():
