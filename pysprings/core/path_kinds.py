@@ -123,6 +123,12 @@ def driven(attrs: Mapping[Any, Any]) -> Dof:
     return kind.drives if kind else "u"
 
 
+def has_free_head(attrs: Mapping[Any, Any]) -> bool:
+    """Return whether the load of a path with these attributes acts at a height, and the rotation is free."""
+    kind = PATH_KINDS.get(str(attrs.get("kind")))
+    return kind is not None and kind.free_head
+
+
 def is_straight(attrs: Mapping[object, object]) -> bool:
     """Return whether a path keeps its direction: by its kind, or marked so (paths read from a table have no kind)."""
     kind = PATH_KINDS.get(str(attrs["kind"]))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The rings at the edge of the tip: which ones they are, and springs without their peak.
+"""The rings at the edge of the tip: which ones they are, and springs on slices that do not depend on the mesh there.
 
 Contact stress at the corner of a stiff body is singular. The force of the skirt above a depth converges with the mesh;
 p in the last slice does not: it grows as the slice gets thinner. Distributed springs for another mesh or program keep
@@ -10,13 +10,17 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
 from pysprings.springs.dataset import path_dataset, path_names
-from pysprings.springs.sums import slice_heights
+
+Array = NDArray[np.float64]
 
 EDGE = 0.1  # of the skirt length, above the tip
+ZONE = 0.2  # of the skirt length: the slice at the tip that programs get
+SLIVER = 0.05  # of the skirt length: a thinner slice above the zone joins the next
 
 
 def edge_rings(path: xr.Dataset) -> NDArray[np.bool_]:
@@ -31,36 +35,85 @@ def edge_rings(path: xr.Dataset) -> NDArray[np.bool_]:
     return np.asarray(edge)
 
 
-def lump_edge(springs: xr.DataTree) -> xr.DataTree:
-    """Return springs whose edge rings have p, m and t of the ring above them; what they lose acts on the tip.
+def reslice(springs: xr.DataTree, bounds: ArrayLike | None = None) -> xr.DataTree:
+    """Return springs on other slices of the skirt, for programs that take p, m and t by depth.
 
-    H, V and M of every state are kept: H_tip takes sum (p - p') dz, V_tip sum (t - t') dz, and M_tip
-    sum ((z - L)(p - p') + m - m') dz. The elements of a memory set are left out: they belong to the old springs.
+    p is constant in each slice of the mesh; a new one has the mean of what it covers, and m takes the moment of p about
+    its middle. A slice that stays keeps its ring. So sum p dz, sum t dz and sum (p z + m) dz are kept: H, V and M of
+    every state. Tip and lid stay as they are. The elements of a memory set are left out: they belong to the old slices.
+
+    Parameters
+    ----------
+    springs
+        Springs with slices (`extract_springs`, `open_springs`).
+    bounds
+        Depths [m] between slices, from 0 to the skirt length. By default those of the mesh, with the last fifth of the
+        skirt as one slice (`tip_zone`).
+
+    Raises
+    ------
+    UserInputError
+        The bounds do not increase from 0 to the skirt length.
     """
     tree = springs.copy(deep=True)
     if MEMORY in tree.children:
         del tree[MEMORY]
     for name in path_names(tree):
-        tree.children["paths"].children[name].dataset = _lumped(path_dataset(tree, name))
-    tree.attrs["tip_edge"] = "lumped"
+        path = path_dataset(tree, name)
+        edges = tip_zone(path) if bounds is None else _checked(bounds, path)
+        tree.children["paths"].children[name].dataset = _on_slices(path, edges)
     return tree
 
 
-def _lumped(path: xr.Dataset) -> xr.Dataset:
-    edge = edge_rings(path)
-    if not edge.any():
-        return path
-    above, dz = int(np.flatnonzero(~edge)[-1]), slice_heights(path)[edge]
-    arm = path["depth"].values[edge] - float(path["depth_bounds"].values[-1, 1])
-    change: dict[str, NDArray[np.float64]] = {}
-    for name in ("p", "m", "t"):
-        values = path[name].transpose("depth", ...)
-        held = values.values.copy()
-        held[edge] = held[above]
-        lost = values.copy(data=values.values - held).sum([dim for dim in values.dims if dim not in ("depth", "step")])
-        change[name] = lost.transpose("depth", "step").values[edge]
-        path = path.assign({name: values.copy(data=held).transpose(*path[name].dims)})
-    more = {"H_tip": dz @ change["p"], "V_tip": dz @ change["t"], "M_tip": (dz * arm) @ change["p"] + dz @ change["m"]}
-    return path.assign({name: path[name] + values for name, values in more.items()}).map(
-        lambda each: each.assign_attrs(path[each.name].attrs), keep_attrs=True
-    )
+def tip_zone(path: xr.Dataset) -> Array:
+    """Return the depths between slices [m] of the mesh, with the last fifth of the skirt as one slice.
+
+    A slice that the zone cuts to less than a twentieth of the skirt joins the one above it.
+    """
+    given = path.variables["depth_bounds"].values
+    length = float(given[-1, 1])
+    top = (1.0 - ZONE) * length
+    kept = [depth for depth in given[1:, 0] if depth <= top - SLIVER * length]
+    return np.array([0.0, *kept, top, length])
+
+
+def _checked(bounds: ArrayLike, path: xr.Dataset) -> Array:
+    edges, length = np.asarray(bounds, dtype=float), float(path.variables["depth_bounds"].values[-1, 1])
+    ends = edges.ndim == 1 and edges.size > 1 and np.allclose(edges[[0, -1]], [0.0, length], atol=1e-9 * length)
+    if not (ends and (np.diff(edges) > 0.0).all()):
+        raise refused("bounds", f"slices must increase from 0 to the skirt length, {length:g} m")
+    return edges
+
+
+def _on_slices(path: xr.Dataset, edges: Array) -> xr.Dataset:
+    """Return a path whose slices lie between these depths."""
+    old, rings = path.variables["depth_bounds"].values, path["depth"].values
+    low, high = np.maximum(edges[:-1, None], old[:, 0]), np.minimum(edges[1:, None], old[:, 1])
+    overlap = np.maximum(high - low, 0.0)
+    share = xr.DataArray(overlap / np.diff(edges)[:, None], dims=("slice", "depth"))
+    whole = (overlap > 0.0) & np.isclose(old[:, 0], edges[:-1, None]) & np.isclose(old[:, 1], edges[1:, None])
+    at = np.where(whole.any(axis=1), rings[whole.argmax(axis=1)], 0.5 * (edges[1:] + edges[:-1]))
+    # where the force of a covered part acts: as far from its middle as the ring is from that of its slice
+    arm = xr.DataArray(0.5 * (low + high) + rings - old.mean(axis=1) - at[:, None], dims=("slice", "depth"))
+    bare = path.drop_vars("depth")
+    p, t = share.dot(bare["p"], dim="depth"), share.dot(bare["t"], dim="depth")
+    turning = (share * arm).dot(bare["p"].sum("component") if "component" in bare["p"].dims else bare["p"], dim="depth")
+    m = share.dot(bare["m"], dim="depth") + turning
+    y = bare["y"].transpose("depth", ...)
+    moved = np.stack([_line(rings, y.values.reshape(rings.size, -1), z) for z in at])
+    values = {"p": p, "m": m, "t": t, "y": xr.DataArray(moved.reshape(-1, *y.shape[1:]), dims=("slice", *y.dims[1:]))}
+    new = path.drop_dims("depth")
+    for name, each in values.items():
+        kept = each.rename(slice="depth").transpose(*path[name].dims)
+        new[name] = (kept.dims, kept.values, path[name].attrs)
+    bounds = np.column_stack([edges[:-1], edges[1:]])
+    new = new.assign_coords(depth=("depth", at, path["depth"].attrs))
+    return new.assign(depth_bounds=(path["depth_bounds"].dims, bounds, path["depth_bounds"].attrs))
+
+
+def _line(x: Array, y: Array, at: float) -> Array:
+    """Return y (n,) of values (depth, n) at a depth, on the straight line through the two rings beside it."""
+    k = int(np.clip(np.searchsorted(x, at), 1, max(x.size - 1, 1)))
+    if x.size == 1:
+        return y[0]
+    return np.asarray(y[k - 1] + (y[k] - y[k - 1]) * (at - x[k - 1]) / (x[k] - x[k - 1]))

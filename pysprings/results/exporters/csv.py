@@ -27,10 +27,11 @@ def py_text(source: Source, _options: Options) -> str:
 
 
 def wide_text(source: Source, _options: Options) -> str:
-    """Return the wide p-y table (rows are steps, a pair of columns y, p for each depth) as CSV text."""
+    """Return the wide p-y table (rows are steps, a pair of columns y, p for each slice of `reslice`) as CSV text."""
     from pysprings.results.exporters.wide_table import py_wide
+    from pysprings.springs.edge import reslice
 
-    return csv_text(py_wide(source.springs))
+    return csv_text(py_wide(reslice(source.springs)))
 
 
 CSV = Exporter(

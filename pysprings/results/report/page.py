@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import base64
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
+from pysprings.core.path_kinds import has_free_head
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
@@ -35,7 +36,8 @@ SECTIONS: tuple[Section, ...] = (
     "cases", "springs", "capacity", "tilt", "comparison", "inputs", "limits", "mesh", "checks", "cost",
 )  # fmt: skip
 TWINS = ("py", "profiles", "overview", "tilt", "stress_outside")
-OF_PULLS = ("macro_against_full", "stress_outside", "section", "gap")
+OF_FREE_HEADS = ("macro_against_full", "stress_outside", "section", "gap")
+Paths = Mapping[str, Mapping[Any, Any]]
 MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
 
@@ -114,6 +116,7 @@ def render(
         Interactive parts; None for a page without scripts.
     """
     data = ReportData(result, springs, compare, run, cases)
+    kinds = {name: path.attrs for name, path in data.paths.items()}
     return (
         environment()
         .get_template("report.html.j2")
@@ -128,7 +131,7 @@ def render(
             sketch=picture_uri(axes_svg().encode(), ".svg"),
             validity=validity(result, springs),
             tables={section: tables_of(section, data) for section in SECTIONS},
-            pictures_of=pictures_by_part(figures, list(data.paths), live is not None),
+            pictures_of=pictures_by_part(figures, kinds, live is not None),
             live=live,
             paths=[
                 PathPart(name, str(path.attrs.get("status", "")), tables_of("path", data, name))
@@ -148,11 +151,11 @@ def environment() -> Environment:
     )  # fmt: skip
 
 
-def pictures_by_part(files: Iterable[Path], paths: Sequence[str], live: bool = False) -> dict[str, list[Picture]]:
+def pictures_by_part(files: Iterable[Path], paths: Paths, live: bool = False) -> dict[str, list[Picture]]:
     """Embed the pictures of each part of the report: those of the run, and of one path that stands for the others.
 
-    Of several states of a path the last is shown. SVG is taken where there is one. Pictures without a part stay in
-    their folder.
+    `paths` has the attributes of each path by its name. Of several states of a path the last is shown. SVG is taken
+    where there is one. Pictures without a part stay in their folder.
     """
     from pysprings.results.plots.picture import Part
     from pysprings.results.plots.pictures import PICTURES
@@ -177,13 +180,13 @@ def pictures_by_part(files: Iterable[Path], paths: Sequence[str], live: bool = F
     return parts
 
 
-def _stands_for(kind: str, stems: Iterable[str], paths: Sequence[str]) -> tuple[str, str]:
+def _stands_for(kind: str, stems: Iterable[str], paths: Paths) -> tuple[str, str]:
     """Return stem and state of the picture of a kind that the report shows; blank where there is none.
 
-    The first path that has one: of pulls before others in the parts about loads and states.
+    The first path that has one: of those with a free head before others in the parts about loads and states.
     """
     known = list(stems)
-    order = sorted(paths, key=lambda name: not name.startswith("pull")) if kind in OF_PULLS else list(paths)
+    order = sorted(paths, key=lambda name: not has_free_head(paths[name])) if kind in OF_FREE_HEADS else paths
     candidates = [
         (found[1] != "last", stem, found[1])
         for path in ("", *order)

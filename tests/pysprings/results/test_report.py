@@ -141,6 +141,16 @@ def test_a_picture_of_each_kind_stands_in_its_part(result: xr.DataTree, pictures
     ]
 
 
+@pytest.mark.parametrize(("kind", "shown"), [("pull", "tug"), ("translation", "pull_of_a_name")])
+def test_states_are_those_of_a_free_head_whatever_its_name(kind: str, shown: str, tmp_path: Path) -> None:
+    paths = {"pull_of_a_name": {"kind": "rotation"}, "tug": {"kind": kind}}
+    files = [tmp_path / f"{name}_gap_last.png" for name in paths]
+    for file in files:
+        file.write_bytes(PIXEL)
+    (gap,) = report.pictures_by_part(files, paths)["states"]
+    assert gap.caption.endswith(f", path {shown}")
+
+
 def test_the_summary_is_first_and_every_link_of_the_contents_has_its_part(
     result: xr.DataTree, springs: xr.DataTree
 ) -> None:

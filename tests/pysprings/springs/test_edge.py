@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Edge rings of the tip: which they are; lumped springs carry the same load in every state."""
+"""Edge rings of the tip: which they are; springs on other slices carry the same load in every state."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from pysprings.core.errors import UserInputError
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.dataset import get_path
-from pysprings.springs.edge import edge_rings, lump_edge
+from pysprings.springs.edge import edge_rings, reslice
 from pysprings.springs.sums import net_p, resultants
 from tests.support import synthetic
 
@@ -29,7 +30,8 @@ def test_edge_rings_lie_in_the_last_tenth_and_the_last_is_one(bounds: list[float
     assert edge_rings(path).tolist() == expected
 
 
-def test_lumped_springs_keep_the_loads_of_every_state_and_lose_the_peak() -> None:
+def springs_with_a_peak() -> xr.DataTree:
+    """Springs whose last ring has several times the reaction, in balance."""
     springs = synthetic.make_springs(PATHS)
     for name in ("pull", "turn"):
         springs[f"paths/{name}"]["p"][-1] *= 7.0
@@ -37,17 +39,48 @@ def test_lumped_springs_keep_the_loads_of_every_state_and_lose_the_peak() -> Non
         path = springs[f"paths/{name}"]
         for load, values in resultants(path.to_dataset(inherit=False)).items():
             path[load][:] = values
+    return springs
+
+
+@pytest.mark.parametrize("bounds", [None, [0.0, 4.0], [0.0, 0.7, 1.9, 2.0, 4.0]], ids=["tip zone", "one", "own"])
+def test_other_slices_keep_the_loads_of_every_state(bounds: list[float] | None) -> None:
+    springs = springs_with_a_peak()
     before = springs.copy(deep=True)
-    lumped = lump_edge(springs)
-    validate_springs(lumped)
+    new = reslice(springs, bounds)
+    validate_springs(new)
     assert springs.identical(before)
     for name in ("pull", "turn"):
-        old, new = get_path(before, name), get_path(lumped, name)
-        edge, p = edge_rings(old), net_p(new).values
-        assert edge.any() and not edge.all()
+        old, path = get_path(before, name), get_path(new, name)
         for load, values in resultants(old).items():
-            assert np.allclose(resultants(new)[load], values, rtol=1e-12, atol=1e-9 * np.abs(values).max())
-        assert np.array_equal(p[edge], np.broadcast_to(p[~edge][-1], p[edge].shape))
-        assert np.array_equal(p[~edge], net_p(old).values[~edge])
-        assert np.abs(new["H_tip"] - old["H_tip"]).max() > 0.1 * np.abs(old["H"]).max()
-        assert new["H_tip"].attrs == old["H_tip"].attrs
+            assert np.allclose(resultants(path)[load], values, rtol=1e-12, atol=1e-9 * np.abs(values).max())
+        expected = path["u"] + path["rotation"] * path["depth"]
+        assert np.allclose(path["y"], expected.transpose(*path["y"].dims), atol=1e-12)
+        assert path["depth_bounds"].values[[0, -1], [0, -1]].tolist() == [0.0, 4.0]
+        for part in ("H_tip", "M_lid"):
+            assert path[part].identical(old[part])
+
+
+def test_the_zone_at_the_tip_has_the_mean_of_what_it_covers() -> None:
+    springs = springs_with_a_peak()
+    old, new = get_path(springs, "pull"), get_path(reslice(springs), "pull")
+    bounds = new["depth_bounds"].values
+    assert bounds[-1] == pytest.approx([3.2, 4.0])
+    covered = np.clip(old["depth_bounds"].values[:, 1] - np.maximum(old["depth_bounds"].values[:, 0], 3.2), 0.0, None)
+    assert np.allclose(net_p(new).values[-1], covered @ net_p(old).values / 0.8)
+    assert len(bounds) < old.sizes["depth"]
+
+
+def test_slices_as_they_are_change_nothing() -> None:
+    springs = springs_with_a_peak()
+    path = get_path(springs, "pull")
+    edges = [*path["depth_bounds"].values[:, 0], 4.0]
+    same = get_path(reslice(springs, edges), "pull")
+    for name in ("p", "m", "t", "y"):
+        assert np.allclose(same[name], path[name], rtol=1e-12, atol=1e-9)
+    assert same["depth"].values.tolist() == path["depth"].values.tolist()
+
+
+@pytest.mark.parametrize("bounds", [[0.0, 3.0], [0.0, 2.0, 1.0, 4.0], [4.0], 1.0])
+def test_slices_that_do_not_cover_the_skirt_are_refused(bounds: object) -> None:
+    with pytest.raises(UserInputError, match="from 0 to the skirt length, 4 m"):
+        reslice(synthetic.make_springs(PATHS), bounds)  # type: ignore[arg-type]

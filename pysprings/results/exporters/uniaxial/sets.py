@@ -21,6 +21,7 @@ from pysprings.results.exporters.uniaxial.curve import Spring, Table, table, wit
 from pysprings.results.exporters.uniaxial.options import VIRTUAL
 from pysprings.results.exporters.uniaxial.planes import spread, together
 from pysprings.results.exporters.uniaxial.virtual import virtual_table
+from pysprings.springs.edge import reslice
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import slice_heights
@@ -60,8 +61,9 @@ class Uniaxial:
 def uniaxial(springs: Springs, kind: str | None = None, V: float | None = None, planes: int = 0) -> Uniaxial:
     """Return the uniaxial springs of a set: "virtual" (of a fan; the default with one), "pisa", "full" or "py".
 
-    V [N] selects the lateral springs of several vertical loads. `planes` is the number of vertical planes in which
-    springs stand, even; 0 for that of the set: 8 of virtual springs, 2 of others, which are exact along both.
+    Springs at real depths stand in the slices of `reslice`, the last fifth of the skirt as one. V [N] selects the
+    lateral springs of several vertical loads. `planes` is the number of vertical planes in which springs stand, even; 0
+    for that of the set: 8 of virtual springs, 2 of others, which are exact along both.
 
     Raises
     ------
@@ -72,6 +74,7 @@ def uniaxial(springs: Springs, kind: str | None = None, V: float | None = None, 
     planes = planes or (PLANES if chosen == VIRTUAL else 2)
     if planes < 2 or planes % 2:
         raise refused("--option planes", f"{planes} is not an even number of planes")
+    springs = springs if chosen == VIRTUAL else Springs.of(reslice(springs.tree))
     model = MacroModel.from_springs(springs, "fan" if chosen == VIRTUAL else chosen, V=V)
     if chosen == VIRTUAL:
         made, lost = (
