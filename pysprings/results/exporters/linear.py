@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.text import plain_table
 from pysprings.macro.stiffness import stiffness_six
 from pysprings.springs.springs import Springs
 
@@ -17,8 +18,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_ROUNDING = 1.0e-6
+SMALL = 0.01  # share of H L or of M in the larger of both below which an error of the load means nothing
 SHARES = (0.1, 0.5, 1.0)  # of the range of a path where the linear response is compared
+_HEAD = (
+    "error of the linear response in H and M at 10, 50 and 100 % of the range of each path, in percent of the largest H "
+    f"and M on the path ('-': below {100 * SMALL:g} % of the other load):"
+)
+_COLUMNS = ("path", "role", "u [mm]", "rotation [mrad]", *(f"{load} {100 * s:g} %" for load in "HM" for s in SHARES))
 
 
 def stiffness_z_up(springs: Springs, torsion: float) -> Array:
@@ -37,33 +43,33 @@ def stiffness_z_up(springs: Springs, torsion: float) -> Array:
 
 
 def linear_errors(springs: Springs) -> list[str]:
-    """Return a sentence for each lateral path: the loads of the initial stiffness over those of the full model.
+    """Return the lines of a table with a row for each lateral path: errors of the initial stiffness in H and M.
 
-    H and M of the matrix at the recorded motion (u, rotation), relative to the largest size of each load on the path
-    up to there, at `SHARES` of the range.
+    Loads of the matrix at the recorded motion (u, rotation) less those of the full model, relative to the largest size
+    of each load on the whole path, at `SHARES` of the range.
     """
-    lines = []
+    rows = []
     for name, path in springs.paths.items():
         if path.is_vertical:
             continue
         data = path.dataset
         motion = np.stack([data["u"].values, data["rotation"].values])
         size = np.hypot(motion[0], motion[1] * springs.length)
-        linear = springs.lateral_stiffness @ motion
-        parts = []
-        for share in SHARES:
-            step = int(np.argmin(np.abs(size - share * size.max())))
-            words = ", ".join(_errors(linear, data, step, springs.length))
-            parts.append(f"at u = {1e3 * motion[0, step]:.3g} mm, rotation = {1e3 * motion[1, step]:.3g} mrad: {words}")
-        lines.append(f"path {name} ({path.dataset.attrs['role']}): {'; '.join(parts)}")
-    return lines
+        steps = [int(np.argmin(np.abs(size - share * size.max()))) for share in SHARES]
+        end = [f"{1e3 * value + 0.0:.3g}" for value in motion[:, steps[-1]]]
+        words = _words(springs.lateral_stiffness @ motion, data, springs.length, steps)
+        rows.append((name, str(data.attrs["role"]), *end, *words))
+    return [_HEAD, *plain_table(_COLUMNS, rows, (True, True)).splitlines()] if rows else []
 
 
-def _errors(linear: np.ndarray, data: xr.Dataset, step: int, length: float) -> Iterator[str]:
-    """Yield the error of H and of M at a step; a load that is rounding beside the other one has none."""
-    sizes = [np.abs(data[load].values[: step + 1]).max(initial=0.0) for load in "HM"]
+def _words(linear: Array, data: xr.Dataset, length: float, steps: Sequence[int]) -> list[str]:
+    """Return the errors of H, then of M, at steps; "-" of a load that is small beside the other one."""
+    sizes = [float(np.abs(data[load].values).max(initial=0.0)) for load in "HM"]
     whole = max(sizes[0] * length, sizes[1])
-    for k, (load, size) in enumerate(zip("HM", sizes, strict=True)):
-        if size * (length if load == "H" else 1.0) > _ROUNDING * whole:
-            error = (linear[k, step] - data[load].values[step]) / size
-            yield f"{load} {100.0 * error + 0.0:+.1f} %"
+    words = []
+    for row, (load, size, arm) in enumerate(zip("HM", sizes, (length, 1.0), strict=True)):
+        counts = size * arm > SMALL * whole
+        for step in steps:
+            error = 100.0 * (linear[row, step] - float(data[load][step])) / size if counts else 0.0
+            words.append(f"{error + 0.0:+.1f}" if counts else "-")
+    return words

@@ -77,7 +77,7 @@ def matrix_of(source: Source, torsion: float) -> tuple[np.ndarray, list[str]]:
 
     springs = Springs.of(source.springs)
     stiffness = stiffness_z_up(springs, torsion)
-    lost = [LINEAR, *(f"error of the linear response, {line}" for line in linear_errors(springs))]
+    lost = [LINEAR, *linear_errors(springs)]
     return stiffness, lost + ([] if torsion else [NO_TORSION])
 
 

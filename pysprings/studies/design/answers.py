@@ -29,11 +29,11 @@ MARKS = {
     "off_load": "V not covered by the lateral springs",
 }
 STIFFNESS = {
-    ("u", "u"): "K_u_u_N_per_m",
-    ("u", "rotation"): "K_u_rotation_N",
-    ("rotation", "u"): "K_rotation_u_N",
-    ("rotation", "rotation"): "K_rotation_rotation_Nm",
-    ("w", "w"): "K_w_w_N_per_m",
+    ("u", "u"): "tangent_u_u_N_per_m",
+    ("u", "rotation"): "tangent_u_rotation_N",
+    ("rotation", "u"): "tangent_rotation_u_N",
+    ("rotation", "rotation"): "tangent_rotation_rotation_Nm",
+    ("w", "w"): "tangent_w_w_N_per_m",
 }
 
 

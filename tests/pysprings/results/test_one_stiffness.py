@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 from pathlib import Path
@@ -13,8 +14,10 @@ import pytest
 import xarray as xr
 
 import pysprings
+from pysprings.core.text import number
 from pysprings.results.folder import run_to_folder
 from pysprings.results.tables import open_table
+from pysprings.studies.sweep.measures import measure
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.files import read_record
@@ -26,7 +29,7 @@ Z_UP = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a run of one path, with the files of every exporter that writes a stiffness."""
     out = run_to_folder(tiny.scene(), tmp_path_factory.mktemp("stiffness") / "out")
-    for program in ("openfast", "subdyn", "json"):
+    for program in ("openfast", "subdyn", "json", "opensees", "calculix", "abaqus", "ansys", "sacs"):
         done = command("export", out, "--to", program)
         assert done.code == 0, done.err
     return out
@@ -50,6 +53,11 @@ def six(plane: np.ndarray) -> np.ndarray:
             matrix[i, j] = s * t * plane[a, b]
     matrix[2, 2] = plane[1, 1]
     return matrix
+
+
+def write_scene(folder: Path) -> Path:
+    """Return the file of the scene that ran into the folder."""
+    return tiny.write(tiny.scene(), folder.parent / "scene.toml")
 
 
 def same(made: object, expected: np.ndarray) -> None:
@@ -111,6 +119,64 @@ def test_the_command(folder: Path, full: np.ndarray) -> None:
     printed = command(*asked).out.split("initial stiffness of the full model")[1].splitlines()[3:9]
     for line, row in zip(printed, six(full), strict=True):
         assert line.split()[1:] == [f"{1e-6 * value + 0.0:.5g}" for value in row]
+
+
+def test_another_point_other_axes_and_the_symmetric_part(folder: Path, full: np.ndarray) -> None:
+    """About a point of depth d: M is less by H d, and u of the lid is that of the point less rotation d."""
+    d, moved = 2.5, full.copy()
+    moved[0, 2] = moved[2, 0] = full[0, 2] - d * full[0, 0]
+    moved[2, 2] = full[2, 2] - 2.0 * d * full[0, 2] + d**2 * full[0, 0]
+    asked = ("predict", folder, "--H", "100 kN", "--stiffness", "--json", "--reference-depth", f"{d} m")
+    made = [json.loads(command(*asked, *more).out) for more in ((), ("--symmetric",), ("--secant", "--z-up"))]
+    for document, expected in zip(made, (six(moved), six(moved), Z_UP @ six(moved) @ Z_UP), strict=True):
+        same(document["stiffness_6x6"]["matrix"], expected)
+        assert f"{d:g} m below mudline" in document["stiffness_6x6"]["long_name"]
+    springs = pysprings.open_springs(folder / "springs.nc")
+    same(pysprings.stiffness(springs, reference_depth=d), moved)
+    same(pysprings.stiffness(springs, reference_depth=d, symmetric=True), moved)
+
+
+def test_the_summary_wherever_it_stands(folder: Path, full: np.ndarray) -> None:
+    """The end of `run`, page one of the report and sheet one of the workbook print the same four digits."""
+    sizes = {"K_H": full[0, 0], "K_V": full[1, 1], "K_M": full[2, 2], "K_HM": full[0, 2]}
+    printed = command("run", write_scene(folder), "--out", folder, "--resume")
+    assert printed.code == 0, printed.err
+    sheet = openpyxl.load_workbook(folder / "springs.xlsx").worksheets[0]
+    book = "\n".join(str(cell.value) for row in sheet.iter_rows() for cell in row if cell.value is not None)
+    page = html.unescape((folder / "report.html").read_text(encoding="utf-8"))
+    for text in (printed.out, book, page, read_record(folder)["summary"]["initial stiffness"]):
+        found = re.findall(r"(K_HM|K_H|K_V|K_M) (-?[\d.]+(?:e[+-]\d+)?) MN", text)
+        assert {name for name, _ in found} == set(sizes)
+        assert {(name, value) for name, value in found} == {(k, f"{1e-6 * size:.4g}") for k, size in sizes.items()}
+
+
+def test_two_runs_beside_each_other(folder: Path, full: np.ndarray) -> None:
+    rows = json.loads(command("diff", folder, folder, "--json").out)["rows"]
+    made = [[row["first"], row["second"]] for row in rows if row["part"] == "initial stiffness"]
+    sizes = (full[0, 0], full[0, 2], full[2, 2], full[1, 1])
+    assert made == [[number(1e-6 * size, 5)] * 2 for size in sizes]
+
+
+def test_load_cases_have_the_stiffness_of_the_state_alone(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "cases.csv").write_text("case,H [kN],arm [m]\none,100,0\n", encoding="utf-8")
+    assert command("design", folder, tmp_path / "cases.csv", "--out", tmp_path / "answers.csv").code == 0
+    heads = (tmp_path / "answers.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
+    stiff = [head for head in heads if head.endswith("_N_per_m") or re.match(r"\w+_(u_rotation|rotation)_", head)]
+    assert len(stiff) == 7
+    assert all(head.startswith(("secant_", "tangent_")) for head in stiff)
+
+
+def test_no_other_file_states_a_stiffness(folder: Path) -> None:
+    """Files of nonlinear springs have curves; a line on stiffness with a number in it would be one to compare."""
+    programs = ("opensees", "calculix", "abaqus", "ansys", "sacs")
+    files = [file for name in programs for file in sorted((folder / name).iterdir()) if file.is_file()]
+    assert {file.parent.name for file in files} == set(programs)
+    lines = [line for file in files for line in file.read_text(encoding="utf-8").splitlines()]
+    assert [line for line in lines if re.search(r"stiffness.*\d{4}|\d{4}.*stiffness", line, re.I)] == []
+
+
+def test_a_study_of_many_scenes(folder: Path, full: np.ndarray) -> None:
+    same(measure(folder, tiny.scene(), ("pull",)).stiffness, full)
 
 
 def test_a_stiffness_at_a_state_has_another_name(folder: Path) -> None:

@@ -50,8 +50,8 @@ def test_answers_are_those_of_predict(springs, cases: Path) -> None:
         state = predict(springs, H=H, arm=arm)
         for column, variable in (("u_m", "u"), ("rotation_rad", "rotation"), ("w_m", "w")):
             assert table[column][name] == pytest.approx(float(state[variable]), rel=1e-9, abs=1e-15)
-        assert table["K_u_u_N_per_m"][name] == pytest.approx(float(state["stiffness"][0, 0]), rel=1e-9)
-        assert table["K_rotation_u_N"][name] == pytest.approx(float(state["stiffness"][2, 0]), rel=1e-9)
+        assert table["tangent_u_u_N_per_m"][name] == pytest.approx(float(state["stiffness"][0, 0]), rel=1e-9)
+        assert table["tangent_rotation_u_N"][name] == pytest.approx(float(state["stiffness"][2, 0]), rel=1e-9)
     assert table["secant_H_u_N_per_m"]["calm"] == pytest.approx(5e5 / table["u_m"]["calm"])
     assert table["u_m"]["mirror"] == pytest.approx(-table["u_m"]["calm"])
     assert table["tilt_used"]["calm"] == pytest.approx(abs(table["rotation_rad"]["calm"]) / 0.01)
