@@ -60,6 +60,8 @@ def capacity(
     from pysprings.scene.load import load_scene
     from pysprings.studies.capacity import study
 
+    if springs is not None and not macro:
+        refuse("--springs", "are those of the macro-model, which --no-macro leaves out: give one of them")
     folder = out or Path("out") / f"capacity-{scene.stem}"
     refuse_no_folder(folder)
     read = load_scene(scene, changes or ())

@@ -38,9 +38,11 @@ def design(
     """Answer load cases: motion, tilt, stiffness, utilisation, and what is not known, case by case.
 
     CASES has a row a load: name, limit state, H, M or arm, V, direction, factor, tilt, with units in the headings.
-    Rows of one name act together.
+    Rows of one name act together. The summary of the run stands below the answers.
     """
     from pysprings.cli.inputs import springs_or_table
+    from pysprings.cli.results import print_summary
+    from pysprings.full_model.run_record import RunRecord
     from pysprings.results.report import load_cases as text
     from pysprings.results.tables.load_cases import read_load_cases
     from pysprings.studies.design import files
@@ -58,7 +60,9 @@ def design(
     table = answer_cases(springs, read, tolerance, extrapolate, springs_kind=spring_set, path=path)
     if strict and not text.is_fine(table):
         refuse("--strict", text.closing(table))
+    record = RunRecord.read(result) if result.is_dir() else None
     about = {"springs": str(result), "load cases": str(cases), "tilt tolerated": tilt or "as in the table"}
+    about |= (record.summary if record else None) or {}
     for file in out or ():
         files.write(file, table, about)
     if in_report:
@@ -73,5 +77,7 @@ def design(
             print(f"{file}: the answers")
         if in_report:
             print(f"{result / 'report.html'}: the report of the run, with the answers")
+        if record:
+            print_summary(record)
     if warning := text.same_signs(table):
         to_stderr(f"warning: {warning}")

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from pysprings.macro.sets import AnySprings
     from pysprings.macro.stiffness import Form
 
+POINTS = 50  # of a curve
 MISSING = 'missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve'
 
 # quantity -> (option, SI unit, example)
@@ -55,10 +56,10 @@ class Question:
     rate: float | None = None
     reference_depth: float | None = None
     sequence: Path | None = None
-    points: int = 50
+    points: int | None = None
 
     @classmethod
-    def read(cls, texts: Mapping[str, str | None], sequence: Path | None, points: int) -> Question:
+    def read(cls, texts: Mapping[str, str | None], sequence: Path | None, points: int | None) -> Question:
         """Read quantities with units, by the names of the attributes.
 
         Raises
@@ -80,6 +81,8 @@ class Question:
         """Raise UserInputError for loads and motions that are missing or given twice."""
         there = self.given
         motions = there & {"--u", "--rotation", "--tilt"}
+        if self.points is not None and self.u_max is None:
+            refuse("--points", "are those of a curve: give --u-max")
         if self.sequence is not None:
             for option in sorted(there - {"--V", "--skirt-length", "--rate", "--reference-depth"}):
                 refuse(option, "give either this or --sequence: the file holds loads, motions and their height")
@@ -127,7 +130,9 @@ def predict(
         str | None,
         typer.Option("--u-max", metavar="LENGTH", help='a whole curve up to this displacement, e.g. "5 mm"'),
     ] = None,
-    points: Annotated[int, typer.Option("--points", help="points of the curve", min=2, max=10_000)] = 50,
+    points: Annotated[
+        int | None, typer.Option("--points", help="points of the curve \\[default: 50]", min=2, max=10_000)
+    ] = None,
     u: Annotated[str | None, typer.Option("--u", metavar="LENGTH", help="the load at this displacement")] = None,
     rotation: Annotated[
         str | None,
@@ -221,7 +226,7 @@ def answer(springs: AnySprings, question: Question, choice: Choice) -> xr.Datase
         return states.assign_attrs(question="sequence")
     if options.u_max is not None:
         return predict.curve(
-            springs, u_max=options.u_max, arm=options.arm or 0.0, n=options.points, V=options.V, **common
+            springs, u_max=options.u_max, arm=options.arm or 0.0, n=options.points or POINTS, V=options.V, **common
         )
     if options.tilt is not None:
         return _tilted(springs, options, common)

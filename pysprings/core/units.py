@@ -30,6 +30,7 @@ MEANING = {
     "s": "a time",
     "N": "a force",
     "N m": "a moment",
+    "N m/rad": "a rotational stiffness",
     "Pa": "a pressure or stress",
     "N/m^3": "a force per volume, or a stress per depth",
     "N/m^4": "a unit weight per depth",

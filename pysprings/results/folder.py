@@ -180,7 +180,7 @@ def _write_tables(folder: Path, source: Source, has_springs: bool, record: RunRe
     if has_springs:
         springs = source.springs
         record.balance = {name: balance(get_path(springs, name)) for name in path_names(springs)}
-        source.summary = record.summary = summary(source.result, record, source.comparison)
+        source.summary = record.summary = summary(source.result, record, source.comparison, springs)
         for exporter in EXPORTERS:
             if exporter.of_every_run:
                 export(source, exporter.name, folder / exporter.file)

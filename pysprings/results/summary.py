@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ import numpy as np
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.scene.card import caisson_text, ground_text
+from pysprings.scene.design_load import USUAL_TILT
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,7 +22,6 @@ if TYPE_CHECKING:
     from pysprings.full_model.run_record import RunRecord
     from pysprings.scene.load import Scene
 
-TILT = 0.25  # deg: the usual tolerance of offshore wind turbines over their life
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
 
@@ -33,15 +34,24 @@ class Run:
     result: xr.DataTree
     record: RunRecord
     comparison: pd.DataFrame | None
+    springs: xr.DataTree | None
 
 
-def summary(result: xr.DataTree, record: RunRecord, comparison: pd.DataFrame | None = None) -> dict[str, str]:
-    """Return the text of each line by its heading; empty where the scene of the record cannot be read."""
+def summary(
+    result: xr.DataTree,
+    record: RunRecord,
+    comparison: pd.DataFrame | None = None,
+    springs: xr.DataTree | None = None,
+) -> dict[str, str]:
+    """Return the text of each line by its heading; empty where the scene of the record cannot be read.
+
+    ``comparison`` and ``springs`` are left out where too little converged for springs.
+    """
     from pysprings.core.errors import PyspringsError
     from pysprings.scene.load import parse_scene
 
     try:
-        run = Run(parse_scene(record.scene_toml), result, record, comparison)
+        run = Run(parse_scene(record.scene_toml), result, record, comparison, springs)
     except PyspringsError:  # of another version
         return {}
     lines = [
@@ -82,7 +92,43 @@ def _loads(run: Run) -> str:
 
 
 def _tilt(run: Run) -> str:
-    """Give the load of the tilt tolerance on the highest pull with a free head, or the tilt at its end."""
+    """Give the tilt at the design load of the scene; without one, the load of the tolerance on a path."""
+    design = run.scene.design
+    tolerated = math.degrees(USUAL_TILT if design.tilt is None else design.tilt)
+    if design.lateral_force is None:
+        return _tilt_on_path(run, tolerated)
+    arm = design.arm or 0.0
+    where = f"at the design load, H {1e-6 * design.lateral_force:.4g} MN at {arm:g} m"
+    if run.springs is None:
+        return f"not known {where}: no springs were made"
+    answer = _answer(run.springs, design.lateral_force, arm)
+    if answer is None:
+        return f"not known {where}: the springs do not carry it"
+    carried = f"{1e-6 * answer.attrs['capacity_H_N']:.4g} MN at this height ({answer.attrs['capacity_kind']})"
+    if answer.attrs["beyond_range"] or answer.attrs["refusals"]:
+        return f"not known {where}: beyond the springs, which carry H {carried}"
+    turn = math.degrees(abs(float(answer["rotation"])))
+    kept = "within" if turn <= tolerated else "beyond"
+    marks = "".join(f"; {text}" for text in answer.attrs["warnings"])
+    used = 100.0 * float(answer["utilisation"])
+    return f"{turn:.3g} deg {where}: {kept} the tolerated {tolerated:.3g} deg; {used:.3g} % of H {carried}{marks}"
+
+
+def _answer(springs: xr.DataTree, force: float, arm: float) -> xr.Dataset | None:
+    """Return the answer of the springs to a load, extrapolated where they do not reach; None without equilibrium."""
+    from pysprings.core.errors import PyspringsError
+    from pysprings.macro.predict import MacroWarning, predict
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MacroWarning)  # the attributes of the answer have them
+            return predict(springs, H=force, arm=arm, extrapolate=True)
+    except PyspringsError:
+        return None
+
+
+def _tilt_on_path(run: Run, tolerated: float) -> str:
+    """Give the load of a tilt [deg] on the highest pull with a free head, or the tilt at its end."""
     pulls = [(name, path) for name, path in _lateral(run) if PATH_KINDS[str(path.attrs["kind"])].free_head]
     pulls = [each for each in pulls if "arm_from_m" not in each[1].attrs]
     if not pulls:
@@ -90,10 +136,10 @@ def _tilt(run: Run) -> str:
     name, path = max(pulls, key=lambda item: float(item[1].attrs.get("arm_m", 0.0)))
     turn, load = np.degrees(np.abs(path["rotation"].values)), np.abs(path["H"].values)
     where = f"under a load at {float(path.attrs['arm_m']):g} m (path {name})"
-    if turn.max() < TILT or not (np.diff(turn) > 0.0).all():
+    if turn.max() < tolerated or not (np.diff(turn) > 0.0).all():
         last = 1e-6 * float(load[-1])
-        return f"{turn[-1]:.3g} deg at H {last:.4g} MN {where}; {TILT:g} deg is not reached"
-    return f"{TILT:g} deg at H {1e-6 * float(np.interp(TILT, turn, load)):.4g} MN {where}"
+        return f"{turn[-1]:.3g} deg at H {last:.4g} MN {where}; {tolerated:.3g} deg is not reached; no [design] load"
+    return f"{tolerated:.3g} deg at H {1e-6 * float(np.interp(tolerated, turn, load)):.4g} MN {where}; no [design] load"
 
 
 def _range(run: Run) -> str:

@@ -10,6 +10,7 @@ from pysprings.core.path_kinds import CALIBRATION, MEMORY, PATH_KINDS, UNITS
 from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth
 from pysprings.scene.clash import Clash
+from pysprings.scene.design_load import design_clashes
 from pysprings.scene.extent import Extent, extent_of
 from pysprings.scene.interface import drainage_clashes, interface_clashes
 from pysprings.scene.law_keys import key_clashes
@@ -42,6 +43,7 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
     if scene.drainage.mode == "coupled":
         yield from _pace(scene.springs)
     yield from _load_paths(scene)
+    yield from design_clashes(scene.design)
 
 
 def dotted(path: KeyPath) -> str:

@@ -18,6 +18,7 @@ from pydantic import ValidationError
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.scene.changes import OPTION, Change, applied, read_changes
 from pysprings.scene.checks import dotted
+from pysprings.scene.design_load import Design
 from pysprings.scene.fields import FROM_TOML, suggestion
 from pysprings.scene.model import Scene
 from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
@@ -40,6 +41,7 @@ from pysprings.scene.sections import (
 
 __all__ = [
     "Caisson",
+    "Design",
     "Domain",
     "Drainage",
     "Interface",
@@ -68,6 +70,7 @@ SECTIONS: dict[str, type[Section]] = {
     "mesh": Mesh,
     "solver": Solver,
     "limit": Limit,
+    "design": Design,
     "output": Output,
 }
 

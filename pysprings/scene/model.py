@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import PrivateAttr, model_validator
 
 from pysprings.scene.checks import clashes, dotted
+from pysprings.scene.design_load import Design
 from pysprings.scene.fields import refuse
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Limit
@@ -40,7 +41,8 @@ class Scene(SceneSections):
     def sha256(self) -> str:
         """SHA-256 (hex) of all values, whatever units and order the file wrote them in.
 
-        Keys of a series, layers, clay, probes, viscosity and [limit] count where used: other scenes keep the number.
+        Keys of a series, layers, clay, probes, viscosity, [limit] and [design] count where used: other scenes keep
+        the number.
         """
         values = self.model_dump(mode="json")
         del values["springs"]
@@ -71,6 +73,8 @@ class Scene(SceneSections):
             del values["solver"]["viscous_displacement"]
         if self.limit == Limit():
             del values["limit"]
+        if self.design == Design():
+            del values["design"]
         canonical = json.dumps(values, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()
 

@@ -8,6 +8,7 @@ from typing import Annotated, cast
 from pydantic import Field as Key
 
 from pysprings.core.words import AUTO, Discretisation
+from pysprings.scene.design_load import Design
 from pysprings.scene.fan import fan_paths
 from pysprings.scene.fields import Text
 from pysprings.scene.sections import (
@@ -41,6 +42,7 @@ class SceneSections(Section):
     mesh: Mesh = Mesh()
     solver: Solver = Solver()
     limit: Limit = Limit()
+    design: Design = Design()
     output: Output = Output()
 
     @property

@@ -41,7 +41,7 @@ def _tables(scene: SceneSections) -> Iterator[tuple[str, BaseModel]]:
     """Yield (heading, section) of the tables of a scene."""
     for name in type(scene).model_fields:
         value = getattr(scene, name)
-        if isinstance(value, BaseModel):
+        if isinstance(value, BaseModel) and (name != "design" or [*_pairs(value)]):  # of no use without a value
             yield f"[{name}]", value
             yield from ((f"[[{name}.layer]]", layer) for layer in getattr(value, "layers", ()))
     for path in scene.paths:

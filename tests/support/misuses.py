@@ -107,6 +107,12 @@ WORDS = (
     _m("one option twice", "predict one.nc --H 1MN --H 100kN", "--H: is given twice"),
     _m("tilt without a unit", "predict one.nc --tilt 0.25", 'unit such as "0.25 deg"'),
     _m("load that is no number", "predict one.nc --H nan", "expected a quantity with unit"),
+    _m("points without a curve", "predict one.nc --H 100kN --points 10", "are those of a curve: give --u-max"),
+    _m("height of a motion that is imposed", "predict one.nc --u 1mm --rotation 0.01deg --arm 3m", "leave --arm out"),
+    _m("moment under an imposed rotation", "predict one.nc --rotation 0.01deg --M 1MNm", "the answer to a motion"),
+    _m("load beyond all bounds", "predict one.nc --H 1e30MN", "is not in"),
+    _m("sequence and a load", "predict one.nc --sequence back.csv --H 1MN", "the file holds loads"),
+    _m("answer in another format", "predict one.nc --H 100kN --out a.pdf", "ends in csv, json or nc"),
     _m("reference depth as a bare number", "predict one.nc --H 1MN --stiffness --reference-depth 4", "unit"),
 )
 FILES = (
@@ -118,6 +124,9 @@ FILES = (
     _m("table in another format", "predict py.ods --H 10kN", "tables in the format .ods cannot be read"),
     _m("column in another unit", "predict stress.csv --H 10kN", "wrong unit|wrong name or unit"),
     _m("sequence in another unit", "predict one.nc --sequence tons.csv", "907, 1000 or 1016 kg|wrong name or unit"),
+    _m("sequence of loads and motions", "predict one.nc --sequence mixed.csv", "expected either loads or motions"),
+    _m("sequence with a gap", "predict one.nc --sequence gap.csv", "gap.csv:3: H_N"),
+    _m("sequence that leaves the range", "predict one.nc --sequence beyond.csv", "beyond the range of path 'pull'"),
     _m("skirt length for a spring file", "predict one.nc --H 10kN --skirt-length 4m", "is for tables"),
     _m("file that is not there", "predict none.nc --H 10kN", "none.nc"),
     _m("file cut short", "predict short.nc --H 10kN", "short.nc"),
@@ -129,6 +138,24 @@ FILES = (
     _m("empty table", "predict zero.csv --H 10kN", "missing column"),
     _m("memory of springs that have none", "predict fan.nc --H 10kN --springs memory", "no ray that turns back"),
     _m("files in the place of folders of runs", "diff one.nc fan.nc", "is not the folder of a run"),
+    _m("run beside a folder without one", "diff empty empty", "is not the folder of a run"),
+    _m("program that no export is for", "export one.nc --to nastran", "'nastran' is not one of"),
+    _m("option that an export has not", "export one.nc --to openfast --option colour=red", "no option of 'openfast'"),
+    _m("length for a rotational stiffness", "export one.nc --to openfast --option torsion=5m", "is a length"),
+    _m("stiffness without a unit", "export one.nc --to opensees --option torsion=1e9", 'such as "1e9 N m/rad"'),
+    _m(
+        "negative torsional stiffness",
+        'export one.nc --to subdyn --option "torsion=-1 GN m/rad"',
+        "is less than 0 N m/rad",
+    ),
+    _m("export at a V that the springs have not", "export fan.nc --to openfast --option V=900MN", "are known at V = "),
+    _m("export of the folder of a run that was killed", "export killed --to sacs", "has not ended"),
+    _m(
+        "nonlinear foundation from one path",
+        "export one.nc --to openfast --option springs=memory",
+        "no nonlinear foundation: it needs a fan",
+        WARNED,
+    ),
     _m("option of an export without a value", "export one.nc --to openfast --option torsion", "is not NAME=VALUE"),
 )
 SCENES = (
@@ -143,6 +170,14 @@ SCENES = (
     _m("empty scene", "check zero.toml", "the file is empty"),
     _m("changed value without a unit", "check tight.toml --set soil.young_modulus=80", "expected a quantity with unit"),
     _m("two paths of one name", "check twice.toml", "twice|already|unique|same name"),
+    _m("design load with other units", "check design.toml", "is a force; expected a length"),
+    _m("height of a design load that is missing", "check arm.toml", "is the height of a load: give lateral_force"),
+    _m("run that is resumed and begun anew", "run tight.toml --resume --force --out new", "give one of them"),
+    _m("target error and a mesh", "run tight.toml --mesh coarse --target-error 1%", "chooses the mesh itself"),
+    _m("file in the place of a result folder", "run tight.toml --out one.nc", "is a file, not a folder"),
+    _m("folder in the place of a log", "run tight.toml --log empty", "is a folder, not a file"),
+    _m("resumption of nothing", "run tight.toml --out empty --resume", "nothing to resume"),
+    _m("probe without a direction", "check probe.toml", 'a path of kind "probe" needs a load_angle'),
     _m("path without its displacement", "check path.toml", "lateral_displacement"),
 )
 CASES = (
@@ -158,15 +193,34 @@ CASES = (
     _m("cells that are no numbers", "design fan.nc nan.csv", "is not a finite number"),
     _m("uplift beyond the springs, --strict", "design fan.nc uplift.csv --strict", "1 no answer"),
     _m("case beyond the springs, --strict", "design fan.nc far.csv --strict", "1 no answer"),
+    _m("sizes in the place of loads", "design fan.nc sizes.csv", "unknown column; known are name"),
+    _m("load cases without loads", "design fan.nc noload.csv", "no column with a load"),
+    _m("pressure for a load", "design fan.nc pressure.csv", "wrong unit .kPa.: expected a force"),
+    _m("one case in two limit states", "design fan.nc states.csv", "rows of one case differ: ULS, SLS"),
+    _m("negative tolerance of tilt", "design fan.nc tilt.csv", "a tolerance must be positive"),
+    _m("partial factor in per cent", "design fan.nc percent.csv", "135 is above 10"),
+    _m("degrees in a column of radians", "design fan.nc radians.csv", "is beyond one turn, 360 deg"),
+    _m("V beyond the springs, --strict", "design fan.nc heavy.csv --strict", "1 no answer"),
+    _m("answers in the report of a spring file", "design fan.nc far.csv --report", "needs the folder of a run"),
+    _m("load cases on springs of a killed run", "design killed far.csv", "has not ended"),
     _m("file for the answers in another format", "design fan.nc far.csv --out a.pdf", "ends in none of .csv"),
     _m("capacity at a V without a unit", "capacity tight.toml --V 3", "expected a quantity with unit"),
+    _m("directions of the envelope out of range", "capacity tight.toml --directions 0", r"0 is not in \[2, 72\]"),
+    _m("factor on a strength that is not there", "capacity tight.toml --factor phi=1.2", "one of tan_phi, c, su"),
+    _m("capacity with springs and without", "capacity tight.toml --springs one.nc --no-macro", "give one of them"),
+    _m("length for a vertical load", "capacity tight.toml --V 3m", "is a length; expected a force"),
+    _m("load cases of a capacity without units", "capacity tight.toml --cases nounit.csv", "no unit: write"),
+    _m("study of a key that is not there", "sweep key_study.toml", "soil.E: unknown key"),
+    _m("study with values in other units", "sweep unit_study.toml", "is a length; expected a pressure"),
+    _m("study of one key twice", "sweep twice_study.toml", "is that of another axis"),
+    _m("scene in the place of a study", "sweep tight.toml", "scene: missing: the file of the base scene"),
     _m("factor that raises the strength", "capacity tight.toml --factor 0.8", "expected a number from 1 to 5"),
 )
 MISUSES = (*LOADS, *DIRECTIONS, *VERTICAL, *WORDS, *FILES, *SCENES, *CASES)
 CHAPTERS = {
     "Loads and motions": LOADS, "Directions and springs": DIRECTIONS, "Vertical loads": VERTICAL,
     "Quantities and options": WORDS, "Files": FILES, "Scenes": SCENES,
-    "Load cases and capacity": CASES,
+    "Load cases, capacity, studies": CASES,
 }  # fmt: skip
 
 _TABLE = "depth_m,depth_top_m,depth_bottom_m,y_m,p_N_per_m\n"
@@ -188,6 +242,9 @@ def write_files(folder: Path) -> None:
     (folder / "stress.csv").write_text("depth_m,y_kPa,p_N_per_m\n1,0.1,1e5\n3,0.1,1e5\n")
     (folder / "tons.csv").write_text("H_tons,M_Nm\n1,0\n")
     (folder / "back.csv").write_text("H_N,arm_m\n2e5,2\n4e5,2\n1e5,2\n")
+    (folder / "mixed.csv").write_text("H_N,u_m\n1e5,1e-3\n")
+    (folder / "gap.csv").write_text("H_N,arm_m\n1e5,2\nnan,2\n")
+    (folder / "beyond.csv").write_text("H_N,arm_m\n1e5,2\n9e7,2\n")
     (folder / "aside.csv").write_text("H_N,M_Nm\n1e5,0\n2e5,0\n2e5,-1e6\n")
     for name, text in _CASES.items():
         (folder / f"{name}.csv").write_text(text, encoding="utf-8")
@@ -227,6 +284,7 @@ def _write_broken(folder: Path) -> None:
         (folder / name / "run.json").write_text(json.dumps({"status": status, "scene_sha256": "0" * 64}))
 
 
+_STUDY = 'scene = "tight.toml"\n[[axis]]\nkey = "{}"\nvalues = [{}]\n'
 _SCENES = {
     "key": "[interface]\nfriction_coeficient = 0.5\n",
     "bare": "[caisson]\nouter_diameter = 7.8\n",
@@ -238,6 +296,12 @@ _SCENES = {
     "weak": '[soil]\nyoung_modulus = "200 kPa"\n[mesh]\nrefinement = 0.4\n' + _PULL,
     "twice": _PULL + _PULL,
     "zero": "",
+    "design": '[design]\nlateral_force = "2.5 MN"\narm = "20 kN"\n',
+    "arm": '[design]\narm = "20 m"\n',
+    "probe": '[[path]]\nname = "p"\nkind = "probe"\nlateral_displacement = "5 mm"\nrole = "held-back"\n',
+    "key_study": _STUDY.format("soil.E", '"50 MPa"'),
+    "unit_study": _STUDY.format("soil.young_modulus", '"80 m"'),
+    "twice_study": _STUDY.format("soil.K0", "0.9") + _STUDY.format("soil.K0", "0.8").split("\n", 1)[1],
     "path": '[[path]]\nname = "pull"\nkind = "pull"\n',
 }
 _CASES = {
@@ -251,6 +315,14 @@ _CASES = {
     "negative": "name,H [kN],arm [m],factor\na,100,2,-1.35\n",
     "twice": "name,H [kN],H [MN],arm [m]\na,100,0.1,2\n",
     "nan": "name,H [kN],arm [m]\na,nan,2\nb,1e400,2\n",
+    "sizes": "diameter [m],length [m]\n9,6\n",
+    "noload": "name,arm [m]\na,2\n",
+    "pressure": "name,H [kPa],arm [m]\na,100,2\n",
+    "states": "name,limit state,H [kN],arm [m]\na,ULS,100,2\na,SLS,100,2\n",
+    "tilt": "name,H [kN],arm [m],tilt [deg]\na,100,2,-0.25\n",
+    "percent": "name,H [kN],arm [m],factor H\na,100,2,135\n",
+    "radians": "name,M [kN m],M direction [rad]\na,100,45\n",
+    "heavy": "name,H [kN],arm [m],V [MN]\na,100,2,900\n",
     "uplift": "name,V [kN]\na,-5000\n",
     "zero": "",
     "far": "name,H [MN],arm [m]\na,500,2\n",

@@ -87,6 +87,8 @@ class Option:
         Quantity for messages.
     choices
         Words that the option accepts; empty for any value.
+    least
+        Smallest value of a quantity, in SI; None for any.
     """
 
     name: str
@@ -95,6 +97,7 @@ class Option:
     unit: str = ""
     example: str = ""
     choices: tuple[str, ...] = ()
+    least: float | None = None
 
 
 def _ignore(_file: Path) -> None:
@@ -211,9 +214,12 @@ def _converted(option: Option, value: Any) -> Any:
         from pysprings.core.units import QuantityError, read
 
         try:
-            return read(value, option.unit, option.example)
+            number = read(value, option.unit, option.example)
         except QuantityError as error:
             raise ValueError(str(error)) from None
+        if option.least is not None and number < option.least:
+            raise ValueError(f"{value} is less than {option.least:g} {option.unit}")
+        return number
     if option.choices and value not in option.choices:
         raise ValueError(f"'{value}' is not one of {', '.join(option.choices)}")
     if isinstance(value, str) and not isinstance(option.default, str | None):

@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 SMALL = 0.01  # share of H L or of M in the larger of both below which an error of the load means nothing
 SHARES = (0.1, 0.5, 1.0)  # of the range of a path where the linear response is compared
 _HEAD = (
-    "error of the linear response in H and M at 10, 50 and 100 % of the range of each path, in percent of the largest H "
-    f"and M on the path ('-': below {100 * SMALL:g} % of the other load):"
+    "error of the linear response in H and M at 10, 50 and 100 % of the range of each path, in percent of the largest "
+    f"H and M on the path ('-': below {100 * SMALL:g} % of the other load):"
 )
 _COLUMNS = ("path", "role", "u [mm]", "rotation [mrad]", *(f"{load} {100 * s:g} %" for load in "HM" for s in SHARES))
 

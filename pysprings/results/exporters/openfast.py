@@ -14,7 +14,6 @@ from pysprings.results.exporters.subdyn import FRAME, TORSION, UNITS, matrix_of,
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
-    from pysprings.springs.springs import Springs
 
 _SPRING_FILE = "caisson.txt"
 _NO_FAN = "no nonlinear foundation: it needs a fan of load paths (template 'fan'); the matrices are linear"
@@ -35,15 +34,17 @@ _CYCLES = "elements that remember reversals, for tens of cycles"
 def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[Path], list[str]]:
     """Write the spring file and the SoilDyn input for the library; return them, and what is lost."""
     from pysprings.macro.fan import has_fan
+    from pysprings.macro.model import MacroModel
+    from pysprings.results.exporters.conditions import springs_at
     from pysprings.results.exporters.header import BACKBONE, header
     from pysprings.results.exporters.soildyn.inputs import library_input
     from pysprings.results.exporters.soildyn.library import library_name
     from pysprings.results.exporters.soildyn.spring_file import spring_text
 
-    springs = _chosen(source, options)
+    springs, load = springs_at(source, options)
     if not has_fan(springs):
         return [], [_NO_FAN]
-    model = _model(springs, options)
+    model = MacroModel.from_springs(springs, str(options["springs"]), V=load)
     lost = [*_LOST[str(options["springs"])], *_between_planes(model), *_ALWAYS]
     use = BACKBONE if model.memory is None else _CYCLES
     head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use), *lost, _conditions(model)]
@@ -55,21 +56,6 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
         target.write("soildyn_nonlinear.dat", library_input(head, library, f"./{_SPRING_FILE}", [_place(options)])),
     ]
     return files, [*lost, _BUILD.format(library=library)]
-
-
-def _chosen(source: Source, options: Options) -> Springs:
-    """Return the springs at the rate of the options."""
-    from pysprings.springs.springs import Springs
-
-    springs = Springs.of(source.springs)
-    return springs if options["rate"] is None else springs.at_rate(float(options["rate"]))
-
-
-def _model(springs: Springs, options: Options) -> MacroModel:
-    from pysprings.macro.model import MacroModel
-
-    V = options["V"]
-    return MacroModel.from_springs(springs, str(options["springs"]), V=None if V is None else float(V))
 
 
 def _between_planes(model: MacroModel) -> list[str]:

@@ -119,16 +119,15 @@ def _as_written(given: Table, stratum: Stratum, unit: float) -> Table:
 
 def _texts(source: Source, options: Options) -> tuple[list[str], list[str]]:
     """Return the lines of the cards, and the sentences on what is lost."""
+    from pysprings.results.exporters.conditions import springs_at
     from pysprings.results.exporters.sacs_cards import MOST
     from pysprings.results.exporters.uniaxial.sets import uniaxial
-    from pysprings.springs.springs import Springs
 
     points = int(options["points"])
     if not 3 <= points <= MOST:
         raise refused("--option points", f"{points} is not from 3 to {MOST}")
-    springs = Springs.of(source.springs)
-    springs = springs if options["rate"] is None else springs.at_rate(float(options["rate"]))
-    made = uniaxial(springs, options["springs"], None if options["V"] is None else float(options["V"]), planes=2)
+    springs, load = springs_at(source, options)
+    made = uniaxial(springs, options["springs"], load, planes=2)
     axial, words = _axial_cards(springs, made, options)
     lateral, errors = _lateral_cards(springs, made, options)
     return [*axial, *lateral], [f"springs '{made.model.spring_set}'", *made.lost, *_LOST, *words, *errors]

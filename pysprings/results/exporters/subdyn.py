@@ -24,8 +24,9 @@ UNITS = "N/m, N/rad = N m/m, N m/rad; kg, kg m, kg m2"
 NO_TORSION = "torsion is not known from lateral loading: Ktztz is 0, which SubDyn rejects; give --option torsion=..."
 LINEAR = "linear: the matrix is that of the caisson at rest, at all displacements"
 TORSION = Option(
-    "torsion", "stiffness about the vertical axis, which springs do not give", unit="N m/rad", example="1e9 N m/rad"
-)
+    "torsion", "stiffness about the vertical axis, which springs do not give", unit="N m/rad", example="1e9 N m/rad",
+    least=0.0,
+)  # fmt: skip
 
 
 def labels(letter: str) -> Iterator[tuple[str, int, int]]:

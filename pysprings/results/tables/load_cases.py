@@ -39,6 +39,8 @@ ALIASES = {
 FORMS = "H with M or arm, M alone, or V alone"
 # A moment across the plane of the force beyond this share of the moment is refused; rounding of angles is below it
 _ACROSS = 1e-6
+MOST_FACTOR = 10.0
+_TURN = 2.0 * np.pi * (1.0 + 1e-9)
 
 
 @dataclass(frozen=True)
@@ -150,6 +152,11 @@ def _check_rows(place: str, at: NDArray[np.int64], values: dict[str, Array], the
         for name in ("factor", "factor_H", "factor_M", "factor_V"):
             if values[name][k] < 0.0:
                 faults.add((place, line), name, f"{values[name][k]:g} is negative: a partial factor is 0 or more")
+            if values[name][k] > MOST_FACTOR:
+                faults.add((place, line), name, f"{values[name][k]:g} is above {MOST_FACTOR:g}: 1.35 is usual, not 135")
+        for name in ("direction_rad", "M_direction_rad"):
+            if abs(values[name][k]) > _TURN:
+                faults.add((place, line), name, f"{np.degrees(values[name][k]):.6g} deg is beyond one turn, 360 deg")
         if values["tilt_rad"][k] <= 0.0:
             faults.add((place, line), "tilt_rad", "a tolerance must be positive")
     if there & {"factor"} and there & {"factor_H", "factor_M", "factor_V"}:

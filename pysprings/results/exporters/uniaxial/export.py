@@ -9,6 +9,7 @@ import numpy as np
 
 from pysprings.core.errors import refused
 from pysprings.results.exporters.base import Options, Source
+from pysprings.results.exporters.conditions import springs_at
 from pysprings.results.exporters.header import header
 from pysprings.results.exporters.uniaxial.curve import FAR, Spring, Table
 from pysprings.results.exporters.uniaxial.sets import (
@@ -68,9 +69,7 @@ def prepare(
     points = int(given["points"])
     if points < FEWEST or (most is not None and points > most):
         raise refused("--option points", f"{points} is not from {FEWEST} to {most or 'any number'}")
-    springs = Springs.of(source.springs)
-    springs = springs if given["rate"] is None else springs.at_rate(float(given["rate"]))
-    load = None if given["V"] is None else float(given["V"])
+    springs, load = springs_at(source, given)
     made = uniaxial(springs, given["springs"] or None, load, int(given["planes"]))
     rows = tables(made, points, far)
     torsion, first = float(given["torsion"] or 0.0), float(given["azimuth"] or 0.0)

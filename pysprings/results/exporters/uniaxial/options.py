@@ -22,5 +22,5 @@ def table_options(points: int, most: int | None = None) -> tuple[Option, ...]:
         Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
         Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
         Option("torsion", "stiffness about the vertical axis, which springs do not give", unit="N m/rad",
-               example="1e9 N m/rad"),
+               example="1e9 N m/rad", least=0.0),
     )  # fmt: skip

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""The ten lines of a run: the tilt at the design load of the scene."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+import pysprings
+from pysprings.core.files.storage import read_tree
+from pysprings.full_model.run_record import RunRecord
+from pysprings.results.folder import run_to_folder
+from pysprings.results.summary import summary
+from tests.support import tiny
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return run_to_folder(tiny.scene(), tmp_path_factory.mktemp("summary") / "out")
+
+
+def tilt(folder: Path, **design: object) -> str:
+    """Return the line on the tilt of the run for a design load (SI)."""
+    record = RunRecord.read(folder)
+    assert record is not None
+    record.scene_toml = tiny.scene(design=design).to_toml()
+    springs = pysprings.open_springs(folder / "springs.nc")
+    return summary(read_tree(folder / "full_model.nc"), record, pysprings.compare(springs), springs)["tilt"]
+
+
+def test_the_tilt_is_that_of_predict_and_the_tolerance_decides(folder: Path) -> None:
+    answer = pysprings.predict(pysprings.open_springs(folder / "springs.nc"), H=2e5)
+    degrees = math.degrees(abs(float(answer["rotation"])))
+    line = tilt(folder, lateral_force=2e5)
+    assert line.startswith(f"{degrees:.3g} deg at the design load, H 0.2 MN at 0 m: within the tolerated 0.25 deg")
+    assert f"{100 * float(answer['utilisation']):.3g} % of H {1e-6 * answer.attrs['capacity_H_N']:.4g} MN" in line
+    line = tilt(folder, lateral_force=2e5, tilt=math.radians(0.5 * degrees))
+    assert f"beyond the tolerated {0.5 * degrees:.3g} deg" in line
+
+
+def test_beyond_the_springs_there_is_no_tilt(folder: Path) -> None:
+    line = tilt(folder, lateral_force=1e8)
+    assert line.startswith("not known at the design load, H 100 MN at 0 m: beyond the springs, which carry H ")
+    assert " deg" not in line
+
+
+def test_marks_stand_beside_the_tilt(folder: Path) -> None:
+    """Springs of one pull, under a load at another height."""
+    assert "off the path 'pull'" in tilt(folder, lateral_force=5e4, arm=6.0)
+
+
+def test_without_a_design_load_a_path_gives_the_tilt(folder: Path) -> None:
+    turned = read_tree(folder / "full_model.nc")["paths/pull"]["rotation"].values
+    end = math.degrees(float(abs(turned[-1])))
+    assert tilt(folder).startswith(f"{end:.3g} deg at H ")
+    assert tilt(folder).endswith("0.25 deg is not reached; no [design] load")
+    assert tilt(folder, tilt=math.radians(0.5 * end)).startswith(f"{0.5 * end:.3g} deg at H ")
+
+
+def test_a_height_without_a_load_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"design\.arm: is the height of a load"):
+        tiny.scene(design={"arm": 5.0})
+    with pytest.raises(ValueError, match=r"design\.lateral_force: a load of zero"):
+        tiny.scene(design={"lateral_force": 0.0})
+
+
+def test_a_design_load_changes_no_number_of_other_scenes() -> None:
+    """The text and the number of a scene without [design] stay those of versions before it."""
+    assert "[design]" not in tiny.scene().to_toml()
+    assert tiny.scene(design={"lateral_force": 1e6}).sha256 != tiny.scene().sha256
+    assert tiny.scene(design={"lateral_force": 1e6, "arm": 2.0}).to_toml().count("[design]") == 1
