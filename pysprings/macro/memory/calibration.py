@@ -23,15 +23,17 @@ from pysprings.macro.memory.candidates import (
     mechanisms,
     plastic_rows,
 )
-from pysprings.macro.memory.elements import histories
+from pysprings.macro.memory.elements import GAP, histories
 from pysprings.macro.memory.samples import Sample
-from pysprings.macro.memory.shares import Shares, shares_of
+from pysprings.macro.memory.shares import Shares, shares_of, stiffnesses
 
 Array = NDArray[np.float64]
 
 STIFFNESS = 3.0  # weight of the initial stiffness beside a ray
 SUBSTEP = 0.01  # largest step of the motion over the reach
 FORGET = 1e-9  # share of the initial stiffness below which an element is left out
+# Numbers of the state of an element that moves in two planes, and of all elements: SoilDyn of OpenFAST keeps 1,200
+PLASTIC_NUMBERS, GAP_NUMBERS, MOST_NUMBERS = 5, 6, 1190
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,19 +64,29 @@ class ElementSet:
 
 
 def calibrate(
-    ways: Sequence[Sample], table: FanTable, stiffness: Array, candidates: tuple[Array, Array] | None = None
+    ways: Sequence[Sample],
+    table: FanTable,
+    stiffness: Array,
+    candidates: tuple[Array, Array] | None = None,
+    most: int = MOST_NUMBERS,
 ) -> ElementSet:
     """Return the elements that follow the ways; stiffness (2, 2) is the initial one for (u, rotation*L) [N/m].
 
     candidates: plastic and gap elements to choose from, instead of those of `pysprings.macro.memory.candidates`. What
-    is chosen from them is chosen a second time, with what is `around` it.
+    is chosen from them is chosen a second time, with what is `around` it. most: numbers that the state of the elements
+    may have in two planes; of more elements those that carry most are kept, and fitted again.
     """
     reach = max(float(np.hypot(*way.motions.T).max()) for way in ways)
     loads = [way.loads(table) for way in ways]
     plastic, gap = candidates or (mechanisms(reach), gaps(reach))
     _, _, chosen = _fitted(plastic, gap, ways, loads, stiffness, reach)
     plastic, gap = around(plastic[chosen[: len(plastic)]], gap[chosen[len(plastic) :]])
-    rows, left, _ = _fitted(plastic, gap, ways, loads, stiffness, reach)
+    rows, left, chosen = _fitted(plastic, gap, ways, loads, stiffness, reach)
+    if numbers_of(rows) > most:
+        plastic, gap = plastic[chosen[: len(plastic)]], gap[chosen[len(plastic) :]]
+        keeps = _strongest(rows, ways, reach, most)
+        plastic, gap = plastic[keeps[: len(plastic)]], gap[keeps[len(plastic) :]]
+        rows, left, _ = _fitted(plastic, gap, ways, loads, stiffness, reach)
     shares, carried = shares_of(rows, ways, loads, table, SUBSTEP * reach)
     errors = {}
     for way, load, own in zip(ways, loads, carried, strict=True):
@@ -97,6 +109,25 @@ def _fitted(
     factors, left = nnls(A / size, b, maxiter=20 * A.shape[1])
     rows, chosen = _merged(mechanism, plate, factors / size, FORGET * float(np.trace(stiffness)))
     return rows, float(left / np.linalg.norm(b)), chosen
+
+
+def numbers_of(rows: Array) -> int:
+    """Return how many numbers the state of elements has in two planes."""
+    return int(np.where(rows[:, 0] == GAP, GAP_NUMBERS, PLASTIC_NUMBERS).sum())
+
+
+def _strongest(rows: Array, ways: Sequence[Sample], reach: float, most: int) -> NDArray[np.bool_]:
+    """Return which elements carry most along the ways, as many as have this many numbers together."""
+    carried = np.zeros(len(rows))
+    for way in ways:
+        e = elastic_motions(rows, way.motions, SUBSTEP * reach)[0]
+        forces = np.einsum("kab,nkb->nka", stiffnesses(rows), e) * way.weights[:, None, None]
+        carried += (forces**2).sum(axis=(0, 2))
+    order = np.argsort(-carried)
+    numbers = np.where(rows[order, 0] == GAP, GAP_NUMBERS, PLASTIC_NUMBERS).cumsum()
+    keeps = np.zeros(len(rows), dtype=bool)
+    keeps[order[numbers <= most]] = True
+    return keeps
 
 
 def way_of(motions: Array) -> float:

@@ -41,9 +41,9 @@ class Sample:
         return summed
 
 
-def samples(springs: Springs, table: FanTable) -> list[Sample]:
-    """Return the ways that springs with memory are calibrated on."""
-    found = [*_rays(table), *(_turning(path, table) for path in springs.remembering)]
+def samples(springs: Springs, table: FanTable, weight: float = WEIGHT) -> list[Sample]:
+    """Return the ways that springs with memory are calibrated on; those that turn back have a weight beside a ray."""
+    found = [*_rays(table), *(_turning(path, table, weight) for path in springs.remembering)]
     return [Sample(name, motions, rows, _weights(rows, table, way), way > 0.0) for name, motions, rows, way in found]
 
 
@@ -64,7 +64,7 @@ def _rays(table: FanTable) -> Iterator[tuple[str, Array, Array, float]]:
         yield f"{np.degrees(angle):.0f} degrees", motions, rows, 0.0
 
 
-def _turning(path: SpringPath, table: FanTable) -> tuple[str, Array, Array, float]:
+def _turning(path: SpringPath, table: FanTable, weight: float) -> tuple[str, Array, Array, float]:
     """Return a ray that turns back, at even distances of its way and close behind its turns."""
     motions = np.stack([path.u, path.turn], axis=1)
     steps = np.diff(motions, axis=0)
@@ -80,7 +80,7 @@ def _turning(path: SpringPath, table: FanTable) -> tuple[str, Array, Array, floa
         path.name,
         np.stack([np.interp(at, way, column) for column in motions.T], axis=1),
         np.stack([np.interp(at, way, row) for row in rows]),
-        WEIGHT,
+        weight,
     )
 
 

@@ -16,9 +16,10 @@ from pysprings.macro.batch import predict_batch
 from pysprings.macro.cycles import Followed, cycles, errors, follow_path, sequences
 from pysprings.macro.fan import build_fan
 from pysprings.macro.memory.build import build_memory, with_memory
-from pysprings.macro.memory.calibration import ElementSet
+from pysprings.macro.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, numbers_of
 from pysprings.macro.memory.elements import GAP, STATES, advance
 from pysprings.macro.memory.model import MemoryModel, MemoryStepper
+from pysprings.macro.memory.samples import samples
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, predict, sequence
 from pysprings.macro.sets import spring_sets
@@ -236,6 +237,18 @@ def test_stored_elements_answer_as_those_that_were_calibrated(tmp_path) -> None:
     answers = [sequence(each, targets, springs_kind="memory", extrapolate=True) for each in (read, outside())]
     np.testing.assert_array_equal(answers[0]["u"], answers[1]["u"])
     assert abs(float(answers[0]["u"][-1])) > 1e-6 and not answers[0]["turned_back"].any()
+
+
+@pytest.mark.slow
+def test_of_too_many_elements_those_that_carry_most_are_fitted_again() -> None:
+    """The state of the elements in two planes is no larger than given; half of it costs little."""
+    springs, whole = outside(), build_memory(outside()).elements
+    table, scale = build_fan(springs), np.array([1.0, springs.length])
+    stiff = springs.lateral_stiffness / scale / scale[:, None]
+    most = numbers_of(whole.rows) // 2
+    few = calibrate(samples(springs, table), table, stiff, most=most)
+    assert numbers_of(few.rows) <= most < numbers_of(whole.rows) <= MOST_NUMBERS
+    assert whole.residual <= few.residual < 2.0 * whole.residual + 0.01
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.macro.fan import FanTable
-from pysprings.macro.memory.elements import GAP
+from pysprings.macro.memory.calibration import numbers_of
 from pysprings.macro.model import MacroModel
 from pysprings.macro.vertical import Branch
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 VERSION = 2
 PROPS, STATES = 20000, 1200  # numbers that SoilDyn keeps for a point, and of its state
 _SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 23, 3, 9, 2, 3  # of `springs.h`
-_ELEMENT, _STATE_HEAD, _PLASTIC, _GAP = 12, 9, 5, 6
+_ELEMENT, _STATE_HEAD = 12, 9
 
 
 def spring_text(
@@ -89,7 +89,7 @@ def _check_size(model: MacroModel, table: FanTable) -> None:
         raise refused("springs", f"{size} numbers: SoilDyn keeps {PROPS} for a point; use fewer rays or steps")
     if model.memory is not None:
         rows = model.memory.elements.rows
-        kept = _STATE_HEAD + int(np.where(rows[:, 0] == GAP, _GAP, _PLASTIC).sum())
+        kept = _STATE_HEAD + numbers_of(rows)
         if kept > STATES:
             raise refused("springs", f"{kept} numbers of {len(rows)} elements: SoilDyn keeps {STATES} of a state")
 
