@@ -37,6 +37,7 @@ COMMANDS = {
     "design": "design",
     "capacity": "capacity",
     "sweep": "sweep",
+    "atlas": "atlas",
     "accuracy": "studies",
     "stability": "studies",
     "paper": "studies",
@@ -46,6 +47,7 @@ COMMANDS = {
 def _load_all() -> None:
     """Import the modules of all commands; where they stand in full, checks of the import graph read them."""
     from pysprings.cli import (  # noqa: F401
+        atlas,
         capacity,
         compare,
         design,

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from pysprings.cli.atlas_springs import Asked, refuse_without_atlas, springs_of_atlas
 from pysprings.cli.inputs import springs_or_table
-from pysprings.cli.options import Json, SpringSet
+from pysprings.cli.options import Changes, Json, SpringSet
 from pysprings.cli.support import print_json, quantities, refuse, to_stderr
 
 if TYPE_CHECKING:
@@ -116,7 +117,13 @@ class Choice:
 
 
 def predict(
-    result: Annotated[Path, typer.Argument(metavar="SPRINGS", help="springs.nc, the folder of a run, or a p-y table")],
+    result: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[SPRINGS]",
+            help="springs.nc, the folder of a run, or a p-y table; with --atlas a scene file, or none",
+        ),
+    ] = None,
     load: Annotated[str | None, typer.Option("--H", metavar="FORCE", help='lateral load, e.g. "2 MN"')] = None,
     arm: Annotated[
         str | None, typer.Option("--arm", metavar="LENGTH", help='its height above mudline, e.g. "8 m"')
@@ -173,6 +180,15 @@ def predict(
         typer.Option("--reference-depth", metavar="LENGTH", help="point of stiffnesses on the axis, below mudline"),
     ] = None,
     z_up: Annotated[bool, typer.Option("--z-up", help="stiffnesses in axes with z up; x stays")] = False,
+    atlas: Annotated[
+        str | None, typer.Option("--atlas", metavar="NAME|FILE", help="answer by an atlas, without a full model: clay")
+    ] = None,
+    diameter: Annotated[str | None, typer.Option("--D", metavar="LENGTH", help="outer diameter, with --atlas")] = None,
+    length: Annotated[str | None, typer.Option("--L", metavar="LENGTH", help="skirt length, with --atlas")] = None,
+    changes: Changes = None,
+    save_springs: Annotated[
+        Path | None, typer.Option("--save-springs", metavar="FILE", help="write the springs of the atlas: .nc")
+    ] = None,
     skirt_length: Annotated[
         str | None, typer.Option("--skirt-length", metavar="LENGTH", help="of a table without depth_bottom_m")
     ] = None,
@@ -190,7 +206,15 @@ def predict(
     texts = {"H": load, "arm": arm, "M": moment, "V": vertical, "u_max": u_max, "u": u, "rotation": rotation}
     texts |= {"tilt": tilt, "skirt_length": skirt_length, "rate": rate, "reference_depth": reference_depth}
     question = Question.read(texts, sequence, points)
-    springs = _at_rate(springs_or_table(result, question.skirt_length, strict), question.rate)
+    springs: AnySprings
+    if atlas is not None:
+        asked = Asked(atlas, result, diameter, length, tuple(changes or ()), save_springs)
+        springs = springs_of_atlas(asked, strict, extrapolate)
+    else:
+        refuse_without_atlas({"--D": diameter, "--L": length, "--set": changes, "--save-springs": save_springs})
+        if result is None:
+            refuse("SPRINGS", "missing: springs.nc, the folder of a run, a p-y table, or --atlas")
+        springs = _at_rate(springs_or_table(result, question.skirt_length, strict), question.rate)
     choice = Choice(spring_set, path, strict, extrapolate)
     states = answer(springs, question, choice)
     form: Form = {"secant": secant, "symmetric": symmetric, "z_up": z_up}

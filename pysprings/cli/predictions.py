@@ -77,9 +77,23 @@ def print_prediction(states: xr.Dataset) -> None:
         headers, cells = [*headers, "marks"], [*cells, marks]
     left = [head == "marks" for head in headers]
     print_table(headers, [list(row) for row in zip(*cells, strict=True)], left)
+    if text := deviations(states):
+        print(text)
     if states.attrs.get("question") != "sequence":
         for text in filter(None, (capacity(states), vertical_capacity(states))):
             print(text)
+
+
+def deviations(states: xr.Dataset) -> str:
+    """Return a line with the standard deviations of the last state on springs of an atlas; empty on other springs."""
+    parts = []
+    for name, unit, factor in COLUMNS:
+        known = f"{name}_deviation"
+        if known in states and (value := float(states[known].values[-1])) > 0.0:
+            size = abs(float(states[name].values[-1]))
+            share = f" ({100.0 * value / size:.2g} %)" if size > 0.0 else ""
+            parts.append(f"{name} {factor * value:.3g} {unit}{share}")
+    return f"standard deviation of the last state: {', '.join(parts)}" if parts else ""
 
 
 def capacity(states: xr.Dataset) -> str:

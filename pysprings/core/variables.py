@@ -263,6 +263,7 @@ _TANGENT = (
     "mixed units: N m-1 for u and w; N radian-1 between u and rotation; N m radian-1 for rotation; "
     "w: slope of the vertical springs under the V asked for, else elastic stiffness of the full model; uncoupled"
 )
+_DEVIATION = "of springs of an atlas: one standard deviation; 0 for what was imposed"
 _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RESULT_PATH["p"]) | _table(
     V("usable", "1 where the p-y curve of the depth is usable over the whole path", "1", ("depth",),
       "0: y turns back, changes sign or stays small; p is read from another displacement, or in part"),
@@ -285,6 +286,8 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       "the springs go back on the same curve, without hysteresis; the soil does not"),
     V("off_load", "1 where V is not covered by the lateral springs", "1", ("step",),
       "reactions to u and rotation are those at the nearest vertical load that is", required=False),
+    *(V(f"{name}_deviation", f"standard deviation of {name}", _BODY[name].units, ("step",), _DEVIATION, required=False)
+      for name in ("u", "rotation", "H", "M")),
     _SPRINGS_ROOT["dof"], _SPRINGS_ROOT["dof_conjugate"],
     V("stiffness", "stiffness of the springs at the state: tangent at the lid centre", "1",
       ("step", "dof", "dof_conjugate"), _TANGENT),

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ from pysprings.macro.history import Turns
 from pysprings.macro.limit import Limit, paths_at, range_used
 from pysprings.macro.softening import softening_notes
 from pysprings.macro.solver import row_values
+from pysprings.macro.spread import NAMES, deviations
 from pysprings.macro.vertical_answer import Down, vertical_answer
 
 if TYPE_CHECKING:
@@ -102,8 +103,18 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
     tangent = model.tangents(states, down.tangent)
     coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
+    data |= {name: (("step",), value, known[name].attributes()) for name, value in _deviations(model, way, tangent)}
     attrs = _attributes(model, way, support, turned, down, refusals)
     return xr.Dataset(data | {"stiffness": tangent.variable}, coords, attrs)
+
+
+def _deviations(model: MacroModel, way: Way, tangent: xr.DataArray) -> Iterator[tuple[str, Array]]:
+    """Yield the standard deviations of springs of an atlas, by name; none of other springs."""
+    if model.spread is None or not isinstance(model.table, FanTable):
+        return
+    lateral = tangent.values[:, ::2, ::2] if tangent.shape[1] == 3 else tangent.values
+    spread = deviations(model.spread, model.table, way.control, way.states, lateral, way.arm or 0.0)
+    yield from zip(NAMES, spread.T, strict=True)
 
 
 def _attributes(
@@ -124,10 +135,19 @@ def _attributes(
         | ({} if way.arm is None else {"arm_m": way.arm})
         | (limit.attributes() if limit else {})
         | {"status": "partial" if message else "complete", "message": message}
-        | {"warnings": support.notes + turned.notes() + down.notes, "beyond_range": outside + down.beyond}
+        | {
+            "warnings": support.notes + turned.notes() + down.notes + _outside(model),
+            "beyond_range": outside + down.beyond,
+        }
         | {"remarks": list(model.remarks), "path_end": _ends(model), "balance": model.balance}
         | {"refusals": [f"{text}{carried}" for text in refusals]}
     )
+
+
+def _outside(model: MacroModel) -> list[str]:
+    """Return a sentence on springs of an atlas at or beyond the edge of its full models."""
+    text = str(model.attrs.get("atlas_outside", ""))
+    return [text] if text else []
 
 
 def _ends(model: MacroModel) -> str:

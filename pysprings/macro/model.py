@@ -19,6 +19,7 @@ from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.sets import AnySprings, choose_set, typed
 from pysprings.macro.solver import FAN, ROWS, SpringArrays, follow, reactions, solve_cases, tangents
+from pysprings.macro.spread import Spread, build_spread
 from pysprings.macro.spring_sets import Built, SpringSet
 from pysprings.macro.user_curves import CurveSprings
 from pysprings.macro.vertical import VerticalTable, build_vertical
@@ -30,6 +31,7 @@ from pysprings.springs.sums import balance
 Array = NDArray[np.float64]
 
 NO_VERTICAL = "a table without a vertical path has no vertical springs: w and V are left out"
+OF_ATLAS = "springs of the {} ({} full models), not of a full model of this caisson; deviations are standard ones"
 NO_ENDS = "springs of an earlier version: how their paths ended is not known, loads beyond a limit load are not refused"
 
 
@@ -65,6 +67,8 @@ class MacroModel:
         The paths themselves.
     memory
         Elements that remember, which answer sequences from rest in place of the table; None for all other sets.
+    spread
+        Standard deviation of a fan of an atlas; None for all other springs.
     """
 
     table: SpringTable | FanTable
@@ -80,6 +84,7 @@ class MacroModel:
     elastic_loads: tuple[float, float] = (-np.inf, np.inf)
     behind: tuple[SpringPath, ...] = ()
     memory: MemoryModel | None = None
+    spread: Spread | None = None
 
     @classmethod
     def from_springs(
@@ -103,10 +108,11 @@ class MacroModel:
         ends = dict(given.ends) | dict(chosen.ends)  # a path between two loads ends with the shorter one
         attrs = {str(name): value for name, value in chosen.attrs.items()}
         remarks = tuple(_remarks(chosen, spring_set, built, ends))
+        spread = build_spread(chosen, built.table) if isinstance(built.table, FanTable) else None
         return cls(
             built.table, spring_set.name, built.origin, chosen.stiffness, attrs, remarks, vertical, settled, ends,
             built.sources, _elastic_loads(given), tuple(chosen.paths[name] for name in built.sources),
-            built.memory,
+            built.memory, spread,
         )  # fmt: skip
 
     @classmethod
@@ -230,6 +236,8 @@ def _remarks(springs: Springs, chosen: SpringSet, built: Built, ends: Mapping[st
     if springs.stiffness is None:
         yield NO_VERTICAL
     yield from built.remarks
+    if springs.of_atlas:
+        yield OF_ATLAS.format(springs.attrs["source"], springs.attrs.get("atlas_cases", "?"))
     if springs.of_full_model and any(ends[name].how == UNKNOWN for name in built.sources):
         yield NO_ENDS
 

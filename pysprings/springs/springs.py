@@ -25,6 +25,8 @@ from pysprings.springs.dead_loads import LoadSet
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.rates import RateSet
+from pysprings.springs.spread import GROUP as SPREAD
+from pysprings.springs.spread import check_spread
 
 Array = NDArray[np.float64]
 
@@ -38,11 +40,13 @@ class Springs:
     root : initial stiffness, and attributes: geometry of the caisson, and where the springs come from.
     paths : load paths by name, in the order of the file.
     memory : calibrated elements of springs with memory (`pysprings.macro.memory`); None where none are stored.
+    spread : standard deviation of springs of an atlas (`pysprings.springs.spread`); None for those of a full model.
     """
 
     root: xr.Dataset
     paths: Mapping[str, SpringPath]
     memory: xr.Dataset | None = None
+    spread: xr.Dataset | None = None
     _derived: dict[Hashable, Springs] = field(default_factory=dict, repr=False)
 
     @classmethod
@@ -58,13 +62,15 @@ class Springs:
         length = float(root.attrs["skirt_length_m"])
         paths = {name: SpringPath(name, node.to_dataset(inherit=False), length) for name, node in nodes.items()}
         stored = source.children[MEMORY].to_dataset(inherit=False) if MEMORY in source.children else None
-        return cls(root, paths, stored)
+        spread = check_spread(source.children[SPREAD].to_dataset(inherit=False)) if SPREAD in source.children else None
+        return cls(root, paths, stored, spread)
 
     @cached_property
     def tree(self) -> xr.DataTree:
         """The springs as a tree, as `save_springs` writes it."""
         groups = {"/": self.root} | {f"/paths/{name}": path.recorded for name, path in self.paths.items()}
         groups |= {} if self.memory is None else {f"/{MEMORY}": self.memory}
+        groups |= {} if self.spread is None else {f"/{SPREAD}": self.spread}
         return xr.DataTree.from_dict(groups, name="springs")
 
     def _repr_html_(self) -> str:
@@ -102,6 +108,11 @@ class Springs:
     def of_full_model(self) -> bool:
         """True for springs of a full model, false for those of a table."""
         return "schema" in self.attrs
+
+    @property
+    def of_atlas(self) -> bool:
+        """True for springs of an atlas."""
+        return self.spread is not None
 
     @property
     def first_steps(self) -> bool:

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: MIT
+"""Springs of an atlas for commands that answer on springs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pysprings.cli.support import quantities, refuse
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the options of a command say: atlas, scene file, D and L as texts, changes KEY=VALUE, a file to save."""
+
+    atlas: str
+    scene: Path | None
+    D: str | None
+    L: str | None
+    changes: tuple[str, ...] = ()
+    save: Path | None = None
+
+
+def refuse_without_atlas(options: Mapping[str, Any]) -> None:
+    """Refuse options that need --atlas."""
+    for option, value in options.items():
+        if value:
+            refuse(option, "is for springs of an atlas: give --atlas, too")
+
+
+def springs_of_atlas(asked: Asked, strict: bool = False, extrapolate: bool = False) -> xr.DataTree:
+    """Return the springs of an atlas for a scene file, or for the base scene of the atlas with other values.
+
+    Raises UserInputError for scenes that the atlas does not cover; with ``strict`` also at the edge of its full models.
+    """
+    from pysprings.scene.changes import read_changes
+    from pysprings.springs.file import save_springs
+    from pysprings.studies.atlas.model import open_atlas
+
+    if asked.save is not None and asked.save.suffix != ".nc":
+        refuse("--save-springs", "name a file that ends in .nc", asked.save)
+    atlas = open_atlas(asked.atlas)
+    sizes = quantities({"--D": (asked.D, "m", "9 m"), "--L": (asked.L, "m", "6 m")})
+    changes = read_changes(asked.changes)
+    if asked.scene is not None:
+        if any(value is not None for value in sizes.values()):
+            refuse("--D", "the scene file has it: give a scene file, or --D and --L", asked.scene)
+        from pysprings.scene.load import SceneText
+
+        scene = SceneText.read(asked.scene).scene([atlas.named(change) for change in changes])
+    else:
+        scene = atlas.scene(sizes["--D"], sizes["--L"], changes)
+    springs = atlas.springs(scene, extrapolate)
+    if strict and (edge := str(springs.attrs["atlas_outside"])):
+        refuse("--strict", edge)
+    if asked.save is not None:
+        save_springs(springs, asked.save)
+    return springs

@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: MIT
+"""Families of atlases, a module each. Other packages declare an entry point in the group `pysprings.atlas_families`."""
+
+from __future__ import annotations
+
+from pysprings.core.registry import Registry
+from pysprings.studies.atlas.families import clay, sand
+from pysprings.studies.atlas.families.base import Family
+
+FAMILIES: Registry[Family] = Registry("family of atlases", (clay.FAMILY, sand.FAMILY), group="pysprings.atlas_families")
+
+__all__ = ["FAMILIES", "Family"]

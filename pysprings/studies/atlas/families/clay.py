@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: MIT
+"""Bonded caissons in one layer of undrained clay, su = su_m + k z, G = I_r su.
+
+By dimensional analysis L/D, k D/su_m and the adhesion alpha decide on loads over F = su D (L + D), su at half the skirt
+length, as functions of X = I_r rho/D: elastic perfectly plastic soil in total stress has no other scale of motion. The
+thickness of the skirt is a fixed share of D.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.errors import Problem
+from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter
+
+if TYPE_CHECKING:
+    from pysprings.scene.model import Scene
+
+Array = NDArray[np.float64]
+
+
+def strength(scene: Scene) -> tuple[float, float]:
+    """Return su at mudline [Pa] and its gradient [Pa/m]."""
+    from pysprings.scene.by_depth import ByDepth
+
+    su = _clay(scene).undrained_shear_strength
+    if isinstance(su, ByDepth):
+        return float(su.top or 0.0), float(su.gradient or 0.0)
+    return float(su), 0.0
+
+
+def _clay(scene: Scene) -> Any:
+    """Return the layer of clay."""
+    return scene.soil.layers[0]
+
+
+def _read(scene: Scene) -> Array:
+    top, gradient = strength(scene)
+    D = diameter(scene)
+    alpha: Any = scene.interface.adhesion_factor
+    return np.array([scene.caisson.skirt_length / D, gradient * D / top, float(alpha)])
+
+
+def _even(values: Array) -> Array:
+    return np.stack([np.log(values[..., 0]), np.log1p(values[..., 1]), values[..., 2]], axis=-1)
+
+
+def _sizes(scene: Scene) -> Sizes:
+    top, gradient = strength(scene)
+    D, L, ratio = diameter(scene), scene.caisson.skirt_length, _clay(scene).rigidity_ratio
+    assert ratio is not None
+    return Sizes((top + 0.5 * gradient * L) * D * (L + D), float(ratio))
+
+
+def _odd(scene: Scene, _base: Scene) -> Iterator[Problem]:
+    """Yield a problem for a strength that is not linear, or an adhesion that differs between surfaces."""
+    from pysprings.scene.by_depth import ByDepth
+
+    su = _clay(scene).undrained_shear_strength
+    if isinstance(su, ByDepth) and (su.gradient is None or not su.top):
+        text = "the atlas needs { top, gradient } with a top above zero, or one value"
+        yield Problem(key="soil.layer.undrained_shear_strength", message=text)
+    if not isinstance(scene.interface.adhesion_factor, float | int):
+        yield Problem(key="interface.adhesion_factor", message="the atlas needs one number for all surfaces")
+    if _clay(scene).rigidity_ratio is None:
+        yield Problem(key="soil.layer.rigidity_ratio", message="missing: the atlas needs G/su")
+
+
+_LAYER = "soil.layer.clay"
+FAMILY = Family(
+    name="clay",
+    labels=("L/D", "k D/su_m", "alpha"),
+    read=_read,
+    even=_even,
+    sizes=_sizes,
+    free={
+        "caisson": ("outer_diameter", "skirt_length", "lid_thickness", "vertical_load"),
+        "interface": ("adhesion_factor", "friction_coefficient"),
+        "soil": (
+            "young_modulus", "poisson_ratio", "friction_angle_initial", "friction_angle_final", "hardening_parameter",
+            "dilation_angle", "cohesion", "effective_unit_weight", "hydraulic_conductivity",
+        ),  # of sand: the layer has its own
+        "soil.layer": ("undrained_shear_strength", "rigidity_ratio", "effective_unit_weight", "name"),
+        "drainage": (
+            "porosity", "water_bulk_modulus", "water_unit_weight", "water_viscosity", "water_depth", "stabilisation",
+        ),
+    },
+    scaled=(Scaled("caisson", "skirt_thickness", ("m", 1.0), "D", diameter),),
+    short={
+        "su": f"{_LAYER}.undrained_shear_strength.top",
+        "gradient": f"{_LAYER}.undrained_shear_strength.gradient",
+        "G/su": f"{_LAYER}.rigidity_ratio",
+        "alpha": "interface.adhesion_factor",
+    },
+    odd=_odd,
+)  # fmt: skip

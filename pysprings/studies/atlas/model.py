@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: MIT
+"""`Atlas`: springs of any caisson of its family, with their predicted standard deviation and marks outside its hull."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.errors import Problem, UserInputError, refused
+from pysprings.core.units import quoted
+from pysprings.scene.changes import Change
+from pysprings.scene.load import SceneText
+from pysprings.studies.atlas.families import FAMILIES, Family
+from pysprings.studies.atlas.process import Process
+from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share, stiffness_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from pysprings.scene.model import Scene
+
+Array = NDArray[np.float64]
+SHIPPED = Path(__file__).parent / "shipped"
+_ROUNDING = 1e-6
+STIFFNESS_FLOOR = 1e-3  # standard deviation over the stiffness at the least: numbers of cells change with L/D
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What an atlas expects of a scene: values (ray, row, X), modes (m, ray, row, X) of one standard deviation each.
+
+    Attributes
+    ----------
+    stiffness : (3, 3) initial stiffness.
+    stiffness_error : standard deviations of the logarithms of K_V, K_H, K_M.
+    settled : w at rest [m].
+    outside : why the scene is at the edge of what the atlas covers; none inside the hull of its full models.
+    """
+
+    values: Array
+    modes: Array
+    stiffness: Array
+    stiffness_error: Array
+    settled: float
+    outside: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """An emulator over the full models of a study.
+
+    Attributes
+    ----------
+    family : what decides.
+    text : the base scene.
+    inputs : (n, d) of the full models.
+    rays, angles, X : grid of the springs: names and directions [rad] of the rays, motions.
+    reach : largest rho over D.
+    mean, modes : (ray, row, X) and (m, ray, row, X): principal components.
+    processes : of the components; of the four numbers of the stiffness; of the settlement.
+    rest : (2, ray, X) standard deviation of H over F h and M over F L h that the components leave.
+    factor : of all standard deviations, such that 95 % of the cases left out lie in the band of 95 %.
+    fan : standard deviations of what rays do not say of pulls where the soil has failed: over the load, and over the
+        rotation. From held-back pulls (`pysprings.studies.atlas.check`); 0 where there were none.
+    about : where the atlas comes from: words for files and reports.
+    """
+
+    family: Family
+    text: SceneText
+    inputs: Array
+    rays: tuple[str, ...]
+    angles: Array
+    X: Array
+    reach: float
+    mean: Array
+    modes: Array
+    processes: tuple[Process, ...]
+    stiffness: tuple[Process, ...]
+    settlement: Process
+    rest: Array
+    factor: float
+    fan: tuple[float, float] = (0.0, 0.0)
+    about: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def base(self) -> Scene:
+        """The base scene."""
+        return self.text.scene()
+
+    @cached_property
+    def box(self) -> Array:
+        """Least and largest inputs (2, d) of the full models."""
+        return np.stack([self.inputs.min(axis=0), self.inputs.max(axis=0)])
+
+    @cached_property
+    def _scale(self) -> tuple[Array, Array]:
+        even = self.family.even(self.inputs)
+        return even.min(axis=0), even.max(axis=0) - even.min(axis=0)
+
+    def point(self, inputs: Array) -> Array:
+        """Return inputs (..., d) as the processes take them, 0 to 1 between the full models."""
+        low, span = self._scale
+        return np.asarray((self.family.even(inputs) - low) / span)
+
+    def scene(self, D: float | None = None, L: float | None = None, changes: Sequence[Change] = ()) -> Scene:
+        """Return the base scene with another diameter and skirt length [m] and other values.
+
+        Short names of the family stand for keys. What an atlas has in proportion follows, where it is not given.
+        """
+        given = [self.named(change) for change in changes]
+        sizes = {"outer_diameter": D, "skirt_length": L}
+        given += [Change(("caisson", key), f"{value:.12g} m") for key, value in sizes.items() if value is not None]
+        scene, there = self.text.scene(given), {change.keys for change in given}
+        more = [
+            Change((each.section, each.key), f"{each.value(self.base) * each.size(scene) / each.unit[1]:.12g} "
+                                             f"{each.unit[0]}")
+            for each in self.family.scaled
+            if (each.section, each.key) not in there
+        ]  # fmt: skip
+        return self.text.scene([*given, *more])
+
+    def named(self, change: Change) -> Change:
+        """Return a change with its key in full where it has a short name of the family."""
+        name = ".".join(change.keys)
+        return Change(tuple(self.family.short.get(name, name).split(".")), change.value)
+
+    def estimate(self, scene: Scene, extrapolate: bool = False) -> Estimate:
+        """Return what the atlas expects of a scene.
+
+        Raises
+        ------
+        UserInputError
+            The scene is none of the family, or outside the box of the full models, unless ``extrapolate``.
+        """
+        self.family.check(scene, self.base)
+        inputs = self.family.read(scene)
+        outside = [*self._outside_box(inputs)]
+        if outside and not extrapolate:
+            raise UserInputError([Problem(key=key, message=text) for key, text in outside])
+        texts = [f"{key}: {text}" for key, text in outside] or [*self._outside_hull(inputs)]
+        point, sizes = self.point(inputs), self.family.sizes(scene)
+        means, errors = (np.array(each) for each in zip(*(one.at(point) for one in self.processes), strict=True))
+        values = self.mean + np.tensordot(means, self.modes, axes=1)
+        modes = self.factor * errors[:, None, None, None] * self.modes
+        factor, spread = (np.array(each) for each in zip(*(one.at(point) for one in self.stiffness), strict=True))
+        D, L = scene.caisson.outer_diameter, scene.caisson.skirt_length
+        matrix = stiffness_of(factor, sizes.force, sizes.ratio, D, L)
+        settled = self.settlement.at(point)[0] * D / sizes.ratio
+        return Estimate(values, modes, matrix, _log_errors(factor, spread), settled, tuple(texts))
+
+    def springs(self, scene: Scene, extrapolate: bool = False) -> xr.DataTree:
+        """Return springs of a scene, as `pysprings.extract_springs` does for a full model; see `estimate`."""
+        from pysprings.studies.atlas.springs import spring_tree
+
+        return spring_tree(self, scene, self.estimate(scene, extrapolate))
+
+    def _outside_box(self, inputs: Array) -> list[tuple[str, str]]:
+        low, high = self.box
+        slack = _ROUNDING * (high - low)
+        return [
+            (label, f"{value:.4g} is outside the atlas ({a:.4g} to {b:.4g})")
+            for label, value, a, b, room in zip(self.family.labels, inputs, low, high, slack, strict=True)
+            if not a - room <= value <= b + room
+        ]
+
+    def _outside_hull(self, inputs: Array) -> list[str]:
+        """Return a sentence for inputs that no mixture of the full models has; none inside their convex hull."""
+        from scipy.optimize import linprog
+
+        known, point = self.point(self.inputs), self.point(inputs)
+        rows = np.vstack([known.T, np.ones(len(known))])
+        inside = linprog(np.zeros(len(known)), A_eq=rows, b_eq=np.append(point, 1.0), method="highs").status == 0
+        text = "in a corner of the atlas, outside the convex hull of its full models: the standard deviation is larger"
+        return [] if inside else [text]
+
+
+def _log_errors(factor: Array, spread: Array) -> Array:
+    """Return standard deviations of log K_V, log K_H and log K_M by those of `factors`."""
+    inner = np.exp(2.0 * factor[1]) * factor[2] ** 2
+    outer = np.exp(2.0 * factor[3])
+    share_ = inner / (inner + outer)
+    slope = 2.0 * np.exp(2.0 * factor[1]) * factor[2] / (inner + outer)
+    moment = np.sqrt((2 * share_ * spread[1]) ** 2 + (slope * spread[2]) ** 2 + (2 * (1 - share_) * spread[3]) ** 2)
+    return np.hypot(np.array([spread[0], 2.0 * spread[1], moment]), STIFFNESS_FLOOR)
+
+
+def sums(values: Array) -> tuple[Array, Array]:
+    """Return H over F h and M over F L h (..., X) of rows (..., row, X)."""
+    n = sum(name.startswith("p") for name in FORCES)
+    middle = (np.arange(n) + 0.5) / n
+    row = {name: ROWS.index(name) for name in ("H_tip", "H_lid")}
+    p, tip, lid = values[..., :n, :], values[..., row["H_tip"], :], values[..., row["H_lid"], :]
+    moments = values[..., len(FORCES) : len(FORCES) + len(MOMENTS), :]
+    M = (middle[:, None] * p).sum(axis=-2) + moments.sum(axis=-2) + tip
+    return p.sum(axis=-2) + tip + lid, M
+
+
+def shipped() -> list[str]:
+    """Return the names of the atlases of this package."""
+    return sorted(file.stem for file in SHIPPED.glob("*.nc"))
+
+
+def open_atlas(source: str | os.PathLike[str]) -> Atlas:
+    """Open an atlas: a file, or the name of one that comes with the package ("clay").
+
+    Raises UserInputError for another file, or a broken one.
+    """
+    from pysprings.studies.atlas.file import read_atlas
+
+    names = shipped()
+    if str(source) in names:
+        return read_atlas(SHIPPED / f"{source}.nc")
+    if not Path(source).exists() and Path(source).suffix != ".nc":
+        raise refused("--atlas", f"no atlas {quoted(str(source))}; there are: {', '.join(names) or 'none'}, or a file")
+    return read_atlas(Path(source))
+
+
+def family_of(name: str) -> Family:
+    """Return a family by its name. Raises UserInputError."""
+    return FAMILIES.find(name, "family")
+
+
+__all__ = ["Atlas", "Estimate", "family_of", "open_atlas", "share", "shipped", "sums"]

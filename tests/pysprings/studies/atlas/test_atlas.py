@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: MIT
+"""The atlas that ships: springs like those of a full model, laws of similarity, refusals, deviations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import pysprings
+from pysprings.core.errors import UserInputError
+from pysprings.scene.changes import read_changes
+from pysprings.springs.checks import validate_springs
+from pysprings.springs.file import open_springs, save_springs
+from pysprings.studies.atlas.between import between
+from pysprings.studies.atlas.process import Process, filled
+
+
+@pytest.fixture(scope="module")
+def atlas():
+    return pysprings.open_atlas("clay")
+
+
+def springs(atlas, D, L, *changes):
+    return atlas.springs(atlas.scene(D, L, read_changes(changes)))
+
+
+def test_springs_of_an_atlas_are_a_spring_file(atlas, tmp_path):
+    made = springs(atlas, 9.0, 6.0)
+    validate_springs(made)
+    again = open_springs(save_springs(made, tmp_path / "springs.nc"))
+    one, other = (pysprings.predict(each, H=1e6, arm=9.0) for each in (made, again))
+    assert float(one["u"]) == float(other["u"]) > 0.0
+    assert float(one["u_deviation"]) == float(other["u_deviation"]) > 0.0
+    assert made.attrs["source"] == "atlas clay"
+
+
+def test_a_caisson_of_twice_the_size_in_clay_of_twice_the_strength_is_similar(atlas):
+    small = springs(atlas, 8.0, 6.0, "su=10 kPa", "gradient=2 kPa/m")
+    large = springs(atlas, 16.0, 12.0, "su=20 kPa", "gradient=2 kPa/m")
+    one, other = pysprings.predict(small, H=8e5, arm=8.0), pysprings.predict(large, H=8 * 8e5, arm=16.0)
+    assert float(other["u"]) == pytest.approx(2.0 * float(one["u"]), rel=1e-6)
+    assert float(other["rotation"]) == pytest.approx(float(one["rotation"]), rel=1e-6)
+
+
+def test_motions_go_with_the_inverse_of_the_stiffness(atlas):
+    soft, stiff = (springs(atlas, 8.0, 6.0, f"G/su={ratio}") for ratio in (200, 400))
+    one, other = (pysprings.predict(each, H=8e5, arm=8.0) for each in (soft, stiff))
+    assert float(one["u"]) == pytest.approx(2.0 * float(other["u"]), rel=1e-4)
+
+
+def test_scenes_that_the_atlas_does_not_cover_are_refused_all_at_once(atlas):
+    with pytest.raises(UserInputError) as error:
+        springs(atlas, 8.0, 6.0, "interface.opening=vented", "soil.layer.clay.poisson_ratio=0.3")
+    assert {problem.key for problem in error.value.problems} == {"interface.opening", "soil.layer.poisson_ratio"}
+    with pytest.raises(UserInputError, match=r"L/D: 0\.25 is outside the atlas \(0\.49"):
+        springs(atlas, 8.0, 2.0)
+    far = atlas.springs(atlas.scene(8.0, 3.5), extrapolate=True)
+    with pytest.warns(UserWarning, match="outside the atlas"):
+        pysprings.predict(far, H=1e5)
+    with pytest.raises(UserInputError, match="outside the atlas"):
+        pysprings.predict(far, H=1e5, strict=True)
+
+
+def test_deviations_of_motion_and_of_load_belong_together(atlas):
+    made = springs(atlas, 9.0, 6.0)
+    moved = pysprings.impose(made, u=0.002, arm=0.0)
+    under = pysprings.predict(made, H=float(moved["H"]), arm=0.0)
+    tangent = under["stiffness"].values[np.ix_([0, 2], [0, 2])]
+    free_head = tangent[0, 0] - tangent[0, 1] * tangent[1, 0] / tangent[1, 1]
+    assert float(moved["u_deviation"]) == float(under["H_deviation"]) == 0.0
+    assert float(under["u_deviation"]) == pytest.approx(float(moved["H_deviation"]) / free_head, rel=1e-3)
+
+
+def test_a_process_without_one_value_is_what_left_out_says():
+    generator = np.random.default_rng(1)
+    points, values = generator.random((12, 2)), generator.random(12)
+    kernel = (0.0, 1.0, 2.0, np.array([0.5, 0.8]), 1e-3)
+    mean, deviation = Process(points, values, *kernel).left_out()
+    for k in (0, 7):
+        rest = np.arange(12) != k
+        alone = Process(points[rest], values[rest], *kernel).at(points[k])
+        assert (mean[k], deviation[k]) == pytest.approx(alone, rel=1e-8)
+
+
+def test_what_is_missing_is_filled_from_the_neighbours():
+    points = np.linspace(0.0, 1.0, 9)[:, None]
+    whole = np.concatenate([1.0 + points, points**2], axis=1)
+    known = whole.copy()
+    known[4, 0] = np.nan
+    again = filled(points, known)
+    assert again[4, 0] == pytest.approx(1.5, abs=1e-3)
+    assert np.array_equal(again[:, 1], whole[:, 1])
+
+
+def test_rays_in_between_follow_a_potential():
+    """Loads of W = sqrt(1 + q) - 1, q = u^2 + 2 v^2 + u v: elastic at first, conical at last."""
+    angles = np.radians([-60.0, -40.0, -20.0, 0.0])
+    rho = np.concatenate([[0.0], np.geomspace(0.01, 20.0, 40)])
+    elastic = np.array([[1.0, 0.5], [0.5, 2.0]])
+
+    def loads(angle):
+        motion = rho * np.array([[np.cos(angle)], [np.sin(angle)]])
+        q = (motion * (elastic @ motion)).sum(axis=0)
+        return elastic @ motion / np.sqrt(1.0 + q)
+
+    rows = np.stack([loads(angle) for angle in angles])
+    made, modes, found = between(rows, np.zeros((0, *rows.shape)), np.eye(2), angles, rho)
+    assert found.size == 4 + 2 * 3 and modes.shape == (2, *made.shape)
+    for row, angle in zip(made, found, strict=True):
+        exact = loads(angle)
+        assert np.abs(row - exact).max() < 2e-3 * np.abs(exact).max()
