@@ -61,6 +61,16 @@ class Shares:
         return out
 
 
+def elastic_of(rows: Array, states: Array, motion: Array) -> Array:
+    """Return elastic motions (n, 2) [m] of elements in states (n, STATES) at a motion (2,) [m], as `histories`."""
+    elastic: Array = states[:, :2].copy()
+    gap = rows[:, 0] == GAP
+    n, (first, second) = rows[gap, 4:6], states[gap, :2].T
+    x = n @ motion
+    elastic[gap] = (np.maximum(x - first, 0.0) + np.minimum(x - second, 0.0))[:, None] * n
+    return elastic
+
+
 def stiffnesses(rows: Array) -> Array:
     """Return B (n, 2, 2) [N/m] of the elements; of a gap element on one side."""
     B = np.stack([rows[:, [4, 5]], rows[:, [5, 6]]], axis=1)

@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.batch import predict_batch
@@ -28,7 +29,7 @@ from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.springs import Springs
 from tests.support import winkler
 from tests.support.commands import command
-from tests.support.fans import fan_springs, linear
+from tests.support.fans import LENGTH, fan_springs, linear
 from tests.support.winkler import REACH, element, elements_of, mixed
 
 
@@ -177,6 +178,25 @@ def test_a_step_is_marked_where_the_springs_do_not_cover_it() -> None:
         stepper.advance(motion=(0.0, 0.0), duration=0.0)
 
 
+def test_a_step_has_the_reactions_of_its_state() -> None:
+    """Those of the whole way up to it, of plastic and of gap elements; shares of any size."""
+    random, table = np.random.default_rng(3), model().table
+    rows, odd = mixed(), ~table.even
+    shares = replace(
+        model().elements.shares, loads=random.normal(size=(odd.sum(), 2)),
+        elastic=random.normal(size=(odd.sum(), 2 * len(rows))), even=random.normal(size=((~odd).sum(), len(rows))),
+    )  # fmt: skip
+    springs = replace(model(), elements=replace(model().elements, rows=rows, shares=shares))
+    way = np.cumsum(random.normal(size=(60, 2)), axis=0) * 0.002 * REACH / springs.to_motion
+    stepper = MemoryStepper(springs)
+    for state in way:
+        stepper.advance(motion=tuple(state))
+        found = stepper.reactions
+        stepper.commit()
+    np.testing.assert_allclose(found, springs.reactions(way)[:, -1], rtol=1e-9, atol=1e-9 * np.abs(found).max())
+    assert np.ptp(found[table.even]) > 0.0 and np.ptp(found[odd]) > 0.0
+
+
 def test_a_vertical_load_that_turns_back_is_marked() -> None:
     """Vertical springs have no memory, the elements do: loads that turn back are not marked, V is."""
     springs = Springs.of(winkler.with_invented_memory())
@@ -194,6 +214,26 @@ def test_a_fan_without_rays_that_turn_back_has_no_memory() -> None:
     assert "memory" not in spring_sets(springs)
     with pytest.raises(UserInputError, match=r"no ray that turns back .* memory = true"):
         predict(springs, H=1e5, springs_kind="memory")
+
+
+def test_springs_at_several_rates_have_a_memory_at_that_of_their_rays_that_turn_back() -> None:
+    """Coupled rays at two rates, turning ones at the slow one: any other rate is refused."""
+    tree, groups = winkler.springs(), {}
+    for node in tree["paths"].children.values():
+        for number, speed in enumerate((1e-5, 1e-3) if node.attrs["role"] == "calibration" else (1e-5,)):
+            path = node.to_dataset(inherit=False).copy(deep=True)
+            steps = np.hypot(np.diff(path["u"]), np.diff(path["rotation"]) * LENGTH)
+            path["time"] = ("step", np.append(0.0, np.cumsum(steps)) / speed, {"long_name": "time", "units": "s"})
+            groups[f"/paths/{node.name}_{number}"] = path
+    root = tree.to_dataset(inherit=False)
+    springs = Springs.of(xr.DataTree.from_dict({"/": root.assign_attrs(drainage="coupled")} | groups))
+    slow = springs.at(rate=1e-5)
+    assert [path.name for path in slow.remembering] == ["turning_0_0", "turning_minus_50_0"]
+    assert "memory" in spring_sets(slow)
+    for rate in (1e-4, 1e-3):
+        assert "memory" not in spring_sets(springs.at(rate=rate))
+        with pytest.raises(UserInputError, match="no ray that turns back at this vertical load and rate"):
+            build_memory(springs.at(rate=rate))
 
 
 @cache
