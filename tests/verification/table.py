@@ -91,12 +91,13 @@ LONG: dict[str, Rows] = {
     "stiffness, paper mesh": caisson_stiffness.slow_rows,
     "caisson with water, paper mesh": caisson_water.slow_rows,
 }
-# Many increments in clay: up to a quarter of an hour
+# Many increments in clay: up to a few minutes each
 LONGEST: dict[str, Rows] = {
     "circle on clay, three meshes": clay.circle_order_rows,
 } | {
-    f"caisson bonded to clay, d/D {embedment:g}, kappa {kappa:g}": partial(clay.caisson_case, embedment, kappa)
-    for embedment, kappa in clay.CAISSONS
+    f"{clay.caisson_name(*caisson)}, {load}": partial(clay.caisson_case, *caisson, load)
+    for caisson, loads in clay.CAISSONS.items()
+    for load in loads
 }
 
 

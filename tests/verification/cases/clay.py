@@ -246,18 +246,20 @@ _CAISSON = "independent series computation (0.5 to 1 %)"
 _HARMONICS = 3
 
 
+def caisson_name(embedment: float, kappa: float) -> str:
+    """Return the name of a caisson in the table."""
+    return f"caisson bonded to clay, d/D {embedment:g}, kappa {kappa:g}"
+
+
 @cache
-def caisson_case(embedment: float, kappa: float) -> tuple[Row, ...]:
-    """All loads of one caisson, on meshes with cells of D/20 and D/40 at toe and walls, and their limits."""
-    found = []
-    for load, wanted in CAISSONS[embedment, kappa].items():
-        harmonics = 1 if load == "NcV" else _HARMONICS
-        coarse, fine = (push(Clay(embedment, kappa, cells, harmonics), load) for cells in (20.0, 40.0))
-        case = f"caisson bonded to clay, d/D {embedment:g}, kappa {kappa:g}"
-        limit = 2.0 * fine.factor - coarse.factor
-        found += [
-            Row(case, f"{load}, cells of D/20", "", coarse.factor, wanted, _CAISSON, None),
-            Row(case, f"{load}, cells of D/40", "", fine.factor, wanted, _CAISSON, None),
-            Row(case, f"{load}, limit", "", limit, wanted, _CAISSON, 0.03),
-        ]
-    return tuple(found)
+def caisson_case(embedment: float, kappa: float, load: str) -> tuple[Row, ...]:
+    """A collapse load on meshes with cells of D/20 and D/40 at toe and walls, and its limit."""
+    wanted = CAISSONS[embedment, kappa][load]
+    harmonics = 1 if load == "NcV" else _HARMONICS
+    coarse, fine = (push(Clay(embedment, kappa, cells, harmonics), load).factor for cells in (20.0, 40.0))
+    case = f"{caisson_name(embedment, kappa)}, {load}"
+    return (
+        Row(case, "factor, cells of D/20", "", coarse, wanted, _CAISSON, None),
+        Row(case, "factor, cells of D/40", "", fine, wanted, _CAISSON, None),
+        Row(case, "factor, limit", "", 2.0 * fine - coarse, wanted, _CAISSON, 0.03),
+    )
