@@ -8,6 +8,7 @@ fine     the same pull on at least 100,000 nodes
 solvers  factors of its own for every tangent, or those of earlier ones, by mesh
 rest     only the factors of the tangent at rest: what an exact solve by Fourier series in azimuth could replace
 omitted  what the omissions save (benchmarks/omissions.py)
+layers   an iteration in layered ground beside homogeneous ground on the same mesh (benchmarks/layered_cost.py)
 
 Every run is a process of its own with warm caches; pictures are left out. Seconds depend on the machine, and on what
 else it does; the ratios less so.
@@ -169,6 +170,13 @@ def omitted() -> None:
     omissions.main([])
 
 
+def layers() -> None:
+    """Print the CPU time of an iteration in layered ground beside homogeneous ground on the same mesh."""
+    from benchmarks import layered_cost
+
+    layered_cost.main([])
+
+
 def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
     """Return the wall time of the second of two runs (s), its factorisations, and the unknowns."""
     from pysprings.full_model import compute
@@ -222,7 +230,7 @@ def _in_child(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
 
 SECTIONS: dict[str, Callable[[], None]] = {
     "units": units, "targets": targets, "growth": growth, "fine": fine, "solvers": solvers, "rest": rest,
-    "omitted": omitted,
+    "omitted": omitted, "layers": layers,
 }  # fmt: skip
 
 

@@ -28,8 +28,8 @@ HEAD = ("test", "quantity", "measured", "low", "high", "bracketed")
 DEGREE = np.pi / 180.0
 # (factor on su, G/su, adhesion factor): su of direct shear over that of compression; E_u/su 200 to 1000
 CLAY_ENDS = (0.75, 67.0, 0.3), (1.0, 333.0, 0.65)
-# (final friction angle and dilation in degrees, E at 100 kPa, friction of the wall, vertical load): phi of Bolton (1986),
-# 31 + 3 (I_D (10 - ln p') - 1), at relative densities of 0.4 and 0.8 and p' = 75 kPa; psi = phi - 30; E 250 to 600 p_a
+# (final friction and dilation angle in degrees, E at 100 kPa, friction of the wall, vertical load). Bolton (1986):
+# phi = 31 + 3 (I_D (10 - ln p') - 1), at relative densities of 0.4 and 0.8 and p' = 75 kPa; psi = phi - 30
 SAND_ENDS = (35.0, 5.0, 25e6, 0.35, 5e6), (42.0, 12.0, 60e6, 0.5, 12e6)
 ROTATION, ARM = 3.0 * DEGREE, 33.0
 

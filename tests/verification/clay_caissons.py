@@ -22,6 +22,7 @@ from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.model.contact import SURFACE
+from pysprings.model.discretise import build
 from pysprings.model.fourier import build_on_section
 from pysprings.model.fourier_mesh import SectionCounts
 
@@ -43,12 +44,16 @@ HELD = "H, rotation held"
 
 @dataclass(frozen=True)
 class Clay:
-    """A caisson in clay: embedment d/D, kappa, cell beside wall and toe as a part of the diameter (40: D/40)."""
+    """A caisson in clay: embedment d/D, kappa, cell beside wall and toe as a part of the diameter (40: D/40).
+
+    With a ``preset`` its mesh is that of the tool, whatever the cells.
+    """
 
     embedment: float
     kappa: float
     cells: float
     harmonics: int = 5
+    preset: str = ""
 
     @property
     def tip(self) -> float:
@@ -71,7 +76,7 @@ class Clay:
                 "rigidity_ratio": RIGIDITY, "poisson_ratio": POISSON, "effective_unit_weight": 6e3, "surcharge": 0.0,
             },
             interface={"adhesion_factor": 1.0, "opening": "bonded"},
-            mesh={"discretisation": "fourier"},
+            mesh={"discretisation": "fourier", "harmonics": self.harmonics, "preset": self.preset or "coarse"},
         )  # fmt: skip
 
     def counts(self) -> SectionCounts:
@@ -113,7 +118,8 @@ class Push:
 
 def push(clay: Clay, load: str) -> Push:
     """Push the caisson to its limit; return the factor of the load."""
-    model = build_on_section(clay.scene(), clay.counts()).model
+    scene = clay.scene()
+    model = (build(scene) if clay.preset else build_on_section(scene, clay.counts())).model
     model.contact[model.stations.surface == SURFACE["tip"], : adhesion.MU] = _NOTHING  # a skirt without thickness
     system, state = FourierSystem(model), State(model)
     driver = Driver(Newton(system, FourierStage(system), Settings(_TOLERANCE, 25)), state)

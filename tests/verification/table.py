@@ -92,13 +92,21 @@ LONG: dict[str, Rows] = {
     "caisson with water, paper mesh": caisson_water.slow_rows,
 }
 # Many increments in clay: up to a few minutes each
-LONGEST: dict[str, Rows] = {
-    "circle on clay, three meshes": clay.circle_order_rows,
-} | {
-    f"{clay.caisson_name(*caisson)}, {load}": partial(clay.caisson_case, *caisson, load)
-    for caisson, loads in clay.CAISSONS.items()
-    for load in loads
-}
+LONGEST: dict[str, Rows] = (
+    {
+        "circle on clay, three meshes": clay.circle_order_rows,
+    }
+    | {
+        f"{clay.caisson_name(*caisson)}, {load}": partial(clay.caisson_case, *caisson, load)
+        for caisson, loads in clay.CAISSONS.items()
+        for load in loads
+    }
+    | {
+        f"{clay.caisson_name(*caisson)}, preset {preset}": partial(clay.preset_case, *caisson, preset)
+        for caisson in clay.CAISSONS
+        for preset in ("coarse", "medium", "paper", "fine")
+    }
+)
 
 
 def _all() -> dict[str, Rows]:

@@ -263,3 +263,14 @@ def caisson_case(embedment: float, kappa: float, load: str) -> tuple[Row, ...]:
         Row(case, "factor, cells of D/40", "", fine, wanted, _CAISSON, None),
         Row(case, "factor, limit", "", 2.0 * fine - coarse, wanted, _CAISSON, 0.03),
     )
+
+
+@cache
+def preset_case(embedment: float, kappa: float, preset: str) -> tuple[Row, ...]:
+    """All collapse loads of a caisson on a preset of the tool: how much too strong its mesh is."""
+    case = f"{caisson_name(embedment, kappa)}, preset {preset}"
+    found = []
+    for load, wanted in CAISSONS[embedment, kappa].items():
+        clay = Clay(embedment, kappa, 0.0, 1 if load == "NcV" else _HARMONICS, preset)
+        found.append(Row(case, load, "", push(clay, load).factor, wanted, _CAISSON, None))
+    return tuple(found)
