@@ -93,7 +93,7 @@ def compare(discretisation: str, preset: str, pairs: int) -> tuple[object, ...]:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--pairs", type=int, default=9)
+    parser.add_argument("--pairs", type=int, default=7)
     parser.add_argument("--preset", default="coarse")
     parser.add_argument("--out", type=Path)
     given = parser.parse_args(arguments)

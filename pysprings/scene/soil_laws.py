@@ -102,12 +102,17 @@ CONE = Surface(_round, (0.0,))
 VAN_EEKELEN = Surface(_van_eekelen, _ANGLES)
 
 
-def _angles(soil: Soil) -> Iterator[Clash]:
-    """Check that no angle is more than the final friction angle."""
+def _angles(soil: Soil, surface: Surface) -> Iterator[Clash]:
+    """Check that no angle is more than the final friction angle; "auto" stands here as the angle that K0 needs."""
     final = f"friction_angle_final ({show(soil.friction_angle_final, 'deg')})"
     for name in ("friction_angle_initial", "dilation_angle"):
         value = getattr(soil, name)
-        if value > soil.friction_angle_final:
+        if value <= soil.friction_angle_final:
+            continue
+        if name == "friction_angle_initial" and value == _least_friction(surface)(soil.K0):
+            keys = tuple(("soil", each) for each in ("K0", name, "friction_angle_final"))
+            yield Clash(keys, f"{soil.K0:g} needs a friction angle of {math.degrees(value):.2f} deg, more than {final}")
+        else:
             keys = ("soil", name), ("soil", "friction_angle_final")
             yield Clash(keys, f"{show(value, 'deg')} must not be more than {final}")
 
@@ -119,13 +124,13 @@ def _strength(soil: Soil) -> Iterator[Clash]:
 
 
 def _cone_clashes(soil: Soil) -> Iterator[Clash]:
-    yield from _angles(soil)
+    yield from _angles(soil, CONE)
     yield from _strength(soil)
     yield from _contraction(soil, CONE)
 
 
 def _van_eekelen_clashes(soil: Soil) -> Iterator[Clash]:
-    yield from _angles(soil)
+    yield from _angles(soil, VAN_EEKELEN)
     yield from _strength(soil)
     if soil.friction_angle_final > formulas.MAX_FRICTION:
         keys = ("soil", "friction_angle_final"), ("soil", "yield_surface")
@@ -136,7 +141,7 @@ def _van_eekelen_clashes(soil: Soil) -> Iterator[Clash]:
 
 
 def _iwan_sand_clashes(soil: Soil) -> Iterator[Clash]:
-    yield from _angles(soil)
+    yield from _angles(soil, CONE)
     yield from _strength(soil)
     if soil.dilation_angle != 0.0:
         text = f"{show(soil.dilation_angle, 'deg')} would change the volume in every cycle: it must be 0 deg"

@@ -46,7 +46,7 @@ HELD = "H, rotation held"
 class Clay:
     """A caisson in clay: embedment d/D, kappa, cell beside wall and toe as a part of the diameter (40: D/40).
 
-    With a ``preset`` its mesh is that of the tool, whatever the cells.
+    With a ``preset`` ("coarse", or "coarse:2" for a refinement of 2) its mesh is that of the tool, whatever the cells.
     """
 
     embedment: float
@@ -68,6 +68,7 @@ class Clay:
     def scene(self) -> Scene:
         """Return the caisson as a scene."""
         gradient = STRENGTH * self.kappa / DIAMETER
+        preset, _, factor = (self.preset or "coarse").partition(":")
         return Scene(
             caisson={"outer_diameter": DIAMETER, "skirt_length": self.tip, "skirt_thickness": THICKNESS},
             domain={"radius": 3.0 * DIAMETER, "depth": self.tip + 2.5 * DIAMETER},
@@ -76,7 +77,10 @@ class Clay:
                 "rigidity_ratio": RIGIDITY, "poisson_ratio": POISSON, "effective_unit_weight": 6e3, "surcharge": 0.0,
             },
             interface={"adhesion_factor": 1.0, "opening": "bonded"},
-            mesh={"discretisation": "fourier", "harmonics": self.harmonics, "preset": self.preset or "coarse"},
+            mesh={
+                "discretisation": "fourier", "harmonics": self.harmonics, "preset": preset,
+                "refinement": float(factor or 1.0),
+            },
         )  # fmt: skip
 
     def counts(self) -> SectionCounts:

@@ -104,7 +104,7 @@ LONGEST: dict[str, Rows] = (
     | {
         f"{clay.caisson_name(*caisson)}, preset {preset}": partial(clay.preset_case, *caisson, preset)
         for caisson in clay.CAISSONS
-        for preset in ("coarse", "medium", "paper", "fine")
+        for preset in ("coarse", "medium", "paper", "fine", "coarse:2")
     }
 )
 

@@ -11,6 +11,7 @@ import numpy as np
 from pysprings.core.units import show
 from pysprings.scene.ground import Stratum, ground_of
 from pysprings.scene.interface import adhesion_factor, uses_adhesion
+from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -40,19 +41,30 @@ def profile(scene: Scene) -> list[dict[str, Any]]:
 
 
 _SHEAR_MODULUS = (0.1, 1e5)  # MPa: peat at mudline to rock
+_UNIT_WEIGHT = (3.0, 14.0)  # kN/m3, submerged: soft clay to very dense sand and gravel
+_FRICTION = (20.0, 46.0)  # degrees: plastic silt to very dense sand at low stress
 
 
 def unusual_values(scene: Scene) -> list[str]:
-    """Return a sentence for each value of undrained clay outside the common range, and for stiffness of no soil."""
+    """Return a sentence for each value outside the common range."""
     strata = [each for each in ground_of(scene).strata if not each.like]
-    odd = [text for stratum in strata if not stratum.total_stress for text in _odd_stiffness(stratum)]
+    odd = [text for stratum in strata for text in _odd(stratum)]
     return odd + [text for stratum in strata if stratum.total_stress for text in _unusual(scene, stratum)]
 
 
-def _odd_stiffness(stratum: Stratum) -> Iterator[str]:
-    depth = np.array([stratum.top, stratum.bottom])
+def _odd(stratum: Stratum) -> Iterator[str]:
+    """Check what any soil has, and the friction of sand, at the ends of a layer."""
+    where, depth = f"layer '{stratum.name}'", np.array([stratum.top, stratum.bottom])
+    weight = 1e-3 * stratum.value("effective_unit_weight", depth)
+    if weight.any():  # soil without weight is a deliberate simplification
+        yield from _outside(where, "effective unit weight [kN/m3]", weight, _UNIT_WEIGHT, depth)
+    if stratum.total_stress:
+        return
     modulus = 1e-6 * stratum.shear_modulus(depth)
-    yield from _outside(f"layer '{stratum.name}'", "shear modulus [MPa]", modulus, _SHEAR_MODULUS, depth)
+    yield from _outside(where, "shear modulus [MPa]", modulus, _SHEAR_MODULUS, depth)
+    if SOIL_LAWS[stratum.law].yields:
+        friction = np.degrees(stratum.value("friction_angle_final", depth))
+        yield from _outside(where, "friction angle [deg]", friction, _FRICTION, depth)
 
 
 def _unusual(scene: Scene, stratum: Stratum) -> Iterator[str]:
@@ -75,9 +87,9 @@ def _unusual(scene: Scene, stratum: Stratum) -> Iterator[str]:
 
 
 def _outside(where: str, what: str, value: np.ndarray, common: tuple[float, float], depth: np.ndarray) -> Iterator[str]:
-    """Name the value that is furthest outside the common range."""
+    """Name the values that are furthest below and above the common range."""
     low, high = common
-    for worst in sorted({int(np.argmin(value)), int(np.argmax(value))}):
-        if not low <= value[worst] <= high:
-            at = f"{depth[worst]:.3g} m"
-            yield f"{where}: {what} of {value[worst]:.3g} at {at} is outside the common range {low:g} to {high:g}"
+    least, largest = int(np.argmin(value)), int(np.argmax(value))
+    for worst in [*[least] * bool(value[least] < low), *[largest] * bool(value[largest] > high)]:
+        found = f"{float(f'{value[worst]:.3g}'):g} at {depth[worst]:.3g} m"
+        yield f"{where}: {what} of {found} is outside the common range {low:g} to {high:g}"
