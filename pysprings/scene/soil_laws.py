@@ -123,6 +123,10 @@ def _strength(soil: Soil) -> Iterator[Clash]:
         yield Clash(keys, "a soil without friction and cohesion has no strength")
 
 
+def _elastic_clashes(soil: Soil) -> Iterator[Clash]:
+    yield from _angles(soil, CONE)
+
+
 def _cone_clashes(soil: Soil) -> Iterator[Clash]:
     yield from _angles(soil, CONE)
     yield from _strength(soil)
@@ -272,7 +276,7 @@ SOIL_LAWS = {
             _initial_state(VAN_EEKELEN),
             _least_friction(VAN_EEKELEN),
         ),
-        SoilLaw("elastic", (), _angles, _nothing, lambda k0: 0.0, yields=False),
+        SoilLaw("elastic", (), _elastic_clashes, _nothing, lambda k0: 0.0, yields=False),
         _clay("tresca", TRESCA),
         _clay("von-mises", VON_MISES),
         _clay("iwan-clay", VON_MISES),

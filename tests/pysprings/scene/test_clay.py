@@ -309,7 +309,7 @@ def test_check_prints_strength_and_adhesion_by_depth():
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("= 200", "= 5000", "G/su of 5e+03"),
+        ("= 200", "= 5000", "G/su of 5000"),
         ("rigidity", "poisson_ratio = 0.4\nrigidity", "poisson_ratio below 0.48"),
         ("2 kPa/m", "0.1 kPa/m", "su over the vertical effective stress of"),
         ("0.65", "0.05", "adhesion factor inside of 0.05"),

@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import quad
 
 from pysprings.core.errors import UserInputError
+from pysprings.model.forecast.profile import unusual_values
 from pysprings.scene.extent import PAPER
 from pysprings.scene.ground import ground_of
 from pysprings.scene.load import Scene, parse_scene
@@ -145,3 +146,25 @@ def test_a_refused_initial_state_names_an_angle_that_holds_it():
     angle = re.search(r'friction_angle_initial = "(\S+ deg)" or "auto" holds it', message)
     assert angle
     assert parse_scene(text.replace("5 deg", angle[1]))
+
+
+def test_a_K0_that_the_final_friction_does_not_hold_is_refused_with_the_angle_that_it_needs():
+    """The cone fits triaxial compression: sin(phi) = (1 - K0)/(1 + K0)."""
+    text = '[soil]\nK0 = 0.2\nfriction_angle_initial = "auto"\nfriction_angle_final = "39 deg"\n'
+    needed = np.degrees(np.arcsin((1.0 - 0.2) / (1.0 + 0.2)))
+    (found,) = messages(text)
+    assert f"soil.K0: 0.2 needs a friction angle of {needed:.2f} deg, more than friction_angle_final (39 deg)" in found
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"11 kN/m^3"', '"21 kN/m^3"', "layer 'dense': effective unit weight [kN/m3] of 21 at 2 m is outside"),
+        ('bottom = "32 deg"', 'bottom = "55 deg"', "layer 'loose': friction angle [deg] of 55 at 2 m is outside"),
+    ],
+)
+def test_unusual_sand_is_named_once(old, new, words):
+    assert unusual_values(parse_scene(LAYERS)) == []
+    assert old in LAYERS
+    (found,) = unusual_values(parse_scene(LAYERS.replace(old, new, 1)))
+    assert words in found
