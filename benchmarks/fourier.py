@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Load and cost of Fourier series beside bricks: the pull of the paper's caisson, presets by harmonics.
 
-    python -m benchmarks.fourier [--end MM] [--rate MM_PER_S] [--tolerance T] [--bricks PRESET ...]
+    python -m benchmarks.fourier [--end MM] [--rate MM_PER_S] [--tolerance T]
+        [--series PRESET:N ...] [--bricks PRESET ...]
 
 Drained, or coupled where a rate is given. One line a run: unknowns, increments, cut-backs, Newton and GMRES iterations,
 load, rotation, heave, CPU seconds (without start, compilation, files and pictures). Runs share one process; the first
@@ -26,16 +27,7 @@ from pysprings.model.discretise import build
 from pysprings.model.stages import path_stages
 from pysprings.scene.extent import PAPER
 
-SERIES = (
-    ("coarse", 2),
-    ("coarse", 3),
-    ("medium", 2),
-    ("medium", 3),
-    ("medium", 5),
-    ("paper", 3),
-    ("paper", 5),
-    ("fine", 5),
-)
+SERIES = ("coarse:2", "coarse:3", "medium:2", "medium:3", "medium:5", "paper:3", "paper:5", "fine:5")  # preset:N
 HEAD = "mesh             unknowns steps cuts Newton GMRES   u mm     H MN  rot mrad    w mm  CPU s"
 
 
@@ -77,14 +69,16 @@ def main() -> None:
     parser.add_argument("--end", type=float, default=2.5, help="lateral displacement, mm")
     parser.add_argument("--rate", type=float, help="rate of the pull, mm/s: with water")
     parser.add_argument("--tolerance", type=float, default=1e-3)
+    parser.add_argument("--series", nargs="+", default=SERIES, help="presets with numbers of harmonics")
     parser.add_argument("--bricks", nargs="*", default=[], help="presets of bricks to run, too")
     given = parser.parse_args()
     rate = None if given.rate is None else 1e-3 * given.rate
     with blas_on_one_thread():
         line(scene_of(1e-4, given.tolerance, rate, discretisation="fourier"))
         print(HEAD)
-        for preset, harmonics in SERIES:
-            mesh = {"discretisation": "fourier", "preset": preset, "harmonics": harmonics}
+        for name in given.series:
+            preset, harmonics = name.split(":")
+            mesh = {"discretisation": "fourier", "preset": preset, "harmonics": int(harmonics)}
             print(line(scene_of(1e-3 * given.end, given.tolerance, rate, **mesh)), flush=True)
         for preset in given.bricks:
             print(line(scene_of(1e-3 * given.end, 1e-5, rate, preset=preset)), flush=True)

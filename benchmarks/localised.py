@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Paths through localised sand without and with `[solver] viscous_displacement`: how far, which loads, at which cost.
 
-    python -m benchmarks.localised [--viscous "0.0001 mm"] [--steps] [--out FILE] CASE...
+    python -m benchmarks.localised [--viscous "0.0001 mm"] [--alone] [--steps] [--out FILE] CASE...
 
 CASE is NAME:PRESET:DISCRETISATION with a NAME of `pysprings paper` or of the catalogue of `pysprings stability`, or a
-scene file, whose first path is run; ``--steps`` adds a run whose largest step is smaller by a third. Prints a line of
-comma-separated values a case, which --out also adds to a file: where the path ended (mm), by how much the load differs
-from that of the run without viscosity at the same states, over the part that both went through (per cent), what the
-energy balance leaves, increments, attempts given up, CPU seconds.
+scene file, whose first path is run; ``--alone`` leaves out the run without viscosity; ``--steps`` adds one whose
+largest step is smaller by a third. Prints a line of comma-separated values a case, which --out also adds to a file:
+where the path ended (mm), by how much the load differs from that of the run without viscosity at the same states, over
+the part that both went through (per cent), what the energy balance leaves, increments, attempts given up, CPU seconds.
 """
 
 from __future__ import annotations
@@ -69,18 +69,22 @@ def difference(own: dict[str, Any], other: dict[str, Any]) -> tuple[float, float
     return max(found, key=lambda pair: abs(pair[0]))
 
 
-def rows(case: str, viscous: float, steps: bool) -> list[str]:
-    """Run a case without and with viscosity; return its lines."""
+def rows(case: str, viscous: float, steps: bool, alone: bool = False) -> list[str]:
+    """Run a case without (not if ``alone``) and with viscosity; return its lines."""
     scene = scene_of(case)
-    changes: dict[str, dict[str, Any]] = {"without": {}, "with": {"viscous_displacement": viscous}}
+    changes: dict[str, dict[str, Any]] = {} if alone else {"without": {}}
+    changes["with"] = {"viscous_displacement": viscous}
     if steps:
         changes["smaller steps"] = {"viscous_displacement": viscous, "max_step_fraction": STEP}
     done, lines = {name: run(scene.replace(solver=each)) for name, each in changes.items()}, []
     for name, each in done.items():
-        other = done["with" if name == "smaller steps" else "without"]
-        differs, at = difference(each, other)
+        other = done.get("with" if name == "smaller steps" else "without")
+        differs, at = ("", "")
+        if other is not None:
+            percent, u = difference(each, other)
+            differs, at = f"{percent:.3f}", f"{u:.4g}"
         values = (case, name, each["status"], each["reason"], f"{each['u'][-1]:.4g}", f"{each['H'][-1]:.6g}",
-                  f"{differs:.3f}", f"{at:.4g}", f"{each['energy']:.1e}", each["increments"], each["given up"],
+                  differs, at, f"{each['energy']:.1e}", each["increments"], each["given up"],
                   f"{each['cpu']:.1f}")  # fmt: skip
         lines.append(",".join(str(value) for value in values))
     return lines
@@ -91,13 +95,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", nargs="+")
     parser.add_argument("--viscous", default="0.0001 mm")
+    parser.add_argument("--alone", action="store_true", help="no run without viscosity")
     parser.add_argument("--steps", action="store_true")
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()
     viscous = read(given.viscous, "m")
     print(",".join(COLUMNS))
     for case in given.case:
-        for line in rows(case, viscous, given.steps):
+        for line in rows(case, viscous, given.steps, given.alone):
             print(line, flush=True)
             if given.out is not None:
                 with given.out.open("a", encoding="utf-8") as file:

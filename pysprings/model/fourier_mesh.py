@@ -35,7 +35,7 @@ PRESETS = {
     "paper": SectionCounts(plug=5, outer=10, tip=1, skirt=7, below=7, wall=0.04, mudline=0.15, toe=0.01, harmonics=3),
     "fine": SectionCounts(plug=8, outer=14, tip=1, skirt=11, below=11, wall=0.02, mudline=0.1, toe=0.01, harmonics=5),
 }
-_GRADED_FROM = 3  # layers: fewer cannot have two sizes at their ends and grow in between
+_LEAST_SKIRT = 3  # elements: fewer cannot have two sizes at their ends and grow in between
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class CaissonSection:
 
 def make_section(geometry: Geometry, counts: SectionCounts, patch: bool = False) -> CaissonSection:
     """Build the section of the soil; elements end at the edge of the lid's stiff ``patch`` (see steel.PATCH)."""
-    r, z = _radii(geometry, counts, patch), depths(geometry, counts, _GRADED_FROM)
+    r, z = _radii(geometry, counts, patch), depths(geometry, counts)
     i, j = np.meshgrid(np.arange(len(r) - 1), np.arange(len(z) - 1), indexing="ij")
     inner, toe = 2 * int(np.argmin(np.abs(r - geometry.inner_radius))), 2 * skirt_cells(geometry, z)
     outer = inner + 2 * (len(tip_radii(geometry, counts)) - 1)
@@ -90,12 +90,16 @@ def make_section(geometry: Geometry, counts: SectionCounts, patch: bool = False)
 
 def counted_section(geometry: Geometry, counts: SectionCounts) -> SectionCounts:
     """Return the counts of the elements that the section has."""
-    return counted(geometry, counts, _GRADED_FROM)
+    return counted(geometry, counts)
 
 
 def refine_section(counts: SectionCounts, factor: float) -> SectionCounts:
-    """Scale all numbers of elements by a factor, and the first sizes by its inverse; the harmonics stay."""
+    """Scale all numbers of elements by a factor, and the first sizes by its inverse; the harmonics stay.
+
+    At least three elements stand along the skirt.
+    """
     scaled = {n: max(1, round(getattr(counts, n) * factor)) for n in ("plug", "outer", "tip", "skirt", "below")}
+    scaled["skirt"] = max(_LEAST_SKIRT, scaled["skirt"])
     sizes = {n: getattr(counts, n) / factor for n in ("wall", "mudline", "toe")}
     return replace(counts, **sizes, **scaled)
 

@@ -74,7 +74,10 @@ def away(start: float, stop: float, n: int, first: float, near: float) -> np.nda
 
 
 def down_the_skirt(length: float, diameter: float, n: int, first: float, last: float) -> np.ndarray:
-    """Return levels from mudline to tip; n cells have the shares first and last of the reference skirt at its ends."""
+    """Return levels from mudline to tip; n cells have the shares first and last of the reference skirt at its ends.
+
+    The end cells of another skirt are no larger than those of the reference in diameters.
+    """
     reference = LENGTH * diameter / DIAMETER
     if abs(length - reference) <= _SAME * length:
         return graded_both(length, n, first * length, last * length)
@@ -82,13 +85,14 @@ def down_the_skirt(length: float, diameter: float, n: int, first: float, last: f
     # needles: a limited number of cells
     largest = cells.max() * max(1.0, length / (_SLENDER * diameter)) * _MORE
     growth = _growth(cells) * _MORE
+    top, toe = _MORE * first * reference, _MORE * last * reference
     for number in range(1, _MOST_CELLS):
         try:
             levels = graded_both(length, number, first * reference, last * reference)
         except ValueError:  # too few cells to fill the length
             continue
         own = np.diff(levels)
-        if own.max() <= largest and _growth(own) <= growth:
+        if own[0] <= top and own[-1] <= toe and own.max() <= largest and _growth(own) <= growth:
             return levels
     raise ValueError(f"more than {_MOST_CELLS} cells")
 

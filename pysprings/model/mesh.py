@@ -19,7 +19,6 @@ from fe_engine.mesh import Mesh
 from pysprings.model.grading import (
     BELOW,
     DIAMETER,
-    LENGTH,
     OUTSIDE,
     across_the_tip,
     away,
@@ -144,19 +143,15 @@ class _Plan:
     rings: dict[str, np.ndarray]
 
 
-def depths(geometry: Geometry, counts: PlaneCounts, fewest: int = 1) -> np.ndarray:
-    """Return the depth levels of the cells, in m; fewer cells of the skirt than ``fewest`` are all of one size."""
+def depths(geometry: Geometry, counts: PlaneCounts) -> np.ndarray:
+    """Return the depth levels of the cells, in m."""
     length, diameter = geometry.skirt_length, 2.0 * geometry.outer_radius
     if counts.own:
         skirt = graded_both(length, counts.skirt, counts.mudline * length, counts.toe * length)
         below = graded(length, geometry.domain_depth, counts.below, skirt[-1] - skirt[-2])
         return np.concatenate([through(skirt, geometry.lines), through(below, geometry.lines)[1:]])
-    if counts.skirt < fewest:
-        skirt = np.linspace(0.0, length, max(1, round(counts.skirt * length / (LENGTH * diameter / DIAMETER))) + 1)
-        toe = counts.toe * LENGTH * diameter / DIAMETER
-    else:
-        skirt = down_the_skirt(length, diameter, counts.skirt, counts.mudline, counts.toe)
-        toe = skirt[-1] - skirt[-2]
+    skirt = down_the_skirt(length, diameter, counts.skirt, counts.mudline, counts.toe)
+    toe = skirt[-1] - skirt[-2]
     below = away(length, geometry.domain_depth, counts.below, toe, BELOW * diameter / DIAMETER)
     return np.concatenate([through(skirt, geometry.lines), through(below, geometry.lines)[1:]])
 
@@ -183,9 +178,9 @@ def skirt_cells(geometry: Geometry, levels: np.ndarray) -> int:
     return int(np.argmin(np.abs(levels - geometry.skirt_length)))
 
 
-def counted(geometry: Geometry, counts: AnyCounts, fewest: int = 1) -> AnyCounts:
+def counted(geometry: Geometry, counts: AnyCounts) -> AnyCounts:
     """Return the counts of the cells that the mesh has: see `grading`, and the lines of the geometry."""
-    levels = depths(geometry, counts, fewest)
+    levels = depths(geometry, counts)
     skirt = skirt_cells(geometry, levels)
     beside = len(outside(geometry, counts)) - 1
     tip = len(tip_radii(geometry, counts)) - 1

@@ -158,7 +158,8 @@ def _estimate(scene: Scene, result: Computed, companions: Companions) -> dict[st
         return two_mesh.missing(companions.why_not)
     orders = presets.orders(scene.discretisation)
     richer = None if n is None else companions.trees.get(n + 2)
-    estimate = two_mesh.estimate(result.tree, companions.trees[n], orders, richer)
+    ratio = two_mesh.cell_ratio(scene, two_mesh.coarser(scene))
+    estimate = two_mesh.estimate(result.tree, companions.trees[n], orders, richer, ratio)
     if companions.ended:
         estimate["coarser_run"] = companions.ended
     return estimate

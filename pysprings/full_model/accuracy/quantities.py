@@ -114,3 +114,15 @@ def initial_stiffness(stiffness: Array, path: xr.Dataset) -> float:
         return float(K[0, 0] + (K[0, 1] + K[1, 0]) * turn + K[1, 1] * turn**2)
     u, rotation = path["u"].values[1], path["rotation"].values[1]
     return float(K[0, 0] + K[0, 1] * (rotation / u if u else 0.0))
+
+
+def first_secant(stiffness: Array, path: xr.Dataset) -> float | None:
+    """Return the secant of the first increment over the initial stiffness (`initial_stiffness`).
+
+    None of a path that bends, and of one without an increment.
+    """
+    driven = path[kind_of(path.attrs).drives].values
+    if kind_of(path.attrs).bends or driven.size < 2 or driven[1] == driven[0]:
+        return None
+    secant = (load(path)[1] - load(path)[0]) / (driven[1] - driven[0])
+    return float(secant) / initial_stiffness(stiffness, path)

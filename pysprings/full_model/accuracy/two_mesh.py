@@ -20,10 +20,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from pysprings.full_model.accuracy import measures
+from pysprings.full_model.accuracy import measures, quantities
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, STIFFNESS, curves_of, samples
 from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import BRICKS, COARSEST_FACTOR, FOURIER
+from pysprings.springs.dataset import get_path, path_names
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -33,11 +34,14 @@ FACTOR = {BRICKS: 0.7, FOURIER: 0.6}
 USUAL_ORDER = 1.0
 # Roache (1994) takes 3 for an order that two meshes cannot confirm; see benchmarks/error_estimates.py for ours.
 SAFETY = {BRICKS: 3.0, FOURIER: 2.0}
-# Instead of the study's order: the coarser section has two or three elements along the skirt, where the differences of
-# p(y) and of the initial stiffness fall much faster than between the meshes of the study. Two is the order of
-# stresses in quadratic elements.
-ORDERS = {BRICKS: {}, FOURIER: {PY: 2.0, STIFFNESS: 2.0}}
+# Instead of the study's order, since the coarser sections are coarser than its meshes. Two is that of stresses in
+# quadratic elements, three that of their stiffness beside the tip's corners in the study.
+ORDERS = {BRICKS: {}, FOURIER: {PY: 2.0, STIFFNESS: 3.0}}
 SMALLEST_RATIO = 1.05  # of cell sizes: closer meshes give no estimate of their error
+
+# Where the first increment's secant is farther from it, the stiffness at rest depends on which points of the mesh yield
+# at once, and tends to nothing.
+AT_REST = 0.001
 
 # measure -> quantity whose order it takes
 ESTIMATED = {"load_max": LOAD, "py_rms": PY, "rotation_max": OTHER, "stiffness": STIFFNESS}
@@ -66,6 +70,16 @@ def coarser(scene: Scene) -> Scene:
     return scene if same(coarse) == same(scene) else coarse
 
 
+def cell_ratio(scene: Scene, coarse: Scene) -> float | None:
+    """Return the ratio of the cell sizes at wall, mudline and tip of a section and its coarser one; None of bricks.
+
+    The error of a section comes from there. Its number of elements falls by less where the skirt has few of them.
+    """
+    if scene.discretisation != FOURIER:
+        return None
+    return scene.mesh.refinement / coarse.mesh.refinement
+
+
 def difference(fine: xr.DataTree, coarse: xr.DataTree) -> dict[str, float] | None:
     """Return the difference [%] of two results by measure, worst path; None where they have no path in common."""
     by_path = samples({"fine": curves_of(fine), "coarse": curves_of(coarse)})
@@ -75,17 +89,22 @@ def difference(fine: xr.DataTree, coarse: xr.DataTree) -> dict[str, float] | Non
 
 
 def estimate(
-    fine: xr.DataTree, coarse: xr.DataTree, orders: Mapping[str, float | None], richer: xr.DataTree | None = None
+    fine: xr.DataTree,
+    coarse: xr.DataTree,
+    orders: Mapping[str, float | None],
+    richer: xr.DataTree | None = None,
+    ratio: float | None = None,
 ) -> dict[str, Any]:
     """Return the estimate from a result and that of the coarser mesh, as run.json keeps it (percent).
 
-    ``orders`` are those of a study by quantity; where it has none, USUAL_ORDER. ``richer`` is the coarser
-    mesh with more harmonics.
+    ``orders`` are those of a study by quantity; where it has none, USUAL_ORDER. ``richer`` is the coarser mesh with
+    more harmonics. ``ratio`` is that of the cell sizes; None: from the numbers of unknowns.
     """
     unknowns = [int(tree.attrs["n_unknowns"]) for tree in (fine, coarse)]
-    ratio = _size(coarse) / _size(fine)
-    if ratio < SMALLEST_RATIO:
+    fewer = _size(coarse) / _size(fine)
+    if fewer < SMALLEST_RATIO:
         return missing(f"no mesh with fewer cells: {unknowns[1]} unknowns beside {unknowns[0]}")
+    ratio = fewer if ratio is None else ratio
     own = difference(fine, coarse)
     if own is None:
         return missing("the runs have no path in common")
@@ -101,13 +120,23 @@ def estimate(
     for name, quantity in ESTIMATED.items():
         order = ORDERS[kind].get(quantity) or orders.get(quantity) or USUAL_ORDER
         result["order"][name] = order
-        if np.isfinite(own[name]):
+        if np.isfinite(own[name]) and (quantity != STIFFNESS or starts_elastic(fine)):
             result["difference_pct"][name] = own[name]
             result["estimate_pct"][name] = SAFETY[kind] * own[name] / (ratio**order - 1.0)
             if beyond is not None and np.isfinite(beyond[name]):
                 result["harmonics_pct"][name] = beyond[name]
                 result["estimate_pct"][name] += beyond[name]
     return result if result["estimate_pct"] else missing("the difference of both meshes has no finite value")
+
+
+def starts_elastic(tree: xr.DataTree) -> bool:
+    """Return whether the first increment of each path goes along the stiffness at rest, within AT_REST.
+
+    Paths that bend have no secant to compare.
+    """
+    matrix = tree.dataset["stiffness_initial"].values
+    ratios = [quantities.first_secant(matrix, get_path(tree, name)) for name in path_names(tree)]
+    return all(abs(ratio - 1.0) <= AT_REST for ratio in ratios if ratio is not None)
 
 
 def _size(tree: xr.DataTree) -> float:

@@ -101,6 +101,14 @@ def test_coverage_counts_and_says_which_factor_nine_in_ten_need() -> None:
     assert "py_rms" not in found  # no estimate of it
 
 
+def test_the_table_counts_scenes_drawn_afterwards_apart() -> None:
+    lines = [line(true=3.0, estimate=2.0), line(true=1.0, estimate=2.0) | {"scene": "later-1"}]
+    head, both, later = error_estimates.table(lines)
+    assert head[:3] == ["quantity", "estimates", "true error covered"]
+    assert both == ["load, coarse", "2", "1", "1.3", "2", "3"]
+    assert later == ["load, coarse, drawn afterwards", "1", "1", "2", "1", "1"]
+
+
 def test_a_truth_that_is_not_known_does_not_count() -> None:
     found = error_estimates.coverage([line(true=math.nan, estimate=1.0), line(true=1.0, estimate=1.0)])
     assert (found["load_max"]["covered"], found["load_max"]["of"]) == (1, 1)

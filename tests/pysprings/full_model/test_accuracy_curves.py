@@ -149,6 +149,16 @@ def test_initial_stiffness_is_the_slope_at_rest() -> None:
         assert sampled(curve, common_grid([curve]))[STIFFNESS][0] == pytest.approx(float(load[1] / driven[1]), rel=1e-5)
 
 
+def test_the_first_secant_is_less_than_the_stiffness_where_the_ground_yields_at_once() -> None:
+    K = np.diag([4.0, 2.0, 3.0])
+    states = {"u": ("step", [0.0, 0.5, 1.0]), "rotation": ("step", [0.0, 0.0, 0.0]), "M": ("step", [0.0, 0.0, 0.0])}
+    attrs = {"kind": "translation", "arm_m": 0.0, "heave": "fixed"}
+    for load, share in ((2.0, 1.0), (1.5, 0.75)):
+        path = xr.Dataset(states | {"H": ("step", [0.0, load, 3.0])}, attrs=attrs)
+        assert quantities.first_secant(K, path) == pytest.approx(share)
+    assert quantities.first_secant(K, path.assign(u=0.0 * path["u"])) is None
+
+
 def test_w_follows_in_the_stiffness_where_it_is_free() -> None:
     coupled = np.array([[4.0, 1.0, 0.5], [1.0, 2.0, 0.2], [0.5, 0.2, 3.0]])
     path = xr.Dataset(attrs={"kind": "pull", "arm_m": 2.0, "heave": "free"})

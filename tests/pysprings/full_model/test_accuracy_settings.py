@@ -28,6 +28,7 @@ from pysprings.full_model.accuracy.settings import BETWEEN, PRESETS, VARIED, rea
 from pysprings.full_model.compute import scene_to_run
 from pysprings.full_model.run_record import Computed, RunRecord, Status
 from pysprings.model.build import counts_of
+from pysprings.model.fourier import section_counts_of
 from pysprings.model.mesh import PRESETS as MESHES
 from tests.support import tiny
 from tests.support.measured import measured_result
@@ -166,6 +167,19 @@ def test_the_coarser_mesh_is_coarser_in_every_direction(preset: str) -> None:
     assert two_mesh.coarser(smallest) is smallest
 
 
+@pytest.mark.parametrize("preset", PRESETS)
+def test_the_coarser_section_keeps_small_elements_at_both_ends_of_the_skirt(preset: str) -> None:
+    """With two equal elements along the skirt the difference of p(y) would be that of another kind of mesh."""
+    scene = Scene(mesh={"preset": preset, "discretisation": "fourier"})
+    coarse = two_mesh.coarser(scene)
+    own, other = section_counts_of(scene), section_counts_of(coarse)
+    ratio = two_mesh.cell_ratio(scene, coarse)
+    assert ratio == pytest.approx(1.0 / two_mesh.FACTOR["fourier"])
+    assert (other.wall, other.toe) == pytest.approx((ratio * own.wall, ratio * own.toe))
+    assert 3 <= other.skirt < own.skirt
+    assert two_mesh.cell_ratio(tiny.paper(), two_mesh.coarser(tiny.paper())) is None
+
+
 def with_error(
     unknowns: int, order: float = 2.0, slope: float = 100.0, harmonics: int | None = None, beside: float = 0.0
 ) -> xr.DataTree:
@@ -209,6 +223,9 @@ def test_the_estimate_of_a_series_adds_what_more_harmonics_change() -> None:
     expected = two_mesh.SAFETY["fourier"] * section + series
     assert found["estimate_pct"]["load_max"] == pytest.approx(expected, rel=1e-6)
     assert "3 and 5 harmonics" in two_mesh.words(found)
+    wider = two_mesh.estimate(fine, coarse, {LOAD: order, PY: order}, richer, ratio=3.0)
+    section *= (4.0 - 1.0) / (9.0 - 1.0)
+    assert wider["estimate_pct"]["load_max"] == pytest.approx(two_mesh.SAFETY["fourier"] * section + series, rel=1e-6)
 
 
 @pytest.mark.parametrize(

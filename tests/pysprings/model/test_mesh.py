@@ -10,8 +10,19 @@ import pytest
 
 from fe_engine.elements import hex8
 from fe_engine.elements.interface import nodal_stations
-from pysprings.model.grading import graded, graded_both
-from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, counted, make_mesh, refine
+from pysprings.model.fourier_mesh import PRESETS as SECTIONS
+from pysprings.model.grading import DIAMETER, LENGTH, down_the_skirt, graded, graded_both
+from pysprings.model.mesh import (
+    PRESETS,
+    SURFACES,
+    CaissonMesh,
+    Counts,
+    Geometry,
+    PlaneCounts,
+    counted,
+    make_mesh,
+    refine,
+)
 
 GEOMETRY = Geometry(inner_radius=3.8, outer_radius=3.9, skirt_length=4.0, domain_radius=24.0, domain_depth=12.0)
 # local faces of a hexahedron, normals outwards
@@ -141,6 +152,15 @@ def test_levels_can_be_small_at_both_ends(n: int) -> None:
     assert (levels[0], levels[-1], len(levels)) == pytest.approx((0.0, 4.0, n + 1))
     assert cells[0] == pytest.approx(0.2, rel=0.3) and cells[-1] == pytest.approx(0.1, rel=0.3)
     assert cells.max() > 0.3
+
+
+@pytest.mark.parametrize("counts", [PRESETS["coarse"], *SECTIONS.values()])
+@pytest.mark.parametrize("ratio", [0.05, 0.2, 0.3, 0.4, 0.47, 0.6, 1.5, 3.0])
+def test_no_caisson_has_larger_cells_at_mudline_and_tip_than_the_reference(counts: PlaneCounts, ratio: float) -> None:
+    first, last = counts.mudline * LENGTH / DIAMETER, counts.toe * LENGTH / DIAMETER
+    cells = np.diff(down_the_skirt(ratio, 1.0, counts.skirt, counts.mudline, counts.toe))
+    assert cells.sum() == pytest.approx(ratio)
+    assert cells[0] <= 1.001 * first and cells[-1] <= 1.001 * last
 
 
 def test_refinement_scales_counts_and_sizes() -> None:
