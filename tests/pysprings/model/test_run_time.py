@@ -67,7 +67,9 @@ def test_time_is_what_was_measured(unknowns: int, end: float, mode: str, measure
     [
         (7_262, 2.5e-3, "drained", 2.3),
         (7_900, 2.5e-3, "coupled", 4.9),
-        (3_868, 20e-3, "drained", 4.3),
+        (2_010, 20e-3, "drained", 2.0),
+        (3_868, 20e-3, "drained", 4.2),
+        (7_262, 20e-3, "drained", 22.1),
         (4_200, 20e-3, "coupled", 10.1),
     ],
 )
