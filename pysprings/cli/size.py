@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings size`: the least steel that meets load cases."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pysprings.cli.options import Changes, Json
+from pysprings.cli.support import print_json, print_table, quantities, refuse
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from pysprings.studies.sizing.search import Candidate, Search, Wanted
+
+_MOST_ROUNDS = 3
+
+
+def size(
+    cases: Annotated[Path, typer.Argument(metavar="CASES", help="load cases (CSV, Excel), units in the headings")],
+    atlas: Annotated[str, typer.Option("--atlas", metavar="NAME|FILE", help="atlas that answers: clay, sand")],
+    tilt: Annotated[
+        str, typer.Option("--tilt", metavar="ANGLE", help="tolerated rotation of cases that have none of their own")
+    ] = "0.25 deg",
+    utilisation: Annotated[
+        float, typer.Option("--utilisation", help="largest share of the largest known load", min=0.01, max=1.0)
+    ] = 0.8,
+    changes: Changes = None,
+    least: Annotated[str, typer.Option("--D-min", metavar="LENGTH", help="least outer diameter")] = "3 m",
+    most: Annotated[str, typer.Option("--D-max", metavar="LENGTH", help="largest outer diameter")] = "20 m",
+    confirm: Annotated[
+        bool, typer.Option("--confirm", help="confirm by full models; correct and search again where they ask for it")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="folder for the table and picture of candidates")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Find the diameter and skirt length of the least steel that meets load cases in tilt and utilisation.
+
+    The atlas answers; its rotation counts with 1.96 standard deviations. The thickness of the skirt is the share
+    of the diameter that the atlas has. With --confirm the full model, on the mesh of the atlas, pulls the result to every load case.
+    """
+    from pysprings.results.tables.load_cases import read_load_cases
+    from pysprings.scene.changes import read_changes
+    from pysprings.studies.atlas.model import open_atlas
+    from pysprings.studies.sizing.search import Search, Wanted, bounds_of
+
+    given = quantities(
+        {"--tilt": (tilt, "rad", "0.25 deg"), "--D-min": (least, "m", "3 m"), "--D-max": (most, "m", "20 m")}
+    )
+    low, high, angle = (float(given[key] or 0.0) for key in ("--D-min", "--D-max", "--tilt"))
+    if not 0.0 < low < high:
+        refuse("--D-min", "must be above zero and below --D-max")
+    if angle <= 0.0:
+        refuse("--tilt", "a tolerance must be positive")
+    model = open_atlas(atlas)
+    wanted = Wanted(
+        read_load_cases(cases), angle, utilisation, tuple(read_changes(changes or [])), (low, high),
+        bounds_of(model, (0.0, 10.0)),
+    )  # fmt: skip
+    search = Search(model, wanted)
+    best, checked = _found(search, wanted, confirm)
+    files = _files(search, best, out) if out else []
+    if as_json:
+        print_json({"best": vars(best), "candidates": len(search.tried), "correction": search.correction,
+                    "full_model": [] if checked is None else checked.to_dict("records")})  # fmt: skip
+        return
+    _print(search, best, checked)
+    for file in files:
+        print(file)
+
+
+def _found(search: Search, wanted: Wanted, confirm: bool) -> tuple[Candidate, pd.DataFrame | None]:
+    """Return the caisson of the least steel, and its load cases by the full model."""
+    from pysprings.studies.sizing.confirm import confirmed, correction_of
+
+    best, checked = search.least(), None
+    for _ in range(_MOST_ROUNDS if confirm else 0):
+        checked = confirmed(search.atlas, wanted, best)
+        if (checked["tilt_used"] <= 1.0).all():
+            break
+        search.correction *= correction_of(checked)
+        best = search.least()
+    return best, checked
+
+
+def _files(search: Search, best: Candidate, out: Path) -> list[Path]:
+    from pysprings.results.exporters.csv import write_frame
+    from pysprings.results.plots.files import save
+    from pysprings.studies.sizing.picture import candidates
+    from pysprings.studies.sizing.search import table_of
+
+    table = table_of(search.tried)
+    drawn = save(candidates(table, table_of([best]).iloc[0]), out / "candidates", dpi=150)
+    return [write_frame(table, out / "candidates.csv"), *drawn]
+
+
+def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> None:
+    rows: list[list[Any]] = [
+        [f"{best.D:.3f}", f"{best.L:.3f}", f"{1e-3 * best.mass:.4g}", f"{best.use:.3f}", best.governs]
+    ]
+    print_table(["D [m]", "L [m]", "steel [t]", "use", "governs"], rows)
+    name = search.atlas.family.name
+    print(f"{len(search.tried)} caissons tried on the atlas {name}; correction {search.correction:.4g}")
+    if checked is None:
+        print("not confirmed: --confirm runs the full model")
+        return
+    print("\nFull model:")
+    names = (
+        "name",
+        "tilt_used",
+        "u_error_pct",
+        "u_deviation_pct",
+        "rotation_error_pct",
+        "rotation_deviation_pct",
+        "inside",
+    )
+    cells = [
+        [f"{v:.3g}" if isinstance(v, float) else str(v) for v in row]
+        for row in checked[list(names)].to_numpy().tolist()
+    ]
+    print_table(list(names), cells)

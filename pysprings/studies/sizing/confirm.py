@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""A candidate by the full model: a pull for every height of the load cases, beside the atlas."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from pysprings.studies.sizing.search import BAND, Candidate, Wanted, answered
+
+if TYPE_CHECKING:
+    from pysprings.studies.atlas.model import Atlas
+
+_FURTHER = 1.3  # times the displacement that the atlas expects
+
+
+def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFrame:
+    """Return the load cases by atlas and full model, a row a case with H; runs the full model.
+
+    Columns: name, H_N, arm_m, u and rotation by both [m, rad], errors of the atlas [%], their deviations [%], inside
+    (both errors within 1.96 deviations), tilt_used by the full model. NaN where the full model stopped before the load.
+    """
+    from pysprings.full_model.compute import run
+    from pysprings.springs.dataset import path_dataset
+
+    cases, expected = wanted.cases, answered(atlas, wanted, candidate.D, candidate.L)
+    scene = atlas.scene(candidate.D, candidate.L, wanted.changes)
+    chosen = [k for k in range(len(cases)) if cases.H[k] and expected["answered"][k]]
+    paths = [
+        {
+            "name": f"case_{k + 1}", "kind": "pull", "arm": float(-cases.M[k] / cases.H[k]),
+            "lateral_displacement": float(_FURTHER * abs(expected["u"][k])),
+        }
+        for k in chosen
+    ]  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = run(scene.replace(paths=tuple(paths)))
+    rows = []
+    for k in chosen:
+        path = path_dataset(result, f"case_{k + 1}")
+        good = path["converged"].values == 1
+        H, u, turn = (np.abs(path[name].values[good]) for name in ("H", "u", "rotation"))
+        load = abs(float(cases.H[k]))
+        known = bool(load <= H.max())
+        full = [float(np.interp(load, H, values)) if known else np.nan for values in (u, turn)]
+        rows.append(_row(k, wanted, expected, full))
+    return pd.DataFrame(rows)
+
+
+def _row(k: int, wanted: Wanted, expected: pd.DataFrame, full: list[float]) -> dict[str, object]:
+    cases = wanted.cases
+    own = [abs(float(expected[name][k])) for name in ("u", "rotation")]
+    spread = [float(expected[f"{name}_deviation"][k]) for name in ("u", "rotation")]
+    tilt = wanted.tilt if np.isnan(cases.tilt[k]) else float(cases.tilt[k])
+    errors = [a / b - 1.0 for a, b in zip(own, full, strict=True)]
+    inside = all(abs(a - b) <= BAND * s for a, b, s in zip(own, full, spread, strict=True))
+    return {
+        "name": cases.name[k], "H_N": cases.H[k], "arm_m": -cases.M[k] / cases.H[k], "u_atlas_m": own[0],
+        "u_full_m": full[0], "rotation_atlas_rad": own[1], "rotation_full_rad": full[1],
+        "u_error_pct": 100.0 * errors[0], "u_deviation_pct": 100.0 * spread[0] / full[0],
+        "rotation_error_pct": 100.0 * errors[1], "rotation_deviation_pct": 100.0 * spread[1] / full[1],
+        "inside": int(inside), "tilt_used": full[1] / tilt,
+    }  # fmt: skip
+
+
+def correction_of(table: pd.DataFrame) -> float:
+    """Return the factor on what an atlas predicts that the full model asks for; 1 where the atlas is safe."""
+    ratios = table["rotation_full_rad"] / table["rotation_atlas_rad"]
+    return max(1.0, float(ratios.max())) if ratios.notna().all() else 1.1

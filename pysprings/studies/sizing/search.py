@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: MIT
+"""The least steel on an atlas: for every L/D the diameter at which the load cases are just met, and the best L/D."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from pysprings.core.errors import UserInputError, refused
+from pysprings.macro.batch import predict_batch
+from pysprings.scene.changes import Change
+
+if TYPE_CHECKING:
+    from pysprings.results.tables.load_cases import LoadCases
+    from pysprings.studies.atlas.model import Atlas
+
+STEEL = 7850.0  # kg/m3
+BAND = 1.96
+UNKNOWN = 10.0  # use of a caisson that an atlas has no answer for
+_CLOSE = 1e-3  # of D
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a caisson must meet.
+
+    Attributes
+    ----------
+    cases : load cases.
+    tilt : largest rotation [rad], of cases that have none of their own.
+    utilisation : largest share of the largest known load.
+    changes : values of the ground.
+    D, ratio : bounds of the diameter [m] and of L/D.
+    """
+
+    cases: LoadCases
+    tilt: float
+    utilisation: float
+    changes: tuple[Change, ...] = ()
+    D: tuple[float, float] = (2.0, 20.0)
+    ratio: tuple[float, float] = (0.5, 1.45)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A caisson, its steel [kg], and its use: the largest share of what is allowed (1: just met), by `governs`."""
+
+    D: float
+    L: float
+    mass: float
+    use: float
+    governs: str
+    answered: bool
+
+
+@dataclass
+class Search:
+    """A search on an atlas: every caisson that was tried. `correction` multiplies predicted rotations and loads."""
+
+    atlas: Atlas
+    wanted: Wanted
+    correction: float = 1.0
+    tried: list[Candidate] = field(default_factory=list)
+
+    def at(self, D: float, L: float) -> Candidate:
+        """Return a caisson with its use."""
+        use, governs, answered = self._use(D, L)
+        candidate = Candidate(D, L, mass_of(self.atlas, D, L), use, governs, answered)
+        self.tried.append(candidate)
+        return candidate
+
+    def _use(self, D: float, L: float) -> tuple[float, str, bool]:
+        wanted = self.wanted
+        answers = answered(self.atlas, wanted, D, L)
+        tilt = np.where(np.isnan(wanted.cases.tilt), wanted.tilt, wanted.cases.tilt)
+        turned = np.abs(answers["rotation"]) + BAND * answers["rotation_deviation"]
+        with np.errstate(invalid="ignore"):
+            by_tilt = self.correction * turned / tilt
+            by_load = self.correction * answers["utilisation"] / wanted.utilisation
+        ok = (answers["answered"] == 1).to_numpy()
+        by_tilt = np.where(ok, by_tilt, UNKNOWN * np.maximum(answers["utilisation"], 1.0))
+        use = np.maximum(by_tilt, by_load)
+        worst = int(np.argmax(use))
+        what = "tilt" if by_tilt[worst] >= by_load[worst] else "utilisation"
+        return float(use[worst]), f"{wanted.cases.name[worst]}: {what if ok[worst] else 'no answer'}", bool(ok.all())
+
+    def just_met(self, ratio: float) -> Candidate | None:
+        """Return the smallest caisson of an L/D that meets all cases; None where the largest one does not."""
+        from scipy.optimize import brentq
+
+        low, high = self.wanted.D
+        if self.at(high, ratio * high).use > 1.0:
+            return None
+        if self.at(low, ratio * low).use <= 1.0:
+            return self.at(low, ratio * low)
+        D = brentq(lambda D: math.log(self.at(D, ratio * D).use), low, high, xtol=_CLOSE * low)
+        D *= 1.0 + _CLOSE
+        return self.at(D, ratio * D)
+
+    def least(self) -> Candidate:
+        """Return the caisson of the least steel. Raises UserInputError where none within the bounds meets the cases."""
+        from scipy.optimize import minimize_scalar
+
+        met: dict[float, Candidate] = {}
+
+        def steel(ratio: float) -> float:
+            found = self.just_met(float(ratio))
+            if found is not None and found.use <= 1.0:
+                met[float(ratio)] = found
+            return found.mass if found is not None else mass_of(self.atlas, *self._largest(ratio)) * 2.0
+
+        minimize_scalar(steel, bounds=self.wanted.ratio, method="bounded", options={"xatol": 0.02, "maxiter": 10})
+        for end in self.wanted.ratio:
+            steel(end)
+        if not met:
+            raise refused("--D", f"no caisson up to D = {self.wanted.D[1]:g} m meets the load cases")
+        return min(met.values(), key=lambda each: each.mass)
+
+    def _largest(self, ratio: float) -> tuple[float, float]:
+        return self.wanted.D[1], ratio * self.wanted.D[1]
+
+
+def answered(atlas: Atlas, wanted: Wanted, D: float, L: float) -> pd.DataFrame:
+    """Return the answers of an atlas to the cases for a caisson. Raises UserInputError for what it does not cover."""
+    cases = wanted.cases
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        springs = atlas.springs(atlas.scene(D, L, wanted.changes))
+        batch = predict_batch(springs, H=cases.H, M=cases.M)
+    names = ("u", "rotation", "u_deviation", "rotation_deviation", "utilisation", "answered")
+    return pd.DataFrame({name: batch[name].values for name in names})
+
+
+def mass_of(atlas: Atlas, D: float, L: float) -> float:
+    """Return the steel [kg] of skirt and lid, both of the skirt's thickness."""
+    base = atlas.base.caisson
+    t = base.skirt_thickness / base.outer_diameter * D
+    return STEEL * math.pi * ((D - t) * t * L + 0.25 * D**2 * t)
+
+
+def bounds_of(atlas: Atlas, ratio: tuple[float, float]) -> tuple[float, float]:
+    """Return bounds of L/D within the atlas. Raises UserInputError where there are none."""
+    low, high = (float(value) for value in atlas.box[:, 0])
+    inside = max(ratio[0], low * 1.0001), min(ratio[1], high * 0.9999)
+    if inside[0] >= inside[1]:
+        raise refused("--ratio", f"the atlas has L/D {low:.3g} to {high:.3g}")
+    return inside
+
+
+def table_of(tried: Sequence[Candidate]) -> pd.DataFrame:
+    """Return the path of candidates, a row each."""
+    rows = [
+        {"D_m": c.D, "L_m": c.L, "L_over_D": c.L / c.D, "steel_t": 1e-3 * c.mass, "use": c.use, "governs": c.governs}
+        for c in tried
+    ]
+    return pd.DataFrame(rows)
+
+
+__all__ = ["Candidate", "Search", "UserInputError", "Wanted", "answered", "bounds_of", "mass_of", "table_of"]

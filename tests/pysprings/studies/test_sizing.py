@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+"""Sizing on the atlas that ships: what is just met, what steel weighs, what cannot be met."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import pysprings
+from pysprings.core.errors import UserInputError
+from pysprings.results.tables.load_cases import read_load_cases
+from pysprings.scene.changes import read_changes
+from pysprings.studies.sizing.confirm import correction_of
+from pysprings.studies.sizing.search import Search, Wanted, bounds_of, mass_of
+
+
+@pytest.fixture(scope="module")
+def atlas():
+    return pysprings.open_atlas("clay")
+
+
+@pytest.fixture
+def search(atlas, tmp_path):
+    file = tmp_path / "cases.csv"
+    file.write_text("name,H [kN],arm [m],tilt [deg]\nextreme,1500,10,\nservice,800,12,0.05\n", encoding="utf-8")
+    changes = tuple(read_changes(["su=20 kPa", "gradient=1.5 kPa/m"]))
+    return Search(atlas, Wanted(read_load_cases(file), math.radians(0.5), 0.8, changes, (4.0, 15.0), (1.0, 1.2)))
+
+
+def test_the_caisson_of_a_ratio_is_just_large_enough(search):
+    found = search.just_met(1.0)
+    assert found is not None and 0.98 < found.use <= 1.0 and found.L == found.D
+    assert search.at(0.99 * found.D, 0.99 * found.L).use > 1.0
+    assert len(search.tried) > 3
+
+
+def test_steel_is_that_of_a_tube_and_a_plate(atlas):
+    skirt, lid = math.pi / 4 * (8.0**2 - 7.84**2) * 6.0, math.pi * 4.0**2 * 0.08
+    assert mass_of(atlas, 8.0, 6.0) == pytest.approx(7850.0 * (skirt + lid), rel=1e-9)
+
+
+def test_what_no_caisson_meets_is_refused(atlas, search):
+    small = Search(atlas, Wanted(search.wanted.cases, 1e-4, 0.8, search.wanted.changes, (3.0, 4.0), (1.0, 1.1)))
+    with pytest.raises(UserInputError, match="no caisson up to D = 4 m"):
+        small.least()
+    with pytest.raises(UserInputError, match="the atlas has L/D"):
+        bounds_of(atlas, (0.1, 0.3))
+
+
+def test_the_correction_is_what_the_full_model_turns_further():
+    import pandas as pd
+
+    table = pd.DataFrame({"rotation_full_rad": [1.1e-3, 0.9e-3], "rotation_atlas_rad": [1.0e-3, 1.0e-3]})
+    assert correction_of(table) == pytest.approx(1.1)
+    assert correction_of(table.iloc[[1]]) == 1.0
