@@ -42,7 +42,8 @@ def size(
     """Find the diameter and skirt length of the least steel that meets load cases in tilt and utilisation.
 
     The atlas answers; its rotation counts with 1.96 standard deviations. The thickness of the skirt is the share
-    of the diameter that the atlas has. With --confirm the full model, on the mesh of the atlas, pulls the result to every load case.
+    of the diameter that the atlas has. With --confirm the full model pulls the result to every load case, on the
+    mesh of the atlas.
     """
     from pysprings.results.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
