@@ -32,6 +32,7 @@ run: $(STAMP)
 	$(BIN)/pysprings run $(SCENE) --out $(RESULT) --force
 
 site: $(DOCS)
+	rm -rf docs/reference/api
 	$(SPHINX)
 	@echo "the site is in out/site: open out/site/index.html"
 

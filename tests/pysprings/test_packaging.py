@@ -160,3 +160,44 @@ def test_texts_are_read_and_written_alike_on_every_system() -> None:
 )  # fmt: skip
 def test_texts_of_the_system_are_noticed(line: str) -> None:
     assert list(faults(line)) == [1]
+
+
+# --- the recipe for conda-forge ---
+
+CONDA_NAMES = {"matplotlib": "matplotlib-base", "lazy-loader": "lazy_loader"}
+
+
+def recipe_lists() -> dict[str, list[str]]:
+    """Return the items of each list of the recipe, by the word above it, and its version."""
+    text = (ROOT / "recipe" / "recipe.yaml").read_text(encoding="utf-8")
+    lists: dict[str, list[str]] = {}
+    for line in text.splitlines():
+        if head := re.fullmatch(r"\s*(\w+):", line):
+            items = lists.setdefault(head[1], [])
+        elif item := re.fullmatch(r"\s+- (.+)", line):
+            items.append(item[1])
+    return lists | {"version": re.findall(r'^  version: "(.+)"$', text, re.M)}
+
+
+def test_the_recipe_has_the_dependencies_and_the_version_of_the_package() -> None:
+    from pysprings import __version__
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    expected = ["python >=${{ python_min }}"]
+    for each in project["dependencies"]:
+        name = name_of(each)
+        expected.append(f"{CONDA_NAMES.get(name, name)} {each[len(name) :]}")
+    lists = recipe_lists()
+    assert sorted(lists["run"]) == sorted(expected)
+    assert lists["version"] == [__version__]
+    assert lists["entry_points"] == [f"{name} = {target}" for name, target in project["scripts"].items()]
+    assert f'python_min: "{project["requires-python"].removeprefix(">=")}"' in (ROOT / "recipe/recipe.yaml").read_text()
+    host = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["build-system"]["requires"]
+    assert {re.sub(r"[ >=].*", "", each) for each in host} <= {re.sub(r" .*", "", each) for each in lists["host"]}
+
+
+def test_the_recipe_renders() -> None:
+    """Evaluate its expressions with rattler-build (pip install py-rattler-build), where that is there."""
+    rattler_build = pytest.importorskip("rattler_build", reason="no py-rattler-build")
+    (variant,) = rattler_build.Stage0Recipe.from_file(str(ROOT / "recipe/recipe.yaml")).render()
+    assert "python >=3.11" in [str(each) for each in variant.recipe.requirements.run]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from pysprings.macro.comparison import compare
 from pysprings.results.plots import save_all
 from pysprings.results.report.page import write_report
 from pysprings.scene.template import template_text
@@ -48,8 +49,38 @@ def test_the_parts_are_drawn_without_a_complaint(report: Path, tmp_path: Path) -
     assert report.stat().st_size < 5e6
 
 
-def test_it_prints_pictures_on_few_pages(report: Path, tmp_path: Path) -> None:
-    file = tmp_path / "report.pdf"
-    browse(f"--user-data-dir={tmp_path / 'own'}", "--no-pdf-header-footer", f"--print-to-pdf={file}", report.as_uri())
+@pytest.fixture(scope="module")
+def report_of_a_fan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The default scene has eight rays, two vertical paths and five pulls; as many lateral paths here."""
+    folder = tmp_path_factory.mktemp("fan")
+    paths = [synthetic.Path(f"pull_{k}", arm=float(k), size=8e-3, steps=8) for k in range(15)]
+    result, springs = synthetic.make_result(tuple(paths)), synthetic.make_springs(tuple(paths))
+    result.attrs |= {"outer_diameter_m": 7.8, "skirt_length_m": 4.0, "scene_toml": template_text("caisson")}
+    figures = save_all(result, springs, folder / "figures")
+    return write_report(folder, result, springs, compare(springs), figures=figures)
+
+
+def printed(page: Path, folder: Path) -> Path:
+    """Print a page as a browser does; return the PDF."""
+    file = folder / "report.pdf"
+    browse(f"--user-data-dir={folder / 'own'}", "--no-pdf-header-footer", f"--print-to-pdf={file}", page.as_uri())
+    return file
+
+
+@pytest.mark.parametrize("name", ["report", "report_of_a_fan"])
+def test_it_prints_pictures_on_few_pages(name: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
+    page = request.getfixturevalue(name)
+    file = printed(page, tmp_path)
     pages = len(re.findall(rb"/Type\s*/Page\b", file.read_bytes()))
     assert 4 <= pages <= 12
+    assert page.stat().st_size < 5e6
+
+
+@pytest.mark.skipif(shutil.which("pdftotext") is None, reason="no pdftotext")
+def test_the_widest_table_is_whole_on_paper(report_of_a_fan: Path, tmp_path: Path) -> None:
+    file = printed(report_of_a_fan, tmp_path)
+    box = subprocess.run(["pdftotext", "-bbox", str(file), "-"], capture_output=True, text=True, check=True).stdout
+    width = max(float(each) for each in re.findall(r'<page width="([\d.]+)"', box))
+    right = [float(each) for each in re.findall(r'<word [^>]*xMax="([\d.]+)"', box)]
+    assert len(right) > 500
+    assert max(right) < width - 28.0  # pt: inside the margin of 14 mm
