@@ -128,9 +128,11 @@ def _order() -> list[Row]:
 
 
 # V/(A su_m) on the surface, rough and smooth
-CIRCLE = {(0.0, True): 6.05, (0.0, False): 5.69, (2.0, True): 7.63, (2.0, False): 6.73}
+CIRCLE = {
+    (0.0, True): 6.05, (0.0, False): 5.69, (2.0, True): 7.63, (2.0, False): 6.73, (5.0, True): 9.24, (5.0, False): 7.96,
+}  # fmt: skip
 _CIRCLE = {
-    True: "exact (Cox, Eason & Hopkins 1961) at kappa 0, quadratic elements at kappa 2",
+    True: "exact (Cox, Eason & Hopkins 1961) at kappa 0, quadratic elements at kappa 2 and 5",
     False: "method of characteristics",
 }
 
