@@ -245,8 +245,8 @@ def answer(springs: AnySprings, question: Question, choice: Choice) -> xr.Datase
         from pysprings.results.tables.sequence import read_sequence
 
         read = read_sequence(options.sequence)
-        V = read.V if read.V is not None else options.V
-        states = predict.sequence(springs, read.targets, control=read.control, arm=read.arm, V=V, **common)
+        common |= {"V": read.V if read.V is not None else options.V, "time": read.time}
+        states = predict.sequence(springs, read.targets, control=read.control, arm=read.arm, **common)
         return states.assign_attrs(question="sequence")
     if options.u_max is not None:
         return predict.curve(

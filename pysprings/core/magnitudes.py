@@ -21,7 +21,7 @@ MOST_MOVED, MOST_TURNED = 0.1, math.radians(5.0)
 SMALLEST_LOAD = 1.0  # N, N m: below it, millinewtons were meant to be meganewtons
 
 _ENDINGS = {
-    "_N_per_m": "N/m", "_Nm_per_m": "N m/m", "_Nm": "N m", "_N": "N", "_rad": "rad", "_m": "m",
+    "_N_per_m": "N/m", "_Nm_per_m": "N m/m", "_Nm": "N m", "_N": "N", "_rad": "rad", "_m": "m", "_s": "s",
 }  # fmt: skip
 
 

@@ -286,6 +286,9 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       "the springs go back on the same curve, without hysteresis; the soil does not"),
     V("off_load", "1 where V is not covered by the lateral springs", "1", ("step",),
       "reactions to u and rotation are those at the nearest vertical load that is", required=False),
+    V("time", "time", "s", ("step",), required=False),
+    V("off_rate", "1 where the step is faster or slower than the paths that the memory comes from", "1", ("step",),
+      "more than sqrt(10) times", required=False),
     *(V(f"{name}_deviation", f"standard deviation of {name}", _BODY[name].units, ("step",), _DEVIATION, required=False)
       for name in ("u", "rotation", "H", "M")),
     _SPRINGS_ROOT["dof"], _SPRINGS_ROOT["dof_conjugate"],

@@ -49,7 +49,7 @@ from pysprings.macro.control import Control
 from pysprings.macro.model import MacroModel
 from pysprings.macro.refusal import Care, MacroWarning, PredictionNotConverged, raise_or_warn
 from pysprings.macro.sets import AnySprings
-from pysprings.macro.trace import trace
+from pysprings.macro.trace import timed, trace
 from pysprings.macro.vertical_capacity import with_vertical_use
 
 __all__ = [
@@ -199,19 +199,22 @@ def sequence(
     control: Control = "load",
     arm: float = 0.0,
     V: float | Array | None = None,
+    time: Array | None = None,
     **asking: Unpack[Asking],
 ) -> xr.Dataset:
     """Return the states along a sequence of loads or motions, one a row of targets (n, 2), from the origin on.
 
     control is "load" (H [N], M [N m]), "state" (u [m], rotation [rad] imposed), "displacement" or "rotation" (first
     column, load at height arm [m]). V [N]: one number, or one a row (of springs at several vertical loads those at its
-    first value are used). Springs of the set "memory" remember reversals. All others are nonlinear elastic: where the
-    sequence turns back, so does the answer, on the same curve. From there on states are marked `turned_back`; from
-    where the targets leave the direction of the first one (H to M, or u to rotation) they are marked `off_path`.
+    first value are used). time (n,) [s] grows from 0: springs with memory that come from one rate mark steps at another
+    one `off_rate`; it changes nothing else. Springs of the set "memory" remember reversals. All others are nonlinear
+    elastic: where the sequence turns back, so does the answer, on the same curve. From there on states are marked
+    `turned_back`; from where the targets leave the direction of the first one (H to M, or u to rotation) they are
+    marked `off_path`.
     Raises as `predict` does.
     """
     check_numbers(arm=arm)
-    check_arrays(targets=targets, V=V)
+    check_arrays(targets=targets, V=V, time=time)
     rows = np.asarray(targets, dtype=float)
     if rows.ndim != 2 or rows.shape[1] != 2 or not len(rows):
         raise refused("targets", f"must have the shape (n, 2), not {rows.shape}")
@@ -219,9 +222,12 @@ def sequence(
     if down is not None and down.shape not in ((), (len(rows),)):
         raise refused("V", f"give one number, or one a row of targets ({len(rows)}), not the shape {down.shape}")
     first = None if down is None else float(down.ravel()[0])
+    if time is not None and (np.shape(time) != (len(rows),) or np.any(np.diff(time, prepend=0.0) <= 0.0)):
+        raise refused("time", f"give one number a row of targets ({len(rows)}), growing from 0 s")
     care, choice = _parts(asking)
     model = model_of(springs, V=first, **choice)
     answer = trace(model, control, rows, arm, down if down is not None and down.ndim else first)
+    answer = answer if time is None else timed(model, answer, np.asarray(time, dtype=float))
     remarks = [] if model.memory is not None else [ELASTIC]
     return _answered(model, answer.assign_attrs(remarks=[*answer.attrs["remarks"], *remarks]), care)
 

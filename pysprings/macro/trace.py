@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from pysprings.core import variables
 from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.control import Control
 from pysprings.macro.history import turns, turns_of_load
@@ -39,3 +40,22 @@ def trace(
     aim = targets[len(states)] if control == "load" and len(states) < len(targets) else None
     turned = turns(control, targets[: len(states)], model.length, down, model.rest_load)
     return answer_dataset(model, Way(states, loads, control, down, float(arm), message, aim, turned, limit))
+
+
+def timed(model: MacroModel, answer: xr.Dataset, time: Array) -> xr.Dataset:
+    """Return an answer with the time (n,) [s] of its states; springs with memory mark steps at another rate.
+
+    The way begins at rest at 0 s. An answer that ends early has the times of the states reached.
+    """
+    known, n = variables.GROUPS["prediction"], answer.sizes["step"]
+    found = answer.assign(time=("step", time[:n], known["time"].attributes()))
+    memory = model.memory
+    if memory is None or memory.rate is None:
+        return found
+    states = np.stack([answer["u"].values, answer["rotation"].values], axis=1)
+    off = memory.off_rates(states, time[:n])
+    found = found.assign(off_rate=("step", off.astype(np.int8), known["off_rate"].attributes()))
+    if not off.any():
+        return found
+    text = f"{off.sum()} of {n} steps are at another rate than that of the rays that turn back"
+    return found.assign_attrs(warnings=[*answer.attrs["warnings"], text])

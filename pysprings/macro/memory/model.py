@@ -87,6 +87,12 @@ class MemoryModel:
         )
         return [text] if come > 1.0 + RANGE_SLACK else []
 
+    def off_rates(self, states: Array, time: Array) -> NDArray[np.bool_]:
+        """Return where steps to states (n, 2) = (u, rotation) at times (n,) [s], from rest at 0 s, are off the rate."""
+        ways = np.hypot(*np.diff(states * self.to_motion, axis=0, prepend=0.0).T)
+        steps = zip(ways, np.diff(time, prepend=0.0), strict=True)
+        return np.array([bool(off_rate(self.rate, float(way), float(step))) for way, step in steps])
+
     def tangents(self, states: Array) -> Array:
         """Return the tangents (n, 2, 2) to (u, rotation) along states (n, 2) = (u, rotation), from rest on."""
         motions = np.ascontiguousarray(states * self.to_motion)

@@ -19,7 +19,7 @@ from pysprings.results.tables.faults import Faults
 GRAVITY = 9.80665  # m/s2
 _BRACKETS = re.compile(r"(?P<stem>[^\[\]()]+?)[\s,]*[\[(](?P<unit>[^\[\]()]*(?:\([^()]*\)[^\[\]()]*)?)[\])]")
 _PURE = ("", "-", "1")
-_ENDINGS = ("_N_per_m", "_Nm_per_m", "_Nm", "_N", "_rad", "_m")
+_ENDINGS = ("_N_per_m", "_Nm_per_m", "_Nm", "_N", "_rad", "_m", "_s")
 # of a unit for the wrong quantity, an example of the right one
 _EXAMPLES = {"N": "kN", "N m": "kN m", "m": "mm", "rad": "deg", "N/m": "kN/m", "N m/m": "kN m/m"}
 

@@ -17,18 +17,19 @@ from pysprings.results.tables.headings import Column, read_headings
 
 Array = NDArray[np.float64]
 
-COLUMNS = ("H_N", "M_Nm", "V_N", "u_m", "rotation_rad", "arm_m")
-FORMS = "H_N with M_Nm or arm_m; u_m and rotation_rad; or one of u_m and rotation_rad with arm_m; V_N with any"
+COLUMNS = ("H_N", "M_Nm", "V_N", "u_m", "rotation_rad", "arm_m", "time_s")
+FORMS = "H_N with M_Nm or arm_m; u_m and rotation_rad; or one of u_m and rotation_rad with arm_m; V_N, time_s with any"
 
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
-    """Targets (n, 2) of a control, the height of the load [m], V [N] by row (None: that of the springs)."""
+    """Targets (n, 2) of a control, the height of the load [m]; V [N], time [s] by row (None: not given)."""
 
     control: Control
     targets: Array
     arm: float
     V: Array | None
+    time: Array | None
 
 
 def read_sequence(path: str | os.PathLike[str]) -> Sequence:
@@ -57,23 +58,31 @@ def read_sequence(path: str | os.PathLike[str]) -> Sequence:
         arms = columns.get("arm_m", np.zeros(1))
         if np.unique(arms[np.isfinite(arms)]).size > 1:
             faults.add((str(path), 1), "arm_m", "a motion is followed at one load height: arm_m must not change")
+    _forward(str(path), columns.get("time_s"), at, faults)
     faults.stop()
     return _built(columns)
 
 
+def _forward(place: str, time: Array | None, at: NDArray[np.int64], faults: Faults) -> None:
+    """Note every row whose time [s] is not later than that of the row before; the way begins at 0 s."""
+    if time is None:
+        return
+    for line in at[np.diff(time, prepend=0.0) <= 0.0]:
+        faults.add((place, int(line)), "time_s", "must be later than the row before, and than 0 s")
+
+
 def _built(columns: dict[str, Array]) -> Sequence:
-    n, down = len(next(iter(columns.values()))), columns.get("V_N")
-    zero = np.zeros(n)
+    zero, rest = np.zeros(len(next(iter(columns.values())))), (columns.get("V_N"), columns.get("time_s"))
     u, rotation = columns.get("u_m"), columns.get("rotation_rad")
     if u is not None and rotation is not None:
-        return Sequence("state", np.stack([u, rotation], axis=1), 0.0, down)
+        return Sequence("state", np.stack([u, rotation], axis=1), 0.0, *rest)
     arm = columns.get("arm_m", zero)
     if u is not None:
-        return Sequence("displacement", np.stack([u, zero], axis=1), float(arm[0]), down)
+        return Sequence("displacement", np.stack([u, zero], axis=1), float(arm[0]), *rest)
     if rotation is not None:
-        return Sequence("rotation", np.stack([rotation, zero], axis=1), float(arm[0]), down)
+        return Sequence("rotation", np.stack([rotation, zero], axis=1), float(arm[0]), *rest)
     force = columns.get("H_N", zero)
-    return Sequence("load", np.stack([force, columns.get("M_Nm", -force * arm)], axis=1), 0.0, down)
+    return Sequence("load", np.stack([force, columns.get("M_Nm", -force * arm)], axis=1), 0.0, *rest)
 
 
 def _columns(place: str, head: list[str], faults: Faults) -> list[Column]:

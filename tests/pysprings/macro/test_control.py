@@ -309,6 +309,11 @@ def test_sequence_files(tmp_path, lines, control, targets, arm, V):
     read = read_sequence(write(tmp_path / "s.csv", *lines))
     assert (read.control, read.targets.tolist(), read.arm) == (control, targets, arm)
     assert (None if read.V is None else read.V.tolist()) == V
+    assert read.time is None
+
+
+def test_a_sequence_has_times(tmp_path):
+    assert read_sequence(write(tmp_path / "s.csv", "H_N,time [min]", "1,0.5", "2,2")).time.tolist() == [30.0, 120.0]
 
 
 @pytest.mark.parametrize(
@@ -324,6 +329,8 @@ def test_sequence_files(tmp_path, lines, control, targets, arm, V):
         (("H_N",), "None: None: no rows"),
         (("H_N,H_N", "1,1"), '1: "H_N": column stands 2 times'),
         (("H_N,what", "1,1"), '1: "what": unknown column'),
+        (("H_N,time_s", "1,1", "2,1"), "3: time_s: must be later than the row before"),
+        (("H_N,time_s", "1,0"), "2: time_s: must be later than the row before, and than 0 s"),
     ],
 )
 def test_sequence_files_refused(tmp_path, lines, found):

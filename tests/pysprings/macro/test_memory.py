@@ -197,6 +197,22 @@ def test_a_step_has_the_reactions_of_its_state() -> None:
     assert np.ptp(found[table.even]) > 0.0 and np.ptp(found[odd]) > 0.0
 
 
+def test_steps_of_a_sequence_at_another_rate_are_marked() -> None:
+    """A rest has no rate; times alone change no number."""
+    springs = replace(model(), rate=1e-3)
+    whole = replace(MacroModel.from_springs(Springs.of(winkler.with_invented_memory()), "memory"), memory=springs)
+    motions, time = np.array([[1e-3, 0.0], [2e-3, 0.0], [2e-3, 0.0]]), np.array([1.0, 101.0, 102.0])
+    plain = sequence(whole, motions, control="state", extrapolate=True)
+    with pytest.warns(MacroWarning, match=r"1 of 3 steps are at another rate than that of the rays that turn back"):
+        answer = sequence(whole, motions, control="state", time=time, extrapolate=True)
+    np.testing.assert_array_equal(answer["off_rate"], [0, 1, 0])
+    np.testing.assert_array_equal(answer["time"], time)
+    np.testing.assert_array_equal(answer["H"], plain["H"])
+    assert "off_rate" not in plain
+    with pytest.raises(UserInputError, match="give one number a row of targets"):
+        sequence(whole, motions, control="state", time=time[::-1])
+
+
 def test_a_vertical_load_that_turns_back_is_marked() -> None:
     """Vertical springs have no memory, the elements do: loads that turn back are not marked, V is."""
     springs = Springs.of(winkler.with_invented_memory())
