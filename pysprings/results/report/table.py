@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ class Table:
     head: bool = True
     wide: bool = False
 
-    @property
+    @cached_property
     def numeric(self) -> list[bool]:
         """Whether each column holds numbers alone, which are set to the right; none in a table without headings."""
         columns = [[str(row[k]) for row in self.rows] for k in range(len(self.columns))]

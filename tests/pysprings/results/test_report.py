@@ -231,6 +231,13 @@ def test_equilibrium_table_states_the_largest_load(result: xr.DataTree, springs:
     assert ("turn", "M", f"{largest:.4g} kN m") in [tuple(row[:3]) for row in from_result]
 
 
+def test_a_page_of_many_rows_reads_each_cell_once_for_its_side() -> None:
+    """The page asks for the side of each cell; the columns are read once, so that the time grows with the rows."""
+    table = Table("", ("name", "u [mm]"), [("a", "1.5"), ("b", "-")])
+    assert table.numeric == [False, True]
+    assert table.numeric is table.numeric
+
+
 def test_numbers_stand_at_the_right_and_words_at_the_left(result: xr.DataTree, springs: xr.DataTree) -> None:
     rows = [("a", "1,234", "-", "H 1.2e-05 kN", "13 of 200"), ("b", "-0.5", "", "-", "2")]
     heads = ("name", "p [kN/m]", "none", "H", "stations")
