@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
+_ROUNDING = 1e-6  # share of H L and M below which the other one is zero
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,14 @@ def _loads(run: Run) -> str:
     if limits:
         return "; ".join(limits)
     parts = []
+    length = run.scene.caisson.skirt_length
+    sizes = {
+        load: max((arm * float(np.abs(path[load]).max()) for _, path in _lateral(run)), default=0.0)
+        for load, arm in (("H", length), ("M", 1.0))
+    }
     for load, unit in (("H", "MN"), ("M", "MN m")):
+        if sizes[load] <= _ROUNDING * max(sizes.values()):
+            continue
         best = max(_lateral(run), key=lambda item: float(np.abs(item[1][load]).max()), default=None)
         if best is not None:
             at = int(np.abs(best[1][load].values).argmax())

@@ -46,6 +46,14 @@ def test_beyond_the_springs_there_is_no_tilt(folder: Path) -> None:
     assert " deg" not in line
 
 
+def test_a_moment_that_is_rounding_is_no_load(folder: Path) -> None:
+    """The pull at mudline has no moment about the lid centre."""
+    record = RunRecord.read(folder)
+    assert record is not None and record.summary is not None
+    assert record.summary["loads"].startswith("largest reached, no limit load: H ")
+    assert ", M " not in record.summary["loads"]
+
+
 def test_marks_stand_beside_the_tilt(folder: Path) -> None:
     """Springs of one pull, under a load at another height."""
     assert "off the path 'pull'" in tilt(folder, lateral_force=5e4, arm=6.0)
