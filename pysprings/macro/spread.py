@@ -21,6 +21,7 @@ from pysprings.macro.solver import fan_rows
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
+_ROUNDING = 1e-6
 NAMES = ("u_deviation", "rotation_deviation", "H_deviation", "M_deviation")
 
 
@@ -52,11 +53,14 @@ def build_spread(springs: Springs, table: FanTable) -> Spread | None:
     if data is None:
         return None
     rho, names = data["rho"].values, [str(name) for name in data["ray"].values]
-    if set(table.path) - set(names) or any(not np.allclose(row[: rho.size], rho, rtol=1e-6) for row in table.rho):
+    if set(table.path) - set(names) or table.range.max() > rho[-1] * (1.0 + _ROUNDING):
         raise refused("atlas/rho", "the standard deviations do not belong to the paths of the file")
-    order = [names.index(name) for name in table.path]
-    r = np.concatenate([data[f"{load}_mode"].values[:, order] for load in ("H", "M")])
-    slope = np.stack([secant_slopes(rho, r[:, k], r[:, k, 1] / rho[1]) for k in range(len(order))], axis=1)
+    modes = np.concatenate([data[f"{load}_mode"].values for load in ("H", "M")])
+    r, slope = np.zeros((2, len(modes), *table.rho.shape))
+    for k, (name, count) in enumerate(zip(table.path, table.count, strict=True)):
+        knots = table.rho[k, :count]
+        own = np.stack([np.interp(knots, rho, mode) for mode in modes[:, names.index(name)]])
+        r[:, k, :count], slope[:, k, :count] = own, secant_slopes(knots, own, own[:, 1] / knots[1])
     return Spread(r, slope, rho, data["turn"].values)
 
 

@@ -34,6 +34,15 @@ def test_springs_of_an_atlas_are_a_spring_file(atlas, tmp_path):
     assert made.attrs["source"] == "atlas clay"
 
 
+def test_springs_with_fewer_states_have_the_deviations_of_those(atlas):
+    from pysprings import Springs
+
+    made = Springs.of(springs(atlas, 9.0, 6.0))
+    fewer = made.with_paths(path.at_steps([*range(0, path.n - 1, 2), path.n - 1]) for path in made.paths.values())
+    whole, part = (pysprings.predict(each, H=1.5e6, arm=9.0) for each in (made, fewer))
+    assert float(part["u_deviation"]) == pytest.approx(float(whole["u_deviation"]), rel=0.3)
+
+
 def test_a_caisson_of_twice_the_size_in_clay_of_twice_the_strength_is_similar(atlas):
     small = springs(atlas, 8.0, 6.0, "su=10 kPa", "gradient=2 kPa/m")
     large = springs(atlas, 16.0, 12.0, "su=20 kPa", "gradient=2 kPa/m")
