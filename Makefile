@@ -39,9 +39,9 @@ site: $(DOCS)
 gallery: $(DOCS)
 	GALLERY=1 $(SPHINX)
 
-# pictures of the site for docs/evidence, by Chromium
+# pictures of the site, and of the report and workbook of a run, for docs/evidence, by Chromium and LibreOffice
 screenshots: $(DOCS)
-	$(BIN)/python -m benchmarks.screenshots
+	$(BIN)/python -m benchmarks.screenshots $(RESULT)
 
 test: $(DEV)
 	$(BIN)/python -m pytest -n 2 --dist worksteal
