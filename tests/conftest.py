@@ -18,7 +18,7 @@ LIMITS = {"long": 3600, "slow": 1800, "": 300}  # s for a test of each tier, on 
 # Folders whose tests load compiled loops, in this order; the others follow. Two workers begin at the start and in the
 # middle (`make test`): one compiles the loops while the other runs tests without them, and finds them compiled later.
 COMPILING = ("fe_engine", "verification", "pysprings/full_model", "pysprings/model", "pysprings/studies")
-LIGHT = ("pysprings/scene", "pysprings/springs", "pysprings/core", "pysprings/macro", "fuzz", "pysprings/results", "")
+LIGHT = ("pysprings/core", "pysprings/macro", "fuzz", "pysprings/scene", "pysprings/springs", "pysprings/results", "")
 TESTS = Path(__file__).parent
 
 
