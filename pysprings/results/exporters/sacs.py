@@ -121,13 +121,14 @@ def _texts(source: Source, options: Options) -> tuple[list[str], list[str]]:
     """Return the lines of the cards, and the sentences on what is lost."""
     from pysprings.results.exporters.conditions import springs_at
     from pysprings.results.exporters.sacs_cards import MOST
+    from pysprings.results.exporters.uniaxial.options import ZONE
     from pysprings.results.exporters.uniaxial.sets import uniaxial
 
     points = int(options["points"])
     if not 3 <= points <= MOST:
         raise refused("--option points", f"{points} is not from 3 to {MOST}")
     springs, load = springs_at(source, options)
-    made = uniaxial(springs, options["springs"], load, planes=2)
+    made = uniaxial(springs, options["springs"], load, planes=2, slices=ZONE)
     axial, words = _axial_cards(springs, made, options)
     lateral, errors = _lateral_cards(springs, made, options)
     return [*axial, *lateral], [f"springs '{made.model.spring_set}'", *made.lost, *_LOST, *words, *errors]

@@ -129,6 +129,20 @@ def test_sets_at_real_depths_keep_resultant_and_moment(kind: str) -> None:
     assert skirt and all(0.0 <= spring.depth <= springs.length and spring.height > 0.0 for spring in skirt)
 
 
+@pytest.mark.parametrize("kind", ["pisa", "py"])
+def test_sets_at_real_depths_answer_as_predict_does(kind: str) -> None:
+    springs = Springs.of(vertical_springs())
+    model = MacroModel.from_springs(springs, kind)
+    rings, zone = uniaxial(springs, kind), uniaxial(springs, kind, slices="zone")
+    for u, rotation in ((2e-3, -3e-4), (-4e-3, 1e-4), (1e-3, 5e-4)):
+        wanted = model.reactions(u, rotation)[0]
+        np.testing.assert_allclose(rings.model.reactions(u, rotation)[0], wanted, rtol=1e-9)
+        np.testing.assert_allclose(zone.model.reactions(u, rotation)[0], wanted, rtol=0.02)
+    assert len(zone.springs) < len(rings.springs)
+    with pytest.raises(UserInputError, match="virtual springs have no slices"):
+        uniaxial(Springs.of(fans.fan_springs(fans.linear)), slices="zone")
+
+
 def test_springs_that_read_another_displacement_are_named() -> None:
     one = uniaxial(Springs.of(synthetic.make_springs()), "full")
     own = one.model.table

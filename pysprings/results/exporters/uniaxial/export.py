@@ -70,7 +70,7 @@ def prepare(
     if points < FEWEST or (most is not None and points > most):
         raise refused("--option points", f"{points} is not from {FEWEST} to {most or 'any number'}")
     springs, load = springs_at(source, given)
-    made = uniaxial(springs, given["springs"] or None, load, int(given["planes"]))
+    made = uniaxial(springs, given["springs"] or None, load, int(given["planes"]), str(given["slices"]))
     rows = tables(made, points, far)
     torsion, first = float(given["torsion"] or 0.0), float(given["azimuth"] or 0.0)
     lost = [f"springs '{made.model.spring_set}'", *made.lost, ELASTIC, NOT_ODD, other_planes(springs, made)]

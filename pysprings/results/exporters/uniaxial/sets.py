@@ -18,7 +18,7 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.solver import row_values
 from pysprings.macro.vertical import Branch
 from pysprings.results.exporters.uniaxial.curve import Spring, Table, table, with_far
-from pysprings.results.exporters.uniaxial.options import VIRTUAL
+from pysprings.results.exporters.uniaxial.options import RINGS, VIRTUAL, ZONE
 from pysprings.results.exporters.uniaxial.planes import spread, together
 from pysprings.results.exporters.uniaxial.virtual import virtual_table
 from pysprings.springs.edge import reslice
@@ -58,12 +58,15 @@ class Uniaxial:
         return replace(self.model, table=together(self.rows, self.planes, between=True))
 
 
-def uniaxial(springs: Springs, kind: str | None = None, V: float | None = None, planes: int = 0) -> Uniaxial:
+def uniaxial(
+    springs: Springs, kind: str | None = None, V: float | None = None, planes: int = 0, slices: str = RINGS
+) -> Uniaxial:
     """Return the uniaxial springs of a set: "virtual" (of a fan; the default with one), "pisa", "full" or "py".
 
-    Springs at real depths stand in the slices of `reslice`, the last fifth of the skirt as one. V [N] selects the
-    lateral springs of several vertical loads. `planes` is the number of vertical planes in which springs stand, even; 0
-    for that of the set: 8 of virtual springs, 2 of others, which are exact along both.
+    Springs at real depths stand in the slices of the mesh ("rings"), or in those of `reslice` with the last fifth of
+    the skirt as one ("zone"). V [N] selects the lateral springs of several vertical loads. `planes` is the number of
+    vertical planes in which springs stand, even; 0 for that of the set: 8 of virtual springs, 2 of others, which are
+    exact along both.
 
     Raises
     ------
@@ -74,7 +77,11 @@ def uniaxial(springs: Springs, kind: str | None = None, V: float | None = None, 
     planes = planes or (PLANES if chosen == VIRTUAL else 2)
     if planes < 2 or planes % 2:
         raise refused("--option planes", f"{planes} is not an even number of planes")
-    springs = springs if chosen == VIRTUAL else Springs.of(reslice(springs.tree))
+    if slices == ZONE and chosen == VIRTUAL:
+        raise refused(
+            "--option slices", "virtual springs have no slices: springs=pisa, full or py stand at real depths"
+        )
+    springs = Springs.of(reslice(springs.tree)) if slices == ZONE else springs
     model = MacroModel.from_springs(springs, "fan" if chosen == VIRTUAL else chosen, V=V)
     if chosen == VIRTUAL:
         made, lost = (
