@@ -14,9 +14,7 @@ from pysprings.cli.support import print_json, print_table, quantities, refuse
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pysprings.studies.sizing.search import Candidate, Search, Wanted
-
-_MOST_ROUNDS = 3
+    from pysprings.studies.sizing.search import Candidate, Search
 
 
 def size(
@@ -48,6 +46,7 @@ def size(
     from pysprings.results.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
     from pysprings.studies.atlas.model import open_atlas
+    from pysprings.studies.sizing.confirm import least_confirmed
     from pysprings.studies.sizing.search import Search, Wanted, bounds_of
 
     given = quantities(
@@ -64,7 +63,7 @@ def size(
         bounds_of(model, (0.0, 10.0)),
     )  # fmt: skip
     search = Search(model, wanted)
-    best, checked = _found(search, wanted, confirm)
+    best, checked = least_confirmed(search) if confirm else (search.least(), None)
     files = _files(search, best, out) if out else []
     if as_json:
         print_json({"best": vars(best), "candidates": len(search.tried), "correction": search.correction,
@@ -73,20 +72,6 @@ def size(
     _print(search, best, checked)
     for file in files:
         print(file)
-
-
-def _found(search: Search, wanted: Wanted, confirm: bool) -> tuple[Candidate, pd.DataFrame | None]:
-    """Return the caisson of the least steel, and its load cases by the full model."""
-    from pysprings.studies.sizing.confirm import confirmed, correction_of
-
-    best, checked = search.least(), None
-    for _ in range(_MOST_ROUNDS if confirm else 0):
-        checked = confirmed(search.atlas, wanted, best)
-        if (checked["tilt_used"] <= 1.0).all():
-            break
-        search.correction *= correction_of(checked)
-        best = search.least()
-    return best, checked
 
 
 def _files(search: Search, best: Candidate, out: Path) -> list[Path]:
@@ -101,10 +86,14 @@ def _files(search: Search, best: Candidate, out: Path) -> list[Path]:
 
 
 def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> None:
+    import numpy as np
+
     rows: list[list[Any]] = [
         [f"{best.D:.3f}", f"{best.L:.3f}", f"{1e-3 * best.mass:.4g}", f"{best.use:.3f}", best.governs]
     ]
     print_table(["D [m]", "L [m]", "steel [t]", "use", "governs"], rows)
+    if not np.isnan(search.wanted.cases.V).all():
+        print("note: V of the load cases is not used; an atlas has the vertical load of its scene")
     name = search.atlas.family.name
     print(f"{len(search.tried)} caissons tried on the atlas {name}; correction {search.correction:.4g}")
     if checked is None:

@@ -9,12 +9,39 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from pysprings.studies.sizing.search import BAND, Candidate, Wanted, answered
+from pysprings.core.errors import RunIncomplete, refused
+from pysprings.studies.sizing.search import BAND, Candidate, Search, Wanted, answered
 
 if TYPE_CHECKING:
     from pysprings.studies.atlas.model import Atlas
 
 _FURTHER = 1.3  # times the displacement that the atlas expects
+ROUNDS = 3
+
+
+def least_confirmed(search: Search) -> tuple[Candidate, pd.DataFrame]:
+    """Return the caisson of the least steel that the full model confirms, and its load cases (`confirmed`).
+
+    Where the full model turns further than tolerated, the predictions are multiplied by what was missed, and the
+    search goes on.
+
+    Raises
+    ------
+    RunIncomplete
+        After `ROUNDS` full models the tolerance is still exceeded, or a load is not reached.
+    """
+    for _ in range(ROUNDS):
+        best = search.least()
+        checked = confirmed(search.atlas, search.wanted, best)
+        if (checked["tilt_used"] <= 1.0).all():
+            return best, checked
+        search.correction *= correction_of(checked)
+    worst = checked.iloc[int(np.argmax(checked["tilt_used"].fillna(np.inf)))]
+    used = f"{worst['tilt_used']:.3g} of the tolerated rotation" if np.isfinite(worst["tilt_used"]) else "not reached"
+    raise RunIncomplete(
+        f"not confirmed: after {ROUNDS} corrections the full model of D {best.D:.3f} m, L {best.L:.3f} m has load case "
+        f"{worst['name']!r} at {used}"
+    )
 
 
 def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFrame:
@@ -29,6 +56,9 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
     cases, expected = wanted.cases, answered(atlas, wanted, candidate.D, candidate.L)
     scene = atlas.scene(candidate.D, candidate.L, wanted.changes)
     chosen = [k for k in range(len(cases)) if cases.H[k] and expected["answered"][k]]
+    if len(chosen) < len(cases):
+        without = ", ".join(repr(cases.name[k]) for k in range(len(cases)) if k not in chosen)
+        raise refused("--confirm", f"full models are pulled by a lateral load, and load case {without} has none")
     paths = [
         {
             "name": f"case_{k + 1}", "kind": "pull", "arm": float(-cases.M[k] / cases.H[k]),

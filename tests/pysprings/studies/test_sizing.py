@@ -4,15 +4,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
+import numpy as np
+import pandas as pd
 import pytest
 
 import pysprings
-from pysprings.core.errors import UserInputError
+from pysprings.core.errors import RunIncomplete, UserInputError
 from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.scene.changes import read_changes
+from pysprings.studies.atlas.model import Atlas
+from pysprings.studies.sizing import confirm
 from pysprings.studies.sizing.confirm import correction_of
-from pysprings.studies.sizing.search import Search, Wanted, bounds_of, mass_of
+from pysprings.studies.sizing.search import Candidate, Search, Wanted, answered, bounds_of, mass_of
 
 
 @pytest.fixture(scope="module")
@@ -49,8 +54,34 @@ def test_what_no_caisson_meets_is_refused(atlas, search):
 
 
 def test_the_correction_is_what_the_full_model_turns_further():
-    import pandas as pd
-
     table = pd.DataFrame({"rotation_full_rad": [1.1e-3, 0.9e-3], "rotation_atlas_rad": [1.0e-3, 1.0e-3]})
     assert correction_of(table) == pytest.approx(1.1)
     assert correction_of(table.iloc[[1]]) == 1.0
+
+
+def turned(factor: float) -> Callable[..., pd.DataFrame]:
+    """Return full models that turn `factor` times as far as the atlas predicts."""
+
+    def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFrame:
+        rotation = answered(atlas, wanted, candidate.D, candidate.L)["rotation"].to_numpy()
+        tilt = np.where(np.isnan(wanted.cases.tilt), wanted.tilt, wanted.cases.tilt)
+        rows = {"name": wanted.cases.name, "rotation_atlas_rad": rotation, "rotation_full_rad": factor * rotation}
+        return pd.DataFrame(rows).assign(tilt_used=factor * np.abs(rotation) / tilt)
+
+    return confirmed
+
+
+@pytest.mark.slow
+def test_what_is_returned_is_what_the_full_model_confirms(search, monkeypatch):
+    monkeypatch.setattr(confirm, "confirmed", turned(1.2))
+    best, checked = confirm.least_confirmed(search)
+    assert search.correction == pytest.approx(1.2) and (checked["tilt_used"] <= 1.0).all()
+    own = answered(search.atlas, search.wanted, best.D, best.L)["rotation"]
+    assert checked["rotation_atlas_rad"].tolist() == own.tolist()
+
+
+@pytest.mark.slow
+def test_what_the_full_model_never_confirms_is_no_result(search, monkeypatch):
+    monkeypatch.setattr(confirm, "confirmed", turned(np.nan))
+    with pytest.raises(RunIncomplete, match=r"not confirmed: after 3 corrections .* 'extreme' at not reached"):
+        confirm.least_confirmed(search)
