@@ -20,5 +20,5 @@ from .springs.edge import reslice as reslice
 from .springs.extract import extract_springs as extract_springs
 from .springs.file import open_springs as open_springs
 from .springs.springs import Springs as Springs
-from .studies.atlas.model import open_atlas as open_atlas
+from .studies.atlas.file import open_atlas as open_atlas
 from .studies.sweep.dataset import open_study as open_study

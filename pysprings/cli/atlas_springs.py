@@ -40,7 +40,7 @@ def springs_of_atlas(asked: Asked, strict: bool = False, extrapolate: bool = Fal
     """
     from pysprings.scene.changes import read_changes
     from pysprings.springs.file import save_springs
-    from pysprings.studies.atlas.model import open_atlas
+    from pysprings.studies.atlas.file import open_atlas
 
     if asked.save is not None and asked.save.suffix != ".nc":
         refuse("--save-springs", "name a file that ends in .nc", asked.save)

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from pysprings.core.card import caisson_drawing, card
 
 if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
+    from pysprings.scene.scene_sections import SceneSections
 
 MOST_LAYERS = 4  # that are named
 
 
-def caisson_text(scene: Scene) -> str:
+def caisson_text(scene: SceneSections) -> str:
     """Return size, behaviour and vertical load of the caisson."""
     each = scene.caisson
     ratio = each.skirt_length / each.outer_diameter
@@ -25,7 +25,7 @@ def caisson_text(scene: Scene) -> str:
     )
 
 
-def ground_text(scene: Scene) -> str:
+def ground_text(scene: SceneSections) -> str:
     """Return the layers with their laws, and the drainage."""
     from pysprings.scene.ground import drainage_of, ground_of
 
@@ -35,7 +35,7 @@ def ground_text(scene: Scene) -> str:
     return f"{names}{more}; {drainage_of(scene)}"
 
 
-def paths_text(scene: Scene) -> str:
+def paths_text(scene: SceneSections) -> str:
     """Return how many load paths of each kind a run computes, and how many are held back."""
     kinds = Counter(path.kind for path in scene.load_paths)
     held = sum(path.role == "held-back" for path in scene.load_paths)
@@ -43,7 +43,7 @@ def paths_text(scene: Scene) -> str:
     return words + (f"; {held} held back" if held else "")
 
 
-def scene_card(scene: Scene) -> str:
+def scene_card(scene: SceneSections) -> str:
     """Return a scene as HTML of a few kB."""
     from pysprings.scene.ground import ground_of
 

@@ -14,12 +14,15 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.files.storage import read_tree, write_tree
+from pysprings.core.units import quoted
 from pysprings.core.version import __version__
 from pysprings.scene.load import SceneText
 from pysprings.studies.atlas.families import FAMILIES
 from pysprings.studies.atlas.model import Atlas
 from pysprings.studies.atlas.process import Process
 from pysprings.studies.atlas.samples import ROWS
+
+SHIPPED = Path(__file__).parent / "shipped"
 
 Array = NDArray[np.float64]
 SCHEMA = "pysprings-atlas-1"
@@ -74,3 +77,21 @@ def read_atlas(file: Path) -> Atlas:
         tuple(processes[:count]), tuple(processes[count:-1]), processes[-1], values["rest"].astype(float),
         float(attrs["factor"]), (float(attrs["fan"][0]), float(attrs["fan"][1])), json.loads(str(attrs["about"])),
     )  # fmt: skip
+
+
+def shipped() -> list[str]:
+    """Return the names of the atlases of this package."""
+    return sorted(file.stem for file in SHIPPED.glob("*.nc"))
+
+
+def open_atlas(source: str | os.PathLike[str]) -> Atlas:
+    """Open an atlas: a file, or the name of one that comes with the package ("clay").
+
+    Raises UserInputError for another file, or a broken one.
+    """
+    names = shipped()
+    if str(source) in names:
+        return read_atlas(SHIPPED / f"{source}.nc")
+    if not Path(source).exists() and Path(source).suffix != ".nc":
+        raise refused("--atlas", f"no atlas {quoted(str(source))}; there are: {', '.join(names) or 'none'}, or a file")
+    return read_atlas(Path(source))

@@ -3,22 +3,18 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.errors import Problem, UserInputError, refused
-from pysprings.core.units import quoted
+from pysprings.core.errors import Problem, UserInputError
 from pysprings.scene.changes import Change
-from pysprings.scene.load import SceneText
+from pysprings.studies.atlas.data import AtlasData, Estimate
 from pysprings.studies.atlas.families import FAMILIES, Family
-from pysprings.studies.atlas.process import Process
 from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share, stiffness_of
 
 if TYPE_CHECKING:
@@ -27,72 +23,13 @@ if TYPE_CHECKING:
     from pysprings.scene.model import Scene
 
 Array = NDArray[np.float64]
-SHIPPED = Path(__file__).parent / "shipped"
 _ROUNDING = 1e-6
 STIFFNESS_FLOOR = 1e-3  # standard deviation over the stiffness at the least: numbers of cells change with L/D
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """What an atlas expects of a scene: values (ray, row, X), modes (m, ray, row, X) of one standard deviation each.
-
-    Attributes
-    ----------
-    stiffness : (3, 3) initial stiffness.
-    stiffness_error : standard deviations of the logarithms of K_V, K_H, K_M.
-    settled : w at rest [m].
-    outside : why the scene is at the edge of what the atlas covers; none inside the hull of its full models.
-    """
-
-    values: Array
-    modes: Array
-    stiffness: Array
-    stiffness_error: Array
-    settled: float
-    outside: tuple[str, ...]
-
-
 @dataclass(frozen=True, eq=False)
-class Atlas:
-    """An emulator over the full models of a study.
-
-    Attributes
-    ----------
-    family : what decides.
-    text : the base scene.
-    inputs : (n, d) of the full models.
-    rays, angles, X : grid of the springs: names and directions [rad] of the rays, motions.
-    reach : largest rho over D.
-    mean, modes : (ray, row, X) and (m, ray, row, X): principal components.
-    processes : of the components; of the four numbers of the stiffness; of the settlement.
-    rest : (2, ray, X) standard deviation of H over F h and M over F L h that the components leave.
-    factor : of all standard deviations, such that 95 % of the cases left out lie in the band of 95 %.
-    fan : standard deviations of what rays do not say of pulls where the soil has failed: over the load, and over the
-        rotation. From held-back pulls (`pysprings.studies.atlas.check`); 0 where there were none.
-    about : where the atlas comes from: words for files and reports.
-    """
-
-    family: Family
-    text: SceneText
-    inputs: Array
-    rays: tuple[str, ...]
-    angles: Array
-    X: Array
-    reach: float
-    mean: Array
-    modes: Array
-    processes: tuple[Process, ...]
-    stiffness: tuple[Process, ...]
-    settlement: Process
-    rest: Array
-    factor: float
-    fan: tuple[float, float] = (0.0, 0.0)
-    about: Mapping[str, str] = field(default_factory=dict)
-
-    @cached_property
-    def base(self) -> Scene:
-        """The base scene."""
-        return self.text.scene()
+class Atlas(AtlasData):
+    """An emulator over the full models of a study; its content is that of `AtlasData`."""
 
     @cached_property
     def box(self) -> Array:
@@ -202,29 +139,9 @@ def sums(values: Array) -> tuple[Array, Array]:
     return p.sum(axis=-2) + tip + lid, M
 
 
-def shipped() -> list[str]:
-    """Return the names of the atlases of this package."""
-    return sorted(file.stem for file in SHIPPED.glob("*.nc"))
-
-
-def open_atlas(source: str | os.PathLike[str]) -> Atlas:
-    """Open an atlas: a file, or the name of one that comes with the package ("clay").
-
-    Raises UserInputError for another file, or a broken one.
-    """
-    from pysprings.studies.atlas.file import read_atlas
-
-    names = shipped()
-    if str(source) in names:
-        return read_atlas(SHIPPED / f"{source}.nc")
-    if not Path(source).exists() and Path(source).suffix != ".nc":
-        raise refused("--atlas", f"no atlas {quoted(str(source))}; there are: {', '.join(names) or 'none'}, or a file")
-    return read_atlas(Path(source))
-
-
 def family_of(name: str) -> Family:
     """Return a family by its name. Raises UserInputError."""
     return FAMILIES.find(name, "family")
 
 
-__all__ = ["Atlas", "Estimate", "family_of", "open_atlas", "share", "shipped", "sums"]
+__all__ = ["Atlas", "Estimate", "family_of", "share", "sums"]

@@ -80,6 +80,7 @@ def path_of(mode: str) -> xr.Dataset:
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:layer 'soil'. effective unit weight")  # of other units
 @pytest.mark.parametrize("mode", ["drained", "coupled"])
 @pytest.mark.parametrize(
     ("force", "length", "time"),

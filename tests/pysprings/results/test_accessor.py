@@ -16,6 +16,8 @@ import pysprings
 from pysprings import plots
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
+from pysprings.results.accessor import Accessor
+from pysprings.results.opened import open_result
 from pysprings.results.plots.draw import drawable
 from tests.support import synthetic
 
@@ -56,6 +58,7 @@ def result() -> xr.DataTree:
 
 
 def test_springs_are_a_few_kB_of_html_with_size_stiffness_paths_and_range(springs: xr.DataTree) -> None:
+    assert isinstance(springs.pysprings, Accessor)
     html = springs.pysprings._repr_html_()
     page, u = Balance(html), springs["paths/pull"]["u"].max()
     assert page.open == []
@@ -127,10 +130,10 @@ def test_a_result_opens_from_its_folder_and_springs_do_not(result: xr.DataTree, 
     tree = result.copy()
     tree.attrs["run_json"] = '{"status": "complete"}'
     write_tree(tree, tmp_path / "full_model.nc")
-    assert pysprings.open_result(tmp_path).attrs["title"] == result.attrs["title"]
+    assert open_result(tmp_path).attrs["title"] == result.attrs["title"]
     write_tree(synthetic.make_springs(PATHS), tmp_path / "springs.nc")
     with pytest.raises(UserInputError, match="no result of a full model"):
-        pysprings.open_result(tmp_path / "springs.nc")
+        open_result(tmp_path / "springs.nc")
 
 
 def test_the_accessor_comes_with_the_first_name_and_import_stays_light() -> None:
