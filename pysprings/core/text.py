@@ -33,6 +33,11 @@ def _real(value: float, digits: int) -> str:
     return f"{value + 0.0:.{digits}g}"  # + 0.0 turns -0.0 into 0.0
 
 
+def percent(value: float) -> str:
+    """Return a size in percent, two figures below a hundred."""
+    return f"{value:.2g} %" if value < 100.0 else f"{value:.0f} %"
+
+
 def plain_table(heads: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[bool] = (True,)) -> str:
     """Return a table for a terminal: a rule below the heads, columns set to the right but for those in ``left``."""
     from tabulate import tabulate

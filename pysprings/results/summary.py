@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.text import percent
 from pysprings.scene.card import caisson_text, ground_text
 from pysprings.scene.design_load import USUAL_TILT
 
@@ -166,7 +167,7 @@ def _mesh(run: Run) -> str:
     from pysprings.model.forecast.domain_effect import domain_effect
 
     estimate = (run.record.error_estimate or {}).get("estimate_pct") or {}
-    parts = [f"{MEASURES[name].head} {value:.2g} %" for name, value in estimate.items()]
+    parts = [f"{MEASURES[name].head} {percent(value)}" for name, value in estimate.items()]
     most = domain_effect(run.scene).percent
     bounds = f"at most {most['H']:.2g} % (K_H), {most['M']:.2g} % (K_M)" if math.isfinite(most["H"]) else "far"
     domain = f"domain: stiffness {bounds} above unbounded soil"
@@ -201,7 +202,7 @@ def _use(run: Run) -> str:
         limits.append(f"their error is above {_GOOD:g} % on a path held back")
     estimate = ((run.record.error_estimate or {}).get("estimate_pct") or {}).get("load_max")
     if estimate is None or estimate > _GOOD_MESH:
-        size = "unknown" if estimate is None else f"{estimate:.2g} %"
+        size = "unknown" if estimate is None else percent(estimate)
         limits.append(f"the mesh error of load is {size}: for design take --target-error or a finer --mesh")
     return "predictions within the range" + (f"; preliminary: {'; '.join(limits)}" if limits else "")
 

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from pysprings.core.text import percent
 from pysprings.full_model.accuracy import measures, quantities
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, STIFFNESS, curves_of, samples
 from pysprings.full_model.accuracy.richardson import cell_size
@@ -154,7 +155,7 @@ def words(estimated: Mapping[str, Any]) -> str:
     """Return an estimate in words, one line."""
     if not estimated["estimate_pct"]:
         return f"no estimate of the discretisation error: {estimated['why_not']}"
-    parts = [f"{measures.MEASURES[name].head} {value:.2g} %" for name, value in estimated["estimate_pct"].items()]
+    parts = [f"{measures.MEASURES[name].head} {percent(value)}" for name, value in estimated["estimate_pct"].items()]
     series = estimated.get("harmonics")
     beside = "" if series is None else f", {series[0]} and {series[1]} harmonics"
     return (
