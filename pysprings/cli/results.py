@@ -245,10 +245,11 @@ def print_cost(record: RunRecord) -> None:
 def print_estimate(record: RunRecord) -> None:
     """Print the setting of a target error, and the error estimate of the run."""
     if target := record.target_error:
+        from pysprings.core.text import percent
         from pysprings.full_model.accuracy.measures import MEASURES
 
         errors = target["error_in_study_pct"].items()
-        parts = ", ".join(f"{MEASURES[name].head} {value:.2g} %" for name, value in errors)
+        parts = ", ".join(f"{MEASURES[name].head} {percent(value)}" for name, value in errors)
         study = target["study"]
         print(
             f"target error {target['target']}: setting {target['setting']}, in the study of '{study['scene']}' {parts}"

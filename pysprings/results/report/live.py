@@ -23,7 +23,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.path_kinds import PATH_KINDS, driven
+from pysprings.core.path_kinds import driven, has_free_head
 from pysprings.results.analysis.parts import converged
 from pysprings.springs.dataset import path_dataset, path_names
 from pysprings.springs.edge import edge_rings
@@ -82,8 +82,7 @@ def _path(name: str, path: xr.Dataset) -> dict[str, Any]:
     good = np.flatnonzero(converged(path))
     steps = np.unique(np.linspace(0, good.size - 1, min(good.size, MOST_STEPS)).astype(int)) if good.size else good
     chosen = path.isel(step=good[steps])
-    kind = PATH_KINDS[str(path.attrs["kind"])] if str(path.attrs.get("kind")) in PATH_KINDS else None
-    free = bool(kind and kind.free_head) and "arm_m" in path.attrs and "arm_from_m" not in path.attrs
+    free = has_free_head(path.attrs) and "arm_m" in path.attrs and "arm_from_m" not in path.attrs
     data: dict[str, Any] = {
         "name": name,
         "role": str(path.attrs.get("role", "")),

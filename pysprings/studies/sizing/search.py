@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from pysprings.core.errors import UserInputError, refused
+from pysprings.core.errors import refused
 from pysprings.macro.batch import predict_batch
 from pysprings.scene.changes import Change
 
@@ -160,6 +160,3 @@ def table_of(tried: Sequence[Candidate]) -> pd.DataFrame:
         for c in tried
     ]
     return pd.DataFrame(rows)
-
-
-__all__ = ["Candidate", "Search", "UserInputError", "Wanted", "answered", "bounds_of", "mass_of", "table_of"]
