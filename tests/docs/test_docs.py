@@ -170,11 +170,8 @@ def scratch(prepared: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(prepared, tmp_path / "scratch"))
 
 
-@pytest.mark.parametrize(
-    "page",
-    [page if page == README else pytest.param(page, marks=pytest.mark.slow) for page in RUN_HERE if here(page)],
-    ids=name,
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("page", [page for page in RUN_HERE if here(page)], ids=name)
 def test_commands_of_a_document_run(page: Path, scratch: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for line in here(page):
         done = call(line, scratch, monkeypatch)
@@ -196,6 +193,7 @@ def test_runs_of_a_document_run(page: Path, line: str, scratch: Path, monkeypatc
 PYTHON = [(page, block) for page in RUN_HERE for block in blocks(page, "python")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("page", "block"), PYTHON, ids=[f"{name(page)}-{k}" for k, (page, _) in enumerate(PYTHON)])
 def test_python_of_a_document_runs(
     page: Path, block: str, scratch: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

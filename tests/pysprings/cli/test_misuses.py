@@ -44,6 +44,7 @@ def test_there_are_enough() -> None:
     assert len({each.command for each in MISUSES}) == len(MISUSES) >= 40
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("misuse", MISUSES, ids=lambda each: each.command)
 def test_none_is_answered_without_a_word(misuse: Misuse, said: dict[str, Result]) -> None:
     done = said[misuse.command]
@@ -60,6 +61,7 @@ def test_none_is_answered_without_a_word(misuse: Misuse, said: dict[str, Result]
         assert marked or "softens" in done.err
 
 
+@pytest.mark.slow
 def test_the_page_has_what_the_program_says(said: dict[str, Result]) -> None:
     lines = [HEAD]
     for chapter, misuses in CHAPTERS.items():

@@ -60,6 +60,7 @@ def test_clay_has_the_first_loading_of_von_mises_and_the_loops_of_masing():
     assert small_loop(own) > 0.02 > 10.0 * abs(small_loop(other))
 
 
+@pytest.mark.slow
 def test_sand_has_the_first_loading_of_drucker_prager_and_carries_no_more_on_reversal():
     sand = {"friction_angle_initial": 0.05}
     frictionless = {"friction_coefficient": 0.0}

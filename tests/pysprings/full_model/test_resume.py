@@ -488,6 +488,7 @@ def test_results_of_an_earlier_run_stay_until_there_are_new_ones(tmp_path: Path)
     assert json.loads((tmp_path / "run.json").read_text())["scene_sha256"] == drained().sha256
 
 
+@pytest.mark.slow
 def test_a_second_run_is_refused(tmp_path: Path, scene_file: Path) -> None:
     """While the first one computes; the folder then has the results of the first."""
     seen = []

@@ -246,6 +246,7 @@ def test_vertical_rows_of_a_table_are_checked(tmp_path):
         open_table(tmp_path / "b.csv")
 
 
+@pytest.mark.slow
 def test_workbook_has_a_sheet_of_the_vertical_springs(tmp_path):
     import openpyxl
 

@@ -132,6 +132,7 @@ def test_the_picture_shows_both_diameters_and_the_mean_fibre_by_depth() -> None:
     assert left.get_ylim()[0] > left.get_ylim()[1]
 
 
+@pytest.mark.slow
 def test_a_run_draws_it() -> None:
     from pysprings.results.plots.files import figures
 

@@ -191,6 +191,7 @@ def test_default_state_is_the_last_converged_one(pull: xr.Dataset) -> None:
         parts.pick_step(pull, step=99)
 
 
+@pytest.mark.slow
 def test_a_path_that_never_converged_still_draws(trees: tuple[xr.DataTree, xr.DataTree]) -> None:
     result = trees[0].copy(deep=True)
     result["paths/pull"]["converged"][1:] = 0

@@ -66,6 +66,7 @@ def test_our_own_table_predicts_what_the_springs_do(tmp_path, spring_set, path, 
     assert list(variables.problems(theirs, "prediction")) == []
 
 
+@pytest.mark.slow
 def test_our_own_table_makes_the_same_fan(tmp_path):
     springs = fan_springs(potential)
     file = written.tables(tmp_path, springs)[0]

@@ -25,6 +25,7 @@ def workbook(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_workbook(Source(synthetic.make_springs(PATHS)), tmp_path_factory.mktemp("book") / "springs.xlsx")
 
 
+@pytest.mark.slow
 def test_a_chart_lies_within_a_page_and_each_path_has_its_own(workbook: Path) -> None:
     sheet = openpyxl.load_workbook(workbook)["charts"]
     breaks = [0, *(each.id for each in sheet.row_breaks.brk)]
@@ -38,6 +39,7 @@ def test_a_chart_lies_within_a_page_and_each_path_has_its_own(workbook: Path) ->
     assert sorted(set(pages)) == list(range(1, len(PATHS) + 1))
 
 
+@pytest.mark.slow
 def test_a_long_sheet_prints_its_first_rows_and_states_it(workbook: Path) -> None:
     rows = 61 * len(PATHS)  # the initial state, too
     for name, head, number in (("p-y", 3, rows), ("base", 3, rows), ("tidy", 1, None)):
