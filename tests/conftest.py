@@ -15,10 +15,17 @@ for _name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 LIMITS = {"long": 3600, "slow": 1800, "": 300}  # s for a test of each tier, on a busy machine
 
 
-# Folders whose tests load compiled loops, in this order; the others follow. Two workers begin at the start and in the
+# Folders whose tests load compiled loops, and the others, each in this order. Two workers begin at the start and in the
 # middle (`make test`): one compiles the loops while the other runs tests without them, and finds them compiled later.
-COMPILING = ("fe_engine", "verification", "pysprings/full_model", "pysprings/model", "pysprings/studies")
-LIGHT = ("pysprings/core", "pysprings/macro", "fuzz", "pysprings/scene", "pysprings/springs", "pysprings/results", "")
+COMPILING = (
+    "fe_engine",
+    "verification",
+    "pysprings/full_model",
+    "pysprings/model",
+    "pysprings/studies",
+    "pysprings/core/test_threads",
+)
+LIGHT = ("pysprings/core", "fuzz", "pysprings/scene", "pysprings/springs", "pysprings/cli", "pysprings/macro", "")
 TESTS = Path(__file__).parent
 
 
@@ -28,9 +35,13 @@ def place_of(file: Path) -> int:
     return next(place for place, folder in enumerate((*COMPILING, *LIGHT)) if name.startswith(folder))
 
 
+@pytest.hookimpl(trylast=True)  # after tests of other tiers are left out
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Put compiling tests first; give every test the time limit of its tier (pytest-timeout)."""
+    """Put compiling tests first and others from the middle on; give every test its time limit (pytest-timeout)."""
     items.sort(key=lambda item: place_of(item.path))
+    compiling = sum(place_of(item.path) < len(COMPILING) for item in items)
+    middle = min(compiling, len(items) // 2)
+    items[:] = items[:middle] + items[compiling:] + items[middle:compiling]
     if config.pluginmanager.hasplugin("timeout"):
         for item in items:
             tier = next(name for name in LIMITS if not name or item.get_closest_marker(name))

@@ -69,6 +69,7 @@ def test_order_four_does_not_lock(poisson):
 
 
 @pytest.mark.parametrize("poisson", [0.3, 0.4999])
+@pytest.mark.slow
 def test_order_three_is_order_four(poisson):
     lower, higher = paper(poisson, order=3), paper(poisson)
     assert lower == pytest.approx(higher, rel=1e-3)

@@ -112,6 +112,7 @@ def test_a_vertical_load_that_comes_back_is_marked():
     assert answer["turned_back"].values.tolist() == [0, 0, 1, 1]
 
 
+@pytest.mark.slow
 def test_the_command_shows_the_marks(fan_file, tmp_path):
     """The template's swipe: u held, the rotation turned back. In the table, in JSON, in a warning; strict refuses."""
     file = write(tmp_path / "s.csv", "u_m,rotation_rad", "0.0025,0", "0.005,0", "0.005,-0.001", "0.001,-0.001")

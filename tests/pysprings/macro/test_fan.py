@@ -120,6 +120,7 @@ def test_error_falls_with_the_third_power_of_the_angle_between_rays():
     assert min(rates) > 2.7
 
 
+@pytest.mark.slow
 def test_pulls_that_the_fan_was_not_made_from():
     """Coupled nonlinear soil: load and rotation within 1 % at every state of pulls at five load heights."""
     springs = fan_springs(potential, held_back=(0.0, 2.0, 8.0, 40.0, -2.0))

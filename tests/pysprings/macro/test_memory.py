@@ -359,6 +359,7 @@ def _loads(motions: np.ndarray) -> np.ndarray:
     return walk([element(d=1e-3)], motions)[0]
 
 
+@pytest.mark.slow
 def test_sequences_are_compared_by_cycle(tmp_path) -> None:
     path = save_springs(winkler.with_invented_memory(), tmp_path / "springs.nc")
     done = command("compare", str(path), "--cycles", "--json")

@@ -69,6 +69,7 @@ def test_error_falls_with_the_square_of_the_slice_height(springs):
     assert "held-back paths, largest errors by number of depth slices" in to_text(frame)
 
 
+@pytest.mark.slow
 def test_command(springs, tmp_path):
     file = save_springs(springs, tmp_path / "springs.nc")
     done = command("compare", str(file), "--slices", "--springs", "full", "--json")

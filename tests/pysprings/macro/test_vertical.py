@@ -211,6 +211,7 @@ def test_vertical_springs_answer_their_own_path_only_when_asked_for_all_sets():
 
 
 @pytest.mark.parametrize("form", [0, 1], ids=["long", "wide"])
+@pytest.mark.slow
 def test_tables_give_the_vertical_springs_back(tmp_path, form):
     tree = vertical_springs(heavier=(6e6,))
     file = written.tables(tmp_path, tree)[form]

@@ -278,6 +278,7 @@ def test_names_are_unique_and_legal():
     assert defined[0][1] == "='p-y'!$C$4:$C$6"
 
 
+@pytest.mark.slow
 def test_workbook_of_a_fan(tmp_path):
     """Rays, their range and the fan's columns; one name a path and curve."""
     springs = fan_springs(potential, angles=(0.0, -40.0, 90.0), held_back=(8.0,))

@@ -127,6 +127,7 @@ def test_a_rotation_path_shows_moment_against_rotation(trees: tuple[xr.DataTree,
     assert figure.axes[0].get_ylabel() == "M [MN m]"
 
 
+@pytest.mark.slow
 def test_title_states_path_drainage_and_size(pull: xr.Dataset, plane: xr.Dataset) -> None:
     for figure in (
         plots.load_displacement(pull),

@@ -167,6 +167,7 @@ def test_a_result_folder_that_is_a_link_serves_and_one_to_nothing_is_named(tmp_p
 # --- what a run removes ---
 
 
+@pytest.mark.slow
 def test_a_run_removes_what_it_wrote_and_nothing_else(tmp_path: Path, one_picture: None) -> None:
     """Pictures of the run before by the list in run.json; others of such names, and somebody's arrays, stay."""
     out, mine = tmp_path, [f"{CHECKPOINT}/a.npz", f"{FIGURES}/old_gap_last.png", f"{PARAVIEW}/old.pvd"]

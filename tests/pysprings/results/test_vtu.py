@@ -110,6 +110,7 @@ def test_a_result_without_the_whole_model_is_refused(tmp_path: Path) -> None:
     assert "volume" not in tiny.result().children
 
 
+@pytest.mark.slow
 def test_run_and_export_write_them_and_a_new_run_clears_them(tmp_path: Path) -> None:
     scene = tiny.scene(output={"paraview": True, "figures": False})
     folder = run_to_folder(scene, tmp_path / "out")

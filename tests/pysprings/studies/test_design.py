@@ -96,6 +96,7 @@ def test_a_moment_of_the_wrong_sign_is_pointed_out(springs, tmp_path: Path) -> N
     )
 
 
+@pytest.mark.slow
 def test_the_command(springs, cases: Path, tmp_path: Path) -> None:
     file = save_springs(springs, tmp_path / "springs.nc")
     done = command(

@@ -24,6 +24,7 @@ def springs(atlas, D, L, *changes):
     return atlas.springs(atlas.scene(D, L, read_changes(changes)))
 
 
+@pytest.mark.slow
 def test_springs_of_an_atlas_are_a_spring_file(atlas, tmp_path):
     made = springs(atlas, 9.0, 6.0)
     validate_springs(made)
