@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import functools
 import importlib
+import os
 import sys
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
@@ -44,6 +46,9 @@ COMMANDS = {
     "paper": "studies",
 }
 
+WITH_DASK = ("sweep", "atlas", "size")  # commands that Dask runs, or that read studies lazily
+HELP: tuple[list[str], ...] = ([], ["-h"], ["--help"])  # arguments that ask for the list of commands
+
 
 def _load_all() -> None:
     """Import the modules of all commands; where they stand in full, checks of the import graph read them."""
@@ -64,9 +69,21 @@ def _load_all() -> None:
     )
 
 
+def _listed(command: Callable[..., None]) -> Callable[[], None]:
+    """Return a command with the description of another, for the list of commands: it has no options to prepare."""
+
+    def listed() -> None: ...
+
+    listed.__name__, listed.__doc__ = command.__name__, command.__doc__
+    return listed
+
+
 @functools.cache
-def application(command: str | None = None) -> typer.Typer:
-    """Return the command line with all commands, or with one of `COMMANDS`, whose module alone is then imported."""
+def application(command: str | None = None, listed: bool = False) -> typer.Typer:
+    """Return the command line with all commands, or with one of `COMMANDS`, whose module alone is then imported.
+
+    With ``listed`` it only lists them: no command has options.
+    """
     app = typer.Typer(
         help="p-y springs of suction caissons from a 3D finite-element model, and the prediction made with them.",
         epilog=EPILOG,
@@ -78,8 +95,8 @@ def application(command: str | None = None) -> typer.Typer:
     if command is None:
         _load_all()
     for name in COMMANDS if command is None else (command,):
-        module = importlib.import_module(f"pysprings.cli.{COMMANDS[name]}")
-        app.command(cls=Once)(guarded(getattr(module, name)))
+        function = getattr(importlib.import_module(f"pysprings.cli.{COMMANDS[name]}"), name)
+        app.command(cls=Once)(_listed(function) if listed else guarded(function))
     return app
 
 
@@ -104,12 +121,21 @@ def _options(
     DEBUG.set(debug)
 
 
+def leave_out_dask() -> None:
+    """Have xarray work without Dask in this process: it would load it, 0.3 s, as soon as it reads a text."""
+    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # "not installed", for importlib and for xarray
+
+
 def main() -> None:
     """Run the command line."""
     open_missing_streams()
-    choose_for_command(sys.argv[1:])
-    first = sys.argv[1] if len(sys.argv) > 1 else ""
-    application(first if first in COMMANDS else None)(prog_name="pysprings")
+    arguments = sys.argv[1:]
+    choose_for_command(arguments)
+    first = arguments[0] if arguments else ""
+    if first in COMMANDS and first not in WITH_DASK:
+        leave_out_dask()
+    only_listed = arguments in HELP and "_PYSPRINGS_COMPLETE" not in os.environ
+    application(first if first in COMMANDS else None, only_listed)(prog_name="pysprings")
 
 
 if __name__ == "__main__":

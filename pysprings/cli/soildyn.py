@@ -17,7 +17,7 @@ def soildyn(
         str | None, typer.Option("--compiler", metavar="COMMAND", help="C compiler \\[default: CC, cc, gcc or clang]")
     ] = None,
 ) -> None:
-    """Build the library that SoilDyn (OpenFAST) loads for springs of \\[bold]export --to openfast\\[/bold]."""
+    """Build the library that SoilDyn (OpenFAST) loads for springs of `export --to openfast`."""
     from pysprings.results.exporters.soildyn.library import build
 
     refuse_no_folder(out)

@@ -17,7 +17,7 @@ from pysprings.results.exporters import EXPORTERS
 from pysprings.scene.load import SECTIONS
 from pysprings.scene.template_names import template_names
 from pysprings.scene.toml import field_of
-from tests.support.commands import command, run_python
+from tests.support.commands import command, environment, run_python
 
 
 @pytest.mark.parametrize("args", [["--help"], ["--version"], ["run", "--help"], ["predict", "--help"]])
@@ -40,6 +40,14 @@ def test_help_loads_nothing_heavy(args: list[str]) -> None:
 def test_python_dash_m_and_version() -> None:
     done = run_python("-m", "pysprings", "--version")
     assert (done.returncode, done.stdout.splitlines()[0], done.stderr) == (0, f"pysprings {__version__}", "")
+
+
+@pytest.mark.parametrize("args", [["--help"], []])
+def test_the_list_of_commands_is_that_of_the_whole_program(args: list[str]) -> None:
+    wide = {"COLUMNS": "2000", "TERMINAL_WIDTH": "2000"}
+    done = run_python("-m", "pysprings", *args, env=environment(**wide))
+    assert done.stdout.split() == command("--help", env=wide).out.split()
+    assert all(f" {name} " in done.stdout for name in app.COMMANDS)
 
 
 def test_help_tells_the_exit_codes() -> None:

@@ -71,6 +71,7 @@ def test_the_command_loads_no_numba_and_finds_the_same(tmp_path):
         "import sys; from pysprings.cli.app import main\n"
         "try: main()\n"
         "except SystemExit: pass\n"
+        "assert sys.modules.get('dask') is None\n"
         "print('numba' in sys.modules, 'pint' in sys.modules and 'pint.registry' in sys.modules, file=sys.stderr)"
     )
     env = environment()
