@@ -122,8 +122,12 @@ def _options(
 
 
 def leave_out_dask() -> None:
-    """Have xarray work without Dask in this process: it would load it, 0.3 s, as soon as it reads a text."""
-    sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # "not installed", for importlib and for xarray
+    """Have xarray work without Dask in this process: it would load it, 0.3 s, as soon as it reads a text.
+
+    An xarray that is loaded already has found Dask, and stays as it is.
+    """
+    if "xarray" not in sys.modules:
+        sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # "not installed", for importlib and for xarray
 
 
 def main() -> None:
