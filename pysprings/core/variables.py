@@ -55,7 +55,8 @@ V = Variable
 # fmt: off
 
 _AXES = _table(
-    V("depth", "depth below mudline", "m", ("depth",), "depth of the ring of interface stations",
+    V("depth", "depth below mudline", "m", ("depth",),
+      "where the forces of a slice act: at its ring of stations, or in its middle (series; beside a layer boundary)",
       {"standard_name": "depth", "positive": "down", "axis": "Z", "bounds": "depth_bounds"}),
     V("depth_bounds", "top and bottom of the slice that belongs to each depth", "m", ("depth", "bound"),
       "the slices touch and cover the skirt from 0 to its length"),

@@ -17,6 +17,7 @@ from fe_engine.balance.water import WaterBalance
 from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.full_model.cavitation import Margin, smallest_margin
+from pysprings.full_model.skirt_slices import slices_of_rings
 from pysprings.full_model.volume import Volume
 from pysprings.model.build import Built
 from pysprings.model.contact import SURFACE
@@ -47,8 +48,8 @@ class Collector:
         self.position = built.model.stations.position  # type: ignore[union-attr]
         self.surface = built.model.stations.surface  # type: ignore[union-attr]
         self.rings = {side: self._ring_stations(side) for side in SIDES}
-        self.depth, self.azimuth = built.caisson.depth, built.caisson.azimuth
-        self.bounds = _depth_bounds(self.depth)
+        self.slices = slices_of_rings(built.caisson.depth, built.caisson.boundary)
+        self.azimuth = built.caisson.azimuth
         self.rows: list[dict[str, Any]] = []
 
     def _ring_stations(self, side: str) -> np.ndarray:
@@ -70,7 +71,7 @@ class Collector:
         row: dict[str, Any] = {"time": time, "u": u, "w": w, "rotation": rotation, "converged": np.int8(converged)}
         row |= self._resultants(force)
         row |= self._rings(state, force, acting)
-        row |= self._shape(state, u + rotation * self.depth)
+        row |= self._shape(state, u + rotation * self.slices.depth)
         row |= self._patches(state, water)
         row |= self._water(state, acting)
         if self.keep_fields:
@@ -86,8 +87,9 @@ class Collector:
         steel = self.built.steel
         if steel is None:
             return {"y": rigid}
-        # of the steel's middle, (na, nz, 3): counted from the rigid motion, which moves no diameter
+        # of the steel's middle, (na, nz, 3) at rings: counted from the rigid motion, which moves no diameter
         bent = 0.5 * sum(state.displacement[wall] for wall in steel.walls.values())
+        bent = np.moveaxis(self.slices.on_lines(np.moveaxis(bent, 1, 2)), 2, 1)
         share = np.ones(len(bent))
         share[[0, -1]] = 0.5  # the half ring ends in the symmetry plane
         front, side, back = bent[0], bent[len(bent) // 2], bent[-1]
@@ -106,7 +108,7 @@ class Collector:
             mine = self.surface == code
             row |= {f"{key}_{name}": float(value[mine].sum()) for key, value in total.items()}
         row |= {key: float(value.sum()) for key, value in total.items()}
-        row["M_tip"] -= self.bounds[-1, 1] * row["H_tip"]
+        row["M_tip"] -= self.slices.bounds[-1, 1] * row["H_tip"]
         return row
 
     def _film_pressure(self, state: Fields) -> np.ndarray:
@@ -150,7 +152,7 @@ class Collector:
 
     def _rings(self, state: Fields, force: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """Return the p by depth, side and component; m and t by depth and side."""
-        height = np.diff(self.bounds, axis=1)[:, 0]
+        slices, height = self.slices, self.slices.height
         stations = self.system.stations
         toward_x = 2.0 * stations.area * stations.frame[:, 0, 0]
         normal_x, water_x = -toward_x * state.traction[:, 0], toward_x * water
@@ -160,19 +162,11 @@ class Collector:
         m, t = np.empty(p.shape[:2]), np.empty(p.shape[:2])
         for s, ring in enumerate(self.rings.values()):
             for c, name in enumerate(variables.COMPONENTS):
-                p[:, s, c] = self._by_slice(parts[name][ring].sum(axis=0)) / height
-            turning = self._turning(force[:, 0][ring].sum(axis=0))
-            m[:, s] = (turning - self._by_slice((force[:, 2] * x)[ring].sum(axis=0))) / height
-            t[:, s] = self._by_slice(force[:, 2][ring].sum(axis=0)) / height
+                p[:, s, c] = slices.forces(parts[name][ring].sum(axis=0)) / height
+            turning = slices.turning(force[:, 0][ring].sum(axis=0))
+            m[:, s] = (turning - slices.forces((force[:, 2] * x)[ring].sum(axis=0))) / height
+            t[:, s] = slices.forces(force[:, 2][ring].sum(axis=0)) / height
         return {"p_component": p, "m": m, "t": t, "p": p.sum(axis=(1, 2))}
-
-    def _by_slice(self, of_rings: np.ndarray) -> np.ndarray:
-        """Return the forces of slices (nz,) from those of rings of nodes: each ring has its slice."""
-        return of_rings
-
-    def _turning(self, lateral: np.ndarray) -> np.ndarray:
-        """Return moment (nz,) of the lateral forces of rings (nz,) about the depth of their slice: they act there."""
-        return np.zeros_like(lateral)
 
     def _gap(self, state: Fields) -> np.ndarray:
         return self.system.gaps(state)
@@ -198,7 +192,8 @@ class Collector:
             "pore_pressure": water,
             "gap": self._gap(state),
         }
-        return {k: np.stack([v[ring] for ring in self.rings.values()]) for k, v in by_station.items()}
+        rings = [ring[:, self.slices.main_ring] for ring in self.rings.values()]
+        return {k: np.stack([v[ring] for ring in rings]) for k, v in by_station.items()}
 
     def _section(self, state: Fields) -> dict[str, np.ndarray]:
         node = np.unique(self.built.caisson.section)
@@ -220,9 +215,9 @@ class Collector:
         for name, surface in (("F_in", "V_inner"), ("F_out", "V_outer")):
             values = np.array([row[surface] for row in self.rows])
             data[name] = ("step", values - values[0])
-        data["depth_bounds"] = (("depth", "bound"), self.bounds)
+        data["depth_bounds"] = (("depth", "bound"), self.slices.bounds)
         coords = {
-            "depth": self.depth, "azimuth": self.azimuth, "side": list(variables.SIDES),
+            "depth": self.slices.depth, "azimuth": self.azimuth, "side": list(variables.SIDES),
             "component": list(variables.COMPONENTS), "step": np.arange(len(self.rows)),
         }  # fmt: skip
         return variables.attach(xr.Dataset(data, coords=coords), "result_path")
@@ -238,9 +233,3 @@ def section_dataset(built: Built) -> xr.Dataset:
         "section_quad": (("section_cell", "corner"), quad.reshape(-1, 4).astype(np.int32)),
     }
     return variables.attach(xr.Dataset(data), "section")
-
-
-def _depth_bounds(depth: np.ndarray) -> np.ndarray:
-    """Return the top and bottom (nz, 2) of the slice of each ring: half way to its neighbours."""
-    middle = 0.5 * (depth[1:] + depth[:-1])
-    return np.stack([np.concatenate([depth[:1], middle]), np.concatenate([middle, depth[-1:]])], axis=1)

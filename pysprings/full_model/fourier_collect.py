@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Engine state of a Fourier model -> the rows that `collect` makes of bricks.
 
-Slices of the skirt are the elements of its faces: a node between two elements shares its force between them by their
-heights. Fields around the ring are those of the stations, and the one trigonometric polynomial through them elsewhere.
+Fields around the ring are those of the stations, and the one trigonometric polynomial through them elsewhere.
 """
 
 from __future__ import annotations
@@ -17,6 +16,7 @@ from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.full_model.collect import Collector
 from pysprings.full_model.fourier_volume import FourierVolume
+from pysprings.full_model.skirt_slices import slices_of_elements
 from pysprings.model.contact import SURFACE, largest_tension
 from pysprings.model.fourier import SIDES, BuiltFourier
 
@@ -39,10 +39,7 @@ class FourierCollector(Collector):
         self.volume = FourierVolume(built, system) if volume else None  # type: ignore[assignment]
         self.position, self.surface = built.model.stations.position, built.model.stations.surface
         self.rings = {side: self._ring_stations(side) for side in SIDES}
-        line = built.section.depth
-        self.bounds = np.stack([line[:-2:2], line[2::2]], axis=1)
-        self.depth = self.bounds.mean(axis=1)
-        self.shares = slice_shares(line)
+        self.slices = slices_of_elements(built.section.depth)
         self.azimuth = output_azimuths(built.model.harmonics)
         self._around = around(built.azimuth, self.azimuth)
         self._plane = _Plane(built)
@@ -55,17 +52,6 @@ class FourierCollector(Collector):
         mine = np.flatnonzero(self.surface == SURFACE[SIDES[side]])
         by_ring: np.ndarray = mine.reshape(-1, len(self.built.azimuth)).T
         return by_ring
-
-    def _by_slice(self, of_rings: np.ndarray) -> np.ndarray:
-        """Return the forces of slices (nd,) from those of rings of nodes (nz,)."""
-        by_slice: np.ndarray = self.shares @ of_rings
-        return by_slice
-
-    def _turning(self, lateral: np.ndarray) -> np.ndarray:
-        """Return the moment (nd,) of the lateral forces of rings (nz,) about the middle of their slice."""
-        arm = self.built.section.depth[None] - self.depth[:, None]
-        moment: np.ndarray = (self.shares * arm) @ lateral
-        return moment
 
     def _wall_fields(self, state: Fields, traction: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """Return the fields on both walls, (side, azimuth, depth): means of the slices."""
@@ -138,16 +124,6 @@ def _mean_along_x(bent: np.ndarray) -> np.ndarray:
     """Return the mean displacement (nd,) along x of rings with coefficients (nd, 3, K): that of k = 1."""
     mean: np.ndarray = 0.5 * (bent[:, 0, 1:2] - bent[:, 1, 1:2]).sum(axis=1)
     return mean
-
-
-def slice_shares(line: np.ndarray) -> np.ndarray:
-    """Return the shares (nd, nz) of nodal forces in each slice, for nodes at depths (nz,), three a slice."""
-    height = line[2::2] - line[:-2:2]
-    shares = np.zeros((len(height), len(line)))
-    for e, h in enumerate(height):
-        shares[e, 2 * e : 2 * e + 3] = h
-    normalised: np.ndarray = shares / shares.sum(axis=0)
-    return normalised
 
 
 def output_azimuths(harmonics: int) -> np.ndarray:

@@ -15,7 +15,8 @@ significant mean).
 - ``alternation``: the largest min(|d_{i-1}|, |d_i|, |d_{i+1}|) where the three change sign from one to the next. A
   smooth curve, a kink and a step give next to nothing, a swing from point to point of +-s about the mean 4 s.
 - ``isolated_open``: stations without pressure between two neighbours that carry some; an open zone that begins,
-  narrower than the spacing of the stations, counts as one.
+  narrower than the spacing of the stations, counts as one. A ring of bricks on a boundary of layers has two slices, and
+  counts in each.
 """
 
 from __future__ import annotations

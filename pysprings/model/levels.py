@@ -20,7 +20,7 @@ def through(levels: np.ndarray, lines: Sequence[float]) -> np.ndarray:
     new = [x for x in lines if levels[0] + room < x < levels[-1] - room and np.min(np.abs(levels - x)) > room]
     if not new:
         return levels
-    fixed = np.unique(np.concatenate([levels[[0, -1]], _nearest(levels, lines, room), new]))
+    fixed = np.unique(np.concatenate([levels[[0, -1]], levels[stand_on(levels, lines)], new]))
     rank = np.interp(fixed, levels, np.arange(len(levels)))
     parts = [fixed[:1]]
     for a, b in zip(range(len(fixed) - 1), range(1, len(fixed)), strict=True):
@@ -30,6 +30,7 @@ def through(levels: np.ndarray, lines: Sequence[float]) -> np.ndarray:
     return np.concatenate(parts)
 
 
-def _nearest(levels: np.ndarray, lines: Sequence[float], room: float) -> np.ndarray:
-    """Return the levels on which a line stands already."""
-    return np.array([x for x in levels if any(abs(x - line) <= room for line in lines)])
+def stand_on(levels: np.ndarray, lines: Sequence[float]) -> np.ndarray:
+    """Return which levels (n,) bool stand on a line."""
+    room = _SAME * (levels[-1] - levels[0])
+    return np.array([any(abs(x - line) <= room for line in lines) for x in levels])

@@ -26,7 +26,7 @@ from pysprings.model.grading import (
     graded,
     graded_both,
 )
-from pysprings.model.levels import through
+from pysprings.model.levels import stand_on, through
 
 SURFACES = ("outer", "inner", "lid", "tip")
 
@@ -96,12 +96,14 @@ class CaissonMesh:
     """The mesh and the order of its nodes, for the extraction.
 
     ``azimuth`` (na,) rad and ``depth`` (nz,) m are the coordinates of the interface nodes on both walls;
-    ``walls`` maps side -> (na, nz) node numbers. ``section`` are the quads (k, 4) of the symmetry plane.
+    ``boundary`` (nz,) bool marks depths where a layer ends, ``walls`` maps side -> (na, nz) node numbers.
+    ``section`` are the quads (k, 4) of the symmetry plane.
     """
 
     mesh: Mesh
     azimuth: np.ndarray
     depth: np.ndarray
+    boundary: np.ndarray
     walls: dict[str, np.ndarray]
     section: np.ndarray
 
@@ -130,7 +132,8 @@ def make_mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
     mesh, number = _compact(nodes.reshape(-1, 3), hexes, sets, faces)
     walls = {"outside": number[outer], "inside": number[inner]}
     azimuth = np.linspace(0.0, np.pi, counts.azimuth + 1)
-    return CaissonMesh(mesh, azimuth, levels[: n_skirt + 1], walls, _section(mesh))
+    depth = levels[: n_skirt + 1]
+    return CaissonMesh(mesh, azimuth, depth, stand_on(depth, geometry.lines), walls, _section(mesh))
 
 
 @dataclass(frozen=True)

@@ -110,6 +110,24 @@ def test_slices_cover_the_skirt(built: Built, path: xr.Dataset) -> None:
     np.testing.assert_allclose(bounds[1:, 0], 0.5 * (built.caisson.depth[1:] + built.caisson.depth[:-1]))
 
 
+def test_slices_at_a_boundary_of_layers_carry_what_the_walls_carry() -> None:
+    built = build_model(tiny.scene(soil={"layers": [{"top": 0.0}, {"top": 1.3}]}))
+    state, random = State(built.model).committed, np.random.default_rng(11)
+    state.traction[...] = random.normal(0.0, 5e4, state.traction.shape)
+    path = collect(built, [state, state]).isel(step=1)
+    bounds, depth = path["depth_bounds"].values, path["depth"].values
+    assert 1.3 in bounds[1:, 0] and len(depth) == len(built.caisson.depth) + 1
+    height = np.diff(bounds, axis=1)[:, 0]
+    p, m, t = path["p"].values, path["m"].sum("side").values, path["t"].sum("side").values
+    wall = {key: float(path[f"{key}_outer"] + path[f"{key}_inner"]) for key in "HVM"}
+    assert float(height @ p) == pytest.approx(wall["H"], rel=1e-9)
+    assert float(height @ t) == pytest.approx(wall["V"], rel=1e-9)
+    assert float(height @ (p * depth + m)) == pytest.approx(wall["M"], rel=1e-9)
+    above = int(np.flatnonzero(bounds[:, 1] == 1.3)[0])
+    fields = path["normal_effective_stress"]  # both slices are of the ring on the boundary
+    np.testing.assert_array_equal(fields.isel(depth=above), fields.isel(depth=above + 1))
+
+
 def test_motion_and_time(built: Built, path: xr.Dataset) -> None:
     assert [float(path[name][1]) for name in ("u", "w", "rotation")] == MOTION.tolist()
     np.testing.assert_allclose(path["y"][:, 1], MOTION[0] + MOTION[2] * built.caisson.depth)

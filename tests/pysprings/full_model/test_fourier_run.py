@@ -21,7 +21,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
 from pysprings.full_model.discretise import make_engine
-from pysprings.full_model.fourier_collect import around, output_azimuths, slice_shares
+from pysprings.full_model.fourier_collect import around, output_azimuths
 from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import build_fourier, build_on_section, section_counts_of
 from pysprings.model.stages import path_stages
@@ -135,11 +135,6 @@ def test_fields_between_stations_are_the_trigonometric_polynomial_through_them()
     for k in range(1, 5):
         np.testing.assert_allclose(odd @ np.sin(k * stations), np.sin(k * there), atol=1e-12)
     assert (there[0], there[-1]) == (0.0, np.pi)
-
-
-def test_slices_share_the_force_of_a_node_by_their_heights():
-    shares = slice_shares(np.array([0.0, 0.5, 1.0, 2.5, 4.0]))
-    np.testing.assert_allclose(shares, [[1, 1, 0.25, 0, 0], [0, 0, 0.75, 1, 1]])
 
 
 # --- a run ---

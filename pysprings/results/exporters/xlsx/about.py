@@ -51,7 +51,7 @@ _MEANING = (
         "Reactions are positive when they oppose a positive displacement. y = u + rotation*depth (of a rigid caisson). "
         "w and V are positive down.",
     ),
-    ("depth, slice", "depth of the ring of stations; slice = the part of the skirt that it represents."),
+    ("depth, slice", "where the forces of a slice act; slice = a part of the skirt."),
     ("base, lid", "tip: H, V and M about the axis point at the depth of the tip; lid: about O."),
     ("balance", "H = sum p*dz + H_tip + H_lid;  M = sum (p*z + m)*dz + L*H_tip + M_tip + M_lid"),
     (
