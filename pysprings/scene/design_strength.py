@@ -4,7 +4,8 @@
 The friction angle becomes atan(tan(phi)/factor), cohesion and su are divided by their factors, and the friction
 coefficient of the interface by that of tan phi. Stiffness stays: a `rigidity_ratio` G/su is multiplied by the factor of
 su. The adhesion factor stays, so that the adhesion falls with su; `"api"` is evaluated with the design value of su. The
-angle at first yield and the dilation angle are reduced where they would exceed the new friction angle.
+angle at first yield and the dilation angle are reduced where they would exceed the new friction angle. The initial
+stress stays: K0 = "auto" is that of the friction angle before.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
 from pysprings.scene.extent import extent_of
+from pysprings.scene.ground import at_rest
 from pysprings.scene.model import Scene
 
 NAMES = {"tan_phi": "tan phi", "c": "c", "su": "su"}
@@ -60,12 +62,21 @@ def with_design_strength(scene: Scene, factors: StrengthFactors) -> Scene:
     soil = scene.model_dump()["soil"]
     ground = extent_of(scene).ground
     tops = [layer["top"] for layer in soil["layers"]]
+    _keep_initial_stress(soil)
     _reduce(soil, factors, 0.0, ground)
     for layer, bottom in zip(soil["layers"], [*tops[1:], ground], strict=False):  # no layers: one soil
         _reduce(layer, factors, layer["top"], bottom)
     interface = {"friction_coefficient": scene.interface.friction_coefficient / factors.tan_phi}
     title = f"{scene.title} (design strength: {factors})"
     return scene.replace(title=title[:200], soil=soil, interface=interface)
+
+
+def _keep_initial_stress(soil: dict[str, Any]) -> None:
+    """Put numbers in place of K0 = "auto", in place."""
+    for table in soil["layers"] or [soil]:
+        own = {name: soil[name] if table[name] is None else table[name] for name in ("K0", "friction_angle_final")}
+        if own["K0"] == "auto":
+            table["K0"] = at_rest(own["friction_angle_final"])
 
 
 def _reduce(table: dict[str, Any], factors: StrengthFactors, top: float, bottom: float) -> None:

@@ -115,14 +115,11 @@ class Quantity(Field):
         elif bare and _is_number(value):
             number, given = _as_float(value), f"{quoted(value)} {si_unit}"
         else:
-            expected = f"expected a quantity with unit such as {quoted(self.example)}{self._or_word()}"
+            expected = f"expected a quantity with unit such as {quoted(self.example)}{_or_word(self.word)}"
             raise refuse(f"{expected}, got {quoted(value)}")
         if not Interval(self.interval).holds(number, self.unit):
             raise refuse(f"{given} is not in {self.interval} {self.unit}")
         return number
-
-    def _or_word(self) -> str:
-        return f" (or {quoted(self.word)})" if self.word else ""
 
     def schema(self) -> dict[str, Any]:
         schema: dict[str, Any] = {"type": "string", "pattern": QUANTITY_PATTERN}
@@ -140,18 +137,20 @@ class Quantity(Field):
 
 @dataclass(frozen=True)
 class Number(Field):
-    """A pure number."""
+    """A pure number; ``word`` is a text accepted in its place."""
 
     interval: str
     text: str
     example: float
     optional: bool = False
+    word: str | None = None
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if value is None and self.optional:
+        if (value is None and self.optional) or (self.word is not None and value == self.word):
             return value
         if not _is_number(value):
-            raise refuse(f"expected a number without unit and quotes such as {self.example:g}, got {quoted(value)}")
+            expected = f"expected a number without unit and quotes such as {self.example:g}{_or_word(self.word)}"
+            raise refuse(f"{expected}, got {quoted(value)}")
         number = _as_float(value)
         if not Interval(self.interval).holds(number):
             raise refuse(f"{quoted(value)} is not in {self.interval}")
@@ -163,7 +162,14 @@ class Number(Field):
             "minimum" if self.interval[0] == "[" else "exclusiveMinimum": low,
             "maximum" if self.interval[-1] == "]" else "exclusiveMaximum": high,
         }
-        return {"description": f"{self.text} (in {self.interval})", "type": "number", **bounds}
+        schema: dict[str, Any] = {"type": "number", **bounds}
+        if self.word:
+            schema = {"anyOf": [{"const": self.word}, schema]}
+        return {"description": f"{self.text} (in {self.interval})", **schema}
+
+
+def _or_word(word: str | None) -> str:
+    return f" (or {quoted(word)})" if word else ""
 
 
 def _is_number(value: Any) -> bool:

@@ -260,11 +260,20 @@ def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:
     own = {name: getattr(layer, name, None) for name in BY_LAYER}
     values = {name: getattr(soil, name) if value is None else value for name, value in own.items()}
     law = SOIL_LAWS[(layer.law if layer else None) or soil.yield_surface]
+    if values["K0"] == "auto":
+        values["K0"] = at_rest(values["friction_angle_final"])
     if values["friction_angle_initial"] == "auto":
         values["friction_angle_initial"] = law.least_friction(values["K0"])
     dropped = [each for each in STIFFNESSES if each != _stiffness(soil, own, law.total_stress)]
     dropped += FRICTION_KEYS if law.total_stress else CLAY_KEYS
     return {name: value for name, value in values.items() if value is not None and name not in dropped}
+
+
+def at_rest(friction_angle: Value) -> float:
+    """Return 1 - sin(phi), K0 of a normally consolidated soil (Jaky 1944); phi in rad, that at the top of a layer."""
+    phi = friction_angle.top if isinstance(friction_angle, ByDepth) else friction_angle
+    assert phi is not None
+    return 1.0 - math.sin(phi)
 
 
 def _stiffness(soil: Soil, own: dict[str, Any], clay: bool) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pysprings.scene.soil_laws import FRICTION_KEYS, SOIL_LAWS
+from pysprings.scene.soil_laws import FRICTION_KEYS, SOIL_LAWS, SoilLaw
 
 STIFFNESSES = ("young_modulus", "shear_modulus", "rigidity_ratio", "plasticity_index")  # the last two of clay alone
 
@@ -26,12 +26,18 @@ def with_defaults_of_laws(data: dict[str, Any], defaults: Mapping[str, Any]) -> 
             del data[key]
     for table, law in [*zip(layers, laws, strict=False)] if layers else [(data, surface)]:
         if isinstance(table, dict) and isinstance(law, str) and law in SOIL_LAWS:
-            for key, value in SOIL_LAWS[law].defaults.items():
+            for key, value in _defaults(SOIL_LAWS[law], table.get("K0") or data.get("K0")).items():
                 if key not in data and table.get(key) is None:
                     table[key] = value
     if isinstance(data.get(name), list | tuple):
         data[name] = layers
     return data
+
+
+def _defaults(law: SoilLaw, k0: Any) -> dict[str, Any]:
+    """Return the defaults of a law for a K0 as it is given."""
+    at_rest = law.defaults_at_rest if isinstance(k0, str) and k0 == "auto" else {}
+    return {**law.defaults, **at_rest}
 
 
 def _law(layer: Any) -> Any:

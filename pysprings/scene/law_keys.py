@@ -42,6 +42,7 @@ def key_clashes(soil: Soil) -> Iterator[Clash]:
             if isinstance(getattr(soil, name), ByDepth):
                 yield Clash((("soil", name),), "a table by depth stands in a layer where there are layers")
     yield from _missing(soil, laws)
+    yield from _at_rest(soil, laws)
 
 
 def _foreign(here: KeyPath, given: set[str], law: str) -> Iterator[Clash]:
@@ -52,6 +53,24 @@ def _foreign(here: KeyPath, given: set[str], law: str) -> Iterator[Clash]:
             clays = ", ".join(f'"{each.name}"' for each in SOIL_LAWS.values() if each.total_stress)
             expected = "its strength is undrained_shear_strength" if clay else f"su is that of {clays}"
             yield Clash(((*here, name),), f'is not used by law "{law}": {expected}')
+
+
+def _at_rest(soil: Soil, laws: list[str]) -> Iterator[Clash]:
+    """Give K0 = "auto" of a soil without one friction angle."""
+    for number, law in enumerate(laws):
+        layer = soil.layers[number] if soil.layers else None
+        own = getattr(layer, "K0", None)
+        if (soil.K0 if own is None else own) != "auto":
+            continue
+        here: KeyPath = ("soil",) if own is None else ("soil", "layer", number)
+        name = f"layer '{layer.name}': " if layer else ""
+        angle = getattr(layer, "friction_angle_final", None)
+        if "friction_angle_final" not in SOIL_LAWS[law].keys:
+            text = f'"auto" is 1 - sin(phi), and law "{law}" has no friction angle: give a number'
+            yield Clash(((*here, "K0"),), name + text)
+        elif isinstance(angle, ByDepth):
+            text = '"auto" is 1 - sin(phi) of a layer with one friction angle: give a number, or divide the layer'
+            yield Clash(((*here, "K0"), ("soil", "layer", number, "friction_angle_final")), name + text)
 
 
 def _changing(here: KeyPath, table: Soil | Layer, laws: list[str], soil: Soil) -> Iterator[Clash]:

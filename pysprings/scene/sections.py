@@ -52,6 +52,7 @@ _QUANTITIES = {
     "lateral_displacement": _SHIFT, "rotation": _TURN, "lateral_force": _PUSH, "vertical_displacement": _SINK,
 }  # fmt: skip
 _IMPOSED = tuple((name, _QUANTITIES[kind.imposed]) for name, kind in PATH_KINDS.items())
+_AT_REST = 'initial horizontal over vertical effective stress; "auto" is 1 - sin(friction_angle_final)'
 _FIRST_YIELD = 'friction angle at first yield; "auto" is the least that holds the initial stress'
 _SU = Quantity(
     "kPa", "[0, 1e5]", "undrained shear strength: any test for tresca, plane strain or DSS for von-mises", "5 kPa",
@@ -171,7 +172,7 @@ class SoilValues(Section):
     surcharge: Annotated[float, Quantity("kPa", "[0, 1e5]", "vertical effective stress at mudline", "10.56 kPa")] = (
         10.56e3
     )
-    K0: Annotated[float, Number("[0.01, 10]", "initial horizontal over vertical effective stress", 1.0)] = 1.0
+    K0: Annotated[float | str, Number("[0.01, 10]", _AT_REST, 1.0, word="auto")] = 1.0
     hydraulic_conductivity: Annotated[
         float, Quantity("m/s", "[1e-20, 10]", "hydraulic conductivity; not used when drained", "1e-4 m/s")
     ] = 1e-4
@@ -211,7 +212,7 @@ def _layer_field(name: str) -> Any:
     if isinstance(field, Profile):
         return Annotated[float | ByDepth | None, field], None
     if isinstance(field, Number):
-        return Annotated[float | None, replace(field, optional=True)], None
+        return Annotated[float | str | None, replace(field, optional=True)], None
     return Annotated[float | str | ByDepth | None, Profile(replace(field, optional=True), name in _BY_STRESS)], None
 
 

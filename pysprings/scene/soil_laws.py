@@ -31,7 +31,7 @@ class Soil(Protocol):
     def poisson_ratio(self) -> float: ...
 
     @property
-    def K0(self) -> float: ...
+    def K0(self) -> Any: ...  # a number: "auto" is resolved where the ground is made
 
     @property
     def friction_angle_initial(self) -> float | str: ...
@@ -60,6 +60,7 @@ class SoilLaw:
     yields : whether the soil can yield.
     total_stress : whether it is undrained clay in total stress, which has no pore pressure as unknown.
     defaults : values of keys that are not given, where they differ from those of [soil].
+    defaults_at_rest : the same where K0 is "auto".
     """
 
     name: str
@@ -70,6 +71,7 @@ class SoilLaw:
     yields: bool = True
     total_stress: bool = False
     defaults: Mapping[str, Any] = field(default_factory=dict)
+    defaults_at_rest: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def changes_stiffness(self) -> bool:
@@ -256,6 +258,7 @@ CLAY_KEYS = (
     "undrained_shear_strength", "rigidity_ratio", "plasticity_index", "overconsolidation_ratio",
     "strain_at_half_strength", "shear_modulus_reduction", *ANISOTROPY_KEYS,
 )  # fmt: skip
+_HELD = {"friction_angle_initial": "auto"}
 _CLAY_POISSON = 0.495  # almost constant volume; quadratic and mean-dilatation elements do not lock there
 
 
@@ -268,13 +271,21 @@ def _clay(name: str, measure: float) -> SoilLaw:
 SOIL_LAWS = {
     law.name: law
     for law in (
-        SoilLaw("drucker-prager", FRICTION_KEYS, _cone_clashes, _initial_state(CONE), _least_friction(CONE)),
+        SoilLaw(
+            "drucker-prager",
+            FRICTION_KEYS,
+            _cone_clashes,
+            _initial_state(CONE),
+            _least_friction(CONE),
+            defaults_at_rest=_HELD,
+        ),
         SoilLaw(
             "van-eekelen",
             FRICTION_KEYS,
             _van_eekelen_clashes,
             _initial_state(VAN_EEKELEN),
             _least_friction(VAN_EEKELEN),
+            defaults_at_rest=_HELD,
         ),
         SoilLaw("elastic", (), _elastic_clashes, _nothing, lambda k0: 0.0, yields=False),
         _clay("tresca", TRESCA),

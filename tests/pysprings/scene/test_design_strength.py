@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from pysprings import Scene
 from pysprings.core.errors import UserInputError
 from pysprings.scene.design_strength import StrengthFactors, with_design_strength
+from pysprings.scene.ground import ground_of
 from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_text
 
@@ -60,6 +62,20 @@ def test_angles_that_grow_with_depth() -> None:
     assert math.tan(angle.top) == pytest.approx(math.tan(30 * _DEG) / 1.25)
     assert math.tan(angle.bottom) == pytest.approx(math.tan(36 * _DEG) / 1.25)
     assert angle.to == 12.0
+
+
+def test_the_initial_stress_stays_that_of_the_friction_angle_before() -> None:
+    layers = [{"top": 0.0, "friction_angle_final": 0.6}, {"top": 2.0, "K0": 0.9}]
+    for soil, expected in (
+        ({"friction_angle_final": 0.6}, [1.0 - np.sin(0.6)]),
+        ({"layers": layers}, [1.0 - np.sin(0.6), 0.9]),
+    ):
+        scene = Scene(soil=soil | {"K0": "auto"})
+        reduced = with_design_strength(scene, StrengthFactors(tan_phi=1.25))
+        for depth, k0 in zip([1.0, 3.0], expected, strict=False):
+            assert ground_of(reduced).value("K0", np.array(depth)) == pytest.approx(k0)
+        angles = (float(ground_of(each).value("friction_angle_final", np.array(1.0))) for each in (scene, reduced))
+        assert np.divide(*np.tan([*angles])) == pytest.approx(1.25)
 
 
 def test_factors_are_read() -> None:

@@ -140,6 +140,49 @@ def test_the_automatic_initial_friction_is_the_least_that_holds_the_initial_stre
     assert parse_scene(scene.to_toml()) == scene
 
 
+def at_rest(law: str = "drucker-prager", phi: str = '"30 deg"') -> str:
+    """K0 of the friction angle in two layers; law and friction angle of the first one given."""
+    return f'''\
+[soil]
+K0 = "auto"
+[[soil.layer]]
+top = "0 m"
+name = "upper"
+law = "{law}"
+friction_angle_final = {phi}
+[[soil.layer]]
+top = "2 m"
+friction_angle_final = "42 deg"
+'''
+
+
+@pytest.mark.parametrize("law", ["drucker-prager", "van-eekelen", "iwan-sand"])
+def test_K0_of_the_friction_angle_needs_no_other_value(law):
+    scene = parse_scene(at_rest(law))
+    depth = np.array([1.0, 3.0])
+    ground = ground_of(scene)
+    np.testing.assert_allclose(ground.value("K0", depth), 1.0 - np.sin(np.radians([30.0, 42.0])))
+    first = np.degrees(ground.value("friction_angle_initial", depth))
+    least = np.degrees(np.arcsin((1.0 - 0.5) / (1.0 + 0.5)))  # the cone fits triaxial compression
+    assert first[0] == pytest.approx(5.0 if law == "iwan-sand" else least)  # its first yield need not hold the stress
+    assert parse_scene(scene.to_toml()) == scene
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (at_rest("elastic"), '"auto" is 1 - sin(phi), and law "elastic" has no friction angle: give a number'),
+        (
+            at_rest(phi='{ top = "30 deg", bottom = "34 deg" }'),
+            '"auto" is 1 - sin(phi) of a layer with one friction angle',
+        ),
+        (at_rest().replace("[[", 'friction_angle_initial = "5 deg"\n[[', 1), "0.5 puts the initial stress outside the"),
+    ],
+)
+def test_K0_of_no_friction_angle_is_refused(text, message):
+    assert any(each.startswith(f"2:6: soil.K0: layer 'upper': {message}") for each in messages(text))
+
+
 def test_a_refused_initial_state_names_an_angle_that_holds_it():
     text = '[soil]\nK0 = 0.5\nfriction_angle_initial = "5 deg"\n'
     (message,) = messages(text)

@@ -114,8 +114,8 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
         # numbers, counts, words, flags, texts
         ("[soil]\nK0 = inf\n", "2:6: soil.K0: inf is not in [0.01, 10]"),
         ("[soil]\nK0 = nan\n", "2:6: soil.K0: nan is not in [0.01, 10]"),
-        ('[soil]\nK0 = "1"\n', '2:6: soil.K0: expected a number without unit and quotes such as 1, got "1"'),
-        ("[soil]\nK0 = true\n", "2:6: soil.K0: expected a number without unit and quotes such as 1, got true"),
+        ('[soil]\nK0 = "1"\n', '2:6: soil.K0: expected a number without unit and quotes such as 1 (or "auto"), got "1"'),
+        ("[soil]\nK0 = true\n", "2:6: soil.K0: expected a number without unit and quotes such as 1 (or \"auto\"), got true"),
         (f"[soil]\nK0 = {'1' * 400}\n", "2:6: soil.K0: a number with hundreds of digits is not in [0.01, 10]"),
         ("[mesh]\nazimuth = 9\n", "2:11: mesh.azimuth: 9 is not a multiple of 4"),
         ("[mesh]\nazimuth = 4\n", "2:11: mesh.azimuth: 4 is not in [8, 256]"),
