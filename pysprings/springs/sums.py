@@ -47,9 +47,10 @@ def net_m(dataset: xr.Dataset) -> xr.DataArray:
 def by_depth(dataset: xr.Dataset, name: str) -> np.ndarray:
     """Return a reaction per depth, all sides and components together, (depth, step): "p", "t" [N/m], "m" [N m/m]."""
     variable = dataset.variables[name]
-    others = [dim for dim in variable.dims if dim not in ("depth", "step")]
-    values: np.ndarray = variable.sum(others).transpose("depth", "step").values
-    return values
+    others = tuple(k for k, dim in enumerate(variable.dims) if dim not in ("depth", "step"))
+    left = [dim for dim in variable.dims if dim in ("depth", "step")]
+    values: np.ndarray = np.nansum(variable.values, axis=others) if others else variable.values
+    return values if left == ["depth", "step"] else values.T
 
 
 def resultants(dataset: xr.Dataset) -> dict[str, np.ndarray]:

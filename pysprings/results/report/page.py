@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import base64
 import os
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -157,13 +158,15 @@ def pictures_by_part(files: Iterable[Path], paths: Paths, live: bool = False) ->
     `paths` has the attributes of each path by its name. Of several states of a path the last is shown. SVG is taken
     where there is one. Pictures without a part stay in their folder.
     """
-    from pysprings.results.plots.picture import Part
-    from pysprings.results.plots.pictures import PICTURES
-
     best: dict[str, Path] = {}
     for file in files:
         if file.stem not in best or file.suffix == ".svg":
             best[file.stem] = file
+    if not best:  # matplotlib, 0.5 s, is left out
+        return defaultdict(list)
+    from pysprings.results.plots.picture import Part
+    from pysprings.results.plots.pictures import PICTURES
+
     parts: dict[str, list[Picture]] = {name: [] for name in get_args(Part) if name}
     for kind in PICTURES:
         stem, state = _stands_for(kind.name, best, paths)
