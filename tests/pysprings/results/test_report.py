@@ -18,6 +18,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from pysprings.core.files.storage import write_tree
 from pysprings.core.text import number
 from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 from pysprings.results import axes
@@ -30,6 +31,7 @@ from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_text
 from pysprings.scene.template_names import template_names
 from tests.support import synthetic
+from tests.support.commands import run_python
 from tests.support.files import Page
 from tests.support.place import ROOT
 
@@ -525,3 +527,15 @@ def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.Data
     assert table.rows[-2][5] == f"H {number(float(path['H_tip'][-1]) * 1e-3)} kN"
     assert "p net [kN/m]" in report.render(result, springs)
     assert spring_tables(None) == []
+
+
+@pytest.mark.slow
+def test_without_pictures_it_loads_no_matplotlib(result: xr.DataTree, tmp_path: Path) -> None:
+    write_tree(result, tmp_path / "full_model.nc")
+    code = (
+        "import sys; from pysprings.results.report.page import write_report\n"
+        f"write_report({str(tmp_path)!r})\n"
+        "print('matplotlib' in sys.modules, 'jinja2' in sys.modules)"
+    )
+    done = run_python("-c", code)
+    assert done.stdout.split() == ["False", "True"], done.stderr
