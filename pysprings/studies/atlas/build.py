@@ -64,10 +64,10 @@ def build(
         progress("components", (k + 1) / m, "")
     width = int(np.prod(shape))
     atlas = Atlas(
-        family, samples.scene, samples.inputs, samples.rays, samples.angles, samples.X, samples.reach,
-        mean[:width].reshape(shape), right[:m, :width].reshape(m, *shape), tuple(processes),
-        tuple(fit(points, values) for values in samples.stiffness.T), fit(points, samples.settled),
-        _rest(samples, mean, scores, right[:m], shape), 1.0, about=dict(about or {}),
+        family=family, text=samples.scene, inputs=samples.inputs, rays=samples.rays, angles=samples.angles, X=samples.X,
+        reach=samples.reach, rest=_rest(samples, mean, scores, right[:m], shape), about=dict(about or {}),
+        mean=mean[:width].reshape(shape), modes=right[:m, :width].reshape(m, *shape), processes=tuple(processes),
+        stiffness=tuple(fit(points, values) for values in samples.stiffness.T), settlement=fit(points, samples.settled),
     )  # fmt: skip
     out = left_out(atlas, samples)
     known_ = np.isfinite(out.error)

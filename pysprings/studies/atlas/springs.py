@@ -23,7 +23,7 @@ from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
-    from pysprings.studies.atlas.data import AtlasData, Estimate
+    from pysprings.studies.atlas.emulator import Emulator, Estimate
 
 Array = NDArray[np.float64]
 _NOTHING = 1e-9  # of rho: w that is rounding
@@ -31,7 +31,7 @@ _CLOSE = 0.05  # share by which knots differ at the least
 _N = sum(name.startswith("p") for name in FORCES)
 
 
-def spring_tree(atlas: AtlasData, scene: Scene, estimate: Estimate) -> xr.DataTree:
+def spring_tree(atlas: Emulator, scene: Scene, estimate: Estimate) -> xr.DataTree:
     """Return the springs of a scene; they hold what `pysprings.springs.checks` asks for by the way they are made."""
     D, L = scene.caisson.outer_diameter, scene.caisson.skirt_length
     sizes = atlas.family.sizes(scene)
@@ -133,7 +133,7 @@ def _path_attributes(along: Mapping[str, Array], is_rotation: bool) -> dict[str,
     }  # fmt: skip
 
 
-def _root(atlas: AtlasData, scene: Scene, estimate: Estimate, V: float) -> xr.Dataset:
+def _root(atlas: Emulator, scene: Scene, estimate: Estimate, V: float) -> xr.Dataset:
     dofs = list(variables.DOFS)
     root = xr.Dataset(
         {"stiffness_initial": (("dof", "dof_conjugate"), estimate.stiffness)}, {"dof": dofs, "dof_conjugate": dofs}
@@ -141,7 +141,7 @@ def _root(atlas: AtlasData, scene: Scene, estimate: Estimate, V: float) -> xr.Da
     root = variables.attach(root, "springs_root")
     caisson, errors = scene.caisson, estimate.stiffness_error
     root.attrs = {
-        "Conventions": "CF-1.11", "title": scene.title, "source": f"atlas {atlas.family.name}",
+        "Conventions": "CF-1.11", "title": scene.title, "source": atlas.source,
         "pysprings_version": __version__, "scene_sha256": scene.sha256, "scene_toml": scene.to_toml(),
         "mesh_preset": atlas.base.mesh.preset, "status": "complete", "schema": SCHEMA,
         "drainage": atlas.about.get("drainage", "drained"), "outer_diameter_m": caisson.outer_diameter,
@@ -155,7 +155,7 @@ def _root(atlas: AtlasData, scene: Scene, estimate: Estimate, V: float) -> xr.Da
     return root
 
 
-def _left(atlas: AtlasData, rest: Array, L: float) -> Array:
+def _left(atlas: Emulator, rest: Array, L: float) -> Array:
     """Return two modes (2, ray, row, knot) of what the components leave: of H, at the lid, and of M."""
     out = np.zeros((2, len(atlas.rays), len(ROWS), rest.shape[-1] + 1))
     out[0, :, ROWS.index("H_lid"), 1:] = rest[0]

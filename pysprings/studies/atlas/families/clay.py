@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem
-from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter
+from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, Symbols, diameter
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -54,6 +54,18 @@ def _sizes(scene: Scene) -> Sizes:
     D, L, ratio = diameter(scene), scene.caisson.skirt_length, _clay(scene).rigidity_ratio
     assert ratio is not None
     return Sizes((top + 0.5 * gradient * L) * D * (L + D), float(ratio))
+
+
+def _ground(inputs: Array, zeta: Array) -> tuple[Array, Array]:
+    """Return su(z) over that at half the skirt length, twice: G is in proportion to su."""
+    growth = (inputs[:, 0] * inputs[:, 1])[:, None]
+    su = (1.0 + growth * zeta) / (1.0 + 0.5 * growth)
+    return su, su
+
+
+def _lid(inputs: Array) -> Array:
+    """Return su at mudline over that at half the skirt length."""
+    return np.asarray(_ground(inputs, np.zeros(1))[0][:, 0])
 
 
 def _odd(scene: Scene, _base: Scene) -> Iterator[Problem]:
@@ -96,5 +108,10 @@ FAMILY = Family(
         "G/su": f"{_LAYER}.rigidity_ratio",
         "alpha": "interface.adhesion_factor",
     },
+    ground=_ground,
+    lid=_lid,
+    symbols=Symbols(
+        "su(z)", "su_m", "G", "(G/su) sqrt(u^2 + (rotation L)^2)/D", ("ln(L/D)", "ln(1 + k D/su_m)", "alpha")
+    ),
     odd=_odd,
 )  # fmt: skip

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter
+from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, Symbols, diameter
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -47,6 +47,20 @@ def _sizes(scene: Scene) -> Sizes:
     return Sizes(weight * D * (L + D), float(scene.soil.young_modulus) / weight)
 
 
+SURCHARGE = 0.05  # over gamma' D: that of the studies
+
+
+def _ground(inputs: Array, zeta: Array) -> tuple[Array, Array]:
+    """Return the vertical effective stress at rest over gamma' D, and the stiffness: the same at all depths."""
+    stress = SURCHARGE + inputs[:, :1] * zeta
+    return stress, np.ones_like(stress)
+
+
+def _lid(inputs: Array) -> Array:
+    """Return V/D^2 over gamma' D."""
+    return np.asarray(inputs[:, 4])
+
+
 FAMILY = Family(
     name="sand",
     labels=("L/D", "phi", "E/(gamma' D)", "mu", "V/(gamma' D^3)"),
@@ -72,4 +86,10 @@ FAMILY = Family(
         "mu": "interface.friction_coefficient",
         "V": "caisson.vertical_load",
     },
+    ground=_ground,
+    lid=_lid,
+    symbols=Symbols(
+        "s'_v(z)", "V/D^2", "E", "E sqrt(u^2 + (rotation L)^2)/(gamma' D^2)",
+        ("ln(L/D)", "phi [deg]", "ln(E/(gamma' D))", "mu", "ln(V/(gamma' D^3))"),
+    ),
 )  # fmt: skip

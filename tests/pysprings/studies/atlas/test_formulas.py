@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""Formulas of springs: the conic of PISA, the choice of terms, files, springs and refusals."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import pysprings
+from pysprings.core.errors import UserInputError
+from pysprings.springs.checks import validate_springs
+from pysprings.studies.atlas.formulas.curve import conic
+from pysprings.studies.atlas.formulas.file import coefficients, read_formulas, write_formulas
+from pysprings.studies.atlas.formulas.hyperbolic import chosen
+from pysprings.studies.atlas.model import sums
+
+
+@pytest.mark.parametrize("curvature", [0.0, 0.2, 0.5, 0.9])
+def test_the_conic_satisfies_its_equation_and_its_ends(curvature):
+    top, k, reach = 2.0, 5.0, 3.0
+    x = np.linspace(1e-6, reach, 50)
+    y = conic(x, *(np.array(each) for each in (top, k, reach, curvature)))
+    left = -curvature * (y / top - x / reach) ** 2 + (1.0 - curvature) * (y - x * k) / top * (y / top - 1.0)
+    assert np.abs(left).max() < 1e-9
+    assert y[-1] == pytest.approx(top)
+    assert (np.diff(y) >= -1e-12).all()
+    assert y[0] / x[0] == pytest.approx(k if curvature < 1.0 else top / reach, rel=1e-3)
+    assert conic(-x, *(np.array(each) for each in (top, k, reach, curvature))) == pytest.approx(-y)
+    assert float(conic(np.array(10.0), *(np.array(each) for each in (top, k, reach, curvature)))) == top
+
+
+def test_terms_that_made_values_are_those_chosen():
+    basis = np.random.default_rng(1).normal(size=(200, 12))
+    y = 3.0 * basis[:, 4] - 0.5 * basis[:, 9]
+    found = chosen(basis, y, 1e-3, 12)
+    assert list(np.flatnonzero(found)) == [4, 9]
+    assert found[[4, 9]] == pytest.approx([3.0, -0.5], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["clay-conic", "clay-hyperbolic", "sand-conic", "sand-hyperbolic"])
+def test_shipped_formulas_resist_a_translation_at_all_of_their_full_models(name):
+    made = pysprings.open_atlas(name)
+    some = made.inputs[::8]
+    H, _ = sums(made.form.values(made.terms, made.place(some)))
+    assert H.shape == (len(some), len(made.rays), len(made.X))
+    assert (H[:, 0] > 0.0).all()
+
+
+@pytest.mark.slow
+def test_springs_of_formulas_are_near_those_of_the_atlas_and_a_spring_file():
+    atlas, formulas = (pysprings.open_atlas(name) for name in ("clay", "clay-hyperbolic"))
+    made = formulas.springs(formulas.scene(9.0, 6.0))
+    validate_springs(made)
+    assert made.attrs["source"] == "formulas clay hyperbolic"
+    one = pysprings.predict(made, H=1e6, arm=9.0)
+    other = pysprings.predict(atlas.springs(atlas.scene(9.0, 6.0)), H=1e6, arm=9.0)
+    assert float(one["u"]) == pytest.approx(float(other["u"]), rel=0.05)
+    assert float(one["rotation"]) == pytest.approx(float(other["rotation"]), rel=0.05)
+    assert float(one["u_deviation"]) > 0.0
+
+
+def test_springs_of_formulas_outside_their_range_are_refused():
+    made = pysprings.open_atlas("clay-conic")
+    with pytest.raises(UserInputError, match=r"L/D: 0\.25 is outside"):
+        made.springs(made.scene(8.0, 2.0))
+
+
+def test_files_of_formulas_come_back_and_a_broken_one_is_refused(tmp_path):
+    made = pysprings.open_atlas("clay-conic")
+    files = write_formulas(made, tmp_path / "mine.json")
+    assert [file.suffix for file in files] == [".json", ".csv", ".md"]
+    again = read_formulas(files[0])
+    assert again.terms == made.terms
+    assert len(coefficients(made)) == len(made.terms)
+    assert "u + rotation z" in files[2].read_text(encoding="utf-8")
+    content = json.loads(files[0].read_text(encoding="utf-8"))
+    content["terms"][0][4] = "nan"
+    files[0].write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(UserInputError, match="not finite"):
+        pysprings.open_atlas(files[0])
