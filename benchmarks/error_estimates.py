@@ -25,16 +25,16 @@ from typing import Any
 
 from scipy.stats import qmc
 
+from benchmarks import kept_runs
 from pysprings import Scene
-from pysprings.core import version
 from pysprings.core.errors import PyspringsError
-from pysprings.core.files.storage import read_tree, write_text, write_tree
+from pysprings.core.files.storage import write_text
 from pysprings.full_model.accuracy import measures, two_mesh
 from pysprings.full_model.accuracy.curves import curves_of, samples
 from pysprings.full_model.accuracy.own_estimate import add_estimate, companions_of
 from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import read_mesh
-from pysprings.full_model.compute import compute, scene_to_run
+from pysprings.full_model.compute import scene_to_run
 from pysprings.full_model.run_record import Computed, RunRecord, Status
 from pysprings.scene.extent import PAPER
 
@@ -131,14 +131,7 @@ def scene_of(name: str, reach: float) -> Scene:
 
 def result_of(scene: Scene, folder: Path) -> Any:
     """Return the result of a scene, stored by this version or run now. Raises PyspringsError if the run stops."""
-    file = folder / f"{scene.sha256[:16]}.nc"
-    tree = read_tree(file) if file.exists() else None
-    if tree is None or tree.attrs["pysprings_version"] != version.__version__:
-        done = compute(scene)
-        if done.interrupted:
-            raise KeyboardInterrupt
-        tree = done.recorded()
-        write_tree(tree, file)
+    tree = kept_runs.result_of(scene, folder)
     if tree.attrs["status"] != "complete":
         raise PyspringsError("; ".join(json.loads(tree.attrs["run_json"])["failures"]))
     return tree

@@ -1,35 +1,73 @@
 # SPDX-License-Identifier: MIT
-"""Limits of bricks and of Fourier series beside each other: pulls of several caissons and grounds, drained.
+"""Limits of bricks and of Fourier series beside each other: pulls of several caissons and grounds.
 
-    python -m benchmarks.two_limits [--out FILE] [--end MM] [--bricks MESH ...] [--series MESH ...] CASE...
+    python -m benchmarks.two_limits [--out FILE] [--runs FOLDER] [--ends MM ...] [--bricks MESH ...]
+        [--series MESH ...] CASE...
 
-Each limit is extrapolated from its meshes as in `pysprings accuracy` (the finest as it is where no order can be
-fitted). Prints a line of comma-separated values a case: the largest difference of load and rotation over the path and
-the root mean square one of p(y), per cent of the largest value; what each limit is uncertain by, which is its distance
-from the finest mesh; and whether the limits differ by more than both uncertainties together.
+One run a mesh leads to the largest displacement; the curves up to each end are rows of their own. Each limit is
+extrapolated from the meshes that reach the end as in `pysprings accuracy` (the finest as it is where no order can be
+fitted, or fewer than three do). Prints a line of comma-separated values an end and measure: the largest difference of
+load and rotation up to the end and the root mean square one of p(y), per cent of the largest value; the same at the end
+itself, where every run has a state; of runs with water also, at the end, the load over that of the drained run on the
+same mesh, the water force under the lid and the largest difference of the pressure at five points; the aim, and
+whether the values at the end meet it; what each limit is uncertain by up to the end, which is its distance from the
+finest mesh; and whether the limits differ by more than both uncertainties together. Runs in the folder are not
+repeated.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import csv
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
+import xarray as xr
+
+from benchmarks.kept_runs import result_of
 from pysprings import Scene
 from pysprings.full_model.accuracy import measures
-from pysprings.full_model.accuracy.curves import Sample, curves_of, samples
+from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, Sample, curves_of, samples
 from pysprings.full_model.accuracy.richardson import Reference, cell_size
 from pysprings.full_model.accuracy.settings import read_mesh
-from pysprings.full_model.compute import compute
 from pysprings.scene.extent import PAPER
 
 BRICKS, SERIES = (
     ("medium:0.7", "medium", "medium:1.4"),
     ("fourier-coarse@5", "fourier-coarse:2@5", "fourier-coarse:3@5"),
 )
-MEASURES = ("load_max", "rotation_max", "py_rms")
-HEAD = ("case", "to", "measure", "limits differ by %", "bricks uncertain by %", "series uncertain by %", "explained")
+OVER_DRAINED, WATER_FORCE, PRESSURES = "load_over_drained", "water_force", "pore_pressures"
+# Measure -> its words
+WORDS = {
+    "load_max": "load, %", "rotation_max": "rotation, %", "py_rms": "p-y rms, %",
+    OVER_DRAINED: "load over the drained one, %", WATER_FORCE: "F_pw, %", PRESSURES: "p at five points, kPa",
+}  # fmt: skip
+MEASURED, WATER = ("load_max", "rotation_max", "py_rms"), (OVER_DRAINED, WATER_FORCE, PRESSURES)
+HEAD = (
+    "case", "to", "measure", "limits differ up to there by", "at it by", "aim", "met", "bricks uncertain by",
+    "series uncertain by", "explained", "finest meshes",
+)  # fmt: skip
+DRY_AIMS = {"load_max": 0.5, "rotation_max": 0.5, "py_rms": 0.5}
+GAP_AIMS = {"load_max": 1.0, "rotation_max": 1.0, "py_rms": 1.0}
+WET_AIMS = {"load_max": 1.0, OVER_DRAINED: 1.0, WATER_FORCE: 5.0, PRESSURES: 0.3}
+# Side, azimuth and depth (m) of the pressures that are compared
+POINTS = (
+    ("inside", 0.0, 0.25), ("inside", 0.0, 2.25), ("outside", np.pi, 2.25), ("outside", np.pi, 3.9),
+    ("outside", 0.0, 3.25),
+)  # fmt: skip
+
+
+class Case(NamedTuple):
+    """Ends of the pull (mm), sections of the scene, aims by measure, and the rate (mm/s) of a pull with water."""
+
+    ends: tuple[float, ...]
+    sections: dict[str, Any]
+    aims: Mapping[str, float] = DRY_AIMS
+    rate: float | None = None
 
 
 def _caisson(diameter: float, ratio: float) -> dict[str, Any]:
@@ -38,51 +76,166 @@ def _caisson(diameter: float, ratio: float) -> dict[str, Any]:
     return {"caisson": shape, "domain": {"radius": 3.1 * diameter, "depth": length + diameter}}
 
 
-# Name -> (end of the pull, mm; sections of the scene)
-CASES: dict[str, tuple[float, dict[str, Any]]] = {
-    "the paper's": (2.5, {"domain": PAPER}),
-    "L/D 0.25, 12 m": (4.0, _caisson(12.0, 0.25)),
-    "L/D 1, 6 m": (2.5, _caisson(6.0, 1.0)),
-    "loose over dense sand": (2.5, {"domain": PAPER, "soil": {"layer": [
+# With viscosity, runs on fine sections get through lift-off of the lid
+_VISCOUS = {"domain": PAPER, "solver": {"viscous_displacement": 1e-7}}
+CASES: dict[str, Case] = {
+    "the paper's": Case((1.0, 2.5, 5.0), {"domain": PAPER}),
+    "the paper's, viscous": Case((1.0, 2.5, 5.0, 20.0), _VISCOUS),
+    "the paper's, 0.05 mm/s": Case((1.0, 2.5, 5.0, 20.0), _VISCOUS, WET_AIMS, 0.05),
+    "the paper's, 0.5 mm/s": Case((1.0, 2.5, 5.0, 20.0), _VISCOUS, WET_AIMS, 0.5),
+    "L/D 0.25, 12 m": Case((4.0,), _caisson(12.0, 0.25)),
+    "L/D 1, 6 m": Case((2.5,), _caisson(6.0, 1.0)),
+    "loose over dense sand": Case((2.5,), {"domain": PAPER, "soil": {"layer": [
         {"top": 0.0, "name": "loose", "friction_angle_final": 0.5236, "young_modulus": 60e6},
         {"top": 2.5, "name": "dense", "friction_angle_final": 0.6632, "young_modulus": 200e6},
     ]}}),
-    "cohesion 15 kPa, gap": (2.5, {"domain": PAPER, "soil": {
-        "cohesion": 15e3, "K0": 0.6, "friction_angle_initial": "auto"}}),
+    "cohesion 15 kPa, gap": Case((2.5,), {"domain": PAPER, "soil": {
+        "cohesion": 15e3, "K0": 0.6, "friction_angle_initial": "auto"}}, GAP_AIMS),
 }  # fmt: skip
 
 
-def scene_of(case: str, end: float | None) -> Scene:
-    """Return the scene of a case, pulled to ``end`` (mm) or to its own."""
-    usual, sections = CASES[case]
-    path = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3 * (end or usual)}
-    output = {"figures": False, "section": False}
-    return Scene(paths=(path,), output=output, **sections)
+def scene_of(case: str, ends: Sequence[float] = (), drained: bool = False) -> Scene:
+    """Return the scene of a case, pulled to the last of ``ends`` (mm; none: its own) with a state at each.
+
+    ``drained``: without the water that the case may have.
+    """
+    own = CASES[case]
+    *before, end = sorted(ends or own.ends)
+    path = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3 * end, "report_at": [1e-3 * u for u in before]}
+    wet: dict[str, Any] = {}
+    if own.rate is not None and not drained:
+        path |= {"rate": 1e-3 * own.rate}
+        wet = {"drainage": {"mode": "coupled"}}
+    return Scene(paths=(path,), output={"figures": False, "section": False}, **wet, **own.sections)
 
 
-def limit(each: dict[str, Sample], names: Sequence[str], sizes: Sequence[float]) -> dict[str, Reference]:
-    """Return the limit of each quantity from samples on ever finer meshes."""
-    return measures.reference_of([each[name] for name in names], sizes)
+@dataclass(frozen=True)
+class Limits:
+    """Limits of both discretisations up to one end, and the finest mesh that each rests on."""
+
+    bricks: Mapping[str, Reference]
+    series: Mapping[str, Reference]
+    finest: tuple[str, str]
+
+    def line(self, case: str, end: float, name: str) -> list[str]:
+        """Return the line of a measure."""
+        bricks, series = (_values(each) for each in (self.bricks, self.series))
+        apart, there = difference(name, bricks, series), difference(name, at_end(bricks), at_end(series))
+        doubt = [difference(name, _values(each), _beside(each)) for each in (self.bricks, self.series)]
+        aim = CASES[case].aims.get(name)
+        met = "" if aim is None else "yes" if there <= aim else "no"
+        judged = ["" if name in WATER else f"{apart:.2f}", f"{there:.2f}", "" if aim is None else f"{aim:g}", met]
+        explained = "yes" if apart <= sum(doubt) else "no"
+        return [
+            case,
+            f"{end:g} mm",
+            WORDS[name],
+            *judged,
+            *(f"{value:.2f}" for value in doubt),
+            explained,
+            ", ".join(self.finest),
+        ]
 
 
-def rows(case: str, meshes: dict[str, Sequence[str]], end: float | None) -> list[list[str]]:
-    """Run a case on all meshes; return its lines."""
-    scene = scene_of(case, end)
-    trees = {
-        name: compute(read_mesh(name).scene(scene)).recorded() for family in meshes.values() for name in family
-    }  # fmt: skip
-    by_path = samples({name: curves_of(tree) for name, tree in trees.items()})["pull"]
-    sizes = {name: cell_size(tree.attrs["n_unknowns"], tree.attrs.get("harmonics")) for name, tree in trees.items()}
-    limits = {kind: limit(by_path, family, [sizes[name] for name in family]) for kind, family in meshes.items()}
-    values = {kind: {name: each.values for name, each in found.items()} for kind, found in limits.items()}
-    apart = measures.errors(values["bricks"], values["series"])
-    doubt = {kind: measures.uncertainty(found) for kind, found in limits.items()}
-    last = f"{1e3 * scene.paths[0].lateral_displacement:g} mm"  # type: ignore[operator]
-    lines = []
-    for name in MEASURES:
-        bricks, series = doubt["bricks"][name], doubt["series"][name]
-        explained = "yes" if apart[name] <= bricks + series else "no"
-        lines.append([case, last, name, *(f"{value:.2f}" for value in (apart[name], bricks, series)), explained])
+def at_end(sample: Sample) -> Sample:
+    """Return the last point of the curves of a sample, where every run has a state; what is no curve stays."""
+    return {key: values[..., -1:] if key in (LOAD, OTHER, PY) else values for key, values in sample.items()}
+
+
+def difference(name: str, one: Sample, other: Sample) -> float:
+    """Return by how much two samples differ in a measure: kPa of pressures, else per cent."""
+    if name == PRESSURES:
+        return 1e-3 * float(np.abs(one[name] - other[name]).max())
+    if name == OVER_DRAINED:
+        return 100.0 * float(np.abs(one[name] - other[name]).max())
+    if name == WATER_FORCE:
+        return 100.0 * float(np.abs((one[name] - other[name]) / one[name]).max())
+    return measures.errors(other, one)[name]
+
+
+def _values(limit: Mapping[str, Reference]) -> Sample:
+    return {name: each.values for name, each in limit.items()}
+
+
+def _beside(limit: Mapping[str, Reference]) -> Sample:
+    return {name: each.beside for name, each in limit.items()}
+
+
+def until(path: xr.Dataset, end: float) -> xr.Dataset:
+    """Return the states of a path up to a displacement (mm) at which it has one."""
+    return path.isel(step=path["u"].values <= 1e-3 * end * (1.0 + 1e-9))
+
+
+def water_sample(path: xr.Dataset) -> Sample:
+    """Return the water force (N) and the pressures at POINTS (Pa) in the last state of a path with water."""
+    state = path.isel(step=-1)
+    lines = [
+        state["pore_pressure"].sel(side=side).sel(azimuth=azimuth, method="nearest") for side, azimuth, _ in POINTS
+    ]
+    pressures = [np.interp(depth, state["depth"], line) for line, (_, _, depth) in zip(lines, POINTS, strict=True)]
+    return {WATER_FORCE: np.array([float(state["F_pw"])]), PRESSURES: np.array(pressures, dtype=float)}
+
+
+def _cut(trees: Mapping[str, xr.DataTree], end: float) -> dict[str, xr.DataTree]:
+    """Return the runs that reach an end (mm), up to it."""
+    cut = {}
+    for name, tree in trees.items():
+        path = until(tree["paths/pull"].to_dataset(), end)
+        if path["u"].values[-1] > 1e-3 * end * (1.0 - 1e-9):
+            cut[name] = tree.copy()
+            cut[name]["paths/pull"] = xr.DataTree(path)
+    return cut
+
+
+def _samples(cut: Mapping[str, xr.DataTree], dry: Mapping[str, xr.DataTree]) -> dict[str, Sample]:
+    """Return the samples of runs up to one end; with water where there are drained runs beside them."""
+    each = samples({name: curves_of(tree) for name, tree in cut.items()})["pull"]
+    for name, beside in dry.items():
+        path = cut[name]["paths/pull"].to_dataset()
+        ratio = float(path["H"][-1] / beside["paths/pull"]["H"][-1])
+        each[name] = each[name] | water_sample(path) | {OVER_DRAINED: np.array([ratio])}
+    return each
+
+
+def limits(
+    trees: Mapping[str, xr.DataTree], meshes: Mapping[str, Sequence[str]], end: float,
+    drained: Mapping[str, xr.DataTree] | None = None,
+) -> Limits | None:  # fmt: skip
+    """Return the limits up to an end (mm) from the runs that reach it; None where none of a kind does.
+
+    ``drained`` are the runs without water on the same meshes, of runs with water.
+    """
+    cut, dry = _cut(trees, end), _cut(drained or {}, end)
+    if drained is not None:
+        cut = {name: tree for name, tree in cut.items() if name in dry}
+    reach = {kind: [name for name in family if name in cut] for kind, family in meshes.items()}
+    if not all(reach.values()):
+        return None
+    each = _samples(cut, {name: tree for name, tree in dry.items() if name in cut})
+    sizes = {name: cell_size(tree.attrs["n_unknowns"], tree.attrs.get("harmonics")) for name, tree in cut.items()}
+    found = {
+        kind: measures.reference_of([each[name] for name in family], [sizes[name] for name in family])
+        for kind, family in reach.items()
+    }
+    return Limits(found["bricks"], found["series"], (reach["bricks"][-1], reach["series"][-1]))
+
+
+def rows(
+    case: str, meshes: Mapping[str, Sequence[str]], ends: Sequence[float] = (), folder: Path | None = None
+) -> list[list[str]]:  # fmt: skip
+    """Run a case on all meshes; return its lines, those of the ends that both discretisations reach."""
+
+    def run(scene: Scene) -> dict[str, xr.DataTree]:
+        names = [name for family in meshes.values() for name in family]
+        return {name: result_of(read_mesh(name).scene(scene), folder) for name in names}
+
+    wet, lines = CASES[case].rate is not None, []
+    trees = run(scene_of(case, ends))
+    drained = run(scene_of(case, ends, drained=True)) if wet else None
+    for end in sorted(ends or CASES[case].ends):
+        found = limits(trees, meshes, end, drained)
+        if found is not None:
+            lines += [found.line(case, end, name) for name in (*MEASURED, *(WATER if wet else ()))]
     return lines
 
 
@@ -91,19 +244,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", nargs="*", default=list(CASES))
     parser.add_argument("--out", type=Path)
-    parser.add_argument("--end", type=float, help="of every pull, mm")
+    parser.add_argument("--runs", type=Path, help="folder in which runs are kept")
+    parser.add_argument("--ends", type=float, nargs="+", default=(), help="of every pull, mm")
     parser.add_argument("--bricks", nargs="+", default=BRICKS)
     parser.add_argument("--series", nargs="+", default=SERIES)
     given = parser.parse_args()
     lines = [list(HEAD)]
-    print(",".join(f'"{cell}"' for cell in HEAD))
+    screen = csv.writer(sys.stdout, lineterminator="\n")
+    screen.writerow(HEAD)
     for case in given.case:
-        lines += (found := rows(case, {"bricks": given.bricks, "series": given.series}, given.end))
-        for line in found:
-            print(",".join(f'"{cell}"' for cell in line), flush=True)
+        lines += (found := rows(case, {"bricks": given.bricks, "series": given.series}, given.ends, given.runs))
+        screen.writerows(found)
+        sys.stdout.flush()
         if given.out is not None:
-            text = [",".join(f'"{cell}"' for cell in line) for line in lines]
-            given.out.write_text("\n".join(text) + "\n", encoding="utf-8")
+            with given.out.open("w", newline="", encoding="utf-8") as stream:
+                csv.writer(stream, lineterminator="\n").writerows(lines)
 
 
 if __name__ == "__main__":

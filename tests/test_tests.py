@@ -15,7 +15,6 @@ from tests.support.place import ROOT
 OF_BENCHMARKS = {
     "tests/docs/test_docs.py",
     "tests/pysprings/full_model/test_accuracy_benchmarks.py",
-    "tests/pysprings/full_model/test_accuracy_settings.py",
     "tests/pysprings/model/test_omissions.py",
     "tests/pysprings/model/test_domain_effect.py",
     "tests/pysprings/model/test_omissions_benchmark.py",

@@ -43,6 +43,7 @@ from tests.verification.cases import (
     tangents,
     terzaghi,
     triaxial,
+    two_discretisations,
     undrained_column,
 )
 from tests.verification.rows import HEADINGS, Row, cells
@@ -78,6 +79,7 @@ SLOW: dict[str, Rows] = {
     "water in series, the paper's pull": series_water.slow_rows,
     "flow along a film": film_flow.rows,
     "drained push": drained_push.rows,
+    "limits of both discretisations": two_discretisations.rows,
     "drained push, variants": drained_push.slow_rows,
     "contact around the ring, variants": alternation.slow_rows,
     "circle on clay": clay.circle_rows,

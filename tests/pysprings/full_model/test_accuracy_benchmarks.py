@@ -7,15 +7,22 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import xarray as xr
 
 import pysprings
-from benchmarks import bench, error_estimates, fourier_growth, two_limits
+from benchmarks import bench, error_estimates, kept_runs, limit_causes, two_limits
 from pysprings import Scene
 from pysprings.core.errors import PyspringsError
+from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, Sample
+from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import read_mesh
 from pysprings.full_model.run_record import Computed, RunRecord, Status
+from pysprings.model.build import counts_of
+from pysprings.model.fourier import section_counts_of
 from tests.support import tiny
+from tests.support.measured import with_error
 from tests.support.synthetic import Path as Pull
 from tests.support.synthetic import make_result
 
@@ -66,7 +73,7 @@ def test_results_are_kept_by_scene_and_version(tmp_path: Path, monkeypatch: pyte
         found.attrs |= attrs
         return Computed(found, RunRecord(Status(attrs["status"]), failures=["stuck"]))
 
-    monkeypatch.setattr(error_estimates, "compute", compute)
+    monkeypatch.setattr(kept_runs, "compute", compute)
     for _ in range(2):
         error_estimates.result_of(tiny.paper(title="a"), tmp_path)
     assert asked == ["a"]
@@ -133,12 +140,112 @@ def test_held_out_scenes_are_scenes_and_are_pushed_as_far_as_asked() -> None:
 
 @pytest.mark.parametrize("case", two_limits.CASES)
 def test_cases_of_two_limits_can_be_run_in_both_discretisations(case: str) -> None:
-    scene = two_limits.scene_of(case, None)
+    scene = two_limits.scene_of(case)
     kinds = {read_mesh(name).scene(scene).discretisation for name in (*two_limits.BRICKS, *two_limits.SERIES)}
     assert kinds == {"hex8", "fourier"}
+    own = two_limits.CASES[case]
+    stops = [*scene.paths[0].report_at, scene.paths[0].lateral_displacement]
+    assert [1e3 * u for u in stops] == pytest.approx(own.ends)
+    assert scene.drainage.mode == ("drained" if own.rate is None else "coupled")
 
 
-def test_meshes_of_the_growth() -> None:
-    assert fourier_growth.mesh_of("fine:1.8:fourier") == {
-        "preset": "fine", "discretisation": "fourier", "refinement": 1.8, "harmonics": 3}  # fmt: skip
-    assert fourier_growth.mesh_of("paper:hex8") == {"preset": "paper", "discretisation": "hex8"}
+MESHES = {
+    "bricks": ("coarse", "coarse:1.5", "coarse:2"),
+    "series": ("fourier-coarse@3", "fourier-coarse:1.5@3", "fourier-coarse:2@3"),
+}
+ENDS = (1.7677669529663687, 5.0)  # mm, states of the invented runs
+
+
+def made(scene: Scene) -> xr.DataTree:
+    """A run with an error of second order around a limit; that of bricks is 1 % above the other."""
+    n = round(500 * scene.mesh.refinement**2)
+    series = scene.discretisation == "fourier"
+    size = 4.0 * n if series else 4.0 * n**1.5  # of cells of the same size
+    return with_error(round(size), harmonics=3 if series else None, beside=0.0 if series else 0.01)
+
+
+def test_limits_that_are_apart_by_more_than_they_are_uncertain_by_are_marked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kept_runs, "compute", lambda scene: Computed(made(scene), RunRecord(Status.COMPLETE)))
+    rows = [dict(zip(two_limits.HEAD, line, strict=True)) for line in two_limits.rows("the paper's", MESHES, ENDS)]
+    assert [(row["to"], row["measure"]) for row in rows] == [
+        (to, two_limits.WORDS[name]) for to in ("1.76777 mm", "5 mm") for name in two_limits.MEASURED
+    ]
+    for row in rows:
+        if row["measure"] == "load, %":
+            assert float(row["limits differ up to there by"]) == pytest.approx(1.0, abs=0.05)
+            assert float(row["at it by"]) == pytest.approx(1.0, abs=0.05)
+            assert (row["aim"], row["met"]) == ("0.5", "no")
+        assert row["finest meshes"] == "coarse:2, fourier-coarse:2@3"
+
+
+def test_a_run_that_stops_short_is_left_out_beyond_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The finest bricks stop at the first end: the second rests on the next mesh, which has nothing extrapolated."""
+
+    def computed(scene: Scene) -> Computed:
+        tree = made(scene)
+        if scene.discretisation == "hex8" and scene.mesh.refinement == 2.0:
+            tree["paths/pull"] = xr.DataTree(two_limits.until(tree["paths/pull"].to_dataset(), ENDS[0]))
+        return Computed(tree, RunRecord(Status.PARTIAL))
+
+    monkeypatch.setattr(kept_runs, "compute", computed)
+    lines = two_limits.rows("the paper's", MESHES, ENDS)
+    assert [line[-1].split(",")[0] for line in lines] == 3 * ["coarse:2"] + 3 * ["coarse:1.5"]
+    trees = {name: made(read_mesh(name).scene(tiny.paper())) for family in MESHES.values() for name in family}
+    assert two_limits.limits(trees, MESHES, 6.0) is None
+
+
+def test_water_is_compared_at_five_points_and_by_its_force() -> None:
+    path = with_error(9000)["paths/pull"].to_dataset()
+    depth = path["depth"]
+    path["pore_pressure"] = path["pore_pressure"] + 1e3 * depth + 200.0 * path["azimuth"] + 10.0 * path["step"]
+    path["F_pw"] = path["F_pw"] - 5e3
+    sample, last = two_limits.water_sample(path), 10.0 * float(path["step"][-1])
+    expected = [
+        1e3 * np.clip(z, depth[0], depth[-1]) + 200.0 * azimuth + last for _, azimuth, z in two_limits.POINTS
+    ]  # fmt: skip
+    np.testing.assert_allclose(sample[two_limits.PRESSURES], expected)
+    moved = {two_limits.WATER_FORCE: np.array([-4.5e3]), two_limits.PRESSURES: np.array(expected) + [0, 0, 250, 0, 0]}
+    assert two_limits.difference(two_limits.WATER_FORCE, sample, moved) == pytest.approx(10.0)
+    assert two_limits.difference(two_limits.PRESSURES, sample, moved) == pytest.approx(0.25)
+
+
+def test_causes_change_one_thing_of_a_mesh_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Counts of a preset are changed while its run lasts; every change has its own run."""
+    seen = []
+    plain_run, changed_run = with_error(9000), with_error(9000, beside=0.01)
+
+    def computed(scene: Scene) -> Computed:
+        series = scene.discretisation == "fourier"
+        counts = section_counts_of(scene) if series else counts_of(scene)
+        seen.append((counts, scene.solver))
+        tree = plain_run if scene.title == limit_causes.UNCHANGED else changed_run
+        return Computed(tree, RunRecord(Status.COMPLETE))
+
+    monkeypatch.setattr(kept_runs, "compute", computed)
+    lines = limit_causes.study(limit_causes.CHANGES, two_limits.scene_of("the paper's", (2.5,)), None)
+    changes = [change for chosen in limit_causes.CHANGES.values() for change in chosen]
+    assert len(set(map(repr, seen))) == len(seen) == len(changes) + 2
+    words = {change.words for change in changes}
+    load = 100.0 * 0.01 / (1.0 + 100.0 * cell_size(9000) ** 2)
+    assert {line[1] for line in lines} > words
+    assert all(float(line[3]) == pytest.approx(load, abs=0.006) for line in lines if line[1] in words)
+
+
+def test_limits_of_groups_are_added_up() -> None:
+    """A load of 1 + h^2/10 + (cells around)^-2 - tip/20: Richardson from three sizes, the finest of two."""
+
+    def sample(section: float = 1.0, around: float = 1.0, tip: float = 1.0) -> Sample:
+        load = 1.0 + 0.1 * section**2 + 0.02 * around**2 - 0.05 * tip
+        return {LOAD: np.array([load]), OTHER: np.array([2.0 * load]), PY: np.array([[load, np.nan]])}
+
+    changes = [limit_causes.Change(f"section {h}", group="section", size=h) for h in (1.5, 0.5)]
+    changes += [limit_causes.Change(f"around {h}", group="around", size=h) for h in (2.0, 0.5)]
+    changes += [limit_causes.Change("tip", group="tip", size=0.5), limit_causes.Change("steps")]
+    each = {limit_causes.UNCHANGED: sample(), "tip": sample(tip=0.5), "steps": sample()}
+    each |= {f"section {h}": sample(section=h) for h in (1.5, 0.5)} | {
+        f"around {h}": sample(around=h) for h in (2.0, 0.5)
+    }
+    limit, notes = limit_causes.together(changes, each)
+    assert limit[LOAD] == pytest.approx(1.0 - 0.05 * 0.5)
+    assert limit[OTHER] == pytest.approx(2.0 - 0.1 * 0.5)
+    assert notes == "section (order 2.0), around (order 2.0), tip (tip)"

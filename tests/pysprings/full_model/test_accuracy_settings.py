@@ -8,9 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 
-from benchmarks import two_limits
 from pysprings import Scene, load_scene
 from pysprings.cli.run import with_target
 from pysprings.core.errors import ResourceError, UserInputError
@@ -31,7 +29,7 @@ from pysprings.model.build import counts_of
 from pysprings.model.fourier import section_counts_of
 from pysprings.model.mesh import PRESETS as MESHES
 from tests.support import tiny
-from tests.support.measured import measured_result
+from tests.support.measured import with_error
 from tests.support.place import ROOT
 
 STUDIED = ROOT / "data" / "scenes" / "service-load.toml"
@@ -180,22 +178,6 @@ def test_the_coarser_section_keeps_small_elements_at_both_ends_of_the_skirt(pres
     assert two_mesh.cell_ratio(tiny.paper(), two_mesh.coarser(tiny.paper())) is None
 
 
-def with_error(
-    unknowns: int, order: float = 2.0, slope: float = 100.0, harmonics: int | None = None, beside: float = 0.0
-) -> xr.DataTree:
-    """A result whose loads and reactions are wrong by slope * h^order + beside, relative to the limit."""
-    tree = measured_result().copy(deep=True)
-    factor = 1.0 + slope * cell_size(unknowns, harmonics) ** order + beside
-    if harmonics is not None:
-        tree.attrs |= {"discretisation": "fourier", "harmonics": harmonics}
-    for path in tree["paths"].children.values():
-        for name in ("H", "M", "p"):
-            path[name] = path[name] * factor
-    tree.attrs["n_unknowns"] = unknowns
-    tree.attrs["status"] = "complete"
-    return tree
-
-
 def test_the_estimate_is_the_safety_factor_times_the_error_where_the_order_is_true() -> None:
     fine, coarse = with_error(9000), with_error(3000)
     found = two_mesh.estimate(fine, coarse, {LOAD: 2.0, PY: 2.0})
@@ -308,21 +290,3 @@ def test_a_target_runs_what_the_study_ran_whatever_the_scene_says() -> None:
     setting = presets.cheapest("2%")
     assert found.sha256 == setting.scene(tiny.paper()).sha256
     assert noted["target_error"]["setting"] == setting.name
-
-
-def test_limits_that_are_apart_by_more_than_they_are_uncertain_by_are_marked(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs with an error of second order around limits that are 1 % apart."""
-
-    def computed(scene: Scene) -> Computed:
-        n = round(500 * scene.mesh.refinement**2)
-        series = scene.discretisation == "fourier"
-        size = 4.0 * n if series else 4.0 * n**1.5  # of cells of the same size
-        tree = with_error(round(size), harmonics=3 if series else None, beside=0.0 if series else 0.01)
-        return Computed(tree, RunRecord(Status.COMPLETE))
-
-    monkeypatch.setattr(two_limits, "compute", computed)
-    meshes = {"bricks": ("coarse", "coarse:1.5", "coarse:2"), "series": (
-        "fourier-coarse@3", "fourier-coarse:1.5@3", "fourier-coarse:2@3")}  # fmt: skip
-    lines = two_limits.rows("the paper's", meshes, None)
-    assert [line[2] for line in lines] == list(two_limits.MEASURES)
-    assert float(lines[0][3]) == pytest.approx(1.0, abs=0.05)
