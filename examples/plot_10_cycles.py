@@ -3,7 +3,7 @@
 Cycles: springs with memory
 ===========================
 
-Springs of a fan go back on the curve that they came on. Two rays that turn back calibrate springs that
+Springs of a fan go back on the curve that they came on. Three rays that turn back calibrate springs that
 remember. A pull that was held back and reverses shows both beside the full model.
 """
 

@@ -15,6 +15,7 @@ from tests.support.place import ROOT
 OF_BENCHMARKS = {
     "tests/docs/test_docs.py",
     "tests/pysprings/full_model/test_accuracy_benchmarks.py",
+    "tests/pysprings/macro/test_memory_aims.py",
     "tests/pysprings/model/test_omissions.py",
     "tests/pysprings/model/test_domain_effect.py",
     "tests/pysprings/model/test_omissions_benchmark.py",

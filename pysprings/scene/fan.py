@@ -21,9 +21,9 @@ _PULL = next(name for name, kind in PATH_KINDS.items() if kind.free_head and not
 # The part of a fan on which meshes are compared: in the default scene it has the largest differences of the whole fan.
 FEW_RAYS, FEW_ARMS = (0, -50, 90), ARMS[-1:]
 _SHARE = 0.5  # of the reach: vertical paths and held-back pulls
-# Rays that turn back, degrees: a translation, and the direction of pulls with a free head. Ends over the reach: what
-# an unloading looks like depends on how large the motion before was.
-REVERSED = (0, -50)
+# Rays that turn back, degrees: a translation, and the directions between which pulls with a free head lie. Ends over
+# the reach: what an unloading looks like depends on how large the motion before was.
+REVERSED = (0, -30, -50)
 TURNS = (0.12, -0.12, 0.4, -0.4, 0.4)
 
 
