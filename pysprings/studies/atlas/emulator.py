@@ -27,6 +27,14 @@ _ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
+class Dense:
+    """Rays close to each other: angles [rad], and `Emulator.rest` (2, ray, X) on them."""
+
+    angles: Array
+    rest: Array
+
+
+@dataclass(frozen=True)
 class Estimate:
     """What is expected of a scene: values (ray, row, X), modes (m, ray, row, X) of one standard deviation each.
 
@@ -36,6 +44,7 @@ class Estimate:
     stiffness_error : standard deviations of the logarithms of K_V, K_H, K_M.
     settled : w at rest [m].
     outside : why the scene is at the edge of what is covered; none inside the hull of the full models.
+    dense : rays that are so close that none are needed in between, in place of those of the study.
     """
 
     values: Array
@@ -44,6 +53,7 @@ class Estimate:
     stiffness_error: Array
     settled: float
     outside: tuple[str, ...]
+    dense: Dense | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -41,9 +41,14 @@ def spring_tree(atlas: Emulator, scene: Scene, estimate: Estimate) -> xr.DataTre
     values = _at_rest(_physical(_between(atlas.X, estimate.values, knots), knots, sizes.force, L, D / sizes.ratio))
     modes = _at_rest(_physical(_between(atlas.X, estimate.modes, knots), knots, sizes.force, L, D / sizes.ratio))
     V = _vertical_load(scene)
-    rest = _between(atlas.X, atlas.factor * atlas.rest, knots) * share(knots) * sizes.force
-    unlike = _left(atlas, rest, L)
-    values, modes, angles = between(values, np.concatenate([modes, unlike]), _action(L), atlas.angles, rho)
+    dense = estimate.dense
+    own = atlas.rest if dense is None else dense.rest
+    rest = _between(atlas.X, atlas.factor * own, knots) * share(knots) * sizes.force
+    modes = np.concatenate([modes, _left(rest, L)])
+    if dense is None:
+        values, modes, angles = between(values, modes, _action(L), atlas.angles, rho)
+    else:
+        angles = dense.angles
     part = np.append(0.0, share(knots))
     modes = np.concatenate([modes, (atlas.fan[0] * part * values)[None]])
     names = [_name(float(angle)) for angle in angles]
@@ -155,9 +160,9 @@ def _root(atlas: Emulator, scene: Scene, estimate: Estimate, V: float) -> xr.Dat
     return root
 
 
-def _left(atlas: Emulator, rest: Array, L: float) -> Array:
+def _left(rest: Array, L: float) -> Array:
     """Return two modes (2, ray, row, knot) of what the components leave: of H, at the lid, and of M."""
-    out = np.zeros((2, len(atlas.rays), len(ROWS), rest.shape[-1] + 1))
+    out = np.zeros((2, rest.shape[1], len(ROWS), rest.shape[-1] + 1))
     out[0, :, ROWS.index("H_lid"), 1:] = rest[0]
     out[1, :, ROWS.index("M_lid"), 1:] = L * rest[1]
     return out

@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.studies.atlas.emulator import Emulator, Estimate
+from pysprings.studies.atlas.emulator import Dense, Emulator, Estimate
 from pysprings.studies.atlas.families import Family
 from pysprings.studies.atlas.formulas.base import HEAVE, WHERE, Form, Place, Term, placed, summed
 from pysprings.studies.atlas.formulas.hyperbolic import along_rays, chosen, ray_values
@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 FACTORS = ("K_V", "K_a", "K_b", "K_c")
 SETTLED = "w_0"
 _CLOSE = 1e-4  # tolerance of the formulas of the stiffness
+DENSE: Array = np.radians(np.arange(-87.0, 91.0, 3.0))  # rays of springs of their own displacement
 _SMALL = 1e-6  # X at which springs of their own displacement are linear
 
 
@@ -55,10 +56,30 @@ class Formulas(Emulator):
         place, sizes = self.place(inputs[None]), self.family.sizes(scene)
         D, L = scene.caisson.outer_diameter, scene.caisson.skirt_length
         matrix = stiffness_of(_factors(self.form, self.terms, place)[0], sizes.force, sizes.ratio, D, L)
-        values = rows(self.form, self.terms, place)[0]
         settled = float(_polynomial(self.terms, SETTLED, place)[0]) * D / sizes.ratio
+        values, dense = rows(self.form, self.terms, place)[0], None
+        if self.form.own_stiffness:
+            dense = Dense(DENSE, _turned(self.rest, self.angles))
+            values = self._dense_rows(place, values)
         errors = np.array(self.stiffness_rest)
-        return Estimate(values, np.zeros((0, *values.shape)), matrix, errors, settled, outside)
+        return Estimate(values, np.zeros((0, *values.shape)), matrix, errors, settled, outside, dense)
+
+    def _dense_rows(self, place: Place, values: Array) -> Array:
+        """Return rows (ray, row, X) of springs of their own displacement on close rays; the heave is interpolated."""
+        close = replace(place, rays=tuple(map(str, range(DENSE.size))), angles=DENSE)
+        made = self.form.values(self.terms, close)[0]
+        made[:, WHERE[HEAVE]] = _turned(values[:, WHERE[HEAVE]].transpose(1, 0, 2), self.angles).transpose(1, 0, 2)
+        return made
+
+
+def _turned(values: Array, angles: Array) -> Array:
+    """Return values (k, ray, X), the same in the mirror image of a motion, on close rays: linear in angle."""
+    order = np.argsort(angles)
+    known = np.concatenate([angles[order] - np.pi, angles[order], angles[order] + np.pi])
+    three = np.concatenate([values[:, order]] * 3, axis=1)
+    place = np.clip(np.searchsorted(known, DENSE, side="right") - 1, 0, known.size - 2)
+    part = ((DENSE - known[place]) / (known[place + 1] - known[place]))[:, None]
+    return np.asarray(three[:, place] * (1.0 - part) + three[:, place + 1] * part)
 
 
 def rows(form: Form, terms: tuple[Term, ...], place: Place) -> Array:
