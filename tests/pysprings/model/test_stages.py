@@ -230,16 +230,17 @@ def test_a_swipe_goes_on_with_pairs_of_motions() -> None:
 
 
 @pytest.mark.parametrize("rate", [None, 1e-4])
-def test_a_fan_with_memory_has_two_rays_that_turn_back(rate: float | None) -> None:
+def test_a_fan_with_memory_has_three_rays_that_turn_back(rate: float | None) -> None:
     rates = {} if rate is None else {"rates": (rate,)}
     scene = Scene(springs={"reach": 20e-3, "memory": True, **rates})
-    shift, turned = (path for path in scene.load_paths if path.role == "memory")
+    shift, middle, turned = (path for path in scene.load_paths if path.role == "memory")
     sizes = 20e-3 * np.array([0.12, -0.12, 0.4, -0.4, 0.4])  # forth, back to the other side, and farther
     targets = [s.target.tolist() for s in path_stages(scene, shift, 0.0)]
     np.testing.assert_allclose(targets, [[u, 0.0] for u in sizes], rtol=1e-12)
-    ends = [s.target for s in path_stages(scene, turned, 0.0)]
-    np.testing.assert_allclose([np.hypot(u, turn * L) for u, turn in ends], np.abs(sizes))
-    np.testing.assert_allclose([np.degrees(np.arctan(turn * L / u)) for u, turn in ends], -50.0)
+    for path, angle in ((middle, -30.0), (turned, -50.0)):
+        ends = [s.target for s in path_stages(scene, path, 0.0)]
+        np.testing.assert_allclose([np.hypot(u, turn * L) for u, turn in ends], np.abs(sizes))
+        np.testing.assert_allclose([np.degrees(np.arctan(turn * L / u)) for u, turn in ends], angle)
     times = [s.duration for s in path_stages(scene, turned, 0.0)]
     steps = np.abs(np.diff(sizes, prepend=0.0)) / 1e-4
     assert times == ([0.0] * 5 if rate is None else pytest.approx(steps))
