@@ -122,17 +122,54 @@ class Push:
 
 def push(clay: Clay, load: str) -> Push:
     """Push the caisson to its limit; return the factor of the load."""
+    steps, cut_backs = _run(clay, load, stage_of(clay, load))
+    unit = AREA * clay.strength * (DIAMETER if load == "NcM" else 1.0)
+    iterations = [step.increment.iterations for step in steps]
+    factor = 2.0 * float(steps[-1].multipliers[0]) / unit
+    return Push(factor, len(steps), float(np.median(iterations)), cut_backs)
+
+
+def probe(clay: Clay, direction: float, vertical: float) -> tuple[float, float]:
+    """Return H/(A su_0) and M/(A D su_0) at the limit in a direction, under a constant V of ``vertical`` A su_0.
+
+    The direction is atan(M/(H D)) in degrees, M about the lid centre.
+    """
+    c, s = np.cos(np.radians(direction)), np.sin(np.radians(direction))
+    nothing, unit = np.zeros((0, 3)), AREA * clay.strength
+    dead = np.array([0.0, 0.5 * vertical * unit, 0.0])
+    stages = [
+        Stage("V", nothing, np.zeros(0), nothing.T, dead, first_fraction=0.1, max_fraction=0.25),
+        Stage("probe", np.array([[c, 0.0, DIAMETER * s]]), np.array([2.0 * REACH]),
+              np.array([[c], [0.0], [DIAMETER * s]]), dead, max_fraction=0.2, first_fraction=5.0e-4),
+    ]  # fmt: skip
+    steps, _ = _run(clay, f"{direction:g} deg", *(stages if vertical else stages[1:]))
+    load = 2.0 * float(steps[-1].multipliers[0]) / unit
+    return load * c, load * s
+
+
+def about_tip(clay: Clay) -> tuple[float, float]:
+    """Return H/(A su_0) and M/(A D su_0), M about the tip, of a caisson that rotates about its tip."""
+    control = np.array([[1.0, 0.0, clay.tip], [0.0, 0.0, 1.0]])
+    target = np.array([0.0, REACH / (0.5 * DIAMETER)])
+    stage = Stage("tip", control, target, control.T.copy(), np.zeros(3), max_fraction=0.2, first_fraction=1.0e-3)
+    steps, _ = _run(clay, "rotation about the tip", stage)
+    across, turning = 2.0 * steps[-1].multipliers / (AREA * clay.strength)
+    return float(across), float(turning) / DIAMETER
+
+
+def _run(clay: Clay, load: str, *stages: Stage) -> tuple[list[Step], int]:
+    """Return the steps of the last stage and the number of cut-backs."""
     scene = clay.scene()
     model = (build(scene) if clay.preset else build_on_section(scene, clay.counts())).model
     model.contact[model.stations.surface == SURFACE["tip"], : adhesion.MU] = _NOTHING  # a skirt without thickness
     system, state = FourierSystem(model), State(model)
     driver = Driver(Newton(system, FourierStage(system), Settings(_TOLERANCE, 25)), state)
     steps: list[Step] = []
-    try:
-        driver.run(stage_of(clay, load), steps.append)
-    except NotConverged as error:
-        raise AssertionError(f"{load} of {clay} stopped at {steps[-1].fraction if steps else 0.0:.3f}") from error
-    unit = AREA * clay.strength * (DIAMETER if load == "NcM" else 1.0)
-    iterations = [step.increment.iterations for step in steps]
-    factor = 2.0 * float(steps[-1].multipliers[0]) / unit
-    return Push(factor, len(steps), float(np.median(iterations)), driver.n_cut_backs)
+    for stage in stages:
+        steps.clear()
+        try:
+            driver.run(stage, steps.append)
+        except NotConverged as error:
+            at = steps[-1].fraction if steps else 0.0
+            raise AssertionError(f"{load} of {clay} stopped at {at:.3f} of {stage.name}") from error
+    return steps, driver.n_cut_backs

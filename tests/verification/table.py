@@ -108,6 +108,10 @@ LONGEST: dict[str, Rows] = (
         for caisson in clay.CAISSONS
         for preset in ("coarse", "medium", "paper", "fine", "coarse:2")
     }
+    | {
+        f"{clay.caisson_name(*clay.ENVELOPE)}, V/V_ult 0.5": partial(clay.envelope_case, 0.5),
+        f"{clay.caisson_name(*clay.ENVELOPE)}, rotation about the tip": clay.about_tip_case,
+    }
 )
 
 

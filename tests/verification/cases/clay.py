@@ -21,7 +21,7 @@ from pysprings import Scene
 from pysprings.full_model.compute import compute
 from tests.verification.blocks import block_model, border_force, followers, imposed, make_newton, run
 from tests.verification.cases.cavity import Sector, make_sector
-from tests.verification.clay_caissons import Clay, push
+from tests.verification.clay_caissons import Clay, about_tip, probe, push
 from tests.verification.clay_shapes import Disc, Pile, disc_factor, pile_factor
 from tests.verification.rows import Row, fitted_rate
 
@@ -275,4 +275,57 @@ def preset_case(embedment: float, kappa: float, preset: str) -> tuple[Row, ...]:
     for load, wanted in CAISSONS[embedment, kappa].items():
         clay = Clay(embedment, kappa, 0.0, 1 if load == "NcV" else _HARMONICS, preset)
         found.append(Row(case, load, "", push(clay, load).factor, wanted, _CAISSON, None))
+    return tuple(found)
+
+
+# about the tip: H/(A su_0) and M/(A D su_0) of a rotation about it, V = 0; M of a caisson that turns is positive here
+ABOUT_TIP = (-4.75, 2.41)
+# (d/D, kappa) of the envelope, V_ult/(A su_0), and directions atan(M/(H D)) in degrees, M about the lid centre
+ENVELOPE, V_ULT = (0.5, 0.0), CAISSONS[0.5, 0.0]["NcV"]
+DIRECTIONS = (-90.0, -67.5, -45.0, -22.5, 0.0, 22.5, 45.0, 67.5)
+_FORMULA = "fitted formula (Vulpe, Gourvenec & Power 2014)"
+_A, _B = 1.6090, -0.5989
+
+
+def formula_load(direction: float, share: float) -> float:
+    """Return the load R/(A su_0), H = R cos, M = R D sin, on the fitted envelope under V = share V_ult."""
+    limits, (c, s) = CAISSONS[ENVELOPE], (np.cos(np.radians(direction)), np.sin(np.radians(direction)))
+    load = np.linspace(0.0, 8.0, 80001)
+    h = load * c / (limits["NcH"] * (1.0 - share**4.69))
+    m = load * (ENVELOPE[0] * c - s) / (limits["NcM"] * (1.0 - share**2.12))  # about the tip
+    beyond = np.abs(h) ** _A + np.abs(m) ** _A + 2.0 * _B * h * m >= 1.0
+    return float(load[np.argmax(beyond)])
+
+
+@cache
+def envelope_case(share: float) -> tuple[Row, ...]:
+    """Loads in eight directions under V = share V_ult, on meshes with cells of D/20 and D/40, and their limit."""
+    found = []
+    for direction in DIRECTIONS:
+        wanted = formula_load(direction, share)
+        coarse, fine = (
+            float(np.hypot(*probe(Clay(*ENVELOPE, cells, _HARMONICS), direction, share * V_ULT)))
+            for cells in (20.0, 40.0)
+        )
+        case = f"{caisson_name(*ENVELOPE)}, V/V_ult {share:g}, {direction:g} deg"
+        found += [
+            Row(case, "R/(A su), cells of D/20", "", coarse, wanted, _FORMULA, None),
+            Row(case, "R/(A su), cells of D/40", "", fine, wanted, _FORMULA, None),
+            Row(case, "R/(A su), limit", "", 2.0 * fine - coarse, wanted, _FORMULA, None),
+        ]
+    return tuple(found)
+
+
+@cache
+def about_tip_case() -> tuple[Row, ...]:
+    """The caisson rotates about its tip: cells of D/20 and D/40, and their limit."""
+    coarse, fine = (np.array(about_tip(Clay(*ENVELOPE, cells, _HARMONICS))) for cells in (20.0, 40.0))
+    case = f"{caisson_name(*ENVELOPE)}, rotation about the tip"
+    found = []
+    for name, a, b, wanted in zip(("H/(A su)", "M/(A D su)"), coarse, fine, ABOUT_TIP, strict=True):
+        found += [
+            Row(case, f"{name}, cells of D/20", "", a, wanted, _CAISSON, None),
+            Row(case, f"{name}, cells of D/40", "", b, wanted, _CAISSON, None),
+            Row(case, f"{name}, limit", "", 2.0 * b - a, wanted, _CAISSON, 0.05),
+        ]
     return tuple(found)
