@@ -7,6 +7,7 @@ that they oppose positive displacements and sum to the applied load.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,7 @@ class Collector:
     def __init__(
         self, built: Built, system: System, fields: bool, section: bool,
         balance: WaterBalance | None = None, sea: tuple[float, float] | None = None, volume: bool = False,
+        holds_water: Callable[[np.ndarray], np.ndarray] = np.ones_like,
     ) -> None:  # fmt: skip
         self.balance, self.sea = balance, sea
         self.cavitation: tuple[float, Margin] | None = None
@@ -49,6 +51,7 @@ class Collector:
         self.surface = built.model.stations.surface  # type: ignore[union-attr]
         self.rings = {side: self._ring_stations(side) for side in SIDES}
         self.slices = slices_of_rings(built.caisson.depth, built.caisson.boundary)
+        self.slices_of_water = self.slices.of_water(holds_water(self.slices.bounds.mean(axis=1)))
         self.azimuth = built.caisson.azimuth
         self.rows: list[dict[str, Any]] = []
 
@@ -152,7 +155,7 @@ class Collector:
 
     def _rings(self, state: Fields, force: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """Return the p by depth, side and component; m and t by depth and side."""
-        slices, height = self.slices, self.slices.height
+        height = self.slices.height
         stations = self.system.stations
         toward_x = 2.0 * stations.area * stations.frame[:, 0, 0]
         normal_x, water_x = -toward_x * state.traction[:, 0], toward_x * water
@@ -160,12 +163,14 @@ class Collector:
         x = self.position[:, 0]
         p = np.empty((len(height), len(SIDES), len(parts)))
         m, t = np.empty(p.shape[:2]), np.empty(p.shape[:2])
+        slices = {name: self.slices_of_water if name == "water" else self.slices for name in parts}
         for s, ring in enumerate(self.rings.values()):
+            sums = {name: part[ring].sum(axis=0) for name, part in parts.items()}
             for c, name in enumerate(variables.COMPONENTS):
-                p[:, s, c] = slices.forces(parts[name][ring].sum(axis=0)) / height
-            turning = slices.turning(force[:, 0][ring].sum(axis=0))
-            m[:, s] = (turning - slices.forces((force[:, 2] * x)[ring].sum(axis=0))) / height
-            t[:, s] = slices.forces(force[:, 2][ring].sum(axis=0)) / height
+                p[:, s, c] = slices[name].forces(sums[name]) / height
+            turning = sum(slices[name].turning(force_x) for name, force_x in sums.items())
+            m[:, s] = (turning - self.slices.forces((force[:, 2] * x)[ring].sum(axis=0))) / height
+            t[:, s] = self.slices.forces(force[:, 2][ring].sum(axis=0)) / height
         return {"p_component": p, "m": m, "t": t, "p": p.sum(axis=(1, 2))}
 
     def _gap(self, state: Fields) -> np.ndarray:

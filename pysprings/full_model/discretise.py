@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import xarray as xr
@@ -23,6 +24,7 @@ from pysprings.full_model.fourier_volume import fourier_volume_dataset
 from pysprings.full_model.volume import volume_dataset
 from pysprings.model.build import Built
 from pysprings.model.fourier import BuiltFourier
+from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -57,11 +59,12 @@ def make_collector(
     """Make what gathers the rows of a path."""
     output = scene.output
     requested = output.interface_fields, output.section
+    wet = partial(ground_of(scene).holds_water, mode=scene.drainage.mode)
     if isinstance(built, BuiltFourier):
         assert isinstance(system, FourierSystem)
-        return FourierCollector(built, system, *requested, balance, sea, volume=output.paraview)
+        return FourierCollector(built, system, *requested, balance, sea, output.paraview, wet)
     assert isinstance(system, System)
-    return Collector(built, system, *requested, balance, sea, volume=output.paraview)
+    return Collector(built, system, *requested, balance, sea, output.paraview, wet)
 
 
 def section_of(built: Built | BuiltFourier) -> xr.Dataset:

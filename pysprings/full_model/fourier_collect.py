@@ -6,6 +6,8 @@ Fields around the ring are those of the stations, and the one trigonometric poly
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import xarray as xr
 
@@ -32,6 +34,7 @@ class FourierCollector(Collector):
     def __init__(
         self, built: BuiltFourier, system: FourierSystem, fields: bool, section: bool,
         balance: WaterBalance | None = None, sea: tuple[float, float] | None = None, volume: bool = False,
+        holds_water: Callable[[np.ndarray], np.ndarray] = np.ones_like,
     ) -> None:  # fmt: skip
         self.balance, self.sea, self.cavitation = balance, sea, None
         self.built, self.system = built, system
@@ -40,6 +43,7 @@ class FourierCollector(Collector):
         self.position, self.surface = built.model.stations.position, built.model.stations.surface
         self.rings = {side: self._ring_stations(side) for side in SIDES}
         self.slices = slices_of_elements(built.section.depth)
+        self.slices_of_water = self.slices.of_water(holds_water(self.slices.depth))
         self.azimuth = output_azimuths(built.model.harmonics)
         self._around = around(built.azimuth, self.azimuth)
         self._plane = _Plane(built)

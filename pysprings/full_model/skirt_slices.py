@@ -4,12 +4,13 @@
     bricks    a slice for each ring, half way to its neighbours; one above and one below a ring on a boundary of layers
     series    a slice for each element of the skirt's faces
 
-A ring on the edge of two slices shares its force between them by their heights. No slice reaches over a boundary.
+A ring on the edge of two slices shares its force between them by their heights; that of the water goes to those alone
+whose layer holds water. No slice reaches over a boundary.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,6 +40,12 @@ class SkirtSlices:
     def forces(self, of_rings: np.ndarray) -> np.ndarray:
         """Return the forces of slices (nd,) from those of rings (nz,)."""
         return np.asarray(self.shares @ of_rings)
+
+    def of_water(self, wet: np.ndarray) -> SkirtSlices:
+        """Return the slices with the force of each ring in those alone that hold water, ``wet`` (nd,) bool."""
+        shares = self.shares * wet[:, None]
+        sums = shares.sum(axis=0)
+        return replace(self, shares=np.where(sums > 0.0, shares / np.where(sums > 0.0, sums, 1.0), self.shares))
 
     def turning(self, lateral: np.ndarray) -> np.ndarray:
         """Return the moments (nd,) of the lateral forces of rings (nz,) about the depth of their slice."""

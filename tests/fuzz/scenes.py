@@ -17,6 +17,7 @@ from pysprings.scene.by_depth import Profile
 from pysprings.scene.by_surface import SURFACES, BySurface
 from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity, QuantityList, Text
 from pysprings.scene.load import SECTIONS
+from pysprings.scene.reduction import ReductionTable
 from pysprings.scene.template import template_text
 from pysprings.scene.toml import field_of
 from tests.fuzz.mutate import NUMBERS, RAW, TEXTS, Data, Op, damage, ops
@@ -169,7 +170,8 @@ def _value(draw: st.DrawFn, field: Field) -> Any:
     if isinstance(field, Count):
         return draw(st.integers(field.low // field.multiple_of, field.high // field.multiple_of)) * field.multiple_of
     if isinstance(field, Number):
-        return draw(_number(field.interval))
+        number = _number(field.interval)
+        return draw(st.one_of(number, st.just(field.word)) if field.word else number)
     if isinstance(field, Text):
         return draw(st.sampled_from([*TEXTS, "a title"]))
     if isinstance(field, BySurface):
@@ -178,6 +180,8 @@ def _value(draw: st.DrawFn, field: Field) -> Any:
         return draw(st.one_of(each, st.fixed_dictionaries(dict.fromkeys(SURFACES, each))))
     if isinstance(field, Profile):
         return draw(_by_depth(field.quantity))
+    if isinstance(field, ReductionTable):
+        return draw(st.lists(st.tuples(_number("[1e-6, 0.1]"), _number("[0.01, 1]")).map(list), min_size=1, max_size=3))
     if isinstance(field, QuantityList):
         return [f"{draw(_number(each.interval))!r} {each.unit}" for _, each in field.quantities]
     assert isinstance(field, Quantity)
