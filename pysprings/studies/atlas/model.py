@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.studies.atlas.emulator import Emulator, Estimate
+from pysprings.studies.atlas.data import Estimate
+from pysprings.studies.atlas.emulator import Emulator
 from pysprings.studies.atlas.families import FAMILIES, Family
 from pysprings.studies.atlas.process import Process
 from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share, stiffness_of

@@ -23,7 +23,7 @@ from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
-    from pysprings.studies.atlas.emulator import Emulator, Estimate
+    from pysprings.studies.atlas.data import Estimate, Grid
 
 Array = NDArray[np.float64]
 _NOTHING = 1e-9  # of rho: w that is rounding
@@ -31,7 +31,7 @@ _CLOSE = 0.05  # share by which knots differ at the least
 _N = sum(name.startswith("p") for name in FORCES)
 
 
-def spring_tree(atlas: Emulator, scene: Scene, estimate: Estimate) -> xr.DataTree:
+def spring_tree(atlas: Grid, scene: Scene, estimate: Estimate) -> xr.DataTree:
     """Return the springs of a scene; they hold what `pysprings.springs.checks` asks for by the way they are made."""
     D, L = scene.caisson.outer_diameter, scene.caisson.skirt_length
     sizes = atlas.family.sizes(scene)
@@ -138,7 +138,7 @@ def _path_attributes(along: Mapping[str, Array], is_rotation: bool) -> dict[str,
     }  # fmt: skip
 
 
-def _root(atlas: Emulator, scene: Scene, estimate: Estimate, V: float) -> xr.Dataset:
+def _root(atlas: Grid, scene: Scene, estimate: Estimate, V: float) -> xr.Dataset:
     dofs = list(variables.DOFS)
     root = xr.Dataset(
         {"stiffness_initial": (("dof", "dof_conjugate"), estimate.stiffness)}, {"dof": dofs, "dof_conjugate": dofs}

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.studies.atlas.emulator import Dense, Emulator, Estimate
+from pysprings.studies.atlas.data import Dense, Estimate
+from pysprings.studies.atlas.emulator import Emulator
 from pysprings.studies.atlas.families import Family
 from pysprings.studies.atlas.formulas.base import HEAVE, WHERE, Form, Place, Term, placed, summed
 from pysprings.studies.atlas.formulas.hyperbolic import along_rays, chosen, ray_values
