@@ -13,7 +13,7 @@ from pysprings.studies.atlas.data import Estimate
 from pysprings.studies.atlas.emulator import Emulator
 from pysprings.studies.atlas.families import FAMILIES, Family
 from pysprings.studies.atlas.process import Process
-from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share, stiffness_of
+from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, stiffness_of
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -79,6 +79,3 @@ def sums(values: Array) -> tuple[Array, Array]:
 def family_of(name: str) -> Family:
     """Return a family by its name. Raises UserInputError."""
     return FAMILIES.find(name, "family")
-
-
-__all__ = ["Atlas", "Estimate", "family_of", "share", "sums"]

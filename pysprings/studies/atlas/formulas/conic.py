@@ -7,6 +7,8 @@ motion, and no parameter on the ground, which acts through the sizes of reaction
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -93,16 +95,29 @@ def _positive(numbers: Array) -> Array:
 
 
 def _values(terms: tuple[Term, ...], place: Place) -> Array:
+    def parameters(sums: list[Array]) -> list[Array]:
+        return [*sums[:3], np.clip(sums[3], 0.0, MOST)]
+
+    return conics(terms, place, [place.inputs[:, :1, None, None]], parameters)
+
+
+def conics(
+    terms: tuple[Term, ...], place: Place, inputs: list[Array], parameters: Callable[[list[Array]], list[Array]]
+) -> Array:
+    """Return rows (n, ray, row, X) of conics; ``parameters`` makes the four of each spring from the sums of its terms.
+
+    ``inputs``: variables of the terms beside z/L, shaped for (n, ray, depth, X).
+    """
     out = np.zeros((len(place.inputs), place.angles.size, len(ROWS), place.X.size))
     size, h = units(place), share(place.X)
     for spring in LATERAL:
-        variables = [PLACES[spring][:, None], place.inputs[:, :1, None, None]]
-        own = [
+        variables = [PLACES[spring][:, None], *inputs]
+        sums = [
             summed([each for each in terms if (each.spring, each.parameter) == (spring, name)], variables)
             for name in PARAMETERS
         ]
-        own[3] = np.clip(own[3], 0.0, MOST)
-        out[:, :, WHERE[spring]] = conic(motions(place, spring), *own) / h * size[spring][:, None, :, None]
+        reaction = conic(motions(place, spring), *parameters(sums)) / h
+        out[:, :, WHERE[spring]] = reaction * size[spring][:, None, :, None]
     return out
 
 

@@ -13,18 +13,15 @@ from numpy.typing import NDArray
 from pysprings.studies.atlas.formulas.base import (
     LATERAL,
     PLACES,
-    WHERE,
     Form,
     Place,
     Term,
     motions,
     reactions,
-    summed,
-    units,
 )  # fmt: skip
-from pysprings.studies.atlas.formulas.conic import ray_of
+from pysprings.studies.atlas.formulas.conic import conics, ray_of
 from pysprings.studies.atlas.formulas.curve import FIRST, LEAST, MOST, PARAMETERS, conic, fitted, start_of
-from pysprings.studies.atlas.samples import ROWS, Samples, share
+from pysprings.studies.atlas.samples import Samples, share
 
 Array = NDArray[np.float64]
 
@@ -75,17 +72,10 @@ def _parameters(numbers: Array, basis: Array) -> list[Array]:
 
 
 def _values(terms: tuple[Term, ...], place: Place) -> Array:
-    out = np.zeros((len(place.inputs), place.angles.size, len(ROWS), place.X.size))
-    size, h = units(place), share(place.X)
-    for spring in LATERAL:
-        variables = [PLACES[spring][:, None], *(place.x[:, k, None, None, None] for k in range(place.x.shape[1]))]
-        sums = [
-            summed([each for each in terms if (each.spring, each.parameter) == (spring, name)], variables)
-            for name in PARAMETERS
-        ]
-        own = _parameters(np.eye(4), np.stack(np.broadcast_arrays(*sums)))
-        out[:, :, WHERE[spring]] = conic(motions(place, spring), *own) / h * size[spring][:, None, :, None]
-    return out
+    def parameters(sums: list[Array]) -> list[Array]:
+        return _parameters(np.eye(4), np.stack(np.broadcast_arrays(*sums)))
+
+    return conics(terms, place, [place.x[:, k, None, None, None] for k in range(place.x.shape[1])], parameters)
 
 
 FORM = Form(
