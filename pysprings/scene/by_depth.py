@@ -62,8 +62,14 @@ class ByDepth:
         return np.asarray(self.reference * np.maximum(base, 0.0) ** self.exponent)
 
 
+def follows_stress(value: object) -> bool:
+    """Return whether a value changes with the mean effective stress in a run."""
+    return isinstance(value, ByDepth) and value.follows is not None
+
+
 Value = float | ByDepth  # "auto" is resolved where the ground is made
-_LINEAR = ({"top", "bottom"}, {"top", "bottom", "to"}, {"top", "gradient"})
+_ENDS = ({"top", "bottom"}, {"top", "bottom", "to"})
+_LINEAR = (*_ENDS, {"top", "gradient"})
 _BY_STRESS = {"reference", "reference_stress", "exponent"}
 _POWERS = ({"reference", "reference_depth", "exponent"}, _BY_STRESS, {*_BY_STRESS, "follows"})
 _DEPTH = Quantity("m", "(0, 1e4]", "", "5 m")
@@ -79,10 +85,19 @@ _LEAST_LINEAR = 1.0  # exponents of a stiffness that follows the stress are less
 
 @dataclass(frozen=True)
 class Profile(Field):
-    """A quantity of a layer: constant, linear between top and bottom, or (``powers``) a power of depth or stress."""
+    """A value of a layer: constant, linear between top and bottom, or (``powers``) a power of depth or stress.
 
-    quantity: Quantity
+    A pure number has no gradient: it is given at both ends.
+    """
+
+    quantity: Quantity | Number
     powers: bool = False
+
+    @property
+    def forms(self) -> tuple[set[str], ...]:
+        """Sets of keys that a table of this value may have."""
+        linear = _ENDS if isinstance(self.quantity, Number) else _LINEAR
+        return (*linear, *(_POWERS if self.powers else ()))
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         if value is None or isinstance(value, ByDepth):
@@ -90,9 +105,9 @@ class Profile(Field):
         if not isinstance(value, Mapping):
             return self.quantity.validate(value, info)
         given = {name: each for name, each in value.items() if each is not None}
-        forms = (*_LINEAR, *_POWERS) if self.powers else _LINEAR
-        if set(given) - {"depth_offset"} not in forms or ("depth_offset" in given and "reference_depth" not in given):
-            known = "; ".join(", ".join(sorted(form, reverse=True)) for form in forms)
+        fits = set(given) - {"depth_offset"} in self.forms
+        if not fits or ("depth_offset" in given and "reference_depth" not in given):
+            known = "; ".join(", ".join(sorted(form, reverse=True)) for form in self.forms)
             raise refuse(f"a value by depth has the keys {known}, got {', '.join(given) or 'none'}")
         read, wrong = {}, []
         for name, each in given.items():
@@ -121,14 +136,21 @@ class Profile(Field):
 
     def schema(self) -> dict[str, Any]:
         text = {"type": "string", "pattern": QUANTITY_PATTERN}
-        keys: dict[str, Any] = {
-            name: text for form in (*_LINEAR, *(_POWERS if self.powers else ())) for name in sorted(form)
-        }
+        if isinstance(self.quantity, Number):
+            return self._schema_of_number(text)
+        keys: dict[str, Any] = {name: text for form in self.forms for name in sorted(form)}
         if self.powers:
             keys |= {"exponent": {"type": "number"}, "depth_offset": text, "follows": {"enum": ["stress"]}}
         table = {"type": "object", "additionalProperties": False, "properties": keys}
         about = f"{self.quantity.text} (in {self.quantity.interval} {self.quantity.unit}); a value, or a table by depth"
         return {"description": about, "anyOf": [{**text, "examples": [self.quantity.example]}, table]}
+
+    def _schema_of_number(self, depth: dict[str, Any]) -> dict[str, Any]:
+        one = self.quantity.schema()
+        about = one.pop("description")
+        ends = {key: {"type": "number"} for key in ("bottom", "top")}
+        table = {"type": "object", "additionalProperties": False, "properties": {**ends, "to": depth}}
+        return {"description": f"{about}; a number, or a table by depth", "anyOf": [one, table]}
 
 
 def show(value: Value, quantity: Quantity) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from pysprings.core.path_kinds import CALIBRATION, MEMORY, PATH_KINDS, UNITS
 from pysprings.core.units import show
-from pysprings.scene.by_depth import ByDepth
+from pysprings.scene.by_depth import follows_stress
 from pysprings.scene.clash import Clash
 from pysprings.scene.design_load import design_clashes
 from pysprings.scene.extent import Extent, extent_of
@@ -92,8 +92,8 @@ def _series(scene: SceneSections) -> Iterator[Clash]:
 
 
 def _ground(soil: Soil, domain: Extent) -> Iterator[Clash]:
-    """Check keys and order of the layers; where they are right, the values of each."""
-    wrong = [*key_clashes(soil), *([*layer_order(soil, domain)] or values_inside(soil, domain))]
+    """Check keys, order and values by depth of the layers; where they are right, the soil of each."""
+    wrong = [*key_clashes(soil), *layer_order(soil, domain), *values_inside(soil, domain)]
     wrong += [] if wrong else [*open_ends(soil, domain)]
     yield from wrong
     if wrong:
@@ -132,10 +132,10 @@ def _viscous_stiffness(scene: SceneSections) -> Iterator[Clash]:
     tables: tuple[Any, ...] = (scene.soil, *scene.soil.layers)
     for number, layer in enumerate(tables):
         here: KeyPath = ("soil", "layer", number - 1) if number else ("soil",)
-        young = layer.young_modulus
-        if isinstance(young, ByDepth) and young.follows:
-            keys = ("solver", "viscous_displacement"), (*here, "young_modulus")
-            yield Clash(keys, "cannot be used with a stiffness that follows the stress")
+        for name in ("young_modulus", "shear_modulus"):
+            if follows_stress(getattr(layer, name)):
+                keys = ("solver", "viscous_displacement"), (*here, name)
+                yield Clash(keys, "cannot be used with a stiffness that follows the stress")
         if layer.degradation_strain is not None:
             keys = ("solver", "viscous_displacement"), (*here, "degradation_strain")
             yield Clash(keys, "cannot be used with a stiffness that degrades")

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from pysprings.core.units import show
 from pysprings.scene.clash import Clash
 from pysprings.scene.reduction import reduction_clashes
 
@@ -86,6 +85,11 @@ def triaxial_shares(compression: float, direct: float, extension: float) -> tupl
     return radius + shift, radius - shift
 
 
+def _rounded(stress: float) -> str:
+    """Return a stress (Pa) with five digits."""
+    return f"{1e-3 * stress:.5g} kPa"
+
+
 def initial_shear(measure: float) -> Callable[[Any, tuple[float, float]], Iterator[Clash]]:
     """Make the check that the geostatic stress is within the strength; see `TRESCA` and `VON_MISES`."""
 
@@ -98,8 +102,8 @@ def initial_shear(measure: float) -> Callable[[Any, tuple[float, float]], Iterat
         most = strength if soil.strain_at_half_strength is None else strength * (1.0 - _ROUNDING)
         if shear > most + _ROUNDING * max(stresses):
             keys = tuple(("soil", name) for name in ("K0", "undrained_shear_strength", "surcharge"))
-            text = f"{soil.K0:g} puts an initial shear stress of {show(shear, 'kPa')} into a soil of strength"
-            yield Clash(keys, f"{text} {show(strength, 'kPa')}")
+            text = f"{soil.K0:g} puts an initial shear stress of {_rounded(shear)} into a soil of strength"
+            yield Clash(keys, f"{text} {_rounded(strength)}")
 
     return check
 
@@ -115,7 +119,5 @@ def _initial_anisotropic(
     if not low - slack <= shear <= high + slack:
         names = ("K0", "undrained_shear_strength", "surcharge", *ANISOTROPY_KEYS)
         keys = tuple(("soil", name) for name in names if getattr(soil, name) is not None)
-        allowed = f"triaxial strengths of {show(low, 'kPa')} (extension) to {show(high, 'kPa')}"
-        yield Clash(
-            keys, f"{soil.K0:g} puts an initial shear stress of {show(shear, 'kPa')} into a soil with {allowed}"
-        )
+        allowed = f"triaxial strengths of {_rounded(low)} (extension) to {_rounded(high)}"
+        yield Clash(keys, f"{soil.K0:g} puts an initial shear stress of {_rounded(shear)} into a soil with {allowed}")

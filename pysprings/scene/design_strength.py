@@ -96,7 +96,7 @@ def _reduce(table: dict[str, Any], factors: StrengthFactors, top: float, bottom:
         if table.get(name) is not None:
             table[name] = _divided(table[name], factor)
     if table.get("rigidity_ratio") is not None:
-        table["rigidity_ratio"] = table["rigidity_ratio"] * factors.su
+        table["rigidity_ratio"] = _divided(table["rigidity_ratio"], 1.0 / factors.su)
 
 
 def _each(value: Any, change: Callable[[float], float], top: float, bottom: float) -> Any:

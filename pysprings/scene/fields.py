@@ -145,6 +145,11 @@ class Number(Field):
     optional: bool = False
     word: str | None = None
 
+    @property
+    def unit(self) -> str:
+        """The unit in which the interval is written."""
+        return "1"
+
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         if (value is None and self.optional) or (self.word is not None and value == self.word):
             return value

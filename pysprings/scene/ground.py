@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pysprings.scene.by_depth import ByDepth, Value
+from pysprings.scene.by_depth import ByDepth, Value, follows_stress
 from pysprings.scene.clay_laws import factors_of, small_strain_modulus
 from pysprings.scene.extent import Extent, extent_of
 from pysprings.scene.law_defaults import STIFFNESSES
@@ -53,14 +53,16 @@ class Stratum:
         given = self.values[name]
         if not isinstance(given, ByDepth):
             return np.full(np.shape(depth), given)
-        return given.at(depth, self.top, self.bottom, self.mean_stress(depth))
+        stress = None if given.reference_stress is None else self.mean_stress(depth)
+        return given.at(depth, self.top, self.bottom, stress)
 
     def shear_modulus(self, depth: np.ndarray) -> np.ndarray:
         """Return G (...,) in Pa at depths (...,) of this layer."""
         if "shear_modulus" in self.values:
             return self.value("shear_modulus", depth)
         if "plasticity_index" in self.values:
-            ratio = self.values.get("overconsolidation_ratio", 1.0)
+            given = "overconsolidation_ratio" in self.values
+            ratio = self.value("overconsolidation_ratio", depth) if given else 1.0
             return small_strain_modulus(self.vertical_stress(depth), self.value("plasticity_index", depth), ratio)
         if "rigidity_ratio" in self.values:
             return self.value("rigidity_ratio", depth) * self.value("undrained_shear_strength", depth)
@@ -82,9 +84,8 @@ class Stratum:
     @property
     def exponent(self) -> float:
         """Exponent of the stress that the stiffness follows; 0 where it is frozen."""
-        given = self.values.get("young_modulus")
-        follows = isinstance(given, ByDepth) and given.follows is not None
-        return float(given.exponent or 0.0) if follows else 0.0  # type: ignore[union-attr]
+        given = self.values.get("young_modulus", self.values.get("shear_modulus"))
+        return float(given.exponent or 0.0) if isinstance(given, ByDepth) and follows_stress(given) else 0.0
 
     @property
     def stiffness_changes(self) -> bool:
@@ -140,9 +141,7 @@ class Stratum:
 
     def mean_stress(self, depth: np.ndarray) -> np.ndarray:
         """Return the initial mean effective stress (...,) in Pa, compression positive."""
-        k0 = self.values["K0"]
-        assert not isinstance(k0, ByDepth)
-        return np.asarray((1.0 + 2.0 * k0) / 3.0 * self.vertical_stress(depth))
+        return np.asarray((1.0 + 2.0 * self.value("K0", depth)) / 3.0 * self.vertical_stress(depth))
 
 
 @dataclass(frozen=True)
@@ -263,7 +262,7 @@ def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:
     if values["K0"] == "auto":
         values["K0"] = at_rest(values["friction_angle_final"])
     if values["friction_angle_initial"] == "auto":
-        values["friction_angle_initial"] = law.least_friction(values["K0"])
+        values["friction_angle_initial"] = max(law.least_friction(each) for each in _ends(values["K0"]))
     dropped = [each for each in STIFFNESSES if each != _stiffness(soil, own, law.total_stress)]
     dropped += FRICTION_KEYS if law.total_stress else CLAY_KEYS
     return {name: value for name, value in values.items() if value is not None and name not in dropped}
@@ -274,6 +273,14 @@ def at_rest(friction_angle: Value) -> float:
     phi = friction_angle.top if isinstance(friction_angle, ByDepth) else friction_angle
     assert phi is not None
     return 1.0 - math.sin(phi)
+
+
+def _ends(value: Value) -> tuple[float, ...]:
+    """Return a number, or both ends of one that is linear in a layer."""
+    if not isinstance(value, ByDepth):
+        return (value,)
+    assert value.top is not None and value.bottom is not None
+    return value.top, value.bottom
 
 
 def _stiffness(soil: Soil, own: dict[str, Any], clay: bool) -> str:

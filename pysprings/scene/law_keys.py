@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pysprings.scene.by_depth import ByDepth
+from pysprings.scene.by_depth import ByDepth, follows_stress
 from pysprings.scene.clash import Clash
 from pysprings.scene.law_defaults import STIFFNESSES
 from pysprings.scene.positions import KeyPath
@@ -75,14 +75,11 @@ def _at_rest(soil: Soil, laws: list[str]) -> Iterator[Clash]:
 
 def _changing(here: KeyPath, table: Soil | Layer, laws: list[str], soil: Soil) -> Iterator[Clash]:
     """Check that a stiffness that changes in a run belongs to a law with friction, and what belongs to another key."""
-    young = getattr(table, "young_modulus", None)
-    follows = isinstance(young, ByDepth) and young.follows is not None
     constant = [law for law in laws if not SOIL_LAWS[law].changes_stiffness]
-    if follows and constant:
-        text = (
-            f'follows: the stiffness of law "{constant[0]}" does not change; "drucker-prager" and "van-eekelen" follow'
-        )
-        yield Clash(((*here, "young_modulus"),), text)
+    for name in ("young_modulus", "shear_modulus"):
+        if constant and follows_stress(getattr(table, name, None)):
+            text = f'follows: the stiffness of law "{constant[0]}" does not change'
+            yield Clash(((*here, name),), f'{text}; "drucker-prager" and "van-eekelen" follow')
     other = [law for law in constant if not SOIL_LAWS[law].total_stress]
     if other and "degradation_strain" in given_keys(table):
         yield Clash(((*here, "degradation_strain"),), f'is not used by law "{other[0]}"')

@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from pysprings.core.units import show
-from pysprings.scene.by_depth import ByDepth, Profile
+from pysprings.scene.by_depth import ByDepth, Profile, Value
 from pysprings.scene.clash import Clash
 from pysprings.scene.clay_laws import ANISOTROPY_KEYS
 from pysprings.scene.extent import Extent
@@ -78,8 +79,24 @@ def _at(stratum: Stratum, depth: float) -> dict[str, Any]:
 
 def values_inside(soil: Soil, domain: Extent) -> Iterator[Clash]:
     """Check that values by depth stay within the range of their key all over the layer."""
-    for stratum in make_ground(soil, domain).strata:
+    strata = _with_room(soil, domain) if [*layer_order(soil, domain)] else make_ground(soil, domain).strata
+    for stratum in strata:
         yield from () if stratum.like else _inside(soil, stratum)
+
+
+def _with_room(soil: Soil, domain: Extent) -> Iterator[Stratum]:
+    """Give the layers that end below their top where not all stand in order; values by stress, unknown, left out."""
+    ends = [*(each.top for each in soil.layers[1:]), domain.ground]
+    for number, (layer, end) in enumerate(zip(soil.layers, ends, strict=True)):
+        if layer.top < end:
+            pair = soil.model_copy(update={"layers": soil.layers[number : number + 2]})
+            stratum = make_ground(pair, domain).strata[0]
+            values = {name: value for name, value in stratum.values.items() if not _by_stress(value)}
+            yield replace(stratum, number=number, values=values)
+
+
+def _by_stress(value: Value) -> bool:
+    return isinstance(value, ByDepth) and value.reference_stress is not None
 
 
 def _inside(soil: Soil, stratum: Stratum) -> Iterator[Clash]:
@@ -90,13 +107,14 @@ def _inside(soil: Soil, stratum: Stratum) -> Iterator[Clash]:
         if profile is None or not isinstance(getattr(layer, name), ByDepth) or name not in stratum.values:
             continue
         value, quantity = stratum.value(name, depth), profile.quantity
+        unit, at_most = quantity.unit, f"{quantity.interval} {quantity.unit}".removesuffix(" 1")
         inside = depth > 0.0 if profile.powers else np.full(depth.shape, True)
-        holds = [Interval(quantity.interval).holds(float(each), quantity.unit) for each in value]
+        holds = [Interval(quantity.interval).holds(float(each), unit) for each in value]
         bad = np.flatnonzero(~np.array(holds) & inside)
-        where, text = ("soil", *here, name), f"is not in {quantity.interval} {quantity.unit}"
+        where = ("soil", *here, name)
         if len(bad):
-            at = f"{show(float(value[bad[0]]), quantity.unit)} at a depth of {show(float(depth[bad[0]]), 'm')}"
-            yield Clash((where,), f"{at} {text}")
+            what = show(float(value[bad[0]]), unit).removesuffix(" 1")
+            yield Clash((where,), f"{what} at a depth of {show(float(depth[bad[0]]), 'm')} is not in {at_most}")
         elif not value.any():
             yield Clash((where,), "0 at every depth: a soil without strength or stiffness")
 

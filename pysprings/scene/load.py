@@ -117,7 +117,7 @@ class SceneText:
             _refuse(file, str(error), *error.place)
         except RecursionError:
             _refuse(file, "lists or tables are nested too deeply")
-        self._profile = _read_profile(self._data, self._places, file)
+        self._profile, self._in_table = _read_profile(self._data, self._places, file)
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> SceneText:
@@ -133,26 +133,38 @@ class SceneText:
         try:
             scene = Scene.model_validate(data, context=FROM_TOML, by_alias=True, by_name=False)
         except ValidationError as error:
-            problems = [_problem(fault, self._places, self.file, changed) for fault in _all_faults(data, error)]
-            raise UserInputError(sorted(problems, key=lambda each: (each.line or 0, each.col or 0))) from None
+            faults = _faults_of_values(error) if self._in_table else _all_faults(data, error)
+            problems = [_problem(fault, self._places, self.file, changed) for fault in faults]
+            problems = sorted(problems, key=lambda each: (each.line or 0, each.col or 0))
+            raise UserInputError([*problems, *self._in_table]) from None
+        if self._in_table:
+            raise UserInputError(self._in_table)
         # a scene of a profile is written with its layers: it needs no other file then
         if not self._profile and not changed:
             scene._source = (self.text, scene.sha256)
         return scene
 
 
-def _read_profile(data: dict[str, Any], places: dict[KeyPath, Place], file: str | None) -> bool:
-    """Put the layers of `soil.profile` into the data; return whether there is one. Its path is relative to the file."""
+def _read_profile(
+    data: dict[str, Any], places: dict[KeyPath, Place], file: str | None
+) -> tuple[bool, Sequence[Problem]]:
+    """Put the layers of `soil.profile` into the data; return whether there is one, and what is wrong with its table.
+
+    Its path is relative to the file.
+    """
     soil = data.get("soil")
     if not isinstance(soil, dict) or "profile" not in soil:
-        return False
+        return False, ()
     name, at = soil.pop("profile"), places[("soil", "profile")].value
     if not isinstance(name, str) or "layer" in soil:
         wrong = "give soil.profile or [[soil.layer]], not both" if "layer" in soil else "expected the name of a table"
         raise UserInputError([Problem(file, *at, "soil.profile", wrong)])
     folder = FilePath(file).parent if file else FilePath()
-    soil["layer"] = read_layers(folder / name, soil.get("yield_surface"))
-    return True
+    try:
+        soil["layer"] = read_layers(folder / name, soil.get("yield_surface"))
+    except UserInputError as error:
+        return True, error.problems
+    return True, ()
 
 
 def _refuse(file: str | None, message: str, line: int | None = None, col: int | None = None) -> NoReturn:
@@ -216,6 +228,11 @@ def _all_faults(data: dict[str, Any], error: ValidationError) -> list[Fault]:
         more = [fault for fault in _faults(second) if not _touches(fault, dropped)]
         return faults + more
     return faults
+
+
+def _faults_of_values(error: ValidationError) -> list[Fault]:
+    """Return what is wrong with single values: what goes together is open where the layers are not known."""
+    return [] if any(_is_clash(item) for item in error.errors()) else [*_faults(error)]
 
 
 def _is_clash(item: Any) -> bool:

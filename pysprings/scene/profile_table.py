@@ -64,12 +64,13 @@ _SAME = 1.0e-6  # m: depths closer than that are the same
 
 @dataclass(frozen=True)
 class Column:
-    """A column: its heading, the key that it gives ("": none), "from", "to" or "", and its unit."""
+    """A column: its heading, the key that it gives ("": none), "from", "to" or "", its unit, whether that is wrong."""
 
     head: str
     key: str
     end: str
     unit: str
+    wrong: bool = False
 
 
 def read_layers(file: Path, law: object = None) -> list[dict[str, Any]]:
@@ -145,11 +146,11 @@ def _columns(heads: Sequence[str], file: str) -> tuple[list[Column], list[Proble
         column = _column(head, _UNITS if plain else {})
         if not column.key:
             known = [*NAMES, *(each.replace("_", " ") for each in BY_LAYER)]
-            near = suggestion(head.partition("[")[0].strip().lower(), known)
+            near = suggestion(head.partition("[")[0].strip().lower(), known) or ": no value of a layer; delete it"
             wrong.append(Problem(file, 1, key=head, message=f"unknown column{near}"))
         elif fault := _unit_fault(column):
             wrong.append(Problem(file, 1, key=head, message=fault))
-            column = replace(column, key=column.key if column.key in _DEPTHS else "", unit="m")
+            column = replace(column, unit="m") if column.key in _DEPTHS else replace(column, wrong=True)
         columns.append(column)
     if "top" not in [column.key for column in columns]:
         wrong.append(Problem(file, 1, message='no column "Depth from [m]" (or "top [m]")'))
@@ -236,16 +237,22 @@ def _layer(columns: Sequence[Column], row: Sequence[str], file: str, line: int) 
         if not column.key or not cell:
             continue
         try:
-            value = cell if column.key in _PLAIN else _value(column, cell)
+            read_as = replace(column, key="", unit="") if column.wrong else column
+            value = cell if column.key in _PLAIN else _value(read_as, cell)
         except ValueError:
             wrong.append(Problem(file, line, key=column.key, message=f"expected a number, got {quoted(cell)}"))
             continue
+        if column.wrong:
+            continue  # its unit is refused already
         key = {TOTAL: "effective_unit_weight", EPS50: "strain_at_half_strength"}.get(column.key, column.key)
         if column.end:
             ends = layer.get(key)
             layer[key] = (ends if isinstance(ends, dict) else {}) | {_ENDS[column.end]: value}
         else:
             layer[key] = value
+    if {"undrained_shear_strength", "friction_angle_final"} <= set(layer):
+        text = "stands beside a friction angle: a layer has one of the two"
+        wrong.append(Problem(file, line, key="undrained_shear_strength", message=text))
     return layer, [*wrong, *_refused(layer, file, line)]
 
 

@@ -178,10 +178,10 @@ class SoilValues(Section):
     ] = 1e-4
     shear_modulus: Annotated[float | ByDepth | None, Profile(_G, powers=True)] = None
     undrained_shear_strength: Annotated[float | ByDepth | None, Profile(_SU)] = None
-    rigidity_ratio: Annotated[float | None, _RIGIDITY] = None
-    plasticity_index: Annotated[float | None, _PLASTICITY] = None
-    overconsolidation_ratio: Annotated[float | None, _OCR] = None
-    strain_at_half_strength: Annotated[float | None, _HALF] = None
+    rigidity_ratio: Annotated[float | ByDepth | None, Profile(_RIGIDITY)] = None
+    plasticity_index: Annotated[float | ByDepth | None, Profile(_PLASTICITY)] = None
+    overconsolidation_ratio: Annotated[float | ByDepth | None, Profile(_OCR)] = None
+    strain_at_half_strength: Annotated[float | ByDepth | None, Profile(_HALF)] = None
     shear_modulus_reduction: Reduction = None
     compression_factor: Annotated[float | None, _COMPRESSED] = None
     direct_shear_factor: Annotated[float | None, _SHEARED] = None
@@ -203,6 +203,9 @@ class LayerPlace(Section):
 
 _NOT_BY_LAYER = ("yield_surface", "surcharge", "shear_modulus_reduction")
 _BY_STRESS = ("young_modulus",)
+_ONE_BY_LAYER = (
+    "compression_factor", "direct_shear_factor", "extension_factor", "degradation_strain", "degradation_limit",
+)  # fmt: skip
 
 
 def _layer_field(name: str) -> Any:
@@ -211,8 +214,8 @@ def _layer_field(name: str) -> Any:
     field = next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, known))
     if isinstance(field, Profile):
         return Annotated[float | ByDepth | None, field], None
-    if isinstance(field, Number):
-        return Annotated[float | str | None, replace(field, optional=True)], None
+    if isinstance(field, Number) and name in _ONE_BY_LAYER:
+        return Annotated[float | None, replace(field, optional=True)], None
     return Annotated[float | str | ByDepth | None, Profile(replace(field, optional=True), name in _BY_STRESS)], None
 
 

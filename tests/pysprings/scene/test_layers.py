@@ -125,6 +125,71 @@ def test_all_problems_of_layers_come_at_once():
     assert len(messages(text)) == 3
 
 
+def test_an_order_that_is_wrong_hides_no_value_that_turns_negative_and_no_foreign_key():
+    text = LAYERS.replace('top = "6 m"', 'top = "1 m"\nundrained_shear_strength = "20 kPa"')
+    text = text.replace('{ reference = "90 MPa", reference_depth = "5 m", depth_offset = "1 m", exponent = 1.0 }',
+                        '{ top = "20 MPa", gradient = "-4 MPa/m" }')  # fmt: skip
+    found = messages(text)
+    words = ("must be below the top of the layer before", "is not used by law", "at a depth of")
+    assert len(found) == 3
+    assert all(any(each in message for message in found) for each in words), found
+
+
+ENDS = """\
+[soil]
+surcharge = "5 kPa"
+[[soil.layer]]
+top = "0 m"
+K0 = { top = 0.6, bottom = 0.9 }
+poisson_ratio = { top = 0.2, bottom = 0.3, to = "1 m" }
+hardening_parameter = { top = 0.004, bottom = 0.006 }
+friction_angle_initial = "auto"
+[[soil.layer]]
+top = "2 m"
+law = "tresca"
+undrained_shear_strength = "40 kPa"
+plasticity_index = { top = 20, bottom = 40 }
+overconsolidation_ratio = { top = 9, bottom = 4 }
+strain_at_half_strength = { top = 0.02, bottom = 0.03 }
+[interface]
+adhesion_factor = 0.65
+[domain]
+radius = "24 m"
+depth = "12 m"
+"""
+
+
+def test_pure_numbers_are_linear_in_a_layer_too():
+    scene = parse_scene(ENDS)
+    assert parse_scene(scene.to_toml()) == scene
+    ground, depth = ground_of(scene), np.array([0.5, 1.5, 7.0])
+    sand, clay = ground.strata
+    assert ground.value("K0", depth) == pytest.approx([0.675, 0.825, 1.0])
+    assert ground.value("poisson_ratio", depth) == pytest.approx([0.25, 0.3, 0.495])
+    assert sand.value("hardening_parameter", depth[:2]) == pytest.approx([0.0045, 0.0055])
+    assert clay.value("strain_at_half_strength", depth[2:]) == pytest.approx([0.025])
+    stress = float(ground.vertical_stress(depth)[2]) / 100e3
+    wanted = 100e3 * stress**0.9 * (30.0 + 75.0 / 0.33) * np.sqrt(6.5)
+    assert clay.shear_modulus(depth[2:]) == pytest.approx([wanted])
+    least = parse_scene(ENDS.replace("{ top = 0.6, bottom = 0.9 }", "0.6"))
+    assert sand.values["friction_angle_initial"] == ground_of(least).strata[0].values["friction_angle_initial"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("bottom = 0.9", "gradient = 0.1", r"^5:6: soil.layer\[0\].K0: a value by depth has the keys top, bottom; "),
+        ("bottom = 0.9", 'bottom = "0.9"', r"K0: bottom: expected a number without unit"),
+        ("bottom = 40 ", "bottom = 400 ", r"plasticity_index: bottom: 400 is not in \[0, 160\]"),
+        ("bottom = 0.03", "bottom = 0.0001", r"strain_at_half_strength: layer 'layer': 0.0001 must be at least"),
+    ],
+)  # fmt: skip
+def test_pure_numbers_by_depth_that_cannot_be_are_refused(old, new, message):
+    assert old in ENDS
+    found = messages(ENDS.replace(old, new, 1))
+    assert any(re.search(message, each) for each in found), found
+
+
 @pytest.mark.parametrize("surface", ["drucker-prager", "van-eekelen"])
 @pytest.mark.parametrize("K0", [0.45, 1.0, 1.8])
 def test_the_automatic_initial_friction_is_the_least_that_holds_the_initial_stress(surface, K0):

@@ -176,6 +176,21 @@ def test_a_wrong_unit_in_a_heading_is_one_problem_for_all_rows(tmp_path):
     assert [each.line for each in refused.value.problems] == [1, 1]
 
 
+def test_problems_of_table_and_scene_come_at_once(tmp_path):
+    table = "top [m],bottom [m],su [kPa],phi [deg],E [m]\n0,3,20,30,50\n2,9,20,,x\n"
+    file = write(tmp_path, table)
+    file.write_text(SCENE.replace('"24 m"', "24"))
+    with pytest.raises(UserInputError) as refused:
+        load_scene(file)
+    found = [str(problem) for problem in refused.value.problems]
+    words = (
+        "domain.radius: expected a quantity", "E [m]: [m] is a length", "site.csv:2: undrained_shear_strength: stands",
+        "site.csv:2: bottom: the layers overlap", 'site.csv:3: young_modulus: expected a number, got "x"',
+    )  # fmt: skip
+    assert len(found) == len(words)
+    assert all(any(each in message for message in found) for each in words), found
+
+
 def test_a_total_unit_weight_beside_an_effective_one_is_not_used(tmp_path):
     table = "top [m],Effective unit weight [kN/m3],Total unit weight [kN/m3],young modulus [MPa]\n0,9,25,40\n"
     assert load_scene(write(tmp_path, table)).soil.layers[0].effective_unit_weight == pytest.approx(9e3)
@@ -190,6 +205,9 @@ def test_rows_with_su_alone_are_clay_and_eps50_is_an_axial_strain(tmp_path):
     assert (clay.law, sand.law) == ("tresca", "drucker-prager")
     assert clay.values["strain_at_half_strength"] == pytest.approx(0.015)
     assert sand.shear_modulus(np.array(8.0)) == pytest.approx(30e6)
+    file.with_name("site.csv").write_text(table.replace("0.01", '"[0.01, 0.02]"'))
+    pair = ground_of(load_scene(file)).strata[0]
+    assert pair.value("strain_at_half_strength", np.array([0.0, 6.0])) == pytest.approx([0.015, 0.03])
     file.write_text(file.read_text().replace("[soil]", '[soil]\nyield_surface = "von-mises"'))
     file.with_name("site.csv").write_text(table.rsplit("sand", 1)[0])
     assert ground_of(load_scene(file)).strata[0].law == "von-mises"

@@ -54,6 +54,15 @@ def test_a_layer_that_follows_has_the_law_and_its_initial_stress() -> None:
     assert (row["stiffness_exponent"], row["degradation_strain"]) == (0.5, 2e-4)
 
 
+def test_a_shear_modulus_follows_as_youngs_modulus_does() -> None:
+    twin = parse_scene(SAND.replace('young_modulus = { reference = "80 MPa"', 'shear_modulus = { reference = "40 MPa"'))
+    young = parse_scene(SAND.replace("80 MPa", "104 MPa"))  # 2.6 times G
+    assert engine_laws(twin)[0].name == "following"
+    depth = np.array([[1.0, 2.0]])
+    rows = [soil_materials(scene, depth)[0][0].parameters for scene in (twin, young)]
+    assert rows[0] == pytest.approx(rows[1], rel=1e-12)
+
+
 def test_the_scene_reads_itself_again_and_frozen_ones_keep_their_number() -> None:
     scene = parse_scene(SAND)
     assert parse_scene(scene.to_toml()) == scene

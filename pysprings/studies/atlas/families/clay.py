@@ -78,8 +78,10 @@ def _odd(scene: Scene, _base: Scene) -> Iterator[Problem]:
         yield Problem(key="soil.layer.undrained_shear_strength", message=text)
     if not isinstance(scene.interface.adhesion_factor, float | int):
         yield Problem(key="interface.adhesion_factor", message="the atlas needs one number for all surfaces")
-    if _clay(scene).rigidity_ratio is None:
-        yield Problem(key="soil.layer.rigidity_ratio", message="missing: the atlas needs G/su")
+    ratio = _clay(scene).rigidity_ratio
+    if ratio is None or isinstance(ratio, ByDepth):
+        text = "missing: the atlas needs G/su" if ratio is None else "the atlas needs one G/su at all depths"
+        yield Problem(key="soil.layer.rigidity_ratio", message=text)
 
 
 _LAYER = "soil.layer.clay"
