@@ -19,10 +19,11 @@ from pysprings.core.path_kinds import PATH_KINDS, ROLES
 from pysprings.core.words import AUTO, Discretisation, MeshPreset
 from pysprings.scene.by_depth import ByDepth, Profile
 from pysprings.scene.by_surface import BySurface
+from pysprings.scene.clay_laws import ANISOTROPY_KEYS
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
 from pysprings.scene.law_defaults import with_defaults_of_laws
 from pysprings.scene.reduction import Reduction
-from pysprings.scene.soil_laws import SOIL_LAWS
+from pysprings.scene.soil_laws import DEGRADATION_KEYS, SOIL_LAWS
 from pysprings.scene.then import Then, ThenList
 
 _DEGREE = math.pi / 180.0
@@ -203,9 +204,6 @@ class LayerPlace(Section):
 
 _NOT_BY_LAYER = ("yield_surface", "surcharge", "shear_modulus_reduction")
 _BY_STRESS = ("young_modulus",)
-_ONE_BY_LAYER = (
-    "compression_factor", "direct_shear_factor", "extension_factor", "degradation_strain", "degradation_limit",
-)  # fmt: skip
 
 
 def _layer_field(name: str) -> Any:
@@ -214,7 +212,7 @@ def _layer_field(name: str) -> Any:
     field = next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, known))
     if isinstance(field, Profile):
         return Annotated[float | ByDepth | None, field], None
-    if isinstance(field, Number) and name in _ONE_BY_LAYER:
+    if name in (*ANISOTROPY_KEYS, *DEGRADATION_KEYS):
         return Annotated[float | None, replace(field, optional=True)], None
     return Annotated[float | str | ByDepth | None, Profile(replace(field, optional=True), name in _BY_STRESS)], None
 

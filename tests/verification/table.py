@@ -109,7 +109,10 @@ LONGEST: dict[str, Rows] = (
         for preset in ("coarse", "medium", "paper", "fine", "coarse:2")
     }
     | {
-        f"{clay.caisson_name(*clay.ENVELOPE)}, V/V_ult 0.5": partial(clay.envelope_case, 0.5),
+        f"{clay.caisson_name(*clay.ENVELOPE)}, V/V_ult {share:g}": partial(clay.envelope_case, share)
+        for share in (0.0, 0.5)
+    }
+    | {
         f"{clay.caisson_name(*clay.ENVELOPE)}, rotation about the tip": clay.about_tip_case,
     }
 )
