@@ -20,6 +20,7 @@ from pathlib import Path
 
 from tests.verification.cases import (
     alternation,
+    caisson_by_depth,
     caisson_stiffness,
     caisson_water,
     cavity,
@@ -82,6 +83,7 @@ SLOW: dict[str, Rows] = {
     "limits of both discretisations": two_discretisations.rows,
     "drained push, variants": drained_push.slow_rows,
     "contact around the ring, variants": alternation.slow_rows,
+    "elastic caisson, stiffness by depth": caisson_by_depth.rows,
     "circle on clay": clay.circle_rows,
     "flow around a pile": clay.pile_rows,
     "pull-out from clay": clay.pull_out_rows,
