@@ -13,6 +13,11 @@ from pysprings.cli.support import quantities, refuse
 if TYPE_CHECKING:
     import xarray as xr
 
+SHIPPED_ATLASES = (
+    "an atlas (clay, sand, or a .nc file) "
+    "or formulas (clay-conic, clay-hyperbolic, sand-conic, sand-hyperbolic, or a .json file)"
+)
+
 
 @dataclass(frozen=True)
 class Asked:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pysprings.cli.atlas_springs import Asked, refuse_without_atlas, springs_of_atlas
+from pysprings.cli.atlas_springs import SHIPPED_ATLASES, Asked, refuse_without_atlas, springs_of_atlas
 from pysprings.cli.inputs import springs_or_table
 from pysprings.cli.options import Changes, Json, SpringSet
 from pysprings.cli.support import print_json, quantities, refuse, to_stderr
@@ -181,7 +181,8 @@ def predict(
     ] = None,
     z_up: Annotated[bool, typer.Option("--z-up", help="stiffnesses in axes with z up; x stays")] = False,
     atlas: Annotated[
-        str | None, typer.Option("--atlas", metavar="NAME|FILE", help="answer by an atlas, without a full model: clay")
+        str | None,
+        typer.Option("--atlas", metavar="NAME|FILE", help=f"answer without a full model, by {SHIPPED_ATLASES}"),
     ] = None,
     diameter: Annotated[str | None, typer.Option("--D", metavar="LENGTH", help="outer diameter, with --atlas")] = None,
     length: Annotated[str | None, typer.Option("--L", metavar="LENGTH", help="skirt length, with --atlas")] = None,

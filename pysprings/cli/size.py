@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from pysprings.cli.atlas_springs import SHIPPED_ATLASES
 from pysprings.cli.options import Changes, Json
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 def size(
     cases: Annotated[Path, typer.Argument(metavar="CASES", help="load cases (CSV, Excel), units in the headings")],
-    atlas: Annotated[str, typer.Option("--atlas", metavar="NAME|FILE", help="atlas that answers: clay, sand")],
+    atlas: Annotated[str, typer.Option("--atlas", metavar="NAME|FILE", help=f"what answers: {SHIPPED_ATLASES}")],
     tilt: Annotated[
         str, typer.Option("--tilt", metavar="ANGLE", help="tolerated rotation of cases that have none of their own")
     ] = "0.25 deg",
@@ -94,8 +95,7 @@ def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> Non
     print_table(["D [m]", "L [m]", "steel [t]", "use", "governs"], rows)
     if not np.isnan(search.wanted.cases.V).all():
         print("note: V of the load cases is not used; an atlas has the vertical load of its scene")
-    name = search.atlas.family.name
-    print(f"{len(search.tried)} caissons tried on the atlas {name}; correction {search.correction:.4g}")
+    print(f"{len(search.tried)} caissons tried on {search.atlas.source}; correction {search.correction:.4g}")
     if checked is None:
         print("not confirmed: --confirm runs the full model")
         return

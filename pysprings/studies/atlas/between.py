@@ -14,6 +14,7 @@ added to the new rays; its size counts as their standard deviation.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -26,13 +27,25 @@ PARTS = 3
 
 @dataclass(frozen=True)
 class _Ray:
-    """A ray, or its mirror image: angle, number and sign of the ray, rows (row, knot), loads (2, knot)."""
+    """A ray, or its mirror image: angle, number and sign; rows (row, knot), loads (2, knot), motions (knot,)."""
 
     angle: float
     number: int
     sign: float
     rows: Array
     loads: Array
+    rho: Array
+
+    @cached_property
+    def potential(self) -> tuple[Array, Array, Array, Array]:
+        """W and its slope in phi, F_r and its slope in phi, by knot."""
+        from scipy.interpolate import PchipInterpolator
+
+        direction = np.array([np.cos(self.angle), np.sin(self.angle)])
+        radial = direction @ self.loads
+        turning = self.rho * (np.array([-direction[1], direction[0]]) @ self.loads)
+        W = PchipInterpolator(self.rho, radial).antiderivative()(self.rho)
+        return W, turning, radial, PchipInterpolator(self.rho, turning).derivative()(self.rho)
 
 
 def between(rows: Array, modes: Array, action: Array, angles: Array, rho: Array) -> tuple[Array, Array, Array]:
@@ -50,10 +63,10 @@ def between(rows: Array, modes: Array, action: Array, angles: Array, rho: Array)
     rows, angles = rows[order], angles[order]
     modes = np.concatenate([modes[:, order], np.zeros((2, *rows.shape))])
     n = angles.size
-    rays = [_Ray(float(angles[k]), k, 1.0, rows[k], action.T @ rows[k]) for k in range(n)]
+    rays = [_Ray(float(angles[k]), k, 1.0, rows[k], action.T @ rows[k], rho) for k in range(n)]
     last = rays[-1]
-    rays = [_Ray(last.angle - np.pi, n - 1, -1.0, -last.rows, -last.loads), *rays]
-    errors = _errors(rays, rho)
+    rays = [_Ray(last.angle - np.pi, n - 1, -1.0, -last.rows, -last.loads, rho), *rays]
+    errors = _errors(rays)
     new: list[tuple[Array, Array, float]] = []
     for k, (low, high) in enumerate(pairwise(rays)):
         gap = high.angle - low.angle
@@ -64,7 +77,7 @@ def between(rows: Array, modes: Array, action: Array, angles: Array, rho: Array)
             row = blend[0] * low.rows + blend[1] * high.rows
             mode = blend[0] * low.sign * modes[:, low.number] + blend[1] * high.sign * modes[:, high.number]
             mode[-2:] = _unknown(correction, action)
-            loads = _loads(angle, (low, high), rho) + correction
+            loads = _loads(angle, (low, high)) + correction
             new.append((_summing(row, action, loads), mode, angle))
     if not new:
         return rows, modes, angles
@@ -76,12 +89,12 @@ def between(rows: Array, modes: Array, action: Array, angles: Array, rho: Array)
     )  # fmt: skip
 
 
-def _errors(rays: list[_Ray], rho: Array) -> list[tuple[Array, float] | None]:
+def _errors(rays: list[_Ray]) -> list[tuple[Array, float] | None]:
     """Return what the interpolation misses at every ray from those beside it (2, knot), and their angle apart."""
     found: list[tuple[Array, float] | None] = [None]
     for low, ray, high in zip(rays, rays[1:], rays[2:], strict=False):
         wide = max(ray.angle - low.angle, high.angle - ray.angle) > WIDEST
-        missed = None if wide else ray.loads - _loads(ray.angle, (low, high), rho)
+        missed = None if wide else ray.loads - _loads(ray.angle, (low, high))
         found.append(None if missed is None else (missed, high.angle - low.angle))
     return [*found, None]
 
@@ -112,13 +125,14 @@ def _stencil(angle: float, low: float, high: float) -> tuple[float, float]:
     return float(np.sin(high - angle) / size), float(np.sin(angle - low) / size)
 
 
-def _loads(angle: float, ends: tuple[_Ray, _Ray], rho: Array) -> Array:
+def _loads(angle: float, ends: tuple[_Ray, _Ray]) -> Array:
     """Return (H, M/L) (2, knot) of a ray between two others."""
     half = 0.5 * (ends[1].angle - ends[0].angle)
     x = angle - 0.5 * (ends[0].angle + ends[1].angle)
-    (W0, S0, F0, G0), (W1, S1, F1, G1) = (_potential(ray, rho) for ray in ends)
+    (W0, S0, F0, G0), (W1, S1, F1, G1) = (ray.potential for ray in ends)
     radial, _ = _harmonic(x, half, (F0, G0), (F1, G1))
     _, slope = _harmonic(x, half, (W0, S0), (W1, S1))
+    rho = ends[0].rho
     tangential = np.divide(slope, rho, out=np.zeros_like(slope), where=rho > 0.0)
     along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     return np.asarray(np.outer(along, radial) + np.outer(across, tangential))
@@ -137,23 +151,10 @@ def _harmonic(x: float, half: float, low: tuple[Array, Array], high: tuple[Array
     return value, -2.0 * B * np.sin(2 * x) + 2.0 * C * np.cos(2 * x) + 4.0 * D * np.cos(4 * x)
 
 
-def _potential(ray: _Ray, rho: Array) -> tuple[Array, Array, Array, Array]:
-    """Return W and its slope in phi, F_r and its slope in phi, by knot."""
-    from scipy.interpolate import PchipInterpolator
-
-    direction = np.array([np.cos(ray.angle), np.sin(ray.angle)])
-    radial = direction @ ray.loads
-    turning = rho * (np.array([-direction[1], direction[0]]) @ ray.loads)
-    W = PchipInterpolator(rho, radial).antiderivative()(rho)
-    return W, turning, radial, PchipInterpolator(rho, turning).derivative()(rho)
-
-
 def _summing(rows: Array, action: Array, loads: Array) -> Array:
     """Return rows (row, knot) changed in proportion to their size such that action.T @ rows = loads (2, knot)."""
-    out = rows.copy()
-    for knot in range(1, rows.shape[1]):
-        size = np.abs(rows[:, knot])
-        missing = loads[:, knot] - action.T @ rows[:, knot]
-        multiplier = np.linalg.lstsq((action * size[:, None]).T @ action, missing, rcond=None)[0]
-        out[:, knot] += size * (action @ multiplier)
-    return out
+    size = np.abs(rows)
+    missing = loads - action.T @ rows
+    response = np.einsum("rk,ra,rb->kab", size, action, action)
+    multiplier = np.einsum("kab,bk->ak", np.linalg.pinv(response, hermitian=True), missing)
+    return np.asarray(rows + size * (action @ multiplier))

@@ -52,8 +52,9 @@ def spring_tree(atlas: Grid, scene: Scene, estimate: Estimate) -> xr.DataTree:
     part = np.append(0.0, share(knots))
     modes = np.concatenate([modes, (atlas.fan[0] * part * values)[None]])
     names = [_name(float(angle)) for angle in angles]
+    coords = _coordinates(L, rho.size)
     paths = {
-        f"/paths/{name}": _path(values[k], rho, float(angle), scene, V, estimate.settled)
+        f"/paths/{name}": _path(values[k], rho, float(angle), coords, V, estimate.settled)
         for k, (name, angle) in enumerate(zip(names, angles, strict=True))
     }
     root = _root(atlas, scene, estimate, V)
@@ -87,12 +88,22 @@ def _vertical_load(scene: Scene) -> float:
     return 0.0 if isinstance(V, str) else float(V)
 
 
-def _path(rows: Array, rho: Array, angle: float, scene: Scene, V: float, settled: float) -> xr.Dataset:
-    L = scene.caisson.skirt_length
-    dz, steps = L / _N, rho.size
-    row = dict(zip(ROWS, rows, strict=True))
+def _coordinates(L: float, steps: int) -> xr.Coordinates:
+    """Return the coordinates that all paths share."""
     edges = np.linspace(0.0, L, _N + 1)
-    depth = 0.5 * (edges[1:] + edges[:-1])
+    coords: dict[str, Any] = {
+        "depth": ("depth", 0.5 * (edges[1:] + edges[:-1])), "side": ("side", list(variables.SIDES)),
+        "component": ("component", list(variables.COMPONENTS)), "step": ("step", np.arange(steps)),
+    }  # fmt: skip
+    return xr.Dataset(coords=_described(coords)).coords
+
+
+def _path(rows: Array, rho: Array, angle: float, coords: xr.Coordinates, V: float, settled: float) -> xr.Dataset:
+    depth, steps = coords["depth"].values, rho.size
+    dz = 2.0 * float(depth[0])
+    L = dz * _N
+    row = dict(zip(ROWS, rows, strict=True))
+    edges = dz * np.arange(_N + 1)
     straight = abs(np.cos(angle)) < 1e-9
     u = np.zeros(steps) if straight else rho * np.cos(angle)
     rotation = rho * np.sin(angle) / L if angle else np.zeros(steps)
@@ -116,11 +127,7 @@ def _path(rows: Array, rho: Array, angle: float, scene: Scene, V: float, settled
         "y": (("depth", "step"), u + rotation * depth[:, None]),
         "converged": ("step", np.ones(steps, dtype=np.int8)),
     }  # fmt: skip
-    coords: dict[str, Any] = {
-        "depth": ("depth", depth), "side": ("side", list(variables.SIDES)),
-        "component": ("component", list(variables.COMPONENTS)), "step": ("step", np.arange(steps)),
-    }  # fmt: skip
-    return xr.Dataset(_described(data), _described(coords), _path_attributes(along, straight))
+    return xr.Dataset(_described(data), coords, _path_attributes(along, straight))
 
 
 def _described(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -17,6 +17,9 @@ from pysprings.results.exporters import EXPORTERS
 from pysprings.scene.load import SECTIONS
 from pysprings.scene.template_names import template_names
 from pysprings.scene.toml import field_of
+from pysprings.studies.atlas.families import FAMILIES
+from pysprings.studies.atlas.file import shipped
+from pysprings.studies.atlas.formulas import FORMS
 from tests.support.commands import command, environment, run_python
 
 
@@ -83,6 +86,9 @@ def test_help_lists_the_names_that_options_accept() -> None:
         ("export", EXPORTERS.names()),
         ("springs", [each.name for each in EXPORTERS if each.is_spring_file]),
         ("run", [*get_args(MeshPreset), *get_args(Discretisation), *get_args(TargetError)]),
+        ("atlas", [*FAMILIES.names(), *(f" {each.name}" for each in FORMS)]),
+        ("predict", shipped()),
+        ("size", shipped()),
     ):
         text = shown(page)
         assert len(names) > 1

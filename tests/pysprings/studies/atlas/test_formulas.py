@@ -10,6 +10,7 @@ import pytest
 
 import pysprings
 from pysprings.core.errors import UserInputError
+from pysprings.macro.predict import impose
 from pysprings.springs.checks import validate_springs
 from pysprings.studies.atlas.formulas.curve import conic
 from pysprings.studies.atlas.formulas.file import coefficients, read_formulas, write_formulas
@@ -46,6 +47,43 @@ def test_shipped_formulas_resist_a_translation_at_all_of_their_full_models(name)
     H, _ = sums(made.form.values(made.terms, made.place(some)))
     assert H.shape == (len(some), len(made.rays), len(made.X))
     assert (H[:, 0] > 0.0).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degrees", [-46.5, -31.5, 61.5])
+def test_a_spring_file_of_conics_carries_what_its_printed_coefficients_do(degrees):
+    """Motions in the middle between two rays: the coefficients of the page in their conics, summed over depth."""
+    D, L, top, gradient, ratio = 9.0, 6.0, 10e3, 2e3, 300.0  # su_m [Pa], k [Pa/m], G/su
+    made = pysprings.open_atlas("clay-conic")
+    table = coefficients(made)
+
+    def reaction(spring, z, su, motion):
+        own = table[table["spring"] == spring].assign(
+            sum=lambda t: t["coefficient"] * (z / L) ** t["power of z/L"] * (L / D) ** t["power of L/D"]
+        )
+        parameters = own.groupby("parameter")["sum"].sum()
+        names = ("ultimate", "stiffness", "reach", "curvature")
+        return float(conic(np.array(motion * ratio), *(np.array(parameters[name]) for name in names))) * su
+
+    def loads(u, turn):
+        dz, at_tip = L / 8, top + gradient * L
+        H = reaction("H_tip", L, at_tip, (u + turn * L) / D) * D**2
+        M = L * H + reaction("M_tip", L, at_tip, turn) * D**3 + reaction("M_lid", 0.0, top, turn) * D**3
+        H += reaction("H_lid", 0.0, top, u / D) * D**2
+        for z in (np.arange(8) + 0.5) * dz:
+            su = top + gradient * z
+            p = reaction("p", z, su, (u + turn * z) / D) * D
+            H, M = H + p * dz, M + (p * z + reaction("m", z, su, turn) * D**2) * dz
+        return H, M
+
+    springs = made.springs(made.scene(D, L))
+    for rho in (0.001 * D, 0.01 * D):
+        u, turn = rho * np.cos(np.radians(degrees)), rho * np.sin(np.radians(degrees)) / L
+        answer = impose(springs, u=u, rotation=turn)
+        H, M = loads(u, turn)
+        size = np.hypot(H, M / L)
+        assert float(answer["H"]) == pytest.approx(H, abs=0.01 * size)
+        assert float(answer["M"]) / L == pytest.approx(M / L, abs=0.01 * size)
 
 
 @pytest.mark.slow
