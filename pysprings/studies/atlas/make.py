@@ -58,7 +58,7 @@ def formulas_of(
     if held_back is not None:
         with open_study(held_back) as data:
             made, compared = check.calibrated(made, data.load(), at)
-    words = f"loads along the rays {100 * missed['rms_pct'].max():.2g} % (rms of the worst ray)"
+    words = f"loads along the rays {missed['rms_pct'].max():.2g} % (rms of the worst ray)"
     return replace(made, about=_about(title, samples, {"fitted": words}, compared)), missed, compared
 
 
@@ -103,7 +103,7 @@ def _about(title: str, samples: Samples, fitted: dict[str, str], compared: pd.Da
     for row in check.summary(compared).to_dict("records"):
         place = f" at u/D {row['u_over_D']:g}" if row["u_over_D"] else ""
         words.append(f"{row['quantity']}{place} {row['largest_pct']:.2g} %")
-    cases = compared["case"].nunique()
+    cases = compared.loc[compared["quantity"] != "all", "case"].nunique()
     return about | {"held back": f"largest errors on {cases} caissons: {', '.join(words)}"}
 
 

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import pysprings
@@ -16,6 +18,7 @@ from pysprings.studies.atlas.formulas.curve import conic
 from pysprings.studies.atlas.formulas.file import coefficients, read_formulas, write_formulas
 from pysprings.studies.atlas.formulas.hyperbolic import chosen
 from pysprings.studies.atlas.model import sums
+from tests.support.place import ROOT
 
 
 @pytest.mark.parametrize("curvature", [0.0, 0.2, 0.5, 0.9])
@@ -118,3 +121,19 @@ def test_files_of_formulas_come_back_and_a_broken_one_is_refused(tmp_path):
     files[0].write_text(json.dumps(content), encoding="utf-8")
     with pytest.raises(UserInputError, match="not finite"):
         pysprings.open_atlas(files[0])
+
+
+@pytest.mark.parametrize("ground", ["clay", "sand"])
+@pytest.mark.parametrize("form", ["conic", "hyperbolic"])
+def test_what_shipped_formulas_miss_is_that_of_the_evidence(ground, form):
+    fitted = pd.read_csv(ROOT / "data/evidence/atlas-formulas-fit.csv").query("ground == @ground and form == @form")
+    held = pd.read_csv(ROOT / "data/evidence/atlas-formulas.csv").query("ground == @ground and form == @form")
+    about = pysprings.open_atlas(f"{ground}-{form}").about
+    assert len(fitted) and len(held)
+
+    def said(key):
+        """Percentages of a sentence: two figures."""
+        return [float(each) for each in re.findall(r"(\S+) %", about[key])]
+
+    assert said("fitted") == pytest.approx([fitted["rms_pct"].max()], rel=0.06)
+    assert said("held back") == pytest.approx(held["largest_pct"].tolist(), rel=0.06)
