@@ -89,6 +89,36 @@ def test_shear_returns_to_the_surface(law, p, strain):
     assert abs(law.module.yield_function(p, answer.stress, answer.kappa)) <= 1.0e-13 * size
 
 
+def plane_strain(law, phi: float, cohesion: float, side: float) -> float:
+    """Return the largest pressure s1 of plane strain without dilation beside a pressure s3 = ``side``."""
+    p, stress, kappa = make(phi_i=phi, phi_f=phi, cohesion=cohesion), -side * np.array([1.0, 1, 1, 0, 0, 0]), 0.0
+    for _ in range(150):
+        across = 0.0
+        for _ in range(30):
+            answer = update_by(law.update, p, np.array([across, -4e-4, 0, 0, 0, 0]), stress, kappa)
+            if abs(answer.stress[0] + side) < 1e-9 * side:
+                break
+            across -= (answer.stress[0] + side) / answer.tangent[0, 0]
+        stress, kappa = answer.stress, answer.kappa
+    return -float(stress[1])
+
+
+@pytest.mark.parametrize(
+    ("law", "phi", "angle", "share"),
+    [
+        (plasol, 20.0, 26.4713, 1.36812), (plasol, 30.0, 43.8538, 1.66410),
+        (van_eekelen, 30.0, 33.5826, 1.15001), (van_eekelen, 40.0, 43.9409, 1.14849),
+    ],
+)  # fmt: skip
+def test_friction_and_cohesion_in_plane_strain_without_dilation(law, phi, angle, share):
+    """The formulas of the theory, worked out by hand: the middle stress is the mean of the other two."""
+    cohesion, sides = 5e3, (50e3, 100e3)
+    low, high = (plane_strain(law, phi, cohesion, side) for side in sides)
+    ratio = (high - low) / (sides[1] - sides[0])  # s1 = ratio s3 + 2 c sqrt(ratio)
+    assert np.degrees(np.arcsin((ratio - 1.0) / (ratio + 1.0))) == pytest.approx(angle, abs=2e-3)
+    assert (low - ratio * sides[0]) / (2.0 * np.sqrt(ratio) * cohesion) == pytest.approx(share, abs=2e-4)
+
+
 @each_law
 @pytest.mark.parametrize("psi", [0.0, 3.0])
 def test_unloading_after_yield_is_elastic_and_remembers(law, psi):
