@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -98,6 +98,24 @@ def disc_factor(disc: Disc, imposed: str = "w") -> float:
     steps: list[Step] = []
     driver.run(stage, steps.append)
     return 2.0 * float(steps[-1].multipliers[np.flatnonzero(target)[0]]) / (0.25 * np.pi * SU)
+
+
+def disc_moment(disc: Disc, share: float) -> float:
+    """Return M/(A D SU) at the limit of a disc that turns under V = share V_ult, V_ult that of its own mesh."""
+    model = disc_model(disc)
+    system, state = FourierSystem(model), State(model)
+    driver = Driver(Newton(system, FourierStage(system), Settings(1e-4, 25)), state)
+    nothing, area = np.zeros((0, 3)), 0.25 * np.pi
+    dead = np.array([0.0, 0.5 * share * disc_factor(replace(disc, harmonics=0)) * area * SU, 0.0])
+    stages = [
+        Stage("V", nothing, np.zeros(0), nothing.T, dead, first_fraction=0.1, max_fraction=0.25),
+        Stage("turn", np.eye(3)[2:], np.array([0.2]), np.eye(3)[:, 2:], dead, first_fraction=1e-3, max_fraction=0.2),
+    ]
+    steps: list[Step] = []
+    for stage in stages if share else stages[1:]:
+        steps.clear()
+        driver.run(stage, steps.append)
+    return 2.0 * float(steps[-1].multipliers[0]) / (area * SU)
 
 
 @dataclass(frozen=True)
