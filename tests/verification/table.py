@@ -99,6 +99,7 @@ LONG: dict[str, Rows] = {
 LONGEST: dict[str, Rows] = (
     {
         "circle on clay, three meshes": clay.circle_order_rows,
+        "disc turns on clay under V": clay.disc_moment_rows,
     }
     | {
         f"{clay.caisson_name(*caisson)}, {load}": partial(clay.caisson_case, *caisson, load)

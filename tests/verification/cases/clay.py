@@ -22,7 +22,7 @@ from pysprings.full_model.compute import compute
 from tests.verification.blocks import block_model, border_force, followers, imposed, make_newton, run
 from tests.verification.cases.cavity import Sector, make_sector
 from tests.verification.clay_caissons import Clay, about_tip, probe, push
-from tests.verification.clay_shapes import Disc, Pile, disc_factor, pile_factor
+from tests.verification.clay_shapes import Disc, Pile, disc_factor, disc_moment, pile_factor
 from tests.verification.rows import Row, fitted_rate
 
 SU, RIGIDITY, POISSON, PRESSURE = 20.0e3, 100.0, 0.4999, 100.0e3
@@ -166,6 +166,21 @@ def circle_order_rows() -> tuple[Row, ...]:
         found += [
             Row(case, "order in h of V", "", order, 1.0, "first order", 0.3),
             Row(case, "V/(A su_m), limit", "", 2.0 * factors[2] - factors[1], wanted, _CIRCLE[rough], 0.005),
+        ]
+    return tuple(found)
+
+
+@cache
+def disc_moment_rows() -> tuple[Row, ...]:
+    """Couple of a rough disc under a share of V_ult over that without V, edge cells D/40: shown beside fitted loci."""
+    disc, found = Disc(40.0, harmonics=_HARMONICS), []
+    alone = disc_moment(disc, 0.0)
+    for share in (0.5, 0.75):
+        case, kept = f"disc turns on clay, V/V_ult {share:g}", disc_moment(disc, share) / alone
+        locus, formula = float(np.sqrt(1.0 - share**2)), 1.0 - share**2.12
+        found += [
+            Row(case, "M over M at V = 0", "", kept, locus, "fitted locus (Taiebat & Carter 2000)", None),
+            Row(case, "M over M at V = 0", "", kept, formula, _FORMULA, None),
         ]
     return tuple(found)
 
