@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: MIT
 """Paths through localised sand without and with `[solver] viscous_displacement`: how far, which loads, at which cost.
 
-    python -m benchmarks.localised [--viscous "0.0001 mm"] [--alone] [--steps] [--out FILE] CASE...
+    python -m benchmarks.localised [--viscous LENGTH ...] [--alone] [--steps] [--out FILE] CASE...
 
 CASE is NAME:PRESET:DISCRETISATION with a NAME of `pysprings paper` or of the catalogue of `pysprings stability`, or a
 scene file, whose first path is run; ``--alone`` leaves out the run without viscosity; ``--steps`` adds one whose
-largest step is smaller by a third. Prints a line of comma-separated values a case, which --out also adds to a file:
-where the path ended (mm), by how much the load differs from that of the run without viscosity at the same states, over
-the part that both went through (per cent), what the energy balance leaves, increments, attempts given up, CPU seconds.
+largest step is smaller by a third. Each LENGTH ("0.0001 mm" where none is given) has runs of its own. Prints a line of
+comma-separated values a run, which --out also adds to a file: where the path ended (mm), by how much the load differs
+at the same states, over the part that both went through (per cent), from that of the run without viscosity, or of
+smaller steps from that of the run with it, what the energy balance leaves, increments, attempts given up, CPU seconds.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +28,9 @@ from pysprings.studies.paper.cases import CASES as PAPER
 from pysprings.studies.stability.cases import CASES as CATALOGUE
 
 STOPS = (0.0125, 0.025, 0.05, 0.1, 0.125, 0.25, 0.5, 0.75)  # of the path, where loads are compared
-STEP = 0.033  # of the path; 0.05 without this
-COLUMNS = ("case", "run", "status", "reason", "end", "load", "difference", "differs most at", "energy", "increments",
-           "given up", "cpu")  # fmt: skip
+SMALLER = {"max_step_fraction": 0.033}  # of the path; 0.05 without this
+COLUMNS = ("case", "run", "length", "status", "reason", "end", "load", "difference", "differs most at", "energy",
+           "increments", "given up", "cpu")  # fmt: skip
 
 
 def scene_of(case: str) -> Scene:
@@ -69,44 +71,47 @@ def difference(own: dict[str, Any], other: dict[str, Any]) -> tuple[float, float
     return max(found, key=lambda pair: abs(pair[0]))
 
 
-def rows(case: str, viscous: float, steps: bool, alone: bool = False) -> list[str]:
-    """Run a case without (not if ``alone``) and with viscosity; return its lines."""
+def rows(case: str, lengths: Sequence[str], steps: bool, alone: bool = False) -> Iterator[list[str]]:
+    """Run a case without viscosity (not if ``alone``) and with that of each length; yield its lines."""
     scene = scene_of(case)
-    changes: dict[str, dict[str, Any]] = {} if alone else {"without": {}}
-    changes["with"] = {"viscous_displacement": viscous}
-    if steps:
-        changes["smaller steps"] = {"viscous_displacement": viscous, "max_step_fraction": STEP}
-    done, lines = {name: run(scene.replace(solver=each)) for name, each in changes.items()}, []
-    for name, each in done.items():
-        other = done.get("with" if name == "smaller steps" else "without")
-        differs, at = ("", "")
-        if other is not None:
-            percent, u = difference(each, other)
-            differs, at = f"{percent:.3f}", f"{u:.4g}"
-        values = (case, name, each["status"], each["reason"], f"{each['u'][-1]:.4g}", f"{each['H'][-1]:.6g}",
-                  differs, at, f"{each['energy']:.1e}", each["increments"], each["given up"],
-                  f"{each['cpu']:.1f}")  # fmt: skip
-        lines.append(",".join(str(value) for value in values))
-    return lines
+    plain = None if alone else run(scene)
+    if plain is not None:
+        yield line(case, "without", "", plain, plain)
+    for length in lengths:
+        viscous = {"viscous_displacement": read(length, "m")}
+        relaxed = run(scene.replace(solver=viscous))
+        yield line(case, "with", length, relaxed, plain)
+        if steps:
+            yield line(case, "smaller steps", length, run(scene.replace(solver=viscous | SMALLER)), relaxed)
+
+
+def line(case: str, name: str, length: str, own: dict[str, Any], other: dict[str, Any] | None) -> list[str]:
+    """Return the line of a run beside another one (None: there is none)."""
+    differs, at = ("", "")
+    if other is not None:
+        percent, u = difference(own, other)
+        differs, at = f"{percent:.3f}", f"{u:.4g}"
+    counts = (own["increments"], own["given up"])
+    return [case, name, length, own["status"], own["reason"], f"{own['u'][-1]:.4g}", f"{own['H'][-1]:.6g}",
+            differs, at, f"{own['energy']:.1e}", *map(str, counts), f"{own['cpu']:.1f}"]  # fmt: skip
 
 
 def main() -> None:
     """Run the cases of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", nargs="+")
-    parser.add_argument("--viscous", default="0.0001 mm")
+    parser.add_argument("--viscous", nargs="+", default=["0.0001 mm"], metavar="LENGTH")
     parser.add_argument("--alone", action="store_true", help="no run without viscosity")
     parser.add_argument("--steps", action="store_true")
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()
-    viscous = read(given.viscous, "m")
     print(",".join(COLUMNS))
     for case in given.case:
-        for line in rows(case, viscous, given.steps, given.alone):
-            print(line, flush=True)
+        for each in rows(case, given.viscous, given.steps, given.alone):
+            print(",".join(each), flush=True)
             if given.out is not None:
                 with given.out.open("a", encoding="utf-8") as file:
-                    file.write(line + "\n")
+                    file.write(",".join(each) + "\n")
 
 
 if __name__ == "__main__":

@@ -2,14 +2,15 @@
 """Limits of bricks and of Fourier series beside each other: pulls of several caissons and grounds.
 
     python -m benchmarks.two_limits [--out FILE] [--runs FOLDER] [--ends MM ...] [--bricks MESH ...]
-        [--series MESH ...] CASE...
+        [--series MESH ...] [--drained-alone MESH ...] CASE...
 
 One run a mesh leads to the largest displacement; the curves up to each end are rows of their own. Each limit is
 extrapolated from the meshes that reach the end as in `pysprings accuracy` (the finest as it is where no order can be
 fitted, or fewer than three do). Prints a line of comma-separated values an end and measure: the largest difference of
 load and rotation up to the end and the root mean square one of p(y), per cent of the largest value; the same at the end
 itself, where every run has a state; of runs with water also, at the end, the load over that of the drained run on the
-same mesh, the water force under the lid and the largest difference of the pressure at five points; the aim, and
+same mesh, that ratio times the drained limit, the water force under the lid and the largest difference of the pressure
+at five points; the aim, and
 whether the values at the end meet it; what each limit is uncertain by up to the end, which is its distance from the
 finest mesh; and whether the limits differ by more than both uncertainties together. Runs in the folder are not
 repeated.
@@ -40,20 +41,23 @@ BRICKS, SERIES = (
     ("medium:0.7", "medium", "medium:1.4"),
     ("fourier-coarse@5", "fourier-coarse:2@5", "fourier-coarse:3@5"),
 )
-OVER_DRAINED, WATER_FORCE, PRESSURES = "load_over_drained", "water_force", "pore_pressures"
+OVER_DRAINED, BY_DRAINED, WATER_FORCE, PRESSURES = (
+    "load_over_drained", "load_by_drained", "water_force", "pore_pressures",
+)  # fmt: skip
 # Measure -> its words
 WORDS = {
     "load_max": "load, %", "rotation_max": "rotation, %", "py_rms": "p-y rms, %",
-    OVER_DRAINED: "load over the drained one, %", WATER_FORCE: "F_pw, %", PRESSURES: "p at five points, kPa",
+    OVER_DRAINED: "load over the drained one, %", BY_DRAINED: "drained limit times that, %", WATER_FORCE: "F_pw, %",
+    PRESSURES: "p at five points, kPa",
 }  # fmt: skip
-MEASURED, WATER = ("load_max", "rotation_max", "py_rms"), (OVER_DRAINED, WATER_FORCE, PRESSURES)
+MEASURED, WATER = ("load_max", "rotation_max", "py_rms"), (OVER_DRAINED, BY_DRAINED, WATER_FORCE, PRESSURES)
 HEAD = (
     "case", "to", "measure", "limits differ up to there by", "at it by", "aim", "met", "bricks uncertain by",
     "series uncertain by", "explained", "finest meshes",
 )  # fmt: skip
 DRY_AIMS = {"load_max": 0.5, "rotation_max": 0.5, "py_rms": 0.5}
 GAP_AIMS = {"load_max": 1.0, "rotation_max": 1.0, "py_rms": 1.0}
-WET_AIMS = {"load_max": 1.0, OVER_DRAINED: 1.0, WATER_FORCE: 5.0, PRESSURES: 0.3}
+WET_AIMS = {"load_max": 1.0, OVER_DRAINED: 1.0, BY_DRAINED: 1.0, WATER_FORCE: 5.0, PRESSURES: 0.3}
 # Side, azimuth and depth (m) of the pressures that are compared
 POINTS = (
     ("inside", 0.0, 0.25), ("inside", 0.0, 2.25), ("outside", np.pi, 2.25), ("outside", np.pi, 3.9),
@@ -78,11 +82,12 @@ def _caisson(diameter: float, ratio: float) -> dict[str, Any]:
 
 # With viscosity, runs on fine sections get through lift-off of the lid
 _VISCOUS = {"domain": PAPER, "solver": {"viscous_displacement": 1e-7}}
+_FAR = (1.0, 2.5, 5.0, 20.0)
 CASES: dict[str, Case] = {
     "the paper's": Case((1.0, 2.5, 5.0), {"domain": PAPER}),
-    "the paper's, viscous": Case((1.0, 2.5, 5.0, 20.0), _VISCOUS),
-    "the paper's, 0.05 mm/s": Case((1.0, 2.5, 5.0, 20.0), _VISCOUS, WET_AIMS, 0.05),
-    "the paper's, 0.5 mm/s": Case((1.0, 2.5, 5.0, 20.0), _VISCOUS, WET_AIMS, 0.5),
+    "the paper's, viscous": Case(_FAR, _VISCOUS),
+    "the paper's, 0.05 mm/s": Case(_FAR, _VISCOUS, WET_AIMS, 0.05),
+    "the paper's, 0.5 mm/s": Case(_FAR, _VISCOUS, WET_AIMS, 0.5),
     "L/D 0.25, 12 m": Case((4.0,), _caisson(12.0, 0.25)),
     "L/D 1, 6 m": Case((2.5,), _caisson(6.0, 1.0)),
     "loose over dense sand": Case((2.5,), {"domain": PAPER, "soil": {"layer": [
@@ -148,7 +153,7 @@ def difference(name: str, one: Sample, other: Sample) -> float:
         return 1e-3 * float(np.abs(one[name] - other[name]).max())
     if name == OVER_DRAINED:
         return 100.0 * float(np.abs(one[name] - other[name]).max())
-    if name == WATER_FORCE:
+    if name in (BY_DRAINED, WATER_FORCE):
         return 100.0 * float(np.abs((one[name] - other[name]) / one[name]).max())
     return measures.errors(other, one)[name]
 
@@ -203,7 +208,7 @@ def limits(
 ) -> Limits | None:  # fmt: skip
     """Return the limits up to an end (mm) from the runs that reach it; None where none of a kind does.
 
-    ``drained`` are the runs without water on the same meshes, of runs with water.
+    ``drained`` are the runs without water on the same meshes, and maybe on finer ones, of runs with water.
     """
     cut, dry = _cut(trees, end), _cut(drained or {}, end)
     if drained is not None:
@@ -212,25 +217,46 @@ def limits(
     if not all(reach.values()):
         return None
     each = _samples(cut, {name: tree for name, tree in dry.items() if name in cut})
-    sizes = {name: cell_size(tree.attrs["n_unknowns"], tree.attrs.get("harmonics")) for name, tree in cut.items()}
-    found = {
-        kind: measures.reference_of([each[name] for name in family], [sizes[name] for name in family])
-        for kind, family in reach.items()
-    }
+    found = {kind: _limit(each, cut, family) for kind, family in reach.items()}
+    if drained is not None:
+        plain = _samples(dry, {})
+        for kind, family in meshes.items():
+            alone = _limit(plain, dry, [name for name in family if name in dry])
+            found[kind][BY_DRAINED] = by_drained(alone[LOAD], found[kind][OVER_DRAINED])
     return Limits(found["bricks"], found["series"], (reach["bricks"][-1], reach["series"][-1]))
 
 
-def rows(
-    case: str, meshes: Mapping[str, Sequence[str]], ends: Sequence[float] = (), folder: Path | None = None
-) -> list[list[str]]:  # fmt: skip
-    """Run a case on all meshes; return its lines, those of the ends that both discretisations reach."""
+def _limit(each: Mapping[str, Sample], trees: Mapping[str, xr.DataTree], names: Sequence[str]) -> dict[str, Reference]:
+    """Return what the samples of some meshes, the finest last, tend to."""
+    attrs = [trees[name].attrs for name in names]
+    sizes = [cell_size(own["n_unknowns"], own.get("harmonics")) for own in attrs]
+    return measures.reference_of([each[name] for name in names], sizes)
 
-    def run(scene: Scene) -> dict[str, xr.DataTree]:
-        names = [name for family in meshes.values() for name in family]
-        return {name: result_of(read_mesh(name).scene(scene), folder) for name in names}
+
+def by_drained(load: Reference, ratio: Reference) -> Reference:
+    """Return the limit of a load with water at the end: the drained limit times the limit of the ratio of both.
+
+    Cells of a size change both loads alike: the ratio is nearly the same on all meshes, and the drained limit may rest
+    on finer ones.
+    """
+    return Reference(load.values[-1:] * ratio.values, load.beside[-1:] * ratio.beside, load.order, load.note)
+
+
+def rows(
+    case: str, meshes: Mapping[str, Sequence[str]], ends: Sequence[float] = (), folder: Path | None = None,
+    drained_alone: Sequence[str] = (),
+) -> list[list[str]]:  # fmt: skip
+    """Run a case on all meshes; return its lines, those of the ends that both discretisations reach.
+
+    Runs with water leave out the meshes of ``drained_alone``.
+    """
+    names = [name for family in meshes.values() for name in family]
+
+    def run(scene: Scene, left_out: Sequence[str] = ()) -> dict[str, xr.DataTree]:
+        return {name: result_of(read_mesh(name).scene(scene), folder) for name in names if name not in left_out}
 
     wet, lines = CASES[case].rate is not None, []
-    trees = run(scene_of(case, ends))
+    trees = run(scene_of(case, ends), drained_alone if wet else ())
     drained = run(scene_of(case, ends, drained=True)) if wet else None
     for end in sorted(ends or CASES[case].ends):
         found = limits(trees, meshes, end, drained)
@@ -248,12 +274,14 @@ def main() -> None:
     parser.add_argument("--ends", type=float, nargs="+", default=(), help="of every pull, mm")
     parser.add_argument("--bricks", nargs="+", default=BRICKS)
     parser.add_argument("--series", nargs="+", default=SERIES)
+    parser.add_argument("--drained-alone", nargs="+", default=(), help="meshes that runs with water leave out")
     given = parser.parse_args()
     lines = [list(HEAD)]
     screen = csv.writer(sys.stdout, lineterminator="\n")
     screen.writerow(HEAD)
+    meshes = {"bricks": given.bricks, "series": given.series}
     for case in given.case:
-        lines += (found := rows(case, {"bricks": given.bricks, "series": given.series}, given.ends, given.runs))
+        lines += (found := rows(case, meshes, given.ends, given.runs, given.drained_alone))
         screen.writerows(found)
         sys.stdout.flush()
         if given.out is not None:

@@ -23,7 +23,8 @@ class Stage:
     at the end of the stage; ``load`` (nb, nc) is the pattern of the unknown force that imposes each of them.
     ``force`` (nb,) is the known external force at the end of the stage. Everything varies linearly over the
     stage from the values that held at its start. ``stops`` are fractions of the stage where a converged state
-    must land. ``lag`` is the relaxation time of a viscous soil over the duration of the stage (see soil.viscous).
+    must land. ``lag`` is the relaxation time of a viscous soil over the duration of the stage (see soil.viscous); it
+    counts once an attempt has been given up (see solve.stepping).
     """
 
     name: str

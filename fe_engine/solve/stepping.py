@@ -57,7 +57,8 @@ class Driver:
     that change over the square of the motion, no less than the smallest eigenvalue. ``position`` is where the last
     commit left the stage: a new driver goes on from there as this one would have. ``refusal`` is asked with the motion
     of the border (nb,) that an increment has converged to: where it returns a reason, the attempt is given up and a
-    smaller one made.
+    smaller one made. The relaxation time of a stage counts once an attempt has been given up: a run without one is
+    that of the law itself.
     """
 
     newton: Newton
@@ -98,7 +99,7 @@ class Driver:
                 stage.load,
                 force + target * (stage.force - force),
                 step * stage.duration,
-                share_of(step, stage.lag),
+                share_of(step, self._lag(stage)),
             )
             try:
                 increment = self._attempt(stage, loading, target, self._guess(last, step))
@@ -118,6 +119,10 @@ class Driver:
             on_step(Step(stage.name, done, forces, increment, cuts, loading.time_step, held))
             cuts = 0
         self.force = np.array(stage.force, dtype=float)
+
+    def _lag(self, stage: Stage) -> float:
+        """Return the relaxation time of the soil: none until an attempt has been given up."""
+        return stage.lag if self.given_up else 0.0
 
     def _attempt(self, stage: Stage, loading: Loading, target: float, guess: tuple) -> Increment:
         self.state.reset_trial()

@@ -311,7 +311,7 @@ def _keep(work: Work, run: PathRun) -> None:
             dataset.attrs["rate_m_per_s"] = path.rate
         if path.arm_from is not None:
             dataset.attrs["arm_from_m"] = path.arm_from
-        if (viscous := viscous_displacement(work.scene, path)) is not None:
+        if driver.given_up and (viscous := viscous_displacement(work.scene, path)) is not None:
             dataset.attrs["viscous_displacement_m"] = viscous
         dataset.attrs |= _parts(path)
         if path.load_angle is not None:

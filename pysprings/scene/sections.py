@@ -110,7 +110,9 @@ _RATES = QuantityList(
     "rates of the reach at which the rays are computed; needed where water flows",
 )  # fmt: skip
 _VISCOUS = Quantity(
-    "mm", "[1e-9, 100]", "imposed motion in which stress beyond yield relaxes: carries paths through localised sand",
+    "mm", "[1e-9, 100]",
+    "imposed motion in which stress beyond yield relaxes once an attempt at a step has failed: carries paths through "
+    "localised sand",
     "0.001 mm", optional=True,
 )  # fmt: skip
 _FRACTION = Number("[1e-12, 1]", "first step, as a fraction of the path", 0.02, optional=True)

@@ -26,9 +26,10 @@ SERIES = ("medium:0.7", "medium", "medium:1.4")
 BETWEEN = ("coarse:0.7", "coarse:0.8", "coarse", "medium:0.85", "paper")
 QUICK_SERIES = ("coarse:0.7", "coarse", "coarse:1.3")  # 4, 8 and 12 cells around
 
-# Fourier: each mesh of the series has twice the elements in each direction; harmonics stand behind @
+# Fourier: factors on the elements in each direction; harmonics stand behind @. The three finest have as many rings
+# along the skirt as p(y) is compared in slices, or more: with fewer, p between the rings does not converge by an order.
 BRICKS, FOURIER = get_args(Discretisation)
-FOURIER_SERIES = ("fourier-coarse@8", "fourier-coarse:2@8", "fourier-coarse:4@8")
+FOURIER_SERIES = ("fourier-coarse@8", "fourier-coarse:2@8", "fourier-coarse:3@8", "fourier-coarse:4@8")
 FOURIER_BETWEEN = (
     "fourier-coarse@2", "fourier-coarse", "fourier-medium@2", "fourier-medium", "fourier-medium@5", "fourier-paper@2",
     "fourier-paper",

@@ -17,6 +17,7 @@ from fe_engine.solve.stepping import Driver, _next, fewest_increments
 from fe_engine.state import State
 from tests.support.models import footing, run, soil, stage, start
 
+FAILED = ("pull", 0.1, NotConverged("no balance"))  # an attempt that was given up
 CAPACITY = 0.5 * 2.0e4 * 0.5  # N: mu times pressure times area
 KINDS = {
     "pull": stage({0: 5.0e-4}, arm=0.3, stops=(0.33, 0.7, 1.0)),
@@ -196,6 +197,17 @@ def test_load_beyond_the_capacity_ends_in_not_converged():
     assert reached == pytest.approx(1.3 * CAPACITY * out.steps[-1].fraction, rel=1e-5)
 
 
+def test_the_soil_is_viscous_once_an_attempt_has_been_given_up():
+    """Not before: then every bit is that of a run without viscosity; overstress adds to the load."""
+    plain, unneeded, viscous = (start(footing()) for _ in range(3))
+    viscous.driver.given_up.append(FAILED)
+    for out, lag in ((plain, 0.0), (unneeded, 0.1), (viscous, 0.1)):
+        out.driver.run(replace(KINDS["pull"], lag=lag), out.steps.append)
+    loads = [[step.multipliers[0] for step in out.steps] for out in (plain, unneeded, viscous)]
+    assert loads[0] == loads[1]
+    assert loads[2][3] > 1.05 * loads[0][3]  # on the way to the sliding load
+
+
 # --- going on from a saved position -------------------------------------------------------------------------
 
 
@@ -203,12 +215,14 @@ def test_load_beyond_the_capacity_ends_in_not_converged():
 def test_a_new_driver_goes_on_from_any_step_bit_by_bit(kind, lag):
     """Two stages; a driver that starts anew after each step ends in the same bits as one that never stopped."""
     stages = [replace(KINDS[kind], lag=lag), stage({0: 1.0e-4}, arm=0.3)]
-    straight = run(footing(), *stages)
-    out = start(footing())
+    straight, out = start(footing()), start(footing())
+    straight.driver.given_up.append(FAILED)
+    for each in stages:
+        straight.driver.run(each, straight.steps.append)
     for number, each in enumerate(stages):
         position = None
         while position is None or position.done < 1.0:
-            driver = Driver(out.driver.newton, out.state, n_steps=len(out.steps), force=out.driver.force)
+            driver = Driver(out.driver.newton, out.state, [], [FAILED], n_steps=len(out.steps), force=out.driver.force)
             with pytest.raises(_Stopped):
                 driver.run(each, lambda step: _stop_after(out.steps, step), position)
             position = driver.position

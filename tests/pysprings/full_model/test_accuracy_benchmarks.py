@@ -194,6 +194,29 @@ def test_a_run_that_stops_short_is_left_out_beyond_its_end(monkeypatch: pytest.M
     assert two_limits.limits(trees, MESHES, 6.0) is None
 
 
+def test_a_load_with_water_is_the_drained_limit_times_the_ratio_of_both(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drained runs have three meshes of bricks, those with water two: the product errs less than the load itself."""
+    seen = []
+
+    def computed(scene: Scene) -> Computed:
+        seen.append((scene.drainage.mode, scene.discretisation, scene.mesh.refinement))
+        tree = made(scene)
+        path = tree["paths/pull"].to_dataset()
+        tree["paths/pull"] = xr.DataTree(path.assign(F_pw=path["F_pw"] - 5e3))
+        return Computed(tree, RunRecord(Status.COMPLETE))
+
+    monkeypatch.setattr(kept_runs, "compute", computed)
+    lines = two_limits.rows("the paper's, 0.5 mm/s", MESHES, ENDS[1:], drained_alone=("coarse:2",))
+    rows = {line[2]: dict(zip(two_limits.HEAD, line, strict=True)) for line in lines}
+    names = ("load_max", two_limits.BY_DRAINED, two_limits.OVER_DRAINED)
+    load, product, ratio = (rows[two_limits.WORDS[name]] for name in names)
+    assert float(product["at it by"]) == pytest.approx(1.0, abs=0.05)
+    assert float(load["at it by"]) > 1.3
+    assert float(ratio["at it by"]) == pytest.approx(0.0, abs=1e-9)
+    assert load["finest meshes"].startswith("coarse:1.5,")
+    assert ("drained", "hex8", 2.0) in seen and ("coupled", "hex8", 2.0) not in seen
+
+
 def test_water_is_compared_at_five_points_and_by_its_force() -> None:
     path = with_error(9000)["paths/pull"].to_dataset()
     depth = path["depth"]

@@ -14,7 +14,7 @@ from pysprings.cli.run import with_target
 from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
-from pysprings.full_model.accuracy.curves import LOAD, PY
+from pysprings.full_model.accuracy.curves import LOAD, PY, SLICES
 from pysprings.full_model.accuracy.own_estimate import (
     add_estimate,
     companions_of,
@@ -73,7 +73,11 @@ def test_the_series_is_ordered_by_size_and_names_a_mesh_once() -> None:
 def test_meshes_of_series_stand_beside_the_bricks() -> None:
     found = settings(fourier=True)
     series = [each for each in found if each.discretisation == "fourier"]
-    assert {each.name for each in series if each.series} == {f"fourier-coarse{end}-N8" for end in ("", "-2", "-4")}
+    assert {each.name for each in series if each.series} == {
+        f"fourier-coarse{end}-N8" for end in ("", "-2", "-3", "-4")
+    }
+    rings = [section_counts_of(each.scene(tiny.paper())).skirt for each in series if each.series]
+    assert len(rings) == 4 and min(rings[1:]) >= SLICES  # of the three finest, beside the slices of p(y)
     assert all(each.solver == {"tolerance": 1e-3} for each in series)
     assert {each.mesh for each in found if each.group != "mesh"} == {"medium"}  # bricks alone are varied
     scene = read_mesh("fourier-paper:1.5@5").scene(tiny.paper(mesh={"azimuth": 12}))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import Computed
@@ -14,6 +15,7 @@ from tests.support import tiny
 
 CASE = next(each for each in CASES if each.name == "K0-0.3-strong")
 END = 3e-3  # m; without viscosity the path stops at 1.2 mm
+FEW = {"max_iterations": 4, "first_step_fraction": 0.5}  # the first attempt takes more
 STOPS = (0.1e-3, 0.5e-3, 1e-3, 2e-3)  # m
 
 
@@ -43,10 +45,23 @@ def test_a_path_that_localises_goes_on_and_its_loads_before_are_the_same() -> No
     assert energy["imbalance_over_largest_term"] < 1e-4
 
 
-def test_overstress_grows_with_the_viscous_displacement() -> None:
+def test_a_path_without_a_failed_attempt_has_no_viscosity() -> None:
+    """Every number is that of the run without it, and nothing names it."""
+    plain, other = (
+        compute(tiny.scene(solver={"viscous_displacement": each})).recorded()["paths/pull"].to_dataset()
+        for each in (None, 1e-5)
+    )
+    xr.testing.assert_identical(other, plain)
+
+
+@pytest.mark.slow
+def test_overstress_grows_with_the_viscous_displacement_once_an_attempt_has_failed() -> None:
+    """Few iterations are allowed, so that attempts fail."""
     found = []
     for viscous in (None, 1e-7, 1e-5):
-        tree = compute(tiny.scene(solver={"viscous_displacement": viscous})).recorded()
-        found.append(float(tree["paths/pull"]["H"][-1]))
+        few = {"viscous_displacement": viscous} | FEW
+        path = compute(tiny.scene(solver=few)).recorded()["paths/pull"]
+        assert path.attrs.get("viscous_displacement_m") == viscous
+        found.append(float(path["H"][-1]))
     assert found[0] < found[1] < found[2]
     assert found[1] == pytest.approx(found[0], rel=2e-3)
