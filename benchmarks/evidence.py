@@ -36,12 +36,15 @@ class Page:
         self.used: list[str] = []
 
     def rows(self, name: str) -> list[list[str]]:
-        """Return a data set as rows of text, the heads first."""
+        """Return a data set as rows of text, the heads first; every row must be as long as the heads."""
         origin = max((known for known in self.origins if name.startswith(known)), key=len)
         if origin not in self.used:
             self.used.append(origin)
         with (self.data / f"{name}.csv").open(newline="", encoding="utf-8") as stream:
-            return list(csv.reader(stream))
+            rows = list(csv.reader(stream))
+        if ragged := [row for row in rows if len(row) != len(rows[0])]:
+            raise ValueError(f"{name}.csv: {len(ragged)} rows have not the {len(rows[0])} columns of the heads")
+        return rows
 
     def table(self, name: str, columns: int | None = None, numbers: bool = False) -> str:
         """Return a data set as a table (a list if it is one): its first columns, or all."""

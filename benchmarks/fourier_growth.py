@@ -15,6 +15,7 @@ gap and lid are open.
 from __future__ import annotations
 
 import argparse
+import csv
 import math
 import multiprocessing
 import time
@@ -123,7 +124,8 @@ def main() -> None:
     print(",".join(head))
     rows = growth(given.meshes, 1e-3 * given.end) if given.what == "growth" else harmonics(given.mesh)
     if given.out is not None:
-        given.out.write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n", encoding="utf-8")
+        with given.out.open("w", newline="", encoding="utf-8") as stream:
+            csv.writer(stream, lineterminator="\n").writerows([head, *rows])
 
 
 if __name__ == "__main__":
