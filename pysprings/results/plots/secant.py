@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SMALLEST = 1e-9  # m or rad: a smaller motion has no secant
+ROUNDING = 1e-6  # share of the largest H D and M at which M is zero, and the same for H
 
 
 @styled
@@ -31,9 +32,9 @@ def secant_stiffness(tree: xr.DataTree) -> Figure:
     left, right = figure.subplots(1, 2)
     diameter = float(tree.attrs.get("outer_diameter_m", np.nan))
     known = diameter if np.isfinite(diameter) else 1.0
-    draw_secant(left, tree, "H", "u", known)
+    draw_secant(left, tree, "H", "u", known, _rounding(tree, known))
     left.set(xlabel="u / D" if np.isfinite(diameter) else "u [m]", ylabel="H / u [MN/m]", title="Horizontal motion")
-    draw_secant(right, tree, "M", "rotation", 1.0)
+    draw_secant(right, tree, "M", "rotation", 1.0, known * _rounding(tree, known))
     right.set(xlabel="rotation [rad]", ylabel="M / rotation [MN m/rad]", title="Rotation")
     set_title(figure, "Secant stiffness against motion (dashed: held back)", settings(tree))
     lines = {str(line.get_label()): line for axes in (left, right) for line in axes.get_lines()}
@@ -42,11 +43,24 @@ def secant_stiffness(tree: xr.DataTree) -> Figure:
     return figure
 
 
-def draw_secant(axes: Axes, tree: xr.DataTree, load: str, motion: str, over: float) -> None:
-    """Draw load over motion against motion / `over` on given axes, for the states where the load drives the motion."""
+def _rounding(tree: xr.DataTree, diameter: float) -> float:
+    """Return the H [N] below which a load is rounding beside the largest H and M/D of all lateral paths."""
+    sizes = [
+        float(np.abs(path[load].values).max(initial=0.0)) / arm
+        for _, path, _ in lateral_paths(tree)
+        for load, arm in (("H", 1.0), ("M", diameter))
+    ]
+    return ROUNDING * max(sizes, default=0.0)
+
+
+def draw_secant(axes: Axes, tree: xr.DataTree, load: str, motion: str, over: float, least: float = 0.0) -> None:
+    """Draw load over motion against motion / `over` on given axes, for the states where the load drives the motion.
+
+    Loads up to `least` (N or N m) are zero.
+    """
     for name, path, colour in lateral_paths(tree):
         x, y = path[motion].values, path[load].values
-        shown = converged(path) & (np.abs(x) > SMALLEST) & (x * y > 0.0)
+        shown = converged(path) & (np.abs(x) > SMALLEST) & (x * y > 0.0) & (np.abs(y) > least)
         if shown.sum() > 1:
             line = "--" if path.attrs.get("role") == "held-back" else "-"
             size, secant = np.abs(x[shown]) / over, MN * y[shown] / x[shown]
