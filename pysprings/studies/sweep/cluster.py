@@ -21,6 +21,7 @@ _SHARE = 0.9  # of the memory of this machine, for all workers
 _DEATHS = 10  # of workers with a case, before the case is given up
 _ATTEMPTS = 3  # to start the processes
 _WAIT = 15.0  # s for a scheduler to answer
+_LOGS = ("distributed", "distributed.client", "tornado.application", "asyncio")
 _THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -111,8 +112,10 @@ def _remote(scheduler: str) -> Iterator[Any]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep what Dask logs about workers that come and go off the terminal."""
-    logs = [logging.getLogger(name) for name in ("distributed", "tornado.application", "asyncio")]
+    """Keep what Dask logs about workers and schedulers that come and go off the terminal."""
+    import distributed  # noqa: F401  (sets levels of its own)
+
+    logs = [logging.getLogger(name) for name in _LOGS]
     levels = [log.level for log in logs]
     for log in logs:
         log.setLevel(logging.CRITICAL)

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -261,28 +263,48 @@ def test_an_interrupted_study_goes_on(tmp_path):
     assert all(file.stat().st_mtime_ns == stamp for file, stamp in kept.items())
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(os.name == "nt", reason="processes of the scheduler")
-def test_a_study_runs_on_a_scheduler_that_is_there_and_ends_when_it_goes(tmp_path):
-    make(tmp_path)
-    file = tmp_path / "scheduler.json"
-    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--scheduler-file", str(file), "--port", "0",
-            "--no-dashboard"]  # fmt: skip
-    worker_of = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(file), "--nthreads", "1",
-                 "--no-nanny", "--no-dashboard"]  # fmt: skip
+@contextmanager
+def scheduler_and_worker(file):
+    """Start a scheduler and a worker as processes; give both, kill both at the end."""
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    processes = [subprocess.Popen(dask, **quiet)]
+    asked = ["--scheduler-file", str(file), "--no-dashboard"]
+    scheduler = [sys.executable, "-m", "distributed.cli.dask_scheduler", *asked, "--port", "0"]
+    processes = [subprocess.Popen(scheduler, **quiet)]
     try:
         while not file.exists():
             time.sleep(0.1)
+        worker_of = [sys.executable, "-m", "distributed.cli.dask_worker", *asked, "--nthreads", "1", "--no-nanny"]
         processes.append(subprocess.Popen(worker_of, **quiet))
-        command = [*COMMAND[:-2], "--scheduler", str(file)]
-        subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
-        assert [row["status"] for row in rows(tmp_path / "out")] == ["complete"] * 4
+        yield processes
     finally:
         for process in processes:
             process.kill()
             process.wait()
-    elsewhere = ["other" if word == "out" else word for word in command]
-    gone = subprocess.run(elsewhere, cwd=tmp_path, capture_output=True, text=True, check=False)
+        file.unlink()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="processes of the scheduler")
+def test_a_study_ends_when_its_scheduler_is_killed_and_goes_on_with_another_one(tmp_path):
+    make(tmp_path)
+    file = tmp_path / "scheduler.json"
+    command = [*COMMAND[:-2], "--scheduler", str(file)]
+    with scheduler_and_worker(file) as (scheduler, _):
+        process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        while process.poll() is None and not list((tmp_path / "out").glob("cases/*/case.json")):
+            time.sleep(0.05)
+        scheduler.kill()
+        _, messages = process.communicate(timeout=120)
+        address = json.loads(file.read_text(encoding="utf-8"))["address"]
+    assert process.returncode == 4 and "Traceback" not in messages
+    assert messages.splitlines()[-1].startswith("fatal: resources: the scheduler went away")
+    kept = {ended: ended.stat().st_mtime_ns for ended in (tmp_path / "out").glob("cases/*/case.json")}
+    assert 1 <= len(kept) < 4
+
+    gone = subprocess.run([*command[:-1], address], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert gone.returncode == 4 and "no scheduler answers" in gone.stderr
+
+    with scheduler_and_worker(file):
+        subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["complete"] * 4
+    assert all(ended.stat().st_mtime_ns == stamp for ended, stamp in kept.items())
