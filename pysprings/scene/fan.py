@@ -22,9 +22,10 @@ _PULL = next(name for name, kind in PATH_KINDS.items() if kind.free_head and not
 FEW_RAYS, FEW_ARMS = (0, -50, 90), ARMS[-1:]
 _SHARE = 0.5  # of the reach: vertical paths and held-back pulls
 # Rays that turn back, degrees: a translation, and the directions between which pulls with a free head lie. Ends over
-# the reach: what an unloading looks like depends on how large the motion before was.
+# the reach: what an unloading looks like depends on how large the motion before was. The middle one twice: what a
+# second cycle of the same size carries more than the first is hardening.
 REVERSED = (0, -30, -50)
-TURNS = (0.12, -0.12, 0.4, -0.4, 0.4)
+TURNS = (0.12, -0.12, 0.24, -0.24, 0.24, -0.24, 0.4, -0.4, 0.4)
 
 
 def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:

@@ -19,7 +19,7 @@ STEP = 10  # degrees between ways from the origin
 POINTS, FIRST = 20, 1.0 / 500.0  # of a way, and its first point as a share of the last one
 FLOOR = 0.05  # errors are relative to the load, and to this share of the largest of the way where that is more
 # Rays that turn back: points every share of the reach, and behind each turn; weight beside a ray
-EVERY, BEHIND, WEIGHT = 1.0 / 40.0, (2.5e-4, 7.5e-4, 2.5e-3, 5e-3, 1e-2, 2e-2, 4e-2), 1.5
+EVERY, BEHIND, WEIGHT = 1.0 / 40.0, (2.5e-4, 7.5e-4, 2.5e-3, 5e-3, 1e-2, 2e-2, 4e-2), 0.7
 
 
 @dataclass(frozen=True, slots=True)

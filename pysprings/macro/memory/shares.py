@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.elements import GAP, histories
-from pysprings.macro.memory.samples import WEIGHT as TURNING
 from pysprings.macro.memory.samples import Sample
 
 Array = NDArray[np.float64]
@@ -31,6 +30,7 @@ Array = NDArray[np.float64]
 RIDGE = 1e-3  # of the largest singular value of the regressors
 # Of even rows: lengths s over the reach, ridges, share of a turning way that is fitted, least heave over the largest
 LENGTHS, RIDGES, FITTED, LEAST = (np.inf, 1.0, 0.3), (1e-3, 1e-2, 5e-2, 0.2), 0.6, 0.2
+TURNING = 1.5  # weight of the heave of a ray that turns back beside a ray
 
 
 @dataclass(frozen=True, slots=True)

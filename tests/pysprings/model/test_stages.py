@@ -234,7 +234,8 @@ def test_a_fan_with_memory_has_three_rays_that_turn_back(rate: float | None) -> 
     rates = {} if rate is None else {"rates": (rate,)}
     scene = Scene(springs={"reach": 20e-3, "memory": True, **rates})
     shift, middle, turned = (path for path in scene.load_paths if path.role == "memory")
-    sizes = 20e-3 * np.array([0.12, -0.12, 0.4, -0.4, 0.4])  # forth, back to the other side, and farther
+    # back and forth, farther; the middle one twice
+    sizes = 20e-3 * np.array([0.12, -0.12, 0.24, -0.24, 0.24, -0.24, 0.4, -0.4, 0.4])
     targets = [s.target.tolist() for s in path_stages(scene, shift, 0.0)]
     np.testing.assert_allclose(targets, [[u, 0.0] for u in sizes], rtol=1e-12)
     for path, angle in ((middle, -30.0), (turned, -50.0)):
@@ -243,4 +244,4 @@ def test_a_fan_with_memory_has_three_rays_that_turn_back(rate: float | None) -> 
         np.testing.assert_allclose([np.degrees(np.arctan(turn * L / u)) for u, turn in ends], angle)
     times = [s.duration for s in path_stages(scene, turned, 0.0)]
     steps = np.abs(np.diff(sizes, prepend=0.0)) / 1e-4
-    assert times == ([0.0] * 5 if rate is None else pytest.approx(steps))
+    assert times == ([0.0] * 9 if rate is None else pytest.approx(steps))
