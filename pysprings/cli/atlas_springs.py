@@ -13,15 +13,19 @@ from pysprings.cli.support import quantities, refuse
 if TYPE_CHECKING:
     import xarray as xr
 
+_VERTICAL = ("caisson", "vertical_load")
 SHIPPED_ATLASES = (
-    "an atlas (clay, sand, or a .nc file) "
+    "an atlas (clay, clay-gap, sand, or a .nc file) "
     "or formulas (clay-conic, clay-hyperbolic, sand-conic, sand-hyperbolic, or a .json file)"
 )
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What the options of a command say: atlas, scene file, D and L as texts, changes KEY=VALUE, a file to save."""
+    """What the options of a command say: atlas, scene file, D and L as texts, changes KEY=VALUE, a file to save.
+
+    V : vertical load [N] of the caisson, unless a change gives one; None: that of the scene.
+    """
 
     atlas: str
     scene: Path | None
@@ -29,6 +33,7 @@ class Asked:
     L: str | None
     changes: tuple[str, ...] = ()
     save: Path | None = None
+    V: float | None = None
 
 
 def refuse_without_atlas(options: Mapping[str, Any]) -> None:
@@ -43,7 +48,7 @@ def springs_of_atlas(asked: Asked, strict: bool = False, extrapolate: bool = Fal
 
     Raises UserInputError for scenes that the atlas does not cover; with ``strict`` also at the edge of its full models.
     """
-    from pysprings.scene.changes import read_changes
+    from pysprings.scene.changes import Change, read_changes
     from pysprings.springs.file import save_springs
     from pysprings.studies.atlas.file import open_atlas
 
@@ -51,13 +56,15 @@ def springs_of_atlas(asked: Asked, strict: bool = False, extrapolate: bool = Fal
         refuse("--save-springs", "name a file that ends in .nc", asked.save)
     atlas = open_atlas(asked.atlas)
     sizes = quantities({"--D": (asked.D, "m", "9 m"), "--L": (asked.L, "m", "6 m")})
-    changes = read_changes(asked.changes)
+    changes = [atlas.named(change) for change in read_changes(asked.changes)]
+    if asked.V is not None and all(change.keys != _VERTICAL for change in changes):
+        changes.append(Change(_VERTICAL, f"{asked.V:.12g} N"))
     if asked.scene is not None:
         if any(value is not None for value in sizes.values()):
             refuse("--D", "the scene file has it: give a scene file, or --D and --L", asked.scene)
         from pysprings.scene.load import SceneText
 
-        scene = SceneText.read(asked.scene).scene([atlas.named(change) for change in changes])
+        scene = SceneText.read(asked.scene).scene(changes)
     else:
         scene = atlas.scene(sizes["--D"], sizes["--L"], changes)
     springs = atlas.springs(scene, extrapolate)

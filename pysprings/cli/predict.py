@@ -209,7 +209,7 @@ def predict(
     question = Question.read(texts, sequence, points)
     springs: AnySprings
     if atlas is not None:
-        asked = Asked(atlas, result, diameter, length, tuple(changes or ()), save_springs)
+        asked = Asked(atlas, result, diameter, length, tuple(changes or ()), save_springs, question.V)
         springs = springs_of_atlas(asked, strict, extrapolate)
     else:
         refuse_without_atlas({"--D": diameter, "--L": length, "--set": changes, "--save-springs": save_springs})

@@ -40,9 +40,9 @@ def size(
 ) -> None:
     """Find the diameter and skirt length of the least steel that meets load cases in tilt and utilisation.
 
-    The atlas answers; its rotation counts with 1.96 standard deviations. The thickness of the skirt is the share
-    of the diameter that the atlas has. With --confirm the full model pulls the result to every load case, on the
-    mesh of the atlas.
+    The atlas answers, at the V of each case; its rotation counts with 1.96 standard deviations. The thickness of the
+    skirt is the share of the diameter that the atlas has. With --confirm the full model pulls the result to every
+    load case, on the mesh of the atlas.
     """
     from pysprings.results.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
@@ -87,14 +87,14 @@ def _files(search: Search, best: Candidate, out: Path) -> list[Path]:
 
 
 def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> None:
-    import numpy as np
+    from pysprings.studies.sizing.search import EDGE
 
     rows: list[list[Any]] = [
         [f"{best.D:.3f}", f"{best.L:.3f}", f"{1e-3 * best.mass:.4g}", f"{best.use:.3f}", best.governs]
     ]
     print_table(["D [m]", "L [m]", "steel [t]", "use", "governs"], rows)
-    if not np.isnan(search.wanted.cases.V).all():
-        print("note: V of the load cases is not used; an atlas has the vertical load of its scene")
+    if best.governs == EDGE:
+        print("note: the atlas covers no smaller caisson at these vertical loads; one might meet the load cases, too")
     print(f"{len(search.tried)} caissons tried on {search.atlas.source}; correction {search.correction:.4g}")
     if checked is None:
         print("not confirmed: --confirm runs the full model")

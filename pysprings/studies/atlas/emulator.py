@@ -82,6 +82,10 @@ class Emulator(Grid):
         texts = [f"{key}: {text}" for key, text in outside] or [*self._outside_hull(inputs)]
         return self._expected(scene, inputs, tuple(texts))
 
+    def covers(self, scene: Scene) -> bool:
+        """Return whether a scene of the family is inside the box of the full models."""
+        return not self._outside_box(self.family.read(scene))
+
     @abstractmethod
     def _expected(self, scene: Scene, inputs: Array, outside: tuple[str, ...]) -> Estimate:
         """Return the estimate of a scene that is covered."""

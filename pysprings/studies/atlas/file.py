@@ -74,7 +74,7 @@ def read_atlas(file: Path) -> Atlas:
     attrs = data.attrs
     text = SceneText(str(attrs["scene_toml"]), f"base scene of {file.name}")
     return Atlas(
-        family=FAMILIES.find(str(attrs["family"]), "family"), text=text, inputs=values["inputs"],
+        family=FAMILIES.find(str(attrs["family"]), "family").emulated, text=text, inputs=values["inputs"],
         rays=tuple(str(name) for name in data["ray"].values), angles=values["angle"], X=values["X"],
         reach=float(attrs["reach_over_diameter"]), rest=values["rest"].astype(float), factor=float(attrs["factor"]),
         fan=(float(attrs["fan"][0]), float(attrs["fan"][1])), about=json.loads(str(attrs["about"])),

@@ -34,6 +34,7 @@ def atlas_of(
 
     Raises UserInputError for studies that an atlas cannot be made of.
     """
+    family = family.emulated
     with open_study(study) as data:
         title, samples = str(data.attrs["title"]), read_samples(data.load(), family)
     atlas, left = build(samples, family, progress=progress)

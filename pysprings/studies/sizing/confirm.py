@@ -63,6 +63,7 @@ def confirmed(atlas: Emulator, wanted: Wanted, candidate: Candidate) -> pd.DataF
         {
             "name": f"case_{k + 1}", "kind": "pull", "arm": float(-cases.M[k] / cases.H[k]),
             "lateral_displacement": float(_FURTHER * abs(expected["u"][k])),
+            "vertical_load": None if np.isnan(cases.V[k]) else float(cases.V[k]),
         }
         for k in chosen
     ]  # fmt: skip

@@ -6,11 +6,12 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.macro.batch import predict_batch
@@ -18,12 +19,15 @@ from pysprings.scene.changes import Change
 
 if TYPE_CHECKING:
     from pysprings.results.tables.load_cases import LoadCases
+    from pysprings.scene.model import Scene
     from pysprings.studies.atlas.emulator import Emulator
 
 STEEL = 7850.0  # kg/m3
 BAND = 1.96
 UNKNOWN = 10.0  # use of a caisson that an atlas has no answer for
+EDGE = "edge of the atlas"
 _CLOSE = 1e-3  # of D
+_SIZES, _HALVINGS = 20, 6  # diameters in equal ratios for the range that an atlas covers, halvings towards its ends
 
 
 @dataclass(frozen=True)
@@ -32,7 +36,7 @@ class Wanted:
 
     Attributes
     ----------
-    cases : load cases.
+    cases : load cases; V [N] of a case is that of its caisson, NaN: that of the scene.
     tilt : largest rotation [rad], of cases that have none of their own.
     utilisation : largest share of the largest known load.
     changes : values of the ground.
@@ -49,7 +53,10 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A caisson, its steel [kg], and its use: the largest share of what is allowed (1: just met), by `governs`."""
+    """A caisson, its steel [kg], and its use: the largest share of what is allowed (1: just met), by `governs`.
+
+    `governs` is `EDGE` where the atlas covers no smaller caisson of the same L/D, which might do, too.
+    """
 
     D: float
     L: float
@@ -94,14 +101,34 @@ class Search:
         """Return the smallest caisson of an L/D that meets all cases; None where the largest one does not."""
         from scipy.optimize import brentq
 
-        low, high = self.wanted.D
-        if self.at(high, ratio * high).use > 1.0:
+        low, high = self.covered(ratio)
+        if low >= high or self.at(high, ratio * high).use > 1.0:
             return None
-        if self.at(low, ratio * low).use <= 1.0:
-            return self.at(low, ratio * low)
+        smallest = self.at(low, ratio * low)
+        if smallest.use <= 1.0:
+            return smallest if low == self.wanted.D[0] else replace(smallest, governs=EDGE)
         D = brentq(lambda D: math.log(self.at(D, ratio * D).use), low, high, xtol=_CLOSE * low)
         D *= 1.0 + _CLOSE
         return self.at(D, ratio * D)
+
+    def covered(self, ratio: float) -> tuple[float, float]:
+        """Return the range of diameters [m] of an L/D that the atlas covers at every V; the same twice where none."""
+
+        def covers(D: float) -> bool:
+            return all(self.atlas.covers(scene) for scene, _ in scenes_of(self.atlas, self.wanted, D, ratio * D))
+
+        sizes = [float(D) for D in np.geomspace(*self.wanted.D, _SIZES)]
+        known = [k for k, D in enumerate(sizes) if covers(D)]
+        if not known:
+            return (self.wanted.D[0],) * 2
+        ends = []
+        for k, beyond in ((known[0], known[0] - 1), (known[-1], known[-1] + 1)):
+            inside, outside = sizes[k], sizes[beyond] if 0 <= beyond < _SIZES else sizes[k]
+            for _ in range(_HALVINGS if inside != outside else 0):
+                middle = math.sqrt(inside * outside)
+                inside, outside = (middle, outside) if covers(middle) else (inside, middle)
+            ends.append(inside)
+        return ends[0], ends[1]
 
     def least(self) -> Candidate:
         """Return the caisson of the least steel. Raises UserInputError where none within the bounds meets the cases."""
@@ -119,7 +146,10 @@ class Search:
         for end in self.wanted.ratio:
             steel(end)
         if not met:
-            raise refused("--D", f"no caisson up to D = {self.wanted.D[1]:g} m meets the load cases")
+            low, high = self.covered(math.sqrt(math.prod(self.wanted.ratio)))
+            text = f"the atlas covers D {low:.3g} to {high:.3g} m" if low < high else "the atlas covers none of them"
+            message = f"no caisson up to D = {self.wanted.D[1]:g} m meets the load cases; at their V {text}"
+            raise refused("--D-max", message)
         return min(met.values(), key=lambda each: each.mass)
 
     def _largest(self, ratio: float) -> tuple[float, float]:
@@ -129,12 +159,24 @@ class Search:
 def answered(atlas: Emulator, wanted: Wanted, D: float, L: float) -> pd.DataFrame:
     """Return the answers of an atlas to the cases for a caisson. Raises UserInputError for what it does not cover."""
     cases = wanted.cases
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        springs = atlas.springs(atlas.scene(D, L, wanted.changes))
-        batch = predict_batch(springs, H=cases.H, M=cases.M)
     names = ("u", "rotation", "u_deviation", "rotation_deviation", "utilisation", "answered")
-    return pd.DataFrame({name: batch[name].values for name in names})
+    table = pd.DataFrame(np.nan, index=range(len(cases)), columns=list(names))
+    for scene, rows in scenes_of(atlas, wanted, D, L):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            batch = predict_batch(atlas.springs(scene), H=cases.H[rows], M=cases.M[rows])
+        table.loc[rows] = np.stack([batch[name].values for name in names], axis=1)
+    return table
+
+
+def scenes_of(atlas: Emulator, wanted: Wanted, D: float, L: float) -> list[tuple[Scene, NDArray[np.int64]]]:
+    """Return the scene of each vertical load of the cases for a caisson, with the rows of its cases."""
+    found = []
+    for V in np.unique(wanted.cases.V):  # of NaN one
+        own = () if np.isnan(V) else (Change(("caisson", "vertical_load"), f"{V:.12g} N"),)
+        rows = np.flatnonzero(np.isnan(wanted.cases.V) if np.isnan(V) else wanted.cases.V == V)
+        found.append((atlas.scene(D, L, (*wanted.changes, *own)), rows))
+    return found
 
 
 def mass_of(atlas: Emulator, D: float, L: float) -> float:

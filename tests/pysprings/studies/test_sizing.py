@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,7 @@ from pysprings.scene.changes import read_changes
 from pysprings.studies.atlas.model import Atlas
 from pysprings.studies.sizing import confirm
 from pysprings.studies.sizing.confirm import correction_of
-from pysprings.studies.sizing.search import Candidate, Search, Wanted, answered, bounds_of, mass_of
+from pysprings.studies.sizing.search import EDGE, Candidate, Search, Wanted, answered, bounds_of, mass_of, scenes_of
 
 
 @pytest.fixture(scope="module")
@@ -85,3 +86,34 @@ def test_what_the_full_model_never_confirms_is_no_result(search, monkeypatch):
     monkeypatch.setattr(confirm, "confirmed", turned(np.nan))
     with pytest.raises(RunIncomplete, match=r"not confirmed: after 3 corrections .* 'extreme' at not reached"):
         confirm.least_confirmed(search)
+
+
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory):
+    """Two load cases with a V each, in sand."""
+    file = tmp_path_factory.mktemp("cases") / "cases.csv"
+    text = "name,H [kN],arm [m],V [MN],tilt [deg]\nextreme,1500,10,3,0.5\nservice,800,12,2,0.05\n"
+    file.write_text(text, encoding="utf-8")
+    wanted = Wanted(read_load_cases(file), math.radians(0.5), 0.8, (), (3.0, 12.0), (1.1, 1.2))
+    return Search(pysprings.open_atlas("sand"), wanted)
+
+
+def test_every_load_case_is_answered_at_its_own_vertical_load(loaded):
+    found = answered(loaded.atlas, loaded.wanted, 8.0, 9.0)
+    for row, V in enumerate(("3 MN", "2 MN")):
+        alone = replace(loaded.wanted.cases, V=np.full(2, np.nan))
+        at = replace(loaded.wanted, cases=alone, changes=tuple(read_changes([f"V={V}"])))
+        own = answered(loaded.atlas, at, 8.0, 9.0)
+        pd.testing.assert_series_equal(found.loc[row], own.loc[row])
+    assert len(scenes_of(loaded.atlas, loaded.wanted, 8.0, 9.0)) == 2
+
+
+def test_diameters_end_where_the_atlas_covers_a_vertical_load_no_more(loaded):
+    low, high = loaded.covered(1.15)
+    share = loaded.atlas.box[:, 4]  # of V over gamma' D^3
+    assert 3e6 / (1e4 * low**3) == pytest.approx(share[1], rel=0.01)
+    assert 2e6 / (1e4 * high**3) >= share[0] and low < high
+    easy = replace(loaded.wanted, tilt=1.0, utilisation=1.0, cases=replace(loaded.wanted.cases, tilt=np.ones(2)))
+    small = replace(easy.cases, H=1e-3 * easy.cases.H, M=1e-3 * easy.cases.M)
+    edge = Search(loaded.atlas, replace(easy, cases=small)).just_met(1.15)
+    assert edge is not None and (edge.D, edge.governs) == (low, EDGE)

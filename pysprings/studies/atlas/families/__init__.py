@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 from pysprings.core.registry import Registry
-from pysprings.studies.atlas.families import clay, sand
+from pysprings.studies.atlas.families import clay, clay_gap, sand
 from pysprings.studies.atlas.families.base import Family
 
-FAMILIES: Registry[Family] = Registry("family of atlases", (clay.FAMILY, sand.FAMILY), group="pysprings.atlas_families")
+FAMILIES: Registry[Family] = Registry(
+    "family of atlases", (clay.FAMILY, clay_gap.FAMILY, sand.FAMILY), group="pysprings.atlas_families"
+)
 
 __all__ = ["FAMILIES", "Family"]

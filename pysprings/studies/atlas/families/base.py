@@ -8,7 +8,7 @@ F and X = ratio rho/D. h = X/(1 + X) takes the way from elasticity to failure ou
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -97,6 +97,7 @@ class Family:
     lid : inputs (n, d) -> stress at the lid (n,).
     symbols : words of the same for reports.
     odd : scene, base -> further reasons why an atlas does not cover the scene.
+    stretch : scene -> X over rho/D of an atlas, where it is not that of `sizes`.
     """
 
     name: str
@@ -111,6 +112,15 @@ class Family:
     lid: Callable[[Array], Array] = lambda inputs: np.ones(len(inputs))
     symbols: Symbols = Symbols()
     odd: Callable[[Scene, Scene], Iterator[Problem]] = lambda _scene, _base: iter(())
+    stretch: Callable[[Scene], float] | None = None
+
+    @property
+    def emulated(self) -> Family:
+        """The family with the motions of an atlas, X by `stretch`."""
+        own, stretch = self.sizes, self.stretch
+        if stretch is None:
+            return self
+        return replace(self, sizes=lambda scene: Sizes(own(scene).force, stretch(scene)), stretch=None)
 
     def check(self, scene: Scene, base: Scene) -> None:
         """Raise UserInputError for every value of a scene that an atlas with this base scene does not follow."""

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Bonded caissons in one layer of undrained clay, su = su_m + k z, G = I_r su.
+"""Bonded caissons in one layer of undrained clay, su = su_m + k z, G = I_r su, under a vertical load V.
 
-By dimensional analysis L/D, k D/su_m and the adhesion alpha decide on loads over F = su D (L + D), su at half the skirt
-length, as functions of X = I_r rho/D: elastic perfectly plastic soil in total stress has no other scale of motion. The
-thickness of the skirt is a fixed share of D.
+By dimensional analysis L/D, k D/su_m, the adhesion alpha and V decide on loads over F = su D (L + D), su at half the
+skirt length, as functions of X = I_r rho/D: elastic perfectly plastic soil in total stress has no other scale of
+motion. V is over V_0 = 9 su_tip A + alpha su S, A the area of the base, S that of the outer skirt: roughly what the
+ground carries. The thickness of the skirt is a fixed share of D.
 """
 
 from __future__ import annotations
@@ -38,22 +39,39 @@ def _clay(scene: Scene) -> Any:
     return scene.soil.layers[0]
 
 
-def _read(scene: Scene) -> Array:
+def middle(scene: Scene) -> float:
+    """Return su at half the skirt length [Pa]."""
     top, gradient = strength(scene)
-    D = diameter(scene)
-    alpha: Any = scene.interface.adhesion_factor
-    return np.array([scene.caisson.skirt_length / D, gradient * D / top, float(alpha)])
+    return top + 0.5 * gradient * scene.caisson.skirt_length
 
 
-def _even(values: Array) -> Array:
-    return np.stack([np.log(values[..., 0]), np.log1p(values[..., 1]), values[..., 2]], axis=-1)
+def _carried(scene: Scene, alpha: float) -> float:
+    """Return V_0 [N]."""
+    top, gradient = strength(scene)
+    D, L = diameter(scene), scene.caisson.skirt_length
+    return BASE * (top + gradient * L) * 0.25 * np.pi * D**2 + alpha * middle(scene) * np.pi * D * L
+
+
+def read(scene: Scene) -> Array:
+    """Return L/D, k D/su_m, alpha, V/V_0; a balanced V is none."""
+    top, gradient = strength(scene)
+    D, V = diameter(scene), scene.caisson.vertical_load
+    adhesion: Any = scene.interface.adhesion_factor
+    alpha = float(adhesion)
+    share = 0.0 if isinstance(V, str) else float(V) / _carried(scene, alpha)
+    return np.array([scene.caisson.skirt_length / D, gradient * D / top, alpha, share])
+
+
+def even(values: Array) -> Array:
+    """Return ln(L/D), ln(1 + k D/su_m), alpha, V/V_0."""
+    length, growth, alpha, load = np.moveaxis(values, -1, 0)
+    return np.stack([np.log(length), np.log1p(growth), alpha, load], axis=-1)
 
 
 def _sizes(scene: Scene) -> Sizes:
-    top, gradient = strength(scene)
     D, L, ratio = diameter(scene), scene.caisson.skirt_length, _clay(scene).rigidity_ratio
     assert ratio is not None
-    return Sizes((top + 0.5 * gradient * L) * D * (L + D), float(ratio))
+    return Sizes(middle(scene) * D * (L + D), float(ratio))
 
 
 def _ground(inputs: Array, zeta: Array) -> tuple[Array, Array]:
@@ -84,12 +102,13 @@ def _odd(scene: Scene, _base: Scene) -> Iterator[Problem]:
         yield Problem(key="soil.layer.rigidity_ratio", message=text)
 
 
+BASE = 9.0  # of V_0
 _LAYER = "soil.layer.clay"
 FAMILY = Family(
     name="clay",
-    labels=("L/D", "k D/su_m", "alpha"),
-    read=_read,
-    even=_even,
+    labels=("L/D", "k D/su_m", "alpha", "V/V_0"),
+    read=read,
+    even=even,
     sizes=_sizes,
     free={
         "caisson": ("outer_diameter", "skirt_length", "lid_thickness", "vertical_load"),
@@ -109,11 +128,12 @@ FAMILY = Family(
         "gradient": f"{_LAYER}.undrained_shear_strength.gradient",
         "G/su": f"{_LAYER}.rigidity_ratio",
         "alpha": "interface.adhesion_factor",
+        "V": "caisson.vertical_load",
     },
     ground=_ground,
     lid=_lid,
     symbols=Symbols(
-        "su(z)", "su_m", "G", "(G/su) sqrt(u^2 + (rotation L)^2)/D", ("ln(L/D)", "ln(1 + k D/su_m)", "alpha")
+        "su(z)", "su_m", "G", "(G/su) sqrt(u^2 + (rotation L)^2)/D", ("ln(L/D)", "ln(1 + k D/su_m)", "alpha", "V/V_0")
     ),
     odd=_odd,
 )  # fmt: skip

@@ -4,6 +4,9 @@
 L/D, the friction angle, E/(gamma' D), the friction of the steel mu and V/(gamma' D^3) decide on loads over
 F = gamma' D^2 (L + D) as functions of X = E rho/(gamma' D^2). E/(gamma' D) decides beside X because the friction
 hardens with the plastic strain. The thickness of the skirt is a fixed share of D, the surcharge one of gamma' D.
+
+All cases of a study move by the same share of D. In an atlas X is therefore `STRETCH` rho/D: none has to be filled in
+from stiffer neighbours.
 """
 
 from __future__ import annotations
@@ -48,6 +51,7 @@ def _sizes(scene: Scene) -> Sizes:
 
 
 SURCHARGE = 0.05  # over gamma' D: that of the studies
+STRETCH = 1000.0  # X over rho/D of an atlas
 
 
 def _ground(inputs: Array, zeta: Array) -> tuple[Array, Array]:
@@ -86,6 +90,7 @@ FAMILY = Family(
         "mu": "interface.friction_coefficient",
         "V": "caisson.vertical_load",
     },
+    stretch=lambda _scene: STRETCH,
     ground=_ground,
     lid=_lid,
     symbols=Symbols(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import pysprings
+from pysprings.cli.atlas_springs import Asked, springs_of_atlas
 from pysprings.core.errors import UserInputError
 from pysprings.scene.changes import read_changes
 from pysprings.springs.checks import validate_springs
@@ -58,11 +59,24 @@ def test_motions_go_with_the_inverse_of_the_stiffness(atlas):
     assert float(one["u"]) == pytest.approx(2.0 * float(other["u"]), rel=1e-4)
 
 
+def test_a_vertical_load_softens_the_lateral_springs(atlas):
+    """Beside full models of `clay-pulls-scene.toml` under this V: H one diameter above mudline at u/D 0.1 %."""
+    for V, known in {0: 675.4e3, 2: 628.3e3, 3: 577.5e3}.items():
+        made = springs(atlas, 8.0, 4.0, "alpha=0.65", f"V={V} MN")
+        assert float(pysprings.impose(made, u=0.008, arm=8.0)["H"]) == pytest.approx(known, rel=0.025)
+
+
+def test_a_vertical_load_of_the_command_is_that_of_the_caisson(atlas):
+    given = springs_of_atlas(Asked("clay", None, "8 m", "4 m", ("alpha=0.65",), None, 2e6))
+    own = springs(atlas, 8.0, 4.0, "alpha=0.65", "V=2 MN")
+    assert float(pysprings.predict(given, H=5e5, V=2e6)["u"]) == float(pysprings.predict(own, H=5e5, V=2e6)["u"])
+
+
 def test_scenes_that_the_atlas_does_not_cover_are_refused_all_at_once(atlas):
     with pytest.raises(UserInputError) as error:
         springs(atlas, 8.0, 6.0, "interface.opening=vented", "soil.layer.clay.poisson_ratio=0.3")
     assert {problem.key for problem in error.value.problems} == {"interface.opening", "soil.layer.poisson_ratio"}
-    with pytest.raises(UserInputError, match=r"L/D: 0\.25 is outside the atlas \(0\.49"):
+    with pytest.raises(UserInputError, match=r"L/D: 0\.25 is outside the atlas \(0\.5 to"):
         springs(atlas, 8.0, 2.0)
     far = atlas.springs(atlas.scene(8.0, 3.5), extrapolate=True)
     with pytest.warns(UserWarning, match="outside the atlas"):
