@@ -83,7 +83,8 @@ class Emulator(Grid):
         return self._expected(scene, inputs, tuple(texts))
 
     def covers(self, scene: Scene) -> bool:
-        """Return whether a scene of the family is inside the box of the full models."""
+        """Return whether a scene is inside the box of the full models. Raises UserInputError for another family."""
+        self.family.check(scene, self.base)
         return not self._outside_box(self.family.read(scene))
 
     @abstractmethod

@@ -146,10 +146,13 @@ class Search:
         for end in self.wanted.ratio:
             steel(end)
         if not met:
-            low, high = self.covered(math.sqrt(math.prod(self.wanted.ratio)))
-            text = f"the atlas covers D {low:.3g} to {high:.3g} m" if low < high else "the atlas covers none of them"
-            message = f"no caisson up to D = {self.wanted.D[1]:g} m meets the load cases; at their V {text}"
-            raise refused("--D-max", message)
+            ratio = math.sqrt(math.prod(self.wanted.ratio))
+            low, high = self.covered(ratio)
+            if low >= high:
+                D = math.sqrt(math.prod(self.wanted.D))
+                answered(self.atlas, self.wanted, D, ratio * D)  # refused: what is outside the atlas
+            text = f"at their V the atlas covers D {low:.3g} to {high:.3g} m"
+            raise refused("--D-max", f"no caisson up to D = {self.wanted.D[1]:g} m meets the load cases; {text}")
         return min(met.values(), key=lambda each: each.mass)
 
     def _largest(self, ratio: float) -> tuple[float, float]:

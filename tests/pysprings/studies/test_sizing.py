@@ -117,3 +117,11 @@ def test_diameters_end_where_the_atlas_covers_a_vertical_load_no_more(loaded):
     small = replace(easy.cases, H=1e-3 * easy.cases.H, M=1e-3 * easy.cases.M)
     edge = Search(loaded.atlas, replace(easy, cases=small)).just_met(1.15)
     assert edge is not None and (edge.D, edge.governs) == (low, EDGE)
+
+
+def test_a_value_that_no_diameter_covers_is_named(loaded):
+    faults = {"mu=0.9": "mu: 0.9 is outside the atlas", "soil.poisson_ratio=0.2": "the atlas holds for 0.3"}
+    for value, named in faults.items():
+        outside = replace(loaded.wanted, changes=tuple(read_changes([value])))
+        with pytest.raises(UserInputError, match=named):
+            Search(loaded.atlas, outside).least()
