@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def atlas(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="study.nc, or the folder of `pysprings sweep`")],
-    family: Annotated[str, typer.Option("--family", metavar="NAME", help="clay, clay-gap, sand: what decides")],
+    family: Annotated[str, typer.Option("--family", metavar="NAME", help="ground: clay, clay-gap or sand")],
     form: Annotated[
         str | None,
         typer.Option(

@@ -13,7 +13,6 @@ from pysprings.cli.support import quantities, refuse
 if TYPE_CHECKING:
     import xarray as xr
 
-_VERTICAL = ("caisson", "vertical_load")
 SHIPPED_ATLASES = (
     "an atlas (clay, clay-gap, sand, or a .nc file) "
     "or formulas (clay-conic, clay-hyperbolic, sand-conic, sand-hyperbolic, or a .json file)"
@@ -48,7 +47,7 @@ def springs_of_atlas(asked: Asked, strict: bool = False, extrapolate: bool = Fal
 
     Raises UserInputError for scenes that the atlas does not cover; with ``strict`` also at the edge of its full models.
     """
-    from pysprings.scene.changes import Change, read_changes
+    from pysprings.scene.changes import VERTICAL_LOAD, read_changes, vertical_load
     from pysprings.springs.file import save_springs
     from pysprings.studies.atlas.file import open_atlas
 
@@ -57,8 +56,8 @@ def springs_of_atlas(asked: Asked, strict: bool = False, extrapolate: bool = Fal
     atlas = open_atlas(asked.atlas)
     sizes = quantities({"--D": (asked.D, "m", "9 m"), "--L": (asked.L, "m", "6 m")})
     changes = [atlas.named(change) for change in read_changes(asked.changes)]
-    if asked.V is not None and all(change.keys != _VERTICAL for change in changes):
-        changes.append(Change(_VERTICAL, f"{asked.V:.12g} N"))
+    if asked.V is not None and all(change.keys != VERTICAL_LOAD for change in changes):
+        changes.append(vertical_load(asked.V))
     if asked.scene is not None:
         if any(value is not None for value in sizes.values()):
             refuse("--D", "the scene file has it: give a scene file, or --D and --L", asked.scene)

@@ -13,6 +13,7 @@ import numpy as np
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import percent
+from pysprings.results.analysis.parts import load_sizes
 from pysprings.scene.card import caisson_text, ground_text
 from pysprings.scene.design_load import USUAL_TILT
 
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
-_ROUNDING = 1e-6  # share of H L and M below which the other one is zero
 
 
 @dataclass(frozen=True)
@@ -82,12 +82,9 @@ def _loads(run: Run) -> str:
         return "; ".join(limits)
     parts = []
     length = run.scene.caisson.skirt_length
-    sizes = {
-        load: max((arm * float(np.abs(path[load]).max()) for _, path in _lateral(run)), default=0.0)
-        for load, arm in (("H", length), ("M", 1.0))
-    }
+    sizes = load_sizes((path for _, path in _lateral(run)), length)
     for load, unit in (("H", "MN"), ("M", "MN m")):
-        if sizes[load] <= _ROUNDING * max(sizes.values()):
+        if not sizes[load]:
             continue
         best = max(_lateral(run), key=lambda item: float(np.abs(item[1][load]).max()), default=None)
         if best is not None:

@@ -22,6 +22,14 @@ class Change:
     value: Any
 
 
+VERTICAL_LOAD = ("caisson", "vertical_load")
+
+
+def vertical_load(V: float) -> Change:
+    """Return the change of the caisson's vertical load to V [N]."""
+    return Change(VERTICAL_LOAD, f"{V:.12g} N")
+
+
 def read_changes(texts: Sequence[str]) -> list[Change]:
     """Return changes of texts KEY=VALUE; a value that is no TOML is a text. Raises UserInputError."""
     changes, problems = [], []

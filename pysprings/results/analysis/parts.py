@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,6 +60,7 @@ def convergence_data(tree: xr.DataTree, name: str) -> xr.Dataset | None:
     return record.assign_attrs({**settings(tree), **record.attrs, "path": name})
 
 
+ROUNDING = 1e-6  # share of the larger one of |H| arm and |M| below which the other one is zero
 SETTINGS = (
     "drainage",
     "outer_diameter_m",
@@ -88,6 +90,15 @@ def converged(path: xr.Dataset) -> NDArray[np.bool_]:
     if "converged" not in path:
         return np.ones(path.sizes["step"], dtype=bool)
     return path["converged"].values.astype(bool)
+
+
+def load_sizes(paths: Iterable[xr.Dataset], arm: float) -> dict[str, float]:
+    """Return the largest |H| `arm` and |M| of paths [N m]; 0 for one that is rounding beside the other."""
+    sizes = {"H": 0.0, "M": 0.0}
+    for path in paths:
+        for load, by in (("H", arm), ("M", 1.0)):
+            sizes[load] = max(sizes[load], by * float(np.abs(path[load].values).max(initial=0.0)))
+    return {load: size if size > ROUNDING * max(sizes.values()) else 0.0 for load, size in sizes.items()}
 
 
 def pick_step(path: xr.Dataset, step: int | None = None, displacement: float | None = None) -> int:

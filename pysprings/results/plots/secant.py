@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from pysprings.results.analysis.parts import converged, settings
+from pysprings.results.analysis.parts import ROUNDING, converged, load_sizes, settings
 from pysprings.results.plots.overview import lateral_paths
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import GREY, MN, new_figure, plain, set_title, styled
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SMALLEST = 1e-9  # m or rad: a smaller motion has no secant
-ROUNDING = 1e-6  # share of the largest H D and M at which M is zero, and the same for H
 
 
 @styled
@@ -32,25 +31,17 @@ def secant_stiffness(tree: xr.DataTree) -> Figure:
     left, right = figure.subplots(1, 2)
     diameter = float(tree.attrs.get("outer_diameter_m", np.nan))
     known = diameter if np.isfinite(diameter) else 1.0
-    draw_secant(left, tree, "H", "u", known, _rounding(tree, known))
+    sizes = load_sizes((path for _, path, _ in lateral_paths(tree)), known)
+    least = ROUNDING * max(sizes.values())
+    draw_secant(left, tree, "H", "u", known, least / known)
     left.set(xlabel="u / D" if np.isfinite(diameter) else "u [m]", ylabel="H / u [MN/m]", title="Horizontal motion")
-    draw_secant(right, tree, "M", "rotation", 1.0, known * _rounding(tree, known))
+    draw_secant(right, tree, "M", "rotation", 1.0, least)
     right.set(xlabel="rotation [rad]", ylabel="M / rotation [MN m/rad]", title="Rotation")
     set_title(figure, "Secant stiffness against motion (dashed: held back)", settings(tree))
     lines = {str(line.get_label()): line for axes in (left, right) for line in axes.get_lines()}
     named = {name: line for name, line in lines.items() if not name.startswith("_")}
     figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=5, fontsize=8)
     return figure
-
-
-def _rounding(tree: xr.DataTree, diameter: float) -> float:
-    """Return the H [N] below which a load is rounding beside the largest H and M/D of all lateral paths."""
-    sizes = [
-        float(np.abs(path[load].values).max(initial=0.0)) / arm
-        for _, path, _ in lateral_paths(tree)
-        for load, arm in (("H", 1.0), ("M", diameter))
-    ]
-    return ROUNDING * max(sizes, default=0.0)
 
 
 def draw_secant(axes: Axes, tree: xr.DataTree, load: str, motion: str, over: float, least: float = 0.0) -> None:

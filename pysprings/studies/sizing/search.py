@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.macro.batch import predict_batch
-from pysprings.scene.changes import Change
+from pysprings.scene.changes import Change, vertical_load
 
 if TYPE_CHECKING:
     from pysprings.results.tables.load_cases import LoadCases
@@ -176,7 +176,7 @@ def scenes_of(atlas: Emulator, wanted: Wanted, D: float, L: float) -> list[tuple
     """Return the scene of each vertical load of the cases for a caisson, with the rows of its cases."""
     found = []
     for V in np.unique(wanted.cases.V):  # of NaN one
-        own = () if np.isnan(V) else (Change(("caisson", "vertical_load"), f"{V:.12g} N"),)
+        own = () if np.isnan(V) else (vertical_load(float(V)),)
         rows = np.flatnonzero(np.isnan(wanted.cases.V) if np.isnan(V) else wanted.cases.V == V)
         found.append((atlas.scene(D, L, (*wanted.changes, *own)), rows))
     return found

@@ -97,7 +97,7 @@ class Family:
     lid : inputs (n, d) -> stress at the lid (n,).
     symbols : words of the same for reports.
     odd : scene, base -> further reasons why an atlas does not cover the scene.
-    stretch : scene -> X over rho/D of an atlas, where it is not that of `sizes`.
+    stretch : X over rho/D of an atlas, where it is not that of `sizes`.
     """
 
     name: str
@@ -112,7 +112,7 @@ class Family:
     lid: Callable[[Array], Array] = lambda inputs: np.ones(len(inputs))
     symbols: Symbols = Symbols()
     odd: Callable[[Scene, Scene], Iterator[Problem]] = lambda _scene, _base: iter(())
-    stretch: Callable[[Scene], float] | None = None
+    stretch: float | None = None
 
     @property
     def emulated(self) -> Family:
@@ -120,7 +120,7 @@ class Family:
         own, stretch = self.sizes, self.stretch
         if stretch is None:
             return self
-        return replace(self, sizes=lambda scene: Sizes(own(scene).force, stretch(scene)), stretch=None)
+        return replace(self, sizes=lambda scene: Sizes(own(scene).force, stretch), stretch=None)
 
     def check(self, scene: Scene, base: Scene) -> None:
         """Raise UserInputError for every value of a scene that an atlas with this base scene does not follow."""

@@ -39,7 +39,7 @@ def _clay(scene: Scene) -> Any:
     return scene.soil.layers[0]
 
 
-def middle(scene: Scene) -> float:
+def strength_at_half(scene: Scene) -> float:
     """Return su at half the skirt length [Pa]."""
     top, gradient = strength(scene)
     return top + 0.5 * gradient * scene.caisson.skirt_length
@@ -49,7 +49,7 @@ def _carried(scene: Scene, alpha: float) -> float:
     """Return V_0 [N]."""
     top, gradient = strength(scene)
     D, L = diameter(scene), scene.caisson.skirt_length
-    return BASE * (top + gradient * L) * 0.25 * np.pi * D**2 + alpha * middle(scene) * np.pi * D * L
+    return BASE * (top + gradient * L) * 0.25 * np.pi * D**2 + alpha * strength_at_half(scene) * np.pi * D * L
 
 
 def read(scene: Scene) -> Array:
@@ -71,7 +71,7 @@ def even(values: Array) -> Array:
 def _sizes(scene: Scene) -> Sizes:
     D, L, ratio = diameter(scene), scene.caisson.skirt_length, _clay(scene).rigidity_ratio
     assert ratio is not None
-    return Sizes(middle(scene) * D * (L + D), float(ratio))
+    return Sizes(strength_at_half(scene) * D * (L + D), float(ratio))
 
 
 def _ground(inputs: Array, zeta: Array) -> tuple[Array, Array]:

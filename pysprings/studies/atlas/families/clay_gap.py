@@ -26,7 +26,7 @@ _WEIGHT = "effective_unit_weight"
 
 
 def _read(scene: Scene) -> Array:
-    weight = float(getattr(scene.soil.layers[0], _WEIGHT)) * diameter(scene) / clay.middle(scene)
+    weight = float(getattr(scene.soil.layers[0], _WEIGHT)) * diameter(scene) / clay.strength_at_half(scene)
     return np.append(clay.read(scene), weight)
 
 

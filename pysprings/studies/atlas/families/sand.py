@@ -90,7 +90,7 @@ FAMILY = Family(
         "mu": "interface.friction_coefficient",
         "V": "caisson.vertical_load",
     },
-    stretch=lambda _scene: STRETCH,
+    stretch=STRETCH,
     ground=_ground,
     lid=_lid,
     symbols=Symbols(

@@ -280,7 +280,7 @@ def scheduler_and_worker(file):
         for process in processes:
             process.kill()
             process.wait()
-        file.unlink()
+        file.unlink(missing_ok=True)
 
 
 @pytest.mark.slow
