@@ -708,3 +708,13 @@ def test_outline_of_the_caisson(plane: xr.Dataset, attrs: dict[str, float], top:
     found = section.caisson_polygon(plane.assign_attrs(attrs))
     right = [(3.9, top), (3.9, 4.0), (3.8, 4.0), (3.8, 0.0)]
     np.testing.assert_allclose(found, [(-3.9, top), *right, *[(-x, z) for x, z in reversed(right)]], atol=1e-12)
+
+
+def test_a_moment_that_is_rounding_has_no_secant() -> None:
+    """A pull at mudline with M of rounding, positive with the rotation at every step, beside a rotation."""
+    tree = synthetic.make_result((PULL, ROTATION))
+    path = tree["paths/pull"]
+    path["M"] = 1e-9 * path["H"] * np.sign(path["rotation"])
+    left, right = (axes.get_lines() for axes in plots.secant_stiffness(tree).axes)
+    assert {str(line.get_label()) for line in left} >= {"pull"}
+    assert {str(line.get_label()) for line in right} & {"pull", "turn"} == {"turn"}

@@ -3,17 +3,19 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
 import pysprings
-from pysprings.cli.atlas_springs import Asked, springs_of_atlas
 from pysprings.core.errors import UserInputError
 from pysprings.scene.changes import read_changes
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.file import open_springs, save_springs
 from pysprings.studies.atlas.between import between
 from pysprings.studies.atlas.process import Process, filled
+from tests.support.commands import command
 
 
 @pytest.fixture(scope="module")
@@ -78,9 +80,10 @@ def test_a_gap_outside_softens_the_springs_and_weight_closes_it():
 
 
 def test_a_vertical_load_of_the_command_is_that_of_the_caisson(atlas):
-    given = springs_of_atlas(Asked("clay", None, "8 m", "4 m", ("alpha=0.65",), None, 2e6))
-    own = springs(atlas, 8.0, 4.0, "alpha=0.65", "V=2 MN")
-    assert float(pysprings.predict(given, H=5e5, V=2e6)["u"]) == float(pysprings.predict(own, H=5e5, V=2e6)["u"])
+    asked = ("--D", "8 m", "--L", "4 m", "--set", "alpha=0.65", "--H", "500 kN", "--V", "2 MN", "--json")
+    given = json.loads(command("predict", "--atlas", "clay", *asked).out)
+    own = pysprings.predict(springs(atlas, 8.0, 4.0, "alpha=0.65", "V=2 MN"), H=5e5, V=2e6)
+    assert given["states"][-1]["u"] == pytest.approx(float(own["u"]), rel=1e-9)
 
 
 def test_scenes_that_the_atlas_does_not_cover_are_refused_all_at_once(atlas):
