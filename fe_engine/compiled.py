@@ -24,6 +24,10 @@ from typing import Any
 
 import numba
 
+# Loops that are written for it become vector instructions; what they compute is the same to the last digit
+if "NUMBA_SLP_VECTORIZE" not in os.environ:
+    vars(numba.config)["SLP_VECTORIZE"] = 1
+
 HOME = Path(__file__).parent
 UNUSED_DAYS = 30.0  # after so many days without a start, the loops of other sources are removed
 _DIGITS = 16  # of the digest, in a folder's name (paths are short on Windows)
