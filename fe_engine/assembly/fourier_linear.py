@@ -21,6 +21,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from fe_engine.assembly.fourier_pattern import FourierPattern
 from fe_engine.assembly.fourier_rest import AtRest, folding
+from fe_engine.assembly.harmonic_factors import Near
 from fe_engine.errors import LinearSolverError
 from fe_engine.fourier_model import FourierModel
 from fe_engine.state import Fields
@@ -106,21 +107,21 @@ class BesideLinear:
             self._reduced[block] = reduced
             self.matrix[block] = soil.matrix[block] @ reduced
 
-    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
+    def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[Any, np.ndarray]:
         """See `AtRest`."""
         first, n = self.linear.first, self._n_moving
-        swept, left = self.soil.forward(np.concatenate([rhs[:first], rhs[n:]]))
+        swept, left = self.soil.forward(np.concatenate([rhs[:first], rhs[n:]]), near)
         force = rhs[first:n].copy()
         force[self._beyond] += left[self._joined]
         shift = np.zeros(len(left))
         shift[self._joined] = self.linear.move(force)[self._beyond]
         return (swept, force, shift), left - self.matrix @ shift
 
-    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
+    def backward(self, swept: Any, interface: np.ndarray, near: Near | None = None) -> np.ndarray:
         """See `AtRest`."""
         of_soil, force, shift = swept
         first = self.linear.first
         moved = self._reduced @ (interface + shift)
         force[self._beyond] -= (self.soil.matrix @ moved)[self._joined]
-        soil = self.soil.backward(of_soil, moved)
+        soil = self.soil.backward(of_soil, moved, near)
         return np.concatenate([soil[:first], self.linear.move(force), soil[first:]])

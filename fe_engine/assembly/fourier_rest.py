@@ -22,7 +22,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from fe_engine.assembly.fourier_pattern import FourierPattern, held_pressures
 from fe_engine.assembly.fourier_water import FourierWater
-from fe_engine.assembly.harmonic_factors import HarmonicFactors
+from fe_engine.assembly.harmonic_factors import HarmonicFactors, Near
 from fe_engine.errors import LinearSolverError
 
 
@@ -38,10 +38,14 @@ class AtRest(Protocol):
     matrix: np.ndarray
     uneven: bool
 
-    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
-        """Eliminate rhs (n_free,): return what `backward` needs, and what is left (m,) for the interface."""
+    def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[Any, np.ndarray]:
+        """Eliminate rhs (n_free,): return what `backward` needs, and what is left (m,) for the interface.
 
-    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
+        Where there is something on the nodes ``near`` alone, and the unknowns are asked for on these alone, to about
+        six digits, that may save work.
+        """
+
+    def backward(self, swept: Any, interface: np.ndarray, near: Near | None = None) -> np.ndarray:
         """Return the unknowns (n_free,), those of the interface (m,) being known; uses up ``swept``."""
 
 
@@ -61,16 +65,16 @@ class SoilAtRest:
             free = at >= 0
             self.matrix[np.ix_(at[free], at[free])] = block[np.ix_(free, free)]
 
-    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
+    def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[Any, np.ndarray]:
         """See `AtRest`."""
-        swept, left = self.factors.forward(rhs.reshape(self.shape))
+        swept, left = self.factors.forward(rhs.reshape(self.shape), near)
         return swept, left[self._free]
 
-    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
+    def backward(self, swept: Any, interface: np.ndarray, near: Near | None = None) -> np.ndarray:
         """See `AtRest`."""
         whole = np.zeros(self.inside.shape)
         whole[self._free] = interface
-        return self.factors.backward(swept, whole).ravel()
+        return self.factors.backward(swept, whole, near).ravel()
 
 
 @dataclass(frozen=True)
@@ -162,8 +166,8 @@ class WetAtRest:
             self.matrix[np.ix_(at[free], at[free])] += block[np.ix_(free, free)]
             self._places.append((at[free], free))
 
-    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
-        """See `AtRest`."""
+    def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[Any, np.ndarray]:
+        """See `AtRest`; water joins all nodes."""
         soil, factors, shape = self.soil, self._rest.factors, self._rest.shape
         n_u, n_p = int(np.prod(shape)), soil.n_soil * soil.waves
         swept, left = factors.forward(rhs[:n_u].reshape(shape))
@@ -178,8 +182,8 @@ class WetAtRest:
             interface[at] = whole[free]
         return (inner, pressure), interface
 
-    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
-        """See `AtRest`."""
+    def backward(self, swept: Any, interface: np.ndarray, near: Near | None = None) -> np.ndarray:
+        """See `AtRest`; water joins all nodes."""
         soil, rest = self.soil, self._rest
         inner, pressure = swept
         inside = np.zeros(rest.inside.shape)

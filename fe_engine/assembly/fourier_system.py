@@ -19,10 +19,11 @@ from fe_engine.assembly.fourier_linear import BesideLinear, LinearElements
 from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.assembly.fourier_rest import AtRest, SoilAtRest, WetAtRest, WetSoil
 from fe_engine.assembly.fourier_water import FourierWater
-from fe_engine.assembly.harmonic_factors import HarmonicFactors
+from fe_engine.assembly.harmonic_factors import HarmonicFactors, Near
 from fe_engine.assembly.kernels import SoilState
 from fe_engine.assembly.kernels_stations import ContactState, PackedStations, no_iterate, pack_stations
 from fe_engine.clock import Clock
+from fe_engine.conventions import REGIME_ELASTIC
 from fe_engine.elements import fourier as elements
 from fe_engine.errors import LawError
 from fe_engine.fourier_model import FourierModel
@@ -227,6 +228,12 @@ class FourierSystem:
         out = np.zeros(self.model.displacement_shape)
         kernels.plastic_product(self.soil, tangent.regime, tangent.plastic, self.pattern.unfolded(x), out)
         return self.pattern.folded(out)
+
+    def yielding(self, tangent: FourierTangent) -> tuple[np.ndarray, Near]:
+        """Return the equations (p,) on which `plastic_product` has something and what it asks for, and their nodes."""
+        yields = (tangent.regime != REGIME_ELASTIC).any(axis=1)
+        nodes = np.unique(self.model.mesh.quads[yields])
+        return self.pattern.equation[nodes].ravel(), self.factors.near(nodes)
 
     def contact_matrix(self, tangent: FourierTangent) -> np.ndarray:
         """Return the tangent (m + nb, m + nb) of contact and film: equations of the interface, then the border."""

@@ -8,9 +8,14 @@ Each matrix is K = L D L^T with the retained nodes I last. All others are elimin
 
 and their Schur complement S on I stays, dense: whatever is added to S, a solve goes through the factors once in each
 direction. Four harmonics at a time go through the loops, as lanes of a vector; missing ones are unit matrices.
+
+Where the right-hand side has something on few nodes alone, and the unknowns are asked for on these alone, only the
+columns that these nodes depend on are gone through (Gilbert & Peierls 1988): see `Near`.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, identity
@@ -21,6 +26,19 @@ from fe_engine.errors import LinearSolverError
 
 LANES = 4
 _SYMMETRIC = {"SymmetricMode": True}
+_Group = tuple[int, int, np.ndarray, np.ndarray]  # first harmonic, their number, L below its diagonal, inverted pivots
+
+
+@dataclass(frozen=True)
+class Near:
+    """Some nodes, and the columns of L that they depend on; solves for them go through factors in single precision.
+
+    node, place : (p,) nodes of the section, and where they stand in the elimination; columns : (c,) ascending.
+    """
+
+    node: np.ndarray
+    place: np.ndarray
+    columns: np.ndarray
 
 
 class HarmonicFactors:
@@ -47,7 +65,7 @@ class HarmonicFactors:
         self._place = np.empty(n, dtype=np.int64)
         self._place[self._node] = np.arange(n)
         self._n_eliminated = n - len(retained)
-        self._groups = []
+        self._groups: list[_Group] = []
         self.schur = np.empty((n_waves, 3 * len(retained), 3 * len(retained)))
         numbers = self._place[elements]
         for first in range(0, n_waves, LANES):
@@ -67,25 +85,41 @@ class HarmonicFactors:
             used = self._pointer[self._n_eliminated]
             self._groups.append((first, len(ks), np.ascontiguousarray(lower[:used]), inverse))
         self.n_entries = sum(lower.size + inverse.size for _, _, lower, inverse in self._groups)
+        self._single: list[_Group] = [
+            (first, count, lower.astype(np.float32), inverse.astype(np.float32))
+            for first, count, lower, inverse in self._groups
+        ]
+        self._all = Near(self._node, np.arange(n), np.arange(self._n_eliminated))
 
-    def forward(self, rhs: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
-        """Eliminate rhs (n, 3, K): return what `backward` needs, and what is left (nk, 3, K) for the retained nodes."""
-        swept, left = [], np.empty((len(self.retained), 3, self.n_waves))
-        for first, count, lower, inverse in self._groups:
-            x = np.zeros((self._n, 3, LANES))
-            _put(self._node, rhs, first, count, x)
-            _forward(self._n_eliminated, self._pointer, self._row, lower, inverse, x)
+    def near(self, nodes: np.ndarray) -> Near:
+        """Return what solves for these nodes (p,) need."""
+        place = self._place[nodes]
+        return Near(nodes, place, _columns(place, self._n_eliminated, self._pointer, self._row))
+
+    def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[list[np.ndarray], np.ndarray]:
+        """Eliminate rhs (n, 3, K): return what `backward` needs, and what is left (nk, 3, K) for the retained nodes.
+
+        Where nodes are given, there must be nothing in it on others.
+        """
+        swept, left, at = [], np.empty((len(self.retained), 3, self.n_waves)), near or self._all
+        for first, count, lower, inverse in self._single if near else self._groups:
+            x = np.zeros((self._n, 3, LANES), dtype=lower.dtype)
+            _put(at.node, at.place, rhs, first, count, x)
+            _forward(at.columns, self._pointer, self._row, lower, inverse, x)
             left[:, :, first : first + count] = x[self._n_eliminated :, :, :count]
             swept.append(x)
         return swept, left
 
-    def backward(self, swept: list[np.ndarray], retained: np.ndarray) -> np.ndarray:
-        """Return the unknowns (n, 3, K), those of the retained nodes (nk, 3, K) being known; uses up ``swept``."""
-        out = np.empty((self._n, 3, self.n_waves))
-        for (first, count, lower, _), x in zip(self._groups, swept, strict=True):
+    def backward(self, swept: list[np.ndarray], retained: np.ndarray, near: Near | None = None) -> np.ndarray:
+        """Return the unknowns (n, 3, K), those of the retained nodes (nk, 3, K) being known; uses up ``swept``.
+
+        Where nodes are given, those of others are 0.
+        """
+        out, at = np.zeros((self._n, 3, self.n_waves)), near or self._all
+        for (first, count, lower, _), x in zip(self._single if near else self._groups, swept, strict=True):
             x[self._n_eliminated :, :, :count] = retained[:, :, first : first + count]
-            _backward(self._n_eliminated, self._pointer, self._row, lower, x)
-            _take(self._node, x, first, count, out)
+            _backward(at.columns, self._pointer, self._row, lower, x)
+            _take(at.node, at.place, x, first, count, out)
         return out
 
     def _dense(self, diagonal: np.ndarray, lower: np.ndarray) -> np.ndarray:
@@ -211,25 +245,37 @@ def _invert(a, out):
 
 
 @njit
-def _put(node, rhs, first, count, x):
-    for j in range(len(node)):
-        for i in range(3):
-            for k in range(count):
-                x[j, i, k] = rhs[node[j], i, first + k]
-
-
-@njit
-def _take(node, x, first, count, out):
-    for j in range(len(node)):
-        for i in range(3):
-            for k in range(count):
-                out[node[j], i, first + k] = x[j, i, k]
-
-
-@njit
-def _forward(n_eliminated, pointer, row, lower, inverse, x):
-    """Solve with lanes written out: the compiler must assume that x and the factors share memory."""
+def _columns(place, n_eliminated, pointer, row):
+    """Return the eliminated columns (c,), ascending, that meet the unknowns at these places on their way."""
+    met = np.zeros(len(pointer) - 1, dtype=np.bool_)
+    met[place] = True
     for j in range(n_eliminated):
+        if met[j]:
+            for p in range(pointer[j], pointer[j + 1]):
+                met[row[p]] = True
+    return np.flatnonzero(met[:n_eliminated])
+
+
+@njit
+def _put(node, place, rhs, first, count, x):
+    for j in range(len(node)):
+        for i in range(3):
+            for k in range(count):
+                x[place[j], i, k] = rhs[node[j], i, first + k]
+
+
+@njit
+def _take(node, place, x, first, count, out):
+    for j in range(len(node)):
+        for i in range(3):
+            for k in range(count):
+                out[node[j], i, first + k] = x[place[j], i, k]
+
+
+@njit
+def _forward(columns, pointer, row, lower, inverse, x):
+    """Solve with lanes written out: the compiler must assume that x and the factors share memory."""
+    for j in columns:
         u0, u1, u2, u3 = x[j, 0, 0], x[j, 0, 1], x[j, 0, 2], x[j, 0, 3]
         v0, v1, v2, v3 = x[j, 1, 0], x[j, 1, 1], x[j, 1, 2], x[j, 1, 3]
         w0, w1, w2, w3 = x[j, 2, 0], x[j, 2, 1], x[j, 2, 2], x[j, 2, 3]
@@ -251,8 +297,8 @@ def _forward(n_eliminated, pointer, row, lower, inverse, x):
 
 
 @njit
-def _backward(n_eliminated, pointer, row, lower, x):
-    for j in range(n_eliminated - 1, -1, -1):
+def _backward(columns, pointer, row, lower, x):
+    for j in columns[::-1]:
         u0, u1, u2, u3 = x[j, 0, 0], x[j, 0, 1], x[j, 0, 2], x[j, 0, 3]
         v0, v1, v2, v3 = x[j, 1, 0], x[j, 1, 1], x[j, 1, 2], x[j, 1, 3]
         w0, w1, w2, w3 = x[j, 2, 0], x[j, 2, 1], x[j, 2, 2], x[j, 2, 3]

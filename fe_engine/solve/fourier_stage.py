@@ -9,7 +9,9 @@ dense matrix, which is factorised at each step. So P is inverted exactly. With x
     (1 + D P^-1) v = -D P^-1 rhs,
 
 where v has forces on elements that yield alone: GMRES (Saad & Schultz 1986) finds it in a few iterations, none where
-the soil is elastic. It is cut short: a truncated Newton method (Dembo & Steihaug 1983).
+the soil is elastic. It is cut short: a truncated Newton method (Dembo & Steihaug 1983). Its iterations ask P^-1 for
+the nodes of these elements alone, in single precision, which is far closer than they are to go; x is made from v with
+all of P^-1.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from scipy.linalg import lapack, solve_triangular
 
 from fe_engine.assembly.bordered import Residual
 from fe_engine.assembly.fourier_system import FourierSystem, FourierTangent
+from fe_engine.assembly.harmonic_factors import Near
 from fe_engine.clock import Clock
 from fe_engine.errors import LinearSolverError
 from fe_engine.linear.preconditioner import Control, Origin
@@ -120,24 +123,24 @@ class FourierStage:
             left = float(np.linalg.norm(v))
             target = share * (left if size is None else size)
             exact = share == _EXACT
-            return x if left <= target else x + self._gmres(p, tangent, v, left, target, exact)
+            return x if left <= target else x + p.solve(self._gmres(p, tangent, v, left, target, exact))
 
     def _gmres(
         self, p: Preconditioner, tangent: FourierTangent, v: np.ndarray, size: float, target: float, exact: bool
     ) -> np.ndarray:
-        """Solve (P + D) x = v (n_moving,) from x = 0, with the norm ``size`` of v, until ``target`` is left.
+        """Return the forces P x (n + k,) of (P + D) x = v (n_moving,), of the norm ``size``, when ``target`` is left.
 
         Stop after a few iterations where that is not to be ``exact``; raise LinearSolverError where it is and fails.
         """
-        n, most = len(v), min(_MOST if exact else _FIRST_MODES, len(v))
-        basis, images = np.empty((most + 1, n)), np.empty((most, p.size))
+        rows, near = self.system.yielding(tangent)
+        n, most = len(v), min(_MOST if exact else _FIRST_MODES, len(rows))
+        basis, padded = np.empty((most + 1, len(rows))), np.zeros(p.size)
         upper, turns, rhs = np.zeros((most + 1, most)), np.zeros((most, 2)), np.zeros(most + 1)
-        basis[0], rhs[0] = v / size, size
-        padded = np.zeros(p.size)
+        basis[0], rhs[0] = v[rows] / size, size
         for k in range(most):
-            padded[:n] = basis[k]
-            images[k] = p.solve(padded)
-            w = basis[k] + self.system.plastic_product(tangent, images[k, :n])
+            padded[rows] = basis[k]
+            x = p.solve(padded, None if exact else near)
+            w = basis[k] + self.system.plastic_product(tangent, x[:n])[rows]
             for _ in range(2):  # once is not enough in floating point
                 shares = basis[: k + 1] @ w
                 w -= shares @ basis[: k + 1]
@@ -149,8 +152,9 @@ class FourierStage:
             if not np.isfinite(rhs[k + 1]):
                 raise LinearSolverError("GMRES overflows")
             if abs(rhs[k + 1]) <= target or (k + 1 == most and not exact):
-                solution: np.ndarray = solve_triangular(upper[: k + 1, : k + 1], rhs[: k + 1]) @ images[: k + 1]
-                return solution
+                padded[rows] = solve_triangular(upper[: k + 1, : k + 1], rhs[: k + 1]) @ basis[: k + 1]
+                self.n_solves += 1
+                return padded
             basis[k + 1] = w / np.linalg.norm(w)
         raise LinearSolverError(f"GMRES leaves {abs(rhs[most]) / size:.1e} of the forces after {most} iterations")
 
@@ -190,14 +194,14 @@ class Preconditioner:
         self._pattern.add_jump_forces(-imposed[:m], rhs[: self.n])
         return rhs
 
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
-        """Apply the inverse to rhs (n + k,)."""
-        swept, left = self._rest.forward(rhs[: self.n])
+    def solve(self, rhs: np.ndarray, near: Near | None = None) -> np.ndarray:
+        """Apply the inverse to rhs (n + k,); for ``near`` see `fourier_rest.AtRest`."""
+        swept, left = self._rest.forward(rhs[: self.n], near)
         m, middle = self._m, np.concatenate([left, rhs[self.n :]])
         if self._row is not None:
             middle *= self._row
         middle, _ = lapack.dgetrs(self._lu, self._pivots, middle)
-        return np.concatenate([self._rest.backward(swept, middle[:m]), middle[m:]])
+        return np.concatenate([self._rest.backward(swept, middle[:m], near), middle[m:]])
 
     def motions(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the motions (n,), (nb,) of a solution, the imposed ones included."""
