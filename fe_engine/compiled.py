@@ -69,7 +69,17 @@ def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     """Compile a function of the engine at its first call, see `cached`; a decorator, options of Numba are optional."""
     if function is None:
         return lambda decorated: njit(decorated, **options)
-    return cached(function, HOME, engine_digest(), **options)
+    # said of each function: those that nothing is said of do as their callers do
+    return cached(function, HOME, engine_digest(), **({"_nrt": True} | options))
+
+
+def lean(function: Callable[..., Any]) -> Any:
+    """Compile a function like `njit` that makes no arrays, without counting references to those that it gets.
+
+    Numba counts them at calls, at accesses to fields and at slices, by atomic operations: these cost more than the
+    work on a point of the soil.
+    """
+    return njit(function, _nrt=False)
 
 
 def cached(function: Callable[..., Any], home: Path, sources: str, **options: Any) -> Any:

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
-from fe_engine.compiled import HOME, include, njit
+from fe_engine.compiled import HOME, include, lean
 from fe_engine.errors import ModelError
 
 
@@ -98,4 +98,4 @@ def _chain(name: str, arguments: str, choices: Sequence[Callable[..., Any]], mod
     space: dict[str, Any] = {f"choice_{code}": choice for code, choice in enumerate(choices)}
     space["__name__"] = module
     exec(compile("\n".join(lines), __file__, "exec"), space)
-    return njit(space[name])
+    return lean(space[name])

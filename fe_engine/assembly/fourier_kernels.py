@@ -12,7 +12,7 @@ import numpy as np
 
 from fe_engine.assembly.kernels import row_of
 from fe_engine.assembly.kernels_stations import guess_traction
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean, njit
 from fe_engine.contact.dispatch import linearise_contact, update_contact
 from fe_engine.contact.law import Slide
 from fe_engine.conventions import OK, REGIME_ELASTIC
@@ -57,7 +57,26 @@ class Contact(NamedTuple):
     initial_pressure: np.ndarray
 
 
+class Scratch(NamedTuple):
+    """Room for one element: move (8, 3, K), strains and stresses (K, 6), strain and stress (6,), tangent (6, 6)."""
+
+    move: np.ndarray
+    strains: np.ndarray
+    stresses: np.ndarray
+    strain: np.ndarray
+    stress: np.ndarray
+    tangent: np.ndarray
+
+
 @njit
+def _scratch(n_waves):
+    return Scratch(
+        np.empty((8, 3, n_waves)), np.empty((n_waves, 6)), np.empty((n_waves, 6)), np.empty(6), np.empty(6),
+        np.empty((6, 6)),
+    )  # fmt: skip
+
+
+@lean
 def gather(nodes, new, old, out):
     """Write the increment of the coefficients (8, 3, K) of an element."""
     for a in range(8):
@@ -72,73 +91,98 @@ def soil_forces(soil, old, new, regime, with_tangent, tangent, force):
     """Add the forces of the soil to force (n, 3, K); ``old`` and ``new`` are SoilState.
 
     With ``with_tangent``, tangent (ne, 4 M, 6, 6) gets what the points that are not elastic have beyond the elastic
-    tangent, times the volume of the point. Returns -1, or the number of an element whose law did not converge.
+    tangent, transposed, times the volume of the point. Returns -1, or the number of an element whose law did not
+    converge.
     """
-    n_azimuths, n_waves = soil.waves.shape[0], soil.waves.shape[1]
-    move = np.empty((8, 3, n_waves))
-    strains, stresses = np.empty((n_waves, 6)), np.empty((n_waves, 6))
-    strain, change, c = np.empty(6), np.empty(6), np.empty((6, 6))
+    room, states, out = _scratch(soil.waves.shape[1]), (old, new), (regime, tangent, force)
     for e in range(soil.quads.shape[0]):
-        code = soil.law[e]
-        gather(soil.quads[e], new.displacement, old.displacement, move)
+        gather(soil.quads[e], new.displacement, old.displacement, room.move)
         for g in range(4):
-            row = row_of(soil.moduli, g)
-            p, bulk, shear = soil.parameters[e, row], soil.moduli[e, row, 0], soil.moduli[e, row, 1]
-            amplitudes(soil.gradient[e, g], move, strains)
-            stresses[:] = 0.0
-            volume = soil.weight * soil.volume[e, g]
-            for j in range(n_azimuths):
-                point = g * n_azimuths + j
-                strain_at(strains, soil.waves[j], strain)
-                before = Point(old.stress[e, point], old.history[e, point])
-                after = Point(new.stress[e, point], new.history[e, point])
-                status, what = update_soil(code, p, strain, before, after, c, with_tangent)
-                if status != OK:
-                    return e
-                regime[e, point] = what
-                if soil.relaxed < 1.0 and what != REGIME_ELASTIC:
-                    relax(soil.moduli[e, row], soil.relaxed, strain, before, after)
-                for i in range(6):
-                    change[i] = after.stress[i] - soil.initial_stress[e, point, i]
-                add_amplitudes(change, soil.waves[j], volume, stresses)
-                if with_tangent and what != REGIME_ELASTIC:
-                    subtract_elastic_tangent(bulk, shear, c)
-                    for i in range(6):
-                        for m in range(6):
-                            tangent[e, point, i, m] = volume * soil.relaxed * c[i, m]
-            add_force(soil.gradient[e, g], stresses, soil.quads[e], force)
+            if _point_forces(soil, (e, g), states, with_tangent, out, room) != OK:
+                return e
     return -1
+
+
+@lean
+def _point_forces(soil, at, states, with_tangent, out, room):
+    """Add the forces of all azimuths of a point of the section, see `soil_forces`; return the status of the law."""
+    (e, g), (old, new), (regime, tangent, force) = at, states, out
+    n_azimuths, (_, strains, stresses, strain, change, c) = soil.waves.shape[0], room
+    row, code, volume = row_of(soil.moduli, g), soil.law[e], soil.weight * soil.volume[e, g]
+    p, moduli = soil.parameters[e, row], soil.moduli[e, row]
+    amplitudes(soil.gradient[e, g], room.move, strains)
+    stresses[:] = 0.0
+    for j in range(n_azimuths):
+        point = g * n_azimuths + j
+        strain_at(strains, soil.waves[j], strain)
+        before = Point(old.stress[e, point], old.history[e, point])
+        after = Point(new.stress[e, point], new.history[e, point])
+        status, what = update_soil(code, p, strain, before, after, c, with_tangent)
+        if status != OK:
+            return status
+        regime[e, point] = what
+        if soil.relaxed < 1.0 and what != REGIME_ELASTIC:
+            relax(moduli, soil.relaxed, strain, before, after)
+        for i in range(6):
+            change[i] = after.stress[i] - soil.initial_stress[e, point, i]
+        add_amplitudes(change, soil.waves[j], volume, stresses)
+        if with_tangent and what != REGIME_ELASTIC:
+            subtract_elastic_tangent(moduli[0], moduli[1], c)
+            for i in range(6):
+                for m in range(6):
+                    tangent[e, point, m, i] = volume * soil.relaxed * c[i, m]
+    add_force(soil.gradient[e, g], stresses, soil.quads[e], force)
+    return OK
 
 
 @njit
 def plastic_product(soil, regime, tangent, x, out):
     """Add to out (n, 3, K) what the soil's tangent has beyond the elastic one, times x (n, 3, K)."""
-    n_azimuths, n_waves = soil.waves.shape[0], soil.waves.shape[1]
-    move = np.empty((8, 3, n_waves))
-    strains, stresses = np.empty((n_waves, 6)), np.empty((n_waves, 6))
-    strain, stress = np.empty(6), np.empty(6)
+    room = _scratch(soil.waves.shape[1])
     for e in range(soil.quads.shape[0]):
-        yields = False
-        for point in range(regime.shape[1]):
-            yields |= regime[e, point] != REGIME_ELASTIC
-        if not yields:
-            continue
-        for a in range(8):
-            move[a] = x[soil.quads[e, a]]
-        for g in range(4):
-            amplitudes(soil.gradient[e, g], move, strains)
-            stresses[:] = 0.0
-            for j in range(n_azimuths):
-                point = g * n_azimuths + j
-                if regime[e, point] == REGIME_ELASTIC:
-                    continue
-                strain_at(strains, soil.waves[j], strain)
-                for i in range(6):
-                    stress[i] = 0.0
-                    for m in range(6):
-                        stress[i] += tangent[e, point, i, m] * strain[m]
-                add_amplitudes(stress, soil.waves[j], 1.0, stresses)
-            add_force(soil.gradient[e, g], stresses, soil.quads[e], out)
+        _element_product(soil, e, regime[e], tangent[e], x, out, room)
+
+
+@lean
+def _element_product(soil, e, regime, tangent, x, out, room):
+    """Add the product of one element, see `plastic_product`."""
+    n_azimuths, (move, strains, stresses, strain, stress, _) = soil.waves.shape[0], room
+    yields = False
+    for point in range(len(regime)):
+        yields |= regime[point] != REGIME_ELASTIC
+    if not yields:
+        return
+    for a in range(8):
+        n = soil.quads[e, a]
+        for i in range(3):
+            for k in range(move.shape[2]):
+                move[a, i, k] = x[n, i, k]
+    for g in range(4):
+        amplitudes(soil.gradient[e, g], move, strains)
+        stresses[:] = 0.0
+        for j in range(n_azimuths):
+            point = g * n_azimuths + j
+            if regime[point] == REGIME_ELASTIC:
+                continue
+            strain_at(strains, soil.waves[j], strain)
+            _times(tangent[point], strain, stress)
+            add_amplitudes(stress, soil.waves[j], 1.0, stresses)
+        add_force(soil.gradient[e, g], stresses, soil.quads[e], out)
+
+
+@lean
+def _times(transposed, vector, out):
+    """Write the product (6,) of a matrix, transposed (6, 6), and a vector (6,); sums are numbers, for vectors."""
+    t, a, b, c, d, e, f = transposed, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for m in range(6):
+        x = vector[m]
+        a += t[m, 0] * x
+        b += t[m, 1] * x
+        c += t[m, 2] * x
+        d += t[m, 3] * x
+        e += t[m, 4] * x
+        f += t[m, 5] * x
+    out[0], out[1], out[2], out[3], out[4], out[5] = a, b, c, d, e, f
 
 
 @njit
@@ -180,7 +224,7 @@ def strain_step(soil, e, point, old, new):
     return strain
 
 
-@njit
+@lean
 def _jump(s, k, displacement, border, out):
     """Write the jump (3,) of station k in its frame: soil minus body."""
     node = s.node[k]
@@ -202,7 +246,7 @@ def station_jumps(s, displacement, border):
     return out
 
 
-@njit
+@lean
 def _add_traction(s, k, traction, free, border):
     """Add the change of contact force of station k since the initial state."""
     node = s.node[k]

@@ -36,7 +36,8 @@ from fe_engine.state import Fields, State
 class FourierTangent:
     """Tangent: elastic soil, contact (ns, 3, 3) of the stations in Pa/m, and what the soil's points have beyond.
 
-    plastic : (ne, 4 M, 6, 6), times the volume of the point, N m; regime : (ne, 4 M), where elastic it has none.
+    plastic : (ne, 4 M, 6, 6), transposed, times the volume of the point, N m; regime : (ne, 4 M), where elastic it has
+        none.
     time_step : s; film : state of the film, None without water.
     """
 

@@ -13,7 +13,7 @@ import numba as nb
 import numpy as np
 
 from fe_engine.assembly.scatter import scatter_force, scatter_stiffness
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean, njit
 from fe_engine.conventions import OK, REGIME_ELASTIC
 from fe_engine.elements.hex8 import add_force, add_stiffness, b_bar, strain_at
 from fe_engine.soil.dispatch import update_soil
@@ -69,7 +69,7 @@ class Blocks(NamedTuple):
     regime: np.ndarray
 
 
-@njit
+@lean
 def row_of(rows, g):
     """Return the row of point g in rows (ne, r, n) of its element: they have one row, or one for each point."""
     return g if rows.shape[1] > 1 else 0

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fe_engine.assembly.scatter import add_border, add_dof, scatter_stiffness
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean, njit
 from fe_engine.contact.dispatch import linearise_contact, update_contact
 from fe_engine.contact.law import Slide
 from fe_engine.fourier_model import FourierModel
@@ -92,7 +92,7 @@ def station_jumps(s, displacement, border):
     return out
 
 
-@njit
+@lean
 def guess_traction(iterate, k, traction, jump, guess):
     """Write the traction iterate (3,) of station k at a jump (3,), ``traction`` being the law's own."""
     restart = iterate.traction[k, 0] == 0.0

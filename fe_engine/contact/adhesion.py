@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 from fe_engine.contact.coulomb import linearise_shear, return_shear
 from fe_engine.contact.law import ContactLaw
 from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP
@@ -39,7 +39,7 @@ def pack(kn: Any, kt: Any, mu: Any, adhesion: Any, tension: Any) -> np.ndarray:
     return np.ascontiguousarray(np.stack(columns, axis=-1), dtype=float)
 
 
-@njit
+@lean
 def shear_limit(p, pressure):
     """Return the largest shear in Pa at a contact pressure above -t, and its derivative by the pressure."""
     limit, slope, above = p[ADHESION], 0.0, pressure + p[TENSION]
@@ -50,7 +50,7 @@ def shear_limit(p, pressure):
     return limit, slope
 
 
-@njit
+@lean
 def update(p, slide, traction):
     """Write the traction (3,) of one station, see law.ContactLaw; return the contact state.
 
@@ -65,7 +65,7 @@ def update(p, slide, traction):
     return return_shear(p[KT], shear_limit(p, pressure)[0], slide, traction)
 
 
-@njit
+@lean
 def linearise(p, slide, guess, traction, tangent):
     """Write traction (3,) and tangent (3, 3) about a traction iterate, see law.ContactLaw; return the contact state."""
     pressure = slide.initial_pressure - p[KN] * slide.jump[0]

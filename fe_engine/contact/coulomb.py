@@ -28,7 +28,7 @@ import math
 
 import numpy as np
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 from fe_engine.contact.law import ContactLaw
 from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, CONTACT_STICK
 
@@ -45,7 +45,7 @@ def pack(kn: float, kt: float, mu: float) -> np.ndarray:
 _ACTIVE_SET_FRACTION = 1.0e-3
 
 
-@njit
+@lean
 def update(p, slide, traction):
     """Write the traction (3,) of one station, see law.ContactLaw; return the contact state.
 
@@ -60,7 +60,7 @@ def update(p, slide, traction):
     return return_shear(p[KT], p[MU] * pressure, slide, traction)
 
 
-@njit
+@lean
 def return_shear(kt, limit, slide, traction):
     """Write the shear traction of a closed station, at most ``limit`` (Pa, >= 0); return the contact state."""
     traction[1] = slide.traction_old[1] + kt * (slide.jump[1] - slide.jump_old[1])
@@ -75,7 +75,7 @@ def return_shear(kt, limit, slide, traction):
     return CONTACT_SLIP
 
 
-@njit
+@lean
 def linearise(p, slide, guess, traction, tangent):
     """Write traction (3,) and tangent (3, 3): the law near the jump is traction + tangent d(jump).
 
@@ -96,7 +96,7 @@ def linearise(p, slide, guess, traction, tangent):
     return linearise_shear(p[KT], p[MU] * pressure, -p[MU] * p[KN], slide, guess, traction, tangent)
 
 
-@njit
+@lean
 def linearise_shear(kt, limit, fall, slide, guess, traction, tangent):
     """Write shear and tangent of a station whose shear is limited; return the contact state that was assumed.
 

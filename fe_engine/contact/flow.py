@@ -12,17 +12,17 @@ impervious side 2 takes no water, and its pressure does not exist.
 
 from __future__ import annotations
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 
 
-@njit
+@lean
 def transmissivity(residual_aperture, gap, viscosity):
     """Return the h^3/(12 mu_w) in m3/(Pa s), and its derivative with respect to an open gap."""
     h = residual_aperture + gap
     return h * h * h / (12.0 * viscosity), (h * h / (4.0 * viscosity) if gap > 0.0 else 0.0)
 
 
-@njit
+@lean
 def exchange(transfer, second, pressures, gap_old, gap):
     """Return volumes by area over a time step, m: from side 1 into the film, on to side 2, and stored in the gap.
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 
 N_NODES, N_POINTS = 8, 4
 LOCAL = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]], dtype=float)
@@ -102,7 +102,7 @@ def stiffness(gradient: np.ndarray, volume: np.ndarray, tangent: np.ndarray, k: 
     return by_harmonic
 
 
-@njit
+@lean
 def amplitudes(gradient, move, out):
     """Write the strain amplitudes (K, 6) of coefficients (8, 3, K) at a point with gradient (3, 8)."""
     for k in range(move.shape[2]):
@@ -127,7 +127,7 @@ def amplitudes(gradient, move, out):
         out[k, 5] = r_z + z_r
 
 
-@njit
+@lean
 def add_force(gradient, amplitude, nodes, force):
     """Add the forces (n, 3, K) of stress amplitudes (K, 6) on the nodes (8,): the transpose of `amplitudes`."""
     for k in range(amplitude.shape[0]):
@@ -140,29 +140,28 @@ def add_force(gradient, amplitude, nodes, force):
             force[n, 2, k] += d_r * s[5] + h * vertical + d_z * s[2]
 
 
-@njit
+@lean
 def strain_at(amplitude, wave, out):
-    """Write the strain (6,) at an azimuth with waves (K, 2) from amplitudes (K, 6)."""
-    for i in range(6):
-        out[i] = 0.0
+    """Write the strain (6,) at an azimuth with waves (K, 2) from amplitudes (K, 6); sums are numbers, for vectors."""
+    rr, tt, zz, rt, tz, zr = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(amplitude.shape[0]):
         c, s = wave[k, 0], wave[k, 1]
-        out[0] += c * amplitude[k, 0]
-        out[1] += c * amplitude[k, 1]
-        out[2] += c * amplitude[k, 2]
-        out[3] += s * amplitude[k, 3]
-        out[4] += s * amplitude[k, 4]
-        out[5] += c * amplitude[k, 5]
+        rr += c * amplitude[k, 0]
+        tt += c * amplitude[k, 1]
+        zz += c * amplitude[k, 2]
+        rt += s * amplitude[k, 3]
+        tz += s * amplitude[k, 4]
+        zr += c * amplitude[k, 5]
+    out[0], out[1], out[2], out[3], out[4], out[5] = rr, tt, zz, rt, tz, zr
 
 
-@njit
+@lean
 def add_amplitudes(stress, wave, weight, out):
     """Add weight times a stress (6,) at an azimuth to the stress amplitudes (K, 6); the transpose of `strain_at`."""
+    rr, tt, zz, rt, tz, zr = stress[0], stress[1], stress[2], stress[3], stress[4], stress[5]
     for k in range(out.shape[0]):
         c, s = weight * wave[k, 0], weight * wave[k, 1]
-        out[k, 0] += c * stress[0]
-        out[k, 1] += c * stress[1]
-        out[k, 2] += c * stress[2]
-        out[k, 3] += s * stress[3]
-        out[k, 4] += s * stress[4]
-        out[k, 5] += c * stress[5]
+        # all are read before any is written: the compiler must assume that the arrays share memory
+        a, b, d = out[k, 0] + c * rr, out[k, 1] + c * tt, out[k, 2] + c * zz
+        e, f, g = out[k, 3] + s * rt, out[k, 4] + s * tz, out[k, 5] + c * zr
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4], out[k, 5] = a, b, d, e, f, g

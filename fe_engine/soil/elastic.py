@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 from fe_engine.conventions import OK, REGIME_ELASTIC
 from fe_engine.soil.law import SoilLaw, rows
 
@@ -20,7 +20,7 @@ def moduli(young: Any, poisson: Any) -> tuple[Any, Any]:
     return young / (3.0 * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))
 
 
-@njit
+@lean
 def add_elastic_stress(bulk, shear, strain, stress):
     """Add C:strain to stress (6,), in Pa."""
     volumetric = strain[0] + strain[1] + strain[2]
@@ -30,7 +30,7 @@ def add_elastic_stress(bulk, shear, strain, stress):
         stress[i + 3] += shear * strain[i + 3]
 
 
-@njit
+@lean
 def elastic_tangent(bulk, shear, factor, tangent):
     """Write factor times the elastic stiffness (6, 6), in Pa."""
     lame = factor * (bulk - 2.0 * shear / 3.0)
@@ -44,7 +44,7 @@ def elastic_tangent(bulk, shear, factor, tangent):
         tangent[i + 3, i + 3] = factor * shear
 
 
-@njit
+@lean
 def subtract_elastic_tangent(bulk, shear, tangent):
     """Take the elastic stiffness off a tangent (6, 6), in Pa."""
     lame = bulk - 2.0 * shear / 3.0
@@ -55,7 +55,7 @@ def subtract_elastic_tangent(bulk, shear, tangent):
         tangent[i + 3, i + 3] -= shear
 
 
-@njit
+@lean
 def stored_density(bulk, shear, stress):
     """Return the elastic energy density s:C^-1:s/2 = I^2/(18 K) + II^2/(2 G) of a stress (6,), in J/m3."""
     first = stress[0] + stress[1] + stress[2]
@@ -75,7 +75,7 @@ def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return p[..., BULK], p[..., SHEAR]
 
 
-@njit
+@lean
 def update(p, strain, old, new, tangent, with_tangent):
     """Add the elastic stress of a strain increment (6,), see law.SoilLaw; return (OK, REGIME_ELASTIC)."""
     stress_old, stress = old.stress, new.stress

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 from fe_engine.soil import formulas
 
 _SQRT6 = math.sqrt(6.0)
@@ -24,11 +24,11 @@ class Trial(NamedTuple):
     across: tuple[float, float, float, float, float, float]
 
 
-shape, section = njit(formulas.shape), njit(formulas.section)
-shape_of_slope, turn_of = njit(formulas.shape_of_slope), njit(formulas.turn)
+shape, section = lean(formulas.shape), lean(formulas.section)
+shape_of_slope, turn_of = lean(formulas.shape_of_slope), lean(formulas.turn)
 
 
-@njit
+@lean
 def lode(stress, first, second):
     """Return the Lode angle and directions of a stress (6,) that has a deviator."""
     scale = 1.0 / (math.sqrt(2.0) * second)
@@ -50,7 +50,7 @@ def lode(stress, first, second):
     return Trial(first, second, cos3, sin3, (x, y, z, xy, yz, zx), across)
 
 
-@njit
+@lean
 def rotated(trial, delta):
     """Return the cos and sin of 3 (theta_t - delta)."""
     c, s = math.cos(3.0 * delta), math.sin(3.0 * delta)

@@ -20,7 +20,7 @@ import math
 
 import numpy as np
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 from fe_engine.soil.elastic import moduli
 from fe_engine.soil.law import PLASTIC_STRAIN, rows
 
@@ -55,7 +55,7 @@ def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return p[..., BULK], p[..., SHEAR]
 
 
-@njit
+@lean
 def radius(p, kappa):
     """Return the shear stress in Pa at which a point yields again, after the plastic strain kappa."""
     if p[STRAIN] == 0.0:
@@ -65,7 +65,7 @@ def radius(p, kappa):
     return p[STRENGTH] * (2.0 * a / (a + math.sqrt(a * (a + 4.0))) if a > 0.0 else 0.0)
 
 
-@njit
+@lean
 def returned(p, kappa, trial, stiffness):
     """Return the shear stress (Pa) returned from ``trial`` (Pa) with a stiffness (Pa), and its derivative."""
     strength, strain, x = p[STRENGTH], p[STRAIN], p[MOBILISED]

@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 from fe_engine.conventions import OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil.elastic import moduli
 from fe_engine.soil.law import PLASTIC_STRAIN, rows
@@ -80,7 +80,7 @@ def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return p[..., BULK], p[..., SHEAR]
 
 
-@njit
+@lean
 def update(p, strain, old, new, tangent, with_tangent):
     """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
     bulk, shear = p[BULK], p[SHEAR]
@@ -115,7 +115,7 @@ def update(p, strain, old, new, tangent, with_tangent):
     return OK, REGIME_APEX if opens else (REGIME_CONE if yields else REGIME_ELASTIC)
 
 
-@njit
+@lean
 def _trial(p, k, change, initial, history):
     """Return xx, yy, xy, yz, zx of the trial deviator of an element, Pa."""
     w, rho, at = p[FIRST + k], p[RADIUS + k], SHEARS + 5 * k
@@ -126,7 +126,7 @@ def _trial(p, k, change, initial, history):
     )  # fmt: skip
 
 
-@njit
+@lean
 def _keep(k, rho, deviator, initial, new):
     """Add the deviator of an element to the stress, and write its history."""
     at = SHEARS + 5 * k
@@ -139,7 +139,7 @@ def _keep(k, rho, deviator, initial, new):
         new.stress[3 + i] += deviator[2 + i]
 
 
-@njit
+@lean
 def _deviator(strain, volume, shear):
     """Return xx, yy, xy, yz, zx of the elastic deviator of a strain increment, Pa."""
     third = volume / 3.0
@@ -149,7 +149,7 @@ def _deviator(strain, volume, shear):
     )  # fmt: skip
 
 
-@njit
+@lean
 def _initial(old):
     """Return xx, yy, xy, yz, zx of the deviator of the initial state, Pa."""
     mean = (old.stress[0] + old.stress[1] + old.stress[2]) / 3.0
@@ -161,7 +161,7 @@ def _initial(old):
     return s0, s1, s3, s4, s5
 
 
-@njit
+@lean
 def _add_yielding(p, k, ratio, trial, deviator, tangent):
     """Add what a returned element has less along its deviator (6), and what the pressure gives it."""
     along = ratio * p[FIRST + k] * p[SHEAR] / (trial * trial)
@@ -173,7 +173,7 @@ def _add_yielding(p, k, ratio, trial, deviator, tangent):
             tangent[i, j] -= pressure * deviator[i]
 
 
-@njit
+@lean
 def _add_elastic(bulk, shear, tangent):
     lame = bulk - 2.0 * shear / 3.0
     for i in range(3):

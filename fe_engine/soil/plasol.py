@@ -24,7 +24,7 @@ import math
 
 import numpy as np
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import formulas
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent, moduli
@@ -60,23 +60,23 @@ def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return p[..., BULK], p[..., SHEAR]
 
 
-_slope, _cohesion = njit(formulas.cone_slope), njit(formulas.cone_cohesion)
+_slope, _cohesion = lean(formulas.cone_slope), lean(formulas.cone_cohesion)
 
 
-@njit
+@lean
 def cone_slope(phi):
     """Return the slope m(phi) of the compression cone in the I-II plane."""
     return _slope(math.sin(phi))
 
 
-@njit
+@lean
 def mobilised(p, kappa):
     """Return the friction angle (rad) after the equivalent plastic strain kappa, and its derivative."""
     phi = p[PHI_I] + (p[PHI_F] - p[PHI_I]) * kappa / (p[B_PHI] + kappa)
     return phi, (p[PHI_F] - p[PHI_I]) * p[B_PHI] / (p[B_PHI] + kappa) ** 2
 
 
-@njit
+@lean
 def strength(p, kappa):
     """Return m, k and their derivatives with respect to the equivalent plastic strain."""
     phi, dphi = mobilised(p, kappa)
@@ -88,7 +88,7 @@ def strength(p, kappa):
     return m, k, dm, dk
 
 
-@njit
+@lean
 def _excess(p, kappa_old, first, second, dl):
     """Yield function and its derivative after the plastic multiplier dl from the trial (I, II)."""
     m, k, dm, dk = strength(p, kappa_old + dl / _SQRT3)
@@ -98,7 +98,7 @@ def _excess(p, kappa_old, first, second, dl):
     return f, slope
 
 
-@njit
+@lean
 def multiplier(p, kappa_old, first, second):
     """Return the root dl of the yield function on [0, II_tr/G] by Newton kept inside a shrinking bracket."""
     low, high = 0.0, second / p[SHEAR]
@@ -117,7 +117,7 @@ def multiplier(p, kappa_old, first, second):
     return dl, OK if abs(f) <= 1.0e-9 * scale else LAW_NOT_CONVERGED
 
 
-@njit
+@lean
 def yield_function(p, stress, kappa):
     """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
     m, k, _, _ = strength(p, kappa)
@@ -125,7 +125,7 @@ def yield_function(p, stress, kappa):
     return second_invariant(stress, first / 3.0) + m * first - k
 
 
-@njit
+@lean
 def second_invariant(stress, mean):
     """Return II = sqrt(s:s/2) of a stress (6,) with the given mean."""
     square = 0.0
@@ -134,7 +134,7 @@ def second_invariant(stress, mean):
     return math.sqrt(square)
 
 
-@njit
+@lean
 def update(p, strain, old, new, tangent, with_tangent):
     """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
     stress_old, history_old = old
@@ -159,7 +159,7 @@ def update(p, strain, old, new, tangent, with_tangent):
     return status, REGIME_CONE
 
 
-@njit
+@lean
 def _return_to_cone(p, kappa_old, trial, dl, new, tangent, with_tangent):
     """Turn the trial stress, of invariants ``trial``, into the returned one; consistent tangent.
 
@@ -179,7 +179,13 @@ def _return_to_cone(p, kappa_old, trial, dl, new, tangent, with_tangent):
         stress[i + 3] *= ratio
 
 
-@njit
+@lean
+def _deviator(stress, first, i):
+    """Return component i of the deviator of a stress (6,) with the trace ``first``."""
+    return stress[i] - first / 3.0 if i < 3 else stress[i]
+
+
+@lean
 def _cone_tangent(p, kappa, invariants, first_new, dl, trial, tangent):
     """Write the consistent tangent (6, 6) on the cone; trial is the elastic trial stress, of these invariants."""
     first, second = invariants
@@ -187,22 +193,20 @@ def _cone_tangent(p, kappa, invariants, first_new, dl, trial, tangent):
     m, _, dm, dk = strength(p, kappa)
     denominator = shear + 9.0 * bulk * m * m_psi - (dm * first_new - dk) / _SQRT3
     elastic_tangent(0.0, shear, 1.0 - shear * dl / second, tangent)
-    n, normal = np.empty(6), np.empty(6)
-    half = 0.5 / second
-    for i in range(6):
-        n[i] = half * (trial[i] - (first / 3.0 if i < 3 else 0.0))
-        normal[i] = (2.0 * shear * n[i] + (3.0 * bulk * m if i < 3 else 0.0)) / denominator
     turning = 4.0 * shear * shear * dl / second
     for i in range(6):
-        flow = 2.0 * shear * n[i] + (3.0 * bulk * m_psi if i < 3 else 0.0)
+        n_i = _deviator(trial, first, i) * (0.5 / second)
+        flow = 2.0 * shear * n_i + (3.0 * bulk * m_psi if i < 3 else 0.0)
         for j in range(6):
-            tangent[i, j] += turning * n[i] * n[j] - flow * normal[j]
+            n_j = _deviator(trial, first, j) * (0.5 / second)
+            normal = (2.0 * shear * n_j + (3.0 * bulk * m if j < 3 else 0.0)) / denominator
+            tangent[i, j] += turning * n_i * n_j - flow * normal
     for i in range(3):
         for j in range(3):
             tangent[i, j] += bulk
 
 
-@njit
+@lean
 def return_to_apex(p, kappa_old, trial, new, tangent, with_tangent):
     """Put the point on the apex, plus the residual elastic fraction of the trial stress, of invariants ``trial``."""
     first, second = trial
@@ -220,7 +224,7 @@ def return_to_apex(p, kappa_old, trial, new, tangent, with_tangent):
         stress[i + 3] *= APEX_STIFFNESS
 
 
-@njit
+@lean
 def _apex_tangent(p, drift, first, second, trial, tangent):
     """Write the tangent (6, 6) at the apex; drift is d(mean stress at the apex)/d(kappa)."""
     elastic_tangent(p[BULK], p[SHEAR], APEX_STIFFNESS, tangent)

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import math
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 
 _SWEEPS = 20
 _ZERO = 1.0e-32  # squared size of what is left beside the diagonal, over that of the stress
 
 
-@njit
+@lean
 def principal(stress, values, directions):
     """Write principal values (3,), the largest first, and directions (3, 3), one a row, of a stress (6,).
 
@@ -44,7 +44,7 @@ def principal(stress, values, directions):
     _sort(values, directions, 0, 1)
 
 
-@njit
+@lean
 def _angle(first, second, beside):
     """Return the cosine and sine of the rotation that removes the entry beside two diagonal ones."""
     if beside == 0.0:
@@ -57,14 +57,14 @@ def _angle(first, second, beside):
     return c, t * c
 
 
-@njit
+@lean
 def _rotated(first, second, beside, c, s):
     """Return the diagonal entries after the rotation."""
     change = beside * s / c
     return first - change, second + change
 
 
-@njit
+@lean
 def _turn(directions, i, j, c, s):
     for k in range(3):
         first, second = directions[i, k], directions[j, k]
@@ -72,7 +72,7 @@ def _turn(directions, i, j, c, s):
         directions[j, k] = s * first + c * second
 
 
-@njit
+@lean
 def _sort(values, directions, i, j):
     if values[i] >= values[j]:
         return
@@ -81,7 +81,7 @@ def _sort(values, directions, i, j):
         directions[i, k], directions[j, k] = directions[j, k], directions[i, k]
 
 
-@njit
+@lean
 def compose(values, directions, stress):
     """Write the stress (6,) of principal values (3,) and directions (3, 3)."""
     for i in range(6):
@@ -97,7 +97,7 @@ def compose(values, directions, stress):
         stress[5] += v * z * x
 
 
-@njit
+@lean
 def spectral_tangent(directions, normal, shear, tangent):
     """Write the tangent (6, 6) of a law of principal values.
 
@@ -121,7 +121,7 @@ def spectral_tangent(directions, normal, shear, tangent):
                 tangent[i, j] += left * _product(directions, a, b, j)
 
 
-@njit
+@lean
 def _product(directions, a, b, i):
     """Return the component i of the symmetric part of n_a n_b."""
     if i < 3:

@@ -38,7 +38,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent
 from fe_engine.soil.formulas import EXPONENT
@@ -85,7 +85,7 @@ class _Point(NamedTuple):
     reach_kappa: float
 
 
-@njit
+@lean
 def _section_change(p, kappa, cos3, sin3):
     """Return the radius rho of the yield surface, and its derivatives with respect to theta and to kappa."""
     phi, dphi = mobilised(p, kappa)
@@ -99,7 +99,7 @@ def _section_change(p, kappa, cos3, sin3):
     return rho, rho * d_theta, rho * d_kappa
 
 
-@njit
+@lean
 def _deflection(trial, b_psi, w, delta):
     """Return the root delta of tan(delta) = w T(theta_t - delta), from a first guess."""
     if b_psi == 0.0 or w == 0.0:
@@ -123,7 +123,7 @@ def _deflection(trial, b_psi, w, delta):
     return delta
 
 
-@njit
+@lean
 def _evaluate(p, b_psi, kappa_old, trial, w, guess):
     """Return the point after the share w of the way to the axis."""
     delta = _deflection(trial, b_psi, w, guess)
@@ -144,7 +144,7 @@ def _evaluate(p, b_psi, kappa_old, trial, w, guess):
     )  # fmt: skip
 
 
-@njit
+@lean
 def _change(p, trial, at, dw, d_second, d_theta, d_first):
     """Change (II, delta, I, f, kappa) of the point with w and with the trial stress."""
     cosine, sine = math.cos(at.delta), math.sin(at.delta)
@@ -162,7 +162,7 @@ def _change(p, trial, at, dw, d_second, d_theta, d_first):
     return new_second, d_delta, new_first, d_f, d_kappa
 
 
-@njit
+@lean
 def solve(p, b_psi, kappa_old, trial):
     """Return the point on the yield surface: Newton for w kept inside a shrinking bracket."""
     low, high = 0.0, 1.0
@@ -182,7 +182,7 @@ def solve(p, b_psi, kappa_old, trial):
     return at, OK if abs(at.f) <= 1.0e-9 * scale else LAW_NOT_CONVERGED
 
 
-@njit
+@lean
 def yield_function(p, stress, kappa):
     """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
     m, k, _, _ = strength(p, kappa)
@@ -194,7 +194,7 @@ def yield_function(p, stress, kappa):
     return second + rho * (m * first - k)
 
 
-@njit
+@lean
 def update(p, strain, old, new, tangent, with_tangent):
     """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
     stress_old, history_old = old
@@ -225,7 +225,7 @@ def update(p, strain, old, new, tangent, with_tangent):
     return status, REGIME_CONE
 
 
-@njit
+@lean
 def _return(p, kappa_old, trial, at, stress, history):
     """Write the returned stress and the history."""
     dl = at.w * trial.second * math.cos(at.delta) / p[SHEAR]
@@ -235,7 +235,7 @@ def _return(p, kappa_old, trial, at, stress, history):
         stress[i] = radius * (cosine * trial.n[i] - sine * trial.across[i]) + (at.first / 3.0 if i < 3 else 0.0)
 
 
-@njit
+@lean
 def _tangent(p, trial, at, tangent):
     """Write the consistent tangent (6, 6) by columns: the change of the returned stress with each strain.
 
@@ -273,7 +273,7 @@ def _tangent(p, trial, at, tangent):
                 tangent[i, j] += new_first / 3.0
 
 
-@njit
+@lean
 def _unit(j, i, shear, along, n, second):
     """Return the component i of the change of n with the strain j; ``along`` is n : ds."""
     change = -along * n[i]
@@ -284,7 +284,7 @@ def _unit(j, i, shear, along, n, second):
     return change / (math.sqrt(2.0) * second)
 
 
-@njit
+@lean
 def _symmetric_product(a, b):
     """Return a.b + b.a of two symmetric tensors (6,)."""
     return (

@@ -15,7 +15,7 @@ however the law localises. In steady flow the overstress is T times the elastic 
 
 from __future__ import annotations
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 from fe_engine.soil.elastic import add_elastic_stress
 
 
@@ -24,7 +24,7 @@ def share_of(step: float, lag: float) -> float:
     return step / (step + lag) if lag > 0.0 else 1.0
 
 
-@njit
+@lean
 def relax(moduli, share, strain, old, new):
     """Turn the rate-independent state ``new`` (Point) of a step by the strain (6,) into the viscous one, in place.
 

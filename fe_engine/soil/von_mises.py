@@ -9,7 +9,7 @@ where su is that of triaxial compression, s = 2 su/sqrt(3), which is 15.5 % too 
 
 from __future__ import annotations
 
-from fe_engine.compiled import njit
+from fe_engine.compiled import lean
 from fe_engine.conventions import OK, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent
 from fe_engine.soil.law import SoilLaw
@@ -28,13 +28,13 @@ from fe_engine.soil.mobilised import (
 from fe_engine.soil.plasol import second_invariant
 
 
-@njit
+@lean
 def yield_function(p, stress, kappa):
     """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
     return second_invariant(stress, (stress[0] + stress[1] + stress[2]) / 3.0) - radius(p, kappa)
 
 
-@njit
+@lean
 def update(p, strain, old, new, tangent, with_tangent):
     """Advance one Gauss point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
     stress_old, history_old = old
