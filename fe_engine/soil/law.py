@@ -37,7 +37,8 @@ class SoilLaw:
     update : jitted function (p, strain, old, new, tangent, with_tangent) -> (status, regime). It advances a point by
         the strain increment (6,): reads the parameters p (n,) and ``old`` (Point), writes the stress and the history of
         ``new`` (Point), and if ``with_tangent`` the consistent tangent (6, 6). A status other than OK stops the
-        increment. It allocates nothing that can be avoided and calls jitted functions alone.
+        increment. It allocates nothing that can be avoided and calls jitted functions alone; where none of them makes
+        an array, they are compiled by `compiled.lean`, else by `compiled.njit`.
     symmetric : whether every tangent is symmetric and positive definite, so that half of the factors will do.
     yields : whether points can leave the elastic regime.
     isotropic : whether no direction is preferred; a law that is not prefers the vertical, z.
