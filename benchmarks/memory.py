@@ -27,7 +27,8 @@ from pysprings.macro.cycles import errors, follow_path
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.build import with_memory
 from pysprings.macro.memory.calibration import calibrate
-from pysprings.macro.memory.candidates import gaps, mechanisms
+from pysprings.macro.memory.candidates import Candidates, gaps, mechanisms
+from pysprings.macro.memory.candidates import springs as reversible
 from pysprings.macro.memory.elements import STATES
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import samples
@@ -55,10 +56,10 @@ def springs_of(case: Case, folder: Path) -> Springs:
 def masing(springs: Springs, table: FanTable) -> MemoryModel:
     """Return perfectly plastic elements that are fitted to the rays alone."""
     ways = [way for way in samples(springs, table) if not way.turns]
-    reach = max(float(np.hypot(*way.motions.T).max()) for way in ways)
+    reach = max(float(np.hypot(*way.motions.T).max()) for way in ways if way.recorded)
     perfect = mechanisms(reach)
-    candidates = perfect[perfect[:, _PERFECT] == 0.0], gaps(reach)[:0]
-    return MemoryModel(calibrate(ways, table, stiffness_of(springs), candidates), table)
+    choice = Candidates(perfect[perfect[:, _PERFECT] == 0.0], gaps(reach)[:0], reversible(reach)[:0])
+    return MemoryModel(calibrate(ways, table, stiffness_of(springs), choice), table)
 
 
 def stiffness_of(springs: Springs) -> np.ndarray:

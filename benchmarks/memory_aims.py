@@ -3,7 +3,7 @@
 
 Errors are in %: the largest distance along the path over the largest value of the full model on it. The work of a pair
 of branches of a loop is compared over the largest one of the loop, peaks, secants and work of cycles one by one; heave
-is the change of w. Paths of loads beyond twice the reach have no aim.
+is the change of w. Paths of loads beyond twice the reach have no aim, and a climb is compared as far as the reach.
 """
 
 from __future__ import annotations
@@ -64,6 +64,8 @@ def aims(springs: Springs, model: MacroModel, clay: bool) -> list[Aim]:
 
 def _of_path(path: SpringPath, model: MacroModel, fan: MacroModel) -> Iterable[tuple[str, str, float, float]]:
     """Return (family, quantity, error, limit) of a path."""
+    if path.name == "climb":
+        path = _within_reach(path, fan)
     one = follow_path(path, model)
     if path.name.startswith("pull_"):
         return _pull(one, follow_path(path, fan))
@@ -121,10 +123,21 @@ def _climb(one: Followed, model: MacroModel) -> Iterator[tuple[str, str, float, 
 
 def _reach_used(path: SpringPath, fan: MacroModel) -> float:
     """Return the largest motion of a path over the reach of the rays beside it."""
+    return float(_used(path, fan).max())
+
+
+def _used(path: SpringPath, fan: MacroModel) -> Array:
+    """Return the motions of a path, without its first state, over the reach of the rays beside them."""
     table = fan.table
     assert isinstance(table, FanTable)
     states = np.stack([path.u, path.rotation], axis=1)[1:]
-    return float(table.support(states, table.rows(states)[1])[0].max())
+    return table.support(states, table.rows(states)[1])[0]
+
+
+def _within_reach(path: SpringPath, fan: MacroModel) -> SpringPath:
+    """Return a path as far as the reach of the rays."""
+    beyond = np.flatnonzero(_used(path, fan) > 1.0 + RANGE_SLACK)
+    return path.at_steps(range(1 + int(beyond[0]))) if beyond.size else path
 
 
 def met(found: Iterable[Aim]) -> str:

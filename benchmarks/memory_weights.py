@@ -27,7 +27,7 @@ from pysprings.springs.springs import Springs
 COMMAND = "python -m benchmarks.memory_weights DIR --store"
 MIDDLE = "ray_minus_30_reversed"
 # rays that turn back (without and with -30 degrees), weight
-CHOICES = ((2, 0.7), (3, 1.5), (3, 0.7), (3, 0.4))
+CHOICES = ((2, 0.7), (3, 1.5), (3, 1.0), (3, 0.7), (3, 0.4))
 HEADS = ["caisson", "rays", "weight", "aims met", "above the limits [%]", *FAMILIES]
 
 

@@ -69,7 +69,7 @@ def njit(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     """Compile a function of the engine at its first call, see `cached`; a decorator, options of Numba are optional."""
     if function is None:
         return lambda decorated: njit(decorated, **options)
-    # said of each function: those that nothing is said of do as their callers do
+    # given for each function: without the option a function takes that of its caller
     return cached(function, HOME, engine_digest(), **({"_nrt": True} | options))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 from pysprings.core.path_kinds import MEMORY, PATH_KINDS, VERTICAL
@@ -37,7 +37,7 @@ def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
     if springs.vertical:
         parts += _vertical(springs, rates[0])
     if springs.memory:
-        parts += _reversed(springs, caisson, rates[0])
+        parts += _reversed(springs, caisson, rates)
     if springs.held_back:
         parts += _pulls(springs, caisson, rates[0])
     return tuple(Path(**part) for part in parts)
@@ -85,16 +85,17 @@ def _motion(rho: float, angle: float, caisson: Caisson) -> dict[str, Any]:
     return motion
 
 
-def _reversed(springs: Springs, caisson: Caisson, rate: float | None) -> Iterator[dict[str, Any]]:
+def _reversed(springs: Springs, caisson: Caisson, rates: tuple[float | None, ...]) -> Iterator[dict[str, Any]]:
     """Yield the rays that turn back, with a small and a large amplitude, at the vertical load of the scene."""
     assert springs.reach is not None
     ways = [springs.reach * abs(end - start) for start, end in pairwise((0.0, *TURNS))]
-    times = [None if rate is None else way / rate for way in ways]
-    for angle in REVERSED:
+    for (pace, rate), angle in product(enumerate(rates), REVERSED):
+        times = [None if rate is None else way / rate for way in ways]
         motion = _motion(TURNS[0] * springs.reach, angle, caisson)
         first = motion[PATH_KINDS[motion["kind"]].imposed]
         yield {
-            "name": f"{_ray_name(angle)}_reversed", **motion, "role": MEMORY, "duration": times[0],
+            "name": f"{_ray_name(angle)}_reversed" + (f"_rate_{pace}" if pace else ""), **motion,
+            "role": MEMORY, "duration": times[0],
             "then": tuple(Then(first * end / TURNS[0], time=t) for end, t in zip(TURNS[1:], times[1:], strict=True)),
         }  # fmt: skip
 

@@ -386,7 +386,8 @@ class Springs(Section):
 
     Eight rays move the lid centre by u and turn the caisson in proportion, until sqrt(u^2 + (rotation skirt_length)^2)
     is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` three rays
-    go back and forth, at 12, 24 (twice) and 40 % of it. `rays` has other directions than the usual eight.
+    (at each of the `rates`) go back and forth, at 12, 24 (twice) and 40 % of it. `rays` has other directions than the
+    usual eight.
     """
 
     reach: Annotated[float | None, _REACH] = None

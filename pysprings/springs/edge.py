@@ -13,8 +13,8 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from pysprings.core.errors import refused
-from pysprings.core.path_kinds import MEMORY
 from pysprings.springs.dataset import path_dataset, path_names
+from pysprings.springs.springs import memory_groups
 
 Array = NDArray[np.float64]
 
@@ -56,8 +56,8 @@ def reslice(springs: xr.DataTree, bounds: ArrayLike | None = None) -> xr.DataTre
         The bounds do not increase from 0 to the skirt length.
     """
     tree = springs.copy(deep=True)
-    if MEMORY in tree.children:
-        del tree[MEMORY]
+    for name in memory_groups(tree):
+        del tree[name]
     for name in path_names(tree):
         path = path_dataset(tree, name)
         edges = tip_zone(path) if bounds is None else _checked(bounds, path)

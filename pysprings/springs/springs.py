@@ -31,6 +31,11 @@ from pysprings.springs.spread import check_spread
 Array = NDArray[np.float64]
 
 
+def memory_groups(tree: xr.DataTree) -> list[str]:
+    """Return the names of the groups of a tree with calibrated elements: "memory", "memory_rate_1" ..."""
+    return [name for name in tree.children if name == MEMORY or name.startswith(f"{MEMORY}_rate_")]
+
+
 @dataclass(frozen=True, eq=False)
 class Springs:
     """The springs of a caisson. Nothing of them may be changed: what is derived is computed once and kept.
@@ -39,13 +44,14 @@ class Springs:
     ----------
     root : initial stiffness, and attributes: geometry of the caisson, and where the springs come from.
     paths : load paths by name, in the order of the file.
-    memory : calibrated elements of springs with memory (`pysprings.macro.memory`); None where none are stored.
+    memory : calibrated elements of springs with memory (`pysprings.macro.memory`) by name of their group, one for each
+        rate; empty where none are stored.
     spread : standard deviation of springs of an atlas (`pysprings.springs.spread`); None for those of a full model.
     """
 
     root: xr.Dataset
     paths: Mapping[str, SpringPath]
-    memory: xr.Dataset | None = None
+    memory: Mapping[str, xr.Dataset] = field(default_factory=dict)
     spread: xr.Dataset | None = None
     _derived: dict[Hashable, Springs] = field(default_factory=dict, repr=False)
 
@@ -61,7 +67,7 @@ class Springs:
         nodes = source.children["paths"].children if "paths" in source.children else {}
         length = float(root.attrs["skirt_length_m"])
         paths = {name: SpringPath(name, node.to_dataset(inherit=False), length) for name, node in nodes.items()}
-        stored = source.children[MEMORY].to_dataset(inherit=False) if MEMORY in source.children else None
+        stored = {name: source.children[name].to_dataset(inherit=False) for name in memory_groups(source)}
         spread = check_spread(source.children[SPREAD].to_dataset(inherit=False)) if SPREAD in source.children else None
         return cls(root, paths, stored, spread)
 
@@ -69,7 +75,7 @@ class Springs:
     def tree(self) -> xr.DataTree:
         """The springs as a tree, as `save_springs` writes it."""
         groups = {"/": self.root} | {f"/paths/{name}": path.recorded for name, path in self.paths.items()}
-        groups |= {} if self.memory is None else {f"/{MEMORY}": self.memory}
+        groups |= {f"/{name}": elements for name, elements in self.memory.items()}
         groups |= {} if self.spread is None else {f"/{SPREAD}": self.spread}
         return xr.DataTree.from_dict(groups, name="springs")
 

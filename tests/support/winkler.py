@@ -16,7 +16,7 @@ from pysprings.core.path_kinds import PARTS
 from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.memory.build import memory_dataset
 from pysprings.macro.memory.calibration import ElementSet
-from pysprings.macro.memory.elements import GAP, PLASTIC
+from pysprings.macro.memory.elements import GAP, PLASTIC, REVERSIBLE
 from pysprings.macro.memory.shares import Shares
 from pysprings.springs.springs import Springs
 from tests.support.fans import LENGTH, RHO, RINGS, fan_springs, set_path
@@ -82,6 +82,7 @@ def mixed(n=24, seed=1):
             element(PLASTIC, gauge, (1e7 * m[0] ** 2, 1e7 * m[0] * m[1], 1e7 * m[1] ** 2), d, gain, 0.2 * REACH)
         )
         rows.append(element(GAP, B=(np.cos(d * 1e4), np.sin(d * 1e4), 1e7), d=d))
+        rows.append(element(REVERSIBLE, gauge, 5e6 * np.array(gauge), d))
     return np.array(rows)
 
 
@@ -90,7 +91,7 @@ def elements_of(rows: np.ndarray, table: FanTable) -> ElementSet:
     odd = ~table.even
     none = Shares(
         odd, np.where(odd, 0.0, table.r[:, 0, 0]), np.zeros((odd.sum(), 2)), np.zeros((odd.sum(), 2 * len(rows))),
-        np.zeros(((~odd).sum(), len(rows))), np.inf,
+        np.zeros(((~odd).sum(), 2 * len(rows))), np.inf,
     )  # fmt: skip
     return ElementSet(rows, REACH, none, 0.0, {"0 degrees": (0.0, 0.0)}, 5 * REACH)
 
@@ -104,7 +105,7 @@ def with_invented_memory(rows: np.ndarray | None = None, settling: bool = False)
     if settling:
         shares = elements.shares
         even = np.random.default_rng(7).uniform(-1.0, 1.0, shares.even.shape)
-        elements = replace(elements, shares=replace(shares, even=even, length=0.3 * REACH))
+        elements = replace(elements, shares=replace(shares, even=even, growth=10.0))
     stored = memory_dataset(given, elements)
     groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
     return xr.DataTree.from_dict(groups | {"/memory": stored}, name=tree.name)

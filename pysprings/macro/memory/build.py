@@ -26,7 +26,7 @@ MISSING = (
     "reversal. Run the scene with `[springs] memory = true`, or add a translation or rotation with `then` and "
     'role = "memory"'
 )
-VERSION = 5
+VERSION = 6
 _HEAD = ("rows", "odd", "rest", "loads", "elastic", "even")
 
 
@@ -46,9 +46,9 @@ def build_memory(springs: Springs) -> MemoryModel:
     table = build_fan(springs)
     if not springs.remembering:
         raise refused("springs", MISSING)
-    stored, first = springs.memory, springs.remembering[0]
-    known = stored is not None and stored.attrs.get("paths_sha256") == digest(springs)
-    elements = from_dataset(stored) if stored is not None and known else _calibrated(springs, table)
+    first, own = springs.remembering[0], digest(springs)
+    known = [stored for stored in springs.memory.values() if stored.attrs.get("paths_sha256") == own]
+    elements = from_dataset(known[0]) if known else _calibrated(springs, table)
     return MemoryModel(elements, table, first.load, first.rate if springs.rate_sets else None)
 
 
@@ -60,30 +60,31 @@ def _calibrated(springs: Springs, table: FanTable) -> ElementSet:
 def with_memory(tree: xr.DataTree) -> xr.DataTree:
     """Return springs with the calibrated elements in the group "memory"; as they are where they have no memory.
 
-    Of several rates the elements are those of the rate of the rays that turn back.
+    Of several rates each has its own elements: "memory" those of the slowest, "memory_rate_1" those of the next.
     """
     springs = Springs.of(tree)
-    rates = [path.rate for path in springs.paths.values() if path.remembers and path.rate is not None]
-    at = springs.at(rate=rates[0] if len(springs.rate_sets) > 1 and rates else None)
-    if not has_memory(at):
+    sets = springs.rate_sets
+    each = [springs.at(rate=one.rate) for one in sets] if len(sets) > 1 else [springs.at()]
+    found = [memory_dataset(at, _calibrated(at, build_fan(at))) for at in each if has_memory(at)]
+    if not found:
         return tree
-    stored = memory_dataset(at, _calibrated(at, build_fan(at)))
     groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
-    return xr.DataTree.from_dict(groups | {f"/{MEMORY}": stored}, name=tree.name)
+    names = (f"/{MEMORY}" + (f"_rate_{k}" if k else "") for k in range(len(found)))
+    return xr.DataTree.from_dict(groups | dict(zip(names, found, strict=True)), name=tree.name)
 
 
 def memory_dataset(springs: Springs, elements: ElementSet) -> xr.Dataset:
     """Return the elements of springs as the group "memory" of a spring file."""
     dims = {
         "rows": ("element", "parameter"), "odd": ("row",), "rest": ("row",), "loads": ("odd_row", "load"),
-        "elastic": ("odd_row", "motion"), "even": ("even_row", "element"),
+        "elastic": ("odd_row", "motion"), "even": ("even_row", "way"),
     }  # fmt: skip
     shares = elements.shares
     values = {"rows": elements.rows, "odd": shares.odd.astype(np.int8)}
     values |= {name: getattr(shares, name) for name in _HEAD[2:]}
     data = {name: (dims[name], value, {"units": "1"}) for name, value in values.items()}
     attrs: dict[str, Any] = {"version": VERSION, "reach_m": elements.reach, "residual": elements.residual}
-    attrs |= {"heave_length_m": shares.length, "way_m": elements.way}
+    attrs |= {"heave_growth": shares.growth, "way_m": elements.way}
     attrs |= {"paths_sha256": digest(springs), "ways": list(elements.errors)}
     attrs |= {
         "H_errors": [e[0] for e in elements.errors.values()],
@@ -99,15 +100,16 @@ def from_dataset(stored: xr.Dataset) -> ElementSet:
     ways, pairs = np.atleast_1d(attrs["ways"]), zip(
         np.atleast_1d(attrs["H_errors"]), np.atleast_1d(attrs["M_errors"]), strict=True)  # fmt: skip
     errors = {str(way): (float(H), float(M)) for way, (H, M) in zip(ways, pairs, strict=True)}
-    shares = Shares(odd.astype(bool), rest, loads, elastic, even, float(attrs["heave_length_m"]))
+    shares = Shares(odd.astype(bool), rest, loads, elastic, even, float(attrs["heave_growth"]))
     reach, residual, way = (float(attrs[name]) for name in ("reach_m", "residual", "way_m"))
     return ElementSet(np.ascontiguousarray(rows), reach, shares, residual, errors, way)
 
 
 def digest(springs: Springs) -> str:
-    """Return the SHA-256 (hex) of the loads and motions of the paths that elements are calibrated on."""
+    """Return the SHA-256 (hex) of the loads, motions and rates of the paths that elements are calibrated on."""
     found = hashlib.sha256(f"{VERSION} {springs.length!r}".encode())
     for path in (*(springs.paths[name] for name in springs.rays), *springs.remembering):
+        found.update(f" {path.rate or 0.0:.6g}".encode())
         for values in (path.u, path.rotation, path["H"], path["M"]):
             found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
     return found.hexdigest()

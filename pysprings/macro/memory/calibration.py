@@ -15,15 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
-from pysprings.macro.memory.candidates import (
-    around,
-    force_directions,
-    gap_rows,
-    gaps,
-    mechanisms,
-    plastic_rows,
-)
-from pysprings.macro.memory.elements import GAP, histories
+from pysprings.macro.memory.candidates import Candidates, around, candidates, force_directions
+from pysprings.macro.memory.elements import GAP, REVERSIBLE, histories
 from pysprings.macro.memory.samples import Sample
 from pysprings.macro.memory.shares import Shares, shares_of, stiffnesses
 
@@ -32,7 +25,8 @@ Array = NDArray[np.float64]
 STIFFNESS = 3.0  # weight of the initial stiffness beside a ray
 SUBSTEP = 0.01  # largest step of the motion over the reach
 FORGET = 1e-9  # share of the initial stiffness below which an element is left out
-# Numbers of the state of an element that moves in two planes, and of all elements: SoilDyn of OpenFAST keeps 1,200
+# Numbers of the state of an element that moves in two planes (a reversible one keeps none), and of all elements:
+# SoilDyn of OpenFAST keeps 1,200
 PLASTIC_NUMBERS, GAP_NUMBERS, MOST_NUMBERS = 5, 6, 1190
 
 
@@ -67,26 +61,27 @@ def calibrate(
     ways: Sequence[Sample],
     table: FanTable,
     stiffness: Array,
-    candidates: tuple[Array, Array] | None = None,
+    choice: Candidates | None = None,
     most: int = MOST_NUMBERS,
 ) -> ElementSet:
     """Return the elements that follow the ways; stiffness (2, 2) is the initial one for (u, rotation*L) [N/m].
 
-    candidates: plastic and gap elements to choose from, instead of those of `pysprings.macro.memory.candidates`. What
-    is chosen from them is chosen a second time, with what is `around` it. most: numbers that the state of the elements
-    may have in two planes; of more elements those that carry most are kept, and fitted again.
+    choice: elements to choose from, instead of those of `pysprings.macro.memory.candidates`. What is chosen from them
+    is chosen a second time, with what is `around` it. most: numbers that the state of the elements may have in two
+    planes; of more elements those that carry most are kept, and fitted again. Reactions are shared out as along the
+    recorded ways (`Sample.recorded`).
     """
-    reach = max(float(np.hypot(*way.motions.T).max()) for way in ways)
+    reach = max(float(np.hypot(*way.motions.T).max()) for way in ways if way.recorded)
     loads = [way.loads(table) for way in ways]
-    plastic, gap = candidates or (mechanisms(reach), gaps(reach))
-    _, _, chosen = _fitted(plastic, gap, ways, loads, stiffness, reach)
-    plastic, gap = around(plastic[chosen[: len(plastic)]], gap[chosen[len(plastic) :]])
-    rows, left, chosen = _fitted(plastic, gap, ways, loads, stiffness, reach)
+    first = choice or candidates(reach)
+    _, _, chosen = _fitted(first, ways, loads, stiffness, reach)
+    near = around(first.chosen(chosen))
+    rows, left, chosen = _fitted(near, ways, loads, stiffness, reach)
     if numbers_of(rows) > most:
-        plastic, gap = plastic[chosen[: len(plastic)]], gap[chosen[len(plastic) :]]
-        keeps = _strongest(rows, ways, reach, most)
-        plastic, gap = plastic[keeps[: len(plastic)]], gap[keeps[len(plastic) :]]
-        rows, left, _ = _fitted(plastic, gap, ways, loads, stiffness, reach)
+        few = near.chosen(chosen).chosen(_strongest(rows, ways, reach, most))
+        rows, left, _ = _fitted(few, ways, loads, stiffness, reach)
+    pairs = [(way, load) for way, load in zip(ways, loads, strict=True) if way.recorded]
+    ways, loads = [way for way, _ in pairs], [load for _, load in pairs]
     shares, carried = shares_of(rows, ways, loads, table, SUBSTEP * reach)
     errors = {}
     for way, load, own in zip(ways, loads, carried, strict=True):
@@ -97,23 +92,28 @@ def calibrate(
 
 
 def _fitted(
-    plastic: Array, gap: Array, ways: Sequence[Sample], loads: Sequence[Array], stiffness: Array, reach: float
+    choice: Candidates, ways: Sequence[Sample], loads: Sequence[Array], stiffness: Array, reach: float
 ) -> tuple[Array, float, NDArray[np.bool_]]:
-    """Return elements (n, COLUMNS) chosen from plastic and gap ones, the relative residual, and which are chosen."""
+    """Return elements (n, COLUMNS) chosen from candidates, the relative residual, and which are chosen."""
     from scipy.optimize import nnls  # a prediction by a fan does without SciPy
 
-    mechanism, plate = plastic_rows(plastic), gap_rows(gap)
-    A, b = _system(mechanism, plate, ways, loads, stiffness, reach)
+    plastic, gap, reversible = choice.rows
+    single = np.concatenate([gap, reversible])
+    A, b = _system(plastic, single, ways, loads, stiffness, reach)
     size = np.linalg.norm(A, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     factors, left = nnls(A / size, b, maxiter=20 * A.shape[1])
-    rows, chosen = _merged(mechanism, plate, factors / size, FORGET * float(np.trace(stiffness)))
+    rows, chosen = _merged(plastic, single, factors / size, FORGET * float(np.trace(stiffness)))
     return rows, float(left / np.linalg.norm(b)), chosen
 
 
 def numbers_of(rows: Array) -> int:
     """Return how many numbers the state of elements has in two planes."""
-    return int(np.where(rows[:, 0] == GAP, GAP_NUMBERS, PLASTIC_NUMBERS).sum())
+    return int(_numbers(rows[:, 0]).sum())
+
+
+def _numbers(kind: Array) -> NDArray[np.int64]:
+    return np.where(kind == REVERSIBLE, 0, np.where(kind == GAP, GAP_NUMBERS, PLASTIC_NUMBERS))
 
 
 def _strongest(rows: Array, ways: Sequence[Sample], reach: float, most: int) -> NDArray[np.bool_]:
@@ -121,10 +121,10 @@ def _strongest(rows: Array, ways: Sequence[Sample], reach: float, most: int) -> 
     carried = np.zeros(len(rows))
     for way in ways:
         e = elastic_motions(rows, way.motions, SUBSTEP * reach)[0]
-        forces = np.einsum("kab,nkb->nka", stiffnesses(rows), e) * way.weights[:, None, None]
+        forces = _forces(rows, e) * way.weights[:, None, None]
         carried += (forces**2).sum(axis=(0, 2))
     order = np.argsort(-carried)
-    numbers = np.where(rows[order, 0] == GAP, GAP_NUMBERS, PLASTIC_NUMBERS).cumsum()
+    numbers = _numbers(rows[order, 0]).cumsum()
     keeps = np.zeros(len(rows), dtype=bool)
     keeps[order[numbers <= most]] = True
     return keeps
@@ -136,25 +136,34 @@ def way_of(motions: Array) -> float:
 
 
 def _system(
-    plastic: Array, gap: Array, ways: Sequence[Sample], loads: Sequence[Array], stiffness: Array, reach: float
+    plastic: Array, single: Array, ways: Sequence[Sample], loads: Sequence[Array], stiffness: Array, reach: float
 ) -> tuple[Array, Array]:
-    """Return matrix and right side of the equations, two a point, and three of the initial stiffness."""
+    """Return matrix and right side of the equations, two a point, and three of the initial stiffness.
+
+    single: rows of elements whose B has one factor alone, gap and reversible ones.
+    """
     m = force_directions()
     blocks, right = [], []
     for way, load in zip(ways, loads, strict=True):
         e = elastic_motions(plastic, way.motions, SUBSTEP * reach)[0] @ m.T
         along = (e[:, None] * m.T[None, :, None]).reshape(len(load), 2, -1)
-        forces = elastic_motions(gap, way.motions, SUBSTEP * reach)[0].transpose(0, 2, 1)
+        forces = _forces(single, elastic_motions(single, way.motions, SUBSTEP * reach)[0]).transpose(0, 2, 1)
         weighted = np.concatenate([along, forces], axis=2) * way.weights[:, None, None]
         blocks.append(weighted.reshape(2 * len(load), -1))
         right.append((load * way.weights[:, None]).ravel())
     aim = np.array([stiffness[0, 0], 0.5 * (stiffness[0, 1] + stiffness[1, 0]), stiffness[1, 1]])
     own = np.stack([m[:, 0] ** 2, m[:, 0] * m[:, 1], m[:, 1] ** 2])
-    n = gap[:, 4:6]
-    first = np.concatenate([np.tile(own, len(plastic)), np.stack([n[:, 0] ** 2, n[:, 0] * n[:, 1], n[:, 1] ** 2])], 1)
+    B = stiffnesses(single)
+    first = np.concatenate([np.tile(own, len(plastic)), np.stack([B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]])], axis=1)
     blocks.append(STIFFNESS * first / np.abs(aim)[:, None])
     right.append(STIFFNESS * aim / np.abs(aim))
     return np.concatenate(blocks), np.concatenate(right)
+
+
+def _forces(rows: Array, e: Array) -> Array:
+    """Return the forces (n, elements, 2) of elastic motions e of elements."""
+    forces: Array = np.einsum("kab,nkb->nka", stiffnesses(rows), e)
+    return forces
 
 
 def elastic_motions(rows: Array, motions: Array, largest: float) -> tuple[Array, Array]:
@@ -164,14 +173,16 @@ def elastic_motions(rows: Array, motions: Array, largest: float) -> tuple[Array,
     return e, p
 
 
-def _merged(plastic: Array, gap: Array, factors: Array, least: float) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the chosen elements (n, COLUMNS) with their stiffness, and which of all (plastic, then gap) they are."""
+def _merged(plastic: Array, single: Array, factors: Array, least: float) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the chosen elements (n, COLUMNS) with stiffness, and which of all (plastic, then single) they are."""
     m = force_directions()
     own = factors[: len(plastic) * len(m)].reshape(len(plastic), len(m))
     B = np.einsum("kj,ja,jb->kab", own, m, m)
     rows = plastic.copy()
     rows[:, 4], rows[:, 5], rows[:, 6] = B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]
-    plates = gap.copy()
-    plates[:, 6] = factors[len(plastic) * len(m) :]
-    chosen = np.concatenate([own.sum(axis=1), plates[:, 6]]) > least
-    return np.concatenate([rows, plates])[chosen], chosen
+    others, sizes = single.copy(), factors[len(plastic) * len(m) :]
+    gap = others[:, 0] == GAP
+    others[gap, 6] = sizes[gap]
+    others[~gap, 4:7] *= sizes[~gap, None]
+    chosen = np.concatenate([own.sum(axis=1), sizes]) > least
+    return np.concatenate([rows, others])[chosen], chosen

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The elements that a calibration chooses from; all lengths are shares of the reach of the rays.
 
+Reversible elements are part of what clay, and soil with a gap, carry without hysteresis.
+
 Measured on three caissons (sand, soil with cohesion, clay): directions every 20 degrees and two slender gauges are
 enough; hardening over a fifth of the reach carries the growth of the loads from cycle to cycle. A second choice, among
 the elements around the chosen ones, halves what pulls miss.
@@ -8,10 +10,12 @@ the elements around the chosen ones, halves what pulls miss.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.memory.elements import COLUMNS, GAP, PLASTIC
+from pysprings.macro.memory.elements import COLUMNS, GAP, PLASTIC, REVERSIBLE
 
 Array = NDArray[np.float64]
 
@@ -33,9 +37,33 @@ LAWS = (
 MOST_GROWN = 1.0  # of d a: an element of a larger one would never come near its last size
 FORCES = 9  # directions of the force of an element, over 180 degrees
 GAP_DIRECTIONS, GAP_SIZES = 18, 8
+REVERSIBLE_DIRECTIONS, REVERSIBLE_SIZES, REVERSIBLE_LARGEST = 18, 10, 2 / 3
 _ELASTIC = 1e6  # size of an element that never yields
 _NEVER = 1e-4  # of its size: the length h of such an element is below
 _ASPECT, _GAIN, _LENGTH = 1.7, 2.0, 3.0  # factors to the elements around one
+
+
+class Candidates(NamedTuple):
+    """Parameters of elements by kind: `mechanisms`, `gaps`, `springs`."""
+
+    plastic: Array
+    gap: Array
+    reversible: Array
+
+    @property
+    def rows(self) -> tuple[Array, Array, Array]:
+        """Rows (n, COLUMNS) of each kind, of stiffness 1."""
+        return plastic_rows(self.plastic), gap_rows(self.gap), reversible_rows(self.reversible)
+
+    def chosen(self, which: NDArray[np.bool_]) -> Candidates:
+        """Return those of all elements, in the order of the kinds, that are marked."""
+        parts = np.split(which, np.cumsum([len(self.plastic), len(self.gap)]))
+        return Candidates(*(own[part] for own, part in zip(self, parts, strict=True)))
+
+
+def candidates(reach: float) -> Candidates:
+    """Return all elements to choose from, for a reach [m]."""
+    return Candidates(mechanisms(reach), gaps(reach), springs(reach))
 
 
 def mechanisms(reach: float) -> Array:
@@ -60,8 +88,20 @@ def gaps(reach: float) -> Array:
     return np.stack([angle, np.tile(np.geomspace(SMALLEST * reach, LARGEST * reach, GAP_SIZES), GAP_DIRECTIONS)], 1)
 
 
-def around(plastic: Array, gap: Array) -> tuple[Array, Array]:
-    """Return elements and those around them, half a step of the grid away in one of their parameters."""
+def springs(reach: float) -> Array:
+    """Return reversible elements (n, 3) for a reach [m]: angle [rad] and aspect of the gauge, d [m]."""
+    sizes = np.geomspace(SMALLEST * reach, REVERSIBLE_LARGEST * reach, REVERSIBLE_SIZES)
+    angles = np.arange(REVERSIBLE_DIRECTIONS) * np.pi / REVERSIBLE_DIRECTIONS
+    round_ = [[0.0, 1.0, size] for size in sizes]
+    return np.array([[angle, aspect, size] for aspect in ASPECTS for angle in angles for size in sizes] + round_)
+
+
+def around(centre: Candidates) -> Candidates:
+    """Return elements and those around them, half a step of the grid away in one of their parameters.
+
+    Reversible elements are taken as they are.
+    """
+    plastic, gap, reversible = centre
     step = (LARGEST / SMALLEST) ** (1.0 / (3.0 * (SIZES - 1)))
     plates, found = [gap], [plastic]
     yields = plastic[plastic[:, 4] > plastic[:, 2] * _NEVER]
@@ -70,7 +110,7 @@ def around(plastic: Array, gap: Array) -> tuple[Array, Array]:
         found += [_moved(yields, 0, sign * 0.5 * np.pi / DIRECTIONS), _scaled(yields, 1, _ASPECT**sign)]
         found += [_scaled(yields, 2, step**sign), _scaled(hardens, 3, _GAIN**sign), _scaled(hardens, 4, _LENGTH**sign)]
         plates += [_moved(gap, 0, sign * 0.5 * np.pi / GAP_DIRECTIONS), _scaled(gap, 1, step**sign)]
-    return np.concatenate(found), np.concatenate(plates)
+    return Candidates(np.concatenate(found), np.concatenate(plates), reversible)
 
 
 def _moved(parameters: Array, column: int, change: float) -> Array:
@@ -88,9 +128,22 @@ def _scaled(parameters: Array, column: int, factor: float) -> Array:
 def plastic_rows(parameters: Array) -> Array:
     """Return plastic elements (n, COLUMNS) with B = I; gauges have the size 1 along their angle, 1/aspect across it."""
     angle, aspect, size, gain, length = parameters.T
-    c, s, one, zero = np.cos(angle), np.sin(angle), np.ones(len(angle)), np.zeros(len(angle))
-    gauge = [c * c + (aspect * s) ** 2, (1.0 - aspect**2) * c * s, s * s + (aspect * c) ** 2]
-    rows: Array = np.stack([one * PLASTIC, *gauge, one, zero, one, size, gain, length], axis=1)
+    one, zero = np.ones(len(angle)), np.zeros(len(angle))
+    rows: Array = np.stack([one * PLASTIC, *_gauge(angle, aspect), one, zero, one, size, gain, length], axis=1)
+    return rows
+
+
+def _gauge(angle: Array, aspect: Array) -> tuple[Array, Array, Array]:
+    """Return G as (g11, g12, g22)."""
+    c, s = np.cos(angle), np.sin(angle)
+    return c * c + (aspect * s) ** 2, (1.0 - aspect**2) * c * s, s * s + (aspect * c) ** 2
+
+
+def reversible_rows(parameters: Array) -> Array:
+    """Return reversible elements (n, COLUMNS) with B = G."""
+    angle, aspect, size = parameters.T
+    gauge, one, zero = _gauge(angle, aspect), np.ones(len(angle)), np.zeros(len(angle))
+    rows: Array = np.stack([one * REVERSIBLE, *gauge, *gauge, size, zero, one], axis=1)
     return rows
 
 

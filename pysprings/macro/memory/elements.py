@@ -20,6 +20,12 @@ stiffness b22,
     f = n b22 [min(<x - s1>, d) - min(<s2 - x>, d)],
 
 and a wall that yields is left behind: s1 >= x - d, s2 <= x + d. The state is s = (s1, s2, way the walls have come).
+
+Reversible elements (kind 2) are nonlinear elastic, with B in proportion to G,
+
+    f = B e,   e = q min(1, d/|q|_G):
+
+the gradient of a convex function of q, without work in a closed way. They keep nothing, their numbers s are 0.
 """
 
 from __future__ import annotations
@@ -30,7 +36,7 @@ import numpy as np
 
 from pysprings.core.jit import jitted
 
-PLASTIC, GAP = 0, 1
+PLASTIC, GAP, REVERSIBLE = 0, 1, 2
 COLUMNS = 10  # parameters of an element
 STATES = 3  # numbers that an element keeps
 MAX_ITERATIONS = 40
@@ -98,6 +104,22 @@ def _gap(row, state, x):
 
 
 @jitted
+def _reversible(row, x0, x1):
+    """Return f1, f2 and tangent, as `_plastic`, of a reversible element at a motion (x0, x1) [m], and its share e/q."""
+    g11, g12, g22, b11, b12, b22, d = row[1], row[2], row[3], row[4], row[5], row[6], row[7]
+    gauge = math.sqrt(x0 * (g11 * x0 + g12 * x1) + x1 * (g12 * x0 + g22 * x1))
+    f0, f1 = b11 * x0 + b12 * x1, b12 * x0 + b22 * x1
+    if gauge <= d:
+        return f0, f1, b11, b12, b12, b22, 1.0
+    share = d / gauge
+    m0, m1 = (g11 * x0 + g12 * x1) / (gauge * gauge), (g12 * x0 + g22 * x1) / (gauge * gauge)
+    return (
+        share * f0, share * f1,
+        share * (b11 - f0 * m0), share * (b12 - f0 * m1), share * (b12 - f1 * m0), share * (b22 - f1 * m1), share,
+    )  # fmt: skip
+
+
+@jitted
 def advance(rows, q0, q1, states, F, K):
     """Advance all elements from a motion q0 (2,) to q1 (2,) [m].
 
@@ -108,6 +130,8 @@ def advance(rows, q0, q1, states, F, K):
     for k in range(rows.shape[0]):
         if rows[k, 0] == GAP:
             one = _gap(rows[k], states[k], rows[k, 4] * q1[0] + rows[k, 5] * q1[1])
+        elif rows[k, 0] == REVERSIBLE:
+            one = _reversible(rows[k], q1[0], q1[1])[:6]
         else:
             one = _plastic(rows[k], states[k], d0, d1)
         f0, f1 = f0 + one[0], f1 + one[1]
@@ -121,12 +145,18 @@ def histories(rows, ways, largest, elastic, paths):
     """Write the elastic motion (n, elements, 2) [m] and the way (n, elements) [m] of elements along a way (n, 2).
 
     The way starts at the origin; steps longer than `largest` [m] are divided. The elastic motion of a gap element is
-    the force of its walls over its stiffness, along its direction; its way is that of the walls.
+    the force of its walls over its stiffness, along its direction; its way is that of the walls. Reversible elements
+    have no way.
     """
     state, one = np.empty(STATES), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(rows.shape[0]):
         state[:] = 0.0
         x0, x1 = 0.0, 0.0
+        if rows[k, 0] == REVERSIBLE:
+            for i in range(ways.shape[0]):
+                share = _reversible(rows[k], ways[i, 0], ways[i, 1])[6]
+                elastic[i, k, 0], elastic[i, k, 1], paths[i, k] = share * ways[i, 0], share * ways[i, 1], 0.0
+            continue
         for i in range(ways.shape[0]):
             d0, d1 = ways[i, 0] - x0, ways[i, 1] - x1
             parts = max(1, math.ceil(math.hypot(d0, d1) / largest))

@@ -7,10 +7,11 @@ motions e of the elements,
     R = S F + D (e_1, e_2, ...),   F = (H, M/L),
 
 with b.S = I and b.D = 0, b the action of a row on (H, M/L): they sum to the loads exactly. Vertical reactions and w
-(even rows) are linear in the plastic ways p of the elements, as p/(1 + p/s): a way that turns back and forth adds up,
-without end (s infinite) or up to a limit. D and the even rows come from ridge regressions over the ways of the
-calibration. For the even rows s and the ridge are those that predict the last two fifths of the rays that turn back
-best, from all that is before.
+(even rows) are linear in the plastic ways p of the elements, as p/(1 + p/(s d)), and in |e|_G^2/d. The first adds up
+on a way that turns back and forth, without end (s infinite) or up to a multiple of the size d of each element: small
+motions then stop to settle the caisson, larger ones go on. The second goes up and down twice a cycle. D and the even
+rows come from ridge regressions over the ways of the calibration. For the even rows s and the ridge are those with
+which each ray that turns back is predicted best by the others.
 """
 
 from __future__ import annotations
@@ -22,14 +23,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
-from pysprings.macro.memory.elements import GAP, histories
+from pysprings.macro.memory.elements import GAP, PLASTIC, REVERSIBLE, histories
 from pysprings.macro.memory.samples import Sample
 
 Array = NDArray[np.float64]
 
 RIDGE = 1e-3  # of the largest singular value of the regressors
-# Of even rows: lengths s over the reach, ridges, share of a turning way that is fitted, least heave over the largest
-LENGTHS, RIDGES, FITTED, LEAST = (np.inf, 1.0, 0.3), (1e-3, 1e-2, 5e-2, 0.2), 0.6, 0.2
+# Of even rows: limits s of a way over the size of its element, ridges, least heave over the largest
+GROWTHS, RIDGES, LEAST = (np.inf, 10.0, 3.0), (1e-3, 1e-2), 0.2
+_NEVER = 1e-4  # of its size: the length h of an element that never yields is below (`candidates.mechanisms`)
 TURNING = 1.5  # weight of the heave of a ray that turns back beside a ray
 
 
@@ -41,8 +43,8 @@ class Shares:
     ----------
     odd : rows that change their sign. rest : (rows,) values at rest.
     loads, elastic : (odd rows, 2) S [1, 1/m], and (odd rows, 2 n) D [N/m of e, N/m2].
-    even : (even rows, n) of p/(1 + p/s).
-    length : s [m] of the even rows.
+    even : (even rows, 2 n) of p/(1 + p/(s d)), then of |e|_G^2/d.
+    growth : s of the even rows.
     """
 
     odd: NDArray[np.bool_]
@@ -50,14 +52,14 @@ class Shares:
     loads: Array
     elastic: Array
     even: Array
-    length: float
+    growth: float
 
     def reactions(self, rows: Array, e: Array, p: Array) -> Array:
         """Return all reactions (rows, n) from elastic motions e (n, elements, 2) and plastic ways p (n, elements)."""
         carried = loads_of(rows, e)
         out = np.repeat(self.rest[:, None], len(e), axis=1)
         out[self.odd] += self.loads @ carried.T + self.elastic @ e.reshape(len(e), -1).T
-        out[~self.odd] += self.even @ _limited(p, self.length).T
+        out[~self.odd] += self.even @ _even_motions(rows, e, p, self.growth).T
         return out
 
 
@@ -68,6 +70,10 @@ def elastic_of(rows: Array, states: Array, motion: Array) -> Array:
     n, (first, second) = rows[gap, 4:6], states[gap, :2].T
     x = n @ motion
     elastic[gap] = (np.maximum(x - first, 0.0) + np.minimum(x - second, 0.0))[:, None] * n
+    spring = rows[:, 0] == REVERSIBLE
+    g11, g12, g22 = rows[spring, 1:4].T
+    gauge = np.sqrt(g11 * motion[0] ** 2 + 2.0 * g12 * motion[0] * motion[1] + g22 * motion[1] ** 2)
+    elastic[spring] = np.minimum(1.0, rows[spring, 7] / np.maximum(gauge, 1e-300))[:, None] * motion
     return elastic
 
 
@@ -86,10 +92,14 @@ def loads_of(rows: Array, e: Array) -> Array:
     return loads
 
 
-def _limited(p: Array, length: float) -> Array:
-    """Return what even rows are linear in, (n, elements)."""
-    limited: Array = p / (1.0 + p / length)
-    return limited
+def _even_motions(rows: Array, e: Array, p: Array, growth: float) -> Array:
+    """Return what even rows are linear in, (n, 2 elements) [m]: ways up to their limits, then stored energies."""
+    d, G = rows[:, 7], np.stack([rows[:, [1, 2]], rows[:, [2, 3]]], axis=1)
+    G[rows[:, 0] == GAP] = np.eye(2)
+    stored = np.einsum("nka,kab,nkb->nk", e, G, e) / d
+    stored[:, (rows[:, 0] == PLASTIC) & (rows[:, 9] < _NEVER * d)] = 0.0  # has no bound
+    found: Array = np.concatenate([p / (1.0 + p / (growth * d)), stored], axis=1)
+    return found
 
 
 def shares_of(
@@ -111,33 +121,33 @@ def shares_of(
     e = np.concatenate([each.reshape(len(each), -1) for each, _ in states])
     D = _ridge(e, R[:, odd] - F @ S.T, weights, RIDGE)
     D -= S @ (b.T @ D)
-    ways_p, even = [p for _, p in states], [way.reactions[~odd] - rest[~odd, None] for way in ways]
-    reach = max(float(np.hypot(*way.motions.T).max()) for way in ways)
+    even = [way.reactions[~odd] - rest[~odd, None] for way in ways]
     heave = [rows_[list(table.name[~odd]).index("w")] for rows_ in even]
-    length, ridge = _best(ways, ways_p, heave, reach)
-    p = np.concatenate([_limited(each, length) for each in ways_p])
-    factors = _ridge(p, np.concatenate(even, axis=1).T, _heave_weights(ways, heave), ridge)
-    return Shares(odd, rest, S, D, factors, length), carried
+    weights = _heave_weights(ways, heave)
+    growth, ridge = _best(rows, ways, states, heave, weights)
+    X = np.concatenate([_even_motions(rows, *state, growth) for state in states])
+    factors = _ridge(X, np.concatenate(even, axis=1).T, weights, ridge)
+    return Shares(odd, rest, S, D, factors, growth), carried
 
 
-def _best(ways: Sequence[Sample], p: Sequence[Array], heave: Sequence[Array], reach: float) -> tuple[float, float]:
-    """Return length s [m] and ridge that predict the last part of turning ways best."""
-    shown = [_first_part(way) if way.turns else np.ones(len(way.motions), dtype=bool) for way in ways]
-    fitted, weights = np.concatenate(shown), _heave_weights(ways, heave)
+def _best(
+    rows: Array, ways: Sequence[Sample], states: Sequence[tuple[Array, Array]], heave: Sequence[Array], weights: Array
+) -> tuple[float, float]:
+    """Return growth and ridge with which each ray that turns back is predicted best by all other ways."""
+    ends = np.cumsum([0, *(len(way.motions) for way in ways)])
     known, errors = np.concatenate(heave)[:, None], {}
-    for length in (share * reach for share in LENGTHS):
-        X = np.concatenate([_limited(each, length) for each in p])
+    turning = [k for k, way in enumerate(ways) if way.turns]
+    for growth in GROWTHS if turning else GROWTHS[:1]:
+        X = np.concatenate([_even_motions(rows, *state, growth) for state in states])
         for ridge in RIDGES:
-            factors = _ridge(X[fitted], known[fitted], weights[fitted], ridge)
-            missing = np.abs(X @ factors.T - known)[:, 0] * weights
-            errors[length, ridge] = float(missing[~fitted].max(initial=0.0))
+            errors[growth, ridge] = 0.0
+            for k in turning:
+                out = np.zeros(len(known), dtype=bool)
+                out[ends[k] : ends[k + 1]] = True
+                factors = _ridge(X[~out], known[~out], weights[~out], ridge)
+                missing = np.abs(X[out] @ factors.T - known[out])[:, 0] * weights[out]
+                errors[growth, ridge] += float(missing.max()) * np.sqrt(len(missing))
     return min(errors, key=lambda pair: errors[pair])
-
-
-def _first_part(way: Sample) -> NDArray[np.bool_]:
-    come = np.cumsum(np.hypot(*np.diff(way.motions, axis=0, prepend=np.zeros((1, 2))).T))
-    first: NDArray[np.bool_] = come < FITTED * come[-1]
-    return first
 
 
 def _heave_weights(ways: Sequence[Sample], heave: Sequence[Array]) -> Array:

@@ -15,10 +15,11 @@ import xarray as xr
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.cycles import Followed, cycles, errors, follow_path, sequences
-from pysprings.macro.fan import build_fan
+from pysprings.macro.fan import FanTable, build_fan
+from pysprings.macro.memory import build
 from pysprings.macro.memory.build import build_memory, with_memory
 from pysprings.macro.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, numbers_of
-from pysprings.macro.memory.elements import GAP, STATES, advance
+from pysprings.macro.memory.elements import GAP, REVERSIBLE, STATES, advance
 from pysprings.macro.memory.model import MemoryModel, MemoryStepper
 from pysprings.macro.memory.samples import samples
 from pysprings.macro.model import MacroModel
@@ -81,6 +82,59 @@ def test_a_gap_opens_where_its_walls_have_yielded() -> None:
     rows = [element(GAP, B=(1.0, 0.0, 1e8), d=1e-3)]
     loads, _, _ = walk(rows, [[x, 0.0] for x in (5e-3, 4e-3, 2e-3, 0.0, -0.5e-3, 4.5e-3)])
     np.testing.assert_allclose(loads[:, 0], [1e5, 0.0, 0.0, 0.0, -0.5e5, 0.5e5], atol=1e-6)
+
+
+def test_a_reversible_element_goes_back_on_its_curve() -> None:
+    """K G q up to the gauge d, K d q/|q| in a round gauge beyond; it keeps nothing, and a closed way has no work."""
+    d, K = 1e-3, 1e8
+    out = np.linspace(0.0, 1.0, 40)[1:, None] * [3e-3, -4e-3]
+    loads, _, state = walk([element(REVERSIBLE, d=d)], np.concatenate([out, out[::-1], -out]))
+    size = np.hypot(*out.T)
+    np.testing.assert_allclose(loads[:39], K * np.minimum(1.0, d / size)[:, None] * out, rtol=1e-12)
+    np.testing.assert_allclose(loads[39:78], loads[:39][::-1], rtol=1e-12)
+    np.testing.assert_allclose(loads[78:], -loads[:39], rtol=1e-12)
+    assert not state.any()
+    turn = np.linspace(0.0, 2.0 * np.pi, 2001)
+    way = np.stack([4e-3 * np.cos(turn), 2e-3 * np.sin(turn)], axis=1)
+    slender = element(REVERSIBLE, (0.7, 0.4, 0.3), (0.7 * K, 0.4 * K, 0.3 * K), d)
+    loads, _, _ = walk([slender], way)
+    work = 0.5 * (loads[1:] + loads[:-1]) * np.diff(way, axis=0)
+    assert abs(work.sum()) < 1e-4 * np.abs(work).sum()
+
+
+def test_pulls_of_the_fan_are_ways_of_the_calibration() -> None:
+    """The load stands at its height at every point, within the reach; loads above and below mudline are among them."""
+    springs = Springs.of(winkler.springs())
+    table = build_fan(springs)
+    pulls = [way for way in samples(springs, table) if way.name.startswith("pull")]
+    assert len(pulls) >= 8
+    for way in pulls:
+        H, M = way.loads(table).T
+        np.testing.assert_allclose(-M / H, float(way.name.split()[2]), rtol=1e-6, atol=1e-6)
+        used = table.support(way.motions / [1.0, table.length], table.rows(way.motions / [1.0, table.length])[1])[0]
+        assert used.max() <= 1.0 + 1e-6
+    assert {way.name for way in pulls} >= {"pull at -0.5 L", "pull at 2 L"}
+
+
+def test_small_cycles_stop_to_settle_the_caisson_and_larger_ones_go_on() -> None:
+    """A way p of an element of size d counts as p/(1 + p/(s d)): at most s d; without a limit it adds up."""
+    d, table = 1e-3, model().table
+    rows = np.array([element(d=d), element(d=5 * d)])
+    plain = elements_of(rows, table).shares
+    odd = ~table.even
+    even = np.zeros(((~odd).sum(), 4))
+    w = list(table.name[~odd]).index("w")
+    even[w, :2] = 1.0
+    small, large = ([sign * size * d for _ in range(200) for sign in (1.0, -1.0)] for size in (4.0, 8.0))
+    way = np.stack([[*small, *large], np.zeros(800)], axis=1)
+    at = list(table.name).index("w")
+    found = {}
+    for growth in (3.0, np.inf):
+        elements = replace(elements_of(rows, table), shares=replace(plain, even=even, growth=growth))
+        found[growth] = replace(model(), elements=elements).reactions(way / model().to_motion)[at] - plain.rest[at]
+    assert found[3.0][399] == pytest.approx(3 * d, rel=0.01)
+    assert found[3.0][-1] == pytest.approx(3 * d + 15 * d, rel=0.02)
+    assert found[np.inf][399] == pytest.approx(3 * d + 399 * 6 * d, rel=1e-9)
 
 
 def test_tangents_are_those_of_the_loads() -> None:
@@ -184,7 +238,7 @@ def test_a_step_has_the_reactions_of_its_state() -> None:
     rows, odd = mixed(), ~table.even
     shares = replace(
         model().elements.shares, loads=random.normal(size=(odd.sum(), 2)),
-        elastic=random.normal(size=(odd.sum(), 2 * len(rows))), even=random.normal(size=((~odd).sum(), len(rows))),
+        elastic=random.normal(size=(odd.sum(), 2 * len(rows))), even=random.normal(size=((~odd).sum(), 2 * len(rows))),
     )  # fmt: skip
     springs = replace(model(), elements=replace(model().elements, rows=rows, shares=shares))
     way = np.cumsum(random.normal(size=(60, 2)), axis=0) * 0.002 * REACH / springs.to_motion
@@ -232,17 +286,42 @@ def test_a_fan_without_rays_that_turn_back_has_no_memory() -> None:
         predict(springs, H=1e5, springs_kind="memory")
 
 
-def test_springs_at_several_rates_have_a_memory_at_that_of_their_rays_that_turn_back() -> None:
-    """Coupled rays at two rates, turning ones at the slow one: any other rate is refused."""
+def at_two_rates(turning: tuple[float, ...]) -> Springs:
+    """Springs of coupled rays at 1e-5 and 1e-3 m/s, with rays that turn back at these rates."""
     tree, groups = winkler.springs(), {}
     for node in tree["paths"].children.values():
-        for number, speed in enumerate((1e-5, 1e-3) if node.attrs["role"] == "calibration" else (1e-5,)):
+        for number, speed in enumerate((1e-5, 1e-3) if node.attrs["role"] == "calibration" else turning):
             path = node.to_dataset(inherit=False).copy(deep=True)
             steps = np.hypot(np.diff(path["u"]), np.diff(path["rotation"]) * LENGTH)
             path["time"] = ("step", np.append(0.0, np.cumsum(steps)) / speed, {"long_name": "time", "units": "s"})
             groups[f"/paths/{node.name}_{number}"] = path
     root = tree.to_dataset(inherit=False)
-    springs = Springs.of(xr.DataTree.from_dict({"/": root.assign_attrs(drainage="coupled")} | groups))
+    return Springs.of(xr.DataTree.from_dict({"/": root.assign_attrs(drainage="coupled")} | groups))
+
+
+def test_springs_have_a_memory_at_each_rate_of_rays_that_turn_back(tmp_path, monkeypatch) -> None:
+    """Both are stored, and answer at their own rate, from a file too, without a calibration anew."""
+    made: list[float] = []
+
+    def invented(springs: Springs, table: FanTable) -> ElementSet:
+        made.append(springs.remembering[0].rate or 0.0)
+        return elements_of(mixed(seed=len(made)), table)
+
+    monkeypatch.setattr(build, "_calibrated", invented)
+    save_springs(with_memory(at_two_rates((1e-5, 1e-3)).tree), tmp_path / "springs.nc")
+    assert made == pytest.approx([1e-5, 1e-3])
+    springs = Springs.of(open_springs(tmp_path / "springs.nc"))
+    assert list(springs.memory) == ["memory", "memory_rate_1"]
+    for number, rate in enumerate((1e-5, 1e-3), 1):
+        found = build_memory(springs.at(rate=rate))
+        assert found.rate == pytest.approx(rate)
+        np.testing.assert_array_equal(found.elements.rows, mixed(seed=number))
+    assert len(made) == 2
+
+
+def test_springs_at_several_rates_have_a_memory_at_that_of_their_rays_that_turn_back() -> None:
+    """Coupled rays at two rates, turning ones at the slow one: any other rate is refused."""
+    springs = at_two_rates((1e-5,))
     slow = springs.at(rate=1e-5)
     assert [path.name for path in slow.remembering] == ["turning_0_0", "turning_minus_50_0"]
     assert "memory" in spring_sets(slow)

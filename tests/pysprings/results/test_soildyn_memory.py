@@ -182,4 +182,4 @@ def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
     done = export(winkler.with_invented_memory(), "openfast", tmp_path, springs="memory")
     (line,) = [remark for remark in done.remarks if "at 45 degrees" in remark]
     text = (tmp_path / "caisson.txt").read_text()
-    assert line in text and "not cyclic" not in text and "\nelements 49\n" in text
+    assert line in text and "not cyclic" not in text and "\nelements 73\n" in text

@@ -12,7 +12,9 @@
  * loads, and no closed way gives work. A gap element is one plate for each plane: it is that of the macro-model in both
  * planes, and too strong between them (up to the root of 2; the spring file states the error of the whole).
  *
- * w and V follow the ways p of the elements, as sums of p/(1 + p/s).
+ * A reversible element keeps nothing: f = B e with e = q min(1, d/gauge of q), of both planes together.
+ *
+ * w and V follow the ways p of the elements and what they store, as sums of p/(1 + p/(s d)) and gauge^2/d.
  */
 #include <math.h>
 #include <string.h>
@@ -22,7 +24,7 @@
 #define SHORTEST 1e-4    /* share of a step below which it is not halved again */
 enum { PLASTIC = 5, GAP = 6 };   /* numbers that an element keeps */
 
-static int size_of(const double *row) { return row[0] == 0.0 ? PLASTIC : GAP; }
+static int size_of(const double *row) { return row[0] == 0.0 ? PLASTIC : row[0] == 1.0 ? GAP : 0; }
 
 /* Numbers of StVar that the elements need. */
 int pysprings_states(const double *P) {
@@ -38,7 +40,7 @@ void pysprings_rest(const double *P, double K[2][2]) {
   int k;
   memset(K, 0, 4 * sizeof(double));
   for (k = 0; k < (int)P[P_COUNT]; k++, row += ELEMENT) {
-    int gap = row[0] != 0.0;
+    int gap = row[0] == 1.0;
     K[0][0] += gap ? row[6] * row[4] * row[4] : row[4];
     K[0][1] += gap ? row[6] * row[4] * row[5] : row[5];
     K[1][1] += gap ? row[6] * row[5] * row[5] : row[6];
@@ -46,14 +48,39 @@ void pysprings_rest(const double *P, double K[2][2]) {
   K[1][0] = K[0][1];
 }
 
+/* Square of the gauge of e (4). */
+static double square(const double *row, const double *e) {
+  double found = 0.0;
+  int k;
+  for (k = 0; k < 4; k += 2)
+    found += e[k] * (row[1] * e[k] + row[2] * e[k + 1]) + e[k + 1] * (row[2] * e[k] + row[3] * e[k + 1]);
+  return found;
+}
+
+/* Add the loads of an elastic motion e (4). */
+static void carry(const double *row, const double *e, double F[4]) {
+  int k;
+  for (k = 0; k < 4; k += 2) {
+    F[k] += row[4] * e[k] + row[5] * e[k + 1];
+    F[k + 1] += row[5] * e[k] + row[6] * e[k + 1];
+  }
+}
+
+/* Add the loads of a reversible element at q; return the square of the gauge of e. */
+static double reversible(const double *row, const double q[4], double F[4]) {
+  double e[4], gauge = sqrt(square(row, q)), share = gauge > row[7] ? row[7] / gauge : 1.0;
+  int k;
+  for (k = 0; k < 4; k++) e[k] = share * q[k];
+  carry(row, e, F);
+  return share * share * gauge * gauge;
+}
+
 /* Advance a plastic element by dq; add its loads. */
 static void plastic(const double *row, double *s, const double dq[4], double F[4]) {
-  double a = row[8], h = row[9], d = row[7], gauge = 0.0, radius, over, c, p = s[4], share = 1.0;
+  double a = row[8], h = row[9], d = row[7], gauge, radius, over, c, p = s[4], share = 1.0;
   int k;
   for (k = 0; k < 4; k++) s[k] += dq[k];
-  for (k = 0; k < 4; k += 2)
-    gauge += s[k] * (row[1] * s[k] + row[2] * s[k + 1]) + s[k + 1] * (row[2] * s[k] + row[3] * s[k + 1]);
-  gauge = sqrt(gauge);
+  gauge = sqrt(square(row, s));
   radius = a != 0.0 ? d * (1.0 + a * p / (p + h)) : d;
   if (gauge > radius) {
     if (a != 0.0) {
@@ -67,10 +94,7 @@ static void plastic(const double *row, double *s, const double dq[4], double F[4
     }
   }
   for (k = 0; k < 4; k++) s[k] *= share;
-  for (k = 0; k < 4; k += 2) {
-    F[k] += row[4] * s[k] + row[5] * s[k + 1];
-    F[k + 1] += row[5] * s[k] + row[6] * s[k + 1];
-  }
+  carry(row, s, F);
 }
 
 /* Advance the plate of one plane to x; return its force. */
@@ -93,10 +117,10 @@ static double plate(double d, double *s, double x) {
   return force;
 }
 
-/* Advance all elements by dq to q; write loads, and the sums of their ways for w and V. */
+/* Advance all elements by dq to q; write loads, and the sums of their ways and of what they store for w and V. */
 static void step(const double *P, double *s, const double q[4], const double dq[4], double F[4], double even[2]) {
   const double *row = P + (int)P[P_ELEMENTS];
-  double p, force;
+  double p, e, stored;
   int k, j;
   memset(F, 0, 4 * sizeof(double));
   even[0] = even[1] = 0.0;
@@ -104,18 +128,24 @@ static void step(const double *P, double *s, const double q[4], const double dq[
     if (row[0] == 0.0) {
       plastic(row, s, dq, F);
       p = s[4];
+      stored = square(row, s);
+    } else if (row[0] == 2.0) {
+      p = 0.0;
+      stored = reversible(row, q, F);
     } else {
-      for (j = 0; j < 4; j += 2) {
-        force = row[6] * plate(row[7], s + 3 * (j / 2), row[4] * q[j] + row[5] * q[j + 1]);
-        F[j] += row[4] * force;
-        F[j + 1] += row[5] * force;
+      for (j = 0, stored = 0.0; j < 4; j += 2) {
+        e = plate(row[7], s + 3 * (j / 2), row[4] * q[j] + row[5] * q[j + 1]);
+        F[j] += row[4] * row[6] * e;
+        F[j + 1] += row[5] * row[6] * e;
+        stored += e * e;
       }
       p = s[2] + s[5];
     }
     s += size_of(row);
-    p /= 1.0 + p * P[P_LIMIT];
-    even[0] += row[10] * p;
-    even[1] += row[11] * p;
+    p /= 1.0 + p * P[P_LIMIT] / row[7];
+    stored /= row[7];
+    even[0] += row[10] * p + row[12] * stored;
+    even[1] += row[11] * p + row[13] * stored;
   }
 }
 

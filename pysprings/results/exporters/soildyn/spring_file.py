@@ -16,7 +16,7 @@ from pysprings.macro.vertical import Branch
 
 Array = NDArray[np.float64]
 
-VERSION = 2
+VERSION = 3
 PROPS, STATES = 20000, 1200  # numbers that SoilDyn keeps for a point, and of its state
 _SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 23, 3, 9, 2, 3  # of `springs.h`
 _ELEMENT, _STATE_HEAD = 12, 9
@@ -129,10 +129,12 @@ def _element_lines(model: MacroModel) -> Iterator[str]:
     down = [names.index(name) for name in ("w", "V")]
     rest = shares.rest[~shares.odd][down]
     yield f"elements {len(elements.rows)}"
-    yield "! largest step [m], 1/s of the ways [1/m], way of the calibration [m], w [m] and V [N] at rest"
-    yield _row("memory", [elements.largest, 1.0 / shares.length, elements.way, *rest])
-    yield "! kind (0 plastic, 1 gap), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m], factors of w and V [1, N/m]"
-    yield from (_row("", row) for row in np.concatenate([elements.rows, shares.even[down].T], axis=1))
+    yield "! largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest"
+    yield _row("memory", [elements.largest, 1.0 / shares.growth, elements.way, *rest])
+    yield "! kind (0 plastic, 1 gap, 2 reversible), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
+    yield "! then the factors of w and V [1, N/m]: two of the way, two of the stored part"
+    factors = shares.even[down].reshape(2, 2, -1).transpose(2, 1, 0).reshape(-1, 4)
+    yield from (_row("", row) for row in np.concatenate([elements.rows, factors], axis=1))
 
 
 def _row(word: str, values: Iterable[float]) -> str:

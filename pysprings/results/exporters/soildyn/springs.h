@@ -12,7 +12,7 @@
 #define LINE 512         /* characters of a line of the spring file */
 #define MAGIC 20611.0    /* Props were filled by this library */
 #define STATES 1200      /* numbers in StVar */
-#define VERSION 2        /* of the spring file */
+#define VERSION 3        /* of the spring file */
 #define SLACK 1e-6       /* share by which a range may be exceeded (rounding) */
 #define PI 3.14159265358979323846
 
@@ -23,8 +23,8 @@ enum {
 };
 /* A ray: angle, number of knots, 1 if its path failed; then COLUMNS numbers by knot: rho, and each value with its slope.
  * A vertical curve: number of knots, 1 if its path failed; then BRANCH numbers by knot: |w - w0|, V, slope. */
-/* An element: kind, G (3), B (3), d, a, h, and its factors of w and V: see memory.c. */
-enum { RAY_HEAD = 3, LOAD_H = 1, LOAD_M = 3, HEAVE = 5, LOAD_V = 7, COLUMNS = 9, BRANCH_HEAD = 2, BRANCH = 3, ELEMENT = 12 };
+/* An element: kind, G (3), B (3), d, a, h, and its factors of w and V (of the way, of the stored part): see memory.c. */
+enum { RAY_HEAD = 3, LOAD_H = 1, LOAD_M = 3, HEAVE = 5, LOAD_V = 7, COLUMNS = 9, BRANCH_HEAD = 2, BRANCH = 3, ELEMENT = 14 };
 /* StVar: marks of the last state, the way and the motion of the elements, then their own numbers. */
 enum { S_USED, S_USED_VERTICAL, S_WARNED, S_WARNED_WAY, S_WAY, S_MOTION, S_FIRST = S_MOTION + 4 };
 
