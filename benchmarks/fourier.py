@@ -81,7 +81,7 @@ def main() -> None:
             mesh = {"discretisation": "fourier", "preset": preset, "harmonics": int(harmonics)}
             print(line(scene_of(1e-3 * given.end, given.tolerance, rate, **mesh)), flush=True)
         for preset in given.bricks:
-            print(line(scene_of(1e-3 * given.end, 1e-5, rate, preset=preset)), flush=True)
+            print(line(scene_of(1e-3 * given.end, 1e-5, rate, discretisation="hex8", preset=preset)), flush=True)
 
 
 if __name__ == "__main__":
