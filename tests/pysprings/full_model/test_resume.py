@@ -599,7 +599,7 @@ def test_a_request_to_end_is_an_interrupt(name: str) -> None:
 @pytest.mark.skipif(os.name == "nt", reason="signals are different there")
 @pytest.mark.parametrize(("kind", "code"), [("SIGTERM", 130), ("SIGKILL", -9)])
 def test_a_killed_process_goes_on(tmp_path: Path, kind: str, code: int) -> None:
-    scene = tiny.scene(solver={"first_step_fraction": 0.02, "max_step_fraction": 0.02})
+    scene = tiny.scene(solver={"first_step_fraction": 0.002, "max_step_fraction": 0.002})
     file, out = tiny.write(scene, tmp_path / "caisson.toml"), tmp_path / "out"
     args = [sys.executable, "-m", "pysprings", "run", str(file), "--out", str(out)]
     env = environment()
