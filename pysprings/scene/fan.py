@@ -66,7 +66,7 @@ def _rays(
     loads = (None, *springs.vertical_loads)
     for number, load in enumerate(loads):
         for pace, rate in enumerate(rates):
-            suffix = (f"_load_{number}" if number else "") + (f"_rate_{pace}" if pace else "")
+            suffix = (f"_load_{number}" if number else "") + _pace_name(pace)
             for angle in angles:
                 yield {
                     "name": _ray_name(angle) + suffix, **_motion(springs.reach, angle, caisson), "vertical_load": load,
@@ -94,10 +94,14 @@ def _reversed(springs: Springs, caisson: Caisson, rates: tuple[float | None, ...
         motion = _motion(TURNS[0] * springs.reach, angle, caisson)
         first = motion[PATH_KINDS[motion["kind"]].imposed]
         yield {
-            "name": f"{_ray_name(angle)}_reversed" + (f"_rate_{pace}" if pace else ""), **motion,
+            "name": f"{_ray_name(angle)}_reversed{_pace_name(pace)}", **motion,
             "role": MEMORY, "duration": times[0],
             "then": tuple(Then(first * end / TURNS[0], time=t) for end, t in zip(TURNS[1:], times[1:], strict=True)),
         }  # fmt: skip
+
+
+def _pace_name(pace: int) -> str:
+    return f"_rate_{pace}" if pace else ""
 
 
 def _ray_name(angle: float) -> str:

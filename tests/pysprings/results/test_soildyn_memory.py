@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.memory.elements import GAP
+from pysprings.macro.memory.elements import GAP, REVERSIBLE
 from pysprings.macro.model import MacroModel
 from pysprings.macro.trace import trace
 from pysprings.results.exporters import export
@@ -183,3 +183,13 @@ def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
     (line,) = [remark for remark in done.remarks if "at 45 degrees" in remark]
     text = (tmp_path / "caisson.txt").read_text()
     assert line in text and "not cyclic" not in text and "\nelements 73\n" in text
+
+
+def test_more_numbers_than_a_point_has_are_refused_before_the_library_reads_them() -> None:
+    """An element takes fourteen: 1,400 reversible ones, which keep no state, fill the 20,000 of a point."""
+    few, many = (np.array([winkler.element(REVERSIBLE)] * n) for n in (1200, 1400))
+    model = MacroModel.from_springs(winkler.with_invented_memory(few), "memory")
+    lines = spring_text([], model, 1e9, True, False).splitlines()
+    assert len(lines[-2].split()) == 14
+    with pytest.raises(UserInputError, match="numbers: SoilDyn keeps 20000 for a point"):
+        spring_text([], MacroModel.from_springs(winkler.with_invented_memory(many), "memory"), 1e9, True, False)

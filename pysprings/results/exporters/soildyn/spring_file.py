@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.macro.fan import FanTable
-from pysprings.macro.memory.calibration import numbers_of
+from pysprings.macro.memory.calibration import ElementSet, numbers_of
+from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.model import MacroModel
 from pysprings.macro.vertical import Branch
 
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 VERSION = 3
 PROPS, STATES = 20000, 1200  # numbers that SoilDyn keeps for a point, and of its state
 _SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 23, 3, 9, 2, 3  # of `springs.h`
-_ELEMENT, _STATE_HEAD = 12, 9
+_STATE_HEAD = 9
 
 
 def spring_text(
@@ -84,7 +85,7 @@ def _check_size(model: MacroModel, table: FanTable) -> None:
     branches = () if model.vertical is None else model.vertical.branches
     size = _SCALARS + sum(_RAY_HEAD + _COLUMNS * int(n) for n in table.count)
     size += sum(_BRANCH_HEAD + _BRANCH * branch.x.size for branch in branches)
-    size += 0 if model.memory is None else _ELEMENT * len(model.memory.elements.rows)
+    size += 0 if model.memory is None else _element_rows(model.memory.elements, _down(model.memory)).size
     if size > PROPS:
         raise refused("springs", f"{size} numbers: SoilDyn keeps {PROPS} for a point; use fewer rays or steps")
     if model.memory is not None:
@@ -124,17 +125,27 @@ def _element_lines(model: MacroModel) -> Iterator[str]:
         yield "elements 0"
         return
     elements = model.memory.elements
-    shares, table = elements.shares, model.memory.table
-    names = [str(name) for name in table.name[~shares.odd]]
-    down = [names.index(name) for name in ("w", "V")]
+    shares = elements.shares
+    down = _down(model.memory)
     rest = shares.rest[~shares.odd][down]
     yield f"elements {len(elements.rows)}"
     yield "! largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest"
     yield _row("memory", [elements.largest, 1.0 / shares.growth, elements.way, *rest])
     yield "! kind (0 plastic, 1 gap, 2 reversible), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
     yield "! then the factors of w and V [1, N/m]: two of the way, two of the stored part"
-    factors = shares.even[down].reshape(2, 2, -1).transpose(2, 1, 0).reshape(-1, 4)
-    yield from (_row("", row) for row in np.concatenate([elements.rows, factors], axis=1))
+    yield from (_row("", row) for row in _element_rows(elements, down))
+
+
+def _down(memory: MemoryModel) -> list[int]:
+    """Return where w and V stand among the even rows."""
+    names = [str(name) for name in memory.table.name[~memory.elements.shares.odd]]
+    return [names.index(name) for name in ("w", "V")]
+
+
+def _element_rows(elements: ElementSet, down: list[int]) -> Array:
+    """Return a row an element (n, ELEMENT of `springs.h`): its parameters, and the factors of w and V."""
+    factors = elements.shares.even[down].reshape(2, 2, -1).transpose(2, 1, 0).reshape(-1, 4)
+    return np.concatenate([elements.rows, factors], axis=1)
 
 
 def _row(word: str, values: Iterable[float]) -> str:
