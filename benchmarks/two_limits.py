@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: MIT
 """Limits of bricks and of Fourier series beside each other: pulls of several caissons and grounds.
 
-    python -m benchmarks.two_limits [--out FILE] [--runs FOLDER] [--ends MM ...] [--bricks MESH ...]
-        [--series MESH ...] [--drained-alone MESH ...] CASE...
+    python -m benchmarks.two_limits [--out FILE] [--runs FOLDER] [--ends MM ...] [--bricks FACTOR ...]
+        [--series FACTOR ...] [--with-water NUMBER] CASE...
 
-One run a mesh leads to the largest displacement; the curves up to each end are rows of their own. Each limit is
-extrapolated from the meshes that reach the end as in `pysprings accuracy` (the finest as it is where no order can be
-fitted, or fewer than three do). Prints a line of comma-separated values an end and measure: the largest difference of
-load and rotation up to the end and the root mean square one of p(y), per cent of the largest value; the same at the end
-itself, where every run has a state; of runs with water also, at the end, the load over that of the drained run on the
-same mesh, that ratio times the drained limit, the water force under the lid and the largest difference of the pressure
-at five points; the aim, and
-whether the values at the end meet it; what each limit is uncertain by up to the end, which is its distance from the
-finest mesh; and whether the limits differ by more than both uncertainties together. Runs in the folder are not
-repeated.
+One run a mesh leads to the largest displacement; the curves up to each end are rows of their own. The meshes are those
+of `mesh_changes.families`: sections refined alone, cells across the tip among them, by the factors given, and more
+cells around (bricks) or harmonics (series) on the coarsest section. What each of these groups tends to is found from
+its own meshes that reach the end: sections and cells around as in `pysprings accuracy` (the finest as it is where no
+order can be fitted, or fewer than three do), harmonics from the highest. The effects of the groups are added up.
+
+Prints a line of comma-separated values an end and measure: the largest difference of load and rotation up to the end
+and the root mean square one of p(y), per cent of the largest value; the same at the end itself, where every run has a
+state; of runs with water also, at the end, the load over that of the drained run on the same mesh, that ratio times the
+drained limit, the water force under the lid and the largest difference of the pressure at five points; the aim, and
+whether the values at the end meet it; what each limit is uncertain by up to the end, which is the sum of the distances
+of the groups' limits from their finest meshes; and whether the limits differ by more than both uncertainties together.
+Runs with water are those on the sections alone, the coarsest NUMBER of them. Runs in the folder are not repeated.
 """
 
 from __future__ import annotations
@@ -29,18 +32,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from benchmarks.kept_runs import result_of
+from benchmarks.mesh_changes import BRICK_SECTIONS, SERIES_SECTIONS, Family, Limit, families, run, together
 from pysprings import Scene
 from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, Sample, curves_of, samples
-from pysprings.full_model.accuracy.richardson import Reference, cell_size
-from pysprings.full_model.accuracy.settings import read_mesh
 from pysprings.scene.extent import PAPER
 
-BRICKS, SERIES = (
-    ("medium:0.7", "medium", "medium:1.4"),
-    ("fourier-coarse@5", "fourier-coarse:2@5", "fourier-coarse:3@5"),
-)
 OVER_DRAINED, BY_DRAINED, WATER_FORCE, PRESSURES = (
     "load_over_drained", "load_by_drained", "water_force", "pore_pressures",
 )  # fmt: skip
@@ -116,17 +113,17 @@ def scene_of(case: str, ends: Sequence[float] = (), drained: bool = False) -> Sc
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of both discretisations up to one end, and the finest mesh that each rests on."""
+    """Limits of both discretisations up to one end, and the finest section that each rests on."""
 
-    bricks: Mapping[str, Reference]
-    series: Mapping[str, Reference]
+    bricks: Limit
+    series: Limit
     finest: tuple[str, str]
 
     def line(self, case: str, end: float, name: str) -> list[str]:
         """Return the line of a measure."""
-        bricks, series = (_values(each) for each in (self.bricks, self.series))
+        bricks, series = self.bricks.values, self.series.values
         apart, there = difference(name, bricks, series), difference(name, at_end(bricks), at_end(series))
-        doubt = [difference(name, _values(each), _beside(each)) for each in (self.bricks, self.series)]
+        doubt = [doubt_of(name, each) for each in (self.bricks, self.series)]
         aim = CASES[case].aims.get(name)
         met = "" if aim is None else "yes" if there <= aim else "no"
         judged = ["" if name in WATER else f"{apart:.2f}", f"{there:.2f}", "" if aim is None else f"{aim:g}", met]
@@ -138,8 +135,13 @@ class Limits:
             *judged,
             *(f"{value:.2f}" for value in doubt),
             explained,
-            ", ".join(self.finest),
+            "; ".join(self.finest),
         ]
+
+
+def doubt_of(name: str, limit: Limit) -> float:
+    """Return what a limit is uncertain by in a measure: the sum over its groups."""
+    return sum(difference(name, limit.values, beside) for beside in limit.beside)
 
 
 def at_end(sample: Sample) -> Sample:
@@ -158,14 +160,6 @@ def difference(name: str, one: Sample, other: Sample) -> float:
     return measures.errors(other, one)[name]
 
 
-def _values(limit: Mapping[str, Reference]) -> Sample:
-    return {name: each.values for name, each in limit.items()}
-
-
-def _beside(limit: Mapping[str, Reference]) -> Sample:
-    return {name: each.beside for name, each in limit.items()}
-
-
 def until(path: xr.Dataset, end: float) -> xr.Dataset:
     """Return the states of a path up to a displacement (mm) at which it has one."""
     return path.isel(step=path["u"].values <= 1e-3 * end * (1.0 + 1e-9))
@@ -181,87 +175,77 @@ def water_sample(path: xr.Dataset) -> Sample:
     return {WATER_FORCE: np.array([float(state["F_pw"])]), PRESSURES: np.array(pressures, dtype=float)}
 
 
-def _cut(trees: Mapping[str, xr.DataTree], end: float) -> dict[str, xr.DataTree]:
+def cut(trees: Mapping[str, xr.DataTree], end: float) -> dict[str, xr.DataTree]:
     """Return the runs that reach an end (mm), up to it."""
-    cut = {}
+    reached = {}
     for name, tree in trees.items():
         path = until(tree["paths/pull"].to_dataset(), end)
         if path["u"].values[-1] > 1e-3 * end * (1.0 - 1e-9):
-            cut[name] = tree.copy()
-            cut[name]["paths/pull"] = xr.DataTree(path)
-    return cut
+            reached[name] = tree.copy()
+            reached[name]["paths/pull"] = xr.DataTree(path)
+    return reached
 
 
-def _samples(cut: Mapping[str, xr.DataTree], dry: Mapping[str, xr.DataTree]) -> dict[str, Sample]:
+def _samples(reached: Mapping[str, xr.DataTree], dry: Mapping[str, xr.DataTree]) -> dict[str, Sample]:
     """Return the samples of runs up to one end; with water where there are drained runs beside them."""
-    each = samples({name: curves_of(tree) for name, tree in cut.items()})["pull"]
+    each = samples({name: curves_of(tree) for name, tree in reached.items()})["pull"]
     for name, beside in dry.items():
-        path = cut[name]["paths/pull"].to_dataset()
+        path = reached[name]["paths/pull"].to_dataset()
         ratio = float(path["H"][-1] / beside["paths/pull"]["H"][-1])
         each[name] = each[name] | water_sample(path) | {OVER_DRAINED: np.array([ratio])}
     return each
 
 
 def limits(
-    trees: Mapping[str, xr.DataTree], meshes: Mapping[str, Sequence[str]], end: float,
+    trees: Mapping[str, xr.DataTree], found: Mapping[str, Family], end: float,
     drained: Mapping[str, xr.DataTree] | None = None,
 ) -> Limits | None:  # fmt: skip
-    """Return the limits up to an end (mm) from the runs that reach it; None where none of a kind does.
+    """Return the limits up to an end (mm) from the runs (by the words of their mesh) that reach it; None without any.
 
-    ``drained`` are the runs without water on the same meshes, and maybe on finer ones, of runs with water.
+    ``drained`` are the runs without water on the same meshes, and on others, of runs with water.
     """
-    cut, dry = _cut(trees, end), _cut(drained or {}, end)
+    reached, dry = cut(trees, end), cut(drained or {}, end)
     if drained is not None:
-        cut = {name: tree for name, tree in cut.items() if name in dry}
-    reach = {kind: [name for name in family if name in cut] for kind, family in meshes.items()}
+        reached = {name: tree for name, tree in reached.items() if name in dry}
+    reach = {kind: [c.words for c in family.sections if c.words in reached] for kind, family in found.items()}
     if not all(reach.values()):
         return None
-    each = _samples(cut, {name: tree for name, tree in dry.items() if name in cut})
-    found = {kind: _limit(each, cut, family) for kind, family in reach.items()}
+    each = _samples(reached, {name: tree for name, tree in dry.items() if name in reached})
+    tend = {kind: together(family, each) for kind, family in found.items()}
     if drained is not None:
         plain = _samples(dry, {})
-        for kind, family in meshes.items():
-            alone = _limit(plain, dry, [name for name in family if name in dry])
-            found[kind][BY_DRAINED] = by_drained(alone[LOAD], found[kind][OVER_DRAINED])
-    return Limits(found["bricks"], found["series"], (reach["bricks"][-1], reach["series"][-1]))
+        tend = {kind: with_drained(limit, together(found[kind], plain)) for kind, limit in tend.items()}
+    return Limits(tend["bricks"], tend["series"], (reach["bricks"][-1], reach["series"][-1]))
 
 
-def _limit(each: Mapping[str, Sample], trees: Mapping[str, xr.DataTree], names: Sequence[str]) -> dict[str, Reference]:
-    """Return what the samples of some meshes, the finest last, tend to."""
-    attrs = [trees[name].attrs for name in names]
-    sizes = [cell_size(own["n_unknowns"], own.get("harmonics")) for own in attrs]
-    return measures.reference_of([each[name] for name in names], sizes)
-
-
-def by_drained(load: Reference, ratio: Reference) -> Reference:
-    """Return the limit of a load with water at the end: the drained limit times the limit of the ratio of both.
+def with_drained(limit: Limit, drained: Limit) -> Limit:
+    """Return a limit with water together with that of its load at the end: the drained limit times the ratio of both.
 
     Cells of a size change both loads alike: the ratio is nearly the same on all meshes, and the drained limit may rest
-    on finer ones.
+    on finer ones, and on more cells around. What is beside it: each part beside its limit, the other at its own.
     """
-    return Reference(load.values[-1:] * ratio.values, load.beside[-1:] * ratio.beside, load.order, load.note)
+    load, ratio = drained.values[LOAD][-1:], limit.values[OVER_DRAINED]
+    beside = [each | {BY_DRAINED: load * each[OVER_DRAINED]} for each in limit.beside]
+    beside += [limit.values | {BY_DRAINED: each[LOAD][-1:] * ratio} for each in drained.beside]
+    return Limit(limit.values | {BY_DRAINED: load * ratio}, tuple(beside), limit.notes)
 
 
 def rows(
-    case: str, meshes: Mapping[str, Sequence[str]], ends: Sequence[float] = (), folder: Path | None = None,
-    drained_alone: Sequence[str] = (),
+    case: str, found: Mapping[str, Family], ends: Sequence[float] = (), folder: Path | None = None,
+    with_water: int | None = None,
 ) -> list[list[str]]:  # fmt: skip
     """Run a case on all meshes; return its lines, those of the ends that both discretisations reach.
 
-    Runs with water leave out the meshes of ``drained_alone``.
+    Runs with water are those on the sections, the coarsest ``with_water`` of them (None: all).
     """
-    names = [name for family in meshes.values() for name in family]
-
-    def run(scene: Scene, left_out: Sequence[str] = ()) -> dict[str, xr.DataTree]:
-        return {name: result_of(read_mesh(name).scene(scene), folder) for name in names if name not in left_out}
-
     wet, lines = CASES[case].rate is not None, []
-    trees = run(scene_of(case, ends), drained_alone if wet else ())
-    drained = run(scene_of(case, ends, drained=True)) if wet else None
+    plain, scene = scene_of(case, ends, drained=True), scene_of(case, ends)
+    drained = {c.words: run(f.mesh, c, plain, folder) for f in found.values() for c in f.changes}
+    trees = {c.words: run(f.mesh, c, scene, folder) for f in found.values() for c in f.sections[:with_water] if wet}
     for end in sorted(ends or CASES[case].ends):
-        found = limits(trees, meshes, end, drained)
-        if found is not None:
-            lines += [found.line(case, end, name) for name in (*MEASURED, *(WATER if wet else ()))]
+        tend = limits(trees, found, end, drained) if wet else limits(drained, found, end)
+        if tend is not None:
+            lines += [tend.line(case, end, name) for name in (*MEASURED, *(WATER if wet else ()))]
     return lines
 
 
@@ -272,17 +256,17 @@ def main() -> None:
     parser.add_argument("--out", type=Path)
     parser.add_argument("--runs", type=Path, help="folder in which runs are kept")
     parser.add_argument("--ends", type=float, nargs="+", default=(), help="of every pull, mm")
-    parser.add_argument("--bricks", nargs="+", default=BRICKS)
-    parser.add_argument("--series", nargs="+", default=SERIES)
-    parser.add_argument("--drained-alone", nargs="+", default=(), help="meshes that runs with water leave out")
+    parser.add_argument("--bricks", type=float, nargs="+", default=BRICK_SECTIONS, help="sections, coarse to fine")
+    parser.add_argument("--series", type=float, nargs="+", default=SERIES_SECTIONS, help="sections, coarse to fine")
+    parser.add_argument("--with-water", type=int, help="number of sections that runs with water use, the coarsest")
     given = parser.parse_args()
     lines = [list(HEAD)]
     screen = csv.writer(sys.stdout, lineterminator="\n")
     screen.writerow(HEAD)
-    meshes = {"bricks": given.bricks, "series": given.series}
+    found = families(given.bricks, given.series)
     for case in given.case:
-        lines += (found := rows(case, meshes, given.ends, given.runs, given.drained_alone))
-        screen.writerows(found)
+        lines += (new := rows(case, found, given.ends, given.runs, given.with_water))
+        screen.writerows(new)
         sys.stdout.flush()
         if given.out is not None:
             with given.out.open("w", newline="", encoding="utf-8") as stream:

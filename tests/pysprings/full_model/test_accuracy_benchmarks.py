@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 import pysprings
-from benchmarks import bench, error_estimates, kept_runs, limit_causes, two_limits
+from benchmarks import bench, error_estimates, kept_runs, limit_causes, mesh_changes, two_limits
 from pysprings import Scene
 from pysprings.core.errors import PyspringsError
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, Sample
@@ -141,45 +141,95 @@ def test_held_out_scenes_are_scenes_and_are_pushed_as_far_as_asked() -> None:
 @pytest.mark.parametrize("case", two_limits.CASES)
 def test_cases_of_two_limits_can_be_run_in_both_discretisations(case: str) -> None:
     scene = two_limits.scene_of(case)
-    kinds = {read_mesh(name).scene(scene).discretisation for name in (*two_limits.BRICKS, *two_limits.SERIES)}
-    assert kinds == {"hex8", "fourier"}
+    kinds = {
+        kind: {read_mesh(family.mesh).scene(scene).replace(mesh=dict(c.mesh)).discretisation for c in family.changes}
+        for kind, family in mesh_changes.families().items()
+    }
+    assert kinds == {"bricks": {"hex8"}, "series": {"fourier"}}
     own = two_limits.CASES[case]
     stops = [*scene.paths[0].report_at, scene.paths[0].lateral_displacement]
     assert [1e3 * u for u in stops] == pytest.approx(own.ends)
     assert scene.drainage.mode == ("drained" if own.rate is None else "coupled")
 
 
-MESHES = {
-    "bricks": ("coarse", "coarse:1.5", "coarse:2"),
-    "series": ("fourier-coarse@3", "fourier-coarse:1.5@3", "fourier-coarse:2@3"),
-}
+FAMILIES = mesh_changes.families((1.0, 1.5, 2.0), (1.0, 1.5, 2.0))
 ENDS = (1.7677669529663687, 5.0)  # mm, states of the invented runs
+_AROUND, _N5 = 0.02, 0.003  # errors of 12 cells around, and of N = 5
 
 
 def made(scene: Scene) -> xr.DataTree:
-    """A run with an error of second order around a limit; that of bricks is 1 % above the other."""
-    n = round(500 * scene.mesh.refinement**2)
-    series = scene.discretisation == "fourier"
-    size = 4.0 * n if series else 4.0 * n**1.5  # of cells of the same size
-    return with_error(round(size), harmonics=3 if series else None, beside=0.0 if series else 0.01)
+    """A run with errors of second order in sections and cells around; the limit of bricks is 1 % above the other."""
+    factor, n = scene.mesh.refinement, scene.mesh.harmonics
+    if scene.discretisation == "fourier":
+        return with_error(round(2000 * (n + 1) * factor**2), harmonics=n, beside=_N5 if n == 5 else 0.0)
+    return with_error(round(90000 * factor**3), beside=0.01 + _AROUND * (12.0 / scene.mesh.azimuth) ** 2)
+
+
+def test_cells_across_the_tip_are_refined_with_the_section() -> None:
+    """Else p(y) at the tip, and the rotation, keep an error that no section takes away."""
+    for kind, family in mesh_changes.families().items():
+        counts = []
+        for change in family.sections:
+            with mesh_changes.counted(kind, family.mesh.removeprefix("fourier-").split("@")[0], change.counts):
+                scene = read_mesh(family.mesh).scene(tiny.paper())
+                mesh = {"preset": scene.mesh.preset, "discretisation": scene.discretisation, **change.mesh}
+                scene = scene.replace(mesh=mesh)
+                counts.append(section_counts_of(scene) if kind == "series" else counts_of(scene))
+        scale = [each.tip * change.size for each, change in zip(counts, family.sections, strict=True)]
+        assert scale == pytest.approx([scale[0]] * len(scale))
+        assert [each.skirt / each.tip for each in counts] == pytest.approx([counts[0].skirt / counts[0].tip] * 3)
+        assert len({getattr(each, "azimuth", 0) for each in counts}) == 1
 
 
 def test_limits_that_are_apart_by_more_than_they_are_uncertain_by_are_marked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The errors of 12 cells around (2 %) and of N = 5 are gone from the limits."""
     monkeypatch.setattr(kept_runs, "compute", lambda scene: Computed(made(scene), RunRecord(Status.COMPLETE)))
-    rows = [dict(zip(two_limits.HEAD, line, strict=True)) for line in two_limits.rows("the paper's", MESHES, ENDS)]
+    rows = [dict(zip(two_limits.HEAD, line, strict=True)) for line in two_limits.rows("the paper's", FAMILIES, ENDS)]
     assert [(row["to"], row["measure"]) for row in rows] == [
         (to, two_limits.WORDS[name]) for to in ("1.76777 mm", "5 mm") for name in two_limits.MEASURED
     ]
     for row in rows:
         if row["measure"] == "load, %":
-            assert float(row["limits differ up to there by"]) == pytest.approx(1.0, abs=0.05)
-            assert float(row["at it by"]) == pytest.approx(1.0, abs=0.05)
+            assert float(row["limits differ up to there by"]) == pytest.approx(1.0, abs=0.02)
+            assert float(row["at it by"]) == pytest.approx(1.0, abs=0.02)
             assert (row["aim"], row["met"]) == ("0.5", "no")
-        assert row["finest meshes"] == "coarse:2, fourier-coarse:2@3"
+        assert "section 2, 12 around; series, section 2, N 5" in row["finest meshes"]
+
+
+def test_a_limit_is_uncertain_by_the_distances_of_all_its_groups() -> None:
+    """Sections 1, 1.5 and 2 are off by 10 %/f2, cells around by 2 % (12/n)2."""
+
+    def sample(section: float = 1.0, around: int = 12) -> Sample:
+        load = 1.0 + 0.1 / section**2 + _AROUND * (12.0 / around) ** 2
+        return {LOAD: np.array([load]), OTHER: np.array([load]), PY: np.array([[load, np.nan]])}
+
+    family = FAMILIES["bricks"]
+    each = {c.words: sample(1.0 / c.size) for c in family.sections}
+    each |= {c.words: sample(around=round(12.0 / c.size)) for c in family.around}
+    limit = mesh_changes.together(family, each)
+    assert limit.values[LOAD] == pytest.approx(1.0)
+    assert two_limits.doubt_of("load_max", limit) == pytest.approx(100.0 * (0.1 / 4.0 + _AROUND / 4.0))
+    del each[family.around[-1].words]  # not all are there: the group says nothing
+    assert mesh_changes.together(family, each).values[LOAD] == pytest.approx(1.0 + _AROUND)
+
+
+def test_harmonics_have_no_order() -> None:
+    """The highest N stands for the limit, the one before it for its doubt."""
+    family = FAMILIES["series"]
+    value = {5: 1.04, 8: 1.02, 11: 1.01}
+
+    def sample(load: float) -> Sample:
+        return {LOAD: np.array([load]), OTHER: np.array([load]), PY: np.array([[load]])}
+
+    each = {c.words: sample(value[5] + 0.1 * c.size**2 - 0.1) for c in family.sections}
+    each |= {c.words: sample(value[int(c.mesh["harmonics"])]) for c in family.around}
+    limit = mesh_changes.together(family, each)
+    assert limit.values[LOAD] == pytest.approx(1.01 - 0.1)
+    assert limit.beside[1][LOAD] - limit.values[LOAD] == pytest.approx(0.01)
 
 
 def test_a_run_that_stops_short_is_left_out_beyond_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The finest bricks stop at the first end: the second rests on the next mesh, which has nothing extrapolated."""
+    """The finest bricks stop at the first end: the second rests on the next section."""
 
     def computed(scene: Scene) -> Computed:
         tree = made(scene)
@@ -188,33 +238,36 @@ def test_a_run_that_stops_short_is_left_out_beyond_its_end(monkeypatch: pytest.M
         return Computed(tree, RunRecord(Status.PARTIAL))
 
     monkeypatch.setattr(kept_runs, "compute", computed)
-    lines = two_limits.rows("the paper's", MESHES, ENDS)
-    assert [line[-1].split(",")[0] for line in lines] == 3 * ["coarse:2"] + 3 * ["coarse:1.5"]
-    trees = {name: made(read_mesh(name).scene(tiny.paper())) for family in MESHES.values() for name in family}
-    assert two_limits.limits(trees, MESHES, 6.0) is None
+    lines = two_limits.rows("the paper's", FAMILIES, ENDS)
+    assert [line[-1].split(", ")[1] for line in lines] == 3 * ["section 2"] + 3 * ["section 1.5"]
+    trees = {c.words: with_error(9000) for family in FAMILIES.values() for c in family.changes}
+    assert two_limits.limits(trees, FAMILIES, 6.0) is None
 
 
 def test_a_load_with_water_is_the_drained_limit_times_the_ratio_of_both(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Drained runs have three meshes of bricks, those with water two: the product errs less than the load itself."""
+    """Drained runs have three sections and more cells around, those with water two: the product errs less."""
     seen = []
 
     def computed(scene: Scene) -> Computed:
-        seen.append((scene.drainage.mode, scene.discretisation, scene.mesh.refinement))
+        mesh = scene.mesh
+        seen.append((scene.drainage.mode, scene.discretisation, mesh.refinement, mesh.azimuth or mesh.harmonics))
         tree = made(scene)
         path = tree["paths/pull"].to_dataset()
         tree["paths/pull"] = xr.DataTree(path.assign(F_pw=path["F_pw"] - 5e3))
         return Computed(tree, RunRecord(Status.COMPLETE))
 
     monkeypatch.setattr(kept_runs, "compute", computed)
-    lines = two_limits.rows("the paper's, 0.5 mm/s", MESHES, ENDS[1:], drained_alone=("coarse:2",))
+    lines = two_limits.rows("the paper's, 0.5 mm/s", FAMILIES, ENDS[1:], with_water=2)
     rows = {line[2]: dict(zip(two_limits.HEAD, line, strict=True)) for line in lines}
     names = ("load_max", two_limits.BY_DRAINED, two_limits.OVER_DRAINED)
     load, product, ratio = (rows[two_limits.WORDS[name]] for name in names)
-    assert float(product["at it by"]) == pytest.approx(1.0, abs=0.05)
+    assert float(product["at it by"]) == pytest.approx(1.0, abs=0.02)
     assert float(load["at it by"]) > 1.3
     assert float(ratio["at it by"]) == pytest.approx(0.0, abs=1e-9)
-    assert load["finest meshes"].startswith("coarse:1.5,")
-    assert ("drained", "hex8", 2.0) in seen and ("coupled", "hex8", 2.0) not in seen
+    assert float(product["bricks uncertain by"]) > 1.0
+    assert "section 1.5, 12 around; series, section 1.5" in load["finest meshes"]
+    wet = {each[1:] for each in seen if each[0] == "coupled"}
+    assert wet == {("hex8", 1.0, 12), ("hex8", 1.5, 12), ("fourier", 1.0, 5), ("fourier", 1.5, 5)}
 
 
 def test_water_is_compared_at_five_points_and_by_its_force() -> None:
@@ -235,40 +288,30 @@ def test_water_is_compared_at_five_points_and_by_its_force() -> None:
 def test_causes_change_one_thing_of_a_mesh_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Counts of a preset are changed while its run lasts; every change has its own run."""
     seen = []
+    found = mesh_changes.families()
+    plain = {family.sections[0].words for family in found.values()}
     plain_run, changed_run = with_error(9000), with_error(9000, beside=0.01)
 
     def computed(scene: Scene) -> Computed:
         series = scene.discretisation == "fourier"
         counts = section_counts_of(scene) if series else counts_of(scene)
         seen.append((counts, scene.solver))
-        tree = plain_run if scene.title == limit_causes.UNCHANGED else changed_run
-        return Computed(tree, RunRecord(Status.COMPLETE))
+        return Computed(plain_run if scene.title in plain else changed_run, RunRecord(Status.COMPLETE))
 
     monkeypatch.setattr(kept_runs, "compute", computed)
-    lines = limit_causes.study(limit_causes.CHANGES, two_limits.scene_of("the paper's", (2.5,)), None)
-    changes = [change for chosen in limit_causes.CHANGES.values() for change in chosen]
-    assert len(set(map(repr, seen))) == len(seen) == len(changes) + 2
-    words = {change.words for change in changes}
-    load = 100.0 * 0.01 / (1.0 + 100.0 * cell_size(9000) ** 2)
+    lines = limit_causes.study(found, two_limits.scene_of("the paper's", (5.0,)), 5.0, None)
+    words = {c.words for family in found.values() for c in (*family.changes, *limit_causes.changes_of(family))}
+    assert len(set(map(repr, seen))) == len(seen) == len(words)
     assert {line[1] for line in lines} > words
-    assert all(float(line[3]) == pytest.approx(load, abs=0.006) for line in lines if line[1] in words)
+    load = 100.0 * 0.01 / (1.0 + 100.0 * cell_size(9000) ** 2)
+    assert all(float(line[3]) == pytest.approx(load, abs=0.006) for line in lines if line[1] in words - plain)
 
 
-def test_limits_of_groups_are_added_up() -> None:
-    """A load of 1 + h^2/10 + (cells around)^-2 - tip/20: Richardson from three sizes, the finest of two."""
-
-    def sample(section: float = 1.0, around: float = 1.0, tip: float = 1.0) -> Sample:
-        load = 1.0 + 0.1 * section**2 + 0.02 * around**2 - 0.05 * tip
-        return {LOAD: np.array([load]), OTHER: np.array([2.0 * load]), PY: np.array([[load, np.nan]])}
-
-    changes = [limit_causes.Change(f"section {h}", group="section", size=h) for h in (1.5, 0.5)]
-    changes += [limit_causes.Change(f"around {h}", group="around", size=h) for h in (2.0, 0.5)]
-    changes += [limit_causes.Change("tip", group="tip", size=0.5), limit_causes.Change("steps")]
-    each = {limit_causes.UNCHANGED: sample(), "tip": sample(tip=0.5), "steps": sample()}
-    each |= {f"section {h}": sample(section=h) for h in (1.5, 0.5)} | {
-        f"around {h}": sample(around=h) for h in (2.0, 0.5)
-    }
-    limit, notes = limit_causes.together(changes, each)
-    assert limit[LOAD] == pytest.approx(1.0 - 0.05 * 0.5)
-    assert limit[OTHER] == pytest.approx(2.0 - 0.1 * 0.5)
-    assert notes == "section (order 2.0), around (order 2.0), tip (tip)"
+def test_cells_across_the_tip_are_changed_on_any_section() -> None:
+    base = mesh_changes.bricks(0.75)
+    for change in limit_causes.changes_of(mesh_changes.families()["bricks"]):
+        if "across" in change.words:
+            with mesh_changes.counted("bricks", "medium", change.counts):
+                tip = counts_of(Scene(mesh={"preset": "medium", **change.mesh})).tip
+            assert f", {tip} across" in change.words
+            assert change.mesh == base.mesh
