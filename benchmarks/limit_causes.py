@@ -3,10 +3,9 @@
 
     python -m benchmarks.limit_causes [--case CASE] [--end MM] [--runs FOLDER] [--out FILE]
 
-The meshes are those of `mesh_changes.families`, their coarsest sections the ones that are changed. Prints a line of
-comma-separated values a change: load and rotation at the end and p(y) (root mean square over slices and displacements,
-over the largest p) beside the same mesh without it, per cent, and its unknowns. Load and rotation have a sign: positive
-is more than without the change.
+The meshes are those of `mesh_changes.families`. Prints a line of comma-separated values a change: load and rotation at
+the end and p(y) (root mean square over slices and displacements, over the largest p) beside the mesh named first, per
+cent, and its unknowns. Load and rotation have a sign: positive is more than without the change.
 
 Then what each mesh tends to: the sections alone, and more cells around or harmonics alone, each group to its own limit,
 their effects added up, as in `two_limits`. The last line is by how much these limits of both differ (load and rotation:
@@ -23,14 +22,14 @@ from pathlib import Path
 
 import xarray as xr
 
-from benchmarks.mesh_changes import Change, Family, bricks, families, run, series, together
+from benchmarks.mesh_changes import Change, Family, families, run, series, together
 from benchmarks.two_limits import CASES, cut, scene_of
 from pysprings import Scene
 from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, Sample, curves_of, samples
 from pysprings.model import fourier_mesh, mesh
 
-HEAD = ("mesh", "change", "unknowns", "load %", "rotation %", "p-y rms %")
+HEAD = ("beside", "change", "unknowns", "load %", "rotation %", "p-y rms %")
 
 
 def _also(base: Change, words: str, counts: Mapping[str, float] | None = None, **solver: float) -> Change:
@@ -44,59 +43,63 @@ def _tip(base: Change, number: int) -> Change:
     return _also(base, f"{number} across the tip", {"tip": number * base.size})
 
 
+def changed_section(family: Family) -> Change:
+    """Return the section that is changed: of bricks the second, whose tip has three cells."""
+    return family.sections[1 if family.extrapolated else 0]
+
+
 def changes_of(family: Family) -> list[Change]:
-    """Return the changes of the coarsest section of a family, without those that its limit is found from."""
-    base = family.sections[0]
+    """Return the changes of one section of a family, without those that its limit is found from."""
+    base = changed_section(family)
     if family.extrapolated:
         size, coarse = base.size, mesh.PRESETS["medium"]
         wide = {"wall": coarse.wall / size, "toe": coarse.toe / size}
         return [
-            bricks(1.0 / size, 16), *(_tip(base, n) for n in (1, 2, 8)),
-            _also(base, "cells beside wall and tip as in `medium`", wide),
+            *(_tip(base, n) for n in (1, 2, 6, 12)), _also(base, "cells beside wall and tip as in `medium`", wide),
             _also(base, "steps of 2.5 %", max_step_fraction=0.025),
         ]  # fmt: skip
     size, coarse = base.size, fourier_mesh.PRESETS["coarse"]
+    half = {"wall": coarse.wall / 2.0, "toe": coarse.toe / 2.0}
     return [
         *(series(1.0 / size, n) for n in (3, 4, 6, 14)), *(_tip(base, n) for n in (1, 4)),
-        _also(base, "cells beside wall and tip half as large", {"wall": coarse.wall / 2.0, "toe": coarse.toe / 2.0}),
+        _also(base, "cells beside wall and tip half as large", half),
         _also(base, "steps of 2.5 %", max_step_fraction=0.025), _also(base, "tolerance 1e-5", tolerance=1e-5),
     ]  # fmt: skip
 
 
-def runs(
-    found: Mapping[str, Family], scene: Scene, folder: Path | None
-) -> dict[str, dict[str, xr.DataTree]]:  # fmt: skip
-    """Return the results by kind and words of the mesh, the one that is changed first."""
+def runs(found: Mapping[str, Family], scene: Scene, folder: Path | None) -> dict[str, dict[str, xr.DataTree]]:
+    """Return the results by kind and words of the mesh."""
     return {
         kind: {c.words: run(family.mesh, c, scene, folder) for c in (*family.changes, *changes_of(family))}
         for kind, family in found.items()
     }
 
 
-def line(kind: str, words: str, unknowns: str, sample: Sample, plain: Sample) -> list[str]:
+def line(beside: str, words: str, unknowns: str, sample: Sample, plain: Sample) -> list[str]:
     """Return the line of what differs from a mesh without a change."""
     signed = [100.0 * float(sample[key][-1] / plain[key][-1] - 1.0) for key in (LOAD, OTHER)]
     numbers = [*(f"{value:+.2f}" for value in signed), f"{measures.errors(sample, plain)['py_rms']:.2f}"]
-    return [kind, words, unknowns, *numbers]
+    return [beside, words, unknowns, *numbers]
 
 
 def study(found: Mapping[str, Family], scene: Scene, end: float, folder: Path | None) -> list[list[str]]:
     """Return the lines of both discretisations up to an end (mm), and by how much their limits differ."""
     trees = {kind: cut(of_kind, end) for kind, of_kind in runs(found, scene, folder).items()}
-    flat = {words: curves_of(tree) for of_kind in trees.values() for words, tree in of_kind.items()}
-    sampled = samples(flat)["pull"]
+    sampled = samples({words: curves_of(tree) for of_kind in trees.values() for words, tree in of_kind.items()})["pull"]
     lines, limits = [], []
     for kind, family in found.items():
-        base = family.sections[0].words
+        base, first = changed_section(family).words, family.sections[0].words
         plain = trees[kind][base]["paths/pull"]
         at = f"{1e-3 * float(plain['H'][-1]):.1f} kN", f"{1e3 * float(plain['rotation'][-1]):.4f} mrad"
         unknowns = {words: str(tree.attrs["n_unknowns"]) for words, tree in trees[kind].items()}
-        lines.append([kind, base, unknowns[base], *at, ""])
-        lines += [
-            line(kind, words, unknowns[words], sampled[words], sampled[base]) for words in trees[kind] if words != base
-        ]
+        lines.append([base, "as it is", unknowns[base], *at, ""])
+        ring = {change.words for change in family.around}
+        for words in trees[kind]:
+            if words != base:
+                beside = first if words in ring and words != first else base
+                lines.append(line(beside, words, unknowns[words], sampled[words], sampled[beside]))
         limit = together(family, {words: sampled[words] for words in trees[kind]})
-        lines.append(line(kind, f"limits together: {'; '.join(limit.notes)}", "", limit.values, sampled[base]))
+        lines.append(line(base, f"limits together: {'; '.join(limit.notes)}", "", limit.values, sampled[base]))
         limits.append(limit.values)
     apart = measures.errors(*limits)
     names = ("load_max", "rotation_max", "py_rms")

@@ -59,7 +59,7 @@ class Family(NamedTuple):
 # thickness, and cells that are larger have no order.
 TIP = {"plug": 8, "outer": 16, "tip": 4, "skirt": 16, "below": 14, "wall": 0.02, "toe": 0.02}
 BRICKS, SERIES = "medium", "fourier-coarse@5"
-BRICK_SECTIONS, SERIES_SECTIONS = (0.75, 1.0, 1.5), (2.0, 3.0, 4.0)
+BRICK_SECTIONS, SERIES_SECTIONS = (0.5, 0.75, 1.0, 1.5), (2.0, 3.0, 4.0)
 _FINE_TIP = "fine beside the tip"
 
 

@@ -177,7 +177,9 @@ def test_cells_across_the_tip_are_refined_with_the_section() -> None:
                 counts.append(section_counts_of(scene) if kind == "series" else counts_of(scene))
         scale = [each.tip * change.size for each, change in zip(counts, family.sections, strict=True)]
         assert scale == pytest.approx([scale[0]] * len(scale))
-        assert [each.skirt / each.tip for each in counts] == pytest.approx([counts[0].skirt / counts[0].tip] * 3)
+        assert [each.skirt / each.tip for each in counts] == pytest.approx(
+            [counts[0].skirt / counts[0].tip] * len(scale)
+        )
         assert len({getattr(each, "azimuth", 0) for each in counts}) == 1
 
 
@@ -289,7 +291,7 @@ def test_causes_change_one_thing_of_a_mesh_at_a_time(monkeypatch: pytest.MonkeyP
     """Counts of a preset are changed while its run lasts; every change has its own run."""
     seen = []
     found = mesh_changes.families()
-    plain = {family.sections[0].words for family in found.values()}
+    plain = {section.words for family in found.values() for section in family.sections[:2]}
     plain_run, changed_run = with_error(9000), with_error(9000, beside=0.01)
 
     def computed(scene: Scene) -> Computed:
@@ -302,13 +304,15 @@ def test_causes_change_one_thing_of_a_mesh_at_a_time(monkeypatch: pytest.MonkeyP
     lines = limit_causes.study(found, two_limits.scene_of("the paper's", (5.0,)), 5.0, None)
     words = {c.words for family in found.values() for c in (*family.changes, *limit_causes.changes_of(family))}
     assert len(set(map(repr, seen))) == len(seen) == len(words)
-    assert {line[1] for line in lines} > words
+    bases = {limit_causes.changed_section(family).words for family in found.values()}
+    assert {line[1] for line in lines} > words - bases
     load = 100.0 * 0.01 / (1.0 + 100.0 * cell_size(9000) ** 2)
+    assert {line[0] for line in lines} - {"both"} <= plain
     assert all(float(line[3]) == pytest.approx(load, abs=0.006) for line in lines if line[1] in words - plain)
 
 
 def test_cells_across_the_tip_are_changed_on_any_section() -> None:
-    base = mesh_changes.bricks(0.75)
+    base = limit_causes.changed_section(mesh_changes.families()["bricks"])
     for change in limit_causes.changes_of(mesh_changes.families()["bricks"]):
         if "across" in change.words:
             with mesh_changes.counted("bricks", "medium", change.counts):
