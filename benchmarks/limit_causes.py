@@ -4,8 +4,9 @@
     python -m benchmarks.limit_causes [--case CASE] [--end MM] [--runs FOLDER] [--out FILE]
 
 The meshes are those of `mesh_changes.families`. Prints a line of comma-separated values a change: load and rotation at
-the end and p(y) (root mean square over slices and displacements, over the largest p) beside the mesh named first, per
-cent, and its unknowns. Load and rotation have a sign: positive is more than without the change.
+the end, p(y) (root mean square over slices and displacements, over the largest p) and the stiffness at rest, of elastic
+soil with all contact closed, beside the mesh named first, per cent, and its unknowns. All but p(y) have a sign:
+positive is more than without the change.
 
 Then what each mesh tends to: the sections alone, and more cells around or harmonics alone, each group to its own limit,
 their effects added up, as in `two_limits`. The last line is by how much these limits of both differ (load and rotation:
@@ -26,10 +27,10 @@ from benchmarks.mesh_changes import Change, Family, families, run, series, toget
 from benchmarks.two_limits import CASES, cut, scene_of
 from pysprings import Scene
 from pysprings.full_model.accuracy import measures
-from pysprings.full_model.accuracy.curves import LOAD, OTHER, Sample, curves_of, samples
+from pysprings.full_model.accuracy.curves import LOAD, OTHER, STIFFNESS, Sample, curves_of, samples
 from pysprings.model import fourier_mesh, mesh
 
-HEAD = ("beside", "change", "unknowns", "load %", "rotation %", "p-y rms %")
+HEAD = ("beside", "change", "unknowns", "load %", "rotation %", "p-y rms %", "initial stiffness %")
 
 
 def _also(base: Change, words: str, counts: Mapping[str, float] | None = None, **solver: float) -> Change:
@@ -77,9 +78,8 @@ def runs(found: Mapping[str, Family], scene: Scene, folder: Path | None) -> dict
 
 def line(beside: str, words: str, unknowns: str, sample: Sample, plain: Sample) -> list[str]:
     """Return the line of what differs from a mesh without a change."""
-    signed = [100.0 * float(sample[key][-1] / plain[key][-1] - 1.0) for key in (LOAD, OTHER)]
-    numbers = [*(f"{value:+.2f}" for value in signed), f"{measures.errors(sample, plain)['py_rms']:.2f}"]
-    return [beside, words, unknowns, *numbers]
+    load, turn, rest = (f"{100.0 * float(sample[k][-1] / plain[k][-1] - 1.0):+.2f}" for k in (LOAD, OTHER, STIFFNESS))
+    return [beside, words, unknowns, load, turn, f"{measures.errors(sample, plain)['py_rms']:.2f}", rest]
 
 
 def study(found: Mapping[str, Family], scene: Scene, end: float, folder: Path | None) -> list[list[str]]:
@@ -92,7 +92,8 @@ def study(found: Mapping[str, Family], scene: Scene, end: float, folder: Path | 
         plain = trees[kind][base]["paths/pull"]
         at = f"{1e-3 * float(plain['H'][-1]):.1f} kN", f"{1e3 * float(plain['rotation'][-1]):.4f} mrad"
         unknowns = {words: str(tree.attrs["n_unknowns"]) for words, tree in trees[kind].items()}
-        lines.append([base, "as it is", unknowns[base], *at, ""])
+        rest = f"{1e-6 * float(sampled[base][STIFFNESS][0]):.1f} MN/m"
+        lines.append([base, "as it is", unknowns[base], *at, "", rest])
         ring = {change.words for change in family.around}
         for words in trees[kind]:
             if words != base:
@@ -102,7 +103,7 @@ def study(found: Mapping[str, Family], scene: Scene, end: float, folder: Path | 
         lines.append(line(base, f"limits together: {'; '.join(limit.notes)}", "", limit.values, sampled[base]))
         limits.append(limit.values)
     apart = measures.errors(*limits)
-    names = ("load_max", "rotation_max", "py_rms")
+    names = ("load_max", "rotation_max", "py_rms", "stiffness")
     return [*lines, ["both", "limits together differ by", "", *(f"{apart[key]:.2f}" for key in names)]]
 
 
@@ -114,7 +115,8 @@ def main() -> None:
     parser.add_argument("--runs", type=Path, help="folder in which runs are kept")
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()
-    table = [list(HEAD), *study(families(), scene_of(given.case), given.end, given.runs)]
+    ends = [end for end in CASES[given.case].ends if end < given.end]
+    table = [list(HEAD), *study(families(), scene_of(given.case, (*ends, given.end)), given.end, given.runs)]
     csv.writer(sys.stdout, lineterminator="\n").writerows(table)
     if given.out is not None:
         with given.out.open("w", newline="", encoding="utf-8") as stream:

@@ -16,11 +16,13 @@ from benchmarks import bench, error_estimates, kept_runs, limit_causes, mesh_cha
 from pysprings import Scene
 from pysprings.core.errors import PyspringsError
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, Sample
+from pysprings.full_model.accuracy.quantities import initial_stiffness
 from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import read_mesh
 from pysprings.full_model.run_record import Computed, RunRecord, Status
 from pysprings.model.build import counts_of
 from pysprings.model.fourier import section_counts_of
+from pysprings.springs.dataset import get_path
 from tests.support import tiny
 from tests.support.measured import with_error
 from tests.support.synthetic import Path as Pull
@@ -308,6 +310,9 @@ def test_causes_change_one_thing_of_a_mesh_at_a_time(monkeypatch: pytest.MonkeyP
     assert {line[1] for line in lines} > words - bases
     load = 100.0 * 0.01 / (1.0 + 100.0 * cell_size(9000) ** 2)
     assert {line[0] for line in lines} - {"both"} <= plain
+    assert [line[6] for line in lines if line[1] == "as it is"] == 2 * [
+        f"{1e-6 * initial_stiffness(plain_run['stiffness_initial'].values, get_path(plain_run, 'pull')):.1f} MN/m"
+    ]
     assert all(float(line[3]) == pytest.approx(load, abs=0.006) for line in lines if line[1] in words - plain)
 
 

@@ -24,8 +24,8 @@ from tests.verification.rows import Row
 END = 2.5  # mm
 SECTIONS = ("fourier-coarse@5", "fourier-coarse:1.4@5", "fourier-coarse:2@5")
 _SOURCE = "bricks, extrapolated"
-# The limit of bricks from meshes this coarse is 4 % (load) and 2 % (p-y) from the finest; from finer ones the limits
-# are 0.6 % apart in load and 1 % in rotation and p-y
+# The limit of bricks from meshes this coarse, with one cell across the tip, is 4 % (load) and 2 % (p-y) from the
+# finest; sections refined together with the tip have limits that are nearer (docs/evidence/accuracy.md)
 _LOAD, _ROTATION, _PY = 0.02, 0.025, 0.02
 
 
