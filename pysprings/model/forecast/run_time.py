@@ -64,7 +64,7 @@ def seconds(
     without the estimate at the default tolerance, N 3, CPU time of one thread: to 2.5 mm `coarse` 0.25, `medium` 0.49
     and `paper` 0.82 s, coupled `medium` 0.82 and `paper` 1.6 s; to 20 mm `coarse` 0.78, `medium` 1.8 and `paper` 8.1 s,
     coupled `medium` 3.2 s. The law without start and estimate gives 0.19, 0.42, 0.89; 0.74, 1.6; 0.73, 2.3, 6.7; 4.3 s.
-    It knows nothing of increments that are cut where sand localises (`fine`).
+    Increments that are cut where sand localises (`fine`) are left out.
 
     ``water``: pressures are among the unknowns; ``superlu``: SuperLU factorises bricks (None: as in the scene, here).
     """
