@@ -76,12 +76,12 @@ def mixed(n=24, seed=1):
         c, s = np.cos(random.uniform(0, np.pi)), np.sin(random.uniform(0, np.pi))
         a, m = random.uniform(0.1, 0.5) ** 2, random.normal(size=2)
         d, gain = REACH * 10 ** random.uniform(-3, -0.5), random.choice([0.0, 2.0, 10.0])
-        norm = c * c + s * s
+        norm, pressed = c * c + s * s, random.choice([0.0, 0.5, 1.0])
         gauge = (c * c + a * s * s) / norm, (1 - a) * c * s / norm, (s * s + a * c * c) / norm
         rows.append(
             element(PLASTIC, gauge, (1e7 * m[0] ** 2, 1e7 * m[0] * m[1], 1e7 * m[1] ** 2), d, gain, 0.2 * REACH)
         )
-        rows.append(element(GAP, B=(np.cos(d * 1e4), np.sin(d * 1e4), 1e7), d=d))
+        rows.append(element(GAP, (pressed * d, 0.0, 0.0), (np.cos(d * 1e4), np.sin(d * 1e4), 1e7), d))
         rows.append(element(REVERSIBLE, gauge, 5e6 * np.array(gauge), d))
     return np.array(rows)
 

@@ -22,7 +22,7 @@ from pysprings.macro.memory.shares import Shares, shares_of, stiffnesses
 
 Array = NDArray[np.float64]
 
-STIFFNESS = 3.0  # weight of the initial stiffness beside a ray
+STIFFNESS = 0.1  # weight of the initial stiffness beside a ray
 SUBSTEP = 0.01  # largest step of the motion over the reach
 FORGET = 1e-9  # share of the initial stiffness below which an element is left out
 # Numbers of the state of an element that moves in two planes (a reversible one keeps none), and of all elements:
@@ -154,6 +154,7 @@ def _system(
     aim = np.array([stiffness[0, 0], 0.5 * (stiffness[0, 1] + stiffness[1, 0]), stiffness[1, 1]])
     own = np.stack([m[:, 0] ** 2, m[:, 0] * m[:, 1], m[:, 1] ** 2])
     B = stiffnesses(single)
+    B[(single[:, 0] == GAP) & (single[:, 1] > 0.0)] *= 2.0  # both walls press on the plate
     first = np.concatenate([np.tile(own, len(plastic)), np.stack([B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]])], axis=1)
     blocks.append(STIFFNESS * first / np.abs(aim)[:, None])
     right.append(STIFFNESS * aim / np.abs(aim))

@@ -37,6 +37,7 @@ LAWS = (
 MOST_GROWN = 1.0  # of d a: an element of a larger one would never come near its last size
 FORCES = 9  # directions of the force of an element, over 180 degrees
 GAP_DIRECTIONS, GAP_SIZES = 18, 8
+PRESSED = (0.0, 0.3, 1.0)  # by which the walls of a gap element press on the plate at rest, over d
 REVERSIBLE_DIRECTIONS, REVERSIBLE_SIZES, REVERSIBLE_LARGEST = 18, 10, 2 / 3
 _ELASTIC = 1e6  # size of an element that never yields
 _NEVER = 1e-4  # of its size: the length h of such an element is below
@@ -83,9 +84,9 @@ def mechanisms(reach: float) -> Array:
 
 
 def gaps(reach: float) -> Array:
-    """Return gap elements (n, 2) for a reach [m]: angle [rad] and d [m]."""
-    angle = np.repeat(np.arange(GAP_DIRECTIONS) * np.pi / GAP_DIRECTIONS, GAP_SIZES)
-    return np.stack([angle, np.tile(np.geomspace(SMALLEST * reach, LARGEST * reach, GAP_SIZES), GAP_DIRECTIONS)], 1)
+    """Return gap elements (n, 3) for a reach [m]: angle [rad], d [m], and how far the walls press at rest, over d."""
+    angles, sizes = np.arange(GAP_DIRECTIONS) * np.pi / GAP_DIRECTIONS, np.geomspace(SMALLEST, LARGEST, GAP_SIZES)
+    return np.array([[angle, size * reach, share] for angle in angles for size in sizes for share in PRESSED])
 
 
 def springs(reach: float) -> Array:
@@ -152,6 +153,7 @@ def gap_rows(parameters: Array) -> Array:
     rows = np.zeros((len(parameters), COLUMNS))
     rows[:, 0], rows[:, 4], rows[:, 5] = GAP, np.cos(parameters[:, 0]), np.sin(parameters[:, 0])
     rows[:, 6], rows[:, 7] = 1.0, parameters[:, 1]
+    rows[:, 1] = parameters[:, 1] * parameters[:, 2]
     return rows
 
 

@@ -17,9 +17,12 @@ way gives work. a = 0 is perfect plasticity, a > 0 isotropic hardening that satu
 Gap elements (kind 1) are a plate between two walls that yield at the motion d: along n = (b11, b12), x = n.q, with the
 stiffness b22,
 
-    f = n b22 [min(<x - s1>, d) - min(<s2 - x>, d)],
+    f = n b22 [min(<x + c - s1>, d) - min(<s2 + c - x>, d)],
 
-and a wall that yields is left behind: s1 >= x - d, s2 <= x + d. The state is s = (s1, s2, way the walls have come).
+and a wall that yields is left behind: s1 >= x + c - d, s2 <= x - c + d. At rest both walls press on the plate by c = g11
+<= d: the soil is under pressure before the caisson moves, and the gap opens only beyond. The energy that both walls
+store at rest, b22 c^2, is less than what they dissipate before they have lost it, since they yield at d >= c: no closed
+way from rest gives work. The state is s = (s1, s2, way the walls have come).
 
 Reversible elements (kind 2) are nonlinear elastic, with B in proportion to G,
 
@@ -84,20 +87,17 @@ def _plastic(row, state, d0, d1):
 @jitted
 def _gap(row, state, x):
     """Advance a gap element to x [m] along its direction; return f and tangent as `_plastic`."""
-    n0, n1, size, d = row[4], row[5], row[6], row[7]
+    pressed, n0, n1, size, d = row[1], row[4], row[5], row[6], row[7]
     force, stiffness = 0.0, 0.0
-    if x > state[0]:
-        stiffness = 1.0
-        if x - state[0] > d:
-            state[2] += x - d - state[0]
-            state[0], stiffness = x - d, 0.0
-        force += x - state[0]
-    if x < state[1]:
-        stiffness = 1.0
-        if state[1] - x > d:
-            state[2] += state[1] - d - x
-            state[1], stiffness = x + d, 0.0
-        force += x - state[1]
+    ahead, behind = x + pressed - state[0], state[1] + pressed - x
+    if ahead > d:
+        state[0], state[2], force = state[0] + ahead - d, state[2] + ahead - d, d
+    elif ahead > 0.0:
+        force, stiffness = ahead, 1.0
+    if behind > d:
+        state[1], state[2], force = state[1] - behind + d, state[2] + behind - d, force - d
+    elif behind > 0.0:
+        force, stiffness = force - behind, stiffness + 1.0
     stiffness *= size
     cross = n0 * n1 * stiffness
     return size * n0 * force, size * n1 * force, n0 * n0 * stiffness, cross, cross, n1 * n1 * stiffness

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 STEP = 10  # degrees between ways from the origin
 POINTS, FIRST = 20, 1.0 / 500.0  # of a way, and its first point as a share of the last one
-FLOOR = 0.05  # errors are relative to the load, and to this share of the largest of the way where that is more
+FLOOR = 0.02  # errors are relative to the load, and to this share of the largest of the way where that is more
 BEYOND, LIGHT = (4 / 3, 5 / 3, 2.0), 0.1  # points over the reach, and their weight beside a ray
 ARMS = (-1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0, 16.0)  # heights of the loads of pulls, over L
 # Rays that turn back: points every share of the reach, and behind each turn; weight beside a ray
@@ -127,8 +127,12 @@ def _turning(path: SpringPath, table: FanTable, weight: float) -> tuple[str, Arr
 
 
 def _weights(rows: Array, table: FanTable, way: float) -> Array:
-    """Return the weight of each point (n,): one over the load of a ray, one over the largest of a way that turns."""
+    """Return the weight of each point (n,): one over the load of a ray.
+
+    Of a way that turns: `way` over the geometric mean of the largest load so far and of the way, so that the first,
+    small loops have their part beside the last one.
+    """
     size = np.hypot(*(rows.T @ (table.b / [1.0, table.length])).T)
-    floor, factor = (1.0, way) if way else (FLOOR, 1.0)
-    weights: Array = factor / (np.sqrt(size.size) * np.maximum(size, floor * size.max()))
+    known, factor = (np.sqrt(np.maximum.accumulate(size) * size.max()), way) if way else (size, 1.0)
+    weights: Array = factor / (np.sqrt(size.size) * np.maximum(known, FLOOR * size.max()))
     return weights

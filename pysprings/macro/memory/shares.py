@@ -67,9 +67,9 @@ def elastic_of(rows: Array, states: Array, motion: Array) -> Array:
     """Return elastic motions (n, 2) [m] of elements in states (n, STATES) at a motion (2,) [m], as `histories`."""
     elastic: Array = states[:, :2].copy()
     gap = rows[:, 0] == GAP
-    n, (first, second) = rows[gap, 4:6], states[gap, :2].T
+    n, pressed, (first, second) = rows[gap, 4:6], rows[gap, 1], states[gap, :2].T
     x = n @ motion
-    elastic[gap] = (np.maximum(x - first, 0.0) + np.minimum(x - second, 0.0))[:, None] * n
+    elastic[gap] = (np.maximum(x + pressed - first, 0.0) - np.maximum(second + pressed - x, 0.0))[:, None] * n
     spring = rows[:, 0] == REVERSIBLE
     g11, g12, g22 = rows[spring, 1:4].T
     gauge = np.sqrt(g11 * motion[0] ** 2 + 2.0 * g12 * motion[0] * motion[1] + g22 * motion[1] ** 2)

@@ -79,9 +79,23 @@ def test_hardening_follows_its_law_at_every_size_of_step(gain: float) -> None:
 
 def test_a_gap_opens_where_its_walls_have_yielded() -> None:
     """To 5 mm with walls that yield at 1 mm: back at 4 mm the load is 0, and so it is until the other wall at 0."""
-    rows = [element(GAP, B=(1.0, 0.0, 1e8), d=1e-3)]
+    rows = [element(GAP, (0.0, 0.0, 0.0), (1.0, 0.0, 1e8), 1e-3)]
     loads, _, _ = walk(rows, [[x, 0.0] for x in (5e-3, 4e-3, 2e-3, 0.0, -0.5e-3, 4.5e-3)])
     np.testing.assert_allclose(loads[:, 0], [1e5, 0.0, 0.0, 0.0, -0.5e5, 0.5e5], atol=1e-6)
+
+
+def test_walls_that_press_at_rest_carry_together_until_the_gap_opens() -> None:
+    """Pressed by half of the motion d at which they yield: both carry up to d/2, the rear one lets go, the front yields.
+
+    Back from 2 d the front wall has come 1.5 d: it lets go at d, and the rear one is met at d/2.
+    """
+    d, K = 1e-3, 1e8
+    rows = [element(GAP, (0.5 * d, 0.0, 0.0), (1.0, 0.0, K), d)]
+    way = np.array([0.2, 0.5, 2.0, 1.5, 1.0, 0.5, 0.0, -1.0, 0.0])
+    loads, tangents, state = walk(rows, np.stack([way * d, 0.0 * way], axis=1))
+    np.testing.assert_allclose(loads[:, 0] / (K * d), [0.4, 1.0, 1.0, 0.5, 0.0, 0.0, -0.5, -1.0, 0.0], atol=1e-9)
+    assert tangents[0, 0, 0] == pytest.approx(2.0 * K)
+    np.testing.assert_allclose(state[0] / d, [1.5, -0.5, 2.0], rtol=1e-9)
 
 
 def test_a_reversible_element_goes_back_on_its_curve() -> None:

@@ -34,16 +34,17 @@ int pysprings_states(const double *P) {
   return n;
 }
 
-/* Stiffness at rest (u, rotation L), both walls of a plate in contact. */
+/* Stiffness at rest (u, rotation L): both walls of a plate where they press on it, else one. */
 void pysprings_rest(const double *P, double K[2][2]) {
   const double *row = P + (int)P[P_ELEMENTS];
   int k;
   memset(K, 0, 4 * sizeof(double));
   for (k = 0; k < (int)P[P_COUNT]; k++, row += ELEMENT) {
     int gap = row[0] == 1.0;
-    K[0][0] += gap ? row[6] * row[4] * row[4] : row[4];
-    K[0][1] += gap ? row[6] * row[4] * row[5] : row[5];
-    K[1][1] += gap ? row[6] * row[5] * row[5] : row[6];
+    double walls = row[1] > 0.0 ? 2.0 * row[6] : row[6];
+    K[0][0] += gap ? walls * row[4] * row[4] : row[4];
+    K[0][1] += gap ? walls * row[4] * row[5] : row[5];
+    K[1][1] += gap ? walls * row[5] * row[5] : row[6];
   }
   K[1][0] = K[0][1];
 }
@@ -97,24 +98,20 @@ static void plastic(const double *row, double *s, const double dq[4], double F[4
   carry(row, s, F);
 }
 
-/* Advance the plate of one plane to x; return its force. */
-static double plate(double d, double *s, double x) {
-  double force = 0.0;
-  if (x > s[0]) {
-    if (x - s[0] > d) {
-      s[2] += x - d - s[0];
-      s[0] = x - d;
-    }
-    force += x - s[0];
-  }
-  if (x < s[1]) {
-    if (s[1] - x > d) {
-      s[2] += s[1] - d - x;
-      s[1] = x + d;
-    }
-    force += x - s[1];
-  }
-  return force;
+/* Press the plate against a wall that has come the way `s` by `x`; return the force. */
+static double wall(double d, double *s, double *way, double x, double sign) {
+  double over = x - d;
+  if (x <= 0.0) return 0.0;
+  if (over <= 0.0) return x;
+  *s += sign * over;
+  *way += over;
+  return d;
+}
+
+/* Advance the plate of one plane, on which both walls press at rest, to x; return its force. */
+static double plate(double pressed, double d, double *s, double x) {
+  double ahead = wall(d, s, s + 2, x + pressed - s[0], 1.0);
+  return ahead - wall(d, s + 1, s + 2, s[1] + pressed - x, -1.0);
 }
 
 /* Advance all elements by dq to q; write loads, and the sums of their ways and of what they store for w and V. */
@@ -134,7 +131,7 @@ static void step(const double *P, double *s, const double q[4], const double dq[
       stored = reversible(row, q, F);
     } else {
       for (j = 0, stored = 0.0; j < 4; j += 2) {
-        e = plate(row[7], s + 3 * (j / 2), row[4] * q[j] + row[5] * q[j + 1]);
+        e = plate(row[1], row[7], s + 3 * (j / 2), row[4] * q[j] + row[5] * q[j + 1]);
         F[j] += row[4] * row[6] * e;
         F[j + 1] += row[5] * row[6] * e;
         stored += e * e;
