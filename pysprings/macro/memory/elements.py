@@ -19,10 +19,10 @@ stiffness b22,
 
     f = n b22 [min(<x + c - s1>, d) - min(<s2 + c - x>, d)],
 
-and a wall that yields is left behind: s1 >= x + c - d, s2 <= x - c + d. At rest both walls press on the plate by c = g11
-<= d: the soil is under pressure before the caisson moves, and the gap opens only beyond. The energy that both walls
-store at rest, b22 c^2, is less than what they dissipate before they have lost it, since they yield at d >= c: no closed
-way from rest gives work. The state is s = (s1, s2, way the walls have come).
+and a wall that yields is left behind: s1 >= x + c - d, s2 <= x - c + d. At rest both walls press on the plate by
+c = g11 <= d: the soil is under pressure before the caisson moves, and the gap opens only beyond. The energy that both
+walls store at rest, b22 c^2, is no more than what they dissipate before they have lost it, since they yield at d >= c:
+no closed way from rest gives work. The state is s = (s1, s2, way the walls have come).
 
 Reversible elements (kind 2) are nonlinear elastic, with B in proportion to G,
 

@@ -85,7 +85,7 @@ def test_a_gap_opens_where_its_walls_have_yielded() -> None:
 
 
 def test_walls_that_press_at_rest_carry_together_until_the_gap_opens() -> None:
-    """Pressed by half of the motion d at which they yield: both carry up to d/2, the rear one lets go, the front yields.
+    """Pressed by d/2, where they yield at d: both carry up to d/2; there the rear one lets go and the front one yields.
 
     Back from 2 d the front wall has come 1.5 d: it lets go at d, and the rear one is met at d/2.
     """
