@@ -49,6 +49,8 @@ SHORTEST = 1e-4  # share of the way to a target below which a long step is not h
 FREE = 3  # iterations that are taken whole: the first tangent is that of elements at rest, stiffer than what follows
 MIN_DAMPING = 1.0 / 256.0
 ARMIJO = 1e-4
+# Where loads jump to the next equilibrium: most steps, largest motion over that of a step, drag over the stiffness
+MOST_CREPT, FARTHEST, DRAG = 400, 10.0, 0.5
 
 
 @jitted
@@ -201,11 +203,23 @@ def _residual(drive, q, F, c, g):
 
 
 @jitted
-def _newton(rows, drive, q0, c, q, states, trial, F, K, g):
-    """Solve G q + C F = c from a committed state at q0, starting at q; answer in q, trial, F, K; return success."""
+def _dragged(rows, drag, q0, q, trial, F, K):
+    """Advance all elements from q0 to q as `advance`, and add a drag [N/m] against the motion."""
+    advance(rows, q0, q, trial, F, K)
+    for i in range(2):
+        F[i] += drag * (q[i] - q0[i])
+        K[i, i] += drag
+
+
+@jitted
+def _newton(rows, drive, drag, q0, c, q, states, trial, F, K, g):
+    """Solve G q + C F = c from a committed state at q0, starting at q; answer in q, trial, F, K; return success.
+
+    F holds the drag [N/m] times the motion from q0, too.
+    """
     G, C, scale = drive
     trial[:, :] = states
-    advance(rows, q0, q, trial, F, K)
+    _dragged(rows, drag, q0, q, trial, F, K)
     size = _residual(drive, q, F, c, g)
     J, guess = np.empty((2, 2)), np.empty(2)
     for iteration in range(MAX_ITERATIONS):
@@ -223,7 +237,7 @@ def _newton(rows, drive, q0, c, q, states, trial, F, K, g):
         while True:
             guess[0], guess[1] = q[0] + damping * d0, q[1] + damping * d1
             trial[:, :] = states
-            advance(rows, q0, guess, trial, F, K)
+            _dragged(rows, drag, q0, guess, trial, F, K)
             size = _residual(drive, guess, F, c, g)
             if iteration < FREE or size <= TOLERANCE:
                 break
@@ -237,11 +251,41 @@ def _newton(rows, drive, q0, c, q, states, trial, F, K, g):
 
 
 @jitted
+def _creep(rows, drive, largest, c, q, states, trial, F, K, g):
+    """Creep from a committed state at q to the next equilibrium under c; return success. Writes q, states, F.
+
+    Elements whose force is not along their gauge can have no equilibrium beside the last one. Steps against a drag lead
+    to the next one, if it is within some steps of the largest size; the drag goes down as they are found.
+    """
+    start0, start1, q0 = q[0], q[1], q.copy()
+    trial[:, :] = states
+    advance(rows, q0, q0, trial, F, K)
+    drag = DRAG * (abs(K[0, 0]) + abs(K[1, 1]))
+    for _ in range(MOST_CREPT):
+        found = _newton(rows, drive, drag, q0, c, q, states, trial, F, K, g)
+        if not found:
+            drag *= 4.0
+            q[:] = q0
+            continue
+        states[:, :] = trial
+        for i in range(2):
+            F[i] -= drag * (q[i] - q0[i])
+        q0[:] = q
+        if _residual(drive, q, F, c, g) <= TOLERANCE:
+            return True
+        if math.hypot(q[0] - start0, q[1] - start1) > FARTHEST * largest:
+            return False
+        drag *= 0.5
+    return False
+
+
+@jitted
 def follow(rows, drive, largest, start, states, targets, motions, loads):
     """Follow a sequence of targets c (n, 2) from a committed state (motion `start` (2,), where c is `targets[0]`).
 
     drive holds G, C (2, 2) and scale (2,) of the equations G q + C F = c. A step longer than `largest` [m], or one that
-    does not converge, is halved. Writes motions and loads (n, 2), and the last state found into `states`.
+    does not converge, is halved; where none converges the elements creep to the next equilibrium. Writes motions and
+    loads (n, 2), and the last state found into `states`.
 
     Returns
     -------
@@ -259,17 +303,21 @@ def follow(rows, drive, largest, start, states, targets, motions, loads):
             c[0] = from0 + aim * (targets[n, 0] - from0)
             c[1] = from1 + aim * (targets[n, 1] - from1)
             q[0], q[1] = q0[0], q0[1]
-            found = _newton(rows, drive, q0, c, q, states, trial, F, K, g)
+            found = _newton(rows, drive, 0.0, q0, c, q, states, trial, F, K, g)
             if found and math.hypot(q[0] - q0[0], q[1] - q0[1]) > largest and width > SHORTEST:
                 width *= 0.5
                 continue
             if not found:
                 halvings += 1
                 width *= 0.5
-                if halvings > MAX_HALVINGS:
+                if halvings <= MAX_HALVINGS:
+                    continue
+                q[0], q[1] = q0[0], q0[1]
+                if not _creep(rows, drive, largest, c, q, states, trial, F, K, g):
                     return n, last[0], last[1]
-                continue
-            states[:, :] = trial
+                width, halvings = 1.0, 0
+            else:
+                states[:, :] = trial
             q0[0], q0[1] = q[0], q[1]
             done, last[0], last[1] = aim, c[0], c[1]
         motions[n], loads[n] = q0, F

@@ -98,6 +98,23 @@ def test_walls_that_press_at_rest_carry_together_until_the_gap_opens() -> None:
     np.testing.assert_allclose(state[0] / d, [1.5, -0.5, 2.0], rtol=1e-9)
 
 
+@pytest.mark.parametrize("seed", [9, 11, 13, 15])
+def test_loads_find_the_next_equilibrium_where_none_is_beside_the_last(seed: int) -> None:
+    """A soft spring carries any load; slender elements whose force is not along their gauge let it jump on the way."""
+    random = np.random.default_rng(seed)
+    rows = [element(d=1e3, B=(6e6, 0.0, 6e6))]
+    for _ in range(3):
+        angle, m = random.uniform(0, np.pi, 2)[1], random.normal(size=2)
+        c, s = np.cos(angle), np.sin(angle)
+        gauge = c * c + 0.01 * s * s, 0.99 * c * s, s * s + 0.01 * c * c
+        rows.append(element(0, gauge, 1e8 * np.array([m[0] ** 2, m[0] * m[1], m[1] ** 2]), 0.02 * REACH))
+    own = replace(model(), elements=elements_of(np.array(rows), model().table))
+    targets = np.random.default_rng(100 + seed).normal(size=(12, 2)) * [1.2e5, 1.2e5 * LENGTH]
+    _, loads, end = own.solve("load", targets)
+    assert not end
+    np.testing.assert_allclose(loads, targets, atol=1e-6 * np.abs(targets).max(axis=0).min())
+
+
 def test_a_reversible_element_goes_back_on_its_curve() -> None:
     """K G q up to the gauge d, K d q/|q| in a round gauge beyond; it keeps nothing, and a closed way has no work."""
     d, K = 1e-3, 1e8
