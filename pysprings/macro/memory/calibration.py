@@ -18,7 +18,7 @@ from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.candidates import Candidates, around, candidates, force_directions
 from pysprings.macro.memory.elements import GAP, REVERSIBLE, histories
 from pysprings.macro.memory.samples import Sample
-from pysprings.macro.memory.shares import Shares, shares_of, stiffnesses
+from pysprings.macro.memory.shares import Shares, at_rest, shares_of, stiffnesses
 
 Array = NDArray[np.float64]
 
@@ -153,8 +153,7 @@ def _system(
         right.append((load * way.weights[:, None]).ravel())
     aim = np.array([stiffness[0, 0], 0.5 * (stiffness[0, 1] + stiffness[1, 0]), stiffness[1, 1]])
     own = np.stack([m[:, 0] ** 2, m[:, 0] * m[:, 1], m[:, 1] ** 2])
-    B = stiffnesses(single)
-    B[(single[:, 0] == GAP) & (single[:, 1] > 0.0)] *= 2.0  # both walls press on the plate
+    B = at_rest(single)
     first = np.concatenate([np.tile(own, len(plastic)), np.stack([B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]])], axis=1)
     blocks.append(STIFFNESS * first / np.abs(aim)[:, None])
     right.append(STIFFNESS * aim / np.abs(aim))

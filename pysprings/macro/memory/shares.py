@@ -86,6 +86,16 @@ def stiffnesses(rows: Array) -> Array:
     return B
 
 
+def at_rest(rows: Array) -> Array:
+    """Return the stiffness (n, 2, 2) [N/m] of the elements at rest.
+
+    Twice B of a plate on which both walls press and do not yield yet; walls that press by all of d yield at once.
+    """
+    B = stiffnesses(rows)
+    B[(rows[:, 0] == GAP) & (rows[:, 1] > 0.0) & (rows[:, 1] < rows[:, 7])] *= 2.0
+    return B
+
+
 def loads_of(rows: Array, e: Array) -> Array:
     """Return the loads (n, 2) = (H, M/L) [N] of elastic motions e (n, elements, 2)."""
     loads: Array = np.einsum("kab,nkb->na", stiffnesses(rows), e)

@@ -19,9 +19,10 @@ from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.memory import build
 from pysprings.macro.memory.build import build_memory, with_memory
 from pysprings.macro.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, numbers_of
-from pysprings.macro.memory.elements import GAP, REVERSIBLE, STATES, advance
+from pysprings.macro.memory.elements import GAP, PLASTIC, REVERSIBLE, STATES, advance
 from pysprings.macro.memory.model import MemoryModel, MemoryStepper
 from pysprings.macro.memory.samples import samples
+from pysprings.macro.memory.shares import at_rest
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, predict, sequence
 from pysprings.macro.sets import spring_sets
@@ -98,18 +99,26 @@ def test_walls_that_press_at_rest_carry_together_until_the_gap_opens() -> None:
     np.testing.assert_allclose(state[0] / d, [1.5, -0.5, 2.0], rtol=1e-9)
 
 
-@pytest.mark.parametrize("seed", [9, 11, 13, 15])
+def test_the_stiffness_at_rest_is_the_tangent_of_the_first_motion() -> None:
+    """Elements of all kinds, gaps with and without pressure; walls without pressure carry on one side of a motion."""
+    rows = mixed()
+    assert {bool(pressed) for pressed in rows[rows[:, 0] == GAP, 1]} == {True, False}
+    tangents = walk(rows, [[1e-12, 2e-12]])[1]
+    np.testing.assert_allclose(at_rest(rows).sum(axis=0), tangents[0], rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", [4, 8, 13, 26])
 def test_loads_find_the_next_equilibrium_where_none_is_beside_the_last(seed: int) -> None:
     """A soft spring carries any load; slender elements whose force is not along their gauge let it jump on the way."""
     random = np.random.default_rng(seed)
     rows = [element(d=1e3, B=(6e6, 0.0, 6e6))]
     for _ in range(3):
-        angle, m = random.uniform(0, np.pi, 2)[1], random.normal(size=2)
+        angle, m = random.uniform(0, np.pi), random.normal(size=2)
         c, s = np.cos(angle), np.sin(angle)
         gauge = c * c + 0.01 * s * s, 0.99 * c * s, s * s + 0.01 * c * c
-        rows.append(element(0, gauge, 1e8 * np.array([m[0] ** 2, m[0] * m[1], m[1] ** 2]), 0.02 * REACH))
+        rows.append(element(PLASTIC, gauge, 1e8 * np.array([m[0] ** 2, m[0] * m[1], m[1] ** 2]), 0.02 * REACH))
     own = replace(model(), elements=elements_of(np.array(rows), model().table))
-    targets = np.random.default_rng(100 + seed).normal(size=(12, 2)) * [1.2e5, 1.2e5 * LENGTH]
+    targets = random.normal(size=(12, 2)) * [1.2e5, 1.2e5 * LENGTH]
     _, loads, end = own.solve("load", targets)
     assert not end
     np.testing.assert_allclose(loads, targets, atol=1e-6 * np.abs(targets).max(axis=0).min())

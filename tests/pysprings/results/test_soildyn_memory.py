@@ -13,6 +13,7 @@ import xarray as xr
 
 from pysprings.core.errors import UserInputError
 from pysprings.macro.memory.elements import GAP, REVERSIBLE
+from pysprings.macro.memory.shares import at_rest
 from pysprings.macro.model import MacroModel
 from pysprings.macro.trace import trace
 from pysprings.results.exporters import export
@@ -128,6 +129,7 @@ def test_stiffness_is_that_of_the_forces_and_the_one_at_rest_is_symmetric(
     np.testing.assert_allclose(K, K.T)
     assert np.linalg.eigvalsh(K[:2, :2]).min() > 0.0
     assert (K[0, 0], K[0, 4], K[3, 3]) == (K[1, 1], -K[1, 3], K[4, 4])
+    assert K[0, 0] == pytest.approx(at_rest(winkler.mixed()).sum(axis=0)[0, 0], rel=1e-9)
     for state in sequence(9, 12):
         point.forces(motion(state, 0.4))
     kept, aim = point.state.copy(), motion(sequence(9, 12)[3], 1.1)

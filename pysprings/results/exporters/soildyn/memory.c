@@ -34,14 +34,14 @@ int pysprings_states(const double *P) {
   return n;
 }
 
-/* Stiffness at rest (u, rotation L): both walls of a plate where they press on it, else one. */
+/* Stiffness at rest (u, rotation L): both walls of a plate where they press on it and do not yield, else one. */
 void pysprings_rest(const double *P, double K[2][2]) {
   const double *row = P + (int)P[P_ELEMENTS];
   int k;
   memset(K, 0, 4 * sizeof(double));
   for (k = 0; k < (int)P[P_COUNT]; k++, row += ELEMENT) {
     int gap = row[0] == 1.0;
-    double walls = row[1] > 0.0 ? 2.0 * row[6] : row[6];
+    double walls = row[1] > 0.0 && row[1] < row[7] ? 2.0 * row[6] : row[6];
     K[0][0] += gap ? walls * row[4] * row[4] : row[4];
     K[0][1] += gap ? walls * row[4] * row[5] : row[5];
     K[1][1] += gap ? walls * row[5] * row[5] : row[6];
