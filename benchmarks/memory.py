@@ -27,7 +27,7 @@ from pysprings.macro.cycles import errors, follow_path
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.build import with_memory
 from pysprings.macro.memory.calibration import calibrate
-from pysprings.macro.memory.candidates import Candidates, gaps, mechanisms
+from pysprings.macro.memory.candidates import Candidates, gaps, mechanisms, rubbing
 from pysprings.macro.memory.candidates import springs as reversible
 from pysprings.macro.memory.elements import REVERSIBLE, STATES
 from pysprings.macro.memory.model import MemoryModel
@@ -58,7 +58,9 @@ def masing(springs: Springs, table: FanTable) -> MemoryModel:
     ways = [way for way in samples(springs, table) if not way.turns]
     reach = max(float(np.hypot(*way.motions.T).max()) for way in ways if way.recorded)
     perfect = mechanisms(reach)
-    choice = Candidates(perfect[perfect[:, _PERFECT] == 0.0], gaps(reach)[:0], reversible(reach)[:0])
+    choice = Candidates(
+        perfect[perfect[:, _PERFECT] == 0.0], gaps(reach)[:0], rubbing(reach)[:0], reversible(reach)[:0]
+    )
     return MemoryModel(calibrate(ways, table, stiffness_of(springs), choice), table)
 
 

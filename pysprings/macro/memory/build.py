@@ -26,7 +26,7 @@ MISSING = (
     "reversal. Run the scene with `[springs] memory = true`, or add a translation or rotation with `then` and "
     'role = "memory"'
 )
-VERSION = 7
+VERSION = 8
 _HEAD = ("rows", "odd", "rest", "loads", "elastic", "even")
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.candidates import Candidates, around, candidates, force_directions
-from pysprings.macro.memory.elements import GAP, REVERSIBLE, histories
+from pysprings.macro.memory.elements import GAP, PLASTIC, REVERSIBLE, RUBBING, histories
 from pysprings.macro.memory.samples import Sample
 from pysprings.macro.memory.shares import Shares, at_rest, shares_of, stiffnesses
 
@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 STIFFNESS = 0.1  # weight of the initial stiffness beside a ray
 SUBSTEP = 0.01  # largest step of the motion over the reach
 FORGET = 1e-9  # share of the initial stiffness below which an element is left out
-# Numbers of the state of an element that moves in two planes (a reversible one keeps none), and of all elements:
-# SoilDyn of OpenFAST keeps 1,200
+# Numbers of the state of an element that moves in two planes (a rubbing one keeps as many as a gap, a reversible one
+# none), and of all elements: SoilDyn of OpenFAST keeps 1,200
 PLASTIC_NUMBERS, GAP_NUMBERS, MOST_NUMBERS = 5, 6, 1190
 
 
@@ -97,8 +97,8 @@ def _fitted(
     """Return elements (n, COLUMNS) chosen from candidates, the relative residual, and which are chosen."""
     from scipy.optimize import nnls  # a prediction by a fan does without SciPy
 
-    plastic, gap, reversible = choice.rows
-    single = np.concatenate([gap, reversible])
+    plastic, *others = choice.rows
+    single = np.concatenate(others)
     A, b = _system(plastic, single, ways, loads, stiffness, reach)
     size = np.linalg.norm(A, axis=0)
     size = np.where(size > 0.0, size, 1.0)
@@ -113,7 +113,7 @@ def numbers_of(rows: Array) -> int:
 
 
 def _numbers(kind: Array) -> NDArray[np.int64]:
-    return np.where(kind == REVERSIBLE, 0, np.where(kind == GAP, GAP_NUMBERS, PLASTIC_NUMBERS))
+    return np.where(kind == REVERSIBLE, 0, np.where(kind == PLASTIC, PLASTIC_NUMBERS, GAP_NUMBERS))
 
 
 def _strongest(rows: Array, ways: Sequence[Sample], reach: float, most: int) -> NDArray[np.bool_]:
@@ -140,7 +140,7 @@ def _system(
 ) -> tuple[Array, Array]:
     """Return matrix and right side of the equations, two a point, and three of the initial stiffness.
 
-    single: rows of elements whose B has one factor alone, gap and reversible ones.
+    single: rows of elements whose B has one factor alone, all but plastic ones.
     """
     m = force_directions()
     blocks, right = [], []
@@ -181,8 +181,8 @@ def _merged(plastic: Array, single: Array, factors: Array, least: float) -> tupl
     rows = plastic.copy()
     rows[:, 4], rows[:, 5], rows[:, 6] = B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]
     others, sizes = single.copy(), factors[len(plastic) * len(m) :]
-    gap = others[:, 0] == GAP
-    others[gap, 6] = sizes[gap]
-    others[~gap, 4:7] *= sizes[~gap, None]
+    plate = np.isin(others[:, 0], (GAP, RUBBING))
+    others[plate, 6] = sizes[plate]
+    others[~plate, 4:7] *= sizes[~plate, None]
     chosen = np.concatenate([own.sum(axis=1), sizes]) > least
     return np.concatenate([rows, others])[chosen], chosen

@@ -29,6 +29,15 @@ Reversible elements (kind 2) are nonlinear elastic, with B in proportion to G,
     f = B e,   e = q min(1, d/|q|_G):
 
 the gradient of a convex function of q, without work in a closed way. They keep nothing, their numbers s are 0.
+
+Rubbing elements (kind 3) are a plate between the walls of a gap element that do not press at rest, N1 and N2 [m]
+what is pressed of them. Along t = (g11, g12) the plate is held by friction (Coulomb) with the coefficient g22:
+
+    f = b22 [n (N1 - N2) + t T],   T = e + t.dq, no more than g22 (N1 + N2) to both sides.
+
+The walls store b22 (N1^2 + N2^2)/2, the friction b22 T^2/2; what slips or is lost with the pressure dissipates: no
+closed way gives work. While the plate slips the tangent has no symmetry, and can be negative in some direction, as that
+of any contact with friction. The state is s = (s1, s2, T).
 """
 
 from __future__ import annotations
@@ -39,18 +48,18 @@ import numpy as np
 
 from pysprings.core.jit import jitted
 
-PLASTIC, GAP, REVERSIBLE = 0, 1, 2
+PLASTIC, GAP, REVERSIBLE, RUBBING = 0, 1, 2, 3
 COLUMNS = 10  # parameters of an element
 STATES = 3  # numbers that an element keeps
 MAX_ITERATIONS = 40
 TOLERANCE = 1e-9  # residual at rest, relative to the size of the equation
-MAX_HALVINGS = 14  # of steps that do not converge, before a target is given up
-SHORTEST = 1e-4  # share of the way to a target below which a long step is not halved again
+SHORTEST = 1e-4  # share of the way to a target below which no step is halved again
 FREE = 3  # iterations that are taken whole: the first tangent is that of elements at rest, stiffer than what follows
 MIN_DAMPING = 1.0 / 256.0
 ARMIJO = 1e-4
-# Where loads jump to the next equilibrium: most steps, largest motion over that of a step, drag over the stiffness
-MOST_CREPT, FARTHEST, DRAG = 400, 10.0, 0.5
+# Where loads jump to the next equilibrium: most steps, largest motion over that of a step, drag over the stiffness, and
+# most jumps on the way to one target: elements that jump with every small part of it carry no more
+MOST_CREPT, FARTHEST, DRAG, MOST_JUMPS = 400, 10.0, 0.5, 40
 
 
 @jitted
@@ -106,6 +115,39 @@ def _gap(row, state, x):
 
 
 @jitted
+def _pressed(x, s, d):
+    """Press a plate at x [m] against a wall at s [m] that yields at d; return what is pressed, its slope, the wall."""
+    over = x - s
+    if over > d:
+        return d, 0.0, x - d
+    if over > 0.0:
+        return over, 1.0, s
+    return 0.0, 0.0, s
+
+
+@jitted
+def _rubbing(row, state, x, along):
+    """Advance a rubbing element to x [m] along n, by `along` [m] along t; return f and tangent as `_plastic`."""
+    t0, t1, friction, n0, n1, size, d = row[1], row[2], row[3], row[4], row[5], row[6], row[7]
+    first, slope1, state[0] = _pressed(x, state[0], d)
+    second, slope2, behind = _pressed(-x, -state[1], d)
+    state[1] = -behind
+    held, most = state[2] + along, friction * (first + second)
+    m0, m1 = t0, t1  # dT/dq
+    if abs(held) > most:
+        sign = 1.0 if held > 0.0 else -1.0
+        held, slip = sign * most, sign * friction * (slope1 - slope2)
+        m0, m1 = slip * n0, slip * n1
+    state[2] = held
+    force, stiffness = first - second, slope1 + slope2
+    return (
+        size * (n0 * force + t0 * held), size * (n1 * force + t1 * held),
+        size * (n0 * n0 * stiffness + t0 * m0), size * (n0 * n1 * stiffness + t0 * m1),
+        size * (n0 * n1 * stiffness + t1 * m0), size * (n1 * n1 * stiffness + t1 * m1),
+    )  # fmt: skip
+
+
+@jitted
 def _reversible(row, x0, x1):
     """Return f1, f2 and tangent, as `_plastic`, of a reversible element at a motion (x0, x1) [m], and its share e/q."""
     g11, g12, g22, b11, b12, b22, d = row[1], row[2], row[3], row[4], row[5], row[6], row[7]
@@ -134,6 +176,9 @@ def advance(rows, q0, q1, states, F, K):
             one = _gap(rows[k], states[k], rows[k, 4] * q1[0] + rows[k, 5] * q1[1])
         elif rows[k, 0] == REVERSIBLE:
             one = _reversible(rows[k], q1[0], q1[1])[:6]
+        elif rows[k, 0] == RUBBING:
+            x, along = rows[k, 4] * q1[0] + rows[k, 5] * q1[1], rows[k, 1] * d0 + rows[k, 2] * d1
+            one = _rubbing(rows[k], states[k], x, along)
         else:
             one = _plastic(rows[k], states[k], d0, d1)
         f0, f1 = f0 + one[0], f1 + one[1]
@@ -146,9 +191,8 @@ def advance(rows, q0, q1, states, F, K):
 def histories(rows, ways, largest, elastic, paths):
     """Write the elastic motion (n, elements, 2) [m] and the way (n, elements) [m] of elements along a way (n, 2).
 
-    The way starts at the origin; steps longer than `largest` [m] are divided. The elastic motion of a gap element is
-    the force of its walls over its stiffness, along its direction; its way is that of the walls. Reversible elements
-    have no way.
+    The way starts at the origin; steps longer than `largest` [m] are divided. The elastic motion of gap and
+    rubbing elements is their force over their stiffness; their way is that of the walls. Reversible elements have none.
     """
     state, one = np.empty(STATES), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(rows.shape[0]):
@@ -164,13 +208,16 @@ def histories(rows, ways, largest, elastic, paths):
             parts = max(1, math.ceil(math.hypot(d0, d1) / largest))
             for j in range(parts):
                 share = (j + 1.0) / parts
+                x = rows[k, 4] * (x0 + share * d0) + rows[k, 5] * (x1 + share * d1)
                 if rows[k, 0] == GAP:
-                    one = _gap(rows[k], state, rows[k, 4] * (x0 + share * d0) + rows[k, 5] * (x1 + share * d1))
+                    one = _gap(rows[k], state, x)
+                elif rows[k, 0] == RUBBING:
+                    one = _rubbing(rows[k], state, x, (rows[k, 1] * d0 + rows[k, 2] * d1) / parts)
                 else:
                     one = _plastic(rows[k], state, d0 / parts, d1 / parts)
             x0, x1 = ways[i, 0], ways[i, 1]
-            paths[i, k] = state[2]
-            if rows[k, 0] == GAP:
+            paths[i, k] = state[0] - state[1] if rows[k, 0] == RUBBING else state[2]
+            if rows[k, 0] == GAP or rows[k, 0] == RUBBING:
                 elastic[i, k, 0], elastic[i, k, 1] = one[0] / rows[k, 6], one[1] / rows[k, 6]
             else:
                 elastic[i, k, 0], elastic[i, k, 1] = state[0], state[1]
@@ -254,8 +301,9 @@ def _newton(rows, drive, drag, q0, c, q, states, trial, F, K, g):
 def _creep(rows, drive, largest, c, q, states, trial, F, K, g):
     """Creep from a committed state at q to the next equilibrium under c; return success. Writes q, states, F.
 
-    Elements whose force is not along their gauge can have no equilibrium beside the last one. Steps against a drag lead
-    to the next one, if it is within some steps of the largest size; the drag goes down as they are found.
+    Elements whose force is not along their gauge, or that rub, can have no equilibrium beside the last one. Steps
+    against a drag lead to the next one, if it is within some steps of the largest size; the drag goes down as they are
+    found.
     """
     start0, start1, q0 = q[0], q[1], q.copy()
     trial[:, :] = states
@@ -296,7 +344,7 @@ def follow(rows, drive, largest, start, states, targets, motions, loads):
     trial = states.copy()
     F, K, c, g = np.zeros(2), np.zeros((2, 2)), np.zeros(2), np.zeros(2)
     for n in range(targets.shape[0]):
-        done, width, halvings = 0.0, 1.0, 0
+        done, width, jumps = 0.0, 1.0, 0
         from0, from1 = last[0], last[1]
         while done < 1.0:
             aim = min(1.0, done + width)
@@ -308,14 +356,14 @@ def follow(rows, drive, largest, start, states, targets, motions, loads):
                 width *= 0.5
                 continue
             if not found:
-                halvings += 1
-                width *= 0.5
-                if halvings <= MAX_HALVINGS:
+                if width > SHORTEST:
+                    width *= 0.5
                     continue
                 q[0], q[1] = q0[0], q0[1]
-                if not _creep(rows, drive, largest, c, q, states, trial, F, K, g):
+                jumps += 1
+                if jumps > MOST_JUMPS or not _creep(rows, drive, largest, c, q, states, trial, F, K, g):
                     return n, last[0], last[1]
-                width, halvings = 1.0, 0
+                width = 1.0
             else:
                 states[:, :] = trial
             q0[0], q0[1] = q[0], q[1]

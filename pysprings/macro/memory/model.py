@@ -16,7 +16,7 @@ from pysprings.macro.fan import RANGE_SLACK, FanTable
 from pysprings.macro.memory.calibration import ElementSet, elastic_motions, way_of
 from pysprings.macro.memory.elements import STATES, advance, follow, tangents
 from pysprings.macro.memory.marks import StepMarks, lateral_marks, off_load, off_rate
-from pysprings.macro.memory.shares import elastic_of
+from pysprings.macro.memory.shares import elastic_of, ways_of
 from pysprings.macro.solver import Drive
 
 Array = NDArray[np.float64]
@@ -189,7 +189,7 @@ class MemoryStepper:
         (state, motion, _), model = self._trial, self.model
         rows, shares = model.elements.rows, model.elements.shares
         e = elastic_of(rows, state, motion * model.to_motion)
-        found: Array = shares.reactions(rows, e[None], state[None, :, 2])[:, 0]
+        found: Array = shares.reactions(rows, e[None], ways_of(rows, state)[None])[:, 0]
         return found
 
     @property

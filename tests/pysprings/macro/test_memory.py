@@ -19,7 +19,7 @@ from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.memory import build
 from pysprings.macro.memory.build import build_memory, with_memory
 from pysprings.macro.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, numbers_of
-from pysprings.macro.memory.elements import GAP, PLASTIC, REVERSIBLE, STATES, advance
+from pysprings.macro.memory.elements import GAP, PLASTIC, REVERSIBLE, RUBBING, STATES, advance
 from pysprings.macro.memory.model import MemoryModel, MemoryStepper
 from pysprings.macro.memory.samples import samples
 from pysprings.macro.memory.shares import at_rest
@@ -100,11 +100,31 @@ def test_walls_that_press_at_rest_carry_together_until_the_gap_opens() -> None:
 
 
 def test_the_stiffness_at_rest_is_the_tangent_of_the_first_motion() -> None:
-    """Elements of all kinds, gaps with and without pressure; walls without pressure carry on one side of a motion."""
+    """Elements without friction, gaps with and without pressure; walls without it carry on one side of a motion."""
     rows = mixed()
+    rows = rows[rows[:, 0] != RUBBING]
     assert {bool(pressed) for pressed in rows[rows[:, 0] == GAP, 1]} == {True, False}
     tangents = walk(rows, [[1e-12, 2e-12]])[1]
     np.testing.assert_allclose(at_rest(rows).sum(axis=0), tangents[0], rtol=1e-9)
+
+
+def test_a_rubbing_plate_is_held_by_what_it_is_pressed_and_slides_beyond() -> None:
+    """Walls along u that yield at d, friction mu along the rotation: Coulomb's bound mu K N, none in the open gap."""
+    d, K, mu = 1e-3, 1e8, 0.5
+    rows = [element(RUBBING, (0.0, 1.0, mu), (1.0, 0.0, K), d)]
+    way = [
+        (0.0, 0.3), (0.8, 0.3), (0.8, 0.5), (0.8, 1.5), (0.8, 1.2), (0.2, 1.2), (2.0, 1.2), (1.6, 1.3), (0.5, 0.0),
+        (-0.4, -2.0),
+    ]  # fmt: skip
+    loads, tangents, state = walk(rows, np.array(way) * d)
+    pressed = [0.0, 0.8, 0.8, 0.8, 0.8, 0.2, 1.0, 0.6, 0.0, -0.4]
+    held = [0.0, 0.0, 0.2, 0.4, 0.1, 0.1, 0.1, 0.2, 0.0, -0.2]
+    np.testing.assert_allclose(loads / (K * d), np.stack([pressed, held], axis=1), atol=1e-9)
+    np.testing.assert_allclose(tangents[2] / K, [[1.0, 0.0], [0.0, 1.0]], atol=1e-9)
+    np.testing.assert_allclose(tangents[3] / K, [[1.0, 0.0], [mu, 0.0]], atol=1e-9)
+    np.testing.assert_allclose(tangents[9] / K, [[1.0, 0.0], [mu, 0.0]], atol=1e-9)
+    np.testing.assert_allclose(at_rest(np.array(rows))[0] / K, [[1.0, 0.0], [0.0, 0.0]], atol=1e-9)
+    np.testing.assert_allclose(state[0, :2] / d, [1.0, 0.0], atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", [4, 8, 13, 26])

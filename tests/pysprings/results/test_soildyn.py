@@ -253,7 +253,7 @@ def test_wrong_files_give_a_line_and_no_crash(point: Point, library: Path, capfd
         "early": (text[: len(text) // 2], "ends early|missing|expected"),
         "empty": ("", "ends early"),
         "other": ("some text\n", "another keyword"),
-        "version": (text.replace("pysprings_soildyn 4", "pysprings_soildyn 3"), "version 4"),
+        "version": (text.replace("pysprings_soildyn 5", "pysprings_soildyn 4"), "version 5"),
         "number": (text.replace("length_m ", "length_m x"), "number is missing"),
         "nan": (text.replace("length_m ", "length_m nan "), "not finite"),
         "order": (

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the plates of gap elements, one in each of two planes, change on a motion between these planes."""
+"""What the plates of gap and rubbing elements, one in each of two planes, change on a motion between these planes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from pysprings.macro.memory.calibration import elastic_motions
-from pysprings.macro.memory.elements import GAP
+from pysprings.macro.memory.elements import GAP, RUBBING
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.shares import loads_of
 
@@ -20,10 +20,10 @@ def error_between_planes(memory: MemoryModel) -> tuple[float, float]:
     """Return the largest differences of H and M at 45 degrees between two planes, over the largest of each way.
 
     The ways go to half of the reach, back to the other side, and forth again, in seven directions of (u, rotation L).
-    Plastic elements have no preferred plane; each plate of a gap element takes cos(45 deg) of the motion.
+    Plastic elements have no preferred plane; each plate of the others takes cos(45 deg) of the motion.
     """
     rows = memory.elements.rows
-    gap = rows[:, 0] == GAP
+    gap = np.isin(rows[:, 0], (GAP, RUBBING))
     largest = np.zeros(2)
     for angle in _ANGLES:
         way = memory.elements.reach * _WAY[:, None] * np.array([math.cos(angle), math.sin(angle)])

@@ -12,6 +12,9 @@
  * loads, and no closed way gives work. A gap element is one plate for each plane: it is that of the macro-model in both
  * planes, and too strong between them (up to the root of 2; the spring file states the error of the whole).
  *
+ * A rubbing element is a plate whose walls do not press at rest, with friction along t = (g11, g12), of g22 times what both
+ * walls are pressed: one for each plane, too.
+ *
  * A reversible element keeps nothing: f = B e with e = q min(1, d/gauge of q), of both planes together.
  *
  * w and V follow the ways p of the elements and what they store, as sums of p/(1 + p/(s d)) and gauge^2/d.
@@ -22,9 +25,9 @@
 #include "springs.h"
 
 #define SHORTEST 1e-4    /* share of a step below which it is not halved again */
-enum { PLASTIC = 5, GAP = 6 };   /* numbers that an element keeps */
+enum { PLASTIC = 5, PLATES = 6 };   /* numbers that an element keeps */
 
-static int size_of(const double *row) { return row[0] == 0.0 ? PLASTIC : row[0] == 1.0 ? GAP : 0; }
+static int size_of(const double *row) { return row[0] == 0.0 ? PLASTIC : row[0] == 2.0 ? 0 : PLATES; }
 
 /* Numbers of StVar that the elements need. */
 int pysprings_states(const double *P) {
@@ -34,17 +37,17 @@ int pysprings_states(const double *P) {
   return n;
 }
 
-/* Stiffness at rest (u, rotation L): both walls of a plate where they press on it and do not yield, else one. */
+/* Stiffness at rest (u, rotation L): both walls of a plate where they press on it and do not yield, else one; without friction. */
 void pysprings_rest(const double *P, double K[2][2]) {
   const double *row = P + (int)P[P_ELEMENTS];
   int k;
   memset(K, 0, 4 * sizeof(double));
   for (k = 0; k < (int)P[P_COUNT]; k++, row += ELEMENT) {
-    int gap = row[0] == 1.0;
-    double walls = row[1] > 0.0 && row[1] < row[7] ? 2.0 * row[6] : row[6];
-    K[0][0] += gap ? walls * row[4] * row[4] : row[4];
-    K[0][1] += gap ? walls * row[4] * row[5] : row[5];
-    K[1][1] += gap ? walls * row[5] * row[5] : row[6];
+    int plate = row[0] == 1.0 || row[0] == 3.0;
+    double walls = row[0] == 1.0 && row[1] > 0.0 && row[1] < row[7] ? 2.0 * row[6] : row[6];
+    K[0][0] += plate ? walls * row[4] * row[4] : row[4];
+    K[0][1] += plate ? walls * row[4] * row[5] : row[5];
+    K[1][1] += plate ? walls * row[5] * row[5] : row[6];
   }
   K[1][0] = K[0][1];
 }
@@ -114,6 +117,19 @@ static double plate(double pressed, double d, double *s, double x) {
   return ahead - wall(d, s + 1, s + 2, s[1] + pressed - x, -1.0);
 }
 
+/* Advance the rubbing plate of one plane by dq to q; add its loads, return the square of its elastic motion. */
+static double rub(const double *row, double *s, const double q[2], const double dq[2], double F[2]) {
+  double way = 0.0, x = row[4] * q[0] + row[5] * q[1];
+  double ahead = wall(row[7], s, &way, x - s[0], 1.0), behind = wall(row[7], s + 1, &way, s[1] - x, -1.0);
+  double most = row[3] * (ahead + behind), n = ahead - behind, e[2];
+  s[2] = fmin(most, fmax(-most, s[2] + row[1] * dq[0] + row[2] * dq[1]));
+  e[0] = row[4] * n + row[1] * s[2];
+  e[1] = row[5] * n + row[2] * s[2];
+  F[0] += row[6] * e[0];
+  F[1] += row[6] * e[1];
+  return e[0] * e[0] + e[1] * e[1];
+}
+
 /* Advance all elements by dq to q; write loads, and the sums of their ways and of what they store for w and V. */
 static void step(const double *P, double *s, const double q[4], const double dq[4], double F[4], double even[2]) {
   const double *row = P + (int)P[P_ELEMENTS];
@@ -129,6 +145,9 @@ static void step(const double *P, double *s, const double q[4], const double dq[
     } else if (row[0] == 2.0) {
       p = 0.0;
       stored = reversible(row, q, F);
+    } else if (row[0] == 3.0) {
+      stored = rub(row, s, q, dq, F) + rub(row, s + 3, q + 2, dq + 2, F + 2);
+      p = s[0] - s[1] + s[3] - s[4];
     } else {
       for (j = 0, stored = 0.0; j < 4; j += 2) {
         e = plate(row[1], row[7], s + 3 * (j / 2), row[4] * q[j] + row[5] * q[j + 1]);

@@ -101,8 +101,8 @@ static int read_elements(Reader *r, double *P, int *place) {
   if (*place + n * ELEMENT > PROPS) return refuse(r, "more numbers than SoilDyn keeps for a point (Props, 20,000)");
   for (k = 0; k < n; k++, *place += ELEMENT) {
     if (!numbers(r, "", P + *place, ELEMENT)) return 0;
-    if (P[*place] != 0.0 && P[*place] != 1.0 && P[*place] != 2.0)
-      return refuse(r, "the kind of an element is 0 (plastic), 1 (gap) or 2 (reversible)");
+    if (P[*place] != 0.0 && P[*place] != 1.0 && P[*place] != 2.0 && P[*place] != 3.0)
+      return refuse(r, "the kind of an element is 0 (plastic), 1 (gap), 2 (reversible) or 3 (rubbing)");
     if (!(P[*place + 7] > 0.0)) return refuse(r, "the size of an element is positive");
   }
   if (pysprings_states(P) > STATES) return refuse(r, "more numbers than SoilDyn keeps of a state (StVar, 1,200)");
@@ -119,7 +119,7 @@ int pysprings_read(Reader *r, double *P) {
   size_t k;
   char *p;
   if (!numbers(r, "pysprings_soildyn", P + P_VERSION, 1)) return 0;
-  if (P[P_VERSION] != VERSION) return refuse(r, "this library reads version 4 of the spring file");
+  if (P[P_VERSION] != VERSION) return refuse(r, "this library reads version 5 of the spring file");
   for (k = 0; k < sizeof heads / sizeof heads[0]; k++)
     if (!numbers(r, heads[k].word, P + heads[k].at, heads[k].n)) return 0;
   if (!(P[P_LENGTH] > 0.0) || !(P[P_VERTICAL] > 0.0)) return refuse(r, "length and vertical stiffness are positive");

@@ -17,7 +17,7 @@ from pysprings.macro.vertical import Branch
 
 Array = NDArray[np.float64]
 
-VERSION = 4
+VERSION = 5
 PROPS, STATES = 20000, 1200  # numbers that SoilDyn keeps for a point, and of its state
 _SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 23, 3, 9, 2, 3  # of `springs.h`
 _STATE_HEAD = 9
@@ -131,7 +131,7 @@ def _element_lines(model: MacroModel) -> Iterator[str]:
     yield f"elements {len(elements.rows)}"
     yield "! largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest"
     yield _row("memory", [elements.largest, 1.0 / shares.growth, elements.way, *rest])
-    yield "! kind (0 plastic, 1 gap, 2 reversible), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
+    yield "! kind (0 plastic, 1 gap, 2 reversible, 3 rubbing), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
     yield "! of a gap g11 [m]: by how much its walls press on the plate at rest,"
     yield "! then the factors of w and V [1, N/m]: two of the way, two of the stored part"
     yield from (_row("", row) for row in _element_rows(elements, down))
