@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.memory.elements import GAP, REVERSIBLE
+from pysprings.macro.memory.elements import GAP, REVERSIBLE, RUBBING
 from pysprings.macro.memory.shares import at_rest
 from pysprings.macro.model import MacroModel
 from pysprings.macro.trace import trace
@@ -25,6 +25,8 @@ from tests.support.foundation import FORCE, Point
 pytestmark = pytest.mark.skipif(
     not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
 )
+
+PLATES = (GAP, RUBBING)  # one plate for each plane
 
 
 @pytest.fixture(scope="module")
@@ -64,10 +66,10 @@ def in_plane(force: np.ndarray, direction: float) -> tuple[float, float, float, 
 def test_forces_follow_a_sequence_as_predict_does(
     library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, direction: float
 ) -> None:
-    """Gap elements are exact in the planes of x and y, plastic ones in every plane."""
+    """Gap and rubbing elements are exact in the planes of x and y, plastic ones in every plane."""
     rows = winkler.mixed()
     both = np.isclose(np.sin(2.0 * direction), 0.0)
-    rows = rows if both else rows[rows[:, 0] != GAP]
+    rows = rows if both else rows[~np.isin(rows[:, 0], PLATES)]
     springs = winkler.with_invented_memory(rows)
     point = point_of(library, springs, tmp_path, monkeypatch)
     states = sequence()
@@ -149,7 +151,7 @@ def test_turned_motions_of_plastic_elements_give_turned_forces(
 ) -> None:
     """Out of one plane: a way around, and the same way turned by an angle; no work is won on it."""
     rows = winkler.mixed()
-    springs = winkler.with_invented_memory(rows[rows[:, 0] != GAP])
+    springs = winkler.with_invented_memory(rows[~np.isin(rows[:, 0], PLATES)])
     point = point_of(library, springs, tmp_path, monkeypatch)
     other, angle = Point(library, "./caisson.txt"), 0.8
     R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
@@ -184,7 +186,7 @@ def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
     done = export(winkler.with_invented_memory(), "openfast", tmp_path, springs="memory")
     (line,) = [remark for remark in done.remarks if "at 45 degrees" in remark]
     text = (tmp_path / "caisson.txt").read_text()
-    assert line in text and "not cyclic" not in text and "\nelements 73\n" in text
+    assert line in text and "not cyclic" not in text and "\nelements 97\n" in text
 
 
 def test_more_numbers_than_a_point_has_are_refused_before_the_library_reads_them() -> None:
