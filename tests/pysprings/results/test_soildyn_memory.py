@@ -17,6 +17,7 @@ from pysprings.macro.memory.shares import at_rest
 from pysprings.macro.model import MacroModel
 from pysprings.macro.trace import trace
 from pysprings.results.exporters import export
+from pysprings.results.exporters.soildyn.between_planes import error_between_planes
 from pysprings.results.exporters.soildyn.library import build
 from pysprings.results.exporters.soildyn.spring_file import spring_text
 from tests.support import winkler
@@ -187,6 +188,17 @@ def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
     (line,) = [remark for remark in done.remarks if "at 45 degrees" in remark]
     text = (tmp_path / "caisson.txt").read_text()
     assert line in text and "not cyclic" not in text and "\nelements 97\n" in text
+
+
+@pytest.mark.parametrize(("kind", "first"), [(GAP, (0.0, 0.0, 0.0)), (RUBBING, (0.0, 1.0, 0.5))])
+def test_between_the_planes_two_plates_carry_more_by_the_root_of_two(kind: int, first: tuple[float, ...]) -> None:
+    """Walls along u that have yielded in both planes, beside a spring that is much softer."""
+    rows = [winkler.element(d=1e3, B=(1e3, 0.0, 1e3)), winkler.element(kind, first, (1.0, 0.0, 1e8), 1e-3)]
+    model = MacroModel.from_springs(winkler.with_invented_memory(np.array(rows)), "memory").memory
+    assert model is not None
+    H, M = error_between_planes(model)
+    assert pytest.approx(np.sqrt(2.0) - 1.0, rel=0.01) == H
+    assert pytest.approx(0.0 if kind == GAP else 0.5 * H, rel=0.02) == M
 
 
 def test_more_numbers_than_a_point_has_are_refused_before_the_library_reads_them() -> None:
