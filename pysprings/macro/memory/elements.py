@@ -332,8 +332,8 @@ def follow(rows, drive, largest, start, states, targets, motions, loads):
     """Follow a sequence of targets c (n, 2) from a committed state (motion `start` (2,), where c is `targets[0]`).
 
     drive holds G, C (2, 2) and scale (2,) of the equations G q + C F = c. A step longer than `largest` [m], or one that
-    does not converge, is halved; where none converges the elements creep to the next equilibrium. Writes motions and
-    loads (n, 2), and the last state found into `states`.
+    does not converge, is halved, down to SHORTEST; where none converges the elements creep to the next equilibrium.
+    Writes motions and loads (n, 2), and the last state found into `states`.
 
     Returns
     -------
