@@ -27,8 +27,7 @@ from pysprings.macro.cycles import errors, follow_path
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.build import with_memory
 from pysprings.macro.memory.calibration import calibrate
-from pysprings.macro.memory.candidates import Candidates, gaps, mechanisms, rubbing
-from pysprings.macro.memory.candidates import springs as reversible
+from pysprings.macro.memory.candidates import candidates
 from pysprings.macro.memory.elements import REVERSIBLE, STATES
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import samples
@@ -57,10 +56,9 @@ def masing(springs: Springs, table: FanTable) -> MemoryModel:
     """Return perfectly plastic elements that are fitted to the rays, and to pulls of the fan."""
     ways = [way for way in samples(springs, table) if not way.turns]
     reach = max(float(np.hypot(*way.motions.T).max()) for way in ways if way.recorded)
-    perfect = mechanisms(reach)
-    choice = Candidates(
-        perfect[perfect[:, _PERFECT] == 0.0], gaps(reach)[:0], rubbing(reach)[:0], reversible(reach)[:0]
-    )
+    every = candidates(reach)
+    perfect = every.plastic[:, _PERFECT] == 0.0
+    choice = every.chosen(np.pad(perfect, (0, sum(map(len, every[1:])))))
     return MemoryModel(calibrate(ways, table, stiffness_of(springs), choice), table)
 
 

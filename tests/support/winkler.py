@@ -16,7 +16,7 @@ from pysprings.core.path_kinds import PARTS
 from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.memory.build import memory_dataset
 from pysprings.macro.memory.calibration import ElementSet
-from pysprings.macro.memory.elements import GAP, PLASTIC, REVERSIBLE, RUBBING
+from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLASTIC, REVERSIBLE
 from pysprings.macro.memory.shares import Shares
 from pysprings.springs.springs import Springs
 from tests.support.fans import LENGTH, RHO, RINGS, fan_springs, set_path
@@ -83,7 +83,7 @@ def mixed(n=24, seed=1):
         )
         rows.append(element(GAP, (pressed * d, 0.0, 0.0), (np.cos(d * 1e4), np.sin(d * 1e4), 1e7), d))
         rows.append(element(REVERSIBLE, gauge, 5e6 * np.array(gauge), d))
-        rows.append(element(RUBBING, (*m / np.hypot(*m), 0.6), (np.cos(d * 1e4), np.sin(d * 1e4), 5e6), d))
+        rows.append(element(FRICTIONAL, (*m / np.hypot(*m), 0.6), (np.cos(d * 1e4), np.sin(d * 1e4), 5e6), d))
     return np.array(rows)
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.candidates import Candidates, around, candidates, force_directions
-from pysprings.macro.memory.elements import GAP, PLASTIC, REVERSIBLE, RUBBING, histories
+from pysprings.macro.memory.elements import PLASTIC, PLATES, REVERSIBLE, histories
 from pysprings.macro.memory.samples import Sample
 from pysprings.macro.memory.shares import Shares, at_rest, shares_of, stiffnesses
 
@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 STIFFNESS = 0.1  # weight of the initial stiffness beside a ray
 SUBSTEP = 0.01  # largest step of the motion over the reach
 FORGET = 1e-9  # share of the initial stiffness below which an element is left out
-# Numbers of the state of an element that moves in two planes (a rubbing one keeps as many as a gap, a reversible one
+# Numbers of the state of an element that moves in two planes (a plate: gap and frictional ones; a reversible one keeps
 # none), and of all elements: SoilDyn of OpenFAST keeps 1,200
-PLASTIC_NUMBERS, GAP_NUMBERS, MOST_NUMBERS = 5, 6, 1190
+PLASTIC_NUMBERS, PLATE_NUMBERS, MOST_NUMBERS = 5, 6, 1190
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +113,7 @@ def numbers_of(rows: Array) -> int:
 
 
 def _numbers(kind: Array) -> NDArray[np.int64]:
-    return np.where(kind == REVERSIBLE, 0, np.where(kind == PLASTIC, PLASTIC_NUMBERS, GAP_NUMBERS))
+    return np.where(kind == REVERSIBLE, 0, np.where(kind == PLASTIC, PLASTIC_NUMBERS, PLATE_NUMBERS))
 
 
 def _strongest(rows: Array, ways: Sequence[Sample], reach: float, most: int) -> NDArray[np.bool_]:
@@ -181,7 +181,7 @@ def _merged(plastic: Array, single: Array, factors: Array, least: float) -> tupl
     rows = plastic.copy()
     rows[:, 4], rows[:, 5], rows[:, 6] = B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]
     others, sizes = single.copy(), factors[len(plastic) * len(m) :]
-    plate = np.isin(others[:, 0], (GAP, RUBBING))
+    plate = np.isin(others[:, 0], PLATES)
     others[plate, 6] = sizes[plate]
     others[~plate, 4:7] *= sizes[~plate, None]
     chosen = np.concatenate([own.sum(axis=1), sizes]) > least

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The elements that a calibration chooses from; all lengths are shares of the reach of the rays.
 
-Reversible elements are part of what clay, and soil with a gap, carry without hysteresis. Rubbing elements are what soil
-with a gap needs for a stiffness without symmetry: there they halve what is left of the equations.
+Reversible elements are part of what clay, and soil with a gap, carry without hysteresis. Frictional elements are what
+soil with a gap needs for a stiffness that is not symmetric: there they halve what is left of the equations.
 
 Measured on three caissons (sand, soil with cohesion, clay): directions every 20 degrees and two slender gauges are
 enough; hardening over a fifth of the reach carries the growth of the loads from cycle to cycle. A second choice, among
@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.memory.elements import COLUMNS, GAP, PLASTIC, REVERSIBLE, RUBBING
+from pysprings.macro.memory.elements import COLUMNS, FRICTIONAL, GAP, PLASTIC, REVERSIBLE
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ MOST_GROWN = 1.0  # of d a: an element of a larger one would never come near its
 FORCES = 9  # directions of the force of an element, over 180 degrees
 GAP_DIRECTIONS, GAP_SIZES = 18, 8
 PRESSED = (0.0, 0.3, 1.0)  # by which the walls of a gap element press on the plate at rest, over d
-RUBBING_DIRECTIONS, RUBBING_SMALLEST, RUBBING_SIZES = 9, 1 / 500, 5  # of walls, and of friction
+FRICTIONAL_DIRECTIONS, FRICTIONAL_SMALLEST, FRICTIONAL_SIZES = 9, 1 / 500, 5  # of walls, and of friction
 FRICTION = (0.25, 0.5, 1.0)  # coefficients
 REVERSIBLE_DIRECTIONS, REVERSIBLE_SIZES, REVERSIBLE_LARGEST = 18, 10, 2 / 3
 _ELASTIC = 1e6  # size of an element that never yields
@@ -48,17 +48,22 @@ _ASPECT, _GAIN, _LENGTH = 1.7, 2.0, 3.0  # factors to the elements around one
 
 
 class Candidates(NamedTuple):
-    """Parameters of elements by kind: `mechanisms`, `gaps`, `rubbing`, `springs`."""
+    """Parameters of elements by kind: `mechanisms`, `gaps`, `frictional`, `springs`."""
 
     plastic: Array
     gap: Array
-    rubs: Array
+    frictional: Array
     reversible: Array
 
     @property
     def rows(self) -> tuple[Array, Array, Array, Array]:
         """Rows (n, COLUMNS) of each kind, of stiffness 1."""
-        return plastic_rows(self.plastic), gap_rows(self.gap), rubbing_rows(self.rubs), reversible_rows(self.reversible)
+        return (
+            plastic_rows(self.plastic),
+            gap_rows(self.gap),
+            frictional_rows(self.frictional),
+            reversible_rows(self.reversible),
+        )
 
     def chosen(self, which: NDArray[np.bool_]) -> Candidates:
         """Return those of all elements, in the order of the kinds, that are marked."""
@@ -68,7 +73,7 @@ class Candidates(NamedTuple):
 
 def candidates(reach: float) -> Candidates:
     """Return all elements to choose from, for a reach [m]."""
-    return Candidates(mechanisms(reach), gaps(reach), rubbing(reach), springs(reach))
+    return Candidates(mechanisms(reach), gaps(reach), frictional(reach), springs(reach))
 
 
 def mechanisms(reach: float) -> Array:
@@ -93,10 +98,10 @@ def gaps(reach: float) -> Array:
     return np.array([[angle, size * reach, share] for angle in angles for size in sizes for share in PRESSED])
 
 
-def rubbing(reach: float) -> Array:
-    """Return rubbing elements (n, 4) for a reach [m]: angles of walls and friction [rad], d [m], coefficient."""
-    angles = np.arange(RUBBING_DIRECTIONS) * np.pi / RUBBING_DIRECTIONS
-    sizes = np.geomspace(RUBBING_SMALLEST * reach, LARGEST * reach, RUBBING_SIZES)
+def frictional(reach: float) -> Array:
+    """Return frictional elements (n, 4) for a reach [m]: angles of walls and friction [rad], d [m], coefficient."""
+    angles = np.arange(FRICTIONAL_DIRECTIONS) * np.pi / FRICTIONAL_DIRECTIONS
+    sizes = np.geomspace(FRICTIONAL_SMALLEST * reach, LARGEST * reach, FRICTIONAL_SIZES)
     return np.array([[walls, own, d, mu] for walls in angles for own in angles for d in sizes for mu in FRICTION])
 
 
@@ -113,16 +118,16 @@ def around(centre: Candidates) -> Candidates:
 
     Reversible elements are taken as they are.
     """
-    plastic, gap, rubs, reversible = centre
+    plastic, gap, held, reversible = centre
     step = (LARGEST / SMALLEST) ** (1.0 / (3.0 * (SIZES - 1)))
-    plates, found, contacts = [gap], [plastic], [rubs]
+    plates, found, contacts = [gap], [plastic], [held]
     yields = plastic[plastic[:, 4] > plastic[:, 2] * _NEVER]
     hardens = yields[yields[:, 3] != 0.0]
     for sign in (-1.0, 1.0):
         found += [_moved(yields, 0, sign * 0.5 * np.pi / DIRECTIONS), _scaled(yields, 1, _ASPECT**sign)]
         found += [_scaled(yields, 2, step**sign), _scaled(hardens, 3, _GAIN**sign), _scaled(hardens, 4, _LENGTH**sign)]
         plates += [_moved(gap, 0, sign * 0.5 * np.pi / GAP_DIRECTIONS), _scaled(gap, 1, step**sign)]
-        contacts += [_moved(rubs, 0, sign * 0.5 * np.pi / RUBBING_DIRECTIONS), _scaled(rubs, 2, step**sign)]
+        contacts += [_moved(held, 0, sign * 0.5 * np.pi / FRICTIONAL_DIRECTIONS), _scaled(held, 2, step**sign)]
     return Candidates(np.concatenate(found), np.concatenate(plates), np.concatenate(contacts), reversible)
 
 
@@ -169,12 +174,12 @@ def gap_rows(parameters: Array) -> Array:
     return rows
 
 
-def rubbing_rows(parameters: Array) -> Array:
-    """Return rubbing elements (n, COLUMNS) of stiffness 1."""
+def frictional_rows(parameters: Array) -> Array:
+    """Return frictional elements (n, COLUMNS) of stiffness 1."""
     walls, own, size, friction = parameters.T
     one, zero = np.ones(len(walls)), np.zeros(len(walls))
     n, t = (np.cos(walls), np.sin(walls)), (np.cos(own), np.sin(own))
-    rows: Array = np.stack([one * RUBBING, *t, friction, *n, one, size, zero, one], axis=1)
+    rows: Array = np.stack([one * FRICTIONAL, *t, friction, *n, one, size, zero, one], axis=1)
     return rows
 
 

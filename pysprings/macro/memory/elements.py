@@ -30,7 +30,7 @@ Reversible elements (kind 2) are nonlinear elastic, with B in proportion to G,
 
 the gradient of a convex function of q, without work in a closed way. They keep nothing, their numbers s are 0.
 
-Rubbing elements (kind 3) are a plate between the walls of a gap element that do not press at rest, N1 and N2 [m]
+Frictional elements (kind 3) are a plate between the walls of a gap element that do not press at rest, N1 and N2 [m]
 what is pressed of them. Along t = (g11, g12) the plate is held by friction (Coulomb) with the coefficient g22:
 
     f = b22 [n (N1 - N2) + t T],   T = e + t.dq, no more than g22 (N1 + N2) to both sides.
@@ -48,7 +48,8 @@ import numpy as np
 
 from pysprings.core.jit import jitted
 
-PLASTIC, GAP, REVERSIBLE, RUBBING = 0, 1, 2, 3
+PLASTIC, GAP, REVERSIBLE, FRICTIONAL = 0, 1, 2, 3
+PLATES = (GAP, FRICTIONAL)  # between two walls
 COLUMNS = 10  # parameters of an element
 STATES = 3  # numbers that an element keeps
 MAX_ITERATIONS = 40
@@ -59,7 +60,7 @@ MIN_DAMPING = 1.0 / 256.0
 ARMIJO = 1e-4
 # Where loads jump to the next equilibrium: most steps, largest motion over that of a step, drag over the stiffness, and
 # most jumps on the way to one target: elements that jump with every small part of it carry no more
-MOST_CREPT, FARTHEST, DRAG, MOST_JUMPS = 400, 10.0, 0.5, 40
+MOST_CREPT, FARTHEST, DRAG, MOST_JUMPS = 400, 10.0, 0.5, 1000
 
 
 @jitted
@@ -96,25 +97,6 @@ def _plastic(row, state, d0, d1):
 
 
 @jitted
-def _gap(row, state, x):
-    """Advance a gap element to x [m] along its direction; return f and tangent as `_plastic`."""
-    pressed, n0, n1, size, d = row[1], row[4], row[5], row[6], row[7]
-    force, stiffness = 0.0, 0.0
-    ahead, behind = x + pressed - state[0], state[1] + pressed - x
-    if ahead > d:
-        state[0], state[2], force = state[0] + ahead - d, state[2] + ahead - d, d
-    elif ahead > 0.0:
-        force, stiffness = ahead, 1.0
-    if behind > d:
-        state[1], state[2], force = state[1] - behind + d, state[2] + behind - d, force - d
-    elif behind > 0.0:
-        force, stiffness = force - behind, stiffness + 1.0
-    stiffness *= size
-    cross = n0 * n1 * stiffness
-    return size * n0 * force, size * n1 * force, n0 * n0 * stiffness, cross, cross, n1 * n1 * stiffness
-
-
-@jitted
 def _pressed(x, s, d):
     """Press a plate at x [m] against a wall at s [m] that yields at d; return what is pressed, its slope, the wall."""
     over = x - s
@@ -126,8 +108,21 @@ def _pressed(x, s, d):
 
 
 @jitted
-def _rubbing(row, state, x, along):
-    """Advance a rubbing element to x [m] along n, by `along` [m] along t; return f and tangent as `_plastic`."""
+def _gap(row, state, x):
+    """Advance a gap element to x [m] along its direction; return f and tangent as `_plastic`."""
+    pressed, n0, n1, size, d = row[1], row[4], row[5], row[6], row[7]
+    first, slope1, ahead = _pressed(x + pressed, state[0], d)
+    second, slope2, behind = _pressed(pressed - x, -state[1], d)
+    state[2] += ahead - state[0] + behind + state[1]
+    state[0], state[1] = ahead, -behind
+    force, stiffness = size * (first - second), size * (slope1 + slope2)
+    cross = n0 * n1 * stiffness
+    return n0 * force, n1 * force, n0 * n0 * stiffness, cross, cross, n1 * n1 * stiffness
+
+
+@jitted
+def _frictional(row, state, x, along):
+    """Advance a frictional element to x [m] along n, by `along` [m] along t; return f and tangent as `_plastic`."""
     t0, t1, friction, n0, n1, size, d = row[1], row[2], row[3], row[4], row[5], row[6], row[7]
     first, slope1, state[0] = _pressed(x, state[0], d)
     second, slope2, behind = _pressed(-x, -state[1], d)
@@ -176,9 +171,9 @@ def advance(rows, q0, q1, states, F, K):
             one = _gap(rows[k], states[k], rows[k, 4] * q1[0] + rows[k, 5] * q1[1])
         elif rows[k, 0] == REVERSIBLE:
             one = _reversible(rows[k], q1[0], q1[1])[:6]
-        elif rows[k, 0] == RUBBING:
+        elif rows[k, 0] == FRICTIONAL:
             x, along = rows[k, 4] * q1[0] + rows[k, 5] * q1[1], rows[k, 1] * d0 + rows[k, 2] * d1
-            one = _rubbing(rows[k], states[k], x, along)
+            one = _frictional(rows[k], states[k], x, along)
         else:
             one = _plastic(rows[k], states[k], d0, d1)
         f0, f1 = f0 + one[0], f1 + one[1]
@@ -192,7 +187,8 @@ def histories(rows, ways, largest, elastic, paths):
     """Write the elastic motion (n, elements, 2) [m] and the way (n, elements) [m] of elements along a way (n, 2).
 
     The way starts at the origin; steps longer than `largest` [m] are divided. The elastic motion of gap and
-    rubbing elements is their force over their stiffness; their way is that of the walls. Reversible elements have none.
+    frictional elements is their force over their stiffness; their way is that of the walls. Reversible elements have
+    none.
     """
     state, one = np.empty(STATES), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(rows.shape[0]):
@@ -211,13 +207,13 @@ def histories(rows, ways, largest, elastic, paths):
                 x = rows[k, 4] * (x0 + share * d0) + rows[k, 5] * (x1 + share * d1)
                 if rows[k, 0] == GAP:
                     one = _gap(rows[k], state, x)
-                elif rows[k, 0] == RUBBING:
-                    one = _rubbing(rows[k], state, x, (rows[k, 1] * d0 + rows[k, 2] * d1) / parts)
+                elif rows[k, 0] == FRICTIONAL:
+                    one = _frictional(rows[k], state, x, (rows[k, 1] * d0 + rows[k, 2] * d1) / parts)
                 else:
                     one = _plastic(rows[k], state, d0 / parts, d1 / parts)
             x0, x1 = ways[i, 0], ways[i, 1]
-            paths[i, k] = state[0] - state[1] if rows[k, 0] == RUBBING else state[2]
-            if rows[k, 0] == GAP or rows[k, 0] == RUBBING:
+            paths[i, k] = state[0] - state[1] if rows[k, 0] == FRICTIONAL else state[2]
+            if rows[k, 0] == GAP or rows[k, 0] == FRICTIONAL:
                 elastic[i, k, 0], elastic[i, k, 1] = one[0] / rows[k, 6], one[1] / rows[k, 6]
             else:
                 elastic[i, k, 0], elastic[i, k, 1] = state[0], state[1]
@@ -301,7 +297,7 @@ def _newton(rows, drive, drag, q0, c, q, states, trial, F, K, g):
 def _creep(rows, drive, largest, c, q, states, trial, F, K, g):
     """Creep from a committed state at q to the next equilibrium under c; return success. Writes q, states, F.
 
-    Elements whose force is not along their gauge, or that rub, can have no equilibrium beside the last one. Steps
+    Elements whose force is not along their gauge, or with friction, can have no equilibrium beside the last one. Steps
     against a drag lead to the next one, if it is within some steps of the largest size; the drag goes down as they are
     found.
     """

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
-from pysprings.macro.memory.elements import GAP, PLASTIC, REVERSIBLE, RUBBING, histories
+from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLASTIC, PLATES, REVERSIBLE, histories
 from pysprings.macro.memory.samples import Sample
 
 Array = NDArray[np.float64]
@@ -66,15 +66,11 @@ class Shares:
 def elastic_of(rows: Array, states: Array, motion: Array) -> Array:
     """Return elastic motions (n, 2) [m] of elements in states (n, STATES) at a motion (2,) [m], as `histories`."""
     elastic: Array = states[:, :2].copy()
-    gap = rows[:, 0] == GAP
-    n, pressed, (first, second) = rows[gap, 4:6], rows[gap, 1], states[gap, :2].T
+    plate, frictional = np.isin(rows[:, 0], PLATES), rows[:, 0] == FRICTIONAL
+    n, pressed, (first, second) = rows[plate, 4:6], np.where(frictional, 0.0, rows[:, 1])[plate], states[plate, :2].T
     x = n @ motion
-    elastic[gap] = (np.maximum(x + pressed - first, 0.0) - np.maximum(second + pressed - x, 0.0))[:, None] * n
-    rubs = rows[:, 0] == RUBBING
-    (t, n), (first, second, held) = (rows[rubs, 1:3], rows[rubs, 4:6]), states[rubs].T
-    x, d = n @ motion, rows[rubs, 7]
-    force = np.clip(x - first, 0.0, d) - np.clip(second - x, 0.0, d)
-    elastic[rubs] = force[:, None] * n + held[:, None] * t
+    elastic[plate] = (np.maximum(x + pressed - first, 0.0) - np.maximum(second + pressed - x, 0.0))[:, None] * n
+    elastic[frictional] += states[frictional, 2:] * rows[frictional, 1:3]
     spring = rows[:, 0] == REVERSIBLE
     g11, g12, g22 = rows[spring, 1:4].T
     gauge = np.sqrt(g11 * motion[0] ** 2 + 2.0 * g12 * motion[0] * motion[1] + g22 * motion[1] ** 2)
@@ -84,18 +80,23 @@ def elastic_of(rows: Array, states: Array, motion: Array) -> Array:
 
 def ways_of(rows: Array, states: Array) -> Array:
     """Return the plastic ways (n,) [m] of elements in states (n, STATES), as `histories`."""
-    ways: Array = np.where(rows[:, 0] == RUBBING, states[:, 0] - states[:, 1], states[:, 2])
+    ways: Array = np.where(rows[:, 0] == FRICTIONAL, states[:, 0] - states[:, 1], states[:, 2])
     return ways
 
 
-def stiffnesses(rows: Array) -> Array:
-    """Return B (n, 2, 2) [N/m] of the elements; of a gap on one side, of a rubbing one for its walls and friction."""
+def _of_walls(rows: Array) -> Array:
+    """Return B (n, 2, 2) [N/m] of the elements, of a plate for one wall, without friction."""
     B = np.stack([rows[:, [4, 5]], rows[:, [5, 6]]], axis=1)
-    gap = rows[:, 0] == GAP
-    n = rows[gap, 4:6]
-    B[gap] = rows[gap, 6, None, None] * n[:, :, None] * n[:, None, :]
-    rubs = rows[:, 0] == RUBBING
-    B[rubs] = rows[rubs, 6, None, None] * np.eye(2)
+    plate = np.isin(rows[:, 0], PLATES)
+    n = rows[plate, 4:6]
+    B[plate] = rows[plate, 6, None, None] * n[:, :, None] * n[:, None, :]
+    return B
+
+
+def stiffnesses(rows: Array) -> Array:
+    """Return B (n, 2, 2) [N/m] of the elements; of a gap for one wall, of a frictional one for walls and friction."""
+    B, frictional = _of_walls(rows), rows[:, 0] == FRICTIONAL
+    B[frictional] = rows[frictional, 6, None, None] * np.eye(2)
     return B
 
 
@@ -103,12 +104,9 @@ def at_rest(rows: Array) -> Array:
     """Return the stiffness (n, 2, 2) [N/m] of the elements at rest.
 
     Twice B of a plate on which both walls press and do not yield yet; walls that press by all of d yield at once. Of
-    rubbing elements that of the walls: what their friction adds depends on the motion.
+    frictional elements that of the walls: what their friction adds depends on the motion.
     """
-    B = stiffnesses(rows)
-    rubs = rows[:, 0] == RUBBING
-    n = rows[rubs, 4:6]
-    B[rubs] = rows[rubs, 6, None, None] * n[:, :, None] * n[:, None, :]
+    B = _of_walls(rows)
     B[(rows[:, 0] == GAP) & (rows[:, 1] > 0.0) & (rows[:, 1] < rows[:, 7])] *= 2.0
     return B
 
@@ -122,7 +120,7 @@ def loads_of(rows: Array, e: Array) -> Array:
 def _even_motions(rows: Array, e: Array, p: Array, growth: float) -> Array:
     """Return what even rows are linear in, (n, 2 elements) [m]: ways up to their limits, then stored energies."""
     d, G = rows[:, 7], np.stack([rows[:, [1, 2]], rows[:, [2, 3]]], axis=1)
-    G[np.isin(rows[:, 0], (GAP, RUBBING))] = np.eye(2)
+    G[np.isin(rows[:, 0], PLATES)] = np.eye(2)
     stored = np.einsum("nka,kab,nkb->nk", e, G, e) / d
     stored[:, (rows[:, 0] == PLASTIC) & (rows[:, 9] < _NEVER * d)] = 0.0  # has no bound
     found: Array = np.concatenate([p / (1.0 + p / (growth * d)), stored], axis=1)

@@ -66,7 +66,7 @@ def _between_planes(model: MacroModel) -> list[str]:
         return []
     H, M = error_between_planes(model.memory)
     return [
-        f"gap and rubbing elements stand in the planes of x and y: at 45 degrees between them loads differ by up to "
+        f"gap and frictional elements stand in the planes of x and y: at 45 degrees between them loads differ by up to "
         f"{100 * H:.2g} % in H and {100 * M:.2g} % in M, of the largest on a way to half of the reach, back and forth"
     ]
 

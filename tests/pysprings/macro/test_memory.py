@@ -19,7 +19,7 @@ from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.memory import build
 from pysprings.macro.memory.build import build_memory, with_memory
 from pysprings.macro.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, numbers_of
-from pysprings.macro.memory.elements import GAP, PLASTIC, REVERSIBLE, RUBBING, STATES, advance
+from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLASTIC, REVERSIBLE, STATES, advance
 from pysprings.macro.memory.model import MemoryModel, MemoryStepper
 from pysprings.macro.memory.samples import samples
 from pysprings.macro.memory.shares import at_rest
@@ -102,16 +102,16 @@ def test_walls_that_press_at_rest_carry_together_until_the_gap_opens() -> None:
 def test_the_stiffness_at_rest_is_the_tangent_of_the_first_motion() -> None:
     """Elements without friction, gaps with and without pressure; walls without it carry on one side of a motion."""
     rows = mixed()
-    rows = rows[rows[:, 0] != RUBBING]
+    rows = rows[rows[:, 0] != FRICTIONAL]
     assert {bool(pressed) for pressed in rows[rows[:, 0] == GAP, 1]} == {True, False}
     tangents = walk(rows, [[1e-12, 2e-12]])[1]
     np.testing.assert_allclose(at_rest(rows).sum(axis=0), tangents[0], rtol=1e-9)
 
 
-def test_a_rubbing_plate_is_held_by_what_it_is_pressed_and_slides_beyond() -> None:
+def test_a_frictional_plate_is_held_by_what_it_is_pressed_and_slides_beyond() -> None:
     """Walls along u that yield at d, friction mu along the rotation: Coulomb's bound mu K N, none in the open gap."""
     d, K, mu = 1e-3, 1e8, 0.5
-    rows = [element(RUBBING, (0.0, 1.0, mu), (1.0, 0.0, K), d)]
+    rows = [element(FRICTIONAL, (0.0, 1.0, mu), (1.0, 0.0, K), d)]
     way = [
         (0.0, 0.3), (0.8, 0.3), (0.8, 0.5), (0.8, 1.5), (0.8, 1.2), (0.2, 1.2), (2.0, 1.2), (1.6, 1.3), (0.5, 0.0),
         (-0.4, -2.0),
@@ -130,14 +130,28 @@ def test_a_rubbing_plate_is_held_by_what_it_is_pressed_and_slides_beyond() -> No
 @pytest.mark.parametrize("seed", [4, 8, 13, 26])
 def test_loads_find_the_next_equilibrium_where_none_is_beside_the_last(seed: int) -> None:
     """A soft spring carries any load; slender elements whose force is not along their gauge let it jump on the way."""
-    random = np.random.default_rng(seed)
-    rows = [element(d=1e3, B=(6e6, 0.0, 6e6))]
+    random, rows = np.random.default_rng(seed), []
     for _ in range(3):
         angle, m = random.uniform(0, np.pi), random.normal(size=2)
         c, s = np.cos(angle), np.sin(angle)
         gauge = c * c + 0.01 * s * s, 0.99 * c * s, s * s + 0.01 * c * c
         rows.append(element(PLASTIC, gauge, 1e8 * np.array([m[0] ** 2, m[0] * m[1], m[1] ** 2]), 0.02 * REACH))
-    own = replace(model(), elements=elements_of(np.array(rows), model().table))
+    carry_loads(rows, random)
+
+
+@pytest.mark.parametrize("seed", [9, 11, 105])
+def test_loads_go_on_by_many_jumps_where_friction_leaves_no_equilibrium(seed: int) -> None:
+    """Strong plates whose friction stands at any angle to their walls, beside a soft spring."""
+    random, rows = np.random.default_rng(seed), []
+    for _ in range(3):
+        a, b = random.uniform(0, np.pi, 2)
+        rows.append(element(FRICTIONAL, (np.cos(b), np.sin(b), 1.0), (np.cos(a), np.sin(a), 1e8), 0.02 * REACH))
+    carry_loads(rows, random)
+
+
+def carry_loads(rows, random):
+    """Check that elements beside a soft spring answer a random sequence of loads, with these loads."""
+    own = replace(model(), elements=elements_of(np.array([element(d=1e3, B=(6e6, 0.0, 6e6)), *rows]), model().table))
     targets = random.normal(size=(12, 2)) * [1.2e5, 1.2e5 * LENGTH]
     _, loads, end = own.solve("load", targets)
     assert not end

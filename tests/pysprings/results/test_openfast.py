@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import brentq
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.memory.elements import GAP, RUBBING
+from pysprings.macro.memory.elements import PLATES
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, impose
 from pysprings.macro.stiffness import stiffness_six
@@ -324,7 +324,7 @@ def test_a_moment_that_is_rounding_has_no_error_of_the_matrix() -> None:
 def test_soildyn_follows_a_sequence_with_memory(library: Path, tmp_path: Path) -> None:
     """Turning motions in a plane at an angle: SoilDyn keeps the state of the elements from step to step."""
     rows = winkler.mixed()
-    springs = winkler.with_invented_memory(rows[~np.isin(rows[:, 0], (GAP, RUBBING))])
+    springs = winkler.with_invented_memory(rows[~np.isin(rows[:, 0], PLATES)])
     export(springs, "openfast", tmp_path, torsion=TORSION, z=-30.0, springs="memory")
     shutil.copy(library, tmp_path)
     t = np.linspace(0.0, 1.0, 200)[1:]

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.memory.elements import GAP, REVERSIBLE, RUBBING
+from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLATES, REVERSIBLE
 from pysprings.macro.memory.shares import at_rest
 from pysprings.macro.model import MacroModel
 from pysprings.macro.trace import trace
@@ -26,8 +26,6 @@ from tests.support.foundation import FORCE, Point
 pytestmark = pytest.mark.skipif(
     not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
 )
-
-PLATES = (GAP, RUBBING)  # one plate for each plane
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +65,7 @@ def in_plane(force: np.ndarray, direction: float) -> tuple[float, float, float, 
 def test_forces_follow_a_sequence_as_predict_does(
     library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, direction: float
 ) -> None:
-    """Gap and rubbing elements are exact in the planes of x and y, plastic ones in every plane."""
+    """Gap and frictional elements are exact in the planes of x and y, plastic ones in every plane."""
     rows = winkler.mixed()
     both = np.isclose(np.sin(2.0 * direction), 0.0)
     rows = rows if both else rows[~np.isin(rows[:, 0], PLATES)]
@@ -190,7 +188,7 @@ def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
     assert line in text and "not cyclic" not in text and "\nelements 97\n" in text
 
 
-@pytest.mark.parametrize(("kind", "first"), [(GAP, (0.0, 0.0, 0.0)), (RUBBING, (0.0, 1.0, 0.5))])
+@pytest.mark.parametrize(("kind", "first"), [(GAP, (0.0, 0.0, 0.0)), (FRICTIONAL, (0.0, 1.0, 0.5))])
 def test_between_the_planes_two_plates_carry_more_by_the_root_of_two(kind: int, first: tuple[float, ...]) -> None:
     """Walls along u that have yielded in both planes, beside a spring that is much softer."""
     rows = [winkler.element(d=1e3, B=(1e3, 0.0, 1e3)), winkler.element(kind, first, (1.0, 0.0, 1e8), 1e-3)]
@@ -198,7 +196,7 @@ def test_between_the_planes_two_plates_carry_more_by_the_root_of_two(kind: int, 
     assert model is not None
     H, M = error_between_planes(model)
     assert pytest.approx(np.sqrt(2.0) - 1.0, rel=0.01) == H
-    assert pytest.approx(0.0 if kind == GAP else 0.5 * H, rel=0.02) == M
+    assert pytest.approx((kind == FRICTIONAL) * 0.5 * H, rel=0.02) == M
 
 
 def test_more_numbers_than_a_point_has_are_refused_before_the_library_reads_them() -> None:

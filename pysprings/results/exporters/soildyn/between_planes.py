@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the plates of gap and rubbing elements, one in each of two planes, change on a motion between these planes."""
+"""What the plates of gap and frictional elements, one in each of two planes, change on a motion between them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from pysprings.macro.memory.calibration import elastic_motions
-from pysprings.macro.memory.elements import GAP, RUBBING
+from pysprings.macro.memory.elements import PLATES
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.shares import loads_of
 
@@ -23,14 +23,14 @@ def error_between_planes(memory: MemoryModel) -> tuple[float, float]:
     Plastic elements have no preferred plane; each plate of the others takes cos(45 deg) of the motion.
     """
     rows = memory.elements.rows
-    gap = np.isin(rows[:, 0], (GAP, RUBBING))
+    plate = np.isin(rows[:, 0], PLATES)
     largest = np.zeros(2)
     for angle in _ANGLES:
         way = memory.elements.reach * _WAY[:, None] * np.array([math.cos(angle), math.sin(angle)])
         whole = loads_of(rows, elastic_motions(rows, way, memory.elements.largest)[0])
-        if not gap.any():
+        if not plate.any():
             continue
-        plates, half = rows[gap], math.sqrt(0.5)
+        plates, half = rows[plate], math.sqrt(0.5)
         along = loads_of(plates, elastic_motions(plates, way, memory.elements.largest)[0])
         between = loads_of(plates, elastic_motions(plates, half * way, memory.elements.largest)[0]) / half
         largest = np.maximum(largest, np.abs(between - along).max(axis=0) / np.abs(whole).max())

@@ -12,7 +12,7 @@
  * loads, and no closed way gives work. A gap element is one plate for each plane: it is that of the macro-model in both
  * planes, and too strong between them (up to the root of 2; the spring file states the error of the whole).
  *
- * A rubbing element is a plate whose walls do not press at rest, with friction along t = (g11, g12), of g22 times what both
+ * A frictional element is a plate whose walls do not press at rest, with friction along t = (g11, g12), of g22 times what both
  * walls are pressed: one for each plane, too.
  *
  * A reversible element keeps nothing: f = B e with e = q min(1, d/gauge of q), of both planes together.
@@ -117,8 +117,8 @@ static double plate(double pressed, double d, double *s, double x) {
   return ahead - wall(d, s + 1, s + 2, s[1] + pressed - x, -1.0);
 }
 
-/* Advance the rubbing plate of one plane by dq to q; add its loads, return the square of its elastic motion. */
-static double rub(const double *row, double *s, const double q[2], const double dq[2], double F[2]) {
+/* Advance the plate of one plane, which friction holds, by dq to q; add its loads, return the square of its elastic motion. */
+static double friction(const double *row, double *s, const double q[2], const double dq[2], double F[2]) {
   double way = 0.0, x = row[4] * q[0] + row[5] * q[1];
   double ahead = wall(row[7], s, &way, x - s[0], 1.0), behind = wall(row[7], s + 1, &way, s[1] - x, -1.0);
   double most = row[3] * (ahead + behind), n = ahead - behind, e[2];
@@ -146,7 +146,7 @@ static void step(const double *P, double *s, const double q[4], const double dq[
       p = 0.0;
       stored = reversible(row, q, F);
     } else if (row[0] == 3.0) {
-      stored = rub(row, s, q, dq, F) + rub(row, s + 3, q + 2, dq + 2, F + 2);
+      stored = friction(row, s, q, dq, F) + friction(row, s + 3, q + 2, dq + 2, F + 2);
       p = s[0] - s[1] + s[3] - s[4];
     } else {
       for (j = 0, stored = 0.0; j < 4; j += 2) {

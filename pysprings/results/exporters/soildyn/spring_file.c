@@ -102,7 +102,7 @@ static int read_elements(Reader *r, double *P, int *place) {
   for (k = 0; k < n; k++, *place += ELEMENT) {
     if (!numbers(r, "", P + *place, ELEMENT)) return 0;
     if (P[*place] != 0.0 && P[*place] != 1.0 && P[*place] != 2.0 && P[*place] != 3.0)
-      return refuse(r, "the kind of an element is 0 (plastic), 1 (gap), 2 (reversible) or 3 (rubbing)");
+      return refuse(r, "the kind of an element is 0 (plastic), 1 (gap), 2 (reversible) or 3 (frictional)");
     if (!(P[*place + 7] > 0.0)) return refuse(r, "the size of an element is positive");
   }
   if (pysprings_states(P) > STATES) return refuse(r, "more numbers than SoilDyn keeps of a state (StVar, 1,200)");

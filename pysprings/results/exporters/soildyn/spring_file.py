@@ -131,9 +131,9 @@ def _element_lines(model: MacroModel) -> Iterator[str]:
     yield f"elements {len(elements.rows)}"
     yield "! largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest"
     yield _row("memory", [elements.largest, 1.0 / shares.growth, elements.way, *rest])
-    yield "! kind (0 plastic, 1 gap, 2 reversible, 3 rubbing), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
+    yield "! kind (0 plastic, 1 gap, 2 reversible, 3 frictional), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
     yield "! of a gap g11 [m]: by how much its walls press on the plate at rest,"
-    yield "! of a rubbing one g11, g12: direction of the friction, g22: its coefficient,"
+    yield "! of a frictional one g11, g12: direction of the friction, g22: its coefficient,"
     yield "! then the factors of w and V [1, N/m]: two of the way, two of the stored part"
     yield from (_row("", row) for row in _element_rows(elements, down))
 
