@@ -58,15 +58,18 @@ class Family(NamedTuple):
 # Bricks with cells beside and across the tip that are smaller than the skirt is thick: the field there varies over the
 # thickness, and cells that are larger have no order.
 TIP = {"plug": 8, "outer": 16, "tip": 4, "skirt": 16, "below": 14, "wall": 0.02, "toe": 0.02}
+# Below a lid that has lifted off the water flows along the wall: smaller cells below mudline, too.
+LID = TIP | {"skirt": 20, "mudline": 0.02}
 BRICKS, SERIES = "medium", "fourier-coarse@5"
 BRICK_SECTIONS, SERIES_SECTIONS = (0.5, 0.75, 1.0, 1.5), (2.0, 3.0, 4.0)
-_FINE_TIP = "fine beside the tip"
+_FINE_TIP, _FINE_LID = "fine beside the tip", " and below the lid"
 
 
-def bricks(section: float, around: int = 12) -> Change:
-    """Return bricks of a section so many times as fine, with so many cells around half the caisson."""
-    words = f"bricks {_FINE_TIP}, section {section:g}, {around} around"
-    return Change(words, {"refinement": section, "azimuth": around}, counts=TIP, size=1.0 / section)
+def bricks(section: float, around: int = 12, lid: bool = False) -> Change:
+    """Return bricks of a section so many times as fine, with so many cells around half the caisson; lid: see `LID`."""
+    words = f"bricks {_FINE_TIP}{_FINE_LID if lid else ''}, section {section:g}, {around} around"
+    counts = LID if lid else TIP
+    return Change(words, {"refinement": section, "azimuth": around}, counts=counts, size=1.0 / section)
 
 
 def series(section: float, harmonics: int = 5) -> Change:
@@ -76,14 +79,17 @@ def series(section: float, harmonics: int = 5) -> Change:
 
 
 def families(
-    of_bricks: Sequence[float] = BRICK_SECTIONS, of_series: Sequence[float] = SERIES_SECTIONS
+    of_bricks: Sequence[float] = BRICK_SECTIONS, of_series: Sequence[float] = SERIES_SECTIONS, lid: bool = False
 ) -> dict[str, Family]:
-    """Return both families on these sections; cells around, and harmonics, are changed on the coarsest."""
+    """Return both families on these sections; cells around, and harmonics, are changed on the coarsest.
+
+    lid: whether cells of bricks are small below the lid.
+    """
     first, other = of_bricks[0], of_series[0]
-    ring = [bricks(first, n)._replace(size=12.0 / n) for n in (8, 12, 24)]
+    ring = [bricks(first, n, lid)._replace(size=12.0 / n) for n in (8, 12, 24)]
     waves = [series(other, n)._replace(size=6.0 / (n + 1)) for n in (5, 8, 11)]
     return {
-        "bricks": Family(BRICKS, [bricks(f) for f in of_bricks], ring, True),
+        "bricks": Family(BRICKS, [bricks(f, lid=lid) for f in of_bricks], ring, True),
         "series": Family(SERIES, [series(f) for f in of_series], waves, False),
     }
 

@@ -65,7 +65,8 @@ POINTS = (
 class Case(NamedTuple):
     """Ends of the pull (mm), sections of the scene, aims by measure, and the rate (mm/s) of a pull with water.
 
-    ``viscous`` is solver.viscous_displacement in mm.
+    ``viscous`` is solver.viscous_displacement in mm; ``lid``: the lid lifts off in water, and cells of bricks are small
+    below it.
     """
 
     ends: tuple[float, ...]
@@ -73,6 +74,7 @@ class Case(NamedTuple):
     aims: Mapping[str, float] = DRY_AIMS
     rate: float | None = None
     viscous: float = 1e-5
+    lid: bool = False
 
 
 def _caisson(diameter: float, ratio: float) -> dict[str, Any]:
@@ -90,8 +92,8 @@ CASES: dict[str, Case] = {
     "the paper's, viscous": Case(_FAR, _PAPER, viscous=_MORE),
     "the paper's, 0.05 mm/s": Case(_NEAR, _PAPER, WET_AIMS, 0.05),
     "the paper's, 0.5 mm/s": Case(_NEAR, _PAPER, WET_AIMS, 0.5),
-    "the paper's, 0.05 mm/s, viscous": Case(_FAR, _PAPER, WET_AIMS, 0.05, _MORE),
-    "the paper's, 0.5 mm/s, viscous": Case(_FAR, _PAPER, WET_AIMS, 0.5, _MORE),
+    "the paper's, 0.05 mm/s, viscous": Case(_FAR, _PAPER, WET_AIMS, 0.05, _MORE, lid=True),
+    "the paper's, 0.5 mm/s, viscous": Case(_FAR, _PAPER, WET_AIMS, 0.5, _MORE, lid=True),
     "L/D 0.25, 12 m": Case((4.0,), _caisson(12.0, 0.25)),
     "L/D 1, 6 m": Case((2.5,), _caisson(6.0, 1.0)),
     "loose over dense sand": Case((2.5,), {"domain": PAPER, "soil": {"layer": [
@@ -276,8 +278,8 @@ def main() -> None:
     lines = [list(HEAD)]
     screen = csv.writer(sys.stdout, lineterminator="\n")
     screen.writerow(HEAD)
-    found = families(given.bricks, given.series)
     for case in given.case:
+        found = families(given.bricks, given.series, CASES[case].lid)
         lines += (new := rows(case, found, given.ends, given.runs, given.with_water))
         screen.writerows(new)
         sys.stdout.flush()

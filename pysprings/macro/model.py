@@ -104,7 +104,8 @@ class MacroModel:
         built = spring_set.build(chosen, path)
         vertical, settled = build_vertical(chosen), 0.0
         if vertical is not None and chosen.blended_loads is not None:
-            settled = vertical.displacement(built.origin.load)[0] - float(built.origin.w[0])
+            w, load = built.memory.rest if built.memory else (float(built.origin.w[0]), built.origin.load)
+            settled = vertical.displacement(load)[0] - w
         ends = dict(given.ends) | dict(chosen.ends)  # a path between two loads ends with the shorter one
         attrs = {str(name): value for name, value in chosen.attrs.items()}
         remarks = tuple(_remarks(chosen, spring_set, built, ends))
@@ -159,17 +160,17 @@ class MacroModel:
         reactions(self.arrays, float(u), float(rotation), force, tangent)
         return force, tangent
 
-    def tangents(self, states: Array, down: Array | None = None) -> xr.DataArray:
+    def tangents(self, states: Array, down: Array | None = None, V: Array | None = None) -> xr.DataArray:
         """Return the tangent stiffness at mudline at states (n, 2) = (u, rotation), with dimension step.
 
-        Springs with memory go through the states one after the other, from rest.
+        Springs with memory go through the states one after the other, from rest, under V (n,) [N].
 
         u and rotation come from the springs; w, uncoupled, is `down` (n,) where it is given, else the elastic stiffness
         of the full model; springs from a table have none, and the matrix is (2, 2) for (u, rotation). Units: N/m
         for displacements, N m/rad for rotation, N/rad = N m/m between them.
         """
         if self.memory is not None:
-            lateral = self.memory.tangents(states)
+            lateral = self.memory.tangents(states, V)
         else:
             lateral = np.zeros((len(states), 2, 2))
             tangents(self.arrays, np.ascontiguousarray(states, dtype=float), lateral)
@@ -188,8 +189,9 @@ class MacroModel:
         return self.tangents(np.array([[u, rotation]])).isel(step=0, drop=True)
 
     def solve(
-        self, control: Control, targets: Array, arm: float = 0.0, start: tuple[Array, Array] | None = None
-    ) -> tuple[Array, Array, str]:
+        self, control: Control, targets: Array, arm: float = 0.0, start: tuple[Array, Array] | None = None,
+        V: Array | None = None,
+    ) -> tuple[Array, Array, str]:  # fmt: skip
         """Follow the equilibrium from the origin through targets.
 
         Parameters
@@ -203,6 +205,8 @@ class MacroModel:
             Height of the load above mudline [m].
         start
             State (u, rotation) to start from instead of the origin, and its target (springs with memory: on the fan).
+        V
+            (n,) vertical load [N] by target, which springs with memory at several vertical loads depend on.
 
         Returns
         -------
@@ -211,7 +215,7 @@ class MacroModel:
             when k < n.
         """
         if self.memory is not None and start is None:
-            return self.memory.solve(control, targets, arm)
+            return self.memory.solve(control, targets, arm, V)
         state, first = start or (np.zeros(2), np.zeros(2))
         way = np.concatenate([[first], np.asarray(targets, dtype=float)])
         drive, aims = equations(control, way, arm, self.table.load_scale)

@@ -66,7 +66,7 @@ def _rays(
     loads = (None, *springs.vertical_loads)
     for number, load in enumerate(loads):
         for pace, rate in enumerate(rates):
-            suffix = (f"_load_{number}" if number else "") + _pace_name(pace)
+            suffix = _suffix(number, pace)
             for angle in angles:
                 yield {
                     "name": _ray_name(angle) + suffix, **_motion(springs.reach, angle, caisson), "vertical_load": load,
@@ -86,22 +86,24 @@ def _motion(rho: float, angle: float, caisson: Caisson) -> dict[str, Any]:
 
 
 def _reversed(springs: Springs, caisson: Caisson, rates: tuple[float | None, ...]) -> Iterator[dict[str, Any]]:
-    """Yield the rays that turn back, with a small and a large amplitude, at the vertical load of the scene."""
+    """Yield the rays that turn back, with a small and a large amplitude, at every vertical load and rate."""
     assert springs.reach is not None
     ways = [springs.reach * abs(end - start) for start, end in pairwise((0.0, *TURNS))]
-    for (pace, rate), angle in product(enumerate(rates), REVERSED):
+    loads = enumerate((None, *springs.vertical_loads))
+    for (number, load), (pace, rate), angle in product(loads, enumerate(rates), REVERSED):
         times = [None if rate is None else way / rate for way in ways]
         motion = _motion(TURNS[0] * springs.reach, angle, caisson)
         first = motion[PATH_KINDS[motion["kind"]].imposed]
         yield {
-            "name": f"{_ray_name(angle)}_reversed{_pace_name(pace)}", **motion,
-            "role": MEMORY, "duration": times[0],
+            "name": f"{_ray_name(angle)}_reversed{_suffix(number, pace)}", **motion,
+            "role": MEMORY, "duration": times[0], "vertical_load": load,
             "then": tuple(Then(first * end / TURNS[0], time=t) for end, t in zip(TURNS[1:], times[1:], strict=True)),
         }  # fmt: skip
 
 
-def _pace_name(pace: int) -> str:
-    return f"_rate_{pace}" if pace else ""
+def _suffix(number: int, pace: int) -> str:
+    """Return what names of paths at a further vertical load or rate end with."""
+    return (f"_load_{number}" if number else "") + (f"_rate_{pace}" if pace else "")
 
 
 def _ray_name(angle: float) -> str:

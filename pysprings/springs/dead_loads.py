@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from pysprings.springs.alike import same_load
 from pysprings.springs.path import SpringPath
-from pysprings.springs.rates import blend, one_rate, pairs
+from pysprings.springs.rates import Between, blend, one_rate, pairs
 
 # Sets are interpolated where they have this many directions in common
 FEWEST_PAIRS = 2
@@ -52,11 +52,11 @@ def nearest(sets: Sequence[LoadSet], V: float) -> LoadSet:
 
 def at_load(
     paths: Paths, sets: Sequence[LoadSet], main: LoadSet, V: float
-) -> tuple[dict[str, SpringPath], tuple[float, float] | None]:
-    """Return the lateral paths at a vertical load V [N], and the loads [N] of the two sets that they lie between.
+) -> tuple[dict[str, SpringPath], Between | None]:
+    """Return the lateral paths at a vertical load V [N], and what they lie between.
 
-    They are those of the set at that load, or between the two sets around it, or those of the nearest set (None, then,
-    for the loads). Only sets count that have the directions of the main one.
+    They are those of the set at that load (None), between the two sets around it, or those of the nearest set (None).
+    Only sets count that have the directions of the main one.
     """
     alike = [each for each in sets if each is main or _alike(paths, main, each)]
     near = nearest(alike, V)
@@ -65,7 +65,7 @@ def at_load(
     above = next(k for k, each in enumerate(alike) if V < each.V)
     light, heavy = alike[above - 1], alike[above]
     share = (V - light.V) / (heavy.V - light.V)
-    return {a.name: blend(a, b, share) for a, b in _pairs(paths, light, heavy)}, (light.V, heavy.V)
+    return {a.name: blend(a, b, share) for a, b in _pairs(paths, light, heavy)}, Between(light.V, heavy.V, share)
 
 
 def _alike(paths: Paths, main: LoadSet, other: LoadSet) -> bool:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,14 @@ class RateSet:
     paths: tuple[str, ...]
 
 
+class Between(NamedTuple):
+    """Two sets that springs are interpolated between: their rates [m/s] or vertical loads [N], share of the second."""
+
+    first: float
+    second: float
+    share: float
+
+
 def rate_sets(paths: Iterable[SpringPath]) -> tuple[RateSet, ...]:
     """Return the sets of lateral calibration paths by rate, slowest first; none where no path has a time."""
     timed = sorted((path.rate, path.name) for path in paths if path.rate is not None)
@@ -52,8 +60,12 @@ def rate_sets(paths: Iterable[SpringPath]) -> tuple[RateSet, ...]:
     return tuple(RateSet(float(np.exp(np.mean([np.log(r) for r, _ in g]))), tuple(n for _, n in g)) for g in groups)
 
 
-def at_rate(paths: Mapping[str, SpringPath], sets: Sequence[RateSet], rate: float) -> dict[str, SpringPath]:
-    """Return the lateral paths at a rate [m/s]: those of the set at that rate, or between the two sets around it.
+def at_rate(
+    paths: Mapping[str, SpringPath], sets: Sequence[RateSet], rate: float
+) -> tuple[dict[str, SpringPath], Between | None]:
+    """Return the lateral paths at a rate [m/s], and what they lie between.
+
+    They are those of the set at that rate (None), or between the two sets around it.
 
     Raises
     ------
@@ -62,7 +74,7 @@ def at_rate(paths: Mapping[str, SpringPath], sets: Sequence[RateSet], rate: floa
     """
     for each in sets:
         if is_rate(rate, each.rate):
-            return {name: paths[name] for name in each.paths}
+            return {name: paths[name] for name in each.paths}, None
     if not sets[0].rate < rate < sets[-1].rate:
         have = ", ".join(f"{1e3 * each.rate:.4g}" for each in sets)
         raise refused("rate", f"{1e3 * rate:.4g} mm/s is outside the rates of the springs ({have} mm/s, of rho)")
@@ -73,7 +85,7 @@ def at_rate(paths: Mapping[str, SpringPath], sets: Sequence[RateSet], rate: floa
     if not matches:
         between = f"{1e3 * slow.rate:.4g} and {1e3 * fast.rate:.4g} mm/s"
         raise refused("rate", f"the paths at {between} go in different directions: nothing to interpolate between")
-    return {a.name: blend(a, b, share) for a, b in matches}
+    return {a.name: blend(a, b, share) for a, b in matches}, Between(slow.rate, fast.rate, share)
 
 
 def blend(slow: SpringPath, fast: SpringPath, share: float) -> SpringPath:

@@ -24,7 +24,7 @@ from pysprings.springs.checks import validate_springs
 from pysprings.springs.dead_loads import LoadSet
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import PathEnd
-from pysprings.springs.rates import RateSet
+from pysprings.springs.rates import Between, RateSet
 from pysprings.springs.spread import GROUP as SPREAD
 from pysprings.springs.spread import check_spread
 
@@ -32,8 +32,9 @@ Array = NDArray[np.float64]
 
 
 def memory_groups(tree: xr.DataTree) -> list[str]:
-    """Return the names of the groups of a tree with calibrated elements: "memory", "memory_rate_1" ..."""
-    return [name for name in tree.children if name == MEMORY or name.startswith(f"{MEMORY}_rate_")]
+    """Return the names of the groups of a tree with calibrated elements: "memory", "memory_load_1_rate_1" ..."""
+    further = (f"{MEMORY}_rate_", f"{MEMORY}_load_")
+    return [name for name in tree.children if name == MEMORY or name.startswith(further)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +46,18 @@ class Springs:
     root : initial stiffness, and attributes: geometry of the caisson, and where the springs come from.
     paths : load paths by name, in the order of the file.
     memory : calibrated elements of springs with memory (`pysprings.macro.memory`) by name of their group, one for each
-        rate; empty where none are stored.
+        vertical load and rate; empty where none are stored.
     spread : standard deviation of springs of an atlas (`pysprings.springs.spread`); None for those of a full model.
+    whole : springs at all vertical loads, of springs at one of several; else None.
+    parts : springs at the two rates that springs at a rate lie between, each with its share; else empty.
     """
 
     root: xr.Dataset
     paths: Mapping[str, SpringPath]
     memory: Mapping[str, xr.Dataset] = field(default_factory=dict)
     spread: xr.Dataset | None = None
+    whole: Springs | None = None
+    parts: tuple[tuple[Springs, float], ...] = ()
     _derived: dict[Hashable, Springs] = field(default_factory=dict, repr=False)
 
     @classmethod
@@ -165,9 +170,13 @@ class Springs:
 
     @cached_property
     def remembering(self) -> tuple[SpringPath, ...]:
-        """Paths that turn back at the vertical load of the main paths: the memory of springs comes from them."""
+        """Paths that turn back at the vertical load of the main paths: the memory of springs comes from them.
+
+        Of springs between two vertical loads those at both.
+        """
         main = self.paths[self.main_paths[0]].load if self.main_paths else self.rest_load
-        return tuple(path for path in self.paths.values() if path.remembers and same_load(path.load, main))
+        loads, turning = self.blended_loads or (main,), [path for path in self.paths.values() if path.remembers]
+        return tuple(path for path in turning if any(same_load(path.load, load) for load in loads))
 
     @cached_property
     def vertical(self) -> tuple[SpringPath, ...]:
@@ -247,12 +256,13 @@ class Springs:
         if path.name in springs.paths:
             return springs
         own = SpringPath(path.name, path.dataset.assign_attrs(role="held-back"), path.length)
-        return springs._cached(("beside", path.name), lambda: springs.with_paths([*springs.paths.values(), own]))
+        made = springs.with_paths([*springs.paths.values(), own])
+        return springs._cached(("beside", path.name), lambda: replace(made, whole=springs.whole, parts=springs.parts))
 
     def with_paths(self, paths: Iterable[SpringPath], **attrs: Any) -> Springs:
-        """Return springs with other paths, and some attributes of the root changed."""
-        root = self.root.assign_attrs(attrs)
-        return replace(self, root=root, paths={path.name: path for path in paths}, _derived={})
+        """Return springs with other paths, and some attributes of the root changed; they are derived from no others."""
+        root, own = self.root.assign_attrs(attrs), {path.name: path for path in paths}
+        return replace(self, root=root, paths=own, whole=None, parts=(), _derived={})
 
     def _at_rate_of(self, path: SpringPath) -> Springs:
         sets = self.rate_sets
@@ -263,20 +273,25 @@ class Springs:
         return self.at_rate(own[0].rate if own else min(max(rate, sets[0].rate), sets[-1].rate))
 
     def _made_at_rate(self, rate: float) -> Springs:
-        lateral = rates.at_rate(self.paths, self.rate_sets, rate)
+        lateral, between = rates.at_rate(self.paths, self.rate_sets, rate)
         vertical = [path for path in self.vertical if path.name not in lateral]  # at the rate of their own
         turning = [path for path in self.paths.values() if path.remembers and path.rate and is_rate(path.rate, rate)]
         springs = self.with_paths([*lateral.values(), *vertical, *turning], rate_m_per_s=rate)
         validate_springs(springs.tree, balanced=False)  # as balanced as what they are made of
-        return springs
+        return springs if between is None else replace(springs, parts=self._parts_at(between))
 
     def _made_at_load(self, V: float) -> Springs:
         main = dead_loads.nearest(self.load_sets, self.rest_load)
         lateral, between = dead_loads.at_load(self.paths, self.load_sets, main, V)
         dropped = {path.name for path in self.lateral} - set(lateral)
         paths = [lateral.get(name, path) for name, path in self.paths.items() if name not in dropped]
-        attrs = {} if between is None else {"blended_loads_N": list(between), "vertical_load_N": V}
-        return self.with_paths(paths, **attrs)
+        attrs = {} if between is None else {"blended_loads_N": [between.first, between.second], "vertical_load_N": V}
+        parts = tuple((each.at_load(V), share) for each, share in self.parts)
+        return replace(self.with_paths(paths, **attrs), whole=self, parts=parts)
+
+    def _parts_at(self, between: Between) -> tuple[tuple[Springs, float], ...]:
+        """Return the springs at two rates, each with its share."""
+        return (self.at_rate(between.first), 1.0 - between.share), (self.at_rate(between.second), between.share)
 
     def _cached(self, key: Hashable, make: Callable[[], Springs]) -> Springs:
         """Return derived springs, made at the first call."""

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import hashlib
+from functools import cache, partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -12,11 +14,13 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
-from pysprings.macro.fan import FanTable, build_fan, has_fan
+from pysprings.macro.fan import build_fan, has_fan
 from pysprings.macro.memory.calibration import ElementSet, calibrate
+from pysprings.macro.memory.mixture import LoadedSets, mixed
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import samples
 from pysprings.macro.memory.shares import Shares
+from pysprings.springs.alike import same_load
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
@@ -31,46 +35,68 @@ _HEAD = ("rows", "odd", "rest", "loads", "elastic", "even")
 
 
 def has_memory(springs: Springs) -> bool:
-    """Return whether springs have a fan, and a ray that turns back at its vertical load."""
-    return has_fan(springs) and bool(springs.remembering)
+    """Return whether springs have a fan, and rays that turn back at its vertical load and rate."""
+    return has_fan(springs) and all(part.remembering for part, _ in springs.parts or ((springs, 1.0),))
 
 
 def build_memory(springs: Springs) -> MemoryModel:
     """Return the model with a memory of springs at one rate and vertical load; the stored one where it is theirs.
+
+    Between two rates, or vertical loads, with rays that turn back it has the elements of both, each with its share.
 
     Raises
     ------
     UserInputError
         The springs have no fan, or no ray that turns back.
     """
-    table = build_fan(springs)
-    if not springs.remembering:
+    table, loaded = build_fan(springs), _loaded(springs)
+    if loaded is None:
         raise refused("springs", MISSING)
-    first, own = springs.remembering[0], digest(springs)
+    V = loaded.nearest(springs.rest_load if springs.blended_loads else springs.paths[table.path[0]].load)
+    rate = springs.attrs.get("rate_m_per_s", springs.path(table.path[0]).rate) if springs.rate_sets else None
+    several = loaded if len(loaded.loads) > 1 else None
+    return MemoryModel(loaded.at(V), table, V, None if rate is None else float(rate), several)
+
+
+def _loaded(springs: Springs) -> LoadedSets | None:
+    """Return the elements at all vertical loads with rays that turn back; None where there are none."""
+    whole = springs.whole or springs
+    each = [whole.at_load(one.V) for one in whole.load_sets] if len(whole.load_sets) > 1 else [springs]
+    found = [at for at in each if has_memory(at)]
+    loads = [(at.parts[0][0] if at.parts else at).remembering[0].load for at in found]
+    return LoadedSets(np.array(loads), tuple(cache(partial(_elements, at)) for at in found)) if found else None
+
+
+def _elements(springs: Springs) -> ElementSet:
+    """Return the elements at one vertical load: stored ones, calibrated ones, or those of two rates together."""
+    if springs.parts:
+        return mixed([(_elements(part), share) for part, share in springs.parts])
+    own = digest(springs)
     known = [stored for stored in springs.memory.values() if stored.attrs.get("paths_sha256") == own]
-    elements = from_dataset(known[0]) if known else _calibrated(springs, table)
-    return MemoryModel(elements, table, first.load, first.rate if springs.rate_sets else None)
+    return from_dataset(known[0]) if known else _calibrated(springs)
 
 
-def _calibrated(springs: Springs, table: FanTable) -> ElementSet:
-    scale = np.array([1.0, springs.length])
+def _calibrated(springs: Springs) -> ElementSet:
+    scale, table = np.array([1.0, springs.length]), build_fan(springs)
     return calibrate(samples(springs, table), table, springs.lateral_stiffness / scale / scale[:, None])
 
 
 def with_memory(tree: xr.DataTree) -> xr.DataTree:
     """Return springs with the calibrated elements in the group "memory"; as they are where they have no memory.
 
-    Of several rates each has its own elements: "memory" those of the slowest, "memory_rate_1" those of the next.
+    Each vertical load and rate has its own elements: "memory" those of the load at rest and the slowest rate,
+    "memory_load_1", "memory_rate_1", "memory_load_1_rate_1" those of the next ones.
     """
     springs = Springs.of(tree)
-    sets = springs.rate_sets
-    each = [springs.at(rate=one.rate) for one in sets] if len(sets) > 1 else [springs.at()]
-    found = [memory_dataset(at, _calibrated(at, build_fan(at))) for at in each if has_memory(at)]
-    if not found:
-        return tree
+    rates = [one.rate for one in springs.rate_sets] if len(springs.rate_sets) > 1 else [None]
+    loads = sorted((one.V for one in springs.load_sets), key=lambda V: not same_load(V, springs.rest_load)) or [None]
     groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
-    names = (f"/{MEMORY}" + (f"_rate_{k}" if k else "") for k in range(len(found)))
-    return xr.DataTree.from_dict(groups | dict(zip(names, found, strict=True)), name=tree.name)
+    for (load, V), (pace, rate) in product(enumerate(loads), enumerate(rates)):
+        at = springs.at(rate=rate, V=V)
+        if has_memory(at):
+            name = f"/{MEMORY}" + (f"_load_{load}" if load else "") + (f"_rate_{pace}" if pace else "")
+            groups[name] = memory_dataset(at, _calibrated(at))
+    return xr.DataTree.from_dict(groups, name=tree.name)
 
 
 def memory_dataset(springs: Springs, elements: ElementSet) -> xr.Dataset:

@@ -44,7 +44,7 @@ class Shares:
     odd : rows that change their sign. rest : (rows,) values at rest.
     loads, elastic : (odd rows, 2) S [1, 1/m], and (odd rows, 2 n) D [N/m of e, N/m2].
     even : (even rows, 2 n) of p/(1 + p/(s d)), then of |e|_G^2/d.
-    growth : s of the even rows.
+    growth : s of the even rows, one number or one an element (n,).
     """
 
     odd: NDArray[np.bool_]
@@ -52,7 +52,7 @@ class Shares:
     loads: Array
     elastic: Array
     even: Array
-    growth: float
+    growth: float | Array
 
     def reactions(self, rows: Array, e: Array, p: Array) -> Array:
         """Return all reactions (rows, n) from elastic motions e (n, elements, 2) and plastic ways p (n, elements)."""
@@ -117,7 +117,7 @@ def loads_of(rows: Array, e: Array) -> Array:
     return loads
 
 
-def _even_motions(rows: Array, e: Array, p: Array, growth: float) -> Array:
+def _even_motions(rows: Array, e: Array, p: Array, growth: float | Array) -> Array:
     """Return what even rows are linear in, (n, 2 elements) [m]: ways up to their limits, then stored energies."""
     d, G = rows[:, 7], np.stack([rows[:, [1, 2]], rows[:, [2, 3]]], axis=1)
     G[np.isin(rows[:, 0], PLATES)] = np.eye(2)

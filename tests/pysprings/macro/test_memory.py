@@ -39,9 +39,9 @@ def walk(rows, motions):
     """Loads (n, 2) and tangents of elements along motions (n, 2), from rest."""
     rows = np.array(rows, dtype=float)
     state, F, K, before = np.zeros((len(rows), STATES)), np.zeros(2), np.zeros((2, 2)), np.zeros(2)
-    loads, tangents = [], []
+    loads, tangents, whole = [], [], np.ones(len(rows))
     for motion in np.asarray(motions, dtype=float):
-        advance(rows, before, motion, state, F, K)
+        advance(rows, whole, before, motion, state, F, K)
         loads.append(F.copy())
         tangents.append(K.copy())
         before = motion
