@@ -126,13 +126,17 @@ def cycles(one: Followed) -> pd.DataFrame:
 
 
 def turns(one: Followed) -> list[int]:
-    """Return the states where the full model turns back, with the first and the last one."""
+    """Return the states where the full model turns back, with the first and the last one.
+
+    A step in which the vertical load changes is none: what is imposed laterally stays there, but for rounding.
+    """
     plane = one.full[1] if one.control == "load" else one.full[0]
     scaled = plane / np.maximum(np.abs(plane).max(axis=0), 1e-300)
     if one.control == "displacement":
         scaled = scaled[:, :1]
     steps = np.diff(scaled, axis=0)
-    moved = np.flatnonzero(np.abs(steps).sum(axis=1) > 0.0)
+    held = np.diff(one.path.given_loads[: len(plane)]) == 0.0
+    moved = np.flatnonzero(held & (np.abs(steps).sum(axis=1) > 0.0))
     back = (steps[moved[1:]] * steps[moved[:-1]]).sum(axis=1) < 0.0
     return [0, *moved[1:][back].tolist(), len(plane) - 1]
 
