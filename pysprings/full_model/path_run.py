@@ -97,8 +97,9 @@ class PathRun:
     def _path_stages(self, rest: float) -> list[Stage]:
         """Return the stages after the dead load, which has moved the caisson by ``rest`` (m, down)."""
         scene = self.work.scene
-        fast = undrained_time(scene, self.work.built.model.mesh)
-        return path_stages(scene, self.path, self.extra, fast, rest=rest)
+        built = self.work.built
+        fast = undrained_time(scene, built.model.mesh)
+        return path_stages(scene, self.path, self.extra, fast, rest=rest, balanced=built.balanced_load)
 
     def _on_step(self, step: Step) -> None:
         with self.work.clock.phase("output"):
@@ -134,9 +135,14 @@ class PathRun:
             return str(error.diagnosis), error.diagnosis.reason
         if error.refused:
             return str(error), StopReason.DISPLACEMENT_LIMIT
-        forced = self.driver.aim[0] == DEAD_LOAD or PATH_KINDS[self.path.kind].force
-        cause = diagnose(self.driver, forced, self.work.stiffness)
+        cause = diagnose(self.driver, self._forced(), self.work.stiffness)
         return f"{cause} ({error})", cause.reason
+
+    def _forced(self) -> bool:
+        """Return whether a given force changes in the present stage."""
+        part = self.stage - self.n_stages + len(self.path.then)
+        changes_load = part >= 0 and self.path.then[part].load is not None
+        return changes_load or self.driver.aim[0] == DEAD_LOAD or PATH_KINDS[self.path.kind].force
 
     def _failure(self, why: str) -> str:
         """Return one line: which path stopped, on its way to which part of the load, and why."""

@@ -11,8 +11,9 @@ own, and so it is with several vertical loads (`pysprings.springs.rates`, `pyspr
 kind "vertical" is answered by the vertical springs (set "vertical"): V at equal w, its errors relative to the change of
 V from rest.
 
-A held-back path with a `vertical_load` of its own is answered under that load; `off_load_states` counts the states
-whose vertical load no lateral springs have, `w_error_...` is the largest distance of w.
+A held-back path with a `vertical_load` of its own is answered under that load. Where the vertical load changes on the
+way, w follows, and the lateral springs stay those under the first one. `off_load_states` counts the states whose
+vertical load no lateral springs have, `w_error_...` is the largest distance of w.
 
 On a swipe and under a load that climbs, whose states are imposed, and on a path that turns back errors are relative to
 the largest answer of the path.
@@ -237,11 +238,16 @@ def _thinned(springs: Springs, name: str) -> Springs:
 
 def _along(path: SpringPath, model: MacroModel) -> xr.Dataset:
     """Drive a macro-model as the full model was driven, with its vertical load where the caisson is free to heave."""
-    return along_path(path, model, path.load if path.free_to_heave else None)
+    loads = path.given_loads
+    V = path.load if (loads == path.load).all() else loads
+    return along_path(path, model, V if path.free_to_heave else None)
 
 
-def along_path(path: SpringPath, model: MacroModel, V: float | None = None) -> xr.Dataset:
-    """Drive a macro-model as the full model was driven, through the states it recorded; w under V [N] where given."""
+def along_path(path: SpringPath, model: MacroModel, V: float | Array | None = None) -> xr.Dataset:
+    """Drive a macro-model as the full model was driven, through the states it recorded.
+
+    V: vertical load [N], one number or one a state; None: that of the springs.
+    """
     control: Control = "displacement" if path.rules.free_head else "state"
     answer = trace(model, control, np.stack([path.u, path.rotation], axis=1), path.arm, V)
     return answer.assign(u_at_load=("step", _at_load(path, model, answer.sizes["step"]), AT_LOAD))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
 from typing import Any
 
 import numpy as np
@@ -109,7 +110,7 @@ def several_loads(frame: pd.DataFrame) -> bool:
 def _marked(frame: pd.DataFrame) -> list[str]:
     """Return one line for each answer of the fan that it supports only in part."""
     off_load = [
-        f"{r['path']}, fan: no calibration paths cover its vertical load ({r['V_N'] * 1e-6:.4g} MN)"
+        f"{r['path']}, fan: no calibration paths cover {_uncovered(r)}"
         for r in frame.to_dict("records")
         if r["springs"] == "fan" and r["off_load_states"]
     ]
@@ -119,6 +120,13 @@ def _marked(frame: pd.DataFrame) -> list[str]:
         for r in frame.to_dict("records")
         if r["springs"] == "fan" and (r["extrapolated_states"] or r["off_path_states"])
     ]
+
+
+def _uncovered(row: Mapping[Hashable, Any]) -> str:
+    """Return words for the vertical load that lateral springs lack: that of the path, or of some of its states."""
+    if row["off_load_states"] < row["states"]:
+        return f"the vertical load of {row['off_load_states']} of its {row['states']} states"
+    return f"its vertical load ({row['V_N'] * 1e-6:.4g} MN)"
 
 
 _NOTES = [
@@ -135,7 +143,8 @@ _NOTES = [
 ]
 
 _VERTICAL_NOTES = [
-    "V: vertical load at the start of the path, under which the springs answer; w max: largest distance of w; "
+    "V: vertical load at the start of the path, under which the springs answer; where it changes on the way, w alone "
+    "follows; w max: largest distance of w; "
     "V max: error of V at equal w, over its change from rest",
     "vertical = vertical springs t(w), V_tip(w), V_lid(w) of the vertical calibration paths",
 ]

@@ -42,7 +42,8 @@ _HELD = 1e-6  # share of the largest change below which a quantity is held
 class Followed:
     """A sequence of the full model and of springs: motions (n, 2) = (u, rotation), loads (n, 2) = (H, M) of both.
 
-    n is what the springs reached; `message` is where they ended before the end of the path. model: the springs.
+    n is what the springs reached; `message` is where they ended before the end of the path. model: the springs. V (n,):
+    vertical load that was given [N]; None: one all along.
     """
 
     path: SpringPath
@@ -52,6 +53,7 @@ class Followed:
     macro: tuple[Array, Array]
     message: str
     model: MacroModel | None = None
+    V: Array | None = None
 
     @property
     def work(self) -> tuple[Array, Array]:
@@ -73,7 +75,8 @@ def follow_path(path: SpringPath, model: MacroModel) -> Followed:
     targets = loads if kind.force else motions
     found, carried, message = model.solve(control, targets, path.arm if np.isfinite(path.arm) else 0.0)
     n = len(found)
-    return Followed(path, model.spring_set, control, (motions[:n], loads[:n]), (found, carried), message, model)
+    given, V = (motions[:n], loads[:n]), path.given_loads[:n]
+    return Followed(path, model.spring_set, control, given, (found, carried), message, model, V)
 
 
 def sequences(springs: Springs, sets: tuple[str, ...] = SETS) -> Iterator[Followed]:
@@ -126,13 +129,19 @@ def cycles(one: Followed) -> pd.DataFrame:
 
 
 def turns(one: Followed) -> list[int]:
-    """Return the states where the full model turns back, with the first and the last one."""
+    """Return the states where the full model turns back, with the first and the last one.
+
+    A step in which the vertical load changes is none: what is imposed laterally stays there, but for rounding.
+    """
     plane = one.full[1] if one.control == "load" else one.full[0]
     scaled = plane / np.maximum(np.abs(plane).max(axis=0), 1e-300)
     if one.control == "displacement":
         scaled = scaled[:, :1]
     steps = np.diff(scaled, axis=0)
-    moved = np.flatnonzero(np.abs(steps).sum(axis=1) > 0.0)
+    lateral = np.abs(steps).sum(axis=1) > 0.0
+    if one.V is not None:
+        lateral &= np.diff(one.V) == 0.0
+    moved = np.flatnonzero(lateral)
     back = (steps[moved[1:]] * steps[moved[:-1]]).sum(axis=1) < 0.0
     return [0, *moved[1:][back].tolist(), len(plane) - 1]
 

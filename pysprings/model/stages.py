@@ -13,6 +13,7 @@ import numpy as np
 from fe_engine.model import Stage
 from pysprings.core.path_kinds import MEMORY, PATH_KINDS
 from pysprings.core.variables import DOFS
+from pysprings.model.build import extra_load as extra_load_of
 from pysprings.scene.ground import ground_of
 from pysprings.scene.soil_laws import SOIL_LAWS
 
@@ -26,6 +27,8 @@ _FIRST_STEP, _FIRST_STRAIN = 2.5e-6, 0.01
 _LARGEST_STEP = 0.05
 # Steps of a rest, which grow geometrically between these fractions
 _FIRST_OF_REST, _LARGEST_OF_REST = 1.0e-4, 0.2
+# First and largest step of a vertical load, as fractions of its change
+_FIRST_OF_LOAD, _LARGEST_OF_LOAD = 0.1, 0.25
 # Viscous displacement over the diameter of rays that turn back: sand localises on some of them, rounding decides where
 _TURNING_BACK = 1.0e-8
 
@@ -42,21 +45,24 @@ def dead_load_stage(extra_load: float) -> Stage:
         target=np.zeros(0),
         load=np.zeros((3, 0)),
         force=np.array([0.0, extra_load, 0.0]),
-        first_fraction=0.1,
-        max_fraction=0.25,
+        first_fraction=_FIRST_OF_LOAD,
+        max_fraction=_LARGEST_OF_LOAD,
         duration=_LONG_AGO,
     )
 
 
 def path_stages(
-    scene: Scene, path: Path, extra_load: float, undrained_time: float = 0.0, rest: float = 0.0
+    scene: Scene, path: Path, extra_load: float, undrained_time: float = 0.0, rest: float = 0.0, balanced: float = 0.0
 ) -> list[Stage]:
     """Return the stages of a path in sequence: quantities imposed at the lid centre, their forces, their time.
 
     Every stage of an undrained path takes ``undrained_time`` (s), in which nothing flows. ``rest`` is the vertical
-    displacement (m) under the dead load: what is imposed vertically counts from there.
+    displacement (m) under the dead load: what is imposed vertically counts from there. ``balanced`` is the vertical
+    load (N, half caisson) that the initial contact stresses balance: vertical loads of parts of the path count from it.
     """
-    stages = _viscous(scene, path, _stages(scene, path, extra_load, undrained_time))
+    first = _stages(scene, path, extra_load, undrained_time)
+    further = _further(scene, path, first[-1], undrained_time, balanced)
+    stages = _viscous(scene, path, [*first, *further])
     return [replace(stage, target=stage.target + rest * stage.control[:, 1]) for stage in stages] if rest else stages
 
 
@@ -87,26 +93,29 @@ def _viscous(scene: Scene, path: Path, stages: list[Stage]) -> list[Stage]:
 
 
 def _stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
-    """Return the stages of a path that starts at w = 0."""
+    """Return the stages of the first part of a path that starts at w = 0."""
     if PATH_KINDS[path.kind].in_turn:
         return _stages_in_turn(scene, path, extra_load, undrained_time)
     if path.arm_from is not None:
         return _climbing_stages(scene, path, extra_load, undrained_time)
     end = imposed_end(path)
     duration = undrained_time if scene.drainage.mode == "undrained" else _time(path.rate, path.duration, 0.0, end)
-    first = _stage(scene, path, path.name, (0.0, end), path.report_at, extra_load, duration)
-    return [first, *_further(scene, path, first, end, undrained_time)]
+    return [_stage(scene, path, path.name, (0.0, end), path.report_at, extra_load, duration)]
 
 
-def _further(scene: Scene, path: Path, before: Stage, start: float, undrained_time: float) -> Iterator[Stage]:
-    """Yield the stages of what follows (`then`) after a stage that ends at the imposed quantity ``start``."""
-    extra_load = float(before.force[1])
+def _further(scene: Scene, path: Path, before: Stage, undrained_time: float, balanced: float) -> Iterator[Stage]:
+    """Yield the stages of what follows (`then`) after the last stage of the first part."""
+    start, extra_load = imposed_end(path), float(before.force[1])
     for number, then in enumerate(path.then, 1):
+        if then.load is not None:
+            extra_load = extra_load_of(then.load, balanced)
         end = start if then.value is None else then.value
         duration = undrained_time if scene.drainage.mode == "undrained" else _time(then.rate, then.time, start, end)
         stage = _stage(scene, path, f"{path.name}, then {number}", (start, end), (), extra_load, duration)
         if then.value is None:  # whatever is imposed stays
-            stage = replace(stage, target=before.target, force=before.force)
+            stage = replace(stage, target=before.target, force=np.array([before.force[0], extra_load, before.force[2]]))
+            if then.load is not None:
+                stage = replace(stage, first_fraction=_FIRST_OF_LOAD, max_fraction=_LARGEST_OF_LOAD)
         elif then.second is not None:
             stage = _with_second(scene, path, stage, before, then.second)
         yield stage
@@ -137,17 +146,17 @@ def _stages_in_turn(scene: Scene, path: Path, extra_load: float, undrained_time:
         first, name=f"{path.name}, then turned", target=np.array([u, turn, *first.target[2:]]), stops=(1.0,),
         duration=times[1], first_fraction=small, max_fraction=large,
     )  # fmt: skip
-    return [first, second, *_further(scene, path, second, u, undrained_time)]
+    return [first, second]
 
 
 def _climbing_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
     """Return a load that grows at its first height, and then climbs to its last one: M grows under constant H and V."""
-    grows = path.model_copy(update={"arm": path.arm_from, "arm_from": None, "then": ()})
+    grows = path.model_copy(update={"arm": path.arm_from, "arm_from": None})
     (first,) = _stages(scene, grows, extra_load, undrained_time)
     moment = -0.5 * imposed_end(path) * (path.arm - _need(path.arm_from))
     force = first.force + np.array([0.0, 0.0, moment])
     second = replace(first, name=f"{path.name}, then climbing", force=force, stops=(1.0,))
-    return [first, second, *_further(scene, path, second, imposed_end(path), undrained_time)]
+    return [first, second]
 
 
 def _stage(

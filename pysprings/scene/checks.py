@@ -165,6 +165,7 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
     if path.rate is not None and path.duration is not None:
         yield Clash(((*here, "duration"), (*here, "rate")), "give rate or duration, not both")
     yield from _role(here, path)
+    yield from _vertical_loads(here, path)
     if kind.bends:
         yield from _bent(here, path)
     if path.arm_from is not None and path.role == "calibration":
@@ -190,6 +191,22 @@ def _role(here: KeyPath, path: Path) -> Iterator[Clash]:
         yield Clash((keys[1], keys[0], (*here, "kind")), text)
 
 
+def _vertical_loads(here: KeyPath, path: Path) -> Iterator[Clash]:
+    """Check that the vertical load is given on a path that changes it, and that no springs are made from that path."""
+    for entry, then in enumerate(path.then):
+        where = (*here, "then", entry), (*here, "then")
+        if then.load is None:
+            continue
+        if PATH_KINDS[path.kind].drives == "w":
+            text = f'a path of kind "{path.kind}" imposes w: it cannot have a vertical load'
+            yield Clash((*where, (*here, "kind")), text)
+        elif path.heave == "fixed":
+            yield Clash((*where, (*here, "heave")), 'heave = "fixed" imposes w: it cannot have a vertical load')
+        elif path.role == MEMORY:
+            text = 'springs are made under one vertical load: a path that changes it needs role = "held-back"'
+            yield Clash((*where, (*here, "role")), text)
+
+
 def _load_paths(scene: SceneSections) -> Iterator[Clash]:
     """Check the paths; what is wrong with one of the fan is wrong with its reach."""
     own, coupled = len(scene.paths), scene.drainage.mode == "coupled"
@@ -213,7 +230,8 @@ def _times(paths: tuple[Path, ...]) -> Iterator[Clash]:
             yield Clash((here, (*here, "kind"), mode), f'drainage.mode = "coupled" needs {allowed} here')
         for entry, then in enumerate(path.then):
             if then.rate is None and then.time is None:
-                text = 'drainage.mode = "coupled" needs a time: "... in 10 min" or "... at 0.05 mm/s"'
+                paces = '"... in 10 min" or "... at 0.05 mm/s"' if then.load is None else '"V ... in 10 min"'
+                text = f'drainage.mode = "coupled" needs a time: {paces}'
                 yield Clash(((*here, "then", entry), (*here, "then"), mode), text)
 
 

@@ -294,8 +294,8 @@ class Path(Section):
     (or up: pull-out), u and rotation are held at zero. `vertical_load` is the dead load of this path alone. `report_at`
     lists values of the imposed quantity where a converged step must land. `then` goes on from the end value: "rest 2
     hour" holds what is imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value; a load goes on to
-    "1 MN, -4 MN m" (H and M), a swipe to "5 mm, -2 mrad" (u and rotation). `role = "memory"` is for a translation or
-    rotation that turns back: spring set "memory".
+    "1 MN, -4 MN m" (H and M), a swipe to "5 mm, -2 mrad" (u and rotation); "V 3 MN in 10 min" changes the vertical load
+    and holds what is imposed. `role = "memory"` is for a translation or rotation that turns back: spring set "memory".
     """
 
     name: Annotated[
@@ -331,7 +331,7 @@ class Path(Section):
     ] = ()
     then: Annotated[
         tuple[Then, ...],
-        ThenList("kind", _IMPOSED, "what follows: a rest, or a new end value with its velocity or time"),
+        ThenList("kind", _IMPOSED, "what follows: a rest, another vertical load, or a new end value, with their pace"),
     ] = ()
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""What follows on a load path after its first part: rests, and further end values with their pace.
+"""What follows on a load path after its first part: rests, other vertical loads, further end values with their pace.
 
 Under given loads, and after a swipe, an entry may be a pair: "1 MN, -4 MN m" are H and M about the lid centre,
-"5 mm, -2 mrad" are u and rotation.
+"5 mm, -2 mrad" are u and rotation. "V 3 MN" is a vertical load: the quantity that the path imposes stays meanwhile.
 """
 
 from __future__ import annotations
@@ -23,20 +23,23 @@ _EXAMPLES = ("rest 2 hour", "20 mm at 0.5 mm/s", "0 mm in 10 min")
 
 
 class Then(NamedTuple):
-    """What follows on a path: a new end value (None: a rest), with its velocity (SI) or its time in s.
+    """What follows on a path: a new end value (None: it stays), with its velocity (SI) or its time in s.
 
     second : the other end value of a pair, M [N m] or rotation [rad]; None: in proportion to the first one.
+    load : new vertical load [N], positive down; with neither an end value nor a load it is a rest.
     """
 
     value: float | None
     rate: float | None = None
     time: float | None = None
     second: float | None = None
+    load: float | None = None
 
 
 _THEN = re.compile(r"(?P<value>.+?)(?: (?P<how>at|in) (?P<pace>.+))?")
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "", "0.05 mm/s")
 _RATES = {name: _RATE for name, kind in PATH_KINDS.items() if kind.has_velocity}
+_LOAD = Quantity("MN", "[-1e4, 1e4]", "", "3 MN")
 _TIME = Quantity("s", "[1e-6, 1e12]", "", "2 hour")
 _SECOND = {
     name: Quantity("MN*m", "[-1e6, 1e6]", "", "-4 MN m") if kind.force else Quantity("deg", "[-30, 30]", "", "-2 mrad")
@@ -47,7 +50,7 @@ _SECOND = {
 
 @dataclass(frozen=True)
 class ThenList(QuantityList):
-    """What follows one after the other: "rest 2 hour", "20 mm at 0.5 mm/s", "0 mm in 10 min", "5 mm"."""
+    """What follows one after the other: "rest 2 hour", "20 mm at 0.5 mm/s", "0 mm in 10 min", "V 3 MN"."""
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, list | tuple):
@@ -68,7 +71,7 @@ class ThenList(QuantityList):
         return tuple(entries)
 
     def _read(self, entry: Any, kind: str, quantity: Quantity, info: ValidationInfo) -> Then:
-        if isinstance(entry, list | tuple) and len(entry) in (3, 4):  # a scene of Python, dumped and validated again
+        if isinstance(entry, list | tuple) and 3 <= len(entry) <= 5:  # a scene of Python, dumped and validated again
             return Then(*entry)
         if not isinstance(entry, str):
             raise refuse(f"expected a text such as {quoted(_EXAMPLES[0])}, got {quoted(entry)}")
@@ -80,6 +83,8 @@ class ThenList(QuantityList):
         match = _THEN.fullmatch(words)
         if match is None:
             raise refuse(f"expected a text such as {quoted(_EXAMPLES[0])}, got {quoted(entry)}")
+        if words.startswith("V "):
+            return self._load(match, info)
         value, second = self._values(match["value"], kind, quantity, info)
         pace = match["pace"]
         if match["how"] == "in":
@@ -87,6 +92,14 @@ class ThenList(QuantityList):
         if match["how"] == "at" and kind not in _RATES:
             raise refuse(f'a path of kind "{kind}" has no velocity: write "... in 10 min"')
         return Then(value, None if pace is None else _RATES[kind].validate(pace, info), None, second)
+
+    @staticmethod
+    def _load(match: re.Match[str], info: ValidationInfo) -> Then:
+        """Return a part with another vertical load."""
+        if match["how"] == "at":
+            raise refuse('a vertical load has no velocity: write "V 3 MN in 10 min"')
+        time = None if match["how"] is None else _TIME.validate(match["pace"], info)
+        return Then(None, time=time, load=_LOAD.validate(match["value"][2:], info))
 
     @staticmethod
     def _values(text: str, kind: str, quantity: Quantity, info: ValidationInfo) -> tuple[float, float | None]:
@@ -104,9 +117,12 @@ class ThenList(QuantityList):
         return [self._show(kind, value) for value in values]
 
     def _show(self, kind: str, then: Then) -> str:
-        if then.value is None:
+        if then.load is not None:
+            text = f"V {_LOAD.in_toml(then.load)}"
+        elif then.value is None:
             return f"rest {_TIME.in_toml(then.time)}"
-        text = str(dict(self.quantities)[kind].in_toml(then.value))
+        else:
+            text = str(dict(self.quantities)[kind].in_toml(then.value))
         if then.second is not None:
             text += f", {_SECOND[kind].in_toml(then.second)}"
         if then.rate is not None:

@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import MEMORY, PathKind, bends, driven, is_straight, kind_of, turns_back
+from pysprings.springs.alike import same_load
 from pysprings.springs.path_ends import PathEnd, end_of
 from pysprings.springs.sums import by_depth, slice_heights
 
@@ -173,6 +174,18 @@ class SpringPath:
     def load(self) -> float:
         """Vertical load [N] at the start; 0 where a table does not have it."""
         return float(self["V"][0]) if "V" in self else 0.0
+
+    @cached_property
+    def given_loads(self) -> Array:
+        """Vertical load (n,) [N] of each state: that of the state before where both are one (`same_load`).
+
+        That of the start where w is imposed, so that V answers.
+        """
+        loads = np.full(self.n, self.load)
+        if "V" in self and self.free_to_heave and not self.is_vertical:
+            for k, V in enumerate(self["V"][1:], 1):
+                loads[k] = loads[k - 1] if same_load(V, loads[k - 1]) else V
+        return loads
 
     @cached_property
     def rate(self) -> float | None:
