@@ -73,8 +73,7 @@ class Way:
 def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     """Return the states and loads of a way as a dataset by step, with w, V, p, the stiffness, and marks."""
     states, u, rotation = way.states, *way.states.T
-    by_step = way.V if isinstance(way.V, np.ndarray) else None
-    support = _supported(model, states, by_step)
+    support = _supported(model, states)
     down = vertical_answer(model, support.w, support.V, way.V, states)
     depth = model.origin.depth
     nowhere = np.zeros(u.size, dtype=bool)
@@ -102,7 +101,7 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
     coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
-    tangent = model.tangents(states, down.tangent, by_step)
+    tangent = model.tangents(states, down.tangent)
     coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
     data |= {name: (("step",), value, known[name].attributes()) for name, value in _deviations(model, way, tangent)}
     attrs = _attributes(model, way, support, turned, down, refusals)
@@ -174,9 +173,9 @@ class _Support:
     notes: list[str]
 
 
-def _supported(model: MacroModel, states: Array, V: Array | None) -> _Support:
+def _supported(model: MacroModel, states: Array) -> _Support:
     table = model.table
-    return _on_fan(model, table, states, V) if isinstance(table, FanTable) else _on_path(model, table, states)
+    return _on_fan(model, table, states) if isinstance(table, FanTable) else _on_path(model, table, states)
 
 
 def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
@@ -193,16 +192,11 @@ def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
     return _Support(w, V, p, usable, used, distance, off, notes)
 
 
-def _on_fan(model: MacroModel, table: FanTable, states: Array, by_step: Array | None) -> _Support:
-    """Return the springs of a fan of rays; those with memory go through the states under V by step (n,) [N].
-
-    w and V are those of the vertical load of the springs.
-    """
+def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Support:
+    """Return the springs of a fan of rays."""
     rows, places = table.rows(states)
     if model.memory is not None:
-        rows = model.memory.reactions(states, by_step)
-        if by_step is not None and model.memory.loaded is not None:
-            rows[table.name == "V"] = model.memory.rest[1]
+        rows = model.memory.reactions(states)
     used, sector, nearest = table.support(states, places)
     off = (sector > WIDEST + RANGE_SLACK) & (states != 0.0).any(axis=1)
     usable = np.ones(model.origin.depth.size, dtype=np.int8)

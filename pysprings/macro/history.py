@@ -21,33 +21,23 @@ Marks = NDArray[np.bool_]
 # Targets below this share of the largest one have no direction, and steps back below it are none (rounding).
 ROUNDING = 1e-9
 
-
 _TURNED = "after the sequence turned back: the springs go back on the same curve, the soil does not"
-_V_TURNED = (
-    "after V turned back: vertical springs go back on the same curve, the soil does not; heave and settlement of the "
-    "motions are those of the elements"
-)
 
 
 @dataclass(frozen=True, slots=True)
 class Turns:
-    """Marks by state (n,): after the sequence has left its first direction (aside), after it has turned back (back).
-
-    remembers : whether the lateral springs have a memory: then only V can turn back.
-    """
+    """Marks by state (n,): after the sequence has left its first direction (aside), after it has turned back (back)."""
 
     aside: Marks
     back: Marks
-    remembers: bool = False
 
     def notes(self) -> list[str]:
         """Return the sentences on the marked states; none where nothing is marked."""
         degrees = f"{np.degrees(SAME_DIRECTION):g} degree"
-        back = _V_TURNED if self.remembers else _TURNED
         words = (
             (self.aside, f"after the sequence left its first direction (by more than {degrees}): "
              "springs hold for loads, or motions, that grow in proportion"),
-            (self.back, back),
+            (self.back, _TURNED),
         )  # fmt: skip
         return [
             f"{mark.sum()} of {mark.size} states (from state {int(np.argmax(mark)) + 1} on) come {text}"
@@ -66,16 +56,10 @@ def turns(control: Control, targets: Array, length: float, V: float | Array | No
     if control in ("displacement", "rotation"):
         plane = np.stack([targets[:, 0], np.zeros(len(targets))], axis=1)
     aside, back = _leaves(plane)
-    return Turns(aside, back | turns_of_load(len(targets), V, rest).back)
-
-
-def turns_of_load(n: int, V: float | Array | None, rest: float) -> Turns:
-    """Return where a vertical load by row, V (n,) [N], comes back towards the one at rest [N]; no other turns."""
-    nowhere = np.zeros(n, dtype=bool)
-    if not isinstance(V, np.ndarray):
-        return Turns(nowhere, nowhere, remembers=True)
-    change = np.array([0.0 if same_load(value, rest) else value - rest for value in V])
-    return Turns(nowhere, _leaves(np.stack([change, np.zeros_like(change)], axis=1))[1], remembers=True)
+    if isinstance(V, np.ndarray):
+        change = np.array([0.0 if same_load(value, rest) else value - rest for value in V])
+        back |= _leaves(np.stack([change, np.zeros_like(change)], axis=1))[1]
+    return Turns(aside, back)
 
 
 def _leaves(plane: Array) -> tuple[Marks, Marks]:

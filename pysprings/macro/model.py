@@ -160,17 +160,17 @@ class MacroModel:
         reactions(self.arrays, float(u), float(rotation), force, tangent)
         return force, tangent
 
-    def tangents(self, states: Array, down: Array | None = None, V: Array | None = None) -> xr.DataArray:
+    def tangents(self, states: Array, down: Array | None = None) -> xr.DataArray:
         """Return the tangent stiffness at mudline at states (n, 2) = (u, rotation), with dimension step.
 
-        Springs with memory go through the states one after the other, from rest, under V (n,) [N].
+        Springs with memory go through the states one after the other, from rest.
 
         u and rotation come from the springs; w, uncoupled, is `down` (n,) where it is given, else the elastic stiffness
         of the full model; springs from a table have none, and the matrix is (2, 2) for (u, rotation). Units: N/m
         for displacements, N m/rad for rotation, N/rad = N m/m between them.
         """
         if self.memory is not None:
-            lateral = self.memory.tangents(states, V)
+            lateral = self.memory.tangents(states)
         else:
             lateral = np.zeros((len(states), 2, 2))
             tangents(self.arrays, np.ascontiguousarray(states, dtype=float), lateral)
@@ -189,9 +189,8 @@ class MacroModel:
         return self.tangents(np.array([[u, rotation]])).isel(step=0, drop=True)
 
     def solve(
-        self, control: Control, targets: Array, arm: float = 0.0, start: tuple[Array, Array] | None = None,
-        V: Array | None = None,
-    ) -> tuple[Array, Array, str]:  # fmt: skip
+        self, control: Control, targets: Array, arm: float = 0.0, start: tuple[Array, Array] | None = None
+    ) -> tuple[Array, Array, str]:
         """Follow the equilibrium from the origin through targets.
 
         Parameters
@@ -205,8 +204,6 @@ class MacroModel:
             Height of the load above mudline [m].
         start
             State (u, rotation) to start from instead of the origin, and its target (springs with memory: on the fan).
-        V
-            (n,) vertical load [N] by target, which springs with memory at several vertical loads depend on.
 
         Returns
         -------
@@ -215,7 +212,7 @@ class MacroModel:
             when k < n.
         """
         if self.memory is not None and start is None:
-            return self.memory.solve(control, targets, arm, V)
+            return self.memory.solve(control, targets, arm)
         state, first = start or (np.zeros(2), np.zeros(2))
         way = np.concatenate([[first], np.asarray(targets, dtype=float)])
         drive, aims = equations(control, way, arm, self.table.load_scale)

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.control import Control
-from pysprings.macro.history import turns, turns_of_load
+from pysprings.macro.history import turns
 from pysprings.macro.limit import Limit, range_limit
 from pysprings.macro.model import MacroModel
-from pysprings.springs.alike import same_load
 
 Array = NDArray[np.float64]
 
@@ -27,13 +26,11 @@ def trace(
     V [N] is one number, or one a target.
     """
     targets = np.asarray(targets, dtype=float)
-    V = _by_target(model, V, len(targets))
-    states, loads, message = model.solve(control, targets, arm, V=V if isinstance(V, np.ndarray) else None)
+    states, loads, message = model.solve(control, targets, arm)
     down = V[: len(states)] if isinstance(V, np.ndarray) else V
 
-    if model.memory is not None:  # turns are what it is made for, those of V are not
-        turned = turns_of_load(len(states), down, model.rest_load)
-        answer = answer_dataset(model, Way(states, loads, control, down, float(arm), message, turned=turned))
+    if model.memory is not None:  # turns are what it is made for
+        answer = answer_dataset(model, Way(states, loads, control, down, float(arm), message))
         return answer.assign_attrs(warnings=[*answer.attrs["warnings"], *model.memory.notes(states)])
 
     def limit(first: int) -> Limit:
@@ -42,14 +39,6 @@ def trace(
     aim = targets[len(states)] if control == "load" and len(states) < len(targets) else None
     turned = turns(control, targets[: len(states)], model.length, down, model.rest_load)
     return answer_dataset(model, Way(states, loads, control, down, float(arm), message, aim, turned, limit))
-
-
-def _by_target(model: MacroModel, V: float | Array | None, n: int) -> float | Array | None:
-    """Return a vertical load [N] by target (n,) where springs with memory depend on another one than their own."""
-    memory = model.memory
-    if V is None or isinstance(V, np.ndarray) or memory is None or memory.loaded is None or same_load(V, memory.V):
-        return V
-    return np.full(n, float(V))
 
 
 def timed(model: MacroModel, answer: xr.Dataset, time: Array) -> xr.Dataset:

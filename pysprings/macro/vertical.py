@@ -10,7 +10,8 @@ How they go with the lateral springs: additively in w. Under a vertical load V t
 
     w = w_lateral(u, rotation; V') + w_vertical(V) - w_vertical(V'),
 
-and H and M stay those at V'. The first is exact where the caisson does not move laterally, or where V = V'; what the
+and H and M stay those at V'. Beside springs with memory w_vertical is that of the history of V (`VerticalTable.history`),
+beside all others a function of V. The first is exact where the caisson does not move laterally, or where V = V'; what the
 second is worth away from V' is measured by `pysprings compare` on held-back paths with a `vertical_load` of their own.
 """
 
@@ -130,6 +131,24 @@ class VerticalTable:
             return w0 + branch.sign * branch.x[-1], 0.0, np.nan
         _, slopes = branch.at(x)
         return w0 + branch.sign * x, branch.sign * float(slopes[-1]), x / float(branch.x[-1])
+
+    def history(self, V: Array) -> Array:
+        """Return w [m], the tangent dV/dw [N/m] and the range used, (3, n), under V (n,) [N] one after the other.
+
+        Within the largest and the smallest V so far, that at rest among them, the soil unloads and reloads with the
+        stiffness at rest; beyond, it goes on along the curves. What each direction has taken more than that stays:
+
+            w = w0 + (V - V0)/K + P(max V) + P(min V),   P(V) = w_curve(V) - w0 - (V - V0)/K.
+
+        The range used is NaN from a V on that no w carries.
+        """
+        (w0, V0), K = self.rest, self.stiffness
+        largest, smallest = np.maximum.accumulate(np.fmax(V, V0)), np.minimum.accumulate(np.fmin(V, V0))
+        own, high, low = (np.array([self.displacement(float(x)) for x in each]).T for each in (V, largest, smallest))
+        stays = [each[0] - w0 - (x - V0) / K for each, x in ((high, largest), (low, smallest))]
+        new = (largest == V) | (smallest == V)
+        used = np.where(np.isnan(high[2]) | np.isnan(low[2]), np.nan, own[2])
+        return np.stack([w0 + (V - V0) / K + stays[0] + stays[1], np.where(new, own[1], K), used])
 
     def reactions(self, w: Array) -> Array:
         """Return all rows (rows, n) at vertical displacements w (n,) [m]; elastic, V alone, in an unknown direction."""

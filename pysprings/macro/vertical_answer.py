@@ -62,22 +62,22 @@ def vertical_answer(
     if imposed is None:
         return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
-    asked = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
-    other = asked if model.memory is None else asked & ~model.memory.covers(down)
+    other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
     moved = other & (states != 0.0).any(axis=1)
     marks = {"V": down, "off_load": moved.astype(np.int8)}
     if model.vertical is None:
         K = float(model.stiffness_initial[1, 1])
         notes = [_not_the_paths(model, down[other]) + "w from the elastic vertical stiffness"] if other.any() else []
         notes = [f"{note}, lateral springs unchanged" for note in notes]
-        past, beyond = past_elastic(model, down, asked)
+        past, beyond = past_elastic(model, down, other)
         return Down(
             marks | {"w": w + (down - V) / K, "off_load": other.astype(np.int8)},
             used=np.where(past, np.inf, 0.0),
             notes=notes,
             beyond=beyond,
         )
-    there, at_path = _displacements(model, down), _displacements(model, V)
+    there = _displacements(model, down) if model.memory is None else model.vertical.history(down)
+    at_path = _displacements(model, V)
     notes = [_not_the_paths(model, down[moved]) + "lateral springs unchanged"] if moved.any() else []
     used = there[2]
     return Down(

@@ -110,3 +110,16 @@ def with_invented_memory(rows: np.ndarray | None = None, settling: bool = False)
     stored = memory_dataset(given, elements)
     groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
     return xr.DataTree.from_dict(groups | {"/memory": stored}, name=tree.name)
+
+
+def at_two_rates(turning: tuple[float, ...]) -> Springs:
+    """Springs of coupled rays at 1e-5 and 1e-3 m/s, with rays that turn back at these rates."""
+    tree, groups = springs(), {}
+    for node in tree["paths"].children.values():
+        for number, speed in enumerate((1e-5, 1e-3) if node.attrs["role"] == "calibration" else turning):
+            path = node.to_dataset(inherit=False).copy(deep=True)
+            steps = np.hypot(np.diff(path["u"]), np.diff(path["rotation"]) * LENGTH)
+            path["time"] = ("step", np.append(0.0, np.cumsum(steps)) / speed, {"long_name": "time", "units": "s"})
+            groups[f"/paths/{node.name}_{number}"] = path
+    root = tree.to_dataset(inherit=False)
+    return Springs.of(xr.DataTree.from_dict({"/": root.assign_attrs(drainage="coupled")} | groups))

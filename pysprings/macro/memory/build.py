@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import hashlib
-from functools import cache, partial
 from itertools import product
 from typing import Any
 
@@ -16,7 +15,7 @@ from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.macro.memory.calibration import ElementSet, calibrate
-from pysprings.macro.memory.mixture import LoadedSets, mixed
+from pysprings.macro.memory.mixture import mixed
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import samples
 from pysprings.macro.memory.shares import Shares
@@ -42,29 +41,31 @@ def has_memory(springs: Springs) -> bool:
 def build_memory(springs: Springs) -> MemoryModel:
     """Return the model with a memory of springs at one rate and vertical load; the stored one where it is theirs.
 
-    Between two rates, or vertical loads, with rays that turn back it has the elements of both, each with its share.
+    Between two rates, or vertical loads, with rays that turn back it has the elements of both, each with its share;
+    beyond the loads those of the nearest.
 
     Raises
     ------
     UserInputError
         The springs have no fan, or no ray that turns back.
     """
-    table, loaded = build_fan(springs), _loaded(springs)
-    if loaded is None:
+    table, known = build_fan(springs), _at_loads(springs)
+    if not known:
         raise refused("springs", MISSING)
-    V = loaded.nearest(springs.rest_load if springs.blended_loads else springs.paths[table.path[0]].load)
-    rate = springs.attrs.get("rate_m_per_s", springs.path(table.path[0]).rate) if springs.rate_sets else None
-    several = loaded if len(loaded.loads) > 1 else None
-    return MemoryModel(loaded.at(V), table, V, None if rate is None else float(rate), several)
+    asked = springs.rest_load if springs.blended_loads else springs.paths[table.path[0]].load
+    loads = np.array(list(known))
+    V = float(np.clip(asked, loads.min(), loads.max()))
+    shares = [float(np.interp(V, loads, row)) for row in np.eye(len(loads))]
+    parts = [(_elements(at), share) for at, share in zip(known.values(), shares, strict=True) if share > 0.0]
+    rate = springs.attrs.get("rate_m_per_s", springs.paths[table.path[0]].rate) if springs.rate_sets else None
+    return MemoryModel(mixed(parts), table, V, None if rate is None else float(rate))
 
 
-def _loaded(springs: Springs) -> LoadedSets | None:
-    """Return the elements at all vertical loads with rays that turn back; None where there are none."""
+def _at_loads(springs: Springs) -> dict[float, Springs]:
+    """Return the springs at each vertical load [N] with rays that turn back, by increasing load."""
     whole = springs.whole or springs
     each = [whole.at_load(one.V) for one in whole.load_sets] if len(whole.load_sets) > 1 else [springs]
-    found = [at for at in each if has_memory(at)]
-    loads = [(at.parts[0][0] if at.parts else at).remembering[0].load for at in found]
-    return LoadedSets(np.array(loads), tuple(cache(partial(_elements, at)) for at in found)) if found else None
+    return {(at.parts[0][0] if at.parts else at).remembering[0].load: at for at in each if has_memory(at)}
 
 
 def _elements(springs: Springs) -> ElementSet:

@@ -159,11 +159,10 @@ def _reversible(row, x0, x1):
 
 
 @jitted
-def advance(rows, share, q0, q1, states, F, K):
+def advance(rows, q0, q1, states, F, K):
     """Advance all elements from a motion q0 (2,) to q1 (2,) [m].
 
-    rows (n, COLUMNS), share (n,) of what each of them carries; writes states (n, STATES), loads F (2,) [N] and tangent
-    K (2, 2) [N/m].
+    rows (n, COLUMNS); writes states (n, STATES), loads F (2,) [N] and tangent K (2, 2) [N/m].
     """
     f0, f1, k00, k01, k10, k11 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     d0, d1 = q1[0] - q0[0], q1[1] - q0[1]
@@ -177,9 +176,8 @@ def advance(rows, share, q0, q1, states, F, K):
             one = _frictional(rows[k], states[k], x, along)
         else:
             one = _plastic(rows[k], states[k], d0, d1)
-        part = share[k]
-        f0, f1 = f0 + part * one[0], f1 + part * one[1]
-        k00, k01, k10, k11 = k00 + part * one[2], k01 + part * one[3], k10 + part * one[4], k11 + part * one[5]
+        f0, f1 = f0 + one[0], f1 + one[1]
+        k00, k01, k10, k11 = k00 + one[2], k01 + one[3], k10 + one[4], k11 + one[5]
     F[0], F[1] = f0, f1
     K[0, 0], K[0, 1], K[1, 0], K[1, 1] = k00, k01, k10, k11
 
@@ -222,30 +220,18 @@ def histories(rows, ways, largest, elastic, paths):
 
 
 @jitted
-def _share(sets, first, second, part, share):
-    """Write the share of each element, that of its set: between first and second (sets,) at a part of the way."""
-    for k in range(sets.shape[0]):
-        a = first[sets[k]]
-        share[k] = a + part * (second[sets[k]] - a)
-
-
-@jitted
-def tangents(rows, sets, ways, shares, largest, loads, out):
-    """Write the loads (n, 2) [N] and tangents (n, 2, 2) [N/m] along a way (n, 2) [m] from the origin.
-
-    sets, shares : see `follow`; shares (n, sets) at the points of the way.
-    """
+def tangents(rows, ways, largest, loads, out):
+    """Write the loads (n, 2) [N] and tangents (n, 2, 2) [N/m] along a way (n, 2) [m] from the origin."""
     states, q0, q1 = np.zeros((rows.shape[0], STATES)), np.zeros(2), np.zeros(2)
-    F, K, share = np.zeros(2), np.zeros((2, 2)), np.empty(rows.shape[0])
+    F, K = np.zeros(2), np.zeros((2, 2))
     for i in range(ways.shape[0]):
         start0, start1 = q0[0], q0[1]
-        _share(sets, shares[i], shares[i], 1.0, share)
         d0, d1 = ways[i, 0] - start0, ways[i, 1] - start1
         parts = max(1, math.ceil(math.hypot(d0, d1) / largest))
         for j in range(parts):
-            done = (j + 1.0) / parts
-            q1[0], q1[1] = start0 + done * d0, start1 + done * d1
-            advance(rows, share, q0, q1, states, F, K)
+            share = (j + 1.0) / parts
+            q1[0], q1[1] = start0 + share * d0, start1 + share * d1
+            advance(rows, q0, q1, states, F, K)
             q0[0], q0[1] = q1[0], q1[1]
         loads[i], out[i] = F, K
 
@@ -260,23 +246,23 @@ def _residual(drive, q, F, c, g):
 
 
 @jitted
-def _dragged(rows, share, drag, q0, q, trial, F, K):
+def _dragged(rows, drag, q0, q, trial, F, K):
     """Advance all elements from q0 to q as `advance`, and add a drag [N/m] against the motion."""
-    advance(rows, share, q0, q, trial, F, K)
+    advance(rows, q0, q, trial, F, K)
     for i in range(2):
         F[i] += drag * (q[i] - q0[i])
         K[i, i] += drag
 
 
 @jitted
-def _newton(rows, share, drive, drag, q0, c, q, states, trial, F, K, g):
+def _newton(rows, drive, drag, q0, c, q, states, trial, F, K, g):
     """Solve G q + C F = c from a committed state at q0, starting at q; answer in q, trial, F, K; return success.
 
     F holds the drag [N/m] times the motion from q0, too.
     """
     G, C, scale = drive
     trial[:, :] = states
-    _dragged(rows, share, drag, q0, q, trial, F, K)
+    _dragged(rows, drag, q0, q, trial, F, K)
     size = _residual(drive, q, F, c, g)
     J, guess = np.empty((2, 2)), np.empty(2)
     for iteration in range(MAX_ITERATIONS):
@@ -294,7 +280,7 @@ def _newton(rows, share, drive, drag, q0, c, q, states, trial, F, K, g):
         while True:
             guess[0], guess[1] = q[0] + damping * d0, q[1] + damping * d1
             trial[:, :] = states
-            _dragged(rows, share, drag, q0, guess, trial, F, K)
+            _dragged(rows, drag, q0, guess, trial, F, K)
             size = _residual(drive, guess, F, c, g)
             if iteration < FREE or size <= TOLERANCE:
                 break
@@ -308,7 +294,7 @@ def _newton(rows, share, drive, drag, q0, c, q, states, trial, F, K, g):
 
 
 @jitted
-def _creep(rows, share, drive, largest, c, q, states, trial, F, K, g):
+def _creep(rows, drive, largest, c, q, states, trial, F, K, g):
     """Creep from a committed state at q to the next equilibrium under c; return success. Writes q, states, F.
 
     Elements whose force is not along their gauge, or with friction, can have no equilibrium beside the last one. Steps
@@ -317,10 +303,10 @@ def _creep(rows, share, drive, largest, c, q, states, trial, F, K, g):
     """
     start0, start1, q0 = q[0], q[1], q.copy()
     trial[:, :] = states
-    advance(rows, share, q0, q0, trial, F, K)
+    advance(rows, q0, q0, trial, F, K)
     drag = DRAG * (abs(K[0, 0]) + abs(K[1, 1]))
     for _ in range(MOST_CREPT):
-        found = _newton(rows, share, drive, drag, q0, c, q, states, trial, F, K, g)
+        found = _newton(rows, drive, drag, q0, c, q, states, trial, F, K, g)
         if not found:
             drag *= 4.0
             q[:] = q0
@@ -338,13 +324,11 @@ def _creep(rows, share, drive, largest, c, q, states, trial, F, K, g):
 
 
 @jitted
-def follow(rows, sets, drive, largest, start, states, targets, shares, motions, loads):
+def follow(rows, drive, largest, start, states, targets, motions, loads):
     """Follow a sequence of targets c (n, 2) from a committed state (motion `start` (2,), where c is `targets[0]`).
 
-    sets (elements,) is the set that each element belongs to, shares (n, sets) of what each set carries at the targets;
-    between two targets they change as c does. drive holds G, C (2, 2) and scale (2,) of the equations G q + C F = c.
-    A step longer than `largest` [m], or one that does not converge, is halved, down to SHORTEST; where none converges
-    the elements creep to the next equilibrium.
+    drive holds G, C (2, 2) and scale (2,) of the equations G q + C F = c. A step longer than `largest` [m], or one that
+    does not converge, is halved, down to SHORTEST; where none converges the elements creep to the next equilibrium.
     Writes motions and loads (n, 2), and the last state found into `states`.
 
     Returns
@@ -354,17 +338,16 @@ def follow(rows, sets, drive, largest, start, states, targets, shares, motions, 
     """
     q0, q, last = start.copy(), start.copy(), targets[0].copy()
     trial = states.copy()
-    F, K, c, g, share = np.zeros(2), np.zeros((2, 2)), np.zeros(2), np.zeros(2), np.empty(rows.shape[0])
+    F, K, c, g = np.zeros(2), np.zeros((2, 2)), np.zeros(2), np.zeros(2)
     for n in range(targets.shape[0]):
-        done, width, jumps, before = 0.0, 1.0, 0, shares[max(n - 1, 0)]
+        done, width, jumps = 0.0, 1.0, 0
         from0, from1 = last[0], last[1]
         while done < 1.0:
             aim = min(1.0, done + width)
             c[0] = from0 + aim * (targets[n, 0] - from0)
             c[1] = from1 + aim * (targets[n, 1] - from1)
             q[0], q[1] = q0[0], q0[1]
-            _share(sets, before, shares[n], aim, share)
-            found = _newton(rows, share, drive, 0.0, q0, c, q, states, trial, F, K, g)
+            found = _newton(rows, drive, 0.0, q0, c, q, states, trial, F, K, g)
             if found and math.hypot(q[0] - q0[0], q[1] - q0[1]) > largest and width > SHORTEST:
                 width *= 0.5
                 continue
@@ -374,7 +357,7 @@ def follow(rows, sets, drive, largest, start, states, targets, shares, motions, 
                     continue
                 q[0], q[1] = q0[0], q0[1]
                 jumps += 1
-                if jumps > MOST_JUMPS or not _creep(rows, share, drive, largest, c, q, states, trial, F, K, g):
+                if jumps > MOST_JUMPS or not _creep(rows, drive, largest, c, q, states, trial, F, K, g):
                     return n, last[0], last[1]
                 width = 1.0
             else:

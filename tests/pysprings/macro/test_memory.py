@@ -39,9 +39,9 @@ def walk(rows, motions):
     """Loads (n, 2) and tangents of elements along motions (n, 2), from rest."""
     rows = np.array(rows, dtype=float)
     state, F, K, before = np.zeros((len(rows), STATES)), np.zeros(2), np.zeros((2, 2)), np.zeros(2)
-    loads, tangents, whole = [], [], np.ones(len(rows))
+    loads, tangents = [], []
     for motion in np.asarray(motions, dtype=float):
-        advance(rows, whole, before, motion, state, F, K)
+        advance(rows, before, motion, state, F, K)
         loads.append(F.copy())
         tangents.append(K.copy())
         before = motion
@@ -341,36 +341,11 @@ def test_steps_of_a_sequence_at_another_rate_are_marked() -> None:
         sequence(whole, motions, control="state", time=time[::-1])
 
 
-def test_a_vertical_load_that_turns_back_is_marked() -> None:
-    """Vertical springs have no memory, the elements do: loads that turn back are not marked, V is."""
-    springs = Springs.of(winkler.with_invented_memory())
-    rest = MacroModel.from_springs(springs, "memory").rest_load
-    loads, V = np.array([[1e5, 0.0], [-1e5, 0.0], [0.0, 0.0]]), rest + np.array([1e5, 2e5, 1e5])
-    with pytest.warns(MacroWarning) as seen:
-        answer = sequence(springs, loads, V=V, springs_kind="memory", extrapolate=True)
-    marked = "1 of 3 states (from state 3 on) come after V turned back: vertical springs go back on the same curve"
-    assert any(marked in str(each.message) for each in seen)
-    np.testing.assert_array_equal(answer["turned_back"], [0, 0, 1])
-
-
 def test_a_fan_without_rays_that_turn_back_has_no_memory() -> None:
     springs = fan_springs(linear)
     assert "memory" not in spring_sets(springs)
     with pytest.raises(UserInputError, match=r"no ray that turns back .* memory = true"):
         predict(springs, H=1e5, springs_kind="memory")
-
-
-def at_two_rates(turning: tuple[float, ...]) -> Springs:
-    """Springs of coupled rays at 1e-5 and 1e-3 m/s, with rays that turn back at these rates."""
-    tree, groups = winkler.springs(), {}
-    for node in tree["paths"].children.values():
-        for number, speed in enumerate((1e-5, 1e-3) if node.attrs["role"] == "calibration" else turning):
-            path = node.to_dataset(inherit=False).copy(deep=True)
-            steps = np.hypot(np.diff(path["u"]), np.diff(path["rotation"]) * LENGTH)
-            path["time"] = ("step", np.append(0.0, np.cumsum(steps)) / speed, {"long_name": "time", "units": "s"})
-            groups[f"/paths/{node.name}_{number}"] = path
-    root = tree.to_dataset(inherit=False)
-    return Springs.of(xr.DataTree.from_dict({"/": root.assign_attrs(drainage="coupled")} | groups))
 
 
 def test_springs_have_a_memory_at_each_rate_of_rays_that_turn_back(tmp_path, monkeypatch) -> None:
@@ -382,7 +357,7 @@ def test_springs_have_a_memory_at_each_rate_of_rays_that_turn_back(tmp_path, mon
         return elements_of(mixed(seed=len(made)), table)
 
     monkeypatch.setattr(build, "calibrate", invented)
-    save_springs(with_memory(at_two_rates((1e-5, 1e-3)).tree), tmp_path / "springs.nc")
+    save_springs(with_memory(winkler.at_two_rates((1e-5, 1e-3)).tree), tmp_path / "springs.nc")
     springs = Springs.of(open_springs(tmp_path / "springs.nc"))
     assert list(springs.memory) == ["memory", "memory_rate_1"]
     for number, rate in enumerate((1e-5, 1e-3), 1):
@@ -394,7 +369,7 @@ def test_springs_have_a_memory_at_each_rate_of_rays_that_turn_back(tmp_path, mon
 
 def test_springs_at_several_rates_have_a_memory_at_that_of_their_rays_that_turn_back() -> None:
     """Coupled rays at two rates, turning ones at the slow one: any other rate is refused."""
-    springs = at_two_rates((1e-5,))
+    springs = winkler.at_two_rates((1e-5,))
     slow = springs.at(rate=1e-5)
     assert [path.name for path in slow.remembering] == ["turning_0_0", "turning_minus_50_0"]
     assert "memory" in spring_sets(slow)

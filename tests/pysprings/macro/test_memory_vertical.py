@@ -17,13 +17,18 @@ from tests.support.vertical import K, vertical_path
 LOADS = np.array([[3e5, 0.0], [-1e5, 0.0], [3e5, 0.0], [0.0, 0.0]])
 
 
-def model() -> MacroModel:
+def tree() -> xr.DataTree:
     """Springs with memory whose elements settle, and vertical springs of a known curve."""
-    tree = winkler.with_invented_memory(settling=True)
+    found = winkler.with_invented_memory(settling=True)
     for name, end in (("down", 1e-2), ("up", -1e-2)):
-        path = vertical_path(tree["paths/ray_0"].to_dataset(inherit=False), end)
-        tree[f"paths/{name}"] = xr.DataTree(path)
-    return MacroModel.from_springs(Springs.of(tree), "memory")
+        path = vertical_path(found["paths/ray_0"].to_dataset(inherit=False), end)
+        found[f"paths/{name}"] = xr.DataTree(path)
+    found["stiffness_initial"].values[1, 1] = K
+    return found
+
+
+def model() -> MacroModel:
+    return MacroModel.from_springs(Springs.of(tree()), "memory")
 
 
 def test_a_vertical_load_moves_w_on_the_curve_of_the_vertical_springs_and_changes_nothing_else() -> None:
@@ -37,6 +42,36 @@ def test_a_vertical_load_moves_w_on_the_curve_of_the_vertical_springs_and_change
     np.testing.assert_allclose((moved["w"] - plain["w"]).values, change / (K - change / 5e-3), atol=1e-7)
     np.testing.assert_array_equal(moved["off_load"].values, change > 0.0)
     assert np.ptp(plain["w"].values) > 1e-4
+
+
+def test_a_vertical_load_that_goes_back_unloads_with_the_stiffness_at_rest() -> None:
+    """Up to the largest V so far, and beyond it on the curve again; what both directions have taken adds up.
+
+    By hand, from the curves of the support module: down w = V/(K - V/5e-3), up 1 MN at w = -1e6/(K - K/3).
+    """
+    springs = model()
+    change = 1e6 * np.array([2.0, 1.0, 0.0, 2.0, 3.0, 0.0, -1.0, -0.5, 3.0, 4.0])
+    answer = sequence(springs, np.zeros((10, 2)), V=springs.rest_load + change, extrapolate=True)
+
+    def down(V: float) -> float:
+        return V / (K - V / 5e-3)
+
+    up = -1e6 / (K - K / 3.0)
+    stays = [down(V) - V / K for V in (2e6, 2e6, 2e6, 2e6, 3e6, 3e6, 3e6, 3e6, 3e6, 4e6)]
+    pulled = np.where(np.arange(10) >= 6, up + 1e6 / K, 0.0)
+    np.testing.assert_allclose(answer["w"], change / K + stays + pulled, atol=2e-6)
+    inside = [1, 2, 5, 7]
+    np.testing.assert_allclose(answer["stiffness"].values[inside, 1, 1], springs.vertical.stiffness, rtol=1e-12)
+    assert (answer["stiffness"].values[[0, 4, 9], 1, 1] < 0.9 * K).all()
+    assert not answer["turned_back"].any()
+
+
+def test_springs_without_memory_go_back_on_the_curve_of_the_vertical_springs() -> None:
+    fan = MacroModel.from_springs(Springs.of(tree()), "fan")
+    change = 1e6 * np.array([2.0, 0.0])
+    with pytest.warns(MacroWarning):
+        answer = sequence(fan, np.zeros((2, 2)), V=fan.rest_load + change, extrapolate=True)
+    assert float(answer["w"][1]) == pytest.approx(0.0, abs=1e-9) and answer["turned_back"].values[1]
 
 
 def test_a_vertical_load_that_the_vertical_springs_do_not_reach_is_refused() -> None:
