@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: MIT
+"""Springs with memory under other vertical loads: ``python -m benchmarks.memory_loads DIR [--case NAME] [--store]``.
+
+Two caissons of `benchmarks.memory` have rays, and rays that turn back, under a second, larger vertical load. Held-back
+sequences are under this load, under one between the two, and under a load that changes on the way. Each is followed by
+the springs at the vertical load of its start (elements of both loads with their shares), and by the elements of the
+vertical load at rest alone. Springs are kept as DIR/NAME-loads.nc.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.evidence_store import store, to_csv
+from benchmarks.memory_paths import LOADED, cases, loaded_scene
+from pysprings.full_model.compute import run
+from pysprings.macro.cycles import Followed, errors, follow_path
+from pysprings.macro.memory.build import with_memory
+from pysprings.macro.model import MacroModel
+from pysprings.macro.predict import sequence
+from pysprings.springs.extract import extract_springs
+from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.springs import Springs
+
+COMMAND = "python -m benchmarks.memory_loads DIR --store"
+HEAD = (
+    "path", "V [MN]", "states", "answers", "memory [%]", "elements at rest load [%]", "work, memory [%]",
+    "work, elements at rest load [%]", "w at the end [mm], full / memory",
+)  # fmt: skip
+_ANSWERS = ("u", "rotation", "H", "M")
+
+
+def springs_of(name: str, folder: Path) -> Springs:
+    """Return the springs of a case, from DIR/NAME-loads.nc, or from a run of the full model that is kept there."""
+    path = folder / f"{name}-loads.nc"
+    if not path.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        scene = loaded_scene(cases()[name])
+        save_springs(with_memory(extract_springs(run(scene, estimate_error=False))), path)
+    return Springs.of(open_springs(path))
+
+
+def compared(springs: Springs) -> Iterator[list[str]]:
+    """Yield a row a held-back sequence: what is compared, errors [%] and errors of the work [%] of both."""
+    for path in springs.paths.values():
+        if path.role == "held-back":
+            models = [MacroModel.from_springs(springs, "memory", V=V) for V in (path.load, None)]
+            both = [follow_path(path, model) for model in models]
+            found = [errors(one) for one in both]
+            names = [name for name in _ANSWERS if np.isfinite(found[0][f"{name}_error_pct"])]
+            loads = path.given_loads[np.append(True, np.diff(path.given_loads) != 0.0)]
+            yield [
+                path.name, f"{loads.min() / 1e6:.3g}" + (f" to {loads.max() / 1e6:.3g}" if len(loads) > 1 else ""),
+                f"{path.n - 1}", " / ".join(names), *(_text(row, names) for row in found),
+                *(f"{row['work_error_pct']:+.3g}" for row in found), _heave(both[0], models[0]),
+            ]  # fmt: skip
+
+
+def _text(row: dict[str, Any], names: list[str]) -> str:
+    return " / ".join(f"{row[f'{name}_error_pct']:.3g}" for name in names) if row["answered"] else "no answer"
+
+
+def _heave(one: Followed, model: MacroModel) -> str:
+    """Return w at the end [mm] since the start, of the full model and of the springs under the recorded V."""
+    path, motions = one.path, one.macro[0]
+    assert one.V is not None
+    answer = sequence(model, motions[1:], control="state", V=one.V[1:], extrapolate=True, strict=False)
+    start = float(sequence(model, motions[:1], control="state", V=path.load)["w"][0])
+    last = len(motions) - 1
+    return f"{1e3 * (path.w[last] - path.w[0]):.2f} / {1e3 * (float(answer['w'][-1]) - start):.2f}"
+
+
+def main() -> None:
+    """Read the options, run, print the tables, store them as evidence."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help="folder of the springs")
+    parser.add_argument("--case", choices=list(LOADED), action="append", help="only this caisson")
+    parser.add_argument("--store", action="store_true", help="store the tables as evidence")
+    given = parser.parse_args()
+    tables = {}
+    for name in given.case or LOADED:
+        tables[f"memory-loads-{name}"] = to_csv([[*HEAD], *compared(springs_of(name, given.folder))])
+        print(tables[f"memory-loads-{name}"], flush=True)
+    if given.store:
+        for path in store("memory-loads", tables, COMMAND, "Mesh `coarse`, 5 harmonics."):
+            print(path)
+
+
+if __name__ == "__main__":
+    main()
