@@ -19,7 +19,7 @@ from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.units import quoted
 from pysprings.scene.fields import Quantity, QuantityList, refuse
 
-_EXAMPLES = ("rest 2 hour", "20 mm at 0.5 mm/s", "0 mm in 10 min")
+_EXAMPLES = ("rest 2 hour", "20 mm at 0.5 mm/s", "0 mm in 10 min", "V 3 MN in 10 min")
 
 
 class Then(NamedTuple):
@@ -78,6 +78,8 @@ class ThenList(QuantityList):
         words = " ".join(entry.split())
         if words == "rest":
             raise refuse(f"a rest needs its time: {quoted(_EXAMPLES[0])}")
+        if words == "V":
+            raise refuse('a vertical load needs its value: "V 3 MN"')
         if words.startswith("rest "):
             return Then(None, None, _TIME.validate(words[5:], info))
         match = _THEN.fullmatch(words)

@@ -216,6 +216,8 @@ def _path(draw: st.DrawFn, name: str) -> dict[str, Any]:
         quantity = dict(entries.quantities)[kind]
         count = draw(st.integers(1, 12))
         path["then"] = [f"{draw(_value(quantity))} in {draw(st.floats(1e-6, 1e12))!r} s" for _ in range(count)]
+        if draw(st.booleans()):
+            path["then"].append(f"V {draw(_value(fields['vertical_load']))}")
     if draw(st.integers(0, 9)) == 0:
         key = draw(st.sampled_from(["heave", "arm_from", "role", "rate", "rotation"]))
         path[key] = draw(_value(fields[key]))

@@ -60,7 +60,14 @@ def viscous() -> pysprings.Scene:
     return drained().replace(solver={"viscous_displacement": 5e-5, "max_iterations": 3})
 
 
-SCENES = {"drained": drained, "coupled": coupled, "viscous": viscous}
+def pressed() -> pysprings.Scene:
+    """A pull, and another vertical load at its end, with overstress."""
+    path = {**tiny.PULL, "role": "held-back", "then": ("V 1.2 MN", "0 mm")}
+    solver = {"first_step_fraction": 0.2, "viscous_displacement": 1e-6}
+    return tiny.scene(paths=(path,), solver=solver)
+
+
+SCENES = {"drained": drained, "coupled": coupled, "viscous": viscous, "pressed": pressed}
 
 
 @cache
@@ -109,6 +116,7 @@ def every_step(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ("drained", (3, 12)),
         ("coupled", (20,)),
+        ("pressed", (6,)),
         pytest.param("drained", (1, 4, 6, 9, 14), marks=pytest.mark.slow),
         pytest.param("coupled", (2, 5, 24, 40), marks=pytest.mark.slow),
         pytest.param("viscous", (4, 9), marks=pytest.mark.slow),
@@ -118,7 +126,7 @@ def every_step(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_run_stopped_at_any_step_equals_one_in_one_go(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, stops: tuple[int, ...], every_step: None
 ) -> None:
-    """In the dead load, on the first path, in its rest, on the second path; the run is stopped at all of them."""
+    """In the dead load, on the first path, in its rest, its new V, on the second path; stopped at all of them."""
     if kind == "coupled":  # water that cavitates at once, to see the warning come through
         monkeypatch.setattr(cavitation, "ATMOSPHERE", 0.0)
     done = 0

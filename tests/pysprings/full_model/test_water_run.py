@@ -100,6 +100,18 @@ def test_stages_follow_each_other() -> None:
     assert stages[1].first_fraction < 1e-3
 
 
+@pytest.mark.parametrize("mode", ["coupled", "undrained"])
+def test_water_carries_a_vertical_load_that_comes_fast(mode: str) -> None:
+    """Under the same V there is no pressure left where it takes ten days to come; without flow time counts nothing."""
+    pressure = []
+    for time in ("0.1 s", "10 day"):
+        path = run(tiny.wet(mode, role="held-back", then=(f"V 1.2 MN in {time}",)))["paths/pull"].to_dataset()
+        assert float(path["V"][-1]) == pytest.approx(1.2e6, rel=1e-4)
+        pressure.append(float(path["pressure_max"][-1]))
+    assert pressure[0] > 5e3
+    assert pressure[1] == pressure[0] if mode == "undrained" else pressure[1] < 1e-4 * pressure[0]
+
+
 def test_a_dead_load_is_drained() -> None:
     scene = tiny.wet().replace(caisson={"vertical_load": 1.5e6})
     path = run(scene)["paths/pull"].to_dataset()

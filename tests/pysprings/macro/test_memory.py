@@ -477,6 +477,18 @@ def test_the_damping_of_a_parallelogram_is_that_of_its_area() -> None:
     assert errors(given)["H_error_pct"] == 0.0
 
 
+def test_a_change_of_the_vertical_load_is_no_turn() -> None:
+    """While V changes the lateral motion stays, but for rounding: the branches are those without these states."""
+    path = Springs.of(winkler.springs()).paths["turning_0"]
+    plain = _loop()
+    rounded = plain[499] + 1e-17 * np.array([[1.0, 0.0], [-1.0, 0.0], [1.0, 0.0]])
+    motions = np.concatenate([plain[:500], rounded, plain[500:]])
+    V = np.concatenate([np.full(500, 2e6), [2.1e6, 2.2e6, 2.3e6], np.full(len(plain) - 500, 2.3e6)])
+    both = motions, _loads(motions)
+    found = cycles(Followed(path, "memory", "state", both, both, "", V=V))
+    assert found["x_end_full"].tolist() == pytest.approx([5e-3, -5e-3, 5e-3])
+
+
 def _loop() -> np.ndarray:
     way = np.concatenate([np.linspace(a, b, 500)[1:] for a, b in ((0, 5e-3), (5e-3, -5e-3), (-5e-3, 5e-3))])
     return np.stack([np.append(0.0, way), np.zeros(way.size + 1)], axis=1)

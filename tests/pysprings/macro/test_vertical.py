@@ -200,6 +200,36 @@ def test_compare_answers_every_path_under_its_own_load():
     assert "V [MN]" not in to_text(compare(vertical_springs(ends=())))
 
 
+def changing_load(change: np.ndarray) -> xr.DataTree:
+    """Return springs with a held-back translation that stops where its vertical load changes (N, by state)."""
+    tree = vertical_springs()
+    slide = tree["paths/slide"].to_dataset(inherit=False)
+    held = slide.isel(step=[*range(slide.sizes["step"]), *[-1] * change.size]).copy(deep=True)
+    held = held.assign_coords(step=np.arange(held.sizes["step"]))
+    table = build_vertical(Springs.of(tree))
+    settled = np.array([table.displacement(REST + float(each))[0] for each in change])
+    held["V"][-change.size :] = REST + change
+    held["w"][-change.size :] += settled
+    tree["paths/held"] = xr.DataTree(held.assign_attrs(slide.attrs | {"role": "held-back", "then_parts": 1}))
+    return tree
+
+
+def test_compare_answers_a_path_under_the_vertical_load_of_each_state():
+    """w follows the recorded V, states that no lateral springs cover are counted, and V that turns back is marked."""
+    noise = np.array([1.0 + 1e-6, 1.0 - 1e-6, 1.0])
+    tree = changing_load(np.append([0.2e6, 0.6e6], 1e6 * noise))
+    row = compare(tree).set_index(["path", "springs"]).loc["held", "fan"]
+    assert abs(row["w_error_max_m"]) < 1e-9 and abs(row["H_error_max_pct"]) < 1e-6
+    assert (row["V_N"], row["V_end_macro_N"], row["off_load_states"]) == (REST, pytest.approx(3e6), 5)
+    answer = curves(tree, "held")["fan"]
+    assert not answer["turned_back"].any() and answer["off_load"].values[-6:].tolist() == [0, 1, 1, 1, 1, 1]
+    assert f"held, fan: no calibration paths cover the vertical load of 5 of its {row['states']} states" in to_text(
+        compare(tree)
+    )
+    back = curves(changing_load(np.array([0.5e6, 1e6, 0.5e6, 0.0])), "held")["fan"]
+    assert back["turned_back"].values[-4:].tolist() == [0, 0, 1, 1] and not back["turned_back"].values[:-4].any()
+
+
 def test_vertical_springs_answer_their_own_path_only_when_asked_for_all_sets():
     tree = vertical_springs()
     assert list(curves(tree, "up")) == ["vertical"]

@@ -229,6 +229,48 @@ def test_a_swipe_goes_on_with_pairs_of_motions() -> None:
     assert found[2].first_fraction == pytest.approx(2.5e-6 * D / (5e-3 + 3e-3 * L))
 
 
+@pytest.mark.parametrize(
+    ("path", "lateral"),
+    [
+        ({"kind": "pull", "lateral_displacement": 5e-3, "arm": 2.0}, "-5 mm"),
+        ({"kind": "translation", "lateral_displacement": 5e-3, "rotation": 1e-3}, "-5 mm"),
+        ({"kind": "rotation", "rotation": 1e-3}, "-1 mrad"),
+        ({"kind": "swipe", "lateral_displacement": 5e-3, "rotation": -2e-3}, "0 mm, 1 mrad"),
+        ({"kind": "load", "lateral_force": 2e6, "arm": 5.0}, "-2 MN"),
+        ({"kind": "load", "lateral_force": 2e6, "arm_from": 0.0, "arm": 5.0}, "1 MN, -2 MN m"),
+    ],
+    ids=lambda value: value["kind"] if isinstance(value, dict) else "",
+)
+def test_a_part_changes_the_vertical_load_alone(path: dict[str, Any], lateral: str) -> None:
+    """Half of it beyond the balanced one; the parts after it keep it, and go on as without it."""
+
+    def stages(*then: str) -> list[Stage]:
+        given = Scene(paths=[{"name": "a", "role": "held-back", "then": then, **path}])
+        return path_stages(given, given.paths[0], 1e5, balanced=3e5)
+
+    plain, found = stages(lateral, "rest 1 s"), stages("V 3 MN", lateral, "V 0 MN in 10 s", "rest 1 s")
+    first = len(found) - 4
+    assert [stage.force[1] for stage in found] == [1e5] * first + [1.2e6, 1.2e6, -3e5, -3e5]
+    for stage, before in ((found[first], found[first - 1]), (found[first + 2], found[first + 1])):
+        np.testing.assert_array_equal(stage.target, before.target)
+        np.testing.assert_array_equal(stage.force[[0, 2]], before.force[[0, 2]])
+        np.testing.assert_array_equal(stage.control, before.control)
+        assert (stage.first_fraction, stage.max_fraction) == (0.1, 0.25)
+    assert [found[first].duration, found[first + 2].duration, found[first].name] == [0.0, 10.0, "a, then 1"]
+    for stage, other in zip([found[first + 1], found[-1]], plain[-2:], strict=True):
+        np.testing.assert_array_equal(stage.target, other.target)
+        np.testing.assert_array_equal(stage.force[[0, 2]], other.force[[0, 2]])
+        assert (stage.first_fraction, stage.duration) == (other.first_fraction, other.duration)
+
+
+def test_a_vertical_load_takes_the_time_of_undrained_parts_and_no_relaxation() -> None:
+    path = {"name": "a", "kind": "pull", "lateral_displacement": 5e-3, "role": "held-back", "then": ["V 3 MN", "0 mm"]}
+    scene = Scene(paths=[path], solver={"viscous_displacement": 1e-6}, drainage={"mode": "undrained"})
+    found = path_stages(scene, scene.paths[0], 0.0, undrained_time=2.0)
+    assert [stage.duration for stage in found] == [2.0, 2.0, 2.0]
+    assert [stage.lag for stage in found] == pytest.approx([2e-4, 0.0, 2e-4])
+
+
 @pytest.mark.parametrize("rate", [None, 1e-4])
 def test_a_fan_with_memory_has_three_rays_that_turn_back(rate: float | None) -> None:
     rates = {} if rate is None else {"rates": (rate,)}

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import math
 import pickle
 import re
@@ -174,6 +175,22 @@ def test_interval_bounds_have_the_unit() -> None:
     degrees = Interval("[0, 30]")
     assert degrees.holds(math.radians(30), "deg")
     assert not degrees.holds(math.radians(30.001), "deg")
+
+
+def test_parts_of_a_path_that_change_the_vertical_load() -> None:
+    """Newtons and seconds, in TOML and in Python; other entries beside them stay what they are."""
+    path = {"name": "a", "kind": "pull", "lateral_displacement": 5e-3, "role": "held-back"}
+    texts = ["V 3 MN", "V -500 kN in 10 min", "rest 1 hour", "-1 mm"]
+    scene = Scene(paths=[path | {"then": texts}])
+    assert [(then.value, then.time, then.load) for then in scene.paths[0].then] == [
+        (None, None, 3e6), (None, 600.0, -5e5), (None, 3600.0, None), (-1e-3, None, None),
+    ]  # fmt: skip
+    assert parse_scene(scene.to_toml()) == scene
+    assert '"V 3 MN"' in scene.to_toml() and '"V -0.5 MN in 600 s"' in scene.to_toml()
+    assert (
+        Scene.model_validate(scene.model_dump()) == Scene.model_validate(json.loads(scene.model_dump_json())) == scene
+    )
+    assert scene.sha256 != Scene(paths=[path | {"then": texts[1:]}]).sha256
 
 
 # --- round trip of random scenes ---

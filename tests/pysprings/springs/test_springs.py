@@ -115,6 +115,21 @@ def test_actions_of_single_reactions_are_those_of_the_sums(tree: xr.DataTree) ->
         np.testing.assert_allclose(row, path[load], atol=1e-9 * np.abs(path[load]).max())
 
 
+@pytest.mark.parametrize("given", [True, False])
+def test_the_vertical_load_of_each_state(given: bool) -> None:
+    """Solver tolerances do not change it; where w is held it is that of the start."""
+    tree = synthetic.make_springs(PATHS)
+    path = tree["paths/held"]
+    changes = np.zeros(path.sizes["step"])
+    changes[-6:] = [2e5, 5e5, 1e6, 1e6 + 50.0, 1e6 - 50.0, 1e6 + 20.0]
+    changes[1:4] = [30.0, -30.0, 10.0]
+    path["V"].values = REST + changes
+    path.attrs["heave"] = "free" if given else "fixed"
+    wanted = np.full(changes.size, REST)
+    wanted[-6:] += np.array([2e5, 5e5, 1e6, 1e6, 1e6, 1e6]) if given else 0.0
+    np.testing.assert_array_equal(Springs.of(tree).paths["held"].given_loads, wanted)
+
+
 @pytest.mark.parametrize(
     ("u", "turn", "keeps"),
     [
