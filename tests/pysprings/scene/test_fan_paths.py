@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: MIT
+"""Paths that `[springs]` makes: rays and rays that turn back under each vertical load and rate."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from pysprings import Scene
+from pysprings.core.path_kinds import MEMORY
+
+REACH = 0.02
+
+
+def test_rays_turn_back_under_each_vertical_load_and_rate() -> None:
+    """Three under each, with the motion of those of the scene's load, at the rate all along their way."""
+    rates, loads = (1e-5, 1e-3), (3e6, 5e6)
+    scene = Scene(
+        springs={"reach": REACH, "memory": True, "vertical_loads": loads, "rates": rates},
+        drainage={"mode": "coupled"},
+    )
+    turning = {path.name: path for path in scene.load_paths if path.role == MEMORY}
+    assert len(turning) == 3 * 3 * 2
+    for angle, (number, load), (pace, rate) in product(
+        ("0", "minus_30", "minus_50"), enumerate((None, *loads)), enumerate(rates)
+    ):
+        name = f"ray_{angle}_reversed" + (f"_load_{number}" if number else "") + (f"_rate_{pace}" if pace else "")
+        path, plain = turning[name], turning[f"ray_{angle}_reversed"]
+        assert path.vertical_load == load
+        assert [then.value for then in path.then] == [then.value for then in plain.then]
+        assert path.duration == pytest.approx(0.12 * REACH / rate)
+        assert path.then[0].time == pytest.approx(0.24 * REACH / rate)
