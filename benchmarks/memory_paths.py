@@ -111,7 +111,8 @@ def _loaded_sequences(case: Case, loads: dict[str, float]) -> list[dict[str, Any
     storm = {"name": "storm_V", "kind": "load", "lateral_force": 0.3 * F, "arm": D, "role": "held-back"}
     moments = storm | {"name": "moments_V", "arm": 0.0, "vertical_load": loads["heavy"]}
     return [
-        *(path | {"name": f"{path['name']}_{V}", "vertical_load": loads[V]} for V in ("between", "heavy") for path in one),
+        *(path | {"name": f"{path['name']}_{V}", "vertical_load": loads[V]}
+          for V in ("between", "heavy") for path in one),
         *(path | {"then": [part(each) for each in parts]}
           for path, parts in ((storm, _STORM_V), (moments, _MOMENTS_V), (pull, _PULL_V))),
     ]  # fmt: skip

@@ -15,20 +15,23 @@ from pysprings.macro.fan import FanTable, reaction_rows
 Array = NDArray[np.float64]
 
 _FAMILIES = ("p", "m", "t", "H_tip", "M_tip", "H_lid", "M_lid", "V_tip", "V_lid", "w")
+_VERTICAL = ("t", "V_tip", "V_lid", "w")
 
 
 def reaction_errors(one: Followed) -> dict[str, Any]:
     """Return the largest error [%] of each family of reactions, and of w, over the largest value of the full model.
 
     The springs are at their own motion where the path was driven by loads. All are changes from the start of the path.
+    NaN for vertical reactions and w where V changes on the way: what V itself does is not in the lateral springs.
     """
     table, full, macro = _reactions(one)
+    changes = one.V is not None and bool((one.V[0] != one.V).any())
     row: dict[str, Any] = {"path": one.path.name, "role": one.path.role, "springs": one.springs}
     for name in _FAMILIES:
         own = table.name == name
         size = float(np.abs(full[own]).max(initial=0.0))
         worst = float(np.abs(macro[own] - full[own]).max(initial=0.0))
-        row[f"{name}_error_pct"] = 100.0 * worst / size if size else np.nan
+        row[f"{name}_error_pct"] = np.nan if not size or (changes and name in _VERTICAL) else 100.0 * worst / size
     return row
 
 

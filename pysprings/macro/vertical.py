@@ -10,9 +10,10 @@ How they go with the lateral springs: additively in w. Under a vertical load V t
 
     w = w_lateral(u, rotation; V') + w_vertical(V) - w_vertical(V'),
 
-and H and M stay those at V'. Beside springs with memory w_vertical is that of the history of V (`VerticalTable.history`),
-beside all others a function of V. The first is exact where the caisson does not move laterally, or where V = V'; what the
-second is worth away from V' is measured by `pysprings compare` on held-back paths with a `vertical_load` of their own.
+and H and M stay those at V'. Beside springs with memory w_vertical is that of the history of V
+(`VerticalTable.history`), beside all others a function of V. The first is exact where the caisson does not move
+laterally, or where V = V'; what the second is worth away from V' is measured by `pysprings compare` on held-back paths
+with a `vertical_load` of their own.
 """
 
 from __future__ import annotations

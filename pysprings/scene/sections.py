@@ -385,8 +385,8 @@ class Springs(Section):
     """A fan of load paths, made from diameter, skirt length and reach; [[path]] tables add to it.
 
     Eight rays move the lid centre by u and turn the caisson in proportion, until sqrt(u^2 + (rotation skirt_length)^2)
-    is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` three rays (at each vertical
-    load and rate) go back and forth, at 12, 24 (twice) and 40 % of it. `rays` has other directions than the usual eight.
+    is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` three rays at each
+    vertical load and rate go back and forth, at 12, 24 (twice) and 40 % of it. `rays` has other directions than these.
     """
 
     reach: Annotated[float | None, _REACH] = None

@@ -56,9 +56,11 @@ def build_memory(springs: Springs) -> MemoryModel:
     loads = np.array(list(known))
     V = float(np.clip(asked, loads.min(), loads.max()))
     shares = [float(np.interp(V, loads, row)) for row in np.eye(len(loads))]
-    parts = [(_elements(at), share) for at, share in zip(known.values(), shares, strict=True) if share > 0.0]
+    parts = [(at, share) for at, share in zip(known.values(), shares, strict=True) if share > 0.0]
     rate = springs.attrs.get("rate_m_per_s", springs.paths[table.path[0]].rate) if springs.rate_sets else None
-    return MemoryModel(mixed(parts), table, V, None if rate is None else float(rate))
+    sets = sum(len(at.parts) or 1 for at, _ in parts)
+    elements = mixed([(_elements(at), share) for at, share in parts])
+    return MemoryModel(elements, table, V, None if rate is None else float(rate), sets)
 
 
 def _at_loads(springs: Springs) -> dict[float, Springs]:
@@ -89,8 +91,8 @@ def with_memory(tree: xr.DataTree) -> xr.DataTree:
     "memory_load_1", "memory_rate_1", "memory_load_1_rate_1" those of the next ones.
     """
     springs = Springs.of(tree)
-    rates = [one.rate for one in springs.rate_sets] if len(springs.rate_sets) > 1 else [None]
-    loads = sorted((one.V for one in springs.load_sets), key=lambda V: not same_load(V, springs.rest_load)) or [None]
+    rates: list[float | None] = [one.rate for one in springs.rate_sets] if len(springs.rate_sets) > 1 else [None]
+    loads = sorted((one.V for one in springs.load_sets), key=lambda V: not same_load(V, springs.rest_load))
     groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
     for (load, V), (pace, rate) in product(enumerate(loads), enumerate(rates)):
         at = springs.at(rate=rate, V=V)

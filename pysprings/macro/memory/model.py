@@ -34,12 +34,14 @@ class MemoryModel:
     table : fan of the rays: names, depths and actions of the reactions, and the size of the loads.
     V : vertical load [N] of the rays that turn back, or between two of theirs; NaN where it is not known.
     rate : their rate [m/s, of rho], or between two; None where springs do not depend on one.
+    sets : number of sets that the elements are from: more than one between two vertical loads or rates.
     """
 
     elements: ElementSet
     table: FanTable
     V: float = np.nan
     rate: float | None = None
+    sets: int = 1
 
     @cached_property
     def to_motion(self) -> Array:

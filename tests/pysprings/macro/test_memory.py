@@ -10,7 +10,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.batch import predict_batch

@@ -3,67 +3,28 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.macro.memory.build import build_memory, memory_dataset
+from pysprings.macro.memory.build import build_memory
 from pysprings.macro.memory.elements import FRICTIONAL
 from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, sequence
 from pysprings.macro.sets import spring_sets
 from pysprings.springs.springs import Springs
-from tests.support import winkler
+from tests.support import loaded, winkler
 from tests.support.fans import LENGTH
-from tests.support.vertical import REST, down_curve, pressed, vertical_path
-from tests.support.winkler import elements_of, mixed
+from tests.support.loaded import HEAVY
+from tests.support.vertical import REST, down_curve
 
-HEAVY = 2.0 * REST
 WAY = 1e-3 * np.array([[1.0, 0.2], [3.0, -0.4], [-1.0, 0.1], [-2.0, 0.3], [2.0, 0.0], [0.0, 0.0]]) / [1.0, LENGTH]
 
 
-@cache
-def springs(turning: tuple[float, ...] = (REST, HEAVY)) -> Springs:
-    """Springs of a Winkler caisson under two vertical loads, with invented elements at those with rays that turn back.
-
-    The heavy one carries twice the load on all its paths.
-    """
-    tree = winkler.springs()
-    groups = {"/": tree.to_dataset(inherit=False).assign_attrs(vertical_load_N=REST)}
-    for node in tree["paths"].children.values():
-        path = node.to_dataset(inherit=False)
-        for V in (REST, HEAVY):
-            if node.attrs["role"] == "calibration" or V in turning:
-                groups[f"/paths/{node.name}_{V / REST:g}"] = pressed(path, V)
-    for name, end in (("down", 1e-2), ("up", -1e-2)):
-        groups[f"/paths/{name}"] = vertical_path(groups[f"/paths/ray_0_{1}"], end)
-    bare = Springs.of(xr.DataTree.from_dict(groups, name="springs"))
-    for number, V in enumerate(turning):
-        groups[f"/memory_load_{number}" if number else "/memory"] = invented(bare.at(V=V), number + 1)
-    return Springs.of(xr.DataTree.from_dict(groups, name="springs"))
-
-
-def invented(at: Springs, seed: int) -> xr.Dataset:
-    """Elements that stand for calibrated ones, with reactions and w of their own."""
-    table, random = MacroModel.from_springs(at, "fan").table, np.random.default_rng(seed)
-    elements = elements_of(mixed(n=6, seed=seed), table)
-    shares = elements.shares
-    even = random.uniform(-0.05, 0.05, shares.even.shape)
-    names = table.name[~shares.odd]
-    even[names == "V"] = 0.0
-    own = replace(
-        shares, loads=random.uniform(-1.0, 1.0, shares.loads.shape), even=even, growth=10.0 * seed,
-        elastic=1e8 * random.uniform(-1.0, 1.0, shares.elastic.shape),
-    )  # fmt: skip
-    return memory_dataset(at, replace(elements, shares=own))
-
-
 def memory(V: float) -> MemoryModel:
-    return build_memory(springs().at(V=V))
+    return build_memory(loaded.springs().at(V=V))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
@@ -84,7 +45,7 @@ def test_between_two_vertical_loads_loads_and_reactions_are_those_of_both_by_the
 def test_w_between_two_vertical_loads_counts_from_the_settlement_under_the_load() -> None:
     V = 1.5 * REST
     first = 1e-9 * WAY[:1]
-    answer = sequence(springs(), first, control="state", V=V, springs_kind="memory", extrapolate=True)
+    answer = sequence(loaded.springs(), first, control="state", V=V, springs_kind="memory", extrapolate=True)
     w = float(answer["w"][0])
     assert down_curve(np.array(w)) == pytest.approx(V - REST, rel=1e-4)
 
@@ -96,7 +57,7 @@ def test_no_closed_way_between_two_vertical_loads_gives_work() -> None:
     for _ in range(200):
         corners = random.normal(scale=4e-3, size=(random.integers(2, 6), 2)) / [1.0, LENGTH]
         corners = np.concatenate([np.zeros((1, 2)), corners, np.zeros((1, 2))])
-        way = np.concatenate([np.linspace(a, b, 60)[1:] for a, b in zip(corners[:-1], corners[1:], strict=True)])
+        way = np.concatenate([np.linspace(a, b, 60)[1:] for a, b in pairwise(corners)])
         _, loads, _ = model.solve("state", way)
         steps = np.diff(way, axis=0, prepend=0.0)
         middle = 0.5 * (loads + np.concatenate([np.zeros((1, 2)), loads[:-1]]))
@@ -106,14 +67,14 @@ def test_no_closed_way_between_two_vertical_loads_gives_work() -> None:
 def test_a_vertical_load_beyond_those_of_the_rays_is_that_of_the_nearest_and_marked() -> None:
     V = 0.9 * REST
     with pytest.warns(MacroWarning, match="lateral springs unchanged"):
-        answer = sequence(springs(), WAY, control="state", V=V, springs_kind="memory", extrapolate=True)
+        answer = sequence(loaded.springs(), WAY, control="state", V=V, springs_kind="memory", extrapolate=True)
     np.testing.assert_allclose(answer["H"], memory(REST).solve("state", WAY)[1][:, 0], rtol=1e-12)
     assert answer["off_load"].values[:-1].all()
 
 
 def test_rays_that_turn_back_at_one_of_two_loads_answer_there() -> None:
     """At the other load there are elements at the first one, and a mark."""
-    lone = springs((REST,))
+    lone = loaded.springs((REST,))
     with pytest.warns(MacroWarning, match="lateral springs unchanged"):
         answer = sequence(lone, WAY, control="state", V=HEAVY, springs_kind="memory", extrapolate=True)
     np.testing.assert_allclose(answer["H"], memory(REST).solve("state", WAY)[1][:, 0], rtol=1e-12)
@@ -124,8 +85,8 @@ def test_between_two_rates_loads_are_those_of_both_linear_in_the_logarithm_of_th
     """At 1e-4 m/s halfway between 1e-5 and 1e-3 m/s; steps at 1e-5 m/s are off that rate."""
     tree = winkler.at_two_rates((1e-5, 1e-3)).tree
     groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
-    for number, rate in enumerate((1e-5, 1e-3)):
-        groups[f"/memory_rate_{number}" if number else "/memory"] = invented(Springs.of(tree).at(rate=rate), number + 1)
+    for name, rate, seed in (("memory", 1e-5, 1), ("memory_rate_1", 1e-3, 2)):
+        groups[f"/{name}"] = loaded.invented(Springs.of(tree).at(rate=rate), seed)
     stored = Springs.of(xr.DataTree.from_dict(groups, name="springs"))
     slow, between, fast = (build_memory(stored.at(rate=rate)) for rate in (1e-5, 1e-4, 1e-3))
     loads = [model.solve("state", WAY)[1] for model in (slow, fast)]

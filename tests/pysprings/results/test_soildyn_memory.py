@@ -20,8 +20,9 @@ from pysprings.results.exporters import export
 from pysprings.results.exporters.soildyn.between_planes import error_between_planes
 from pysprings.results.exporters.soildyn.library import build
 from pysprings.results.exporters.soildyn.spring_file import spring_text
-from tests.support import winkler
+from tests.support import loaded, winkler
 from tests.support.foundation import FORCE, Point
+from tests.support.vertical import REST
 
 pytestmark = pytest.mark.skipif(
     not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
@@ -100,6 +101,30 @@ def test_the_settlement_of_the_elements_carries_no_load(
     )  # `predict` divides long steps of loads and of w in other ways
     for state, down, load in zip(states, w, V, strict=True):
         assert -point.forces(motion(state, 0.0, down))[2] == pytest.approx(load, abs=near)
+
+
+def test_elements_at_another_vertical_load_are_those_of_predict(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """H and M, and V at the w that `predict` gives, of springs at the second of two loads."""
+    springs = loaded.springs()
+    text = spring_text([], MacroModel.from_springs(springs, "memory", V=loaded.HEAVY), 1e9, True, False)
+    (tmp_path / "caisson.txt").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    point, states = Point(library, "./caisson.txt"), sequence(5)
+    answer = trace(MacroModel.from_springs(springs, "memory", V=loaded.HEAVY), "state", states)
+    H, M, w = (answer[name].values for name in ("H", "M", "w"))
+    assert np.ptp(w) > 1e-5 and w[0] > 1e-4
+    for k, state in enumerate(states):
+        force = point.forces(motion(state, 0.0, w[k]))
+        np.testing.assert_allclose(in_plane(force, 0.0)[:2], [H[k], M[k]], rtol=1e-6, atol=1.0)
+        assert -force[2] == pytest.approx(loaded.HEAVY, rel=0.02)
+
+
+def test_elements_of_two_vertical_loads_together_are_refused() -> None:
+    model = MacroModel.from_springs(loaded.springs(), "memory", V=1.5 * REST)
+    with pytest.raises(UserInputError, match="SoilDyn keeps a state for those of one: give the V or rate of one"):
+        spring_text([], model, 1e9, True, False)
 
 
 def test_a_repeated_step_leaves_no_trace_and_points_are_independent(

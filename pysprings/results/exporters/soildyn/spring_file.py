@@ -21,6 +21,10 @@ VERSION = 5
 PROPS, STATES = 20000, 1200  # numbers that SoilDyn keeps for a point, and of its state
 _SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 23, 3, 9, 2, 3  # of `springs.h`
 _STATE_HEAD = 9
+_BETWEEN = (
+    "springs with memory between two vertical loads or rates have elements of both, and SoilDyn keeps a state for "
+    "those of one: give the V or rate of one"
+)
 
 
 def spring_text(
@@ -44,7 +48,7 @@ def spring_text(
     Raises
     ------
     UserInputError
-        No fan, no vertical stiffness, or more numbers than SoilDyn keeps.
+        No fan, no vertical stiffness, more numbers than SoilDyn keeps, or elements of several loads or rates.
     """
     table = model.table
     if not isinstance(table, FanTable):
@@ -89,6 +93,8 @@ def _check_size(model: MacroModel, table: FanTable) -> None:
     if size > PROPS:
         raise refused("springs", f"{size} numbers: SoilDyn keeps {PROPS} for a point; use fewer rays or steps")
     if model.memory is not None:
+        if model.memory.sets > 1:
+            raise refused("springs", _BETWEEN)
         rows = model.memory.elements.rows
         kept = _STATE_HEAD + numbers_of(rows)
         if kept > STATES:
@@ -130,7 +136,7 @@ def _element_lines(model: MacroModel) -> Iterator[str]:
     rest = shares.rest[~shares.odd][down]
     yield f"elements {len(elements.rows)}"
     yield "! largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest"
-    yield _row("memory", [elements.largest, 1.0 / shares.growth, elements.way, *rest])
+    yield _row("memory", [elements.largest, 1.0 / float(np.asarray(shares.growth)), elements.way, *rest])
     yield "! kind (0 plastic, 1 gap, 2 reversible, 3 frictional), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
     yield "! of a gap g11 [m]: by how much its walls press on the plate at rest,"
     yield "! of a frictional one g11, g12: direction of the friction, g22: its coefficient,"
