@@ -13,6 +13,7 @@ import pytest
 
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.batch import predict_batch
+from pysprings.macro.cycle_reactions import reaction_errors
 from pysprings.macro.cycles import Followed, cycles, errors, follow_path, sequences
 from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.memory import build
@@ -27,6 +28,7 @@ from pysprings.macro.predict import MacroWarning, predict, sequence
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.stiffness import stiffness
 from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from tests.support import winkler
 from tests.support.commands import command
@@ -531,3 +533,17 @@ def test_springs_with_memory_refuse_what_has_no_history() -> None:
         predict_batch(springs, H=np.array([1e4]), springs_kind="memory")
     with pytest.raises(UserInputError, match="no secant stiffness"):
         stiffness(springs, H=1e4, secant=True, springs_kind="memory", extrapolate=True)
+
+
+def test_w_has_no_error_on_a_path_whose_vertical_load_changes() -> None:
+    """What V moves is not in the lateral springs: w and vertical reactions are left out there, p is not."""
+    tree = winkler.with_invented_memory()
+    model, found = MacroModel.from_springs(Springs.of(tree), "memory"), []
+    for change in (0.0, 1e6):
+        path = tree["paths/turning_0"].to_dataset(inherit=False).copy(deep=True)
+        grows = np.linspace(0.0, 1.0, path.sizes["step"])
+        path["w"], path["V"] = path["w"] + 1e-3 * grows, path["V"] + change * (grows > 0.5)
+        found.append(reaction_errors(follow_path(SpringPath("path", path, LENGTH), model)))
+    plain, changed = found
+    assert np.isfinite([plain["w_error_pct"], changed["p_error_pct"]]).all()
+    assert np.isnan([changed["w_error_pct"], changed["t_error_pct"], changed["V_tip_error_pct"]]).all()
