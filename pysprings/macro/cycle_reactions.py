@@ -25,7 +25,7 @@ def reaction_errors(one: Followed) -> dict[str, Any]:
     NaN for vertical reactions and w where V changes on the way: what V itself does is not in the lateral springs.
     """
     table, full, macro = _reactions(one)
-    changes = one.V is not None and bool((one.V[0] != one.V).any())
+    changes = one.V is not None and np.ptp(one.V) > 0.0
     row: dict[str, Any] = {"path": one.path.name, "role": one.path.role, "springs": one.springs}
     for name in _FAMILIES:
         own = table.name == name
