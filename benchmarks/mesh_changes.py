@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -41,41 +42,65 @@ class Family(NamedTuple):
     """A mesh, and groups of changes of it that a limit is found from, each from coarse to fine.
 
     ``sections`` have ever smaller cells in a plane through the axis, those across the tip among them. ``around``
-    are more cells around or more harmonics, beside its first member; ``extrapolated``: whether it has an order.
+    are more cells around or more harmonics, beside its first member; ``extrapolated``: whether it has an order. ``lid``
+    are ever smaller cells below mudline on the coarsest section; all sections have a first one of the same size then.
     """
 
     mesh: str
     sections: Sequence[Change]
     around: Sequence[Change]
     extrapolated: bool
+    lid: Sequence[Change] = ()
 
     @property
     def changes(self) -> list[Change]:
         """All changes, each once."""
-        return list({change.words: change for change in (*self.sections, *self.around)}.values())
+        return list({change.words: change for change in (*self.sections, *self.around, *self.lid)}.values())
+
+    @property
+    def groups(self) -> list[tuple[Sequence[Change], bool]]:
+        """Groups beside the sections, and whether each has an order."""
+        return [(self.around, self.extrapolated), (self.lid, True)]
 
 
 # Bricks with cells beside and across the tip that are smaller than the skirt is thick: the field there varies over the
 # thickness, and cells that are larger have no order.
 TIP = {"plug": 8, "outer": 16, "tip": 4, "skirt": 16, "below": 14, "wall": 0.02, "toe": 0.02}
-# Below a lid that has lifted off the water flows along the wall: smaller cells below mudline, too.
-LID = TIP | {"skirt": 20, "mudline": 0.02}
 BRICKS, SERIES = "medium", "fourier-coarse@5"
+# First cells below mudline over the skirt length. Below a lid that has lifted off water flows along the wall: cells
+# there are a group of their own, and all sections have the first size. Half of a size takes so many more.
+LID_BRICKS, LID_SERIES = (0.02, 0.04, 0.01), (1.0 / 12.0, 0.16, 0.04)
+_MORE_BRICKS, _MORE_SERIES = 2.5, 1.0
 BRICK_SECTIONS, SERIES_SECTIONS = (0.5, 0.75, 1.0, 1.5), (2.0, 3.0, 4.0)
-_FINE_TIP, _FINE_LID = "fine beside the tip", " and below the lid"
+_FINE_TIP = "fine beside the tip"
+_MEDIUM_LID = mesh.PRESETS["medium"].mudline
 
 
-def bricks(section: float, around: int = 12, lid: bool = False) -> Change:
-    """Return bricks of a section so many times as fine, with so many cells around half the caisson; lid: see `LID`."""
-    words = f"bricks {_FINE_TIP}{_FINE_LID if lid else ''}, section {section:g}, {around} around"
-    counts = LID if lid else TIP
+def bricks(section: float, around: int = 12, lid: float | None = None) -> Change:
+    """Return bricks of a section so many times as fine, with so many cells around half the caisson.
+
+    lid: first cell below mudline over the skirt length (None: that of `medium` over the section).
+    """
+    words = f"bricks {_FINE_TIP}{_lid_words(lid)}, section {section:g}, {around} around"
+    counts = TIP | ({} if lid is None else _lid_counts(lid * section, _MEDIUM_LID, TIP["skirt"], _MORE_BRICKS))
     return Change(words, {"refinement": section, "azimuth": around}, counts=counts, size=1.0 / section)
 
 
-def series(section: float, harmonics: int = 5) -> Change:
-    """Return series of a section so many times as fine as `coarse`, with N harmonics."""
-    words = f"series, section {section:g}, N {harmonics}"
-    return Change(words, {"refinement": section, "harmonics": harmonics}, size=1.0 / section)
+def series(section: float, harmonics: int = 5, lid: float | None = None) -> Change:
+    """Return series of a section so many times as fine as `coarse`, with N harmonics; lid: see `bricks`."""
+    words = f"series{_lid_words(lid)}, section {section:g}, N {harmonics}"
+    coarse = fourier_mesh.PRESETS["coarse"]
+    counts = {} if lid is None else _lid_counts(lid * section, coarse.mudline, coarse.skirt, _MORE_SERIES)
+    return Change(words, {"refinement": section, "harmonics": harmonics}, counts=counts, size=1.0 / section)
+
+
+def _lid_words(lid: float | None) -> str:
+    return "" if lid is None else f", first cell {lid:.3g} L"
+
+
+def _lid_counts(first: float, usual: float, skirt: float, more: float) -> dict[str, Any]:
+    """Return the first cell below mudline of a preset, and cells down the skirt: so many more for half the size."""
+    return {"mudline": first, "skirt": round(skirt + more * max(0.0, math.log2(usual / first)))}
 
 
 def families(
@@ -83,14 +108,17 @@ def families(
 ) -> dict[str, Family]:
     """Return both families on these sections; cells around, and harmonics, are changed on the coarsest.
 
-    lid: whether cells of bricks are small below the lid.
+    lid: with cells below the lid as a group of their own.
     """
     first, other = of_bricks[0], of_series[0]
-    ring = [bricks(first, n, lid)._replace(size=12.0 / n) for n in (8, 12, 24)]
-    waves = [series(other, n)._replace(size=6.0 / (n + 1)) for n in (5, 8, 11)]
+    one, two = (LID_BRICKS[0], LID_SERIES[0]) if lid else (None, None)
+    ring = [bricks(first, n, one)._replace(size=12.0 / n) for n in (8, 12, 24)]
+    waves = [series(other, n, two)._replace(size=6.0 / (n + 1)) for n in (5, 8, 11)]
+    below = [bricks(first, 12, cell)._replace(size=cell) for cell in sorted(LID_BRICKS, reverse=True)]
+    under = [series(other, 5, cell)._replace(size=cell) for cell in sorted(LID_SERIES, reverse=True)]
     return {
-        "bricks": Family(BRICKS, [bricks(f, lid=lid) for f in of_bricks], ring, True),
-        "series": Family(SERIES, [series(f) for f in of_series], waves, False),
+        "bricks": Family(BRICKS, [bricks(f, 12, one) for f in of_bricks], ring, True, below if lid else ()),
+        "series": Family(SERIES, [series(f, 5, two) for f in of_series], waves, False, under if lid else ()),
     }
 
 
@@ -107,7 +135,7 @@ class Limit:
 
 
 def together(family: Family, each: Mapping[str, Sample]) -> Limit:
-    """Return the limit of the sections in ``each``, and what the group around adds where all its members are there.
+    """Return the limit of the sections in ``each``, and what other groups add where all their members are there.
 
     A sample of ``each`` is that of the words of a change.
     """
@@ -115,13 +143,13 @@ def together(family: Family, each: Mapping[str, Sample]) -> Limit:
     groups = [_reference(sections, each)]
     values = {key: found.values.copy() for key, found in groups[0].items()}
     notes = [_note(sections, groups[0])]
-    ring = family.around
-    if ring and all(change.words in each for change in ring):
-        # without an order the finest stands for the limit, the one before it for its doubt
-        groups.append(_reference(ring if family.extrapolated else ring[-2:], each))
-        plain = each[family.sections[0].words]
-        values |= {key: values[key] + found.values - plain[key] for key, found in groups[1].items() if key in values}
-        notes.append(_note(ring, groups[1]))
+    plain = each[family.sections[0].words]
+    for group, extrapolated in family.groups:
+        if group and all(change.words in each for change in group):
+            # without an order the finest stands for the limit, the one before it for its doubt
+            groups.append(_reference(group if extrapolated else group[-2:], each))
+            values |= {key: values[key] + one.values - plain[key] for key, one in groups[-1].items() if key in values}
+            notes.append(_note(group, groups[-1]))
     beside = tuple({key: values[key] - found.values + found.beside for key, found in group.items()} for group in groups)
     return Limit(values, beside, tuple(notes))
 

@@ -8,7 +8,9 @@ One run a mesh leads to the largest displacement; the curves up to each end are 
 of `mesh_changes.families`: sections refined alone, cells across the tip among them, by the factors given, and more
 cells around (bricks) or harmonics (series) on the coarsest section. What each of these groups tends to is found from
 its own meshes that reach the end: sections and cells around as in `pysprings accuracy` (the finest as it is where no
-order can be fitted, or fewer than three do), harmonics from the highest. The effects of the groups are added up.
+order can be fitted, or fewer than three do), harmonics from the highest. Where the lid lifts off in water, cells below
+mudline are a third group: the water force depends on them more than on the rest of the section. The effects of the
+groups are added up.
 
 Prints a line of comma-separated values an end and measure: the largest difference of load and rotation up to the end
 and the root mean square one of p(y), per cent of the largest value; the same at the end itself, where every run has a
@@ -16,7 +18,7 @@ state; of runs with water also, at the end, the load over that of the drained ru
 drained limit, the water force under the lid and the largest difference of the pressure at five points; the aim, and
 whether the values at the end meet it; what each limit is uncertain by up to the end, which is the sum of the distances
 of the groups' limits from their finest meshes; and whether the limits differ by more than both uncertainties together.
-Runs with water are those on the sections alone, the coarsest NUMBER of them. Runs in the folder are not repeated.
+Runs with water are those on the sections, the coarsest NUMBER of them, and below the lid. Runs in the folder are not repeated.
 """
 
 from __future__ import annotations
@@ -65,8 +67,8 @@ POINTS = (
 class Case(NamedTuple):
     """Ends of the pull (mm), sections of the scene, aims by measure, and the rate (mm/s) of a pull with water.
 
-    ``viscous`` is solver.viscous_displacement in mm; ``lid``: the lid lifts off in water, and cells of bricks are small
-    below it.
+    ``viscous`` is solver.viscous_displacement in mm; ``lid``: whether the lid lifts off in water, so that cells below
+    it are a group of their own.
     """
 
     ends: tuple[float, ...]
@@ -251,12 +253,13 @@ def rows(
 ) -> list[list[str]]:  # fmt: skip
     """Run a case on all meshes; return its lines, those of the ends that both discretisations reach.
 
-    Runs with water are those on the sections, the coarsest ``with_water`` of them (None: all).
+    Runs with water are those on the sections, the coarsest ``with_water`` of them (None: all), and below the lid.
     """
     wet, lines = CASES[case].rate is not None, []
     plain, scene = scene_of(case, ends, drained=True), scene_of(case, ends)
     drained = {c.words: run(f.mesh, c, plain, folder) for f in found.values() for c in f.changes}
-    trees = {c.words: run(f.mesh, c, scene, folder) for f in found.values() for c in f.sections[:with_water] if wet}
+    with_it = {c.words: (f, c) for f in found.values() for c in (*f.sections[:with_water], *f.lid) if wet}
+    trees = {words: run(f.mesh, c, scene, folder) for words, (f, c) in with_it.items()}
     for end in sorted(ends or CASES[case].ends):
         tend = limits(trees, found, end, drained) if wet else limits(drained, found, end)
         if tend is not None:

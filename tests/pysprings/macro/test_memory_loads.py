@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.macro.memory.build import build_memory
+from pysprings.macro.memory import build
+from pysprings.macro.memory.build import build_memory, digest, with_memory
 from pysprings.macro.memory.elements import FRICTIONAL
+from pysprings.macro.memory.mixture import mixed
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.predict import MacroWarning, sequence
 from pysprings.macro.sets import spring_sets
@@ -19,6 +22,7 @@ from tests.support import loaded, winkler
 from tests.support.fans import LENGTH
 from tests.support.loaded import HEAVY
 from tests.support.vertical import REST, down_curve
+from tests.support.winkler import elements_of
 
 WAY = 1e-3 * np.array([[1.0, 0.2], [3.0, -0.4], [-1.0, 0.1], [-2.0, 0.3], [2.0, 0.0], [0.0, 0.0]]) / [1.0, LENGTH]
 
@@ -95,3 +99,50 @@ def test_between_two_rates_loads_are_those_of_both_linear_in_the_logarithm_of_th
     assert between.rate == pytest.approx(1e-4) and "memory" in spring_sets(stored.at(rate=1e-4))
     time = np.arange(1.0, len(WAY) + 1.0) * float(np.hypot(*WAY[0] * [1.0, LENGTH])) / 1e-5
     assert between.off_rates(WAY[:1], time[:1]).all() and not slow.off_rates(WAY[:1], time[:1]).any()
+
+
+def test_what_lies_between_has_the_smaller_reach_and_way_of_both() -> None:
+    """Steps and marks of heave go by the nearer limit."""
+    one = memory(REST).elements
+    other = replace(one, reach=0.5 * one.reach, way=3.0 * one.way)
+    both = mixed([(one, 0.5), (other, 0.5)])
+    assert (both.reach, both.way, len(both.rows)) == (0.5 * one.reach, one.way, 2 * len(one.rows))
+
+
+def test_springs_between_two_vertical_loads_offer_their_memory() -> None:
+    assert "memory" in spring_sets(loaded.springs().at(V=1.5 * REST))
+    assert pytest.approx(1.5 * REST) == memory(1.5 * REST).V and memory(1.5 * REST).sets == 2
+    assert pytest.approx(REST) == build_memory(loaded.springs((REST,)).at(V=HEAVY)).V
+
+
+def test_w_under_a_load_without_rays_that_turn_back_is_that_of_the_vertical_springs() -> None:
+    """The elements are those at REST, the fan lies between two loads: w counts once from the curve."""
+    with pytest.warns(MacroWarning):
+        answer = sequence(
+            loaded.springs((REST,)), 1e-9 * WAY[:1], control="state", V=1.5 * REST, springs_kind="memory",
+            extrapolate=True,
+        )  # fmt: skip
+    assert down_curve(np.array(float(answer["w"][0]))) == pytest.approx(0.5 * REST, rel=1e-4)
+
+
+def test_elements_at_rest_load_are_stored_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One group a vertical load, in the order of the loads beside that at rest."""
+    bare = {node.path: node.to_dataset(inherit=False) for node in loaded.springs().tree.subtree}
+    bare = {path: data for path, data in bare.items() if not path.startswith("/memory")}
+    heavy = bare["/"].assign_attrs(vertical_load_N=HEAVY)  # the heavier of both is that at rest
+    monkeypatch.setattr(build, "calibrate", lambda _ways, table, _stiffness: elements_of(winkler.mixed(), table))
+    for root, rest in ((bare["/"], REST), (heavy, HEAVY)):
+        tree = with_memory(xr.DataTree.from_dict(bare | {"/": root}))
+        stored = Springs.of(tree)
+        assert list(stored.memory) == ["memory", "memory_load_1"]
+        assert stored.memory["memory"].attrs["paths_sha256"] == digest(stored.at(V=rest))
+
+
+def test_a_held_back_path_between_two_rates_is_answered_with_memory() -> None:
+    tree = winkler.at_two_rates((1e-5, 1e-3)).tree
+    groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
+    path = groups["/paths/turning_0_0"].copy(deep=True)
+    path["time"] = path["time"] / 10.0
+    groups["/paths/loop"] = path.assign_attrs(role="held-back")
+    springs = Springs.of(xr.DataTree.from_dict(groups, name="springs"))
+    assert "memory" in spring_sets(springs.answering(springs.paths["loop"]))
