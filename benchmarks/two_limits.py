@@ -18,7 +18,8 @@ state; of runs with water also, at the end, the load over that of the drained ru
 drained limit, the water force under the lid and the largest difference of the pressure at five points; the aim, and
 whether the values at the end meet it; what each limit is uncertain by up to the end, which is the sum of the distances
 of the groups' limits from their finest meshes; and whether the limits differ by more than both uncertainties together.
-Runs with water are those on the sections, the coarsest NUMBER of them, and below the lid. Runs in the folder are not repeated.
+Runs with water are those on the sections, the coarsest NUMBER of them, and below the lid. Runs in the folder are not
+repeated.
 """
 
 from __future__ import annotations

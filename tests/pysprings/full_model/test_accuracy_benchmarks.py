@@ -20,8 +20,9 @@ from pysprings.full_model.accuracy.quantities import initial_stiffness
 from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import read_mesh
 from pysprings.full_model.run_record import Computed, RunRecord, Status
-from pysprings.model.build import counts_of
+from pysprings.model.build import counts_of, geometry_of
 from pysprings.model.fourier import section_counts_of
+from pysprings.model.mesh import depths
 from pysprings.springs.dataset import get_path
 from tests.support import tiny
 from tests.support.measured import with_error
@@ -215,6 +216,32 @@ def test_a_limit_is_uncertain_by_the_distances_of_all_its_groups() -> None:
     assert two_limits.doubt_of("load_max", limit) == pytest.approx(100.0 * (0.1 / 4.0 + _AROUND / 4.0))
     del each[family.around[-1].words]  # not all are there: the group says nothing
     assert mesh_changes.together(family, each).values[LOAD] == pytest.approx(1.0 + _AROUND)
+
+
+def test_cells_below_the_lid_are_a_group_of_their_own() -> None:
+    """All sections have a first cell of one size; the group halves it, and its error is gone from the limit."""
+    for kind, family in mesh_changes.families((0.5, 0.75, 1.0), (1.0, 2.0, 3.0), lid=True).items():
+        first = {}
+        for change in family.changes:
+            with mesh_changes.counted(kind, family.mesh.removeprefix("fourier-").split("@")[0], change.counts):
+                setting = read_mesh(family.mesh)
+                mesh = {"preset": setting.mesh, "discretisation": setting.discretisation, **change.mesh}
+                scene = tiny.paper().replace(mesh=mesh)
+                levels = depths(geometry_of(scene), section_counts_of(scene) if kind == "series" else counts_of(scene))
+                first[change.words] = (levels[1] - levels[0]) / 4.0
+        own = first[family.sections[0].words]
+        assert [first[c.words] for c in family.sections] == pytest.approx(3 * [own], rel=0.02)
+        cells = [first[c.words] for c in family.lid]
+        assert cells == pytest.approx([c.size for c in family.lid], rel=0.02)
+        assert own in cells and cells[0] > 1.8 * own > 3.5 * cells[2]
+
+        def sample(section: float, cell: float) -> Sample:
+            load = 1.0 + 0.1 / section**2 + 30.0 * cell**2
+            return {LOAD: np.array([load]), OTHER: np.array([load]), PY: np.array([[load]])}
+
+        each = {c.words: sample(1.0 / c.size, own) for c in family.sections}
+        each |= {c.words: sample(1.0 / family.sections[0].size, first[c.words]) for c in family.lid}
+        assert mesh_changes.together(family, each).values[LOAD] == pytest.approx(1.0, abs=1e-3)
 
 
 def test_harmonics_have_no_order() -> None:
