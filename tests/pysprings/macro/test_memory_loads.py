@@ -21,7 +21,7 @@ from pysprings.springs.springs import Springs
 from tests.support import loaded, winkler
 from tests.support.fans import LENGTH
 from tests.support.loaded import HEAVY
-from tests.support.vertical import REST, down_curve
+from tests.support.vertical import REST, down_curve, pressed
 from tests.support.winkler import elements_of
 
 WAY = 1e-3 * np.array([[1.0, 0.2], [3.0, -0.4], [-1.0, 0.1], [-2.0, 0.3], [2.0, 0.0], [0.0, 0.0]]) / [1.0, LENGTH]
@@ -86,19 +86,20 @@ def test_rays_that_turn_back_at_one_of_two_loads_answer_there() -> None:
 
 
 def test_between_two_rates_loads_are_those_of_both_linear_in_the_logarithm_of_the_rate() -> None:
-    """At 1e-4 m/s halfway between 1e-5 and 1e-3 m/s; steps at 1e-5 m/s are off that rate."""
+    """At 10^-4.5 m/s a quarter of the way from 1e-5 to 1e-3 m/s; steps at 1e-6 m/s are off that rate."""
+    rate = 10.0**-4.5
     tree = winkler.at_two_rates((1e-5, 1e-3)).tree
     groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
-    for name, rate, seed in (("memory", 1e-5, 1), ("memory_rate_1", 1e-3, 2)):
-        groups[f"/{name}"] = loaded.invented(Springs.of(tree).at(rate=rate), seed)
+    for name, each, seed in (("memory", 1e-5, 1), ("memory_rate_1", 1e-3, 2)):
+        groups[f"/{name}"] = loaded.invented(Springs.of(tree).at(rate=each), seed)
     stored = Springs.of(xr.DataTree.from_dict(groups, name="springs"))
-    slow, between, fast = (build_memory(stored.at(rate=rate)) for rate in (1e-5, 1e-4, 1e-3))
+    slow, between, fast = (build_memory(stored.at(rate=each)) for each in (1e-5, rate, 1e-3))
     loads = [model.solve("state", WAY)[1] for model in (slow, fast)]
-    np.testing.assert_allclose(between.solve("state", WAY)[1], 0.5 * (loads[0] + loads[1]), rtol=1e-9)
+    np.testing.assert_allclose(between.solve("state", WAY)[1], 0.75 * loads[0] + 0.25 * loads[1], rtol=1e-9)
     assert np.abs(loads[0] - loads[1]).max() > 1e4
-    assert between.rate == pytest.approx(1e-4) and "memory" in spring_sets(stored.at(rate=1e-4))
-    time = np.arange(1.0, len(WAY) + 1.0) * float(np.hypot(*WAY[0] * [1.0, LENGTH])) / 1e-5
-    assert between.off_rates(WAY[:1], time[:1]).all() and not slow.off_rates(WAY[:1], time[:1]).any()
+    assert between.rate == pytest.approx(rate) and "memory" in spring_sets(stored.at(rate=rate))
+    time = np.arange(1.0, len(WAY) + 1.0) * float(np.hypot(*WAY[0] * [1.0, LENGTH])) / 1e-6
+    assert between.off_rates(WAY[:1], time[:1]).all() and not slow.off_rates(WAY[:1], 0.1 * time[:1]).any()
 
 
 def test_what_lies_between_has_the_smaller_reach_and_way_of_both() -> None:
@@ -146,3 +147,17 @@ def test_a_held_back_path_between_two_rates_is_answered_with_memory() -> None:
     groups["/paths/loop"] = path.assign_attrs(role="held-back")
     springs = Springs.of(xr.DataTree.from_dict(groups, name="springs"))
     assert "memory" in spring_sets(springs.answering(springs.paths["loop"]))
+
+
+def test_between_two_rates_and_two_vertical_loads_there_are_four_sets(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And springs with other paths are derived from none of them."""
+    tree = winkler.at_two_rates((1e-5, 1e-3)).tree
+    groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
+    heavy = {f"{name}_heavy": pressed(path, HEAVY) for name, path in groups.items() if name.startswith("/paths/")}
+    springs = Springs.of(xr.DataTree.from_dict(groups | heavy, name="springs"))
+    monkeypatch.setattr(build, "calibrate", lambda _ways, table, _stiffness: elements_of(winkler.mixed(), table))
+    at = springs.at(rate=1e-4, V=1.5 * REST)
+    assert build_memory(at).sets == 4 and len(build_memory(at).elements.rows) == 4 * len(winkler.mixed())
+    assert at.whole is not None and len(at.parts) == 2
+    bare = at.with_paths(at.paths.values())
+    assert bare.whole is None and not bare.parts
