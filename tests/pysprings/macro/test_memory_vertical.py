@@ -10,9 +10,10 @@ import xarray as xr
 from pysprings.core.errors import BeyondSprings
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, sequence
+from pysprings.macro.vertical import build_vertical
 from pysprings.springs.springs import Springs
 from tests.support import winkler
-from tests.support.vertical import K, vertical_path
+from tests.support.vertical import REST, K, vertical_path, vertical_springs
 
 LOADS = np.array([[3e5, 0.0], [-1e5, 0.0], [3e5, 0.0], [0.0, 0.0]])
 
@@ -78,3 +79,21 @@ def test_a_vertical_load_that_the_vertical_springs_do_not_reach_is_refused() -> 
     springs = model()
     with pytest.raises(BeyondSprings, match="is beyond the vertical springs"):
         sequence(springs, LOADS, V=springs.rest_load - 2.99e6)
+
+
+def test_a_pull_alone_goes_up_the_curve_and_back_with_the_stiffness_at_rest() -> None:
+    table = build_vertical(Springs.of(vertical_springs()))
+    assert table is not None
+    w, tangent, used = table.history(REST + np.array([-1e6, -5e5, -2e6, 0.0]))
+    one, two = (-V / (K - K * V / 3e6) for V in (1e6, 2e6))
+    np.testing.assert_allclose(w, [one, one + 5e5 / K, two, two + 2e6 / K], atol=2e-6)
+    assert tangent[[1, 3]] == pytest.approx(table.stiffness) and tangent[0] < 0.8 * K
+    assert used[1] < used[0] < used[2] and used[3] == 0.0
+
+
+def test_after_a_vertical_load_that_nothing_carries_there_is_no_answer() -> None:
+    """The end of a pull-out is flat: w stays undefined when V goes back."""
+    table = build_vertical(Springs.of(vertical_springs(ends=(1e-2, -5e-2))))
+    assert table is not None
+    used = table.history(REST + np.array([-1e6, -2.99e6, 0.0]))[2]
+    assert np.isfinite(used[0]) and np.isnan(used[1:]).all()
