@@ -143,9 +143,9 @@ def together(family: Family, each: Mapping[str, Sample]) -> Limit:
     groups = [_reference(sections, each)]
     values = {key: found.values.copy() for key, found in groups[0].items()}
     notes = [_note(sections, groups[0])]
-    plain = each[family.sections[0].words]
     for group, extrapolated in family.groups:
         if group and all(change.words in each for change in group):
+            plain = each[family.sections[0].words]
             # without an order the finest stands for the limit, the one before it for its doubt
             groups.append(_reference(group if extrapolated else group[-2:], each))
             values |= {key: values[key] + one.values - plain[key] for key, one in groups[-1].items() if key in values}

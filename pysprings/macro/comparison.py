@@ -12,8 +12,8 @@ kind "vertical" is answered by the vertical springs (set "vertical"): V at equal
 V from rest.
 
 A held-back path with a `vertical_load` of its own is answered under that load. Where the vertical load changes on the
-way, w follows, and the lateral springs stay those under the first one. `off_load_states` counts the states whose
-vertical load no lateral springs have, `w_error_...` is the largest distance of w.
+way, w follows, and the lateral springs stay those under the first one. `off_load_states` counts the states
+whose vertical load is not that of these springs, `w_error_...` is the largest distance of w.
 
 On a swipe and under a load that climbs, whose states are imposed, and on a path that turns back errors are relative to
 the largest answer of the path.

@@ -110,7 +110,7 @@ def several_loads(frame: pd.DataFrame) -> bool:
 def _marked(frame: pd.DataFrame) -> list[str]:
     """Return one line for each answer of the fan that it supports only in part."""
     off_load = [
-        f"{r['path']}, fan: no calibration paths cover {_uncovered(r)}"
+        f"{r['path']}, fan: {_uncovered(r)}"
         for r in frame.to_dict("records")
         if r["springs"] == "fan" and r["off_load_states"]
     ]
@@ -123,10 +123,12 @@ def _marked(frame: pd.DataFrame) -> list[str]:
 
 
 def _uncovered(row: Mapping[Hashable, Any]) -> str:
-    """Return words for the vertical load that lateral springs lack: that of the path, or of some of its states."""
+    """Return words for states under a vertical load that is not that of the lateral springs."""
     if row["off_load_states"] < row["states"]:
-        return f"the vertical load of {row['off_load_states']} of its {row['states']} states"
-    return f"its vertical load ({row['V_N'] * 1e-6:.4g} MN)"
+        return (
+            f"lateral springs of its first vertical load answer {row['off_load_states']} of its {row['states']} states"
+        )
+    return f"no calibration paths cover its vertical load ({row['V_N'] * 1e-6:.4g} MN)"
 
 
 _NOTES = [
@@ -172,7 +174,7 @@ def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
         "skip_below": SKIP_BELOW,
         "V_error": "V at equal w, (macro - full) over the change of V from rest, in percent",
         "w_error_max": "largest distance of the vertical displacements, macro - full",
-        "off_load_states": "states under a vertical load without lateral springs",
+        "off_load_states": "states under a vertical load that is not that of the lateral springs",
     }
     return {str(name): value for name, value in frame.attrs.items()} | {
         "definitions": definitions,

@@ -43,7 +43,7 @@ class Followed:
     """A sequence of the full model and of springs: motions (n, 2) = (u, rotation), loads (n, 2) = (H, M) of both.
 
     n is what the springs reached; `message` is where they ended before the end of the path. model: the springs. V (n,):
-    vertical load that was given [N]; None: one all along.
+    vertical load that was given [N]; None: not known.
     """
 
     path: SpringPath

@@ -56,5 +56,5 @@ def timed(model: MacroModel, answer: xr.Dataset, time: Array) -> xr.Dataset:
     found = found.assign(off_rate=("step", off.astype(np.int8), known["off_rate"].attributes()))
     if not off.any():
         return found
-    text = f"{off.sum()} of {n} steps are at another rate than that of the rays that turn back"
+    text = f"{off.sum()} of {n} steps are at another rate than that of the elements"
     return found.assign_attrs(warnings=[*answer.attrs["warnings"], text])

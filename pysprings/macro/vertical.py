@@ -2,9 +2,9 @@
 """Vertical springs: t(z), tip and lid over the vertical displacement w, from paths of kind "vertical".
 
 Downwards and upwards differ (lid and tip bear, or lift off), so each direction has its own curves, which start at the
-state at rest, (w0, V0). Every reaction is a function of w alone, V = sum t dz + V_tip + V_lid. Interpolation is that
-of a ray of a fan (`fan.secant_slopes`): cubic, through the recorded points, linear in the data, with the initial
-stiffness of the full model at rest in both directions.
+state at rest, (w0, V0). Along them every reaction is a function of w alone, V = sum t dz + V_tip + V_lid. Interpolation
+is that of a ray of a fan (`fan.secant_slopes`): cubic, through the recorded points, linear in the data, with the
+initial stiffness of the full model at rest in both directions.
 
 How they go with the lateral springs: additively in w. Under a vertical load V that is not the V' of the lateral paths,
 
@@ -133,23 +133,32 @@ class VerticalTable:
         _, slopes = branch.at(x)
         return w0 + branch.sign * x, branch.sign * float(slopes[-1]), x / float(branch.x[-1])
 
+    def displacements(self, V: Array) -> Array:
+        """Return what `displacement` does of each V (n,) [N], (3, n)."""
+        values, place = np.unique(V, return_inverse=True)
+        found = np.array([self.displacement(float(value)) for value in values]).reshape(-1, 3)
+        return found[place].T
+
     def history(self, V: Array) -> Array:
-        """Return w [m], the tangent dV/dw [N/m] and the range used, (3, n), under V (n,) [N] one after the other.
+        """Return w [m], the tangent dV/dw [N/m] and the ranges used, (4, n), under V (n,) [N] one after the other.
 
         Within the largest and the smallest V so far, that at rest among them, the soil unloads and reloads with the
         stiffness at rest; beyond, it goes on along the curves. What each direction has taken more than that stays:
 
-            w = w0 + (V - V0)/K + P(max V) + P(min V),   P(V) = w_curve(V) - w0 - (V - V0)/K.
+            w = w0 + (V - V0)/K + P(max V) + P(min V),   P(V) = w_curve(V) - w0 - (V - V0)/K,
 
-        The range used is NaN from a V on that no w carries.
+        each direction from its own curve, whatever the other one has taken (an assumption). The ranges used are the
+        largest so far, NaN from a V on that no w carries, and that of V alone.
         """
         (w0, V0), K = self.rest, self.stiffness
         largest, smallest = np.maximum.accumulate(np.fmax(V, V0)), np.minimum.accumulate(np.fmin(V, V0))
-        own, high, low = (np.array([self.displacement(float(x)) for x in each]).T for each in (V, largest, smallest))
+        own, high, low = (self.displacements(each) for each in (V, largest, smallest))
         stays = [each[0] - w0 - (x - V0) / K for each, x in ((high, largest), (low, smallest))]
         new = (largest == V) | (smallest == V)
-        used = np.where(np.isnan(high[2]) | np.isnan(low[2]), np.nan, own[2])
-        return np.stack([w0 + (V - V0) / K + stays[0] + stays[1], np.where(new, own[1], K), used])
+        # an elastic direction keeps nothing
+        known = [np.where(np.isinf(each[2]), 0.0, each[2]) for each in (high, low)]
+        used = np.maximum(np.maximum(*known), own[2])
+        return np.stack([w0 + (V - V0) / K + stays[0] + stays[1], np.where(new, own[1], K), used, own[2]])
 
     def reactions(self, w: Array) -> Array:
         """Return all rows (rows, n) at vertical displacements w (n,) [m]; elastic, V alone, in an unknown direction."""

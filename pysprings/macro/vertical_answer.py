@@ -63,7 +63,7 @@ def vertical_answer(
         return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
     other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
-    moved = other & (states != 0.0).any(axis=1)
+    moved = (other if model.memory is None else np.logical_or.accumulate(other)) & (states != 0.0).any(axis=1)
     marks = {"V": down, "off_load": moved.astype(np.int8)}
     if model.vertical is None:
         K = float(model.stiffness_initial[1, 1])
@@ -71,23 +71,34 @@ def vertical_answer(
         notes = [f"{note}, lateral springs unchanged" for note in notes]
         past, beyond = past_elastic(model, down, other)
         return Down(
-            marks | {"w": w + (down - V) / K, "off_load": other.astype(np.int8)},
+            marks | {"w": w + (down - V) / K, "off_load": (other | moved).astype(np.int8)},
             used=np.where(past, np.inf, 0.0),
             notes=notes,
             beyond=beyond,
         )
-    there = _displacements(model, down) if model.memory is None else model.vertical.history(down)
-    at_path = _displacements(model, V)
-    notes = [_not_the_paths(model, down[moved]) + "lateral springs unchanged"] if moved.any() else []
-    used = there[2]
+    there = model.vertical.displacements(down) if model.memory is None else model.vertical.history(down)
+    used, own = there[2], there[-1]
     return Down(
-        marks | {"w": w + there[0] - at_path[0]},
+        marks | {"w": w + there[0] - model.vertical.displacements(V)[0]},
         there[1],
         np.nan_to_num(used, nan=np.inf),
-        notes,
-        _beyond(model, down, used),
-        _no_equilibrium(model, down[np.isnan(used)]),
+        _notes(model, down, moved),
+        _beyond(model, down, own),
+        _no_equilibrium(model, down[np.isnan(own)]),
     )
+
+
+def _notes(model: MacroModel, down: Array, moved: NDArray[np.bool_]) -> list[str]:
+    """Return a sentence on states under another V than that of the lateral springs, or after one."""
+    if not moved.any():
+        return []
+    if model.memory is None:
+        return [_not_the_paths(model, down[moved]) + "lateral springs unchanged"]
+    text = (
+        f"{moved.sum()} of {moved.size} states are under another V than that of the elements "
+        f"({model.memory.V:.7g} N), or come after one: lateral springs unchanged"
+    )
+    return [text]
 
 
 def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
@@ -109,14 +120,6 @@ def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
     coords = {"depth": ("depth", path.depth, known["depth"].attributes()), "step": np.arange(w.size)}
     attrs = {"springs": "vertical", "path": table.path, "status": "complete", "message": "", "warnings": []}
     return xr.Dataset(data, coords, attrs)
-
-
-def _displacements(model: MacroModel, V: Array) -> Array:
-    """Return the w [m], dV/dw [N/m] and range used of the vertical springs, (3, n)."""
-    assert model.vertical is not None
-    values, place = np.unique(V, return_inverse=True)
-    displacements = np.array([model.vertical.displacement(float(value)) for value in values]).reshape(-1, 3)
-    return displacements[place].T
 
 
 def _beyond(model: MacroModel, V: Array, used: Array) -> list[str]:

@@ -256,8 +256,12 @@ class Springs:
         if path.name in springs.paths:
             return springs
         own = SpringPath(path.name, path.dataset.assign_attrs(role="held-back"), path.length)
-        made = springs.with_paths([*springs.paths.values(), own])
-        return springs._cached(("beside", path.name), lambda: replace(made, whole=springs.whole, parts=springs.parts))
+
+        def beside() -> Springs:
+            made = springs.with_paths([*springs.paths.values(), own])
+            return replace(made, whole=springs.whole, parts=springs.parts)
+
+        return springs._cached(("beside", path.name), beside)
 
     def with_paths(self, paths: Iterable[SpringPath], **attrs: Any) -> Springs:
         """Return springs with other paths, and some attributes of the root changed; they are derived from no others."""

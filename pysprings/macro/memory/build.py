@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
@@ -20,7 +21,7 @@ from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import samples
 from pysprings.macro.memory.shares import Shares
 from pysprings.springs.alike import same_load
-from pysprings.springs.springs import Springs
+from pysprings.springs.springs import Springs, memory_groups
 
 Array = NDArray[np.float64]
 
@@ -34,8 +35,8 @@ _HEAD = ("rows", "odd", "rest", "loads", "elastic", "even")
 
 
 def has_memory(springs: Springs) -> bool:
-    """Return whether springs have a fan, and rays that turn back at its vertical load and rate."""
-    return has_fan(springs) and all(part.remembering for part, _ in springs.parts or ((springs, 1.0),))
+    """Return whether springs have a fan, and rays that turn back at its rate, at some vertical load."""
+    return has_fan(springs) and bool(_at_loads(springs))
 
 
 def build_memory(springs: Springs) -> MemoryModel:
@@ -47,27 +48,43 @@ def build_memory(springs: Springs) -> MemoryModel:
     Raises
     ------
     UserInputError
-        The springs have no fan, or no ray that turns back.
+        The springs have no fan, or no ray that turns back at their rate.
     """
     table, known = build_fan(springs), _at_loads(springs)
     if not known:
         raise refused("springs", MISSING)
-    asked = springs.rest_load if springs.blended_loads else springs.paths[table.path[0]].load
-    loads = np.array(list(known))
-    V = float(np.clip(asked, loads.min(), loads.max()))
-    shares = [float(np.interp(V, loads, row)) for row in np.eye(len(loads))]
+    V = _between(springs.rest_load if springs.blended_loads else springs.paths[table.path[0]].load, list(known))
+    shares = [float(np.interp(V, list(known), row)) for row in np.eye(len(known))]
     parts = [(at, share) for at, share in zip(known.values(), shares, strict=True) if share > 0.0]
-    rate = springs.attrs.get("rate_m_per_s", springs.paths[table.path[0]].rate) if springs.rate_sets else None
-    sets = sum(len(at.parts) or 1 for at, _ in parts)
+    turning = _recorded(parts[0][0])[0][0].remembering[0]
+    rate = float(springs.attrs["rate_m_per_s"]) if springs.parts else turning.rate
+    sets = sum(len(_recorded(at)) for at, _ in parts)
     elements = mixed([(_elements(at), share) for at, share in parts])
-    return MemoryModel(elements, table, V, None if rate is None else float(rate), sets)
+    return MemoryModel(elements, table, V, rate if springs.rate_sets else None, sets)
+
+
+def _recorded(springs: Springs) -> tuple[tuple[Springs, float], ...]:
+    """Return the springs at recorded rates that springs lie between, each with its share; or themselves."""
+    return springs.parts or ((springs, 1.0),)
+
+
+def _turns(springs: Springs) -> bool:
+    """Return whether springs at one of their vertical loads have rays that turn back there, at their rate."""
+    return springs.blended_loads is None and all(part.remembering for part, _ in _recorded(springs))
 
 
 def _at_loads(springs: Springs) -> dict[float, Springs]:
     """Return the springs at each vertical load [N] with rays that turn back, by increasing load."""
     whole = springs.whole or springs
-    each = [whole.at_load(one.V) for one in whole.load_sets] if len(whole.load_sets) > 1 else [springs]
-    return {(at.parts[0][0] if at.parts else at).remembering[0].load: at for at in each if has_memory(at)}
+    several = len(whole.load_sets) > 1
+    each = [whole.at_load(one.V) for one in whole.load_sets] if several else [springs]
+    return {_recorded(at)[0][0].remembering[0].load: at for at in each if _turns(at)}
+
+
+def _between(V: float, loads: Sequence[float]) -> float:
+    """Return V [N] within the range of vertical loads; one of them where both are one."""
+    inside = min(max(V, loads[0]), loads[-1])
+    return next((load for load in loads if same_load(load, inside)), inside)
 
 
 def _elements(springs: Springs) -> ElementSet:
@@ -93,13 +110,18 @@ def with_memory(tree: xr.DataTree) -> xr.DataTree:
     springs = Springs.of(tree)
     rates: list[float | None] = [one.rate for one in springs.rate_sets] if len(springs.rate_sets) > 1 else [None]
     loads = sorted((one.V for one in springs.load_sets), key=lambda V: not same_load(V, springs.rest_load))
-    groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
+    found: dict[str, xr.Dataset] = {}
     for (load, V), (pace, rate) in product(enumerate(loads), enumerate(rates)):
         at = springs.at(rate=rate, V=V)
-        if has_memory(at):
+        stored = {each.attrs["paths_sha256"] for each in found.values()}
+        if has_fan(at) and _turns(at) and digest(at) not in stored:  # a lone path at a load has springs of others
             name = f"/{MEMORY}" + (f"_load_{load}" if load else "") + (f"_rate_{pace}" if pace else "")
-            groups[name] = memory_dataset(at, _calibrated(at))
-    return xr.DataTree.from_dict(groups, name=tree.name)
+            found[name] = memory_dataset(at, _calibrated(at))
+    if not found:
+        return tree
+    older = {f"/{name}" for name in memory_groups(tree)}
+    groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree if node.path not in older}
+    return xr.DataTree.from_dict(groups | found, name=tree.name)
 
 
 def memory_dataset(springs: Springs, elements: ElementSet) -> xr.Dataset:

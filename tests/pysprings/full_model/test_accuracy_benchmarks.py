@@ -214,8 +214,10 @@ def test_a_limit_is_uncertain_by_the_distances_of_all_its_groups() -> None:
     limit = mesh_changes.together(family, each)
     assert limit.values[LOAD] == pytest.approx(1.0)
     assert two_limits.doubt_of("load_max", limit) == pytest.approx(100.0 * (0.1 / 4.0 + _AROUND / 4.0))
-    del each[family.around[-1].words]  # not all are there: the group says nothing
+    del each[family.around[-1].words]  # not all are there: the group adds nothing
     assert mesh_changes.together(family, each).values[LOAD] == pytest.approx(1.0 + _AROUND)
+    del each[family.sections[0].words]
+    assert mesh_changes.together(family, each).values[LOAD] == pytest.approx(sample(2.0)[LOAD])
 
 
 def test_cells_below_the_lid_are_a_group_of_their_own() -> None:

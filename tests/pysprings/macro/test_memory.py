@@ -332,7 +332,7 @@ def test_steps_of_a_sequence_at_another_rate_are_marked() -> None:
     whole = replace(MacroModel.from_springs(Springs.of(winkler.with_invented_memory()), "memory"), memory=springs)
     motions, time = np.array([[1e-3, 0.0], [2e-3, 0.0], [2e-3, 0.0]]), np.array([1.0, 101.0, 102.0])
     plain = sequence(whole, motions, control="state", extrapolate=True)
-    with pytest.warns(MacroWarning, match=r"1 of 3 steps are at another rate than that of the rays that turn back"):
+    with pytest.warns(MacroWarning, match=r"1 of 3 steps are at another rate than that of the elements"):
         answer = sequence(whole, motions, control="state", time=time, extrapolate=True)
     np.testing.assert_array_equal(answer["off_rate"], [0, 1, 0])
     np.testing.assert_array_equal(answer["time"], time)

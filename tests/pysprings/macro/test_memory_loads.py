@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from pysprings.core.errors import UserInputError
 from pysprings.macro.memory import build
 from pysprings.macro.memory.build import build_memory, digest, with_memory
 from pysprings.macro.memory.elements import FRICTIONAL
@@ -82,7 +83,8 @@ def test_rays_that_turn_back_at_one_of_two_loads_answer_there() -> None:
     with pytest.warns(MacroWarning, match="lateral springs unchanged"):
         answer = sequence(lone, WAY, control="state", V=HEAVY, springs_kind="memory", extrapolate=True)
     np.testing.assert_allclose(answer["H"], memory(REST).solve("state", WAY)[1][:, 0], rtol=1e-12)
-    assert "memory" in spring_sets(lone)
+    for V in (REST, 1.5 * REST, HEAVY):
+        assert "memory" in spring_sets(lone.at(V=V))
 
 
 def test_between_two_rates_loads_are_those_of_both_linear_in_the_logarithm_of_the_rate() -> None:
@@ -124,6 +126,25 @@ def test_w_under_a_load_without_rays_that_turn_back_is_that_of_the_vertical_spri
             extrapolate=True,
         )  # fmt: skip
     assert down_curve(np.array(float(answer["w"][0]))) == pytest.approx(0.5 * REST, rel=1e-4)
+
+
+def test_a_lone_path_at_a_third_load_changes_no_elements() -> None:
+    """The springs at its load lie between the others: their elements are not those of that load."""
+    tree = loaded.springs().tree
+    groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
+    groups["/paths/alone"] = pressed(groups["/paths/ray_0_1"], 1.5 * REST)
+    more = Springs.of(xr.DataTree.from_dict(groups, name="springs"))
+    for V in (REST, 1.5 * REST, HEAVY):
+        found = build_memory(more.at(V=V))
+        np.testing.assert_array_equal(found.elements.rows, memory(V).elements.rows)
+        assert pytest.approx(V) == found.V
+
+
+def test_springs_between_two_loads_without_those_that_they_come_from_have_no_memory() -> None:
+    between = Springs.of(loaded.springs().at(V=1.5 * REST).tree)
+    assert "memory" not in spring_sets(between)
+    with pytest.raises(UserInputError, match="no ray that turns back"):
+        build_memory(between)
 
 
 def test_elements_at_rest_load_are_stored_first(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -84,16 +84,28 @@ def test_a_vertical_load_that_the_vertical_springs_do_not_reach_is_refused() -> 
 def test_a_pull_alone_goes_up_the_curve_and_back_with_the_stiffness_at_rest() -> None:
     table = build_vertical(Springs.of(vertical_springs()))
     assert table is not None
-    w, tangent, used = table.history(REST + np.array([-1e6, -5e5, -2e6, 0.0]))
+    w, tangent, used, own = table.history(REST + np.array([-1e6, -5e5, -2e6, 0.0]))
     one, two = (-V / (K - K * V / 3e6) for V in (1e6, 2e6))
     np.testing.assert_allclose(w, [one, one + 5e5 / K, two, two + 2e6 / K], atol=2e-6)
     assert tangent[[1, 3]] == pytest.approx(table.stiffness) and tangent[0] < 0.8 * K
-    assert used[1] < used[0] < used[2] and used[3] == 0.0
+    assert used[0] == used[1] < used[2] == used[3] < 1.0 and own[3] == 0.0 < own[1] < own[0]
 
 
 def test_after_a_vertical_load_that_nothing_carries_there_is_no_answer() -> None:
     """The end of a pull-out is flat: w stays undefined when V goes back."""
     table = build_vertical(Springs.of(vertical_springs(ends=(1e-2, -5e-2))))
     assert table is not None
-    used = table.history(REST + np.array([-1e6, -2.99e6, 0.0]))[2]
-    assert np.isfinite(used[0]) and np.isnan(used[1:]).all()
+    _, _, used, own = table.history(REST + np.array([-1e6, -2.99e6, 0.0]))
+    assert np.isfinite(used[0]) and np.isnan(used[1:]).all() and np.isnan(own).tolist() == [False, True, False]
+
+
+def test_states_after_another_vertical_load_are_marked_too() -> None:
+    """What V has done to the soil stays: H and M of the first V are in doubt from there on, and w beyond the curve."""
+    springs = model()
+    change = 1e6 * np.array([0.0, 1.0, 0.0, 0.0])
+    with pytest.warns(MacroWarning, match=r"3 of 4 states are under another V than that of the elements \(.* N\), or"):
+        answer = sequence(springs, LOADS, V=springs.rest_load + change, extrapolate=True)
+    np.testing.assert_array_equal(answer["off_load"], [0, 1, 1, 1])
+    far = springs.rest_load + 1e6 * np.array([15.0, 0.0])
+    answer = sequence(springs, np.zeros((2, 2)), V=far, extrapolate=True, strict=False)
+    np.testing.assert_array_equal(answer["extrapolated"], [1, 1])
