@@ -107,5 +107,6 @@ def test_states_after_another_vertical_load_are_marked_too() -> None:
         answer = sequence(springs, LOADS, V=springs.rest_load + change, extrapolate=True)
     np.testing.assert_array_equal(answer["off_load"], [0, 1, 1, 1])
     far = springs.rest_load + 1e6 * np.array([15.0, 0.0])
-    answer = sequence(springs, np.zeros((2, 2)), V=far, extrapolate=True, strict=False)
+    with pytest.warns(MacroWarning, match="is beyond the vertical springs"):
+        answer = sequence(springs, np.zeros((2, 2)), V=far, extrapolate=True)
     np.testing.assert_array_equal(answer["extrapolated"], [1, 1])
