@@ -20,7 +20,8 @@ def _build(springs: Springs, _path: str | None) -> Built:
     from pysprings.macro.memory.build import build_memory
 
     model = build_memory(springs)
-    names = (*model.table.path, *(path.name for path in springs.remembering))
+    turning = springs.remembering or [path for path in springs.paths.values() if path.remembers]  # of another load
+    names = (*model.table.path, *(path.name for path in turning))
     return Built(model.table, springs.paths[model.table.path[0]], names, (), model)
 
 
