@@ -184,3 +184,37 @@ def test_between_two_rates_and_two_vertical_loads_there_are_four_sets(monkeypatc
     assert at.whole is not None and len(at.parts) == 2
     bare = at.with_paths(at.paths.values())
     assert bare.whole is None and not bare.parts
+
+
+def test_loads_that_differ_by_the_tolerance_of_a_solver_are_one() -> None:
+    tree = loaded.springs().tree
+    groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
+    for name, path in groups.items():
+        if name.startswith("/paths/turning"):
+            groups[name] = path.assign(V=path["V"] * (1.0 + 1e-7))
+    near = Springs.of(xr.DataTree.from_dict(groups, name="springs"))
+    for V in (REST, HEAVY):
+        found = build_memory(near.at(V=V))
+        assert found.sets == 1
+        np.testing.assert_array_equal(found.elements.rows, memory(V).elements.rows)
+
+
+def test_elements_are_stored_once_and_older_ones_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lone path beyond both loads has the springs of the nearest one."""
+    monkeypatch.setattr(build, "calibrate", lambda _ways, table, _stiffness: elements_of(winkler.mixed(), table))
+    tree = loaded.springs().tree
+    groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
+    groups["/paths/alone"] = pressed(groups["/paths/ray_0_1"], 1.2 * HEAVY)
+    groups["/memory_load_7"] = groups["/memory"]
+    stored = Springs.of(with_memory(xr.DataTree.from_dict(groups, name="springs")))
+    assert list(stored.memory) == ["memory", "memory_load_1"]
+
+
+def test_the_rate_is_that_of_the_rays_that_turn_back() -> None:
+    """Where the other rays have one rate, which is another."""
+    tree = winkler.at_two_rates((1e-5,)).tree
+    groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
+    fast = {name: data for name, data in groups.items() if not name.startswith("/paths/ray") or name.endswith("_1")}
+    springs = Springs.of(xr.DataTree.from_dict(fast, name="springs"))
+    fast["/memory"] = loaded.invented(springs.at(), 1)
+    assert build_memory(Springs.of(xr.DataTree.from_dict(fast, name="springs")).at()).rate == pytest.approx(1e-5)
