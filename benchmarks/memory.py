@@ -22,6 +22,7 @@ import numpy as np
 from benchmarks.evidence_store import store, to_csv
 from benchmarks.memory_aims import FAMILIES, Aim, aims, met
 from benchmarks.memory_paths import Case, cases, scene_of
+from pysprings import Scene
 from pysprings.full_model.compute import run
 from pysprings.macro.cycles import errors, follow_path
 from pysprings.macro.fan import FanTable
@@ -40,16 +41,20 @@ from pysprings.springs.springs import Springs
 COMMAND = "python -m benchmarks.memory DIR --store"
 STEPS = 100_000
 _PERFECT = 3  # column of the gain in the parameters of a candidate: 0 is perfectly plastic
-_ANSWERS = ("u", "rotation", "H", "M")
+ANSWERS = ("u", "rotation", "H", "M")
 
 
 def springs_of(case: Case, folder: Path) -> Springs:
     """Return the springs of a case, from DIR/NAME.nc, or from a run of the full model that is kept there."""
-    path = folder / f"{case.name}.nc"
+    return kept(folder / f"{case.name}.nc", scene_of(case)).at(V=None)
+
+
+def kept(path: Path, scene: Scene) -> Springs:
+    """Return the springs with memory of a file, which a run of the scene makes where there is none."""
     if not path.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        save_springs(with_memory(extract_springs(run(scene_of(case), estimate_error=False))), path)
-    return Springs.of(open_springs(path)).at(V=None)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        save_springs(with_memory(extract_springs(run(scene, estimate_error=False))), path)
+    return Springs.of(open_springs(path))
 
 
 def masing(springs: Springs, table: FanTable) -> MemoryModel:
@@ -76,16 +81,17 @@ def compared(springs: Springs) -> Iterator[list[str]]:
     for path in springs.paths.values():
         if path.role != "calibration" and not path.is_vertical:
             found = {name: errors(follow_path(path, model)) for name, model in kinds.items()}
-            names = [name for name in _ANSWERS if np.isfinite(found["fan"][f"{name}_error_pct"])]
+            names = [name for name in ANSWERS if np.isfinite(found["fan"][f"{name}_error_pct"])]
             yield [
                 path.name, path.role, f"{path.n - 1}", " / ".join(names),
-                *(_text(row, names) for row in found.values()),
+                *(errors_text(row, names) for row in found.values()),
                 *(_number(row["work_error_pct"], row, "+") for row in found.values()),
                 _heave(path, memory),
             ]  # fmt: skip
 
 
-def _text(row: dict[str, Any], names: list[str]) -> str:
+def errors_text(row: dict[str, Any], names: list[str]) -> str:
+    """Return the errors [%] of the answers of a sequence."""
     return " / ".join(_number(row[f"{name}_error_pct"], row) for name in names)
 
 

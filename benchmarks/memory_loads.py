@@ -12,19 +12,15 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from benchmarks.evidence_store import store, to_csv
+from benchmarks.memory import ANSWERS, errors_text, kept
 from benchmarks.memory_paths import LOADED, cases, loaded_scene
-from pysprings.full_model.compute import run
 from pysprings.macro.cycles import Followed, errors, follow_path
-from pysprings.macro.memory.build import with_memory
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import sequence
-from pysprings.springs.extract import extract_springs
-from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.springs import Springs
 
 COMMAND = "python -m benchmarks.memory_loads DIR --store"
@@ -32,17 +28,11 @@ HEAD = (
     "path", "V [MN]", "states", "answers", "memory [%]", "elements at rest load [%]", "work, memory [%]",
     "work, elements at rest load [%]", "w at the end [mm], full / memory",
 )  # fmt: skip
-_ANSWERS = ("u", "rotation", "H", "M")
 
 
 def springs_of(name: str, folder: Path) -> Springs:
     """Return the springs of a case, from DIR/NAME-loads.nc, or from a run of the full model that is kept there."""
-    path = folder / f"{name}-loads.nc"
-    if not path.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        scene = loaded_scene(cases()[name])
-        save_springs(with_memory(extract_springs(run(scene, estimate_error=False))), path)
-    return Springs.of(open_springs(path))
+    return kept(folder / f"{name}-loads.nc", loaded_scene(cases()[name]))
 
 
 def compared(springs: Springs) -> Iterator[list[str]]:
@@ -52,17 +42,13 @@ def compared(springs: Springs) -> Iterator[list[str]]:
             models = [MacroModel.from_springs(springs, "memory", V=V) for V in (path.load, None)]
             both = [follow_path(path, model) for model in models]
             found = [errors(one) for one in both]
-            names = [name for name in _ANSWERS if np.isfinite(found[0][f"{name}_error_pct"])]
+            names = [name for name in ANSWERS if np.isfinite(found[0][f"{name}_error_pct"])]
             loads = path.given_loads[np.append(True, np.diff(path.given_loads) != 0.0)]
             yield [
                 path.name, f"{loads.min() / 1e6:.3g}" + (f" to {loads.max() / 1e6:.3g}" if len(loads) > 1 else ""),
-                f"{path.n - 1}", " / ".join(names), *(_text(row, names) for row in found),
+                f"{path.n - 1}", " / ".join(names), *(errors_text(row, names) for row in found),
                 *(f"{row['work_error_pct']:+.3g}" for row in found), _heave(both[0], models[0]),
             ]  # fmt: skip
-
-
-def _text(row: dict[str, Any], names: list[str]) -> str:
-    return " / ".join(f"{row[f'{name}_error_pct']:.3g}" for name in names) if row["answered"] else "no answer"
 
 
 def _heave(one: Followed, model: MacroModel) -> str:

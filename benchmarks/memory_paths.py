@@ -96,10 +96,7 @@ def loaded_scene(case: Case) -> Scene:
 def _loaded_sequences(case: Case, loads: dict[str, float]) -> list[dict[str, Any]]:
     """Return sequences under one vertical load, then those under one that changes from part to part."""
     D, r, F = case.scene.caisson.outer_diameter, case.reach, case.force
-    there = 0.2 * r
-    loop = {"name": "loop_1_D", "kind": "pull", "arm": D, "lateral_displacement": there, "role": "held-back"}
-    loop["then"] = [(x * there, None, None) for x in (0.0, 1.0, -1.0, 1.0, 0.0)]
-    one = [loop, _loads("one_way", _ONE_WAY, F, D), _loads("moment_cycles", _MOMENTS, F, D),
+    one = [_loop(1, D, 0.2 * r), _loads("one_way", _ONE_WAY, F, D), _loads("moment_cycles", _MOMENTS, F, D),
            _loads("wind_and_waves", _STORM, F, D)]  # fmt: skip
 
     def part(each: Any) -> tuple[Any, ...]:
@@ -129,8 +126,7 @@ def _sequences(case: Case) -> list[dict[str, Any]]:
     return [
         {"name": "ray_minus_40_reversed", "kind": "translation", "lateral_displacement": along, "rotation": turn,
          "role": "held-back", "then": [(-along, None, None), (along, None, None)]},
-        *({**pull, "name": f"loop_{arm}_D", "arm": arm * D, "lateral_displacement": 0.25 * r,
-           "then": [(x * 0.25 * r, None, None) for x in (0.0, 1.0, -1.0, 1.0, 0.0)]} for arm in (0, 1)),
+        *(_loop(arm, D, 0.25 * r) for arm in (0, 1)),
         {**pull, "name": "ten_cycles_1_D", "arm": D, "lateral_displacement": small,
          "then": [(sign * small, None, None) for _ in range(10) for sign in (-1.0, 1.0)]},
         {"name": "climb", "kind": "load", "lateral_force": case.force, "arm_from": 0.0, "arm": D, "role": "held-back"},
@@ -138,6 +134,14 @@ def _sequences(case: Case) -> list[dict[str, Any]]:
          "role": "held-back"},
         *(_loads(name, parts, case.force, D) for name, parts in loads.items()),
     ]  # fmt: skip
+
+
+def _loop(arm: int, D: float, there: float) -> dict[str, Any]:
+    """Return a pull at a height (over D) to u [m] and back, to the other side and back."""
+    return {
+        "name": f"loop_{arm}_D", "kind": "pull", "arm": arm * D, "lateral_displacement": there, "role": "held-back",
+        "then": [(x * there, None, None) for x in (0.0, 1.0, -1.0, 1.0, 0.0)],
+    }  # fmt: skip
 
 
 def _loads(name: str, parts: list[tuple[float, float]], force: float, D: float) -> dict[str, Any]:

@@ -133,10 +133,9 @@ def _element_lines(model: MacroModel) -> Iterator[str]:
     elements = model.memory.elements
     shares = elements.shares
     down = _down(model.memory)
-    rest = shares.rest[~shares.odd][down]
     yield f"elements {len(elements.rows)}"
     yield "! largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest"
-    yield _row("memory", [elements.largest, 1.0 / float(np.asarray(shares.growth)), elements.way, *rest])
+    yield _row("memory", [elements.largest, 1.0 / float(np.asarray(shares.growth)), elements.way, *model.memory.rest])
     yield "! kind (0 plastic, 1 gap, 2 reversible, 3 frictional), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
     yield "! of a gap g11 [m]: by how much its walls press on the plate at rest,"
     yield "! of a frictional one g11, g12: direction of the friction, g22: its coefficient,"
