@@ -29,6 +29,7 @@ _STORM_V = [
 _MOMENTS_V = [(0.3, -0.3), (0.3, -0.1), *[
     part for V, M in (("between", -0.4), ("rest", -0.3), ("heavy", -0.4)) for part in (V, (0.3, M), (0.3, -0.1))
 ]]  # fmt: skip
+_REST = 60.0  # s, in coupled sequences
 _PULL_V = ["heavy", -0.1, "between", 0.1, "rest", -0.1, 0.1]  # u over the reach
 
 
@@ -113,6 +114,36 @@ def _loaded_sequences(case: Case, loads: dict[str, float]) -> list[dict[str, Any
         *(path | {"then": [part(each) for each in parts]}
           for path, parts in ((storm, _STORM_V), (moments, _MOMENTS_V), (pull, _PULL_V))),
     ]  # fmt: skip
+
+
+def wet_scene(mode: str) -> Scene:
+    """Return the paper's caisson, coupled at two rates or undrained: a fan, reversed rays, and held-back paths."""
+    data = scene_of(cases()["sand"]).model_dump()
+    reach, rates = 10e-3, (0.05e-3, 0.5e-3) if mode == "coupled" else ()
+    data["drainage"] = data["drainage"] | {"mode": mode}
+    data["springs"] = data["springs"] | {"reach": reach, "rates": rates, "held_back": False, "vertical": False}
+    timed = ("loop_1_D_between", "rests_0_D")
+    paths = _wet_sequences(data["caisson"], reach)
+    data["paths"] = [path for path in paths if rates or path["name"] not in timed]
+    return Scene.model_validate(data)
+
+
+def _wet_sequences(caisson: dict[str, Any], reach: float) -> list[dict[str, Any]]:
+    """Return held-back paths of which the motion, u and rotation*L, has about the faster rate, or lies between both."""
+    u, D, there = 0.2 * reach, caisson["outer_diameter"], 0.4 * reach
+    along, turn = there * math.cos(math.radians(-40)), there * math.sin(math.radians(-40)) / caisson["skirt_length"]
+
+    def pull(name: str, arm: float, rate: float, *ends: float | None) -> dict[str, Any]:
+        then = [(None, None, _REST) if end is None else (end * u, rate, None) for end in ends]
+        return {"name": name, "kind": "pull", "arm": arm, "lateral_displacement": u, "rate": rate, "then": then}
+
+    paths = [
+        pull("pull_0_D", 0.0, 0.4e-3), pull("loop_1_D", D, 0.33e-3, 0.0, 1.0, -1.0, 1.0),
+        pull("loop_1_D_between", D, 0.1e-3, 0.0, 1.0, -1.0, 1.0), pull("rests_0_D", 0.0, 0.4e-3, None, -1.0, None, 0.0),
+        {"name": "ray_minus_40_reversed", "kind": "translation", "lateral_displacement": along, "rotation": turn,
+         "rate": 0.38e-3, "then": [(-along, 0.38e-3, None), (along, 0.38e-3, None)]},
+    ]  # fmt: skip
+    return [path | {"role": "held-back"} for path in paths]
 
 
 def _sequences(case: Case) -> list[dict[str, Any]]:

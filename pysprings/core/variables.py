@@ -266,6 +266,9 @@ _TANGENT = (
 )
 _DEVIATION = "of springs of an atlas: one standard deviation; 0 for what was imposed"
 _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RESULT_PATH["p"]) | _table(
+    V("p_water", "part of p that pore water carries, by side", "N m-1", ("side", "depth", "step"), _OPPOSES,
+      required=False),
+    replace(_AXES["side"], required=False),
     V("usable", "1 where the p-y curve of the depth is usable over the whole path", "1", ("depth",),
       "0: y turns back, changes sign or stays small; p is read from another displacement, or in part"),
     V("range_used", "largest spring displacement over its calibrated range", "1", ("step",),

@@ -54,6 +54,7 @@ class Way:
     V : vertical load asked for [N], one number or one a state (None: that of the springs).
     arm : height of the load [m]; None for independent cases.
     message : where the way ended before its aim; empty where it did not.
+    time : (n,) [s] of the states from rest; None: not known.
     aim : load (H, M) that was not carried where the way ended before it.
     turned : marks of states after a turn of the way; None for independent states.
     limit : returns the largest load within the range of the springs, given the number of the first state beyond it.
@@ -68,12 +69,13 @@ class Way:
     aim: Array | None = None
     turned: Turns | None = None
     limit: Callable[[int], Limit] | None = None
+    time: Array | None = None
 
 
 def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     """Return the states and loads of a way as a dataset by step, with w, V, p, the stiffness, and marks."""
     states, u, rotation = way.states, *way.states.T
-    support = _supported(model, states)
+    support = _supported(model, states, way.time)
     down = vertical_answer(model, support.w, support.V, way.V, states)
     depth = model.origin.depth
     nowhere = np.zeros(u.size, dtype=bool)
@@ -93,6 +95,8 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         "extrapolated": (np.fmax(support.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
     } | down.values
     values["turned_back"] = turned.back.astype(np.int8)
+    if support.water is not None:
+        values["p_water"] = support.water
     if support.distance is not None:
         values["path_distance"] = support.distance
     if support.distance is not None or turned.aside.any():
@@ -101,6 +105,8 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
     coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
+    if support.water is not None:
+        coords["side"] = ("side", list(variables.SIDES), known["side"].attributes())
     tangent = model.tangents(states, down.tangent)
     coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
     data |= {name: (("step",), value, known[name].attributes()) for name, value in _deviations(model, way, tangent)}
@@ -160,7 +166,8 @@ def _ends(model: MacroModel) -> str:
 class _Support:
     """Answers of the springs at states, besides the loads: w [m], V [N] by step, p (depth, step), and their support.
 
-    w and V are None for springs from a table; distance is None where no path is known.
+    w and V are None for springs from a table; distance is None where no path is known; water, the part of p that pore
+    water carries (side, depth, step), where the springs do not have it.
     """
 
     w: Array | None
@@ -171,11 +178,12 @@ class _Support:
     distance: Array | None
     off: NDArray[np.bool_]
     notes: list[str]
+    water: Array | None = None
 
 
-def _supported(model: MacroModel, states: Array) -> _Support:
+def _supported(model: MacroModel, states: Array, time: Array | None) -> _Support:
     table = model.table
-    return _on_fan(model, table, states) if isinstance(table, FanTable) else _on_path(model, table, states)
+    return _on_fan(model, table, states, time) if isinstance(table, FanTable) else _on_path(model, table, states)
 
 
 def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
@@ -192,18 +200,19 @@ def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
     return _Support(w, V, p, usable, used, distance, off, notes)
 
 
-def _on_fan(model: MacroModel, table: FanTable, states: Array) -> _Support:
+def _on_fan(model: MacroModel, table: FanTable, states: Array, time: Array | None) -> _Support:
     """Return the springs of a fan of rays."""
     rows, places = table.rows(states)
     if model.memory is not None:
-        rows = model.memory.reactions(states)
+        rows = model.memory.reactions(states, time)
     used, sector, nearest = table.support(states, places)
     off = (sector > WIDEST + RANGE_SLACK) & (states != 0.0).any(axis=1)
     usable = np.ones(model.origin.depth.size, dtype=np.int8)
     (w,), (V,), p = (rows[table.name == name] for name in ("w", "V", "p"))
     notes = _fan_notes(sector, off)
     known = model.stiffness_initial is not None
-    return _Support(w if known else None, V if known else None, p, usable, used, np.sin(nearest), off, notes)
+    water = rows[table.wet].reshape(-1, *p.shape) if table.wet.any() else None
+    return _Support(w if known else None, V if known else None, p, usable, used, np.sin(nearest), off, notes, water)
 
 
 def _track(model: MacroModel) -> Array:

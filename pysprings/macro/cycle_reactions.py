@@ -10,11 +10,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.macro.cycles import Followed
-from pysprings.macro.fan import FanTable, reaction_rows
+from pysprings.macro.fan import WATER, FanTable, reaction_rows
 
 Array = NDArray[np.float64]
 
-_FAMILIES = ("p", "m", "t", "H_tip", "M_tip", "H_lid", "M_lid", "V_tip", "V_lid", "w")
+_FAMILIES = ("p", "m", "t", "H_tip", "M_tip", "H_lid", "M_lid", "V_tip", "V_lid", "w", WATER)
 _VERTICAL = ("t", "V_tip", "V_lid", "w")
 
 
@@ -23,11 +23,12 @@ def reaction_errors(one: Followed) -> dict[str, Any]:
 
     The springs are at their own motion where the path was driven by loads. All are changes from the start of the path.
     NaN for vertical reactions and w where V changes on the way: what V itself does is not in the lateral springs.
+    The water's part of p is there where the springs have it apart.
     """
     table, full, macro = _reactions(one)
     changes = one.V is not None and np.ptp(one.V) > 0.0
     row: dict[str, Any] = {"path": one.path.name, "role": one.path.role, "springs": one.springs}
-    for name in _FAMILIES:
+    for name in (name for name in _FAMILIES if name in table.name):
         own = table.name == name
         size = float(np.abs(full[own]).max(initial=0.0))
         worst = float(np.abs(macro[own] - full[own]).max(initial=0.0))
@@ -50,6 +51,7 @@ def _reactions(one: Followed) -> tuple[FanTable, Array, Array]:
     assert one.model is not None
     table, memory, states = one.model.table, one.model.memory, one.macro[0]
     assert isinstance(table, FanTable)
-    full = reaction_rows(one.path)[:, : len(states)]
-    macro = table.rows(states)[0] if memory is None else memory.reactions(states)
+    full = reaction_rows(one.path, bool(table.wet.any()))[:, : len(states)]
+    time = one.path["time"][: len(states)] - one.path["time"][0] if "time" in one.path else None
+    macro = table.rows(states)[0] if memory is None else memory.reactions(states, time)
     return table, full - full[:, :1], macro - table.r[:, 0, :1]

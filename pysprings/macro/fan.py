@@ -40,6 +40,7 @@ LAST = 0.02  # share of the range of a ray
 
 _ENDS = ("H_tip", "M_tip", "H_lid", "M_lid")
 _VERTICAL = ("V_tip", "V_lid", "w", "V")
+WATER = "p_water"
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +60,8 @@ class FanTable:
     count : (n,) int
         Number of knots.
     name, depth : (rows,)
-        Family (p, m, t, H_tip, M_tip, H_lid, M_lid, V_tip, V_lid, w, V) and depth [m] of each row.
+        Family (p, m, t, H_tip, M_tip, H_lid, M_lid, V_tip, V_lid, w, V, p_water) and depth [m] of each row. p_water
+        is there where pore water carries a part of p: of all depths outside, then inside; it is part of p.
     even : (rows,) bool
         Whether the row keeps its sign in the mirror image of a motion.
     b : (rows, 2) float
@@ -84,6 +86,12 @@ class FanTable:
     def range(self) -> Array:
         """Largest calibrated rho of each ray [m]."""
         return self.rho[np.arange(self.count.size), self.count - 1]
+
+    @property
+    def wet(self) -> NDArray[np.bool_]:
+        """Which rows (rows,) are p_water; none where no water carries a part of p."""
+        rows: NDArray[np.bool_] = self.name == WATER
+        return rows
 
     @property
     def load_scale(self) -> Array:
@@ -153,14 +161,15 @@ def build_fan(springs: Springs) -> FanTable:
         raise refused("springs", "the calibration paths of a fan differ in their depths")
     count = np.array([path.n for path in data], dtype=np.int64)
     rho = np.full((len(data), int(count.max())), np.inf)
-    name, place, even, b = _layout(depth, data[0].heights, length)
+    wet = all(path.water.any() for path in data)
+    name, place, even, b = _layout(depth, data[0].heights, length, len(data[0].water) if wet else 0)
     r = np.zeros((len(name), *rho.shape))
     slope = np.zeros_like(r)
     for k, path in enumerate(data):
         direction = np.array([np.cos(angle[k]), np.sin(angle[k])])
         along = path.u * direction[0] + path.turn * direction[1]  # < 0 where the path is the mirror image of the ray
         along[0] = 0.0
-        rows = reaction_rows(path) * np.where(even, 1.0, np.sign(along[-1]))[:, None]
+        rows = reaction_rows(path, wet) * np.where(even, 1.0, np.sign(along[-1]))[:, None]
         rho[k, : count[k]] = np.abs(along)
         r[:, k, : count[k]] = rows
         initial = (rows[:, 1] - rows[:, 0]) / rho[k, 1]
@@ -171,24 +180,30 @@ def build_fan(springs: Springs) -> FanTable:
     return FanTable(tuple(springs.rays), length, angle, rho, count, name, place, even, b, r, slope)
 
 
-def _layout(depth: Array, dz: Array, length: float) -> tuple[NDArray[np.str_], Array, NDArray[np.bool_], Array]:
+def _layout(
+    depth: Array, dz: Array, length: float, sides: int
+) -> tuple[NDArray[np.str_], Array, NDArray[np.bool_], Array]:
     """Return the name, depth, parity and action on (H, M) of the rows, in the order of `reaction_rows`."""
-    n = depth.size
-    name = np.array(["p"] * n + ["m"] * n + ["t"] * n + [*_ENDS, *_VERTICAL])
-    place = np.concatenate([np.tile(depth, 3), [length, length, 0.0, 0.0, length, 0.0, 0.0, 0.0]])
+    n, wet = depth.size, sides * depth.size
+    name = np.array(["p"] * n + ["m"] * n + ["t"] * n + [*_ENDS, *_VERTICAL] + [WATER] * wet)
+    ends = [length, length, 0.0, 0.0, length, 0.0, 0.0, 0.0]
+    place = np.concatenate([np.tile(depth, 3), ends, np.tile(depth, sides)])
     even = np.isin(name, ("t", *_VERTICAL))
-    height = np.concatenate([np.tile(dz, 3), np.zeros(len(_ENDS) + len(_VERTICAL))])
-    rows = zip(name.tolist(), place.tolist(), height.tolist(), even.tolist(), strict=True)
-    b = np.array([(0.0, 0.0) if vertical else action(each, z, h, length) for each, z, h, vertical in rows])
+    height = np.concatenate([np.tile(dz, 3), np.zeros(len(ends) + wet)])
+    idle = (even | (name == WATER)).tolist()
+    rows = zip(name.tolist(), place.tolist(), height.tolist(), idle, strict=True)
+    b = np.array([(0.0, 0.0) if no_load else action(each, z, h, length) for each, z, h, no_load in rows])
     return name, place, even, b
 
 
-def reaction_rows(path: SpringPath) -> Array:
-    """Return the reactions (rows, step); odd ones as changes from the initial state."""
+def reaction_rows(path: SpringPath, wet: bool) -> Array:
+    """Return the reactions (rows, step), with those of water or not; odd ones as changes from the initial state."""
     ends = np.stack([path[name] for name in _ENDS])
     odd = np.concatenate([path.p, path.m])
     vertical = np.stack([path[name] for name in _VERTICAL])
-    return np.concatenate([odd - odd[:, :1], path.by_depth("t"), ends - ends[:, :1], vertical])
+    water = path.water.reshape(-1, path.n)[: None if wet else 0]
+    parts = [odd - odd[:, :1], path.by_depth("t"), ends - ends[:, :1], vertical, water - water[:, :1]]
+    return np.concatenate(parts)
 
 
 def initial_slopes(secant: Array, b: Array, target: Array) -> Array:

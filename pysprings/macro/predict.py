@@ -207,10 +207,10 @@ def sequence(
     control is "load" (H [N], M [N m]), "state" (u [m], rotation [rad] imposed), "displacement" or "rotation" (first
     column, load at height arm [m]). V [N]: one number, or one a row (of springs at several vertical loads those at its
     first value are used). time (n,) [s] grows from 0: springs with memory that come from one rate mark steps at another
-    one `off_rate`; it changes nothing else. Springs of the set "memory" remember reversals. All others are nonlinear
-    elastic: where the sequence turns back, so does the answer, on the same curve. From there on states are marked
-    `turned_back`; from where the targets leave the direction of the first one (H to M, or u to rotation) they are
-    marked `off_path`.
+    one `off_rate`, and the water's part of p drains in it; it changes nothing else. Springs of the set "memory"
+    remember reversals. All others are nonlinear elastic: where the sequence turns back, so does the answer, on the same
+    curve. From there on states are marked `turned_back`; from where the targets leave the direction of the first one (H
+    to M, or u to rotation) they are marked `off_path`.
     Raises as `predict` does.
     """
     check_numbers(arm=arm)
@@ -226,8 +226,9 @@ def sequence(
         raise refused("time", f"give one number a row of targets ({len(rows)}), growing from 0 s")
     care, choice = _parts(asking)
     model = model_of(springs, V=first, **choice)
-    answer = trace(model, control, rows, arm, down if down is not None and down.ndim else first)
-    answer = answer if time is None else timed(model, answer, np.asarray(time, dtype=float))
+    at = None if time is None else np.asarray(time, dtype=float)
+    answer = trace(model, control, rows, arm, down if down is not None and down.ndim else first, at)
+    answer = answer if at is None else timed(model, answer, at)
     remarks = [] if model.memory is not None else [ELASTIC]
     return _answered(model, answer.assign_attrs(remarks=[*answer.attrs["remarks"], *remarks]), care)
 

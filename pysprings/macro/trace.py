@@ -18,19 +18,25 @@ Array = NDArray[np.float64]
 
 
 def trace(
-    model: MacroModel, control: Control, targets: Array, arm: float = 0.0, V: float | Array | None = None
+    model: MacroModel,
+    control: Control,
+    targets: Array,
+    arm: float = 0.0,
+    V: float | Array | None = None,
+    time: Array | None = None,
 ) -> xr.Dataset:
     """Return the answer of `MacroModel.solve` as a dataset by step, marked where the springs do not support it.
 
     A way that ends early holds the steps reached; `status` is then "partial" and `message` has the place.
-    V [N] is one number, or one a target.
+    V [N] is one number, or one a target; time [s] one a target, from rest at 0 s.
     """
     targets = np.asarray(targets, dtype=float)
     states, loads, message = model.solve(control, targets, arm)
     down = V[: len(states)] if isinstance(V, np.ndarray) else V
 
     if model.memory is not None:  # turns are what it is made for
-        answer = answer_dataset(model, Way(states, loads, control, down, float(arm), message))
+        at = None if time is None else time[: len(states)]
+        answer = answer_dataset(model, Way(states, loads, control, down, float(arm), message, time=at))
         return answer.assign_attrs(warnings=[*answer.attrs["warnings"], *model.memory.notes(states)])
 
     def limit(first: int) -> Limit:

@@ -166,6 +166,15 @@ class SpringPath:
         return by_depth(self.dataset, "p")
 
     @cached_property
+    def water(self) -> Array:
+        """Part of p that pore water carries, (side, depth, step) [N/m]; no sides where it is not apart."""
+        p = self.dataset["p"]
+        if "water" not in p.coords.get("component", ()):
+            return np.zeros((0, self.depth.size, self.n))
+        values: Array = p.sel(component="water").transpose("side", "depth", "step").values
+        return values
+
+    @cached_property
     def m(self) -> Array:
         """Distributed moment of both sides, (depth, step) [N m/m]."""
         return by_depth(self.dataset, "m")
@@ -191,13 +200,15 @@ class SpringPath:
     def rate(self) -> float | None:
         """Rate rho/t at the end [m/s], rho = |(u, rotation*length)|; None where the path has no time.
 
-        Of a path that turns back rho is the way that it has come.
+        Of a path that turns back it is the mean over the way that it has come: a rest does not count.
         """
         if "time" not in self or not float(self["time"][-1]) > 0.0:
             return None
         rho = float(np.hypot(self.u[-1], float(self.rotation[-1]) * self.length))
         if self.turns_back:
-            rho = float(np.hypot(np.diff(self.u), np.diff(self.turn)).sum())
+            ways, times = np.hypot(np.diff(self.u), np.diff(self.turn)), np.diff(self["time"])
+            moved = (ways > 0.0) & (times > 0.0)
+            return float((ways[moved] ** 2 / times[moved]).sum() / ways.sum()) if moved.any() else None
         return rho / float(self["time"][-1]) if rho > 0.0 else None
 
     def at_steps(self, steps: Sequence[int]) -> SpringPath:

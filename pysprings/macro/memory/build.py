@@ -20,6 +20,7 @@ from pysprings.macro.memory.mixture import mixed
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import samples
 from pysprings.macro.memory.shares import Shares
+from pysprings.macro.memory.water import Water
 from pysprings.springs.alike import same_load
 from pysprings.springs.springs import Springs, memory_groups
 
@@ -30,7 +31,7 @@ MISSING = (
     "reversal. Run the scene with `[springs] memory = true`, or add a translation or rotation with `then` and "
     'role = "memory"'
 )
-VERSION = 8
+VERSION = 9
 _HEAD = ("rows", "odd", "rest", "loads", "elastic", "even")
 
 
@@ -133,6 +134,9 @@ def memory_dataset(springs: Springs, elements: ElementSet) -> xr.Dataset:
     shares = elements.shares
     values = {"rows": elements.rows, "odd": shares.odd.astype(np.int8)}
     values |= {name: getattr(shares, name) for name in _HEAD[2:]}
+    if shares.water is not None:
+        dims |= {"water": ("water_row", "relaxation", "way"), "times": ("relaxation", "element")}
+        values |= {"water": shares.water.factors, "times": shares.water.times}
     data = {name: (dims[name], value, {"units": "1"}) for name, value in values.items()}
     attrs: dict[str, Any] = {"version": VERSION, "reach_m": elements.reach, "residual": elements.residual}
     attrs |= {"heave_growth": shares.growth, "way_m": elements.way}
@@ -151,7 +155,8 @@ def from_dataset(stored: xr.Dataset) -> ElementSet:
     ways, pairs = np.atleast_1d(attrs["ways"]), zip(
         np.atleast_1d(attrs["H_errors"]), np.atleast_1d(attrs["M_errors"]), strict=True)  # fmt: skip
     errors = {str(way): (float(H), float(M)) for way, (H, M) in zip(ways, pairs, strict=True)}
-    shares = Shares(odd.astype(bool), rest, loads, elastic, even, float(attrs["heave_growth"]))
+    water = Water(stored["water"].values, stored["times"].values) if "water" in stored else None
+    shares = Shares(odd.astype(bool), rest, loads, elastic, even, float(attrs["heave_growth"]), water)
     reach, residual, way = (float(attrs[name]) for name in ("reach_m", "residual", "way_m"))
     return ElementSet(np.ascontiguousarray(rows), reach, shares, residual, errors, way)
 

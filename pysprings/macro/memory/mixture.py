@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from pysprings.macro.memory.calibration import ElementSet
 from pysprings.macro.memory.elements import PLATES
 from pysprings.macro.memory.shares import Shares, stiffnesses
+from pysprings.macro.memory.water import Water
 
 Array = NDArray[np.float64]
 
@@ -60,4 +61,13 @@ def _shares(parts: Sequence[tuple[ElementSet, float]]) -> Shares:
     first = parts[0][0].shares
     rest = sum(share * each.shares.rest for each, share in parts)
     even = np.concatenate([*ways, *stored], axis=1)
-    return Shares(first.odd, np.asarray(rest), np.asarray(S), np.hstack(elastic), even, np.concatenate(growth))
+    water = _water([(each.shares.water, share) for each, share in parts if each.shares.water])
+    return Shares(first.odd, np.asarray(rest), np.asarray(S), np.hstack(elastic), even, np.concatenate(growth), water)
+
+
+def _water(parts: Sequence[tuple[Water, float]]) -> Water | None:
+    """Return the water of sets together, each with its own elements and times; None where they have none."""
+    if not parts:
+        return None
+    factors = np.concatenate([share * each.factors for each, share in parts], axis=2)
+    return Water(factors, np.concatenate([each.times for each, _ in parts], axis=1))

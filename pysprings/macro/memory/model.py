@@ -17,6 +17,7 @@ from pysprings.macro.memory.calibration import ElementSet, elastic_motions, way_
 from pysprings.macro.memory.elements import STATES, advance, follow, tangents
 from pysprings.macro.memory.marks import StepMarks, lateral_marks, off_load, off_rate
 from pysprings.macro.memory.shares import elastic_of, ways_of
+from pysprings.macro.memory.water import Water
 from pysprings.macro.solver import Drive
 
 Array = NDArray[np.float64]
@@ -109,11 +110,37 @@ class MemoryModel:
         scaled: Array = out * self.to_motion * self.to_motion[:, None]
         return scaled
 
-    def reactions(self, states: Array) -> Array:
-        """Return all reactions (rows, n) of a fan along states (n, 2) = (u, rotation), from rest on."""
-        motions = states * self.to_motion
+    def reactions(self, states: Array, time: Array | None = None) -> Array:
+        """Return all reactions (rows, n) of a fan along states (n, 2) = (u, rotation), from rest on.
+
+        time (n,) [s] of the states, from 0 s at rest; None: at the rate of the elements. The water's part of p alone
+        depends on it, and that of springs without a rate does not.
+        """
+        motions, shares = states * self.to_motion, self.elements.shares
         e, p = elastic_motions(self.elements.rows, motions, self.elements.largest)
-        return self.elements.shares.reactions(self.elements.rows, e, p)
+        found = shares.reactions(self.elements.rows, e, p)
+        if self.table.wet.any():
+            found[self.table.wet] = self._water(motions, self.times(states) if time is None or not self.rate else time)
+        return found
+
+    def times(self, states: Array) -> Array:
+        """Return the times (n,) [s] of states (n, 2) = (u, rotation) from rest at the rate of the elements, or 0."""
+        ways = np.hypot(*np.diff(states * self.to_motion, axis=0, prepend=0.0).T).cumsum()
+        found: Array = ways / self.rate if self.rate else np.zeros(len(ways))
+        return found
+
+    def _water(self, motions: Array, time: Array) -> Array | float:
+        """Return p_water (rows, n) along motions (n, 2) [m], in steps of the largest size; NaN where not known."""
+        water = self.elements.shares.water
+        if water is None:
+            return np.nan
+        ways = np.hypot(*np.diff(motions, axis=0, prepend=0.0).T)
+        ends = np.ceil(np.maximum(ways / self.elements.largest, 1.0)).cumsum()
+        at, last = np.arange(1.0, ends[-1] + 1.0), np.concatenate([[0.0], ends])
+        fine = np.stack([np.interp(at, last, np.concatenate([[0.0], column])) for column in motions.T], axis=1)
+        e, _ = elastic_motions(self.elements.rows, fine, self.elements.largest)
+        found = water.along(e, np.interp(at, last, np.concatenate([[0.0], time])), np.zeros(e.shape[1:]), water.rest)
+        return found[:, ends.astype(int) - 1]
 
 
 class MemoryStepper:
@@ -127,12 +154,15 @@ class MemoryStepper:
     state : (elements, 3) committed numbers of the elements.
     motion, load : committed (u [m], rotation [rad]) and (H [N], M [N m]).
     way : committed motions added up [m].
+    water : committed numbers of the water's part of p, see `pysprings.macro.memory.water`; None where there is none.
     """
 
     def __init__(self, model: MemoryModel) -> None:
         self.model = model
         self.state = np.zeros((len(model.elements.rows), STATES))
         self.motion, self.load, self.way = np.zeros(2), np.zeros(2), 0.0
+        water = model.elements.shares.water
+        self.water = None if water is None else water.rest
         self._trial = self.state.copy(), self.motion.copy(), self.load.copy()
         self._conditions: tuple[float | None, float | None] = None, None
 
@@ -147,7 +177,7 @@ class MemoryStepper:
         """Go to a motion (u [m], rotation [rad]) or under a load (H [N], M [N m]); return the other one (2,).
 
         V [N] and the duration [s] of the step change nothing of the answer: `marks` compares them with the vertical
-        load and the rate of the paths that the elements come from.
+        load and the rate of the paths that the elements come from. In the time of a step water drains: see `reactions`.
 
         Raises
         ------
@@ -193,12 +223,29 @@ class MemoryStepper:
 
     @property
     def reactions(self) -> Array:
-        """All reactions (rows,) of the last trial state, w and V among them, in the rows of `model.table`."""
+        """All reactions (rows,) of the last trial state, w and V among them, in the rows of `model.table`.
+
+        The water's part of p is that after the duration of the step; without one, after a step at the rate of the
+        elements.
+        """
         (state, motion, _), model = self._trial, self.model
         rows, shares = model.elements.rows, model.elements.shares
         e = elastic_of(rows, state, motion * model.to_motion)
         found: Array = shares.reactions(rows, e[None], ways_of(rows, state)[None])[:, 0]
+        water = shares.water
+        if model.table.wet.any():
+            found[model.table.wet] = np.nan if water is None else self._drained(water)[0]
         return found
+
+    def _drained(self, water: Water) -> tuple[Array, Array]:
+        """Return p_water (water rows,) of the last trial state, and the numbers that it leaves."""
+        model, (_, duration) = self.model, self._conditions
+        rows, pairs = model.elements.rows, ((self.state, self.motion), self._trial[:2])
+        start, end = (elastic_of(rows, state, motion * model.to_motion) for state, motion in pairs)
+        step = (duration or self._moved / model.rate) if model.rate else 0.0
+        assert self.water is not None
+        after = self.water.copy()
+        return water.along(end[None], np.array([step]), start, after)[:, 0], after
 
     @property
     def _moved(self) -> float:
@@ -220,5 +267,8 @@ class MemoryStepper:
     def commit(self) -> None:
         """Keep the last trial state."""
         state, motion, load = self._trial
+        water = self.model.elements.shares.water
+        if water is not None:
+            self.water = self._drained(water)[1]
         self.way += self._moved
         self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()

@@ -35,7 +35,8 @@ EVERY, BEHIND, WEIGHT = 1.0 / 40.0, (2.5e-4, 7.5e-4, 2.5e-3, 5e-3, 1e-2, 2e-2, 4
 class Sample:
     """A way: motions (n, 2) = (u, rotation*L) [m], reactions (rows, n) as a fan has them, weight of each point (n,).
 
-    turns : whether the way turns back. recorded: whether the reactions are those of recorded paths along or beside it.
+    turns : whether the way turns back. recorded : whether the reactions are those of recorded paths along or beside it.
+    time : of each point (n,) [s]; None where the springs have no rate.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Sample:
     weights: Array
     turns: bool
     recorded: bool = True
+    time: Array | None = None
 
     def loads(self, table: FanTable) -> Array:
         """Return the loads (n, 2) = (H, M/L) [N] that the reactions sum to."""
@@ -53,8 +55,8 @@ class Sample:
 
 def samples(springs: Springs, table: FanTable, weight: float = WEIGHT) -> list[Sample]:
     """Return the ways that springs with memory are calibrated on; those that turn back have a weight beside a ray."""
-    found = [*_rays(table), *(_turning(path, table, weight) for path in springs.remembering)]
-    ways = [Sample(name, motions, rows, _weights(rows, table, way), way > 0.0) for name, motions, rows, way in found]
+    rate = springs.remembering[0].rate if springs.rate_sets else None
+    ways = [*_rays(table, rate), *(_turning(path, table, weight, rate) for path in springs.remembering)]
     return ways + [
         Sample(name, motions, rows, weight * _weights(rows, table, 0.0), False, recorded=False)
         for weight, made in ((1.0, _pulls(table)), (LIGHT, _beyond(table)))
@@ -83,13 +85,14 @@ def _beyond(table: FanTable) -> Iterator[tuple[str, Array, Array]]:
         yield f"beyond {np.degrees(angle):.0f} degrees", motions, table.rows(motions / [1.0, table.length])[0]
 
 
-def _rays(table: FanTable) -> Iterator[tuple[str, Array, Array, float]]:
+def _rays(table: FanTable, rate: float | None) -> Iterator[Sample]:
     angles = _angles(table)
     for angle, reach in zip(angles, reach_of(table, angles), strict=True):
         rho = np.geomspace(FIRST * reach, reach, POINTS)
         motions = rho[:, None] * [np.cos(angle), np.sin(angle)]
         rows, _ = table.rows(motions / [1.0, table.length])
-        yield f"{np.degrees(angle):.0f} degrees", motions, rows, 0.0
+        time = None if rate is None else rho / rate
+        yield Sample(f"{np.degrees(angle):.0f} degrees", motions, rows, _weights(rows, table, 0.0), False, time=time)
 
 
 def _pulls(table: FanTable) -> Iterator[tuple[str, Array, Array]]:
@@ -106,7 +109,7 @@ def _pulls(table: FanTable) -> Iterator[tuple[str, Array, Array]]:
             yield f"pull at {arm:g} L", states[inside] * [1.0, table.length], rows[:, inside]
 
 
-def _turning(path: SpringPath, table: FanTable, weight: float) -> tuple[str, Array, Array, float]:
+def _turning(path: SpringPath, table: FanTable, weight: float, rate: float | None) -> Sample:
     """Return a ray that turns back, at even distances of its way and close behind its turns."""
     motions = np.stack([path.u, path.turn], axis=1)
     steps = np.diff(motions, axis=0)
@@ -117,13 +120,10 @@ def _turning(path: SpringPath, table: FanTable, weight: float) -> tuple[str, Arr
     near = (np.array([0.0, *turns])[:, None] + 2.5 * behind).ravel()
     at = np.unique(np.concatenate([np.arange(way[-1], 0.0, -2.5 * EVERY * reach), near]))
     at = at[(at > 0.0) & (at <= way[-1])]
-    rows = reaction_rows(path)
-    return (
-        path.name,
-        np.stack([np.interp(at, way, column) for column in motions.T], axis=1),
-        np.stack([np.interp(at, way, row) for row in rows]),
-        weight,
-    )
+    rows = np.stack([np.interp(at, way, row) for row in reaction_rows(path, bool(table.wet.any()))])
+    motions = np.stack([np.interp(at, way, column) for column in motions.T], axis=1)
+    time = None if rate is None else np.interp(at, way, path["time"] - path["time"][0])
+    return Sample(path.name, motions, rows, _weights(rows, table, weight), True, time=time)
 
 
 def _weights(rows: Array, table: FanTable, way: float) -> Array:

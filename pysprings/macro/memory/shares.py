@@ -11,7 +11,7 @@ with b.S = I and b.D = 0, b the action of a row on (H, M/L): they sum to the loa
 on a way that turns back and forth, without end (s infinite) or up to a multiple of the size d of each element: small
 motions then stop to settle the caisson, larger ones go on. The second goes up and down twice a cycle. D and the even
 rows come from ridge regressions over the ways of the calibration. For the even rows s and the ridge are those with
-which each ray that turns back is predicted best by the others.
+which each ray that turns back is predicted best by the others. The water's part of p is in `water`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLASTIC, PLATES, REVERSIBLE, histories
+from pysprings.macro.memory.ridge import ridge_fit
 from pysprings.macro.memory.samples import Sample
+from pysprings.macro.memory.water import Water, water_of
 
 Array = NDArray[np.float64]
 
@@ -45,6 +47,7 @@ class Shares:
     loads, elastic : (odd rows, 2) S [1, 1/m], and (odd rows, 2 n) D [N/m of e, N/m2].
     even : (even rows, 2 n) of p/(1 + p/(s d)), then of |e|_G^2/d.
     growth : s of the even rows, one number or one an element (n,).
+    water : the water's part of p, rows that are odd with S = 0 and D = 0; None where there is none.
     """
 
     odd: NDArray[np.bool_]
@@ -53,9 +56,13 @@ class Shares:
     elastic: Array
     even: Array
     growth: float | Array
+    water: Water | None = None
 
     def reactions(self, rows: Array, e: Array, p: Array) -> Array:
-        """Return all reactions (rows, n) from elastic motions e (n, elements, 2) and plastic ways p (n, elements)."""
+        """Return all reactions (rows, n) from elastic motions e (n, elements, 2) and plastic ways p (n, elements).
+
+        The water's part of p, which depends on time, is not among them: its rows are 0.
+        """
         carried = loads_of(rows, e)
         out = np.repeat(self.rest[:, None], len(e), axis=1)
         out[self.odd] += self.loads @ carried.T + self.elastic @ e.reshape(len(e), -1).T
@@ -144,15 +151,25 @@ def shares_of(
     b = table.b[odd] / [1.0, table.length]
     S = _balanced(np.linalg.lstsq(F * weights[:, None], R[:, odd] * weights[:, None], rcond=None)[0].T, b)
     e = np.concatenate([each.reshape(len(each), -1) for each, _ in states])
-    D = _ridge(e, R[:, odd] - F @ S.T, weights, RIDGE)
+    D = ridge_fit(e, R[:, odd] - F @ S.T, weights, RIDGE)
     D -= S @ (b.T @ D)
+    S[table.wet[odd]], D[table.wet[odd]] = 0.0, 0.0
     even = [way.reactions[~odd] - rest[~odd, None] for way in ways]
     heave = [rows_[list(table.name[~odd]).index("w")] for rows_ in even]
     weights = _heave_weights(ways, heave)
     growth, ridge = _best(rows, ways, states, heave, weights)
     X = np.concatenate([_even_motions(rows, *state, growth) for state in states])
-    factors = _ridge(X, np.concatenate(even, axis=1).T, weights, ridge)
-    return Shares(odd, rest, S, D, factors, growth), carried
+    factors = ridge_fit(X, np.concatenate(even, axis=1).T, weights, ridge)
+    return Shares(odd, rest, S, D, factors, growth, _water(ways, states, table)), carried
+
+
+def _water(ways: Sequence[Sample], states: Sequence[tuple[Array, Array]], table: FanTable) -> Water | None:
+    """Return the water's part of p along the ways; None where it has none."""
+    if not table.wet.any():
+        return None
+    times = [np.zeros(len(way.motions)) if way.time is None else way.time for way in ways]
+    longest = max(float(time[-1]) for way, time in zip(ways, times, strict=True) if not way.turns)
+    return water_of([e for e, _ in states], [way.reactions[table.wet] for way in ways], times, longest)
 
 
 def _best(
@@ -169,7 +186,7 @@ def _best(
             for k in turning:
                 out = np.zeros(len(known), dtype=bool)
                 out[ends[k] : ends[k + 1]] = True
-                factors = _ridge(X[~out], known[~out], weights[~out], ridge)
+                factors = ridge_fit(X[~out], known[~out], weights[~out], ridge)
                 missing = np.abs(X[out] @ factors.T - known[out])[:, 0] * weights[out]
                 errors[growth, ridge] += float(missing.max()) * np.sqrt(len(missing))
     return min(errors, key=lambda pair: errors[pair])
@@ -193,13 +210,3 @@ def _balanced(S: Array, b: Array) -> Array:
         weight = size[:, column, None] * b
         S[:, column] += weight @ np.linalg.lstsq(b.T @ weight, missing, rcond=None)[0]
     return S
-
-
-def _ridge(X: Array, Y: Array, weights: Array, ridge: float) -> Array:
-    """Return the coefficients (columns of Y, columns of X) of a weighted ridge regression."""
-    size = np.linalg.norm(X * weights[:, None], axis=0)
-    size = np.where(size > 0.0, size, 1.0)
-    U, s, Vt = np.linalg.svd(X * weights[:, None] / size, full_matrices=False)
-    shrunk = s / (s**2 + (ridge * s[0]) ** 2)
-    coefficients: Array = ((Vt.T * shrunk) @ (U.T @ (Y * weights[:, None]))).T / size
-    return coefficients

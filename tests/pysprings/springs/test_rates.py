@@ -13,10 +13,11 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.slices import merge_slices
 from pysprings.springs.dataset import get_path, path_names
+from pysprings.springs.path import SpringPath
 from pysprings.springs.rates import blend
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
-from tests.support import synthetic
+from tests.support import synthetic, wet
 
 LENGTH = 4.0
 RAYS = [
@@ -153,3 +154,14 @@ def test_a_chain_of_rates_is_one_set_where_each_is_near_the_next() -> None:
     apart = Springs.of(at_two_rates(speeds=(1e-5, 2.5e-5, 8e-5))).rate_sets  # 3.2 from the second: a set of its own
     assert [each.rate for each in apart] == pytest.approx([1e-5 * 2.5**0.5, 8e-5])
     assert [set(each.paths) for each in apart] == [{"slide0", "slide1", "turn0", "turn1"}, {"slide2", "turn2"}]
+
+
+def test_a_rest_does_not_change_the_rate_of_a_path() -> None:
+    """An hour at its last turn: the speed of the motion stays."""
+    path = wet.coupled(turning=(0.0,)).paths["turning_0"]
+    assert path.rate == pytest.approx(wet.RATE, rel=1e-9)
+    turn = int(np.argmin(path.u))
+    rested = path.recorded.isel(step=[*range(turn + 1), *range(turn, path.n)])
+    later = np.where(np.arange(path.n + 1) > turn, 3600.0, 0.0)
+    rested = rested.assign(time=("step", rested["time"].values + later))
+    assert SpringPath("rested", rested.assign_attrs(path.attrs), LENGTH).rate == pytest.approx(wet.RATE, rel=1e-9)

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: MIT
+"""The water's part of p: relaxation in closed form, springs of coupled paths, with a fan and with memory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pysprings.macro.cycle_reactions import reaction_errors
+from pysprings.macro.cycles import follow_path
+from pysprings.macro.fan import FanTable, build_fan
+from pysprings.macro.memory.build import build_memory, memory_dataset, with_memory
+from pysprings.macro.memory.calibration import elastic_motions
+from pysprings.macro.memory.mixture import mixed as together
+from pysprings.macro.memory.model import MemoryModel, MemoryStepper
+from pysprings.macro.memory.water import TIMES, Water, water_of
+from pysprings.macro.model import MacroModel
+from pysprings.macro.predict import predict, sequence
+from pysprings.springs.springs import Springs
+from tests.support import wet, winkler
+from tests.support.fans import DEPTH, LENGTH
+from tests.support.wet import RATE, STIFFNESS, TIME, maxwell
+from tests.support.winkler import REACH, element, elements_of, mixed
+
+
+def one(times: float) -> Water:
+    """Water of one elastic element with one relaxation time, that follows u alone."""
+    return Water(np.array([[[1.0, 0.0]]]), np.array([[times]]))
+
+
+@cache
+def table() -> FanTable:
+    return build_fan(wet.coupled())
+
+
+@cache
+def model(seed: int = 1) -> MemoryModel:
+    """Mixed elements on the fan of coupled paths, with water of any size that drains in 3 to 300 s."""
+    rows, random = mixed(n=6, seed=seed), np.random.default_rng(seed)
+    elements = elements_of(rows, table())
+    factors = random.normal(size=(int(table().wet.sum()), 3, 2 * len(rows)))
+    water = Water(factors, np.repeat([[3.0], [30.0], [300.0]], len(rows), axis=1))
+    return MemoryModel(replace(elements, shares=replace(elements.shares, water=water)), table(), rate=RATE)
+
+
+def test_pressure_builds_up_and_drains_as_a_maxwell_body() -> None:
+    """At a speed v: v T (1 - exp(-t/T)); in a rest it decays with exp(-t/T); without drainage it is the motion."""
+    v, T = 2e-4, 5.0
+    time = np.array([1.0, 7.0, 20.0, 22.0, 40.0])
+    u = v * np.minimum(time, 20.0)
+    e = np.stack([u, 0.0 * u], axis=1)[:, None]
+    built = v * T * (1.0 - np.exp(-np.minimum(time, 20.0) / T))
+    expected = built * np.exp(-np.maximum(time - 20.0, 0.0) / T)
+    np.testing.assert_allclose(one(T).along(e, time, np.zeros((1, 2)), np.zeros((1, 2)))[0], expected, rtol=1e-9)
+    np.testing.assert_allclose(one(np.inf).along(e, time, np.zeros((1, 2)), np.zeros((1, 2)))[0], u, rtol=1e-12)
+
+
+def test_a_relaxation_time_of_the_fit_is_found() -> None:
+    """Pressure of u and the rotation with one T; a loop that no way has, within 3 %."""
+    longest, rows = TIME / TIMES[1], np.array([element(d=1e3)])
+
+    def way(*corners: tuple[float, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        ends = REACH * np.array([(0.0, 0.0), *corners])
+        motions = np.concatenate([np.linspace(a, b, 60)[1:] for a, b in pairwise(ends)])
+        time = longest * np.hypot(*np.diff(motions, axis=0, prepend=0.0).T).cumsum() / REACH
+        first = np.concatenate([np.zeros((1, 2)), motions]).T
+        pressure = maxwell(first, np.append(0.0, time))[:, 1:]
+        return elastic_motions(rows, motions, 1e9)[0], np.stack([pressure[0], pressure[0] - 2.0 * pressure[1]]), time
+
+    ways = [
+        way((1.0, 0.0)),
+        way((0.0, 1.0)),
+        way((0.7, -0.7)),
+        way((0.4, 0.0), (-0.4, 0.0)),
+        way((0.0, 0.4), (0.0, 0.0)),
+    ]
+    water = water_of(*zip(*ways, strict=True), longest)
+    e, known, time = way((0.3, -0.2), (-0.3, 0.1), (0.2, 0.2))
+    found = water.along(e, time, np.zeros((1, 2)), water.rest)
+    assert np.abs(found - known).max() < 0.03 * np.abs(known).max()
+
+
+def test_a_fan_has_the_pressure_of_its_rays_as_a_part_of_p() -> None:
+    """On a ray that of the path, by side; the answer without it is the same."""
+    springs = wet.coupled()
+    path = springs.paths["ray_3"]
+    motions = np.stack([path.u, path.rotation], axis=1)[[5, 20]]
+    answer = sequence(springs, motions, control="state", springs_kind="fan")
+    assert answer["p_water"].dims == ("side", "depth", "step") and list(answer["side"].values) == ["outside", "inside"]
+    np.testing.assert_allclose(answer["p_water"], path.water[:, :, [5, 20]], rtol=1e-9)
+    dry = sequence(Springs.of(winkler.springs()), motions, control="state", springs_kind="fan")
+    assert "p_water" not in dry and "side" not in dry.coords
+    np.testing.assert_allclose(answer["p"], dry["p"], rtol=1e-9)
+    np.testing.assert_allclose(answer["H"], dry["H"], rtol=1e-12)
+    assert "p_water" in predict(springs, H=1e4, springs_kind="fan")
+
+
+def test_a_sequence_drains_in_its_time() -> None:
+    """At the rate of the elements without a time; a rest of an hour leaves none; H, M and other reactions stay."""
+    way = REACH * np.array([[0.1, 0.0], [0.2, -0.1], [-0.1, 0.1], [-0.1, 0.1]]) / [1.0, LENGTH]
+    time = np.hypot(*np.diff(way * [1.0, LENGTH], axis=0, prepend=0.0).T).cumsum() / RATE
+    wet_rows = table().wet
+    plain, timed = model().reactions(way), model().reactions(way, time)
+    np.testing.assert_allclose(plain, timed, rtol=1e-12)
+    rested = model().reactions(way, time + [0.0, 0.0, 0.0, 36e3])
+    np.testing.assert_array_equal(rested[~wet_rows], plain[~wet_rows])
+    assert np.abs(rested[wet_rows, 3]).max() < 1e-9 * np.abs(plain[wet_rows, 2]).max()
+    np.testing.assert_array_equal(rested[wet_rows, :3], plain[wet_rows, :3])
+    slow = model().reactions(way, 100.0 * time)
+    assert (np.abs(slow[wet_rows, 1]).max() < 0.5 * np.abs(plain[wet_rows, 1]).max()) and np.ptp(slow[wet_rows])
+
+
+def test_long_steps_drain_on_the_way() -> None:
+    """One row and forty on the same straight way: the same pressure at its end."""
+    end = REACH * np.array([0.4, -0.2 / LENGTH])
+    rows = [model().reactions(np.linspace(0.0, 1.0, n + 1)[1:, None] * end)[table().wet, -1] for n in (1, 40)]
+    np.testing.assert_allclose(rows[0], rows[1], rtol=1e-3)
+
+
+def test_a_stepper_has_the_pressure_of_the_sequence_and_drains_in_the_duration_of_a_step() -> None:
+    random = np.random.default_rng(3)
+    way = np.cumsum(random.normal(size=(40, 2)), axis=0) * 0.002 * REACH / [1.0, LENGTH]
+    time = np.cumsum(random.uniform(1.0, 20.0, size=40))
+    stepper, wet_rows = MemoryStepper(model()), table().wet
+    for state, duration in zip(way, np.diff(time, prepend=0.0), strict=True):
+        stepper.advance(motion=(3e-3, 0.0), duration=1.0)  # tried, and forgotten
+        stepper.advance(motion=tuple(state), duration=duration)
+        found = stepper.reactions
+        stepper.commit()
+    expected = model().reactions(way, time)[:, -1]
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+    stepper.advance(motion=tuple(way[-1]), duration=36e3)
+    assert np.abs(stepper.reactions[wet_rows]).max() < 1e-9 * np.abs(found[wet_rows]).max()
+    at_rate = MemoryStepper(model())
+    for state in way:
+        at_rate.advance(motion=tuple(state))
+        found = at_rate.reactions
+        at_rate.commit()
+    np.testing.assert_allclose(found[wet_rows], model().reactions(way)[wet_rows, -1], rtol=1e-9)
+
+
+def test_without_a_time_the_pressure_is_not_a_number() -> None:
+    """A zero would look like drained soil."""
+    bare = replace(model(), elements=elements_of(mixed(n=6), table()))
+    rows = bare.reactions(np.array([[1e-3, 0.0]]))
+    assert np.isnan(rows[table().wet]).all() and np.isfinite(rows[~table().wet]).all()
+    stepper = MemoryStepper(bare)
+    stepper.advance(motion=(1e-3, 0.0))
+    stepper.commit()
+    assert np.isnan(stepper.reactions[table().wet]).all()
+
+
+def test_between_two_sets_pressure_is_that_of_both_by_their_shares() -> None:
+    way = REACH * np.array([[0.1, 0.0], [0.2, -0.1], [-0.1, 0.1]]) / [1.0, LENGTH]
+    both = [model(seed) for seed in (1, 2)]
+    between = replace(both[0], elements=together([(both[0].elements, 0.3), (both[1].elements, 0.7)]))
+    rows = [each.reactions(way)[table().wet] for each in both]
+    np.testing.assert_allclose(between.reactions(way)[table().wet], 0.3 * rows[0] + 0.7 * rows[1], rtol=1e-9)
+    assert np.abs(rows[0] - rows[1]).max() > 0.1 * np.abs(rows[0]).max()
+
+
+def test_a_spring_file_keeps_the_water() -> None:
+    springs, way = wet.coupled(), REACH * np.array([[0.1, 0.0], [-0.1, 0.01]])
+    groups = {node.path: node.to_dataset(inherit=False) for node in springs.tree.subtree}
+    groups["/memory"] = memory_dataset(springs, model().elements)
+    read = build_memory(Springs.of(xr.DataTree.from_dict(groups, name="springs")))
+    assert read.rate == pytest.approx(RATE)
+    np.testing.assert_allclose(read.reactions(way)[table().wet], model().reactions(way)[table().wet], rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_calibrated_springs_have_the_pressure_of_a_loop_that_was_held_back() -> None:
+    """Within 10 % of its largest, with the time of the path; of a fan it is far off: it goes back on the same curve."""
+    springs = Springs.of(with_memory(wet.tree(loops=((-40.0, 3e-3),))))
+    path = springs.paths["loop_minus_40"]
+    found = {kind: follow_path(path, MacroModel.from_springs(springs, kind)) for kind in ("memory", "fan")}
+    errors = {kind: reaction_errors(each)["p_water_error_pct"] for kind, each in found.items()}
+    assert errors["memory"] < 10.0 < 50.0 < errors["fan"]
+    assert STIFFNESS.shape == (2, DEPTH.size)

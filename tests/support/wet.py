@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: MIT
+"""Springs of coupled paths at one rate, whose water pressure relaxes as one Maxwell body."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from pysprings.springs.springs import Springs
+from tests.support import winkler
+from tests.support.fans import DEPTH, LENGTH
+
+RATE, TIME = 1e-4, 20.0  # m/s of rho; relaxation time [s]
+STIFFNESS = np.array([[2e7], [-8e6]]) * (1.0 + DEPTH)  # p_water over y, (side, depth) [N/m2]
+
+
+def maxwell(x: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Return z (..., n) of dz/dt = dx/dt - z/TIME along x (..., n): the exponential sum over 400 parts of each step."""
+    out, z = np.zeros_like(x), np.zeros(x.shape[:-1])
+    for k in range(1, x.shape[-1]):
+        step = (time[k] - time[k - 1]) / 400
+        for _ in range(400):
+            z = (z + (x[..., k] - x[..., k - 1]) / 400) / (1.0 + step / TIME)
+        out[..., k] = z
+    return out
+
+
+def tree(turning: tuple[float, ...] = (0.0, -30.0, -50.0), loops: tuple[tuple[float, float], ...] = ()) -> xr.DataTree:
+    """Return a Winkler caisson's springs with times; water carries a part of p, which is what it is without."""
+    springs = winkler.springs(turning, loops)
+    for node in springs["paths"].children.values():
+        path = node.to_dataset(inherit=False).copy(deep=True)
+        ways = np.hypot(np.diff(path["u"]), np.diff(path["rotation"]) * LENGTH)
+        time = np.append(0.0, np.cumsum(ways)) / RATE
+        path["time"] = ("step", time, {"long_name": "time", "units": "s"})
+        relaxed = maxwell(path["u"].values + path["rotation"].values * DEPTH[:, None], time)
+        p = path["p"].transpose("side", "component", "depth", "step").values.copy()
+        water, normal = (list(path["component"].values).index(name) for name in ("water", "normal"))
+        p[:, water] = STIFFNESS[:, :, None] * relaxed
+        p[:, normal] -= p[:, water]
+        path["p"] = path["p"].copy(data=np.moveaxis(p, 2, 0))
+        node.dataset = path
+    springs.attrs["drainage"] = "coupled"
+    return springs
+
+
+def coupled(**paths: object) -> Springs:
+    """Return `tree` as springs."""
+    return Springs.of(tree(**paths))  # type: ignore[arg-type]
