@@ -60,7 +60,7 @@ class Water:
 def water_of(e: Sequence[Array], p_water: Sequence[Array], time: Sequence[Array], longest: float) -> Water:
     """Return the water of ways: elastic motions (n, elements, 2), p_water (rows, n) and times (n,) [s] of each.
 
-    longest: time [s] of a ray to the reach; 0 where no water drains. Errors are relative to the largest p_water of a way.
+    longest: time [s] of a ray to the reach; 0 where none drains. Errors are relative to the largest p_water of a way.
     """
     n = e[0].shape[1]
     times = np.repeat((longest or 1.0) * np.array(TIMES)[:, None], n, axis=1)
