@@ -51,17 +51,28 @@ def build_memory(springs: Springs) -> MemoryModel:
     UserInputError
         The springs have no fan, or no ray that turns back at their rate.
     """
-    table, known = build_fan(springs), _at_loads(springs)
-    if not known:
-        raise refused("springs", MISSING)
-    V = _between(springs.rest_load if springs.blended_loads else springs.paths[table.path[0]].load, list(known))
-    shares = [float(np.interp(V, list(known), row)) for row in np.eye(len(known))]
-    parts = [(at, share) for at, share in zip(known.values(), shares, strict=True) if share > 0.0]
+    table, (V, parts) = build_fan(springs), _parts(springs)
     turning = _recorded(parts[0][0])[0][0].remembering[0]
     rate = float(springs.attrs["rate_m_per_s"]) if springs.parts else turning.rate
     sets = sum(len(_recorded(at)) for at, _ in parts)
     elements = mixed([(_elements(at), share) for at, share in parts])
     return MemoryModel(elements, table, V, rate if springs.rate_sets else None, sets)
+
+
+def has_elements(springs: Springs) -> bool:
+    """Return whether all elements of the model are stored in the springs: else `build_memory` calibrates them."""
+    return all(_stored(part) is not None for at, _ in _parts(springs)[1] for part, _ in _recorded(at))
+
+
+def _parts(springs: Springs) -> tuple[float, list[tuple[Springs, float]]]:
+    """Return the vertical load [N] of springs, and the springs with rays that turn back about it, with their shares."""
+    known = _at_loads(springs)
+    if not known:
+        raise refused("springs", MISSING)
+    own = springs.rest_load if springs.blended_loads else springs.paths[next(iter(springs.rays))].load
+    V = _between(own, list(known))
+    shares = [float(np.interp(V, list(known), row)) for row in np.eye(len(known))]
+    return V, [(at, share) for at, share in zip(known.values(), shares, strict=True) if share > 0.0]
 
 
 def _recorded(springs: Springs) -> tuple[tuple[Springs, float], ...]:
@@ -92,9 +103,14 @@ def _elements(springs: Springs) -> ElementSet:
     """Return the elements at one vertical load: stored ones, calibrated ones, or those of two rates together."""
     if springs.parts:
         return mixed([(_elements(part), share) for part, share in springs.parts])
+    stored = _stored(springs)
+    return _calibrated(springs) if stored is None else from_dataset(stored)
+
+
+def _stored(springs: Springs) -> xr.Dataset | None:
+    """Return the stored elements that were calibrated on the paths of springs; None without."""
     own = digest(springs)
-    known = [stored for stored in springs.memory.values() if stored.attrs.get("paths_sha256") == own]
-    return from_dataset(known[0]) if known else _calibrated(springs)
+    return next((stored for stored in springs.memory.values() if stored.attrs.get("paths_sha256") == own), None)
 
 
 def _calibrated(springs: Springs) -> ElementSet:
@@ -105,6 +121,7 @@ def _calibrated(springs: Springs) -> ElementSet:
 def with_memory(tree: xr.DataTree) -> xr.DataTree:
     """Return springs with the calibrated elements in the group "memory"; as they are where they have no memory.
 
+    Stored elements that belong to the paths stay, others are calibrated.
     Each vertical load and rate has its own elements: "memory" those of the load at rest and the slowest rate,
     "memory_load_1", "memory_rate_1", "memory_load_1_rate_1" those of the next ones.
     """
@@ -117,7 +134,8 @@ def with_memory(tree: xr.DataTree) -> xr.DataTree:
         stored = {each.attrs["paths_sha256"] for each in found.values()}
         if has_fan(at) and _turns(at) and digest(at) not in stored:  # a lone path at a load has springs of others
             name = f"/{MEMORY}" + (f"_load_{load}" if load else "") + (f"_rate_{pace}" if pace else "")
-            found[name] = memory_dataset(at, _calibrated(at))
+            own = _stored(at)
+            found[name] = memory_dataset(at, _calibrated(at)) if own is None else own
     if not found:
         return tree
     older = {f"/{name}" for name in memory_groups(tree)}

@@ -14,15 +14,20 @@ CYCLES = (
     "springs with memory follow the soil law of the full model from cycle to cycle; they hold for tens of cycles, and "
     "have no degradation by the number of cycles"
 )
+CALIBRATED = (
+    "the file has no elements that belong to its paths: they were calibrated for this answer. `pysprings springs FILE "
+    "--out NEW.nc` writes a file that has them"
+)
 
 
 def _build(springs: Springs, _path: str | None) -> Built:
-    from pysprings.macro.memory.build import build_memory
+    from pysprings.macro.memory.build import build_memory, has_elements
 
     model = build_memory(springs)
     turning = springs.remembering or [path for path in springs.paths.values() if path.remembers]  # of another load
     names = (*model.table.path, *(path.name for path in turning))
-    return Built(model.table, springs.paths[model.table.path[0]], names, (), model)
+    remarks = () if has_elements(springs) else (CALIBRATED,)
+    return Built(model.table, springs.paths[model.table.path[0]], names, remarks, model)
 
 
 def _ready(springs: Springs) -> bool:

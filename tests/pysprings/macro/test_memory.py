@@ -27,6 +27,7 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, predict, sequence
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.stiffness import stiffness
+from pysprings.results.exporters import export
 from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
@@ -366,6 +367,29 @@ def test_springs_have_a_memory_at_each_rate_of_rays_that_turn_back(tmp_path, mon
         assert found.rate == pytest.approx(rate)
         np.testing.assert_array_equal(found.elements.rows, mixed(seed=number))
     assert len(made) == 2
+
+
+def test_a_file_without_elements_of_its_paths_is_calibrated_at_each_question_until_they_are_stored(
+    tmp_path, monkeypatch
+) -> None:
+    """The answer has a remark; `pysprings springs FILE --out NEW.nc` writes them, and those that belong to it stay."""
+    made: list[int] = []
+
+    def invented(_ways: object, table: FanTable, _stiffness: object) -> ElementSet:
+        made.append(len(made))
+        return elements_of(mixed(seed=len(made)), table)
+
+    monkeypatch.setattr(build, "calibrate", invented)
+    bare = save_springs(winkler.springs(), tmp_path / "bare.nc")
+    remarks = [MacroModel.from_springs(open_springs(bare), "memory").remarks for _ in range(2)]
+    assert len(made) == 2 and all(any("calibrated for this answer" in each for each in own) for own in remarks)
+    export(open_springs(bare), "nc", tmp_path / "whole.nc")
+    assert len(made) == 3
+    export(open_springs(tmp_path / "whole.nc"), "nc", tmp_path / "again.nc")
+    whole = MacroModel.from_springs(open_springs(tmp_path / "again.nc"), "memory")
+    assert len(made) == 3 and not any("calibrated" in each for each in whole.remarks)
+    assert whole.memory is not None
+    np.testing.assert_array_equal(whole.memory.elements.rows, mixed(seed=3))
 
 
 def test_springs_at_several_rates_have_a_memory_at_that_of_their_rays_that_turn_back() -> None:
