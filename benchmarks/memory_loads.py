@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Springs with memory under other vertical loads: ``python -m benchmarks.memory_loads DIR [--case NAME] [--store]``.
 
-Two caissons of `benchmarks.memory` have rays, and rays that turn back, under a second, larger vertical load. Held-back
-sequences are under this load, under one between the two, and under a load that changes on the way. Each is followed by
-the springs at the vertical load of its start (elements of both loads with their shares), and by the elements of the
-vertical load at rest alone. Springs are kept as DIR/NAME-loads.nc.
+Two caissons of `benchmarks.memory` have rays, and rays that turn back, under a second, larger vertical load, and rays
+on which the vertical load changes. Held-back sequences are under the larger load, under one between the two, and under
+a load that changes on the way. Each is followed by the springs (elements of both loads with their shares), and by the
+elements of the vertical load at rest alone, which do not follow V. Springs are kept as DIR/NAME-loads.nc.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +40,7 @@ def compared(springs: Springs) -> Iterator[list[str]]:
     """Yield a row a held-back sequence: what is compared, errors [%] and errors of the work [%] of both."""
     for path in springs.paths.values():
         if path.role == "held-back":
-            models = [MacroModel.from_springs(springs, "memory", V=V) for V in (path.load, None)]
+            models = [MacroModel.from_springs(springs, "memory", V=path.load), still(springs)]
             both = [follow_path(path, model) for model in models]
             found = [errors(one) for one in both]
             names = [name for name in ANSWERS if np.isfinite(found[0][f"{name}_error_pct"])]
@@ -49,6 +50,13 @@ def compared(springs: Springs) -> Iterator[list[str]]:
                 f"{path.n - 1}", " / ".join(names), *(errors_text(row, names) for row in found),
                 *(f"{row['work_error_pct']:+.3g}" for row in found), _heave(both[0], models[0]),
             ]  # fmt: skip
+
+
+def still(springs: Springs) -> MacroModel:
+    """Return the elements at the vertical load at rest, which a V that changes does not change."""
+    model = MacroModel.from_springs(springs, "memory")
+    assert model.memory is not None
+    return replace(model, memory=replace(model.memory, changing=None))
 
 
 def _heave(one: Followed, model: MacroModel) -> str:

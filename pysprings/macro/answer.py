@@ -75,7 +75,7 @@ class Way:
 def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     """Return the states and loads of a way as a dataset by step, with w, V, p, the stiffness, and marks."""
     states, u, rotation = way.states, *way.states.T
-    support = _supported(model, states, way.time)
+    support = _supported(model, states, way)
     down = vertical_answer(model, support.w, support.V, way.V, states)
     depth = model.origin.depth
     nowhere = np.zeros(u.size, dtype=bool)
@@ -107,7 +107,7 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
     if support.water is not None:
         coords["side"] = ("side", list(variables.SIDES), known["side"].attributes())
-    tangent = model.tangents(states, down.tangent)
+    tangent = model.tangents(states, down.tangent, way.V)
     coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
     data |= {name: (("step",), value, known[name].attributes()) for name, value in _deviations(model, way, tangent)}
     attrs = _attributes(model, way, support, turned, down, refusals)
@@ -181,9 +181,9 @@ class _Support:
     water: Array | None = None
 
 
-def _supported(model: MacroModel, states: Array, time: Array | None) -> _Support:
+def _supported(model: MacroModel, states: Array, way: Way) -> _Support:
     table = model.table
-    return _on_fan(model, table, states, time) if isinstance(table, FanTable) else _on_path(model, table, states)
+    return _on_fan(model, table, states, way) if isinstance(table, FanTable) else _on_path(model, table, states)
 
 
 def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
@@ -200,11 +200,11 @@ def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
     return _Support(w, V, p, usable, used, distance, off, notes)
 
 
-def _on_fan(model: MacroModel, table: FanTable, states: Array, time: Array | None) -> _Support:
+def _on_fan(model: MacroModel, table: FanTable, states: Array, way: Way) -> _Support:
     """Return the springs of a fan of rays."""
     rows, places = table.rows(states)
     if model.memory is not None:
-        rows = model.memory.reactions(states, time)
+        rows = model.memory.reactions(states, way.time, way.V)
     used, sector, nearest = table.support(states, places)
     off = (sector > WIDEST + RANGE_SLACK) & (states != 0.0).any(axis=1)
     usable = np.ones(model.origin.depth.size, dtype=np.int8)

@@ -53,5 +53,5 @@ def _reactions(one: Followed) -> tuple[FanTable, Array, Array]:
     assert isinstance(table, FanTable)
     full = reaction_rows(one.path, bool(table.wet.any()))[:, : len(states)]
     time = one.path["time"][: len(states)] - one.path["time"][0] if "time" in one.path else None
-    macro = table.rows(states)[0] if memory is None else memory.reactions(states, time)
+    macro = table.rows(states)[0] if memory is None else memory.reactions(states, time, one.V)
     return table, full - full[:, :1], macro - table.r[:, 0, :1]

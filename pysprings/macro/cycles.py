@@ -73,7 +73,8 @@ def follow_path(path: SpringPath, model: MacroModel) -> Followed:
     kind = PATH_KINDS[path.kind]
     control: Control = "load" if kind.force else "displacement" if kind.free_head else "state"
     targets = loads if kind.force else motions
-    found, carried, message = model.solve(control, targets, path.arm if np.isfinite(path.arm) else 0.0)
+    arm = path.arm if np.isfinite(path.arm) else 0.0
+    found, carried, message = model.solve(control, targets, arm, V=path.given_loads)
     n = len(found)
     given, V = (motions[:n], loads[:n]), path.given_loads[:n]
     return Followed(path, model.spring_set, control, given, (found, carried), message, model, V)

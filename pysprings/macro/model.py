@@ -160,17 +160,17 @@ class MacroModel:
         reactions(self.arrays, float(u), float(rotation), force, tangent)
         return force, tangent
 
-    def tangents(self, states: Array, down: Array | None = None) -> xr.DataArray:
+    def tangents(self, states: Array, down: Array | None = None, V: float | Array | None = None) -> xr.DataArray:
         """Return the tangent stiffness at mudline at states (n, 2) = (u, rotation), with dimension step.
 
-        Springs with memory go through the states one after the other, from rest.
+        Springs with memory go through the states one after the other, from rest, under V [N], one number or one each.
 
         u and rotation come from the springs; w, uncoupled, is `down` (n,) where it is given, else the elastic stiffness
         of the full model; springs from a table have none, and the matrix is (2, 2) for (u, rotation). Units: N/m
         for displacements, N m/rad for rotation, N/rad = N m/m between them.
         """
         if self.memory is not None:
-            lateral = self.memory.tangents(states)
+            lateral = self.memory.tangents(states, V)
         else:
             lateral = np.zeros((len(states), 2, 2))
             tangents(self.arrays, np.ascontiguousarray(states, dtype=float), lateral)
@@ -189,7 +189,12 @@ class MacroModel:
         return self.tangents(np.array([[u, rotation]])).isel(step=0, drop=True)
 
     def solve(
-        self, control: Control, targets: Array, arm: float = 0.0, start: tuple[Array, Array] | None = None
+        self,
+        control: Control,
+        targets: Array,
+        arm: float = 0.0,
+        start: tuple[Array, Array] | None = None,
+        V: float | Array | None = None,
     ) -> tuple[Array, Array, str]:
         """Follow the equilibrium from the origin through targets.
 
@@ -204,6 +209,8 @@ class MacroModel:
             Height of the load above mudline [m].
         start
             State (u, rotation) to start from instead of the origin, and its target (springs with memory: on the fan).
+        V
+            Vertical load [N], one a target: springs with memory follow it, where they have rays on which it changes.
 
         Returns
         -------
@@ -212,7 +219,7 @@ class MacroModel:
             when k < n.
         """
         if self.memory is not None and start is None:
-            return self.memory.solve(control, targets, arm)
+            return self.memory.solve(control, targets, arm, V)
         state, first = start or (np.zeros(2), np.zeros(2))
         way = np.concatenate([[first], np.asarray(targets, dtype=float)])
         drive, aims = equations(control, way, arm, self.table.load_scale)

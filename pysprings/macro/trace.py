@@ -31,7 +31,7 @@ def trace(
     V [N] is one number, or one a target; time [s] one a target, from rest at 0 s.
     """
     targets = np.asarray(targets, dtype=float)
-    states, loads, message = model.solve(control, targets, arm)
+    states, loads, message = model.solve(control, targets, arm, V=V)
     down = V[: len(states)] if isinstance(V, np.ndarray) else V
 
     if model.memory is not None:  # turns are what it is made for

@@ -63,7 +63,8 @@ def vertical_answer(
         return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
     other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
-    moved = (other if model.memory is None else np.logical_or.accumulate(other)) & (states != 0.0).any(axis=1)
+    lacks = other if model.memory is None else model.memory.lacks(down, other)
+    moved = lacks & (states != 0.0).any(axis=1)
     marks = {"V": down, "off_load": moved.astype(np.int8)}
     if model.vertical is None:
         K = float(model.stiffness_initial[1, 1])
@@ -95,8 +96,8 @@ def _notes(model: MacroModel, down: Array, moved: NDArray[np.bool_]) -> list[str
     if model.memory is None:
         return [_not_the_paths(model, down[moved]) + "lateral springs unchanged"]
     text = (
-        f"{moved.sum()} of {moved.size} states are under another V than that of the elements "
-        f"({model.memory.V:.7g} N), or come after one: lateral springs unchanged"
+        f"{moved.sum()} of {moved.size} states are under another V than {model.memory.loads_text()}, or come after "
+        "one: lateral springs unchanged"
     )
     return [text]
 

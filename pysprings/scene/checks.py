@@ -43,6 +43,7 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
     if scene.drainage.mode == "coupled":
         yield from _pace(scene.springs)
     yield from _load_paths(scene)
+    yield from _changing_loads(scene)
     yield from design_clashes(scene.design)
 
 
@@ -192,7 +193,7 @@ def _role(here: KeyPath, path: Path) -> Iterator[Clash]:
 
 
 def _vertical_loads(here: KeyPath, path: Path) -> Iterator[Clash]:
-    """Check that the vertical load is given on a path that changes it, and that no springs are made from that path."""
+    """Check that the vertical load is given on a path that changes it."""
     for entry, then in enumerate(path.then):
         where = (*here, "then", entry), (*here, "then")
         if then.load is None:
@@ -202,9 +203,19 @@ def _vertical_loads(here: KeyPath, path: Path) -> Iterator[Clash]:
             yield Clash((*where, (*here, "kind")), text)
         elif path.heave == "fixed":
             yield Clash((*where, (*here, "heave")), 'heave = "fixed" imposes w: it cannot have a vertical load')
-        elif path.role == MEMORY:
-            text = 'springs are made under one vertical load: a path that changes it needs role = "held-back"'
-            yield Clash((*where, (*here, "role")), text)
+
+
+def _changing_loads(scene: SceneSections) -> Iterator[Clash]:
+    """Check that a path of the memory on which V changes has springs under several vertical loads beside it."""
+    for index, path in enumerate(scene.paths):
+        changes = [entry for entry, then in enumerate(path.then) if then.load is not None]
+        if path.role == MEMORY and changes and (scene.springs.rates or not scene.springs.vertical_loads):
+            here: KeyPath = ("path", index)
+            text = (
+                'a path of role = "memory" that changes the vertical load needs [springs] vertical_loads, without '
+                'rates; else give it role = "held-back"'
+            )
+            yield Clash(((*here, "then", changes[0]), (*here, "then"), (*here, "role")), text)
 
 
 def _load_paths(scene: SceneSections) -> Iterator[Clash]:

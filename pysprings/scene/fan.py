@@ -25,6 +25,7 @@ _SHARE = 0.5  # of the reach: vertical paths and held-back pulls
 # the reach: what an unloading looks like depends on how large the motion before was. The middle one twice: what a
 # second cycle of the same size carries more than the first is hardening.
 REVERSED = (0, -30, -50)
+CHANGING = 0.12  # over the reach: ends of rays on which V changes
 TURNS = (0.12, -0.12, 0.24, -0.24, 0.24, -0.24, 0.4, -0.4, 0.4)
 
 
@@ -38,6 +39,7 @@ def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
         parts += _vertical(springs, rates[0])
     if springs.memory:
         parts += _reversed(springs, caisson, rates)
+        parts += _changing(springs, caisson)
     if springs.held_back:
         parts += _pulls(springs, caisson, rates[0])
     return tuple(Path(**part) for part in parts)
@@ -98,6 +100,24 @@ def _reversed(springs: Springs, caisson: Caisson, rates: tuple[float | None, ...
             "name": f"{_ray_name(angle)}_reversed{_suffix(number, pace)}", **motion,
             "role": MEMORY, "duration": times[0], "vertical_load": load,
             "then": tuple(Then(first * end / TURNS[0], time=t) for end, t in zip(TURNS[1:], times[1:], strict=True)),
+        }  # fmt: skip
+
+
+def _changing(springs: Springs, caisson: Caisson) -> Iterator[dict[str, Any]]:
+    """Yield the rays that turn back while the vertical load goes to the largest of `vertical_loads`, half, and back."""
+    assert springs.reach is not None
+    if not springs.vertical_loads or springs.rates:
+        return
+    most = max(springs.vertical_loads, key=abs)
+    for angle in REVERSED:
+        motion = _motion(CHANGING * springs.reach, angle, caisson)
+        first = motion[PATH_KINDS[motion["kind"]].imposed]
+        yield {
+            "name": f"{_ray_name(angle)}_loads", **motion, "role": MEMORY,
+            "then": tuple(
+                part for load, end in ((most, -first), (0.5 * most, first), (most, -first))
+                for part in (Then(None, load=load), Then(end))
+            ),
         }  # fmt: skip
 
 

@@ -81,6 +81,11 @@ class SpringPath:
         """True where the memory of springs is made from the path."""
         return self.role == MEMORY
 
+    @cached_property
+    def load_changes(self) -> bool:
+        """True where the vertical load that is given changes on the way."""
+        return bool(len(np.unique(self.given_loads)) > 1)
+
     @property
     def is_vertical(self) -> bool:
         """True where the path moves the caisson vertically only."""

@@ -176,7 +176,14 @@ class Springs:
         """
         main = self.paths[self.main_paths[0]].load if self.main_paths else self.rest_load
         loads, turning = self.blended_loads or (main,), [path for path in self.paths.values() if path.remembers]
-        return tuple(path for path in turning if any(same_load(path.load, load) for load in loads))
+        own = [path for path in turning if not path.load_changes]
+        return tuple(path for path in own if any(same_load(path.load, load) for load in loads))
+
+    @cached_property
+    def changing(self) -> tuple[SpringPath, ...]:
+        """Paths of the role "memory" on which the vertical load changes, of all vertical loads."""
+        paths = (self.whole or self).paths.values()
+        return tuple(path for path in paths if path.remembers and path.load_changes)
 
     @cached_property
     def vertical(self) -> tuple[SpringPath, ...]:

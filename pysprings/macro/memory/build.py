@@ -16,6 +16,7 @@ from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.macro.memory.calibration import ElementSet, calibrate
+from pysprings.macro.memory.changing import ChangingLoad, fitted
 from pysprings.macro.memory.mixture import mixed
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import samples
@@ -32,6 +33,7 @@ MISSING = (
     'role = "memory"'
 )
 VERSION = 9
+CHANGE = f"{MEMORY}_load_change"
 _HEAD = ("rows", "odd", "rest", "loads", "elastic", "even")
 
 
@@ -56,7 +58,33 @@ def build_memory(springs: Springs) -> MemoryModel:
     rate = float(springs.attrs["rate_m_per_s"]) if springs.parts else turning.rate
     sets = sum(len(_recorded(at)) for at, _ in parts)
     elements = mixed([(_elements(at), share) for at, share in parts])
-    return MemoryModel(elements, table, V, rate if springs.rate_sets else None, sets)
+    return MemoryModel(elements, table, V, rate if springs.rate_sets else None, sets, _changing(springs))
+
+
+def _changing(springs: Springs) -> ChangingLoad | None:
+    """Return the elements under a V that changes, stored or fitted; None where the springs lack paths for them."""
+    known = _at_loads(springs)
+    if not springs.changing or len(known) < 2 or springs.rate_sets:
+        return None
+    loads, sets = np.array(list(known)), tuple(_elements(at) for at in known.values())
+    whole = springs.whole or springs
+    stored, own = whole.memory.get(CHANGE), _change_digest(springs, list(known.values()))
+    if stored is not None and stored.attrs["paths_sha256"] == own:
+        return ChangingLoad(loads, sets, float(stored.attrs["new_N"]), float(stored.attrs["old_N"]))
+    paths = []
+    for path in springs.changing:
+        carried = np.stack([path["H"] - path["H"][0], (path["M"] - path["M"][0]) / path.length], axis=1)
+        paths.append((np.stack([path.u, path.turn], axis=1), carried, path.given_loads))
+    return fitted(loads, sets, paths)
+
+
+def _change_digest(springs: Springs, known: Sequence[Springs]) -> str:
+    """Return the SHA-256 (hex) of what elements under a V that changes are fitted to."""
+    found = hashlib.sha256("".join(digest(at) for at in known).encode())
+    for path in springs.changing:
+        for values in (path.u, path.rotation, path["H"], path["M"], path.given_loads):
+            found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
+    return found.hexdigest()
 
 
 def has_elements(springs: Springs) -> bool:
@@ -123,7 +151,8 @@ def with_memory(tree: xr.DataTree) -> xr.DataTree:
 
     Stored elements that belong to the paths stay, others are calibrated.
     Each vertical load and rate has its own elements: "memory" those of the load at rest and the slowest rate,
-    "memory_load_1", "memory_rate_1", "memory_load_1_rate_1" those of the next ones.
+    "memory_load_1", "memory_rate_1", "memory_load_1_rate_1" those of the next ones. "memory_load_change" has what a V
+    that changes does to them.
     """
     springs = Springs.of(tree)
     rates: list[float | None] = [one.rate for one in springs.rate_sets] if len(springs.rate_sets) > 1 else [None]
@@ -134,13 +163,21 @@ def with_memory(tree: xr.DataTree) -> xr.DataTree:
         stored = {each.attrs["paths_sha256"] for each in found.values()}
         if has_fan(at) and _turns(at) and digest(at) not in stored:  # a lone path at a load has springs of others
             name = f"/{MEMORY}" + (f"_load_{load}" if load else "") + (f"_rate_{pace}" if pace else "")
-            own = _stored(at)
-            found[name] = memory_dataset(at, _calibrated(at)) if own is None else own
+            known = _stored(at)
+            found[name] = memory_dataset(at, _calibrated(at)) if known is None else known
     if not found:
         return tree
+    change = _changing(Springs.of(xr.DataTree.from_dict(_groups(tree) | found, name=tree.name)))
+    if change is not None:
+        own = _change_digest(springs, list(_at_loads(springs).values()))
+        found[f"/{CHANGE}"] = xr.Dataset(attrs={"new_N": change.new, "old_N": change.old, "paths_sha256": own})
+    return xr.DataTree.from_dict(_groups(tree) | found, name=tree.name)
+
+
+def _groups(tree: xr.DataTree) -> dict[str, xr.Dataset]:
+    """Return the groups of a tree but those of elements."""
     older = {f"/{name}" for name in memory_groups(tree)}
-    groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree if node.path not in older}
-    return xr.DataTree.from_dict(groups | found, name=tree.name)
+    return {node.path: node.to_dataset(inherit=False) for node in tree.subtree if node.path not in older}
 
 
 def memory_dataset(springs: Springs, elements: ElementSet) -> xr.Dataset:

@@ -183,6 +183,31 @@ def advance(rows, q0, q1, states, F, K):
 
 
 @jitted
+def relax(rows, states, q, kept):
+    """Take from elements at a motion q (2,) [m] what they carry, but for a share `kept`; writes states.
+
+    Two walls that press on a plate keep what both press. Reversible elements keep all.
+    """
+    if kept >= 1.0:
+        return
+    for k in range(rows.shape[0]):
+        if rows[k, 0] == PLASTIC:
+            states[k, 0] *= kept
+            states[k, 1] *= kept
+        elif rows[k, 0] == GAP or rows[k, 0] == FRICTIONAL:
+            x = rows[k, 4] * q[0] + rows[k, 5] * q[1]
+            pressed = rows[k, 1] if rows[k, 0] == GAP else 0.0
+            first, second = x + pressed - states[k, 0], states[k, 1] - x + pressed
+            both = 0.5 * (first + second) if first > 0.0 and second > 0.0 else 0.0
+            if first > 0.0:
+                states[k, 0] = x + pressed - (both + kept * (first - both))
+            if second > 0.0:
+                states[k, 1] = x - pressed + (both + kept * (second - both))
+            if rows[k, 0] == FRICTIONAL:
+                states[k, 2] *= kept
+
+
+@jitted
 def histories(rows, ways, largest, elastic, paths):
     """Write the elastic motion (n, elements, 2) [m] and the way (n, elements) [m] of elements along a way (n, 2).
 

@@ -31,12 +31,12 @@ def mixed(parts: Sequence[tuple[ElementSet, float]]) -> ElementSet:
         return parts[0][0]
     sets = [each for each, _ in parts]
     errors = {name: error for each in sets for name, error in each.errors.items()}
-    rows = np.concatenate([_scaled(each.rows, share) for each, share in parts])
+    rows = np.concatenate([scaled(each.rows, share) for each, share in parts])
     reach, way = (min(getattr(each, name) for each in sets) for name in ("reach", "way"))
     return ElementSet(rows, reach, _shares(parts), max(each.residual for each in sets), errors, way)
 
 
-def _scaled(rows: Array, share: float) -> Array:
+def scaled(rows: Array, share: float) -> Array:
     """Return elements (n, COLUMNS) that carry a share of what these do."""
     out, plate = rows.copy(), np.isin(rows[:, 0], PLATES)
     out[plate, 6] *= share

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Springs with a memory, asked along sequences from rest, or step by step with a state that is kept."""
+"""Springs with a memory, asked along sequences from rest."""
 
 from __future__ import annotations
 
@@ -9,20 +9,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.arguments import check_numbers
-from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.macro.control import Control, ending, equations
 from pysprings.macro.fan import RANGE_SLACK, FanTable
 from pysprings.macro.memory.calibration import ElementSet, elastic_motions, way_of
-from pysprings.macro.memory.elements import STATES, advance, follow, tangents
-from pysprings.macro.memory.marks import StepMarks, lateral_marks, off_load, off_rate
-from pysprings.macro.memory.shares import elastic_of, ways_of
-from pysprings.macro.memory.water import Water
+from pysprings.macro.memory.changing import ChangingLoad
+from pysprings.macro.memory.elements import STATES, follow, tangents
+from pysprings.macro.memory.marks import off_rate
 from pysprings.macro.solver import Drive
 
 Array = NDArray[np.float64]
-
-_NO_ANSWER = "the elements carry no more than H = {:.6g} N, M = {:.6g} N m on the way to this step"
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +31,7 @@ class MemoryModel:
     V : vertical load [N] of the rays that turn back, or between two of theirs; NaN where it is not known.
     rate : their rate [m/s, of rho], or between two; None where springs do not depend on one.
     sets : number of sets that the elements are from: more than one between two vertical loads or rates.
+    changing : elements under a V that changes; None where the springs have no rays on which V changes.
     """
 
     elements: ElementSet
@@ -43,6 +39,7 @@ class MemoryModel:
     V: float = np.nan
     rate: float | None = None
     sets: int = 1
+    changing: ChangingLoad | None = None
 
     @cached_property
     def to_motion(self) -> Array:
@@ -55,13 +52,44 @@ class MemoryModel:
         w, V = (float(self.elements.shares.rest[self.table.name == name][0]) for name in ("w", "V"))
         return w, V
 
-    def solve(self, control: Control, targets: Array, arm: float = 0.0) -> tuple[Array, Array, str]:
+    def under(self, V: float | Array | None) -> ChangingLoad | None:
+        """Return the elements under vertical loads (n,) [N] that change, or None: one V, or no such elements."""
+        changes = V is not None and np.ndim(V) > 0 and len(np.unique(V)) > 1
+        return self.changing if changes else None
+
+    def lacks(self, V: Array, other: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Return which states under V (n,) [N] the elements do not follow, where `other` (n,) are not at their V.
+
+        They are those from the first one on that is not at their V, or, with rays on which V changes, beyond its range.
+        """
+        changing = self.under(V)
+        beyond = other if changing is None else other & ~changing.covers(V)
+        found: NDArray[np.bool_] = np.logical_or.accumulate(beyond)
+        return found
+
+    def loads_text(self) -> str:
+        """Return the vertical loads of the elements in words."""
+        if self.changing is None:
+            return f"that of the elements ({self.V:.7g} N)"
+        low, high = self.changing.loads[[0, -1]]
+        return f"those of the elements ({low:.7g} to {high:.7g} N)"
+
+    def solve(
+        self, control: Control, targets: Array, arm: float = 0.0, V: float | Array | None = None
+    ) -> tuple[Array, Array, str]:
         """Follow targets (n, 2) from rest: states (k, 2) = (u, rotation), loads (k, 2) = (H, M), and where it ended.
 
-        As `pysprings.macro.model.MacroModel.solve`, whose controls these are.
+        As `pysprings.macro.model.MacroModel.solve`, whose controls these are. V (n,) [N]: vertical load of each target;
+        one number, or None, is that of the elements.
         """
         targets = np.asarray(targets, dtype=float)
         drive, aims = self.equations(control, targets, arm)
+        changing = self.under(V)
+        if changing is not None:
+            found, carried, at = changing.follow(drive, aims, np.asarray(V, dtype=float))
+            states, loads, n = found / self.to_motion, carried * self.to_motion, len(found)
+            end = self._target(control, np.array(at))
+            return states, loads, "" if n == len(aims) else ending(control, end, targets[n], states, loads)
         motions, loads = np.zeros(aims.shape), np.zeros(aims.shape)
         states = np.zeros((len(self.elements.rows), STATES))
         way = np.concatenate([np.zeros((1, 2)), aims])
@@ -102,20 +130,31 @@ class MemoryModel:
         steps = zip(ways, np.diff(time, prepend=0.0), strict=True)
         return np.array([bool(off_rate(self.rate, float(way), float(step))) for way, step in steps])
 
-    def tangents(self, states: Array) -> Array:
-        """Return the tangents (n, 2, 2) to (u, rotation) along states (n, 2) = (u, rotation), from rest on."""
-        motions = np.ascontiguousarray(states * self.to_motion)
+    def tangents(self, states: Array, V: float | Array | None = None) -> Array:
+        """Return the tangents (n, 2, 2) to (u, rotation) along states (n, 2) = (u, rotation), from rest on.
+
+        V (n,) [N]: as in `solve`.
+        """
+        motions, changing = np.ascontiguousarray(states * self.to_motion), self.under(V)
         loads, out = np.zeros(motions.shape), np.zeros((len(motions), 2, 2))
-        tangents(self.elements.rows, motions, self.elements.largest, loads, out)
+        if changing is None:
+            tangents(self.elements.rows, motions, self.elements.largest, loads, out)
+        else:
+            out = changing.along(motions, np.asarray(V, dtype=float))[3]
         scaled: Array = out * self.to_motion * self.to_motion[:, None]
         return scaled
 
-    def reactions(self, states: Array, time: Array | None = None) -> Array:
+    def reactions(self, states: Array, time: Array | None = None, V: float | Array | None = None) -> Array:
         """Return all reactions (rows, n) of a fan along states (n, 2) = (u, rotation), from rest on.
 
         time (n,) [s] of the states, from 0 s at rest; None: at the rate of the elements. The water's part of p alone
-        depends on it, and that of springs without a rate does not.
+        depends on it, and that of springs without a rate does not. V (n,) [N]: as in `solve`.
         """
+        changing = self.under(V)
+        if changing is not None:
+            found = changing.reactions(states * self.to_motion, np.asarray(V, dtype=float))
+            found[self.table.wet] = np.nan  # the water of a V that changes is not known
+            return found
         motions, shares = states * self.to_motion, self.elements.shares
         e, p = elastic_motions(self.elements.rows, motions, self.elements.largest)
         found = shares.reactions(self.elements.rows, e, p)
@@ -141,134 +180,3 @@ class MemoryModel:
         e, _ = elastic_motions(self.elements.rows, fine, self.elements.largest)
         found = water.along(e, np.interp(at, last, np.concatenate([[0.0], time])), np.zeros(e.shape[1:]), water.rest)
         return found[:, ends.astype(int) - 1]
-
-
-class MemoryStepper:
-    """A state of springs with a memory that goes on step by step, for time stepping.
-
-    `advance` finds a trial state from the committed one, `commit` keeps it; without `commit` the next `advance` starts
-    from the same committed state.
-
-    Attributes
-    ----------
-    state : (elements, 3) committed numbers of the elements.
-    motion, load : committed (u [m], rotation [rad]) and (H [N], M [N m]).
-    way : committed motions added up [m].
-    water : committed numbers of the water's part of p, see `pysprings.macro.memory.water`; None where there is none.
-    """
-
-    def __init__(self, model: MemoryModel) -> None:
-        self.model = model
-        self.state = np.zeros((len(model.elements.rows), STATES))
-        self.motion, self.load, self.way = np.zeros(2), np.zeros(2), 0.0
-        water = model.elements.shares.water
-        self.water = None if water is None else water.rest
-        self._trial = self.state.copy(), self.motion.copy(), self.load.copy()
-        self._conditions: tuple[float | None, float | None] = None, None
-
-    def advance(
-        self,
-        *,
-        motion: tuple[float, float] | None = None,
-        load: tuple[float, float] | None = None,
-        V: float | None = None,
-        duration: float | None = None,
-    ) -> Array:
-        """Go to a motion (u [m], rotation [rad]) or under a load (H [N], M [N m]); return the other one (2,).
-
-        V [N] and the duration [s] of the step change nothing of the answer: `marks` compares them with the vertical
-        load and the rate of the paths that the elements come from. In the time of a step water drains: see `reactions`.
-
-        Raises
-        ------
-        BeyondSprings
-            The elements do not carry the load.
-        UserInputError
-            Neither, or both, are given.
-        """
-        if (motion is None) == (load is None):
-            raise refused("motion", "give a motion or a load")
-        check_numbers(V=V, duration=duration)
-        if duration is not None and duration <= 0.0:
-            raise refused("duration", f"{duration:g} s must be more than 0 s")
-        control: Control = "load" if motion is None else "state"
-        model, aim = self.model, np.array([load if motion is None else motion], dtype=float)
-        drive, aims = model.equations(control, aim, 0.0)
-        start = self.load / model.to_motion if motion is None else self.motion * model.to_motion
-        way, found, carried = np.concatenate([start[None], aims]), np.zeros((2, 2)), np.zeros((2, 2))
-        state, first = self.state.copy(), self.motion * model.to_motion
-        n, at0, at1 = follow(model.elements.rows, drive, model.elements.largest, first, state, way, found, carried)
-        if n < len(way):
-            H, M = np.array([at0, at1]) * model.to_motion
-            raise BeyondSprings([Problem(key="springs", message=_NO_ANSWER.format(H, M))])
-        self._trial = state, found[1] / model.to_motion, carried[1] * model.to_motion
-        self._conditions = V, duration
-        answer: Array = self._trial[1 if motion is None else 2].copy()
-        return answer
-
-    @property
-    def marks(self) -> StepMarks:
-        """What of the last trial state the springs do not cover; before the first step that of the state at rest."""
-        model, (V, duration) = self.model, self._conditions
-        used, aside = lateral_marks(model.table, (float(self._trial[1][0]), float(self._trial[1][1])))
-        moved = self._moved
-        return StepMarks(
-            range_used=used,
-            extrapolated=used > 1.0 + RANGE_SLACK,
-            off_path=aside,
-            off_load=off_load(model.V, V),
-            off_rate=off_rate(model.rate, moved, duration),
-            way_used=(self.way + moved) / model.elements.way,
-        )
-
-    @property
-    def reactions(self) -> Array:
-        """All reactions (rows,) of the last trial state, w and V among them, in the rows of `model.table`.
-
-        The water's part of p is that after the duration of the step; without one, after a step at the rate of the
-        elements.
-        """
-        (state, motion, _), model = self._trial, self.model
-        rows, shares = model.elements.rows, model.elements.shares
-        e = elastic_of(rows, state, motion * model.to_motion)
-        found: Array = shares.reactions(rows, e[None], ways_of(rows, state)[None])[:, 0]
-        water = shares.water
-        if model.table.wet.any():
-            found[model.table.wet] = np.nan if water is None else self._drained(water)[0]
-        return found
-
-    def _drained(self, water: Water) -> tuple[Array, Array]:
-        """Return p_water (water rows,) of the last trial state, and the numbers that it leaves."""
-        model, (_, duration) = self.model, self._conditions
-        rows, pairs = model.elements.rows, ((self.state, self.motion), self._trial[:2])
-        start, end = (elastic_of(rows, state, motion * model.to_motion) for state, motion in pairs)
-        step = (duration or self._moved / model.rate) if model.rate else 0.0
-        assert self.water is not None
-        after = self.water.copy()
-        return water.along(end[None], np.array([step]), start, after)[:, 0], after
-
-    @property
-    def _moved(self) -> float:
-        return float(np.hypot(*((self._trial[1] - self.motion) * self.model.to_motion)))
-
-    @property
-    def tangent(self) -> Array:
-        """Tangent (2, 2) of (H, M) to (u, rotation) at the end of the last trial step.
-
-        Consistent with `advance` for steps that are not divided (up to a hundredth of the reach); before the first
-        step it is that at rest.
-        """
-        model, F, K = self.model, np.zeros(2), np.zeros((2, 2))
-        start, end = self.motion * model.to_motion, self._trial[1] * model.to_motion
-        advance(model.elements.rows, start, end, self.state.copy(), F, K)
-        scaled: Array = K * model.to_motion * model.to_motion[:, None]
-        return scaled
-
-    def commit(self) -> None:
-        """Keep the last trial state."""
-        state, motion, load = self._trial
-        water = self.model.elements.shares.water
-        if water is not None:
-            self.water = self._drained(water)[1]
-        self.way += self._moved
-        self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()

@@ -20,9 +20,10 @@ from pysprings.macro.memory import build
 from pysprings.macro.memory.build import build_memory, with_memory
 from pysprings.macro.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, numbers_of
 from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLASTIC, REVERSIBLE, STATES, advance
-from pysprings.macro.memory.model import MemoryModel, MemoryStepper
+from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import samples
 from pysprings.macro.memory.shares import at_rest
+from pysprings.macro.memory.stepper import MemoryStepper
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, predict, sequence
 from pysprings.macro.sets import spring_sets

@@ -17,7 +17,8 @@ from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.memory.build import build_memory, memory_dataset, with_memory
 from pysprings.macro.memory.calibration import elastic_motions
 from pysprings.macro.memory.mixture import mixed as together
-from pysprings.macro.memory.model import MemoryModel, MemoryStepper
+from pysprings.macro.memory.model import MemoryModel
+from pysprings.macro.memory.stepper import MemoryStepper
 from pysprings.macro.memory.water import TIMES, Water, water_of
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict, sequence

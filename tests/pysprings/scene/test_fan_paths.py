@@ -31,3 +31,20 @@ def test_rays_turn_back_under_each_vertical_load_and_rate() -> None:
         assert [then.value for then in path.then] == [then.value for then in plain.then]
         assert path.duration == pytest.approx(0.12 * REACH / rate)
         assert path.then[0].time == pytest.approx(0.24 * REACH / rate)
+
+
+def test_rays_turn_back_while_the_vertical_load_changes_where_there_are_several() -> None:
+    """To the largest load, half of it, and back, at the three angles; not with rates, and not under one load."""
+    several = Scene(springs={"reach": REACH, "memory": True, "vertical_loads": (3e6, 5e6)})
+    paths = [path for path in several.load_paths if any(then.load is not None for then in path.then)]
+    assert [path.name for path in paths] == ["ray_0_loads", "ray_minus_30_loads", "ray_minus_50_loads"]
+    for path in paths:
+        assert path.role == MEMORY and path.vertical_load is None
+        assert [then.load for then in path.then] == [5e6, None, 2.5e6, None, 5e6, None]
+        ends = [then.value for then in path.then if then.load is None]
+        assert ends == pytest.approx([sign * float(path.lateral_displacement or 0.0) for sign in (-1, 1, -1)])
+    one = Scene(springs={"reach": REACH, "memory": True})
+    coupled = several.model_dump() | {"drainage": {"mode": "coupled"}}
+    coupled["springs"] = coupled["springs"] | {"rates": (1e-5,)}
+    for scene in (one, Scene.model_validate(coupled)):
+        assert not any(then.load for path in scene.load_paths for then in path.then)

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: MIT
+"""Elements under a vertical load that changes on the way.
+
+The elements of all vertical loads follow the whole motion; at a V they carry their shares of it, as between two loads
+(`pysprings.macro.memory.mixture`). A V that changes yields the soil, too, and takes away a part of what the elements
+carry laterally: while V changes by dV, what they carry is multiplied by
+
+    exp(-|dV|/V_new)  where V is larger than ever before,   exp(-|dV|/V_old)  else.
+
+Under a motion that is held the load relaxes by that; under a load that is held the caisson moves on. V_new and V_old
+are fitted to rays on which V changes. Reversible elements, which keep nothing, do not relax. At a constant V nothing of
+this acts, and no closed way gives work; what the work of V does to a way on which V changes is not counted.
+
+Lateral reactions at a V are those of the sets by their shares; vertical ones and w change by the changes of those of
+the sets, each times its share at the time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.macro.memory.calibration import ElementSet
+from pysprings.macro.memory.elements import STATES, advance, follow, relax
+from pysprings.macro.memory.mixture import scaled
+from pysprings.macro.memory.shares import elastic_of, ways_of
+from pysprings.macro.solver import Drive
+from pysprings.springs.alike import same_load
+
+Array = NDArray[np.float64]
+
+PARTS = 20  # steps in which V passes the range of the loads
+FIRST, WIDEST = (1.0, 4.0), 1e3  # V_new and V_old where a fit starts, and their largest value, over that range
+
+
+class Step(NamedTuple):
+    """A step of V: elements at its end (n, COLUMNS), share that they keep of what they carry, part of the whole way."""
+
+    rows: Array
+    kept: float
+    part: float
+
+
+@dataclass(frozen=True, eq=False)
+class ChangingLoad:
+    """Elements at several vertical loads, and how a V that changes takes away what they carry.
+
+    Attributes
+    ----------
+    loads : (k,) V [N], increasing. sets : elements at each. new, old : V_new and V_old [N].
+    """
+
+    loads: Array
+    sets: tuple[ElementSet, ...]
+    new: float
+    old: float
+
+    @cached_property
+    def rows(self) -> Array:
+        """Elements of all sets (n, COLUMNS), each with its own stiffness."""
+        return np.concatenate([each.rows for each in self.sets])
+
+    @property
+    def largest(self) -> float:
+        """Largest step of a motion [m]."""
+        return min(each.largest for each in self.sets)
+
+    def shares(self, V: Array) -> Array:
+        """Return the share of each set (n, k) at vertical loads (n,) [N]; beyond the loads that of the nearest."""
+        return np.stack([np.interp(V, self.loads, row) for row in np.eye(len(self.loads))], axis=-1)
+
+    def covers(self, V: Array) -> NDArray[np.bool_]:
+        """Return whether vertical loads (n,) [N] lie within those of the sets."""
+        low, high = self.loads[[0, -1]]
+        return np.array([low <= load <= high or same_load(load, low) or same_load(load, high) for load in V])
+
+    def rows_at(self, V: float) -> Array:
+        """Return the elements of all sets (n, COLUMNS) with the stiffness of their shares at V [N]."""
+        shares = self.shares(np.array([V]))[0]
+        return np.concatenate([scaled(each.rows, share) for each, share in zip(self.sets, shares, strict=True)])
+
+    def follow(self, drive: Drive, aims: Array, V: Array) -> tuple[Array, Array, tuple[float, float]]:
+        """Follow aims (n, 2) of the equations of `drive` under V (n,) [N] from rest at the first V.
+
+        Returns motions (k, 2) = (u, rotation L) [m], loads (k, 2) = (H, M/L) [N], and the right side where it ended.
+        """
+        motions, loads = np.zeros(aims.shape), np.zeros(aims.shape)
+        q, last, states = np.zeros(2), np.zeros(2), np.zeros((len(self.rows), STATES))
+        for k, steps in enumerate(self._steps(V)):
+            q, load, at = self.step(drive, q, states, np.stack([last, aims[k]]), steps)
+            if load is None:
+                return motions[:k], loads[:k], at
+            motions[k], loads[k], last = q, load, aims[k]
+        return motions, loads, (float(last[0]), float(last[1]))
+
+    def step(
+        self, drive: Drive, q: Array, states: Array, way: Array, steps: Sequence[Step]
+    ) -> tuple[Array, Array | None, tuple[float, float]]:
+        """Go from a right side of the equations of `drive` to another, way (2, 2), from states at a motion q (2,) [m].
+
+        Returns motion [m] and load [N] (None: not reached), and the right side where it ended; changes the states.
+        """
+        found, carried, last = np.zeros((2, 2)), np.zeros((2, 2)), way[0]
+        for rows, kept, part in steps:
+            relax(self.rows, states, q, kept)
+            aims = np.stack([last, way[0] + part * (way[1] - way[0])])
+            n, *at = follow(rows, drive, self.largest, q, states, aims, found, carried)
+            if n < len(aims):
+                return q, None, (at[0], at[1])
+            q, last = found[1].copy(), aims[1]
+        return q, carried[1], (float(last[0]), float(last[1]))
+
+    def along(self, motions: Array, V: Array) -> tuple[Array, Array, Array, Array]:
+        """Follow motions (n, 2) [m] from rest under V (n,) [N].
+
+        Returns elastic motions (n, elements, 2) and ways (n, elements) [m] of all sets, loads (n, 2) = (H, M/L) [N],
+        and tangents (n, 2, 2) [N/m].
+        """
+        size, q, states = (len(motions), len(self.rows)), np.zeros(2), np.zeros((len(self.rows), STATES))
+        e, p, loads, tangents = np.zeros((*size, 2)), np.zeros(size), np.zeros((size[0], 2)), np.zeros((size[0], 2, 2))
+        for k, steps in enumerate(self._steps(V)):
+            start = q
+            for rows, kept, part in steps:
+                relax(self.rows, states, q, kept)
+                way = start + part * (motions[k] - start) - q
+                n = max(1, int(np.ceil(np.hypot(*way) / self.largest)))
+                for _ in range(n):
+                    before, q = q, q + way / n
+                    advance(rows, before, q, states, loads[k], tangents[k])
+            e[k], p[k] = elastic_of(self.rows, states, q), ways_of(self.rows, states)
+        return e, p, loads, tangents
+
+    def reactions(self, motions: Array, V: Array) -> Array:
+        """Return all reactions (rows, n) along motions (n, 2) [m] from rest under V (n,) [N]."""
+        e, p, _, _ = self.along(motions, V)
+        rows = self.by_set(e, p)
+        changes = np.diff(rows, axis=2, prepend=0.0).transpose(1, 2, 0) * self.shares(V)
+        found: Array = np.where(self.odd[:, None], self.mixed(rows, V), changes.sum(axis=2).cumsum(axis=1))
+        return found
+
+    @property
+    def odd(self) -> NDArray[np.bool_]:
+        """Which reactions (rows,) change their sign with the motion."""
+        return self.sets[0].shares.odd
+
+    def by_set(self, e: Array, p: Array) -> Array:
+        """Return the reactions (k, rows, n) of each set, from what all elements have, as `along` returns it."""
+        ends = np.cumsum([0, *(len(each.rows) for each in self.sets)])
+        parts = zip(self.sets, pairwise(ends), strict=True)
+        return np.stack([one.shares.reactions(one.rows, e[:, a:b], p[:, a:b]) for one, (a, b) in parts])
+
+    def mixed(self, rows: Array, V: Array) -> Array:
+        """Return reactions (rows, n) of sets (k, rows, n) together at V (n,) [N]."""
+        found: Array = np.einsum("krn,nk->rn", rows, self.shares(V))
+        return found
+
+    def steps(self, start: float, end: float, top: float) -> list[Step]:
+        """Return the steps from a V [N] to another one; top: largest V so far."""
+        if start == end:
+            return [Step(self.rows_at(end), 1.0, 1.0)]
+        n = max(1, int(np.ceil(abs(end - start) / (self.loads[-1] - self.loads[0]) * PARTS)))
+        loads = np.linspace(start, end, n + 1)
+        fresh = np.diff(np.maximum(np.maximum.accumulate(loads), top))
+        kept = np.exp(-fresh / self.new - (np.abs(np.diff(loads)) - fresh) / self.old)
+        parts = np.arange(1, n + 1) / n
+        return [Step(self.rows_at(V), own, part) for V, own, part in zip(loads[1:], kept, parts, strict=True)]
+
+    def _steps(self, V: Array) -> Iterator[list[Step]]:
+        """Yield the steps to each state under V (n,) [N]."""
+        before, top, steps = float(V[0]), float(V[0]), self.steps(V[0], V[0], V[0])
+        for load in V.tolist():
+            steps = self.steps(before, load, top) if load != before else [Step(steps[-1].rows, 1.0, 1.0)]
+            before, top = load, max(top, load)
+            yield steps
+
+
+def fitted(loads: Array, sets: Sequence[ElementSet], paths: Sequence[tuple[Array, Array, Array]]) -> ChangingLoad:
+    """Return the elements of sets, with V_new and V_old with which they follow paths on which V changes best.
+
+    paths: motions (n, 2) = (u, rotation L) [m], loads (n, 2) = (H, M/L) [N] and V (n,) [N] of each. Where no V is
+    larger than ever before, V_new is V_old.
+    """
+    from scipy.optimize import minimize  # a prediction by a fan does without SciPy
+
+    span = float(loads[-1] - loads[0])
+
+    def made(logs: Array) -> ChangingLoad:
+        new, old = span * np.exp(np.minimum(logs, np.log(WIDEST)))
+        return ChangingLoad(loads, tuple(sets), float(new), float(old))
+
+    def missing(logs: Array) -> float:
+        springs, found = made(logs), 0.0
+        for motions, known, V in paths:
+            found += float(((springs.along(motions, V)[2] - known) ** 2).sum() / (known**2).sum())
+        return found
+
+    corners = np.log(FIRST) + np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    options = {"xatol": 0.02, "fatol": 1e-4, "initial_simplex": corners}
+    answer = minimize(missing, corners[0], method="Nelder-Mead", options=options)
+    grows = any(bool((V[1:] > np.maximum.accumulate(V)[:-1]).any()) for _, _, V in paths)
+    return made(answer.x if grows else answer.x[[1, 1]])

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: MIT
+"""Springs with a memory step by step, with a state that is kept."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.arguments import check_numbers
+from pysprings.core.errors import BeyondSprings, Problem, refused
+from pysprings.macro.control import Control
+from pysprings.macro.fan import RANGE_SLACK
+from pysprings.macro.memory.changing import ChangingLoad, Step
+from pysprings.macro.memory.elements import STATES, advance, relax
+from pysprings.macro.memory.marks import StepMarks, lateral_marks, off_load, off_rate
+from pysprings.macro.memory.model import MemoryModel
+from pysprings.macro.memory.shares import elastic_of, ways_of
+from pysprings.macro.memory.water import Water
+
+Array = NDArray[np.float64]
+
+_NO_ANSWER = "the elements carry no more than H = {:.6g} N, M = {:.6g} N m on the way to this step"
+
+
+class MemoryStepper:
+    """A state of springs with a memory that goes on step by step, for time stepping.
+
+    `advance` finds a trial state from the committed one, `commit` keeps it; without `commit` the next `advance` starts
+    from the same committed state.
+
+    Attributes
+    ----------
+    state : (elements, 3) committed numbers of the elements.
+    motion, load : committed (u [m], rotation [rad]) and (H [N], M [N m]).
+    way : committed motions added up [m].
+    V, top : committed vertical load [N] of the elements, and the largest one so far.
+    offset : (rows,) what vertical reactions and w have kept from other vertical loads.
+    water : committed numbers of the water's part of p, see `pysprings.macro.memory.water`; None where there is none.
+    """
+
+    def __init__(self, model: MemoryModel) -> None:
+        self.model = model
+        self.V = self.top = model.V if np.isfinite(model.V) else 0.0
+        self._loads = model.changing or ChangingLoad(np.array([self.V]), (model.elements,), np.inf, np.inf)
+        self.state, self.offset = np.zeros((len(self._loads.rows), STATES)), np.zeros(len(model.table.name))
+        self.motion, self.load, self.way = np.zeros(2), np.zeros(2), 0.0
+        water = model.elements.shares.water
+        self.water = None if water is None else water.rest
+        self._trial = self.state.copy(), self.motion.copy(), self.load.copy()
+        self._rows = self._loads.rows_at(self.V)
+        self._steps = self._to(None)
+        self._conditions: tuple[float | None, float | None] = None, None
+
+    def advance(
+        self,
+        *,
+        motion: tuple[float, float] | None = None,
+        load: tuple[float, float] | None = None,
+        V: float | None = None,
+        duration: float | None = None,
+    ) -> Array:
+        """Go to a motion (u [m], rotation [rad]) or under a load (H [N], M [N m]); return the other one (2,).
+
+        V [N] is the vertical load at the end of the step, where the springs have rays on which V changes; None: that of
+        the step before. Else it changes nothing of the answer, as the duration [s] of the step: `marks` compares both
+        with the vertical load and the rate of the paths that the elements come from. In the time of a step water
+        drains: see `reactions`.
+
+        Raises
+        ------
+        BeyondSprings
+            The elements do not carry the load.
+        UserInputError
+            Neither, or both, are given.
+        """
+        if (motion is None) == (load is None):
+            raise refused("motion", "give a motion or a load")
+        check_numbers(V=V, duration=duration)
+        if duration is not None and duration <= 0.0:
+            raise refused("duration", f"{duration:g} s must be more than 0 s")
+        control: Control = "load" if motion is None else "state"
+        model, aim = self.model, np.array([load if motion is None else motion], dtype=float)
+        drive, aims = model.equations(control, aim, 0.0)
+        start = self.load / model.to_motion if motion is None else self.motion * model.to_motion
+        way, state, steps = np.concatenate([start[None], aims]), self.state.copy(), self._to(V)
+        q, carried, at = self._loads.step(drive, self.motion * model.to_motion, state, way, steps)
+        if carried is None:
+            H, M = np.array(at) * model.to_motion
+            raise BeyondSprings([Problem(key="springs", message=_NO_ANSWER.format(H, M))])
+        self._trial = state, q / model.to_motion, carried * model.to_motion
+        self._conditions, self._steps = (V, duration), steps
+        answer: Array = self._trial[1 if motion is None else 2].copy()
+        return answer
+
+    def _to(self, V: float | None) -> list[Step]:
+        """Return the steps of V to that of a step."""
+        if V is None or V == self.V or self.model.changing is None:
+            return [Step(self._rows, 1.0, 1.0)]
+        return self._loads.steps(self.V, V, self.top)
+
+    @property
+    def _now(self) -> float:
+        """V [N] of the elements at the end of the last trial step."""
+        V = self._conditions[0]
+        return self.V if V is None or self.model.changing is None else V
+
+    @property
+    def marks(self) -> StepMarks:
+        """What of the last trial state the springs do not cover; before the first step that of the state at rest."""
+        model, (V, duration) = self.model, self._conditions
+        used, aside = lateral_marks(model.table, (float(self._trial[1][0]), float(self._trial[1][1])))
+        moved = self._moved
+        return StepMarks(
+            range_used=used,
+            extrapolated=used > 1.0 + RANGE_SLACK,
+            off_path=aside,
+            off_load=self._off_load(V),
+            off_rate=off_rate(model.rate, moved, duration),
+            way_used=(self.way + moved) / model.elements.way,
+        )
+
+    def _off_load(self, V: float | None) -> bool | None:
+        changing = self.model.changing
+        return off_load(self.model.V, V) if V is None or changing is None else not changing.covers(np.array([V]))[0]
+
+    @property
+    def reactions(self) -> Array:
+        """All reactions (rows,) of the last trial state, w and V among them, in the rows of `model.table`.
+
+        The water's part of p is that after the duration of the step; without one, after a step at the rate of the
+        elements.
+        """
+        model, V = self.model, np.array([self._now])
+        found = self._loads.mixed(self._by_set(*self._trial[:2]), V)[:, 0] + self._kept()
+        water = model.elements.shares.water
+        if model.table.wet.any():
+            found[model.table.wet] = np.nan if water is None else self._drained(water)[0]
+        return found
+
+    def _by_set(self, state: Array, motion: Array) -> Array:
+        """Return the reactions (sets, rows, 1) of each set in a state at a motion (u [m], rotation [rad])."""
+        rows = self._loads.rows
+        e = elastic_of(rows, state, motion * self.model.to_motion)
+        return self._loads.by_set(e[None], ways_of(rows, state)[None])
+
+    def _kept(self) -> Array:
+        """Return what vertical reactions and w (rows,) keep from other vertical loads after the last trial step."""
+        if self._now == self.V:
+            return self.offset
+        rows = self._by_set(self.state, self.motion)
+        left, there = (self._loads.mixed(rows, np.array([V]))[:, 0] for V in (self.V, self._now))
+        return self.offset + np.where(self._loads.odd, 0.0, left - there)
+
+    def _drained(self, water: Water) -> tuple[Array, Array]:
+        """Return p_water (water rows,) of the last trial state, and the numbers that it leaves."""
+        model, (_, duration) = self.model, self._conditions
+        rows, pairs = model.elements.rows, ((self.state, self.motion), self._trial[:2])
+        start, end = (elastic_of(rows, state, motion * model.to_motion) for state, motion in pairs)
+        step = (duration or self._moved / model.rate) if model.rate else 0.0
+        assert self.water is not None
+        after = self.water.copy()
+        return water.along(end[None], np.array([step]), start, after)[:, 0], after
+
+    @property
+    def _moved(self) -> float:
+        return float(np.hypot(*((self._trial[1] - self.motion) * self.model.to_motion)))
+
+    @property
+    def tangent(self) -> Array:
+        """Tangent (2, 2) of (H, M) to (u, rotation) at the end of the last trial step.
+
+        Consistent with `advance` for steps that are not divided (up to a hundredth of the reach); before the first
+        step it is that at rest.
+        """
+        model, F, K, state = self.model, np.zeros(2), np.zeros((2, 2)), self.state.copy()
+        start, end = self.motion * model.to_motion, self._trial[1] * model.to_motion
+        for step in self._steps:
+            relax(self._loads.rows, state, start, step.kept)
+        advance(self._steps[-1].rows, start, end, state, F, K)
+        scaled: Array = K * model.to_motion * model.to_motion[:, None]
+        return scaled
+
+    def commit(self) -> None:
+        """Keep the last trial state."""
+        state, motion, load = self._trial
+        water = self.model.elements.shares.water
+        if water is not None:
+            self.water = self._drained(water)[1]
+        self.way += self._moved
+        self.offset, self.V, self.top = self._kept(), self._now, max(self.top, self._now)
+        self._rows = self._steps[-1].rows
+        self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()

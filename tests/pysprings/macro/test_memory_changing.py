@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: MIT
+"""Springs with memory under a vertical load that changes: relaxation, its fit, sequences, and steps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pysprings.core.path_kinds import PARTS
+from pysprings.macro.fan import FanTable
+from pysprings.macro.memory import build
+from pysprings.macro.memory.build import CHANGE, build_memory, with_memory
+from pysprings.macro.memory.calibration import ElementSet
+from pysprings.macro.memory.changing import ChangingLoad, fitted
+from pysprings.macro.memory.elements import FRICTIONAL, GAP, REVERSIBLE, STATES, advance, relax
+from pysprings.macro.memory.model import MemoryModel
+from pysprings.macro.memory.stepper import MemoryStepper
+from pysprings.macro.model import MacroModel
+from pysprings.macro.predict import MacroWarning, sequence
+from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.springs import Springs
+from tests.support import loaded
+from tests.support.fans import LENGTH
+from tests.support.loaded import HEAVY
+from tests.support.vertical import REST, pressed
+from tests.support.winkler import element, elements_of, mixed
+
+NEW, OLD = 0.8e6, 5e6  # N
+LOADS = np.array([REST, HEAVY])
+WAY = 1e-3 * np.array([[1.0, 0.2], [3.0, -0.4], [3.0, -0.4], [-1.0, 0.1], [-2.0, 0.3], [2.0, 0.0]]) / [1.0, LENGTH]
+V_OF_WAY = np.array([1.0, 1.0, 1.8, 1.8, 1.2, 2.0]) * REST
+
+
+@cache
+def model() -> MemoryModel:
+    """Invented elements at two vertical loads, whose forces a V that changes takes away."""
+    at = [build_memory(loaded.springs().at(V=V)) for V in LOADS]
+    return replace(at[0], changing=ChangingLoad(LOADS, tuple(each.elements for each in at), NEW, OLD))
+
+
+def alike(rows: list[list[float]], new: float = NEW, old: float = OLD) -> ChangingLoad:
+    """Return the same elements at both loads."""
+    each = elements_of(np.array(rows), model().table)
+    return ChangingLoad(LOADS, (each, each), new, old)
+
+
+def test_elements_keep_a_share_of_their_force_and_lose_energy() -> None:
+    """All but reversible ones; walls that both press keep what both press; twice 0.5 is a quarter."""
+    rows = mixed()
+    states, F, K, q = np.zeros((len(rows), STATES)), np.zeros(2), np.zeros((2, 2)), np.array([4e-3, -3e-3])
+    advance(rows, np.zeros(2), q, states, F, K)
+
+    def forces(state: np.ndarray) -> np.ndarray:
+        out = []
+        for k in range(len(rows)):
+            advance(rows[k : k + 1], q, q, state[k : k + 1].copy(), F, K)
+            out.append(F.copy())
+        return np.array(out)
+
+    before, once, twice, quarter = forces(states), states.copy(), states.copy(), states.copy()
+    relax(rows, once, q, 0.5)
+    relax(rows, twice, q, 0.5)
+    relax(rows, twice, q, 0.5)
+    relax(rows, quarter, q, 0.25)
+    keeps = rows[:, 0] == REVERSIBLE
+    assert np.abs(before[~keeps]).max(axis=1).min() > 0.0 and set(rows[:, 0]) >= {GAP, FRICTIONAL, REVERSIBLE}
+    np.testing.assert_allclose(forces(once)[~keeps], 0.5 * before[~keeps], rtol=1e-9)
+    np.testing.assert_allclose(forces(once)[keeps], before[keeps], rtol=1e-12)
+    np.testing.assert_allclose(forces(twice), forces(quarter), rtol=1e-9)
+    pressed_ = np.array([element(GAP, (1e-3, 0.0, 0.0), (1.0, 0.0, 1e8), 1e-3)])
+    state = np.zeros((1, STATES))
+    advance(pressed_, np.zeros(2), np.array([2e-4, 0.0]), state, F, K)
+    both = (2e-4 + 1e-3 - state[0, 0]) + (state[0, 1] - 2e-4 + 1e-3)
+    relax(pressed_, state, np.array([2e-4, 0.0]), 0.5)
+    assert (2e-4 + 1e-3 - state[0, 0]) + (state[0, 1] - 2e-4 + 1e-3) == pytest.approx(both)
+
+
+def test_a_load_relaxes_under_a_held_motion_as_far_as_v_changes() -> None:
+    """exp(-dV/V_new) where V is larger than ever before, exp(-dV/V_old) where it goes back, and up to the largest."""
+    one = alike([element(d=1.0)])
+    V = REST * np.array([1.0, 1.5, 1.2, 1.5, 2.0])
+    motions = np.repeat([[1e-3, -2e-3]], len(V), axis=0)
+    loads = one.along(motions, V)[2]
+    logs = REST * np.array([0.0, 0.5 / NEW, 0.3 / OLD, 0.3 / OLD, 0.5 / NEW])
+    np.testing.assert_allclose(loads, np.exp(-logs.cumsum())[:, None] * 1e8 * motions, rtol=1e-9)
+
+
+def test_a_caisson_moves_on_under_a_held_load() -> None:
+    """Along the load; each row carries its load; without relaxation the same elements stay where they are."""
+    drive, aims = model().equations("load", np.repeat([[2e5, -1e5]], 3, axis=0), 0.0)
+    V = REST * np.array([1.0, 2.0, 1.0])
+    rows = [element(d=1e-3, gain=10.0, over=1e-3), element(d=1.0, B=(1e6, 0.0, 1e6))]
+    motions, loads, _ = alike(rows).follow(drive, aims, V)
+    np.testing.assert_allclose(loads, aims, rtol=1e-6)
+    ways = np.hypot(*motions.T)
+    assert ways[1] > 1.2 * ways[0] and ways[2] > 1.02 * ways[1]
+    np.testing.assert_allclose(motions[:, 0] / motions[:, 1], aims[:, 0] / aims[:, 1], rtol=1e-6)
+    still, _, _ = alike(rows, np.inf, np.inf).follow(drive, aims, V)
+    np.testing.assert_allclose(still, still[[0, 0, 0]], rtol=1e-9)
+
+
+def test_at_a_constant_v_they_are_the_elements_between_both_loads() -> None:
+    """Motions, loads, reactions and tangents of the shares, though all sets follow; but for the division of steps."""
+    changing, V, way = model().changing, 1.3 * REST, 0.1 * WAY  # in steps that are hardly divided
+    assert changing is not None
+    between, given = build_memory(loaded.springs().at(V=V)), np.full(len(way), V)
+    motions, expected = way * between.to_motion, between.solve("state", way)[1] / between.to_motion
+    _, _, loads, tangents = changing.along(motions, given)
+    np.testing.assert_allclose(loads, expected, atol=1e-3 * np.abs(expected).max())
+    scaled = between.tangents(way) / between.to_motion / between.to_motion[:, None]
+    np.testing.assert_allclose(tangents, scaled, atol=1e-3 * np.abs(scaled).max())
+    found = changing.reactions(motions, given)
+    np.testing.assert_allclose(found, between.reactions(way), atol=1e-3 * np.abs(found).max())
+    drive, aims = between.equations("load", expected * between.to_motion, 0.0)
+    np.testing.assert_allclose(changing.follow(drive, aims, given)[0], motions, atol=2e-3 * np.abs(motions).max())
+
+
+def test_loads_that_a_motion_has_lead_back_to_it() -> None:
+    """With V that changes: the motion is imposed, then its loads."""
+    _, loads, _ = model().solve("state", WAY, V=V_OF_WAY)
+    states, found, message = model().solve("load", loads, V=V_OF_WAY)
+    assert not message
+    np.testing.assert_allclose(found, loads, atol=1.0)
+    np.testing.assert_allclose(states[:2], WAY[:2], atol=0.005 * np.abs(WAY[:, 0]).max())  # by the division of steps
+    assert np.abs(model().solve("state", WAY)[1] - loads).max() > 0.05 * np.abs(loads).max()
+
+
+def test_every_load_below_capacity_has_an_answer_while_v_changes() -> None:
+    random = np.random.default_rng(5)
+    for _ in range(30):
+        way = np.cumsum(random.normal(scale=1e-3, size=(8, 2)), axis=0) / [1.0, LENGTH]
+        V = REST * random.choice([1.0, 1.4, 2.0], size=8)
+        loads = 0.8 * model().solve("state", way, V=V)[1]
+        _, found, message = model().solve("load", loads, V=V)
+        assert not message
+        np.testing.assert_allclose(found, loads, atol=1.0)
+
+
+def test_a_fit_finds_what_paths_were_made_with() -> None:
+    """V_new and V_old within 5 %; where no V is larger than before both are V_old."""
+    changing = model().changing
+    assert changing is not None
+    motions = 1e-3 * np.array([[1.0, -0.5], [1.0, -0.5], [-1.0, 0.5], [-1.0, 0.5], [1.0, -0.5], [1.0, -0.5]])
+    V = REST * np.array([1.0, 2.0, 2.0, 1.0, 1.0, 2.0])
+    found = fitted(LOADS, changing.sets, [(motions, changing.along(motions, V)[2], V)])
+    assert (found.new, found.old) == (pytest.approx(NEW, rel=0.05), pytest.approx(OLD, rel=0.05))
+    back = fitted(LOADS, changing.sets, [(motions[1:], changing.along(motions[1:], V[1:])[2], V[1:])])
+    assert back.new == back.old == pytest.approx(OLD, rel=0.05)
+
+
+def whole() -> MacroModel:
+    return replace(MacroModel.from_springs(loaded.springs(), "memory", V=REST), memory=model())
+
+
+def test_states_within_the_loads_are_not_marked_and_w_follows_v() -> None:
+    """Beyond them they are, from there on; w is that of the vertical springs with a history beside the elements'."""
+    answer = sequence(whole(), WAY, control="state", V=V_OF_WAY, extrapolate=True)
+    assert not answer["off_load"].any() and answer.attrs["warnings"] == []
+    np.testing.assert_allclose(answer["H"], model().solve("state", WAY, V=V_OF_WAY)[1][:, 0], rtol=1e-12)
+    np.testing.assert_allclose(answer["stiffness"][:, ::2, ::2], model().tangents(WAY, V_OF_WAY), rtol=1e-9)
+    with pytest.warns(MacroWarning, match="4 of 6 states are under another V than those of the elements"):
+        beyond = sequence(whole(), WAY, control="state", V=V_OF_WAY * [1, 1, 0.5, 1, 1, 1], extrapolate=True)
+    np.testing.assert_array_equal(beyond["off_load"], [0, 0, 1, 1, 1, 1])
+    still = np.repeat(1e-9 * WAY[:1], 3, axis=0)
+    V, down = REST * np.array([1.0, 1.5, 1.0]), whole().vertical
+    assert down is not None
+    w = sequence(whole(), still, control="state", V=V, extrapolate=True)["w"]
+    np.testing.assert_allclose(w, down.history(V)[0], atol=1e-12)
+
+
+def test_a_stepper_follows_v_as_a_sequence_does() -> None:
+    """Motions, loads and reactions; a trial leaves no trace; V stays where none is given."""
+    stepper = MemoryStepper(model())
+    _, loads, _ = model().solve("state", WAY, V=V_OF_WAY)
+    rows = model().reactions(WAY, V=V_OF_WAY)
+    for k, (state, V) in enumerate(zip(WAY, V_OF_WAY, strict=True)):
+        stepper.advance(motion=(4e-3, 0.0), V=1.9 * REST)  # tried, and forgotten
+        given = None if V == stepper.V else V
+        np.testing.assert_allclose(stepper.advance(motion=tuple(state), V=given), loads[k], rtol=1e-9)
+        found = stepper.reactions
+        np.testing.assert_allclose(found, rows[:, k], atol=3e-3 * np.abs(rows).max())  # by the division of steps
+        assert stepper.marks.off_load in (None, False)
+        stepper.commit()
+        assert pytest.approx(V) == stepper.V
+    assert pytest.approx(2.0 * REST) == stepper.top and np.abs(stepper.offset).max() > 0.0
+    np.testing.assert_allclose(stepper.reactions, found, atol=1e-9 * np.abs(rows).max())
+    w = list(model().table.name).index("w")
+    assert abs(found[w] - rows[w, -1]) < 0.02 * np.ptp(rows[w])
+    stepper.advance(motion=tuple(WAY[-1]), V=3.0 * REST)
+    assert stepper.marks.off_load is True
+
+
+def test_the_tangent_of_a_step_on_which_v_changes_is_its_derivative() -> None:
+    stepper = MemoryStepper(model())
+    stepper.advance(motion=(2e-3, -3e-4))
+    stepper.commit()
+    aim, change = stepper.motion + [1e-5, -2e-6], np.array([1e-9, 3e-10])
+    ends = [stepper.advance(motion=tuple(aim + sign * change), V=1.02 * REST) for sign in (1.0, -1.0)]
+    stepper.advance(motion=tuple(aim), V=1.02 * REST)
+    np.testing.assert_allclose(ends[0] - ends[1], stepper.tangent @ (2.0 * change), rtol=1e-4)
+
+
+def test_springs_keep_what_a_changing_v_does_until_their_paths_change(tmp_path, monkeypatch) -> None:
+    """Fitted once to the path on which V changes, which is no ray of the elements; not without such a path."""
+    made: list[int] = []
+
+    def invented(_ways: object, table: FanTable, _stiffness: object) -> ElementSet:
+        return elements_of(mixed(n=2), table)
+
+    def fit(loads: np.ndarray, sets: tuple[ElementSet, ...], paths: list[tuple[np.ndarray, ...]]) -> ChangingLoad:
+        made.append(len(paths))
+        assert all(len(np.unique(V)) > 1 for _, _, V in paths)
+        return ChangingLoad(loads, sets, NEW, OLD)
+
+    monkeypatch.setattr(build, "calibrate", invented)
+    monkeypatch.setattr(build, "fitted", fit)
+    bare = {
+        node.path: node.to_dataset(inherit=False) for node in loaded.springs().tree.subtree if "memory" not in node.path
+    }
+    assert build_memory(Springs.of(xr.DataTree.from_dict(bare)).at(V=REST)).changing is None
+    path = bare["/paths/turning_0_1"]
+    more = np.where(np.arange(path.sizes["step"]) > 30, HEAVY - REST, 0.0)
+    given = {name: path[name].copy(data=path[name].values + more) for name in ("V", "V_lid")}
+    groups = bare | {"/paths/turning_0_loads": path.assign(given).assign_attrs({PARTS: 3})}
+    tree = xr.DataTree.from_dict(groups, name="springs")
+    assert [one.name for one in Springs.of(tree).at(V=REST).remembering] == ["turning_0_1", "turning_minus_50_1"]
+    stored = Springs.of(open_springs(save_springs(with_memory(tree), tmp_path / "springs.nc")))
+    assert made == [1] and list(stored.memory) == ["memory", "memory_load_1", CHANGE]
+    found = build_memory(stored.at(V=1.5 * REST)).changing
+    assert found is not None and (found.new, found.old, made) == (NEW, OLD, [1])
+    other = {node.path: node.to_dataset(inherit=False) for node in stored.tree.subtree}
+    other["/paths/turning_0_loads"] = pressed(other["/paths/turning_0_loads"], 1.1 * REST)
+    build_memory(Springs.of(xr.DataTree.from_dict(other, name="springs")).at(V=REST))
+    assert made == [1, 1]
