@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 TOGETHER = 0.01  # share by which vertical loads may differ that springs at one of them answer
 _MOTIONS = ("u", "w", "rotation", "stiffness")
-_NOT_BY_CASE = ["p", "y", "usable", "depth", "depth_bounds"]
+_NOT_BY_CASE = ["p", "p_water", "y", "usable", "depth", "depth_bounds", "side"]
 
 
 def predict_batch(
@@ -127,7 +127,7 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
         "utilisation": largest.utilisation, "capacity_H": largest.H, "capacity_M": largest.M,
         "capacity_kind": largest.kind, "capacity_from": largest.source,
     }  # fmt: skip
-    cases = answer.drop_vars(_NOT_BY_CASE).rename(step="case").drop_vars("case")
+    cases = answer.drop_vars(_NOT_BY_CASE, errors="ignore").rename(step="case").drop_vars("case")
     for name in _MOTIONS:
         if name in cases:
             shape = (-1, *[1] * (cases[name].ndim - 1))

@@ -58,21 +58,23 @@ def vertical_answer(
         if imposed is not None:
             raise refused("V", "these springs come from a table without vertical paths (family tz): leave V out")
         return Down()
-    w = w + model.settled
+    w = w + _settled(model, imposed)
     if imposed is None:
         return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
     other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
+    follows = model.memory is not None and model.memory.under(down) is not None
     lacks = other if model.memory is None else model.memory.lacks(down, other)
     moved = lacks & (states != 0.0).any(axis=1)
     marks = {"V": down, "off_load": moved.astype(np.int8)}
     if model.vertical is None:
         K = float(model.stiffness_initial[1, 1])
         notes = [_not_the_paths(model, down[other]) + "w from the elastic vertical stiffness"] if other.any() else []
-        notes = [f"{note}, lateral springs unchanged" for note in notes]
+        notes = [note if follows and not moved.any() else f"{note}, lateral springs unchanged" for note in notes]
         past, beyond = past_elastic(model, down, other)
+        lacking = moved if follows else other | moved
         return Down(
-            marks | {"w": w + (down - V) / K, "off_load": (other | moved).astype(np.int8)},
+            marks | {"w": w + (down - V) / K, "off_load": lacking.astype(np.int8)},
             used=np.where(past, np.inf, 0.0),
             notes=notes,
             beyond=beyond,
@@ -87,6 +89,16 @@ def vertical_answer(
         _beyond(model, down, own),
         _no_equilibrium(model, down[np.isnan(own)]),
     )
+
+
+def _settled(model: MacroModel, V: float | Array | None) -> float:
+    """Return what w [m] of the lateral springs at rest lacks to that of the vertical ones, at the V of their start."""
+    changing = None if model.memory is None else model.memory.under(V)
+    if model.memory is None or model.vertical is None or changing is None:
+        return model.settled
+    w, load = model.memory.rest_under(V)
+    recorded = any(same_load(load, each) for each in changing.loads)
+    return 0.0 if recorded else float(model.vertical.displacement(load)[0]) - w
 
 
 def _notes(model: MacroModel, down: Array, moved: NDArray[np.bool_]) -> list[str]:

@@ -386,7 +386,8 @@ class Springs(Section):
 
     Eight rays move the lid centre by u and turn the caisson in proportion, until sqrt(u^2 + (rotation skirt_length)^2)
     is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` three rays at each
-    vertical load and rate go back and forth, at 12, 24 (twice) and 40 % of it. `rays` has other directions than these.
+    vertical load and rate go back and forth, at 12, 24 (twice) and 40 % of it, and with `vertical_loads`, without
+    `rates`, three more at 12 % while the vertical load changes. `rays` has other directions than these.
     """
 
     reach: Annotated[float | None, _REACH] = None

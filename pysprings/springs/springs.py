@@ -49,6 +49,7 @@ class Springs:
         vertical load and rate; empty where none are stored.
     spread : standard deviation of springs of an atlas (`pysprings.springs.spread`); None for those of a full model.
     whole : springs at all vertical loads, of springs at one of several; else None.
+    every_rate : springs at all rates, of springs at one; else None.
     parts : springs at the two rates that springs at a rate lie between, each with its share; else empty.
     """
 
@@ -57,6 +58,7 @@ class Springs:
     memory: Mapping[str, xr.Dataset] = field(default_factory=dict)
     spread: xr.Dataset | None = None
     whole: Springs | None = None
+    every_rate: Springs | None = None
     parts: tuple[tuple[Springs, float], ...] = ()
     _derived: dict[Hashable, Springs] = field(default_factory=dict, repr=False)
 
@@ -266,14 +268,14 @@ class Springs:
 
         def beside() -> Springs:
             made = springs.with_paths([*springs.paths.values(), own])
-            return replace(made, whole=springs.whole, parts=springs.parts)
+            return replace(made, whole=springs.whole, every_rate=springs.every_rate, parts=springs.parts)
 
         return springs._cached(("beside", path.name), beside)
 
     def with_paths(self, paths: Iterable[SpringPath], **attrs: Any) -> Springs:
         """Return springs with other paths, and some attributes of the root changed; they are derived from no others."""
         root, own = self.root.assign_attrs(attrs), {path.name: path for path in paths}
-        return replace(self, root=root, paths=own, whole=None, parts=(), _derived={})
+        return replace(self, root=root, paths=own, whole=None, every_rate=None, parts=(), _derived={})
 
     def _at_rate_of(self, path: SpringPath) -> Springs:
         sets = self.rate_sets
@@ -289,7 +291,7 @@ class Springs:
         turning = [path for path in self.paths.values() if path.remembers and path.rate and is_rate(path.rate, rate)]
         springs = self.with_paths([*lateral.values(), *vertical, *turning], rate_m_per_s=rate)
         validate_springs(springs.tree, balanced=False)  # as balanced as what they are made of
-        return springs if between is None else replace(springs, parts=self._parts_at(between))
+        return replace(springs, every_rate=self, parts=() if between is None else self._parts_at(between))
 
     def _made_at_load(self, V: float) -> Springs:
         main = dead_loads.nearest(self.load_sets, self.rest_load)
@@ -298,7 +300,7 @@ class Springs:
         paths = [lateral.get(name, path) for name, path in self.paths.items() if name not in dropped]
         attrs = {} if between is None else {"blended_loads_N": [between.first, between.second], "vertical_load_N": V}
         parts = tuple((each.at_load(V), share) for each, share in self.parts)
-        return replace(self.with_paths(paths, **attrs), whole=self, parts=parts)
+        return replace(self.with_paths(paths, **attrs), whole=self, every_rate=self.every_rate, parts=parts)
 
     def _parts_at(self, between: Between) -> tuple[tuple[Springs, float], ...]:
         """Return the springs at two rates, each with its share."""

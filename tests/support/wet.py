@@ -11,6 +11,7 @@ from tests.support import winkler
 from tests.support.fans import DEPTH, LENGTH
 
 RATE, TIME = 1e-4, 20.0  # m/s of rho; relaxation time [s]
+AT_REST = 300.0  # N/m, that does not change
 STIFFNESS = np.array([[2e7], [-8e6]]) * (1.0 + DEPTH)  # p_water over y, (side, depth) [N/m2]
 
 
@@ -25,23 +26,36 @@ def maxwell(x: np.ndarray, time: np.ndarray) -> np.ndarray:
     return out
 
 
-def tree(turning: tuple[float, ...] = (0.0, -30.0, -50.0), loops: tuple[tuple[float, float], ...] = ()) -> xr.DataTree:
-    """Return a Winkler caisson's springs with times; water carries a part of p, which is what it is without."""
-    springs = winkler.springs(turning, loops)
-    for node in springs["paths"].children.values():
-        path = node.to_dataset(inherit=False).copy(deep=True)
-        ways = np.hypot(np.diff(path["u"]), np.diff(path["rotation"]) * LENGTH)
-        time = np.append(0.0, np.cumsum(ways)) / RATE
-        path["time"] = ("step", time, {"long_name": "time", "units": "s"})
-        relaxed = maxwell(path["u"].values + path["rotation"].values * DEPTH[:, None], time)
-        p = path["p"].transpose("side", "component", "depth", "step").values.copy()
-        water, normal = (list(path["component"].values).index(name) for name in ("water", "normal"))
-        p[:, water] = STIFFNESS[:, :, None] * relaxed
-        p[:, normal] -= p[:, water]
-        path["p"] = path["p"].copy(data=np.moveaxis(p, 2, 0))
-        node.dataset = path
-    springs.attrs["drainage"] = "coupled"
-    return springs
+def tree(
+    turning: tuple[float, ...] = (0.0, -30.0, -50.0),
+    loops: tuple[tuple[float, float], ...] = (),
+    rates: tuple[float, ...] = (RATE,),
+) -> xr.DataTree:
+    """Return a Winkler caisson's springs with times; water carries a part of p, which is what it is without.
+
+    Loops have half the first rate.
+    """
+    bare = winkler.springs(turning, loops)
+    groups = {"/": bare.to_dataset(inherit=False).assign_attrs(drainage="coupled")}
+    for node in bare["paths"].children.values():
+        held_back = node.attrs["role"] == "held-back"
+        for number, rate in enumerate((0.5 * rates[0],) if held_back else rates):
+            groups[f"/paths/{node.name}" + (f"_rate_{number}" if number else "")] = _timed(node, rate)
+    return xr.DataTree.from_dict(groups, name="springs")
+
+
+def _timed(node: xr.DataTree, rate: float) -> xr.Dataset:
+    """Return a path at a rate of (u, rotation L), with the water of that rate."""
+    path = node.to_dataset(inherit=False).copy(deep=True)
+    ways = np.hypot(np.diff(path["u"]), np.diff(path["rotation"]) * LENGTH)
+    time = np.append(0.0, np.cumsum(ways)) / rate
+    path["time"] = ("step", time, {"long_name": "time", "units": "s"})
+    relaxed = maxwell(path["u"].values + path["rotation"].values * DEPTH[:, None], time)
+    p = path["p"].transpose("side", "component", "depth", "step").values.copy()
+    water, normal = (list(path["component"].values).index(name) for name in ("water", "normal"))
+    p[:, water] = STIFFNESS[:, :, None] * relaxed + AT_REST
+    p[:, normal] -= p[:, water]
+    return path.assign(p=path["p"].copy(data=np.moveaxis(p, 2, 0)))
 
 
 def coupled(**paths: object) -> Springs:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import Any
 
@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
-from pysprings.macro.fan import build_fan, has_fan
+from pysprings.macro.fan import FanTable, build_fan, has_fan
 from pysprings.macro.memory.calibration import ElementSet, calibrate
 from pysprings.macro.memory.changing import ChangingLoad, fitted
 from pysprings.macro.memory.mixture import mixed
 from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.memory.samples import samples
+from pysprings.macro.memory.samples import Sample, samples
 from pysprings.macro.memory.shares import Shares
 from pysprings.macro.memory.water import Water
 from pysprings.springs.alike import same_load
@@ -53,34 +53,48 @@ def build_memory(springs: Springs) -> MemoryModel:
     UserInputError
         The springs have no fan, or no ray that turns back at their rate.
     """
-    table, (V, parts) = build_fan(springs), _parts(springs)
+    table, (V, parts), known = build_fan(springs), _parts(springs), _at_loads(springs)
     turning = _recorded(parts[0][0])[0][0].remembering[0]
     rate = float(springs.attrs["rate_m_per_s"]) if springs.parts else turning.rate
-    sets = sum(len(_recorded(at)) for at, _ in parts)
-    elements = mixed([(_elements(at), share) for at, share in parts])
-    return MemoryModel(elements, table, V, rate if springs.rate_sets else None, sets, _changing(springs))
+    sets, needed = sum(len(_recorded(at)) for at, _ in parts), _needed(springs)
+    found = {load: _elements(at) for load, at in known.items() if any(at is each for each in needed)}
+    elements = mixed([(found[load], share) for load, at in known.items() for each, share in parts if each is at])
+    changing = _changing(springs, found) if _follows(springs) else None
+    return MemoryModel(elements, table, V, rate if springs.rate_sets else None, sets, changing)
 
 
-def _changing(springs: Springs) -> ChangingLoad | None:
-    """Return the elements under a V that changes, stored or fitted; None where the springs lack paths for them."""
-    known = _at_loads(springs)
-    if not springs.changing or len(known) < 2 or springs.rate_sets:
-        return None
-    loads, sets = np.array(list(known)), tuple(_elements(at) for at in known.values())
-    whole = springs.whole or springs
-    stored, own = whole.memory.get(CHANGE), _change_digest(springs, list(known.values()))
-    if stored is not None and stored.attrs["paths_sha256"] == own:
-        return ChangingLoad(loads, sets, float(stored.attrs["new_N"]), float(stored.attrs["old_N"]))
+def _follows(springs: Springs) -> bool:
+    """Return whether springs have paths on which V changes, and elements at several vertical loads that follow it."""
+    return bool(springs.changing) and len(_at_loads(springs)) > 1 and not springs.rate_sets
+
+
+def _needed(springs: Springs) -> list[Springs]:
+    """Return the springs at the vertical loads whose elements the model has."""
+    return [*_at_loads(springs).values()] if _follows(springs) else [at for at, _ in _parts(springs)[1]]
+
+
+def _changing(springs: Springs, sets: Mapping[float, ElementSet]) -> ChangingLoad:
+    """Return the elements at vertical loads [N] under a V that changes, stored or fitted."""
+    loads, stored = np.array(list(sets)), _stored_change(springs)
+    if stored is not None:
+        return ChangingLoad(loads, tuple(sets.values()), float(stored.attrs["new_N"]), float(stored.attrs["old_N"]))
     paths = []
     for path in springs.changing:
         carried = np.stack([path["H"] - path["H"][0], (path["M"] - path["M"][0]) / path.length], axis=1)
         paths.append((np.stack([path.u, path.turn], axis=1), carried, path.given_loads))
-    return fitted(loads, sets, paths)
+    return fitted(loads, tuple(sets.values()), paths)
 
 
-def _change_digest(springs: Springs, known: Sequence[Springs]) -> str:
+def _stored_change(springs: Springs) -> xr.Dataset | None:
+    """Return what is stored of a V that changes, fitted to the paths of springs; None without."""
+    stored = (springs.whole or springs).memory.get(CHANGE)
+    own = stored is not None and stored.attrs["paths_sha256"] == _change_digest(springs)
+    return stored if own else None
+
+
+def _change_digest(springs: Springs) -> str:
     """Return the SHA-256 (hex) of what elements under a V that changes are fitted to."""
-    found = hashlib.sha256("".join(digest(at) for at in known).encode())
+    found = hashlib.sha256("".join(digest(at) for at in _at_loads(springs).values()).encode())
     for path in springs.changing:
         for values in (path.u, path.rotation, path["H"], path["M"], path.given_loads):
             found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
@@ -89,7 +103,8 @@ def _change_digest(springs: Springs, known: Sequence[Springs]) -> str:
 
 def has_elements(springs: Springs) -> bool:
     """Return whether all elements of the model are stored in the springs: else `build_memory` calibrates them."""
-    return all(_stored(part) is not None for at, _ in _parts(springs)[1] for part, _ in _recorded(at))
+    whole = all(_stored(part) is not None for at in _needed(springs) for part, _ in _recorded(at))
+    return whole and (not _follows(springs) or _stored_change(springs) is not None)
 
 
 def _parts(springs: Springs) -> tuple[float, list[tuple[Springs, float]]]:
@@ -143,7 +158,21 @@ def _stored(springs: Springs) -> xr.Dataset | None:
 
 def _calibrated(springs: Springs) -> ElementSet:
     scale, table = np.array([1.0, springs.length]), build_fan(springs)
-    return calibrate(samples(springs, table), table, springs.lateral_stiffness / scale / scale[:, None])
+    stiffness, others = springs.lateral_stiffness / scale / scale[:, None], _at_other_rates(springs, table)
+    return calibrate(samples(springs, table), table, stiffness, others=others)
+
+
+def _at_other_rates(springs: Springs, table: FanTable) -> list[Sample]:
+    """Return the recorded ways at the other rates of springs; none where no water carries a part of p."""
+    whole, V, found = springs.every_rate, springs.paths[table.path[0]].load, list[Sample]()
+    if whole is None or not table.wet.any():
+        return found
+    own = next(iter(springs.rays))
+    for one in whole.rate_sets:
+        at = whole.at(rate=one.rate, V=V)
+        if own not in one.paths and has_fan(at) and at.remembering:
+            found += [way for way in samples(at, build_fan(at)) if way.recorded]
+    return found
 
 
 def with_memory(tree: xr.DataTree) -> xr.DataTree:
@@ -167,11 +196,18 @@ def with_memory(tree: xr.DataTree) -> xr.DataTree:
             found[name] = memory_dataset(at, _calibrated(at)) if known is None else known
     if not found:
         return tree
-    change = _changing(Springs.of(xr.DataTree.from_dict(_groups(tree) | found, name=tree.name)))
-    if change is not None:
-        own = _change_digest(springs, list(_at_loads(springs).values()))
-        found[f"/{CHANGE}"] = xr.Dataset(attrs={"new_N": change.new, "old_N": change.old, "paths_sha256": own})
+    if _follows(springs):
+        found[f"/{CHANGE}"] = _change_dataset(springs, xr.DataTree.from_dict(_groups(tree) | found, name=tree.name))
     return xr.DataTree.from_dict(_groups(tree) | found, name=tree.name)
+
+
+def _change_dataset(springs: Springs, whole: xr.DataTree) -> xr.Dataset:
+    """Return what a V that changes does to the elements of springs as a group; whole: springs with all elements."""
+    stored, parts = _stored_change(springs), Springs.of(whole)
+    if stored is not None:
+        return stored
+    change = _changing(parts, {load: _elements(at) for load, at in _at_loads(parts).items()})
+    return xr.Dataset(attrs={"new_N": change.new, "old_N": change.old, "paths_sha256": _change_digest(springs)})
 
 
 def _groups(tree: xr.DataTree) -> dict[str, xr.Dataset]:
@@ -219,8 +255,11 @@ def from_dataset(stored: xr.Dataset) -> ElementSet:
 def digest(springs: Springs) -> str:
     """Return the SHA-256 (hex) of the loads, motions and rates of the paths that elements are calibrated on."""
     found = hashlib.sha256(f"{VERSION} {springs.length!r}".encode())
+    rates = springs.every_rate.rate_sets if springs.every_rate else ()
+    found.update(" ".join(f"{one.rate:.6g}" for one in rates).encode())
     for path in (*(springs.paths[name] for name in springs.rays), *springs.remembering):
         found.update(f" {path.rate or 0.0:.6g}".encode())
-        for values in (path.u, path.rotation, path["H"], path["M"]):
+        water = (path.water, path["time"]) if "time" in path and path.water.any() else ()
+        for values in (path.u, path.rotation, path["H"], path["M"], *water):
             found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
     return found.hexdigest()

@@ -63,13 +63,14 @@ def calibrate(
     stiffness: Array,
     choice: Candidates | None = None,
     most: int = MOST_NUMBERS,
+    others: Sequence[Sample] = (),
 ) -> ElementSet:
     """Return the elements that follow the ways; stiffness (2, 2) is the initial one for (u, rotation*L) [N/m].
 
     choice: elements to choose from, instead of those of `pysprings.macro.memory.candidates`. What is chosen from them
     is chosen a second time, with what is `around` it. most: numbers that the state of the elements may have in two
     planes; of more elements those that carry most are kept, and fitted again. Reactions are shared out as along the
-    recorded ways (`Sample.recorded`).
+    recorded ways (`Sample.recorded`). others: ways at other rates, from which the water's part of p comes, too.
     """
     reach = max(float(np.hypot(*way.motions.T).max()) for way in ways if way.recorded)
     loads = [way.loads(table) for way in ways]
@@ -82,7 +83,7 @@ def calibrate(
         rows, left, _ = _fitted(few, ways, loads, stiffness, reach)
     pairs = [(way, load) for way, load in zip(ways, loads, strict=True) if way.recorded]
     ways, loads = [way for way, _ in pairs], [load for _, load in pairs]
-    shares, carried = shares_of(rows, ways, loads, table, SUBSTEP * reach)
+    shares, carried = shares_of(rows, ways, loads, table, SUBSTEP * reach, others)
     errors = {}
     for way, load, own in zip(ways, loads, carried, strict=True):
         worst = np.abs(own - load).max(axis=0) / np.abs(load).max()

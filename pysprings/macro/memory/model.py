@@ -16,6 +16,7 @@ from pysprings.macro.memory.changing import ChangingLoad
 from pysprings.macro.memory.elements import STATES, follow, tangents
 from pysprings.macro.memory.marks import off_rate
 from pysprings.macro.solver import Drive
+from pysprings.springs.alike import same_load
 
 Array = NDArray[np.float64]
 
@@ -53,9 +54,10 @@ class MemoryModel:
         return w, V
 
     def under(self, V: float | Array | None) -> ChangingLoad | None:
-        """Return the elements under vertical loads (n,) [N] that change, or None: one V, or no such elements."""
-        changes = V is not None and np.ndim(V) > 0 and len(np.unique(V)) > 1
-        return self.changing if changes else None
+        """Return the elements that follow vertical loads (n,) [N]; None where all are that of the elements, or none."""
+        if self.changing is None or V is None:
+            return None
+        return None if all(same_load(self.V, each) for each in np.unique(V)) else self.changing
 
     def lacks(self, V: Array, other: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Return which states under V (n,) [N] the elements do not follow, where `other` (n,) are not at their V.
@@ -66,6 +68,16 @@ class MemoryModel:
         beyond = other if changing is None else other & ~changing.covers(V)
         found: NDArray[np.bool_] = np.logical_or.accumulate(beyond)
         return found
+
+    def rest_under(self, V: float | Array | None) -> tuple[float, float]:
+        """Return w [m] and V [N] of the elements at rest, at the first of vertical loads (n,) [N] that they follow."""
+        changing = self.under(V)
+        if changing is None or V is None:
+            return self.rest
+        rows, first = np.stack([each.shares.rest for each in changing.sets]), np.array([np.ravel(V)[0]])
+        mixed = changing.mixed(rows[:, :, None], first)[:, 0]
+        w, load = (float(mixed[self.table.name == name][0]) for name in ("w", "V"))
+        return w, load
 
     def loads_text(self) -> str:
         """Return the vertical loads of the elements in words."""
@@ -86,7 +98,7 @@ class MemoryModel:
         drive, aims = self.equations(control, targets, arm)
         changing = self.under(V)
         if changing is not None:
-            found, carried, at = changing.follow(drive, aims, np.asarray(V, dtype=float))
+            found, carried, at = changing.follow(drive, aims, _each(V, aims))
             states, loads, n = found / self.to_motion, carried * self.to_motion, len(found)
             end = self._target(control, np.array(at))
             return states, loads, "" if n == len(aims) else ending(control, end, targets[n], states, loads)
@@ -140,7 +152,7 @@ class MemoryModel:
         if changing is None:
             tangents(self.elements.rows, motions, self.elements.largest, loads, out)
         else:
-            out = changing.along(motions, np.asarray(V, dtype=float))[3]
+            out = changing.along(motions, _each(V, motions))[3]
         scaled: Array = out * self.to_motion * self.to_motion[:, None]
         return scaled
 
@@ -152,7 +164,7 @@ class MemoryModel:
         """
         changing = self.under(V)
         if changing is not None:
-            found = changing.reactions(states * self.to_motion, np.asarray(V, dtype=float))
+            found = changing.reactions(states * self.to_motion, _each(V, states))
             found[self.table.wet] = np.nan  # the water of a V that changes is not known
             return found
         motions, shares = states * self.to_motion, self.elements.shares
@@ -180,3 +192,8 @@ class MemoryModel:
         e, _ = elastic_motions(self.elements.rows, fine, self.elements.largest)
         found = water.along(e, np.interp(at, last, np.concatenate([[0.0], time])), np.zeros(e.shape[1:]), water.rest)
         return found[:, ends.astype(int) - 1]
+
+
+def _each(V: float | Array | None, states: Array) -> Array:
+    """Return the vertical load (n,) [N] of each state."""
+    return np.broadcast_to(np.asarray(V, dtype=float), len(states)).copy()

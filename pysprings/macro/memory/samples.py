@@ -122,7 +122,8 @@ def _turning(path: SpringPath, table: FanTable, weight: float, rate: float | Non
     at = at[(at > 0.0) & (at <= way[-1])]
     rows = np.stack([np.interp(at, way, row) for row in reaction_rows(path, bool(table.wet.any()))])
     motions = np.stack([np.interp(at, way, column) for column in motions.T], axis=1)
-    time = None if rate is None else np.interp(at, way, path["time"] - path["time"][0])
+    timed = rate is not None and "time" in path
+    time = np.interp(at, way, path["time"] - path["time"][0]) if timed else None
     return Sample(path.name, motions, rows, _weights(rows, table, weight), True, time=time)
 
 

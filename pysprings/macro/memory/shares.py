@@ -47,7 +47,7 @@ class Shares:
     loads, elastic : (odd rows, 2) S [1, 1/m], and (odd rows, 2 n) D [N/m of e, N/m2].
     even : (even rows, 2 n) of p/(1 + p/(s d)), then of |e|_G^2/d.
     growth : s of the even rows, one number or one an element (n,).
-    water : the water's part of p, rows that are odd with S = 0 and D = 0; None where there is none.
+    water : the water's part of p, in place of S and D of its rows; None where there is none.
     """
 
     odd: NDArray[np.bool_]
@@ -61,7 +61,7 @@ class Shares:
     def reactions(self, rows: Array, e: Array, p: Array) -> Array:
         """Return all reactions (rows, n) from elastic motions e (n, elements, 2) and plastic ways p (n, elements).
 
-        The water's part of p, which depends on time, is not among them: its rows are 0.
+        The water's part of p, which depends on time, is not among them.
         """
         carried = loads_of(rows, e)
         out = np.repeat(self.rest[:, None], len(e), axis=1)
@@ -135,14 +135,18 @@ def _even_motions(rows: Array, e: Array, p: Array, growth: float | Array) -> Arr
 
 
 def shares_of(
-    rows: Array, ways: Sequence[Sample], loads: Sequence[Array], table: FanTable, largest: float
+    rows: Array,
+    ways: Sequence[Sample],
+    loads: Sequence[Array],
+    table: FanTable,
+    largest: float,
+    others: Sequence[Sample] = (),
 ) -> tuple[Shares, list[Array]]:
-    """Return the shares of elements, and the loads (n, 2) that they carry along each way."""
-    states = []
-    for way in ways:
-        e, p = np.zeros((len(way.motions), len(rows), 2)), np.zeros((len(way.motions), len(rows)))
-        histories(rows, np.ascontiguousarray(way.motions), largest, e, p)
-        states.append((e, p))
+    """Return the shares of elements, and the loads (n, 2) that they carry along each way.
+
+    others: ways at other rates, for the water's part of p.
+    """
+    states = _states(rows, ways, largest)
     carried = [loads_of(rows, e) for e, _ in states]
     odd, rest = ~table.even, np.where(table.even, table.r[:, 0, 0], 0.0)
     R, F, weights = (np.concatenate(parts) for parts in zip(*(
@@ -153,14 +157,24 @@ def shares_of(
     e = np.concatenate([each.reshape(len(each), -1) for each, _ in states])
     D = ridge_fit(e, R[:, odd] - F @ S.T, weights, RIDGE)
     D -= S @ (b.T @ D)
-    S[table.wet[odd]], D[table.wet[odd]] = 0.0, 0.0
     even = [way.reactions[~odd] - rest[~odd, None] for way in ways]
     heave = [rows_[list(table.name[~odd]).index("w")] for rows_ in even]
     weights = _heave_weights(ways, heave)
     growth, ridge = _best(rows, ways, states, heave, weights)
     X = np.concatenate([_even_motions(rows, *state, growth) for state in states])
     factors = ridge_fit(X, np.concatenate(even, axis=1).T, weights, ridge)
-    return Shares(odd, rest, S, D, factors, growth, _water(ways, states, table)), carried
+    wet = [*states, *_states(rows, others, largest)]
+    return Shares(odd, rest, S, D, factors, growth, _water([*ways, *others], wet, table)), carried
+
+
+def _states(rows: Array, ways: Sequence[Sample], largest: float) -> list[tuple[Array, Array]]:
+    """Return elastic motions (n, elements, 2) and ways (n, elements) of elements along each way."""
+    found = []
+    for way in ways:
+        e, p = np.zeros((len(way.motions), len(rows), 2)), np.zeros((len(way.motions), len(rows)))
+        histories(rows, np.ascontiguousarray(way.motions), largest, e, p)
+        found.append((e, p))
+    return found
 
 
 def _water(ways: Sequence[Sample], states: Sequence[tuple[Array, Array]], table: FanTable) -> Water | None:
@@ -168,7 +182,7 @@ def _water(ways: Sequence[Sample], states: Sequence[tuple[Array, Array]], table:
     if not table.wet.any():
         return None
     times = [np.zeros(len(way.motions)) if way.time is None else way.time for way in ways]
-    longest = max(float(time[-1]) for way, time in zip(ways, times, strict=True) if not way.turns)
+    longest = next(float(time[-1]) for way, time in zip(ways, times, strict=True) if not way.turns)
     return water_of([e for e, _ in states], [way.reactions[table.wet] for way in ways], times, longest)
 
 

@@ -44,10 +44,10 @@ class MemoryStepper:
         self._loads = model.changing or ChangingLoad(np.array([self.V]), (model.elements,), np.inf, np.inf)
         self.state, self.offset = np.zeros((len(self._loads.rows), STATES)), np.zeros(len(model.table.name))
         self.motion, self.load, self.way = np.zeros(2), np.zeros(2), 0.0
-        water = model.elements.shares.water
-        self.water = None if water is None else water.rest
+        self._water = model.elements.shares.water if model.changing is None else None
+        self.water = None if self._water is None else self._water.rest
         self._trial = self.state.copy(), self.motion.copy(), self.load.copy()
-        self._rows = self._loads.rows_at(self.V)
+        self._known = self.V, self._loads.rows_at(self.V)
         self._steps = self._to(None)
         self._conditions: tuple[float | None, float | None] = None, None
 
@@ -95,7 +95,9 @@ class MemoryStepper:
     def _to(self, V: float | None) -> list[Step]:
         """Return the steps of V to that of a step."""
         if V is None or V == self.V or self.model.changing is None:
-            return [Step(self._rows, 1.0, 1.0)]
+            if self._known[0] != self.V:
+                self._known = self.V, self._loads.rows_at(self.V)
+            return [Step(self._known[1], 1.0, 1.0)]
         return self._loads.steps(self.V, V, self.top)
 
     @property
@@ -127,14 +129,14 @@ class MemoryStepper:
     def reactions(self) -> Array:
         """All reactions (rows,) of the last trial state, w and V among them, in the rows of `model.table`.
 
-        The water's part of p is that after the duration of the step; without one, after a step at the rate of the
-        elements.
+        w and V are the part of the elements: what a V that changes adds is that of the vertical springs
+        (`pysprings.macro.vertical.VerticalTable.history`). The water's part of p is that after the duration of the
+        step; without one, after a step at the rate of the elements. It is NaN where the springs follow V.
         """
         model, V = self.model, np.array([self._now])
         found = self._loads.mixed(self._by_set(*self._trial[:2]), V)[:, 0] + self._kept()
-        water = model.elements.shares.water
         if model.table.wet.any():
-            found[model.table.wet] = np.nan if water is None else self._drained(water)[0]
+            found[model.table.wet] = np.nan if self._water is None else self._drained(self._water)[0]
         return found
 
     def _by_set(self, state: Array, motion: Array) -> Array:
@@ -152,14 +154,21 @@ class MemoryStepper:
         return self.offset + np.where(self._loads.odd, 0.0, left - there)
 
     def _drained(self, water: Water) -> tuple[Array, Array]:
-        """Return p_water (water rows,) of the last trial state, and the numbers that it leaves."""
+        """Return p_water (water rows,) of the last trial state, and the numbers that it leaves.
+
+        The way is divided into steps of the largest size.
+        """
         model, (_, duration) = self.model, self._conditions
-        rows, pairs = model.elements.rows, ((self.state, self.motion), self._trial[:2])
-        start, end = (elastic_of(rows, state, motion * model.to_motion) for state, motion in pairs)
-        step = (duration or self._moved / model.rate) if model.rate else 0.0
         assert self.water is not None
-        after = self.water.copy()
-        return water.along(end[None], np.array([step]), start, after)[:, 0], after
+        rows, state, F, K, after = self._loads.rows, self.state.copy(), np.zeros(2), np.zeros((2, 2)), self.water.copy()
+        time = (duration or self._moved / model.rate) if model.rate else 0.0
+        n = max(1, int(np.ceil(self._moved / self._loads.largest)))
+        way = np.linspace(self.motion, self._trial[1], n + 1) * model.to_motion
+        start, e = elastic_of(rows, state, way[0]), np.empty((n, len(rows), 2))
+        for k in range(n):
+            advance(rows, way[k], way[k + 1], state, F, K)
+            e[k] = elastic_of(rows, state, way[k + 1])
+        return water.along(e, time * np.arange(1, n + 1) / n, start, after)[:, -1], after
 
     @property
     def _moved(self) -> float:
@@ -183,10 +192,10 @@ class MemoryStepper:
     def commit(self) -> None:
         """Keep the last trial state."""
         state, motion, load = self._trial
-        water = self.model.elements.shares.water
-        if water is not None:
-            self.water = self._drained(water)[1]
+        if self._water is not None:
+            self.water = self._drained(self._water)[1]
         self.way += self._moved
         self.offset, self.V, self.top = self._kept(), self._now, max(self.top, self._now)
-        self._rows = self._steps[-1].rows
+        self._known = self.V, self._steps[-1].rows
         self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()
+        self._conditions = self._conditions[0], None  # what has drained does not drain again

@@ -21,7 +21,7 @@ _BUILD = "build the library with: pysprings soildyn DIR; OpenFAST loads {library
 _LOST = {
     "fan": ("nonlinear elastic: no hysteresis, no memory of earlier loads (`springs=memory` has one)",
             "out of one plane of motion: the secant stiffness at the size of the whole motion, an assumption"),
-    "memory": ("no degradation by the number of cycles",
+    "memory": ("no degradation by the number of cycles", "a vertical load that changes: the elements hold for one",
                "out of one plane of motion: elements with one gauge of the motion in both planes, an assumption"),
 }  # fmt: skip
 _ALWAYS = (

@@ -355,7 +355,7 @@ def test_springs_have_a_memory_at_each_rate_of_rays_that_turn_back(tmp_path, mon
     """Both are stored, and answer at their own rate, from a file too, without a calibration anew."""
     made: list[int] = []
 
-    def invented(_ways: object, table: FanTable, _stiffness: object) -> ElementSet:
+    def invented(_ways: object, table: FanTable, _stiffness: object, others: object) -> ElementSet:
         made.append(len(made))
         return elements_of(mixed(seed=len(made)), table)
 
@@ -376,7 +376,7 @@ def test_a_file_without_elements_of_its_paths_is_calibrated_at_each_question_unt
     """The answer has a remark; `pysprings springs FILE --out NEW.nc` writes them, and those that belong to it stay."""
     made: list[int] = []
 
-    def invented(_ways: object, table: FanTable, _stiffness: object) -> ElementSet:
+    def invented(_ways: object, table: FanTable, _stiffness: object, others: object) -> ElementSet:
         made.append(len(made))
         return elements_of(mixed(seed=len(made)), table)
 

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from pysprings.core.errors import BeyondSprings
 from pysprings.core.path_kinds import PARTS
+from pysprings.macro.cycle_reactions import reaction_errors
+from pysprings.macro.cycles import follow_path
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory import build
 from pysprings.macro.memory.build import CHANGE, build_memory, with_memory
@@ -22,6 +25,7 @@ from pysprings.macro.memory.stepper import MemoryStepper
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, sequence
 from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from tests.support import loaded
 from tests.support.fans import LENGTH
@@ -40,6 +44,14 @@ def model() -> MemoryModel:
     """Invented elements at two vertical loads, whose forces a V that changes takes away."""
     at = [build_memory(loaded.springs().at(V=V)) for V in LOADS]
     return replace(at[0], changing=ChangingLoad(LOADS, tuple(each.elements for each in at), NEW, OLD))
+
+
+def on_which_v_changes() -> SpringPath:
+    """A ray that turns back at rest load, with more V from its 31st state on."""
+    path = loaded.springs().paths["turning_0_1"].recorded
+    more = np.where(np.arange(path.sizes["step"]) > 30, HEAVY - REST, 0.0)
+    given = {name: path[name].copy(data=path[name].values + more) for name in ("V", "V_lid")}
+    return SpringPath("turning_0_loads", path.assign(given).assign_attrs({PARTS: 3}), LENGTH)
 
 
 def alike(rows: list[list[float]], new: float = NEW, old: float = OLD) -> ChangingLoad:
@@ -140,6 +152,32 @@ def test_every_load_below_capacity_has_an_answer_while_v_changes() -> None:
         np.testing.assert_allclose(found, loads, atol=1.0)
 
 
+def test_a_load_beyond_what_they_carry_ends_where_it_was_last_carried() -> None:
+    """A perfectly plastic element: the states before it, and a sentence; a stepper refuses and stays."""
+    weak = replace(model(), changing=alike([element(d=1e-3)]))
+    loads, V = np.array([[5e4, 0.0], [8e4, 0.0], [3e5, 0.0], [5e4, 0.0]]), REST * np.array([1.0, 1.1, 1.2, 1.3])
+    states, carried, message = weak.solve("load", loads, V=V)
+    assert len(states) == 2 and "H = " in message
+    np.testing.assert_allclose(carried, loads[:2], atol=1.0)
+    stepper = MemoryStepper(weak)
+    with pytest.raises(BeyondSprings, match="the elements carry no more than H = "):
+        stepper.advance(load=(3e5, 0.0), V=1.2 * REST)
+    np.testing.assert_allclose(stepper.advance(load=(8e4, 0.0)), [8e-4, 0.0], atol=1e-9)
+
+
+def test_a_path_on_which_v_changes_is_followed_under_its_v() -> None:
+    """Loads and errors of the reactions are those of elements that follow V."""
+    path = on_which_v_changes()
+    found = follow_path(path, whole())
+    motions = np.stack([path.u, path.rotation], axis=1)
+    np.testing.assert_allclose(found.macro[1], model().solve("state", motions, V=path.given_loads)[1], rtol=1e-12)
+    p = model().table.name == "p"
+    rows = model().reactions(motions, V=path.given_loads)[p]
+    full = path.p - path.p[:, :1]
+    error = 100.0 * np.abs(rows - full).max() / np.abs(full).max()
+    assert reaction_errors(found)["p_error_pct"] == pytest.approx(error, rel=1e-9)
+
+
 def test_a_fit_finds_what_paths_were_made_with() -> None:
     """V_new and V_old within 5 %; where no V is larger than before both are V_old."""
     changing = model().changing
@@ -161,6 +199,8 @@ def test_states_within_the_loads_are_not_marked_and_w_follows_v() -> None:
     answer = sequence(whole(), WAY, control="state", V=V_OF_WAY, extrapolate=True)
     assert not answer["off_load"].any() and answer.attrs["warnings"] == []
     np.testing.assert_allclose(answer["H"], model().solve("state", WAY, V=V_OF_WAY)[1][:, 0], rtol=1e-12)
+    p = model().reactions(WAY, V=V_OF_WAY)[model().table.name == "p"]
+    np.testing.assert_allclose(answer["p"], p, rtol=1e-12)
     np.testing.assert_allclose(answer["stiffness"][:, ::2, ::2], model().tangents(WAY, V_OF_WAY), rtol=1e-9)
     with pytest.warns(MacroWarning, match="4 of 6 states are under another V than those of the elements"):
         beyond = sequence(whole(), WAY, control="state", V=V_OF_WAY * [1, 1, 0.5, 1, 1, 1], extrapolate=True)
@@ -208,7 +248,7 @@ def test_springs_keep_what_a_changing_v_does_until_their_paths_change(tmp_path, 
     """Fitted once to the path on which V changes, which is no ray of the elements; not without such a path."""
     made: list[int] = []
 
-    def invented(_ways: object, table: FanTable, _stiffness: object) -> ElementSet:
+    def invented(_ways: object, table: FanTable, _stiffness: object, others: object) -> ElementSet:
         return elements_of(mixed(n=2), table)
 
     def fit(loads: np.ndarray, sets: tuple[ElementSet, ...], paths: list[tuple[np.ndarray, ...]]) -> ChangingLoad:
@@ -222,17 +262,68 @@ def test_springs_keep_what_a_changing_v_does_until_their_paths_change(tmp_path, 
         node.path: node.to_dataset(inherit=False) for node in loaded.springs().tree.subtree if "memory" not in node.path
     }
     assert build_memory(Springs.of(xr.DataTree.from_dict(bare)).at(V=REST)).changing is None
-    path = bare["/paths/turning_0_1"]
-    more = np.where(np.arange(path.sizes["step"]) > 30, HEAVY - REST, 0.0)
-    given = {name: path[name].copy(data=path[name].values + more) for name in ("V", "V_lid")}
-    groups = bare | {"/paths/turning_0_loads": path.assign(given).assign_attrs({PARTS: 3})}
+    groups = bare | {"/paths/turning_0_loads": on_which_v_changes().recorded}
     tree = xr.DataTree.from_dict(groups, name="springs")
     assert [one.name for one in Springs.of(tree).at(V=REST).remembering] == ["turning_0_1", "turning_minus_50_1"]
     stored = Springs.of(open_springs(save_springs(with_memory(tree), tmp_path / "springs.nc")))
     assert made == [1] and list(stored.memory) == ["memory", "memory_load_1", CHANGE]
     found = build_memory(stored.at(V=1.5 * REST)).changing
     assert found is not None and (found.new, found.old, made) == (NEW, OLD, [1])
-    other = {node.path: node.to_dataset(inherit=False) for node in stored.tree.subtree}
-    other["/paths/turning_0_loads"] = pressed(other["/paths/turning_0_loads"], 1.1 * REST)
-    build_memory(Springs.of(xr.DataTree.from_dict(other, name="springs")).at(V=REST))
-    assert made == [1, 1]
+    kept = {node.path: node.to_dataset(inherit=False) for node in stored.tree.subtree}
+    path, ray = kept["/paths/turning_0_loads"], kept["/paths/ray_0_2"]
+    for number, change in enumerate(
+        (
+            {"/paths/turning_0_loads": pressed(path, 1.1 * REST)},
+            {
+                "/paths/turning_0_loads": path.assign(
+                    V=path["V"].copy(data=np.where(path["V"] > REST, 1.01, 1.0) * path["V"])
+                )
+            },
+            {"/paths/ray_0_2": pressed(ray, 1.001 * REST).assign(V=ray["V"])},
+        ),
+        2,
+    ):
+        build_memory(Springs.of(xr.DataTree.from_dict(kept | change, name="springs")).at(V=REST))
+        assert len(made) == number
+
+
+def test_a_stored_state_goes_on_as_the_stepper_that_it_is_from() -> None:
+    """At another V than that of the model: state, motion, load, V, top and offset are all that it needs."""
+    first, other = MemoryStepper(model()), MemoryStepper(model())
+    first.advance(motion=(1e-3, -2e-4), V=1.6 * REST)
+    first.commit()
+    for name in ("state", "motion", "load", "V", "top", "offset", "way"):
+        setattr(other, name, getattr(first, name))
+    for given in ({}, {"V": 1.6 * REST}, {"V": 1.2 * REST}):
+        loads = [each.advance(motion=(2e-3, -1e-4), **given) for each in (first, other)]
+        np.testing.assert_allclose(loads[0], loads[1], rtol=1e-12)
+        np.testing.assert_allclose(first.reactions, other.reactions, rtol=1e-12)
+
+
+def test_w_counts_from_the_vertical_load_that_a_sequence_starts_at() -> None:
+    """Between both loads, at rest: w is that of the vertical springs, though the elements are those at rest load."""
+    still, down = np.repeat(1e-9 * WAY[:1], 3, axis=0), whole().vertical
+    assert down is not None
+    for V in (REST * np.array([1.4, 1.7, 1.4]), REST * np.array([1.0, 1.3, 1.5])):
+        w = sequence(whole(), still, control="state", V=V, extrapolate=True)["w"]
+        np.testing.assert_allclose(w, down.history(V)[0], atol=1e-9)
+
+
+def test_a_constant_v_of_a_model_at_another_one_is_followed() -> None:
+    """The answer of the elements at that V, without a mark."""
+    V = 1.5 * REST
+    answer = sequence(whole(), WAY, control="state", V=V, extrapolate=True)
+    expected = build_memory(loaded.springs().at(V=V)).solve("state", WAY)[1]
+    np.testing.assert_allclose(answer["H"], expected[:, 0], atol=0.01 * np.abs(expected[:, 0]).max())
+    assert not answer["off_load"].any() and answer.attrs["warnings"] == []
+
+
+def test_without_vertical_springs_states_that_follow_v_have_no_mark() -> None:
+    """The elastic vertical stiffness answers w, and is named; beyond the loads the lateral springs are, too."""
+    bare = replace(whole(), vertical=None)
+    with pytest.warns(MacroWarning) as caught:
+        answer = sequence(bare, WAY, control="state", V=V_OF_WAY, extrapolate=True)
+    assert not answer["off_load"].any() and not any("lateral springs unchanged" in str(one.message) for one in caught)
+    with pytest.warns(MacroWarning, match="lateral springs unchanged"):
+        beyond = sequence(bare, WAY, control="state", V=1.2 * V_OF_WAY, extrapolate=True)
+    assert beyond["off_load"].values[-1] == 1

@@ -154,7 +154,9 @@ def test_elements_at_rest_load_are_stored_first(monkeypatch: pytest.MonkeyPatch)
     bare = {node.path: node.to_dataset(inherit=False) for node in loaded.springs().tree.subtree}
     bare = {path: data for path, data in bare.items() if not path.startswith("/memory")}
     heavy = bare["/"].assign_attrs(vertical_load_N=HEAVY)  # the heavier of both is that at rest
-    monkeypatch.setattr(build, "calibrate", lambda _ways, table, _stiffness: elements_of(winkler.mixed(), table))
+    monkeypatch.setattr(
+        build, "calibrate", lambda _ways, table, _stiffness, others: elements_of(winkler.mixed(), table)
+    )
     for root, rest in ((bare["/"], REST), (heavy, HEAVY)):
         tree = with_memory(xr.DataTree.from_dict(bare | {"/": root}))
         stored = Springs.of(tree)
@@ -178,7 +180,9 @@ def test_between_two_rates_and_two_vertical_loads_there_are_four_sets(monkeypatc
     groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
     heavy = {f"{name}_heavy": pressed(path, HEAVY) for name, path in groups.items() if name.startswith("/paths/")}
     springs = Springs.of(xr.DataTree.from_dict(groups | heavy, name="springs"))
-    monkeypatch.setattr(build, "calibrate", lambda _ways, table, _stiffness: elements_of(winkler.mixed(), table))
+    monkeypatch.setattr(
+        build, "calibrate", lambda _ways, table, _stiffness, others: elements_of(winkler.mixed(), table)
+    )
     at = springs.at(rate=1e-4, V=1.5 * REST)
     assert build_memory(at).sets == 4 and len(build_memory(at).elements.rows) == 4 * len(winkler.mixed())
     assert at.whole is not None and len(at.parts) == 2
@@ -201,7 +205,9 @@ def test_loads_that_differ_by_the_tolerance_of_a_solver_are_one() -> None:
 
 def test_elements_are_stored_once_and_older_ones_go(monkeypatch: pytest.MonkeyPatch) -> None:
     """A lone path beyond both loads has the springs of the nearest one."""
-    monkeypatch.setattr(build, "calibrate", lambda _ways, table, _stiffness: elements_of(winkler.mixed(), table))
+    monkeypatch.setattr(
+        build, "calibrate", lambda _ways, table, _stiffness, others: elements_of(winkler.mixed(), table)
+    )
     tree = loaded.springs().tree
     groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
     groups["/paths/alone"] = pressed(groups["/paths/ray_0_1"], 1.2 * HEAVY)

@@ -210,6 +210,11 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
          'then = ["-1 mm", "V 3 MN"]\n',
          '6:18: path[0].then[1]: a path of role = "memory" that changes the vertical load needs [springs] vertical_loads, '
          'without rates; else give it role = "held-back"'),
+        ('[springs]\nreach = "8 mm"\nvertical_loads = ["3 MN"]\nrates = ["1 mm/s"]\n[drainage]\nmode = "coupled"\n'
+         '[[path]]\nname = "a"\nkind = "translation"\nlateral_displacement = "1 mm"\nrole = "memory"\nduration = "1 s"\n'
+         'then = ["-1 mm in 1 s", "V 3 MN in 1 s"]\n',
+         '13:25: path[0].then[1]: a path of role = "memory" that changes the vertical load needs [springs] vertical_loads, '
+         'without rates; else give it role = "held-back"'),
         ('[drainage]\nmode = "coupled"\n' + PULL + 'duration = "1 s"\nrole = "held-back"\nthen = ["V 3 MN"]\n',
          '9:9: path[0].then[0]: drainage.mode = "coupled" needs a time: "V ... in 10 min"'),
         ('[drainage]\nmode = "coupled"\n[[path]]\nname = "a"\nkind = "swipe"\nlateral_displacement = "5 mm"\n'
