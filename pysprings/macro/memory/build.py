@@ -256,7 +256,7 @@ def digest(springs: Springs) -> str:
     """Return the SHA-256 (hex) of the loads, motions and rates of the paths that elements are calibrated on."""
     found = hashlib.sha256(f"{VERSION} {springs.length!r}".encode())
     rates = springs.every_rate.rate_sets if springs.every_rate else ()
-    found.update(" ".join(f"{one.rate:.6g}" for one in rates).encode())
+    found.update(" ".join(f"{one.rate:.6g}" for one in rates if len(rates) > 1).encode())
     for path in (*(springs.paths[name] for name in springs.rays), *springs.remembering):
         found.update(f" {path.rate or 0.0:.6g}".encode())
         water = (path.water, path["time"]) if "time" in path and path.water.any() else ()

@@ -198,4 +198,4 @@ class MemoryStepper:
         self.offset, self.V, self.top = self._kept(), self._now, max(self.top, self._now)
         self._known = self.V, self._steps[-1].rows
         self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()
-        self._conditions = self._conditions[0], None  # what has drained does not drain again
+        self._conditions, self._steps = (self._conditions[0], None), self._to(None)  # what has drained, or relaxed, has

@@ -298,6 +298,10 @@ def test_a_stored_state_goes_on_as_the_stepper_that_it_is_from() -> None:
         loads = [each.advance(motion=(2e-3, -1e-4), **given) for each in (first, other)]
         np.testing.assert_allclose(loads[0], loads[1], rtol=1e-12)
         np.testing.assert_allclose(first.reactions, other.reactions, rtol=1e-12)
+    first.commit()
+    still = first.tangent
+    first.advance(motion=tuple(first.motion))
+    np.testing.assert_allclose(first.tangent, still, rtol=1e-12)
 
 
 def test_w_counts_from_the_vertical_load_that_a_sequence_starts_at() -> None:

@@ -15,7 +15,7 @@ from pysprings.macro.batch import predict_batch
 from pysprings.macro.cycle_reactions import reaction_errors
 from pysprings.macro.cycles import follow_path
 from pysprings.macro.fan import FanTable, build_fan
-from pysprings.macro.memory.build import build_memory, memory_dataset, with_memory
+from pysprings.macro.memory.build import build_memory, has_elements, memory_dataset, with_memory
 from pysprings.macro.memory.calibration import elastic_motions
 from pysprings.macro.memory.changing import ChangingLoad
 from pysprings.macro.memory.mixture import mixed as together
@@ -217,7 +217,9 @@ def test_a_spring_file_keeps_the_water() -> None:
     springs, way = wet.coupled(), REACH * np.array([[0.1, 0.0], [-0.1, 0.01]])
     groups = {node.path: node.to_dataset(inherit=False) for node in springs.tree.subtree}
     groups["/memory"] = memory_dataset(springs, model().elements)
-    read = build_memory(Springs.of(xr.DataTree.from_dict(groups, name="springs")))
+    stored = Springs.of(xr.DataTree.from_dict(groups, name="springs"))
+    read = build_memory(stored)
+    assert has_elements(stored) and has_elements(stored.at(rate=RATE))
     assert read.rate == pytest.approx(RATE)
     np.testing.assert_allclose(read.reactions(way)[table().wet], model().reactions(way)[table().wet], rtol=1e-9)
 
