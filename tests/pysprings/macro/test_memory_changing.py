@@ -16,7 +16,7 @@ from pysprings.macro.cycle_reactions import reaction_errors
 from pysprings.macro.cycles import follow_path
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory import build
-from pysprings.macro.memory.build import CHANGE, build_memory, with_memory
+from pysprings.macro.memory.build import CHANGE, build_memory, has_elements, with_memory
 from pysprings.macro.memory.calibration import ElementSet
 from pysprings.macro.memory.changing import ChangingLoad, fitted
 from pysprings.macro.memory.elements import FRICTIONAL, GAP, REVERSIBLE, STATES, advance, relax
@@ -270,6 +270,13 @@ def test_springs_keep_what_a_changing_v_does_until_their_paths_change(tmp_path, 
     found = build_memory(stored.at(V=1.5 * REST)).changing
     assert found is not None and (found.new, found.old, made) == (NEW, OLD, [1])
     kept = {node.path: node.to_dataset(inherit=False) for node in stored.tree.subtree}
+    lacking = Springs.of(xr.DataTree.from_dict({name: data for name, data in kept.items() if CHANGE not in name}))
+    assert has_elements(stored.at(V=REST)) and not has_elements(lacking.at(V=REST))
+    timed = {name: data.assign(time=("step", np.arange(data.sizes["step"]) / 10.0)) if "step" in data.dims else data
+             for name, data in kept.items()}  # fmt: skip
+    timed["/"] = timed["/"].assign_attrs(drainage="coupled")
+    at_rate = Springs.of(xr.DataTree.from_dict(timed, name="springs"))
+    assert at_rate.rate_sets and build_memory(at_rate.at(V=REST)).changing is None
     path, ray = kept["/paths/turning_0_loads"], kept["/paths/ray_0_2"]
     for number, change in enumerate(
         (

@@ -220,6 +220,9 @@ def test_a_spring_file_keeps_the_water() -> None:
     stored = Springs.of(xr.DataTree.from_dict(groups, name="springs"))
     read = build_memory(stored)
     assert has_elements(stored) and has_elements(stored.at(rate=RATE))
+    p = groups["/paths/ray_3"]["p"]
+    other = groups | {"/paths/ray_3": groups["/paths/ray_3"].assign(p=p * xr.where(p.component == "water", 1.1, 1.0))}
+    assert not has_elements(Springs.of(xr.DataTree.from_dict(other, name="springs")))
     assert read.rate == pytest.approx(RATE)
     np.testing.assert_allclose(read.reactions(way)[table().wet], model().reactions(way)[table().wet], rtol=1e-9)
 
