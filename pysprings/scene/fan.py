@@ -104,15 +104,16 @@ def _reversed(springs: Springs, caisson: Caisson, rates: tuple[float | None, ...
 
 
 def _changing(springs: Springs, caisson: Caisson) -> Iterator[dict[str, Any]]:
-    """Yield the rays that turn back while the vertical load goes to the farthest of `vertical_loads`, half back, there.
+    """Yield the rays that turn back while the vertical load goes to the largest of `vertical_loads`, half back, there.
 
-    Half back is between it and that at rest; half of it where that is the balanced one, which the scene does not have.
+    To the smallest where none is above the one at rest. Half back is between it and that at rest; half of it where that
+    is the balanced one, which the scene does not have.
     """
     assert springs.reach is not None
     if not springs.vertical_loads or springs.rates:
         return
     rest = 0.0 if isinstance(caisson.vertical_load, str) else caisson.vertical_load
-    most = max(springs.vertical_loads, key=lambda V: abs(V - rest))
+    most = max(springs.vertical_loads, key=lambda V: (rest < V, abs(V - rest)))
     for angle in REVERSED:
         motion = _motion(CHANGING * springs.reach, angle, caisson)
         first = motion[PATH_KINDS[motion["kind"]].imposed]

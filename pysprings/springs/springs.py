@@ -291,7 +291,8 @@ class Springs:
         turning = [path for path in self.paths.values() if path.remembers and path.rate and is_rate(path.rate, rate)]
         springs = self.with_paths([*lateral.values(), *vertical, *turning], rate_m_per_s=rate)
         validate_springs(springs.tree, balanced=False)  # as balanced as what they are made of
-        return replace(springs, every_rate=self, parts=() if between is None else self._parts_at(between))
+        parts = () if between is None else self._parts_at(between)
+        return replace(springs, every_rate=self.every_rate or self, parts=parts)
 
     def _made_at_load(self, V: float) -> Springs:
         main = dead_loads.nearest(self.load_sets, self.rest_load)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
-from pysprings.macro.fan import FanTable, build_fan, has_fan
+from pysprings.macro.fan import build_fan, has_fan
 from pysprings.macro.memory.calibration import ElementSet, calibrate
 from pysprings.macro.memory.changing import ChangingLoad, fitted
 from pysprings.macro.memory.mixture import mixed
@@ -23,6 +23,7 @@ from pysprings.macro.memory.samples import Sample, samples
 from pysprings.macro.memory.shares import Shares
 from pysprings.macro.memory.water import Water
 from pysprings.springs.alike import same_load
+from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs, memory_groups
 
 Array = NDArray[np.float64]
@@ -158,21 +159,19 @@ def _stored(springs: Springs) -> xr.Dataset | None:
 
 def _calibrated(springs: Springs) -> ElementSet:
     scale, table = np.array([1.0, springs.length]), build_fan(springs)
-    stiffness, others = springs.lateral_stiffness / scale / scale[:, None], _at_other_rates(springs, table)
+    stiffness, others = springs.lateral_stiffness / scale / scale[:, None], list[Sample]()
+    for at in _at_other_rates(springs):
+        others += [way for way in samples(at, build_fan(at)) if way.recorded]
     return calibrate(samples(springs, table), table, stiffness, others=others)
 
 
-def _at_other_rates(springs: Springs, table: FanTable) -> list[Sample]:
-    """Return the recorded ways at the other rates of springs; none where no water carries a part of p."""
-    whole, V, found = springs.every_rate, springs.paths[table.path[0]].load, list[Sample]()
-    if whole is None or not table.wet.any():
-        return found
-    own = next(iter(springs.rays))
-    for one in whole.rate_sets:
-        at = whole.at(rate=one.rate, V=V)
-        if own not in one.paths and has_fan(at) and at.remembering:
-            found += [way for way in samples(at, build_fan(at)) if way.recorded]
-    return found
+def _at_other_rates(springs: Springs) -> list[Springs]:
+    """Return springs at the other rates, at the same vertical load; none where no water carries a part of p."""
+    whole, own = springs.every_rate, springs.paths[next(iter(springs.rays))]
+    if whole is None or not own.water.any():
+        return []
+    found = [whole.at(rate=one.rate, V=own.load) for one in whole.rate_sets if own.name not in one.paths]
+    return [at for at in found if has_fan(at) and at.remembering and same_load(at.remembering[0].load, own.load)]
 
 
 def with_memory(tree: xr.DataTree) -> xr.DataTree:
@@ -257,9 +256,17 @@ def digest(springs: Springs) -> str:
     found = hashlib.sha256(f"{VERSION} {springs.length!r}".encode())
     rates = springs.every_rate.rate_sets if springs.every_rate else ()
     found.update(" ".join(f"{one.rate:.6g}" for one in rates if len(rates) > 1).encode())
-    for path in (*(springs.paths[name] for name in springs.rays), *springs.remembering):
+    for path in _calibrating(springs):
         found.update(f" {path.rate or 0.0:.6g}".encode())
-        water = (path.water, path["time"]) if "time" in path and path.water.any() else ()
-        for values in (path.u, path.rotation, path["H"], path["M"], *water):
+        for values in (path.u, path.rotation, path["H"], path["M"]):
+            found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
+    wet = [path for at in (springs, *_at_other_rates(springs)) for path in _calibrating(at)]
+    for path in wet if "time" in wet[0] and wet[0].water.any() else ():
+        for values in (path.u, path.rotation, path.water, path["time"]):
             found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
     return found.hexdigest()
+
+
+def _calibrating(springs: Springs) -> list[SpringPath]:
+    """Return the paths that elements are calibrated on."""
+    return [*(springs.paths[name] for name in springs.rays), *springs.remembering]

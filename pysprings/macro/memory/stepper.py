@@ -26,7 +26,8 @@ class MemoryStepper:
     """A state of springs with a memory that goes on step by step, for time stepping.
 
     `advance` finds a trial state from the committed one, `commit` keeps it; without `commit` the next `advance` starts
-    from the same committed state.
+    from the same committed state. The attributes may be set to those of another time: all else follows from the next
+    `advance`.
 
     Attributes
     ----------
@@ -156,7 +157,7 @@ class MemoryStepper:
     def _drained(self, water: Water) -> tuple[Array, Array]:
         """Return p_water (water rows,) of the last trial state, and the numbers that it leaves.
 
-        The way is divided into steps of the largest size.
+        The way is divided into steps of the largest size, and straight: under a load it is so only nearly.
         """
         model, (_, duration) = self.model, self._conditions
         assert self.water is not None

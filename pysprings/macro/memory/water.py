@@ -6,8 +6,8 @@ elastic motions of the elements that relax as a Maxwell body does, each with sev
 
     p_water = sum_k W_k z_k,   dz_k/dt = de/dt - z_k/T_k:
 
-pressure that the motion builds up, and that drains in the meantime. It is a part of p: it adds nothing to the load. The
-last T is infinite: what it holds does not drain. W comes from a ridge regression over the ways of the calibration, and
+pressure that the motion builds up, and that drains in the meantime. It is a part of p: it adds nothing to the load. In
+undrained springs no time passes. W comes from a ridge regression over the ways of the calibration, and
 over those at other rates: at one rate alone, what drains and what yields look alike.
 """
 
@@ -24,8 +24,8 @@ from pysprings.macro.memory.ridge import ridge_fit
 
 Array = NDArray[np.float64]
 
-# Relaxation times, over that of a ray to the reach; the last one drains nothing
-TIMES = (0.0015, 0.015, 0.15, 1.5, 15.0, np.inf)
+# Relaxation times, over that of a ray to the reach: none is much longer than the ways, which would not determine it
+TIMES = (0.0015, 0.015, 0.15, 1.5)
 RIDGE = 1e-2  # of the largest singular value of the regressors
 
 

@@ -15,7 +15,7 @@ from pysprings.macro.batch import predict_batch
 from pysprings.macro.cycle_reactions import reaction_errors
 from pysprings.macro.cycles import follow_path
 from pysprings.macro.fan import FanTable, build_fan
-from pysprings.macro.memory.build import build_memory, has_elements, memory_dataset, with_memory
+from pysprings.macro.memory.build import build_memory, digest, has_elements, memory_dataset, with_memory
 from pysprings.macro.memory.calibration import elastic_motions
 from pysprings.macro.memory.changing import ChangingLoad
 from pysprings.macro.memory.mixture import mixed as together
@@ -227,6 +227,17 @@ def test_a_spring_file_keeps_the_water() -> None:
     np.testing.assert_allclose(read.reactions(way)[table().wet], model().reactions(way)[table().wet], rtol=1e-9)
 
 
+def test_elements_depend_on_the_water_at_all_rates() -> None:
+    """What the digest of one rate has changes with the water of the other; springs at a rate are their own at it."""
+    springs = wet.coupled(rates=(RATE, 0.1 * RATE))
+    own = digest(springs.at(rate=RATE))
+    assert own == digest(springs.at(rate=RATE).at_rate(RATE))
+    groups = {node.path: node.to_dataset(inherit=False) for node in springs.tree.subtree}
+    path = groups["/paths/ray_3_rate_1"]
+    groups["/paths/ray_3_rate_1"] = path.assign(p=path["p"] * xr.where(path.component == "water", 3.0, 1.0))
+    assert own != digest(Springs.of(xr.DataTree.from_dict(groups, name="springs")).at(rate=RATE))
+
+
 @pytest.mark.slow
 def test_calibrated_springs_have_the_pressure_of_a_loop_that_was_held_back() -> None:
     """At half the rate of one set, within 30 % of its largest, which takes the rays at a tenth of that rate.
@@ -240,4 +251,9 @@ def test_calibrated_springs_have_the_pressure_of_a_loop_that_was_held_back() -> 
         for kind in ("memory", "fan"):
             followed = follow_path(path, MacroModel.from_springs(own, kind))
             found[len(rates), kind] = reaction_errors(followed)["p_water_error_pct"]
+        rest = MacroModel.from_springs(own, "memory").memory
+        assert rest is not None
+        held = np.array([[3e-3, -5e-4], [3e-3, -5e-4]])
+        pressure = rest.reactions(held, np.array([30.0, 1e5]))[rest.table.wet]
+        assert np.abs(pressure[:, 1]).max() < 1e-3 * np.abs(pressure[:, 0]).max()
     assert found[2, "memory"] < 30.0 < 40.0 < min(found[1, "memory"], found[2, "fan"])
