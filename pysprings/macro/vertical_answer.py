@@ -107,11 +107,9 @@ def _notes(model: MacroModel, down: Array, moved: NDArray[np.bool_]) -> list[str
         return []
     if model.memory is None:
         return [_not_the_paths(model, down[moved]) + "lateral springs unchanged"]
-    text = (
-        f"{moved.sum()} of {moved.size} states are under another V than {model.memory.loads_text()}, or come after "
-        "one: lateral springs unchanged"
-    )
-    return [text]
+    there = "unchanged" if model.memory.under(down) is None else "are those at the nearest load"
+    text = f"{moved.sum()} of {moved.size} states are under another V than {model.memory.loads_text()}, or come after "
+    return [f"{text}one: lateral springs {there}"]
 
 
 def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
