@@ -17,7 +17,7 @@ from pysprings.core.path_kinds import MEMORY
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.macro.memory.calibration import ElementSet, calibrate
 from pysprings.macro.memory.changing import ChangingLoad, fitted
-from pysprings.macro.memory.mixture import mixed
+from pysprings.macro.memory.mixture import mixed, shares_at
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import Sample, samples
 from pysprings.macro.memory.shares import Shares
@@ -78,7 +78,8 @@ def _changing(springs: Springs, sets: Mapping[float, ElementSet]) -> ChangingLoa
     """Return the elements at vertical loads [N] under a V that changes, stored or fitted."""
     loads, stored = np.array(list(sets)), _stored_change(springs)
     if stored is not None:
-        return ChangingLoad(loads, tuple(sets.values()), float(stored.attrs["new_N"]), float(stored.attrs["old_N"]))
+        virgin, reloading = (float(stored.attrs[name]) for name in ("virgin_N", "reloading_N"))
+        return ChangingLoad(loads, tuple(sets.values()), virgin, reloading)
     paths = []
     for path in springs.changing:
         carried = np.stack([path["H"] - path["H"][0], (path["M"] - path["M"][0]) / path.length], axis=1)
@@ -115,7 +116,7 @@ def _parts(springs: Springs) -> tuple[float, list[tuple[Springs, float]]]:
         raise refused("springs", MISSING)
     own = springs.rest_load if springs.blended_loads else springs.paths[next(iter(springs.rays))].load
     V = _between(own, list(known))
-    shares = [float(np.interp(V, list(known), row)) for row in np.eye(len(known))]
+    shares = shares_at(np.array([V]), np.array(list(known)))[0].tolist()
     return V, [(at, share) for at, share in zip(known.values(), shares, strict=True) if share > 0.0]
 
 
@@ -206,7 +207,8 @@ def _change_dataset(springs: Springs, whole: xr.DataTree) -> xr.Dataset:
     if stored is not None:
         return stored
     change = _changing(parts, {load: _elements(at) for load, at in _at_loads(parts).items()})
-    return xr.Dataset(attrs={"new_N": change.new, "old_N": change.old, "paths_sha256": _change_digest(springs)})
+    attrs = {"virgin_N": change.virgin, "reloading_N": change.reloading, "paths_sha256": _change_digest(springs)}
+    return xr.Dataset(attrs=attrs)
 
 
 def _groups(tree: xr.DataTree) -> dict[str, xr.Dataset]:
@@ -254,8 +256,6 @@ def from_dataset(stored: xr.Dataset) -> ElementSet:
 def digest(springs: Springs) -> str:
     """Return the SHA-256 (hex) of the loads, motions and rates of the paths that elements are calibrated on."""
     found = hashlib.sha256(f"{VERSION} {springs.length!r}".encode())
-    rates = springs.every_rate.rate_sets if springs.every_rate else ()
-    found.update(" ".join(f"{one.rate:.6g}" for one in rates if len(rates) > 1).encode())
     for path in _calibrating(springs):
         found.update(f" {path.rate or 0.0:.6g}".encode())
         for values in (path.u, path.rotation, path["H"], path["M"]):

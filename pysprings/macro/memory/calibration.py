@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.candidates import Candidates, around, candidates, force_directions
-from pysprings.macro.memory.elements import PLASTIC, PLATES, REVERSIBLE, histories
+from pysprings.macro.memory.elements import PLASTIC, PLATES, REVERSIBLE
 from pysprings.macro.memory.samples import Sample
-from pysprings.macro.memory.shares import Shares, at_rest, shares_of, stiffnesses
+from pysprings.macro.memory.shares import Shares, at_rest, elastic_motions, shares_of, stiffnesses
 
 Array = NDArray[np.float64]
 
@@ -165,13 +165,6 @@ def _forces(rows: Array, e: Array) -> Array:
     """Return the forces (n, elements, 2) of elastic motions e of elements."""
     forces: Array = np.einsum("kab,nkb->nka", stiffnesses(rows), e)
     return forces
-
-
-def elastic_motions(rows: Array, motions: Array, largest: float) -> tuple[Array, Array]:
-    """Return elastic motions (n, elements, 2) and ways (n, elements) along motions (n, 2): see `elements.histories`."""
-    e, p = np.zeros((len(motions), len(rows), 2)), np.zeros((len(motions), len(rows)))
-    histories(np.ascontiguousarray(rows), np.ascontiguousarray(motions), largest, e, p)
-    return e, p
 
 
 def _merged(plastic: Array, single: Array, factors: Array, least: float) -> tuple[Array, NDArray[np.bool_]]:

@@ -5,11 +5,11 @@ The elements of all vertical loads follow the whole motion; at a V they carry th
 (`pysprings.macro.memory.mixture`). A V that changes yields the soil, too, and takes away a part of what the elements
 carry laterally: while V changes by dV, what they carry is multiplied by
 
-    exp(-|dV|/V_new)  where V is larger than ever before,   exp(-|dV|/V_old)  else.
+    exp(-|dV|/V_virgin)  where V is larger than ever before (virgin loading),   exp(-|dV|/V_reload)  else.
 
-Under a motion that is held the load relaxes by that; under a load that is held the caisson moves on. V_new and V_old
-are fitted to rays on which V changes. Reversible elements, which keep nothing, do not relax. At a constant V nothing of
-this acts, and no closed way gives work; what the work of V does to a way on which V changes is not counted.
+Under a motion that is held the load relaxes by that; under a load that is held the caisson moves on. V_virgin and
+V_reload are fitted to rays on which V changes. Reversible elements, which keep nothing, do not relax. At a constant V
+nothing of this acts, and no closed way gives work; what the work of V does to a way on which V changes is not counted.
 
 Lateral reactions at a V are those of the sets by their shares; vertical ones and w change by the changes of those of
 the sets, each times its share at the time.
@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from pysprings.macro.memory.calibration import ElementSet
 from pysprings.macro.memory.elements import STATES, advance, follow, relax
-from pysprings.macro.memory.mixture import scaled
+from pysprings.macro.memory.mixture import scaled, shares_at
 from pysprings.macro.memory.shares import elastic_of, ways_of
 from pysprings.macro.solver import Drive
 from pysprings.springs.alike import same_load
@@ -36,7 +36,7 @@ from pysprings.springs.alike import same_load
 Array = NDArray[np.float64]
 
 PARTS = 20  # steps in which V passes the range of the loads
-FIRST, WIDEST = (1.0, 4.0), 1e3  # V_new and V_old where a fit starts, and their largest value, over that range
+FIRST, WIDEST = (1.0, 4.0), 1e3  # V_virgin and V_reload where a fit starts, and their largest value, over that range
 
 
 class Step(NamedTuple):
@@ -53,13 +53,13 @@ class ChangingLoad:
 
     Attributes
     ----------
-    loads : (k,) V [N], increasing. sets : elements at each. new, old : V_new and V_old [N].
+    loads : (k,) V [N], increasing. sets : elements at each. virgin, reloading : V_virgin and V_reload [N].
     """
 
     loads: Array
     sets: tuple[ElementSet, ...]
-    new: float
-    old: float
+    virgin: float
+    reloading: float
 
     @cached_property
     def rows(self) -> Array:
@@ -71,10 +71,6 @@ class ChangingLoad:
         """Largest step of a motion [m]."""
         return min(each.largest for each in self.sets)
 
-    def shares(self, V: Array) -> Array:
-        """Return the share of each set (n, k) at vertical loads (n,) [N]; beyond the loads that of the nearest."""
-        return np.stack([np.interp(V, self.loads, row) for row in np.eye(len(self.loads))], axis=-1)
-
     def covers(self, V: Array) -> NDArray[np.bool_]:
         """Return whether vertical loads (n,) [N] lie within those of the sets."""
         low, high = self.loads[[0, -1]]
@@ -82,7 +78,7 @@ class ChangingLoad:
 
     def rows_at(self, V: float) -> Array:
         """Return the elements of all sets (n, COLUMNS) with the stiffness of their shares at V [N]."""
-        shares = self.shares(np.array([V]))[0]
+        shares = shares_at(np.array([V]), self.loads)[0]
         return np.concatenate([scaled(each.rows, share) for each, share in zip(self.sets, shares, strict=True)])
 
     def follow(self, drive: Drive, aims: Array, V: Array) -> tuple[Array, Array, tuple[float, float]]:
@@ -116,48 +112,54 @@ class ChangingLoad:
             q, last = found[1].copy(), aims[1]
         return q, carried[1], (float(last[0]), float(last[1]))
 
-    def along(self, motions: Array, V: Array) -> tuple[Array, Array, Array, Array]:
-        """Follow motions (n, 2) [m] from rest under V (n,) [N].
+    def loads_along(self, motions: Array, V: Array) -> Array:
+        """Return the loads (n, 2) = (H, M/L) [N] along motions (n, 2) [m] from rest under V (n,) [N]."""
+        return np.array([F.copy() for _, _, F, _ in self._along(motions, V)])
 
-        Returns elastic motions (n, elements, 2) and ways (n, elements) [m] of all sets, loads (n, 2) = (H, M/L) [N],
-        and tangents (n, 2, 2) [N/m].
-        """
-        size, q, states = (len(motions), len(self.rows)), np.zeros(2), np.zeros((len(self.rows), STATES))
-        e, p, loads, tangents = np.zeros((*size, 2)), np.zeros(size), np.zeros((size[0], 2)), np.zeros((size[0], 2, 2))
-        for k, steps in enumerate(self._steps(V)):
-            start = q
-            for rows, kept, part in steps:
-                relax(self.rows, states, q, kept)
-                way = start + part * (motions[k] - start) - q
-                n = max(1, int(np.ceil(np.hypot(*way) / self.largest)))
-                for _ in range(n):
-                    before, q = q, q + way / n
-                    advance(rows, before, q, states, loads[k], tangents[k])
-            e[k], p[k] = elastic_of(self.rows, states, q), ways_of(self.rows, states)
-        return e, p, loads, tangents
+    def tangents(self, motions: Array, V: Array) -> Array:
+        """Return the tangents (n, 2, 2) [N/m] along motions (n, 2) [m] from rest under V (n,) [N]."""
+        return np.array([K.copy() for _, _, _, K in self._along(motions, V)])
 
     def reactions(self, motions: Array, V: Array) -> Array:
         """Return all reactions (rows, n) along motions (n, 2) [m] from rest under V (n,) [N]."""
-        e, p, _, _ = self.along(motions, V)
-        rows = self.by_set(e, p)
-        changes = np.diff(rows, axis=2, prepend=0.0).transpose(1, 2, 0) * self.shares(V)
+        way = [self.elastic(states, q) for q, states, _, _ in self._along(motions, V)]
+        rows = self.by_set(*(np.stack(parts) for parts in zip(*way, strict=True)))
+        changes = np.diff(rows, axis=2, prepend=0.0).transpose(1, 2, 0) * shares_at(V, self.loads)
         found: Array = np.where(self.odd[:, None], self.mixed(rows, V), changes.sum(axis=2).cumsum(axis=1))
         return found
+
+    def _along(self, motions: Array, V: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
+        """Yield motion (2,), states, loads (2,), tangent (2, 2) at motions (n, 2) under V (n,), in the same arrays."""
+        q, states, F, K = np.zeros(2), np.zeros((len(self.rows), STATES)), np.zeros(2), np.zeros((2, 2))
+        for motion, steps in zip(motions, self._steps(V), strict=True):
+            start = q
+            for rows, kept, part in steps:
+                relax(self.rows, states, q, kept)
+                way = start + part * (motion - start) - q
+                n = max(1, int(np.ceil(np.hypot(*way) / self.largest)))
+                for _ in range(n):
+                    before, q = q, q + way / n
+                    advance(rows, before, q, states, F, K)
+            yield q, states, F, K
 
     @property
     def odd(self) -> NDArray[np.bool_]:
         """Which reactions (rows,) change their sign with the motion."""
         return self.sets[0].shares.odd
 
+    def elastic(self, states: Array, motion: Array) -> tuple[Array, Array]:
+        """Return elastic motions (elements, 2) and ways (elements,) [m] in states of all elements at a motion (2,)."""
+        return elastic_of(self.rows, states, motion), ways_of(self.rows, states)
+
     def by_set(self, e: Array, p: Array) -> Array:
-        """Return the reactions (k, rows, n) of each set, from what all elements have, as `along` returns it."""
+        """Return the reactions (k, rows, n) of each set, from elastic motions (n, elements, 2) and ways of all."""
         ends = np.cumsum([0, *(len(each.rows) for each in self.sets)])
         parts = zip(self.sets, pairwise(ends), strict=True)
         return np.stack([one.shares.reactions(one.rows, e[:, a:b], p[:, a:b]) for one, (a, b) in parts])
 
     def mixed(self, rows: Array, V: Array) -> Array:
         """Return reactions (rows, n) of sets (k, rows, n) together at V (n,) [N]."""
-        found: Array = np.einsum("krn,nk->rn", rows, self.shares(V))
+        found: Array = np.einsum("krn,nk->rn", rows, shares_at(V, self.loads))
         return found
 
     def steps(self, start: float, end: float, top: float) -> list[Step]:
@@ -167,7 +169,7 @@ class ChangingLoad:
         n = max(1, int(np.ceil(abs(end - start) / (self.loads[-1] - self.loads[0]) * PARTS)))
         loads = np.linspace(start, end, n + 1)
         fresh = np.diff(np.maximum(np.maximum.accumulate(loads), top))
-        kept = np.exp(-fresh / self.new - (np.abs(np.diff(loads)) - fresh) / self.old)
+        kept = np.exp(-fresh / self.virgin - (np.abs(np.diff(loads)) - fresh) / self.reloading)
         parts = np.arange(1, n + 1) / n
         return [Step(self.rows_at(V), own, part) for V, own, part in zip(loads[1:], kept, parts, strict=True)]
 
@@ -181,23 +183,23 @@ class ChangingLoad:
 
 
 def fitted(loads: Array, sets: Sequence[ElementSet], paths: Sequence[tuple[Array, Array, Array]]) -> ChangingLoad:
-    """Return the elements of sets, with V_new and V_old with which they follow paths on which V changes best.
+    """Return the elements of sets, with V_virgin and V_reload with which they follow paths on which V changes best.
 
     paths: motions (n, 2) = (u, rotation L) [m], loads (n, 2) = (H, M/L) [N] and V (n,) [N] of each. Where no V is
-    larger than ever before, V_new is V_old.
+    larger than ever before, V_virgin is V_reload.
     """
     from scipy.optimize import minimize  # a prediction by a fan does without SciPy
 
     span = float(loads[-1] - loads[0])
 
     def made(logs: Array) -> ChangingLoad:
-        new, old = span * np.exp(np.minimum(logs, np.log(WIDEST)))
-        return ChangingLoad(loads, tuple(sets), float(new), float(old))
+        virgin, reloading = span * np.exp(np.minimum(logs, np.log(WIDEST)))
+        return ChangingLoad(loads, tuple(sets), float(virgin), float(reloading))
 
     def missing(logs: Array) -> float:
         springs, found = made(logs), 0.0
         for motions, known, V in paths:
-            found += float(((springs.along(motions, V)[2] - known) ** 2).sum() / (known**2).sum())
+            found += float(((springs.loads_along(motions, V) - known) ** 2).sum() / (known**2).sum())
         return found
 
     corners = np.log(FIRST) + np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])

@@ -36,6 +36,11 @@ def mixed(parts: Sequence[tuple[ElementSet, float]]) -> ElementSet:
     return ElementSet(rows, reach, _shares(parts), max(each.residual for each in sets), errors, way)
 
 
+def shares_at(V: Array, loads: Array) -> Array:
+    """Return the shares (n, k) at vertical loads V (n,) [N] of sets at loads (k,); beyond them that of the nearest."""
+    return np.stack([np.interp(V, loads, row) for row in np.eye(len(loads))], axis=-1)
+
+
 def scaled(rows: Array, share: float) -> Array:
     """Return elements (n, COLUMNS) that carry a share of what these do."""
     out, plate = rows.copy(), np.isin(rows[:, 0], PLATES)

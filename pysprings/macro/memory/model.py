@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from pysprings.macro.control import Control, ending, equations
 from pysprings.macro.fan import RANGE_SLACK, FanTable
-from pysprings.macro.memory.calibration import ElementSet, elastic_motions, way_of
+from pysprings.macro.memory.calibration import ElementSet, way_of
 from pysprings.macro.memory.changing import ChangingLoad
 from pysprings.macro.memory.elements import STATES, follow, tangents
 from pysprings.macro.memory.marks import off_rate
+from pysprings.macro.memory.shares import elastic_motions
 from pysprings.macro.solver import Drive
 from pysprings.springs.alike import same_load
 
@@ -50,7 +51,11 @@ class MemoryModel:
     @cached_property
     def rest(self) -> tuple[float, float]:
         """w [m] and V [N] of the elements at rest."""
-        w, V = (float(self.elements.shares.rest[self.table.name == name][0]) for name in ("w", "V"))
+        return self._w_and_load(self.elements.shares.rest)
+
+    def _w_and_load(self, rows: Array) -> tuple[float, float]:
+        """Return w [m] and V [N] of all reactions (rows,)."""
+        w, V = (float(rows[self.table.name == name][0]) for name in ("w", "V"))
         return w, V
 
     def under(self, V: float | Array | None) -> ChangingLoad | None:
@@ -74,10 +79,8 @@ class MemoryModel:
         changing = self.under(V)
         if changing is None or V is None:
             return self.rest
-        rows, first = np.stack([each.shares.rest for each in changing.sets]), np.array([np.ravel(V)[0]])
-        mixed = changing.mixed(rows[:, :, None], first)[:, 0]
-        w, load = (float(mixed[self.table.name == name][0]) for name in ("w", "V"))
-        return w, load
+        rows = np.stack([each.shares.rest for each in changing.sets])
+        return self._w_and_load(changing.mixed(rows[:, :, None], np.ravel(V)[:1])[:, 0])
 
     def loads_text(self) -> str:
         """Return the vertical loads of the elements in words."""
@@ -102,7 +105,6 @@ class MemoryModel:
             states, loads, n = found / self.to_motion, carried * self.to_motion, len(found)
             end = self._target(control, np.array(at))
             return states, loads, "" if n == len(aims) else ending(control, end, targets[n], states, loads)
-        motions, loads = np.zeros(aims.shape), np.zeros(aims.shape)
         states = np.zeros((len(self.elements.rows), STATES))
         way = np.concatenate([np.zeros((1, 2)), aims])
         motions, loads = np.zeros(way.shape), np.zeros(way.shape)
@@ -152,7 +154,7 @@ class MemoryModel:
         if changing is None:
             tangents(self.elements.rows, motions, self.elements.largest, loads, out)
         else:
-            out = changing.along(motions, _each(V, motions))[3]
+            out = changing.tangents(motions, _each(V, motions))
         scaled: Array = out * self.to_motion * self.to_motion[:, None]
         return scaled
 
@@ -171,10 +173,10 @@ class MemoryModel:
         e, p = elastic_motions(self.elements.rows, motions, self.elements.largest)
         found = shares.reactions(self.elements.rows, e, p)
         if self.table.wet.any():
-            found[self.table.wet] = self._water(motions, self.times(states) if time is None or not self.rate else time)
+            found[self.table.wet] = self._water(motions, self._times(states) if time is None or not self.rate else time)
         return found
 
-    def times(self, states: Array) -> Array:
+    def _times(self, states: Array) -> Array:
         """Return the times (n,) [s] of states (n, 2) = (u, rotation) from rest at the rate of the elements, or 0."""
         ways = np.hypot(*np.diff(states * self.to_motion, axis=0, prepend=0.0).T).cumsum()
         found: Array = ways / self.rate if self.rate else np.zeros(len(ways))

@@ -26,13 +26,10 @@ def _relax(before, now, step, times, state):
 
 
 @jitted
-def carried(e, time, start, times, factors, state, out):
-    """Write p_water (rows, n) along elastic motions e (n, m); changes the state (k, m)."""
-    for i in range(e.shape[0]):
-        if i == 0:
-            _relax(start, e[0], time[0], times, state)
-        else:
-            _relax(e[i - 1], e[i], time[i] - time[i - 1], times, state)
+def carried(e, time, times, factors, state, out):
+    """Write p_water (rows, n) at points 1 ... n of elastic motions e (n + 1, m), times (n + 1,); changes the state."""
+    for i in range(out.shape[1]):
+        _relax(e[i], e[i + 1], time[i + 1] - time[i], times, state)
         for r in range(out.shape[0]):
             found = 0.0
             for k in range(times.shape[0]):
@@ -43,11 +40,8 @@ def carried(e, time, start, times, factors, state, out):
 
 @jitted
 def relaxed(e, time, times, out):
-    """Write z (n, k, m) along elastic motions e (n, m) from rest at 0 s."""
-    state, start = np.zeros(times.shape), np.zeros(e.shape[1])
-    for i in range(e.shape[0]):
-        if i == 0:
-            _relax(start, e[0], time[0], times, state)
-        else:
-            _relax(e[i - 1], e[i], time[i] - time[i - 1], times, state)
+    """Write z (n, k, m) at points 1 ... n of elastic motions e (n + 1, m) from rest, times (n + 1,)."""
+    state = np.zeros(times.shape)
+    for i in range(out.shape[0]):
+        _relax(e[i], e[i + 1], time[i + 1] - time[i], times, state)
         out[i] = state

@@ -146,7 +146,7 @@ def shares_of(
 
     others: ways at other rates, for the water's part of p.
     """
-    states = _states(rows, ways, largest)
+    states = [elastic_motions(rows, way.motions, largest) for way in ways]
     carried = [loads_of(rows, e) for e, _ in states]
     odd, rest = ~table.even, np.where(table.even, table.r[:, 0, 0], 0.0)
     R, F, weights = (np.concatenate(parts) for parts in zip(*(
@@ -163,18 +163,15 @@ def shares_of(
     growth, ridge = _best(rows, ways, states, heave, weights)
     X = np.concatenate([_even_motions(rows, *state, growth) for state in states])
     factors = ridge_fit(X, np.concatenate(even, axis=1).T, weights, ridge)
-    wet = [*states, *_states(rows, others, largest)]
-    return Shares(odd, rest, S, D, factors, growth, _water([*ways, *others], wet, table)), carried
+    states += [elastic_motions(rows, way.motions, largest) for way in others]
+    return Shares(odd, rest, S, D, factors, growth, _water([*ways, *others], states, table)), carried
 
 
-def _states(rows: Array, ways: Sequence[Sample], largest: float) -> list[tuple[Array, Array]]:
-    """Return elastic motions (n, elements, 2) and ways (n, elements) of elements along each way."""
-    found = []
-    for way in ways:
-        e, p = np.zeros((len(way.motions), len(rows), 2)), np.zeros((len(way.motions), len(rows)))
-        histories(rows, np.ascontiguousarray(way.motions), largest, e, p)
-        found.append((e, p))
-    return found
+def elastic_motions(rows: Array, motions: Array, largest: float) -> tuple[Array, Array]:
+    """Return elastic motions (n, elements, 2) and ways (n, elements) along motions (n, 2): see `elements.histories`."""
+    e, p = np.zeros((len(motions), len(rows), 2)), np.zeros((len(motions), len(rows)))
+    histories(np.ascontiguousarray(rows), np.ascontiguousarray(motions), largest, e, p)
+    return e, p
 
 
 def _water(ways: Sequence[Sample], states: Sequence[tuple[Array, Array]], table: FanTable) -> Water | None:

@@ -14,7 +14,7 @@ from pysprings.macro.memory.changing import ChangingLoad, Step
 from pysprings.macro.memory.elements import STATES, advance, relax
 from pysprings.macro.memory.marks import StepMarks, lateral_marks, off_load, off_rate
 from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.memory.shares import elastic_of, ways_of
+from pysprings.macro.memory.shares import elastic_of
 from pysprings.macro.memory.water import Water
 
 Array = NDArray[np.float64]
@@ -142,9 +142,8 @@ class MemoryStepper:
 
     def _by_set(self, state: Array, motion: Array) -> Array:
         """Return the reactions (sets, rows, 1) of each set in a state at a motion (u [m], rotation [rad])."""
-        rows = self._loads.rows
-        e = elastic_of(rows, state, motion * self.model.to_motion)
-        return self._loads.by_set(e[None], ways_of(rows, state)[None])
+        e, p = self._loads.elastic(state, motion * self.model.to_motion)
+        return self._loads.by_set(e[None], p[None])
 
     def _kept(self) -> Array:
         """Return what vertical reactions and w (rows,) keep from other vertical loads after the last trial step."""

@@ -7,8 +7,8 @@ elastic motions of the elements that relax as a Maxwell body does, each with sev
     p_water = sum_k W_k z_k,   dz_k/dt = de/dt - z_k/T_k:
 
 pressure that the motion builds up, and that drains in the meantime. It is a part of p: it adds nothing to the load. In
-undrained springs no time passes. W comes from a ridge regression over the ways of the calibration, and
-over those at other rates: at one rate alone, what drains and what yields look alike.
+undrained springs no time passes. W comes from a ridge regression over the ways of the calibration, and over those at
+other rates: at one rate alone, what drains and what yields look alike.
 """
 
 from __future__ import annotations
@@ -53,9 +53,13 @@ class Water:
         e (n, elements, 2) [m]; start (elements, 2): that at 0 s.
         """
         out = np.zeros((len(self.factors), len(e)))
-        times = np.repeat(self.times, 2, axis=1)
-        carried(e.reshape(len(e), -1), time, start.ravel(), times, self.factors, state, out)
+        carried(*_from(start, e, time), np.repeat(self.times, 2, axis=1), self.factors, state, out)
         return out
+
+
+def _from(start: Array, e: Array, time: Array) -> tuple[Array, Array]:
+    """Return elastic motions (n + 1, 2 elements) and times (n + 1,) with the start at 0 s in front."""
+    return np.concatenate([start[None], e]).reshape(len(e) + 1, -1), np.concatenate([[0.0], time])
 
 
 def water_of(e: Sequence[Array], p_water: Sequence[Array], time: Sequence[Array], longest: float) -> Water:
@@ -68,7 +72,7 @@ def water_of(e: Sequence[Array], p_water: Sequence[Array], time: Sequence[Array]
     X, Y, weights = [], [], []
     for own, known, t in zip(e, p_water, time, strict=True):
         z, size = np.empty((len(t), len(TIMES), 2 * n)), float(np.abs(known).max())
-        relaxed(own.reshape(len(t), -1), t, np.repeat(times, 2, axis=1), z)
+        relaxed(*_from(np.zeros((n, 2)), own, t), np.repeat(times, 2, axis=1), z)
         X.append(z.reshape(len(t), -1))
         Y.append(known.T)
         weights.append(np.full(len(t), 1.0 / np.sqrt(len(t)) / (size or np.inf)))

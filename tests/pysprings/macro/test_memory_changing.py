@@ -33,7 +33,7 @@ from tests.support.loaded import HEAVY
 from tests.support.vertical import REST, pressed
 from tests.support.winkler import element, elements_of, mixed
 
-NEW, OLD = 0.8e6, 5e6  # N
+VIRGIN, RELOADING = 0.8e6, 5e6  # N
 LOADS = np.array([REST, HEAVY])
 WAY = 1e-3 * np.array([[1.0, 0.2], [3.0, -0.4], [3.0, -0.4], [-1.0, 0.1], [-2.0, 0.3], [2.0, 0.0]]) / [1.0, LENGTH]
 V_OF_WAY = np.array([1.0, 1.0, 1.8, 1.8, 1.2, 2.0]) * REST
@@ -43,7 +43,7 @@ V_OF_WAY = np.array([1.0, 1.0, 1.8, 1.8, 1.2, 2.0]) * REST
 def model() -> MemoryModel:
     """Invented elements at two vertical loads, whose forces a V that changes takes away."""
     at = [build_memory(loaded.springs().at(V=V)) for V in LOADS]
-    return replace(at[0], changing=ChangingLoad(LOADS, tuple(each.elements for each in at), NEW, OLD))
+    return replace(at[0], changing=ChangingLoad(LOADS, tuple(each.elements for each in at), VIRGIN, RELOADING))
 
 
 def on_which_v_changes() -> SpringPath:
@@ -54,10 +54,10 @@ def on_which_v_changes() -> SpringPath:
     return SpringPath("turning_0_loads", path.assign(given).assign_attrs({PARTS: 3}), LENGTH)
 
 
-def alike(rows: list[list[float]], new: float = NEW, old: float = OLD) -> ChangingLoad:
+def alike(rows: list[list[float]], virgin: float = VIRGIN, reloading: float = RELOADING) -> ChangingLoad:
     """Return the same elements at both loads."""
     each = elements_of(np.array(rows), model().table)
-    return ChangingLoad(LOADS, (each, each), new, old)
+    return ChangingLoad(LOADS, (each, each), virgin, reloading)
 
 
 def test_elements_keep_a_share_of_their_force_and_lose_energy() -> None:
@@ -92,12 +92,12 @@ def test_elements_keep_a_share_of_their_force_and_lose_energy() -> None:
 
 
 def test_a_load_relaxes_under_a_held_motion_as_far_as_v_changes() -> None:
-    """exp(-dV/V_new) where V is larger than ever before, exp(-dV/V_old) where it goes back, and up to the largest."""
+    """exp(-dV/V_virgin) where V is larger than ever before, exp(-dV/V_reload) where it goes back and comes again."""
     one = alike([element(d=1.0)])
     V = REST * np.array([1.0, 1.5, 1.2, 1.5, 2.0])
     motions = np.repeat([[1e-3, -2e-3]], len(V), axis=0)
-    loads = one.along(motions, V)[2]
-    logs = REST * np.array([0.0, 0.5 / NEW, 0.3 / OLD, 0.3 / OLD, 0.5 / NEW])
+    loads = one.loads_along(motions, V)
+    logs = REST * np.array([0.0, 0.5 / VIRGIN, 0.3 / RELOADING, 0.3 / RELOADING, 0.5 / VIRGIN])
     np.testing.assert_allclose(loads, np.exp(-logs.cumsum())[:, None] * 1e8 * motions, rtol=1e-9)
 
 
@@ -121,7 +121,7 @@ def test_at_a_constant_v_they_are_the_elements_between_both_loads() -> None:
     assert changing is not None
     between, given = build_memory(loaded.springs().at(V=V)), np.full(len(way), V)
     motions, expected = way * between.to_motion, between.solve("state", way)[1] / between.to_motion
-    _, _, loads, tangents = changing.along(motions, given)
+    loads, tangents = changing.loads_along(motions, given), changing.tangents(motions, given)
     np.testing.assert_allclose(loads, expected, atol=1e-3 * np.abs(expected).max())
     scaled = between.tangents(way) / between.to_motion / between.to_motion[:, None]
     np.testing.assert_allclose(tangents, scaled, atol=1e-3 * np.abs(scaled).max())
@@ -179,15 +179,15 @@ def test_a_path_on_which_v_changes_is_followed_under_its_v() -> None:
 
 
 def test_a_fit_finds_what_paths_were_made_with() -> None:
-    """V_new and V_old within 5 %; where no V is larger than before both are V_old."""
+    """V_virgin and V_reload within 5 %; where no V is larger than before both are V_reload."""
     changing = model().changing
     assert changing is not None
     motions = 1e-3 * np.array([[1.0, -0.5], [1.0, -0.5], [-1.0, 0.5], [-1.0, 0.5], [1.0, -0.5], [1.0, -0.5]])
     V = REST * np.array([1.0, 2.0, 2.0, 1.0, 1.0, 2.0])
-    found = fitted(LOADS, changing.sets, [(motions, changing.along(motions, V)[2], V)])
-    assert (found.new, found.old) == (pytest.approx(NEW, rel=0.05), pytest.approx(OLD, rel=0.05))
-    back = fitted(LOADS, changing.sets, [(motions[1:], changing.along(motions[1:], V[1:])[2], V[1:])])
-    assert back.new == back.old == pytest.approx(OLD, rel=0.05)
+    found = fitted(LOADS, changing.sets, [(motions, changing.loads_along(motions, V), V)])
+    assert (found.virgin, found.reloading) == (pytest.approx(VIRGIN, rel=0.05), pytest.approx(RELOADING, rel=0.05))
+    back = fitted(LOADS, changing.sets, [(motions[1:], changing.loads_along(motions[1:], V[1:]), V[1:])])
+    assert back.virgin == back.reloading == pytest.approx(RELOADING, rel=0.05)
 
 
 def whole() -> MacroModel:
@@ -254,7 +254,7 @@ def test_springs_keep_what_a_changing_v_does_until_their_paths_change(tmp_path, 
     def fit(loads: np.ndarray, sets: tuple[ElementSet, ...], paths: list[tuple[np.ndarray, ...]]) -> ChangingLoad:
         made.append(len(paths))
         assert all(len(np.unique(V)) > 1 for _, _, V in paths)
-        return ChangingLoad(loads, sets, NEW, OLD)
+        return ChangingLoad(loads, sets, VIRGIN, RELOADING)
 
     monkeypatch.setattr(build, "calibrate", invented)
     monkeypatch.setattr(build, "fitted", fit)
@@ -268,7 +268,7 @@ def test_springs_keep_what_a_changing_v_does_until_their_paths_change(tmp_path, 
     stored = Springs.of(open_springs(save_springs(with_memory(tree), tmp_path / "springs.nc")))
     assert made == [1] and list(stored.memory) == ["memory", "memory_load_1", CHANGE]
     found = build_memory(stored.at(V=1.5 * REST)).changing
-    assert found is not None and (found.new, found.old, made) == (NEW, OLD, [1])
+    assert found is not None and (found.virgin, found.reloading, made) == (VIRGIN, RELOADING, [1])
     kept = {node.path: node.to_dataset(inherit=False) for node in stored.tree.subtree}
     lacking = Springs.of(xr.DataTree.from_dict({name: data for name, data in kept.items() if CHANGE not in name}))
     assert has_elements(stored.at(V=REST)) and not has_elements(lacking.at(V=REST))

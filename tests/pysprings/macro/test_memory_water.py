@@ -16,10 +16,10 @@ from pysprings.macro.cycle_reactions import reaction_errors
 from pysprings.macro.cycles import follow_path
 from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.memory.build import build_memory, digest, has_elements, memory_dataset, with_memory
-from pysprings.macro.memory.calibration import elastic_motions
 from pysprings.macro.memory.changing import ChangingLoad
 from pysprings.macro.memory.mixture import mixed as together
 from pysprings.macro.memory.model import MemoryModel
+from pysprings.macro.memory.shares import elastic_motions
 from pysprings.macro.memory.stepper import MemoryStepper
 from pysprings.macro.memory.water import TIMES, Water, water_of
 from pysprings.macro.model import MacroModel

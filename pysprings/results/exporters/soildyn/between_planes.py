@@ -7,10 +7,9 @@ import math
 
 import numpy as np
 
-from pysprings.macro.memory.calibration import elastic_motions
 from pysprings.macro.memory.elements import PLATES
 from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.memory.shares import loads_of
+from pysprings.macro.memory.shares import elastic_motions, loads_of
 
 _ANGLES = np.radians([-90.0, -60.0, -45.0, -30.0, 0.0, 30.0, 60.0])  # of (u, rotation L)
 _WAY = np.concatenate([np.linspace(0.02, 0.5, 25), np.linspace(0.48, -0.5, 50), np.linspace(-0.48, 0.5, 50)])
