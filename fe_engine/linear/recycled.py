@@ -17,6 +17,8 @@ m (times ``scale``), and their equations in N.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.linalg import null_space
 from scipy.sparse import csr_matrix
@@ -45,8 +47,19 @@ _NOTHING = 1.0e-300
 def control_of(control: np.ndarray, load: np.ndarray, violation: np.ndarray, scale: np.ndarray) -> Control:
     """Eliminate the combinations ``control`` (nc, nb), imposed by the forces ``load`` (nb, nc)."""
     imposed = np.linalg.lstsq(control / scale, violation, rcond=None)[0] / scale
-    motions = null_space(control / scale) / scale[:, None]
-    return Control(imposed, motions, null_space((load / scale[:, None]).T) / scale[:, None])
+    motions, forces = _kernel(control / scale), _kernel((load / scale[:, None]).T)
+    return Control(imposed, motions / scale[:, None], forces / scale[:, None])
+
+
+def _kernel(matrix: np.ndarray) -> np.ndarray:
+    """Return the null space (nb, k) of a matrix (nc, nb), which all increments of a stage ask for."""
+    return _kept_kernel(np.ascontiguousarray(matrix).tobytes(), matrix.shape)
+
+
+@lru_cache(maxsize=32)
+def _kept_kernel(entries: bytes, shape: tuple[int, int]) -> np.ndarray:
+    basis: np.ndarray = null_space(np.frombuffer(entries).reshape(shape))
+    return basis
 
 
 class Recycled:
