@@ -28,7 +28,20 @@ def cases_of(model: MacroModel, count: int) -> LoadCases:
     V = model.rest_load * random.uniform(0.9, 1.1, count)
     names = tuple(f"case {k}" for k in range(count))
     line = np.arange(count, dtype=np.int64)
-    return LoadCases("", names, ("ULS",) * count, line, share * largest.H, share * largest.M, V, 0.0 * share, none)
+    return LoadCases(
+        "",
+        names,
+        ("ULS",) * count,
+        line,
+        share * largest.H,
+        share * largest.M,
+        V,
+        0.0 * share,
+        none,
+        0.0 * share,
+        0.0 * share,
+        ("",) * count,
+    )
 
 
 def main() -> None:

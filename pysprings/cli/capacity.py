@@ -67,6 +67,8 @@ def capacity(
     read = load_scene(scene, changes or ())
     request = _request(read, vertical or [], directions, macro and springs is None, factor or [])
     given = None if cases is None else read_load_cases(cases)
+    if given is not None:
+        given.refuse_out_of_plane("capacity")
     model = None if springs is None or not macro else _model(springs)
     chosen = study.scene_of(read, mesh, discretisation)
     try:

@@ -59,8 +59,10 @@ def size(
     if angle <= 0.0:
         refuse("--tilt", "a tolerance must be positive")
     model = open_atlas(atlas)
+    loads = read_load_cases(cases)
+    loads.refuse_out_of_plane("size")
     wanted = Wanted(
-        read_load_cases(cases), angle, utilisation, tuple(read_changes(changes or [])), (low, high),
+        loads, angle, utilisation, tuple(read_changes(changes or [])), (low, high),
         bounds_of(model, (0.0, 10.0)),
     )  # fmt: skip
     search = Search(model, wanted)

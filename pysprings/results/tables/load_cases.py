@@ -2,12 +2,13 @@
 """Load cases from a table: names, loads with units in the headings, directions, limit states, partial factors.
 
 A row is a load; rows of one name act together and are added. `H` acts in the vertical plane of `direction` (an angle in
-plan), `M` in that of `M direction` (that of H where not given), with M = -H arm for a load above mudline. The answer of
-springs is one in a vertical plane: where the moment of a case has a part across the plane of its force, it is refused.
+plan), `M` in that of `M direction` (that of H where not given), with M = -H arm for a load above mudline. A case is its
+load in the vertical plane of its force, and beside it the moment across that plane and the torsion, for the answer.
 """
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
 from pysprings.results.tables.faults import Faults, numbers
 from pysprings.results.tables.file import sheet_of
@@ -28,16 +30,17 @@ Array = NDArray[np.float64]
 TEXTS = ("name", "limit_state")
 NUMBERS = (
     "H_N", "M_Nm", "V_N", "arm_m", "direction_rad", "M_direction_rad", "factor", "factor_H", "factor_M", "factor_V",
-    "tilt_rad",
+    "tilt_rad", "T_Nm",
 )  # fmt: skip
 COLUMNS = (*TEXTS, *NUMBERS)
 ALIASES = {
     "case": "name", "load case": "name", "id": "name", "state": "limit_state", "limit state": "limit_state",
     "horizontal": "H_N", "moment": "M_Nm", "vertical": "V_N", "height": "arm_m", "lever arm": "arm_m",
     "h direction": "direction_rad", "azimuth": "direction_rad", "tolerance": "tilt_rad",
+    "torsion": "T_Nm", "mz": "T_Nm",
 }  # fmt: skip
 FORMS = "H with M or arm, M alone, or V alone"
-# A moment across the plane of the force beyond this share of the moment is refused; rounding of angles is below it
+# A moment across the plane of the force up to this share of the moment is rounding of angles
 _ACROSS = 1e-6
 MOST_FACTOR = 10.0
 _TURN = 2.0 * np.pi * (1.0 + 1e-9)
@@ -56,6 +59,9 @@ class LoadCases:
     V : vertical load [N], positive down; NaN where not given.
     direction : of the plane [rad], in plan.
     tilt : largest rotation that is tolerated [rad]; NaN where not given.
+    across : moment about the direction of H [N m], right-handed with z up: it bends across the plane of H.
+    torsion : moment about the vertical axis [N m], right-handed with z up.
+    remarks : by case, what the reader did that a user may not expect; blank for nothing.
     """
 
     file: str
@@ -67,6 +73,9 @@ class LoadCases:
     V: Array
     direction: Array
     tilt: Array
+    across: Array
+    torsion: Array
+    remarks: tuple[str, ...]
 
     def __len__(self) -> int:
         return len(self.name)
@@ -75,6 +84,17 @@ class LoadCases:
     def loads(self) -> Array:
         """H and M of each case, (n, 2)."""
         return np.stack([self.H, self.M], axis=1)
+
+    def refuse_out_of_plane(self, command: str) -> None:
+        """Refuse cases with a moment across the plane of H or a torsion, for a command that cannot mark them."""
+        problems = [
+            Problem(self.file, int(self.line[k]), key=name, message=f"case '{self.name[k]}' has a {what} of "
+                    f"{1e-3 * load[k]:.4g} kN m: `{command}` answers loads in one vertical plane without torsion")
+            for name, what, load in (("M", "moment across the plane of H", self.across), ("T", "torsion", self.torsion))
+            for k in np.flatnonzero(load)
+        ]  # fmt: skip
+        if problems:
+            raise UserInputError(problems)
 
 
 def read_load_cases(path: str | os.PathLike[str]) -> LoadCases:
@@ -170,29 +190,45 @@ def _added(
     groups: dict[str, list[int]] = {}
     for k, name in enumerate(texts["name"]):
         groups.setdefault(name or f"row {at[k]}", []).append(k)
-    force, moment, down = _factored(values)
+    loads, remarks = _factored(values)
     cases = []
     for name, rows in groups.items():
         state = _one_text(place, at, texts["limit_state"], rows, faults)
         tilt = np.unique(values["tilt_rad"][rows][np.isfinite(values["tilt_rad"][rows])])
         if tilt.size > 1:
             faults.add((place, int(at[rows[1]])), "tilt_rad", f"rows of case '{name}' differ in their tolerance")
-        H, M, direction = _in_plane(place, at, name, rows, (force, moment, values), faults)
-        V = np.nan if np.isnan(down[rows]).all() else float(np.nansum(down[rows]))
-        cases.append((name, state, int(at[rows[0]]), H, M, V, direction, float(tilt[0]) if tilt.size else np.nan))
+        H, M, across, direction = _in_plane(rows, loads, values)
+        V = np.nan if np.isnan(loads["V"][rows]).all() else math.fsum(np.nan_to_num(loads["V"][rows]))
+        numbers = (H, M, V, direction, float(tilt[0]) if tilt.size else np.nan, across, math.fsum(loads["T"][rows]))
+        cases.append((name, state, int(at[rows[0]]), *numbers, _remark([remarks[k] for k in rows])))
     columns = list(zip(*cases, strict=True))
-    arrays = [np.array(column, dtype=float) for column in columns[3:]]
-    return LoadCases(place, tuple(columns[0]), tuple(columns[1]), np.array(columns[2], dtype=np.int64), *arrays)
+    names = ("H", "M", "V", "direction", "tilt", "across", "torsion")
+    arrays = {each: np.array(column, dtype=float) for each, column in zip(names, columns[3:10], strict=True)}
+    lines = np.array(columns[2], dtype=np.int64)
+    return LoadCases(place, columns[0], columns[1], line=lines, remarks=columns[10], **arrays)
 
 
-def _factored(values: dict[str, Array]) -> tuple[Array, Array, Array]:
-    """Return H, M and V of each row with their factors; V is NaN where there is none."""
+def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
+    """Return H, M, V and T of each row with their factors (V: NaN where there is none), and remarks by row.
+
+    The moment of a force has the factor of the force: M = -H arm, and M or T beside `factor H` without `factor M`.
+    """
     one = np.nan_to_num(values["factor"], nan=1.0)
-    by_load = {name: one * np.nan_to_num(values[f"factor_{name}"], nan=1.0) for name in "HMV"}
-    H = np.nan_to_num(values["H_N"])
-    M = np.nan_to_num(values["M_Nm"]) * by_load["M"]
-    M -= np.nan_to_num(H * values["arm_m"]) * by_load["H"]  # the moment of a force has the factor of the force
-    return H * by_load["H"], M, values["V_N"] * by_load["V"]
+    by = {name: values[f"factor_{name}"] for name in "HMV"}
+    moments = np.nan_to_num(values["M_Nm"]) != 0.0, np.nan_to_num(values["T_Nm"]) != 0.0
+    taken = np.isnan(by["M"]) & np.isfinite(by["H"]) & (by["H"] != 1.0) & (moments[0] | moments[1])
+    by["M"] = np.where(np.isnan(by["M"]), by["H"], by["M"])
+    H, V = (np.nan_to_num(by[name], nan=1.0) * one for name in "HV")
+    turning = np.nan_to_num(by["M"], nan=1.0) * one
+    force = np.nan_to_num(values["H_N"])
+    M = np.nan_to_num(values["M_Nm"]) * turning - np.nan_to_num(force * values["arm_m"]) * H
+    loads = {"H": force * H, "M": M, "V": values["V_N"] * V, "T": np.nan_to_num(values["T_Nm"]) * turning}
+    text = "factor H {:g} multiplies the moment, too (no factor M)"
+    return loads, [text.format(by["H"][k]) if each else "" for k, each in enumerate(taken)]
+
+
+def _remark(texts: Sequence[str]) -> str:
+    return "; ".join(dict.fromkeys(text for text in texts if text))
 
 
 def _one_text(place: str, at: NDArray[np.int64], given: list[str], rows: Sequence[int], faults: Faults) -> str:
@@ -203,29 +239,31 @@ def _one_text(place: str, at: NDArray[np.int64], given: list[str], rows: Sequenc
 
 
 def _in_plane(
-    place: str, at: NDArray[np.int64], name: str, rows: Sequence[int], data: tuple[Array, Array, dict[str, Array]],
-    faults: Faults,
-) -> tuple[float, float, float]:  # fmt: skip
-    """Return H, M and the direction of the plane of the sum of some rows; note a moment across that plane."""
-    force, moment, values = data
+    rows: Sequence[int], loads: dict[str, Array], values: dict[str, Array]
+) -> tuple[float, float, float, float]:
+    """Return H, M, the moment about the direction of H, and that direction, of the sum of some rows.
+
+    Rows of one direction keep it; else it is that of the sum of H (H > 0), or, without H, that of the moment.
+    """
     towards = np.nan_to_num(values["direction_rad"][rows])
     turning = np.where(np.isnan(values["M_direction_rad"][rows]), towards, values["M_direction_rad"][rows])
-    H, M = (
-        np.array([(size[rows] * np.cos(angle)).sum(), (size[rows] * np.sin(angle)).sum()])
-        for size, angle in ((force, towards), (moment, turning))
-    )
-    first = np.array([np.cos(towards[0]), np.sin(towards[0])])
-    largest_H, largest_M = np.abs(force[rows]).sum(), np.abs(moment[rows]).sum()
-    has_force = np.hypot(*H) > _ACROSS * largest_H
-    lead = H if has_force else M if np.hypot(*M) > _ACROSS * largest_M else first
-    plane = lead / np.hypot(*lead)
-    plane = -plane if plane @ first < -_ACROSS else plane
+    force, moment = loads["H"][rows], loads["M"][rows]
+    H, M = _sum(force, towards), _sum(moment, turning)
+    acting = (force != 0.0) | (moment != 0.0)
+    directions = np.unique(np.where(force != 0.0, towards, turning)[acting])
+    if directions.size == 1:
+        plane = np.array([np.cos(directions[0]), np.sin(directions[0])])
+    elif np.hypot(*H) > _ACROSS * np.abs(force).sum():
+        plane = H / np.hypot(*H)
+    elif np.hypot(*M) > _ACROSS * np.abs(moment).sum():
+        plane = -M / np.hypot(*M)
+    else:
+        plane = np.array([1.0, 0.0])
     across = float(plane[0] * M[1] - plane[1] * M[0])
-    if abs(across) > _ACROSS * largest_M:
-        angle = np.degrees(np.arctan2(abs(across), abs(float(plane @ M))))
-        message = (
-            f"case '{name}': the plane of its moment is {angle:.3g} deg from that of its force; "
-            "springs answer loads in one vertical plane"
-        )
-        faults.add((place, int(at[rows[0]])), "M_direction_rad", message)
-    return float(plane @ H), float(plane @ M), float(np.arctan2(plane[1], plane[0]))
+    if abs(across) <= _ACROSS * np.abs(moment).sum():
+        across = 0.0
+    return float(plane @ H), float(plane @ M), across, float(np.arctan2(plane[1], plane[0]))
+
+
+def _sum(size: Array, angle: Array) -> Array:
+    return np.array([math.fsum(size * np.cos(angle)), math.fsum(size * np.sin(angle))])

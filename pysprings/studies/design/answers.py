@@ -69,7 +69,7 @@ def answer_cases(
     frame["capacity_kind"] = [str(text) for text in answers["capacity_kind"].values]
     frame["range_used"] = answers["range_used"].values
     frame["answered"] = answers["answered"].values.astype(int)
-    frame["marks"] = _marks(answers)
+    frame["marks"] = [", ".join(filter(None, pair)) for pair in zip(_marks(answers), _beside(cases), strict=True)]
     frame["verdict"] = [_verdict(row) for row in frame.to_dict("records")]
     return frame
 
@@ -116,6 +116,16 @@ def _marks(answers: xr.Dataset) -> list[str]:
     for k, why in enumerate(answers["why_not"].values):
         marked = [words for name, words in MARKS.items() if name in answers and answers[name].values[k]]
         texts.append(str(why) or ", ".join(marked))
+    return texts
+
+
+def _beside(cases: LoadCases) -> list[str]:
+    """Return what stands beside the answer of each case: loads that it leaves out, and remarks of the reader."""
+    left_out = {"moment across the plane of H": cases.across, "torsion": cases.torsion}
+    texts = []
+    for k, remark in enumerate(cases.remarks):
+        parts = [f"{what} of {1e-3 * load[k]:.4g} kN m left out" for what, load in left_out.items() if load[k]]
+        texts.append(", ".join([*parts, remark] if remark else parts))
     return texts
 
 

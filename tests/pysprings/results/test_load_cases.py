@@ -79,13 +79,27 @@ def test_directions_are_added_as_vectors(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.degrees(cases.direction), [45.0, 10.0, 30.0], atol=1e-9)
 
 
-def test_a_moment_across_the_force_is_refused(tmp_path: Path) -> None:
-    found = problems(tmp_path, "name,H [kN],arm [m],direction [deg]", "skew,100,50,0", "skew,100,10,30", "plain,1,1,0")
-    (message,) = found
-    assert message.startswith("2: M_direction_rad: case 'skew': the plane of its moment is ")
-    assert "springs answer loads in one vertical plane" in message
-    given = problems(tmp_path, "name,H [kN],M [kN m],direction [deg],M direction [deg]", "a,1,-20,0,90")
-    assert "90 deg from that of its force" in given[0]
+def test_what_lies_beside_the_plane_of_the_force_is_kept_by_row(tmp_path: Path) -> None:
+    """A moment across the plane of H and a torsion are read, not refused: no row blocks the others."""
+    head = "name,H [kN],arm [m],direction [deg],Mz [kN m]"
+    cases = table(tmp_path, head, "skew,100,50,0,", "skew,100,10,30,7", "plain,1,1,0,")
+    angle = np.radians(15.0)  # of the sum of two equal forces: the arms differ by 40 m across it
+    np.testing.assert_allclose(cases.across, [-(5e6 - 1e6) * -np.sin(angle), 0.0], atol=1e-6)
+    np.testing.assert_allclose(np.degrees(cases.direction), [15.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(np.abs(cases.M), [6e6 * np.cos(angle), 1e3])
+    assert cases.torsion.tolist() == [7e3, 0.0]
+    with pytest.raises(UserInputError) as caught:
+        cases.refuse_out_of_plane("size")
+    assert [each.line for each in caught.value.problems] == [2, 2]
+
+
+def test_the_factor_of_a_force_is_that_of_its_moment(tmp_path: Path) -> None:
+    head = "name,H [kN],M [kN m],T [kN m],factor H"
+    cases = table(tmp_path, head, "a,1000,-2000,10,1.35", "b,1000,-2000,10,")
+    np.testing.assert_allclose(cases.H, [1350e3, 1000e3])
+    np.testing.assert_allclose(cases.M, [-2700e3, -2000e3])
+    np.testing.assert_allclose(cases.torsion, [13.5e3, 10e3])
+    assert cases.remarks == ("factor H 1.35 multiplies the moment, too (no factor M)", "")
 
 
 def test_every_fault_with_its_place(tmp_path: Path) -> None:
