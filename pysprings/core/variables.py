@@ -284,6 +284,8 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
     V("off_path", "1 where the state is far from the path the springs come from", "1", ("step",),
       "springs of one path do not hold on another; of a fan: 1 between rays more than 60 degrees apart; "
       "1 after a sequence has left its first direction", required=False),
+    V("past_peak", "1 where a spring is beyond the peak of a curve that softens", "1", ("step",),
+      "the equilibrium is one of several, and under a load it may not be stable", required=False),
     V("beyond_end", "1 where the state is beyond a limit load of the full model", "1", ("step",),
       "there is no answer beyond it"),
     V("turned_back", "1 after the sequence has turned back", "1", ("step",),

@@ -17,7 +17,7 @@ from pysprings.macro.ends import past_ends
 from pysprings.macro.fan import RANGE_SLACK, WIDEST, FanTable
 from pysprings.macro.history import Turns
 from pysprings.macro.limit import Limit, paths_at, range_used
-from pysprings.macro.softening import softening_notes
+from pysprings.macro.softening import past_peak
 from pysprings.macro.solver import row_values
 from pysprings.macro.spread import NAMES, deviations
 from pysprings.macro.vertical_answer import Down, vertical_answer
@@ -99,6 +99,8 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         values["p_water"] = support.water
     if support.distance is not None:
         values["path_distance"] = support.distance
+    if support.softened is not None:
+        values["past_peak"] = support.softened.astype(np.int8)
     if support.distance is not None or turned.aside.any():
         values["off_path"] = (support.off | turned.aside).astype(np.int8)
     values["beyond_end"] = past.astype(np.int8)
@@ -167,7 +169,7 @@ class _Support:
     """Answers of the springs at states, besides the loads: w [m], V [N] by step, p (depth, step), and their support.
 
     w and V are None for springs from a table; distance is None where no path is known; water, the part of p that pore
-    water carries (side, depth, step), where the springs do not have it.
+    water carries (side, depth, step), where the springs do not have it; softened where no curve is known to soften.
     """
 
     w: Array | None
@@ -179,6 +181,7 @@ class _Support:
     off: NDArray[np.bool_]
     notes: list[str]
     water: Array | None = None
+    softened: NDArray[np.bool_] | None = None
 
 
 def _supported(model: MacroModel, states: Array, way: Way) -> _Support:
@@ -191,8 +194,8 @@ def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
     depth, used = model.origin.depth, range_used(table, states)
     p, usable = _lateral(table, depth, states), _usable(table, depth)
     if "u" not in model.origin:
-        nowhere = np.zeros(used.size, dtype=bool)
-        return _Support(None, None, p, usable, used, None, nowhere, softening_notes(table, states))
+        softened, notes = past_peak(table, states)
+        return _Support(None, None, p, usable, used, None, np.zeros(used.size, dtype=bool), notes, softened=softened)
     distance = _distance(_track(model), states * [1.0, model.length])
     off = distance > OFF_PATH
     w, V = (None, None) if model.stiffness_initial is None else _path_vertical(model, *states.T)
@@ -225,7 +228,7 @@ def _lateral(t: SpringTable, depth: Array, states: Array) -> Array:
     rows = np.flatnonzero(np.array(t.name) == "p")
     p = np.zeros((depth.size, len(states)))
     p[np.searchsorted(depth, t.depth[rows])] = row_values(
-        t.q[rows], t.r[rows], t.slope[rows], t.count[rows], np.ascontiguousarray(t.a[rows] @ states.T)
+        t.q[rows], t.r[rows], t.slope[rows], t.count[rows], t.read(states)[rows]
     )
     return p
 

@@ -82,8 +82,8 @@ def capacities(model: MacroModel, loads: Array, V: Array | None = None) -> Capac
     if not loaded.size:
         return out
     directions = plane[loaded] / size[loaded, None]
-    _, first, place = np.unique(_angles(directions), return_index=True, return_inverse=True)
-    ends = _ends(model, directions[first])
+    angles, place = np.unique(_angles(directions), return_inverse=True)
+    ends = _ends(model, np.stack([np.cos(angles), np.sin(angles)], axis=1))
     largest = ends.largest[place]
     out.kind[loaded], out.source[loaded] = ends.kind[place], ends.source[place]
     for each, rows in limit_loads_along(model, directions, None if V is None else V[loaded]):
@@ -106,7 +106,8 @@ def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
 
 
 def _angles(directions: Array) -> Array:
-    return np.round(np.arctan2(directions[:, 1], directions[:, 0]) / ROUNDING)
+    """Return the angles of directions (n, 2), rounded: the way along a direction is that of its own rounded angle."""
+    return np.round(np.arctan2(directions[:, 1], directions[:, 0]) / ROUNDING) * ROUNDING
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,13 +130,13 @@ class _Ways:
     scale: Array
 
     @classmethod
-    def along(cls, model: MacroModel, d: Array, reach: float) -> _Ways:
+    def along(cls, model: MacroModel, d: Array, reach: Array) -> _Ways:
         n, length, load = len(d), model.length, model.table.load_scale
         G, C = np.zeros((n, 2, 2)), np.zeros((n, 2, 2))
         G[:, 0, 0], G[:, 0, 1] = d[:, 0], d[:, 1] * length
         C[:, 1, 0], C[:, 1, 1] = -d[:, 1], d[:, 0] / length
         across = np.abs(d[:, 1]) * load[0] + np.abs(d[:, 0]) * load[1] / length
-        return cls(model, d, G, C, np.stack([np.full(n, reach), across], axis=1))
+        return cls(model, d, G, C, np.stack([reach, across], axis=1))
 
     def follow(self, starts: Array, s: Array) -> tuple[Array, Array, NDArray[np.int64]]:
         """Return states and loads (n, k, 2) at s (n, k) from states at the first s, and how many were reached (n,)."""
@@ -152,16 +153,17 @@ class _Ways:
 
 def _ends(model: MacroModel, d: Array) -> _Ends:
     """Return where the ways along directions (n, 2) end."""
-    reach = _reach(model)
+    reach = np.full(len(d), _reach(model))
     for _ in range(LONGER + 1):
         ways = _Ways.along(model, d, reach)
-        s = np.tile(reach * np.linspace(0.0, 1.0, STEPS + 1) ** 1.5, (len(d), 1))
+        s = reach[:, None] * np.linspace(0.0, 1.0, STEPS + 1) ** 1.5
         states, loads, reached = ways.follow(np.zeros((len(d), 2)), s)
         used = _used(model, states)
         used[np.arange(STEPS + 1) >= reached[:, None]] = np.inf
-        if (used[:, -1] > 1.0 + RANGE_SLACK).all():
+        inside = used[:, -1] <= 1.0 + RANGE_SLACK
+        if not inside.any():
             break
-        reach *= 4.0
+        reach = np.where(inside, 4.0 * reach, reach)  # each way by itself
     outside = used > 1.0 + RANGE_SLACK
     beyond = np.where(outside.any(axis=1), np.maximum(outside.argmax(axis=1), 1), STEPS)
     rows = np.arange(len(d))

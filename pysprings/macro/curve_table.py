@@ -72,6 +72,12 @@ class SpringTable:
         """Largest calibrated displacement of each row [m or rad]."""
         return self.q[np.arange(len(self.count)), self.count - 1]
 
+    def read(self, states: Array) -> Array:
+        """Return the displacements (rows, n) that the rows read at states (n, 2), each by itself, bit for bit."""
+        u, rotation = np.asarray(states).T
+        out: Array = self.a[:, :1] * u + self.a[:, 1:] * rotation
+        return out
+
     @property
     def solver_arrays(self) -> tuple[Array, Array, Array, Array, Array, NDArray[np.int64]]:
         """The rows as the solver reads them."""

@@ -73,12 +73,17 @@ def _capacities(model: MacroModel, loads: Array, V: Array | None) -> Iterator[tu
 
 
 def limit_loads_along(model: MacroModel, directions: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
-    """Yield limit loads of paths, and which directions (n, 2) in (H, M/L) are theirs, or opposite, at their V (n,)."""
-    for end in model.ends.values():
+    """Yield limit loads of paths, the smallest last, and which directions (n, 2) in (H, M/L) are theirs, or opposite.
+
+    V (n,) [N] is that of the directions; None: all are at the V of every path.
+    """
+    sizes = {name: float(np.hypot(e.H, e.M / model.length)) for name, e in model.ends.items() if e.how == LIMIT_LOAD}
+    for name, size in sorted(sizes.items(), key=lambda pair: -pair[1]):
+        end = model.ends[name]
         limit = np.array([end.H, end.M / model.length])
-        size = float(np.hypot(*limit))
-        if end.how == LIMIT_LOAD and size > 0.0:
-            along, across = np.abs(directions @ limit) / size, np.abs(directions @ [-limit[1], limit[0]]) / size
+        if size > 0.0:
+            (d0, d1), (H, M) = directions.T, limit / size  # sums by hand: a product of matrices rounds by its size
+            along, across = np.abs(d0 * H + d1 * M), np.abs(d1 * H - d0 * M)
             same = (along > 0.0) & (across <= np.sin(SAME_DIRECTION) * np.hypot(along, across))
             yield end, same if V is None else same & _same(V, end.V)
 

@@ -60,7 +60,7 @@ def range_used(table: SpringTable | FanTable, states: Array) -> Array:
     if isinstance(table, FanTable):
         return table.support(states, table.rows(states)[1])[0]
     whole = ~table.cut
-    return (np.abs(states @ table.a[whole].T) / table.range[whole]).max(axis=1, initial=0.0)
+    return (np.abs(table.read(states)[whole]) / table.range[whole, None]).max(axis=0, initial=0.0)
 
 
 def range_limit(model: MacroModel, control: Control, targets: Array, arm: float, states: Array) -> Limit:

@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 FALL = 0.02  # share of its peak by which a curve falls before it counts as softening
 
 
-def softening_notes(table: SpringTable, states: Array) -> list[str]:
-    """Return a sentence on states (n, 2) in which a spring is beyond the peak of a curve that softens."""
+def past_peak(table: SpringTable, states: Array) -> tuple[NDArray[np.bool_], list[str]]:
+    """Return which states (n, 2) have a spring beyond the peak of a curve that softens, and a sentence on them."""
     known = np.arange(table.q.shape[1]) < table.count[:, None]
     size = np.where(known, np.abs(table.r), 0.0)
     rows, at = np.arange(len(size)), size.argmax(axis=1)
@@ -25,12 +25,13 @@ def softening_notes(table: SpringTable, states: Array) -> list[str]:
     behind = known & (np.arange(table.q.shape[1]) >= at[:, None])
     lowest = np.where(behind, size, np.inf).min(axis=1)
     soft = lowest < (1.0 - FALL) * peak
-    past = soft & (np.abs(states @ table.a.T) > peak_at)
-    if not past.any():
-        return []
+    past = soft & (np.abs(table.read(states).T) > peak_at)
+    marks: NDArray[np.bool_] = past.any(axis=1)
+    if not marks.any():
+        return marks, []
     row = int(np.flatnonzero(past.any(axis=0))[0])
     place = f"{table.name[row]} at {table.depth[row]:g} m falls from {peak[row]:.4g} to {lowest[row]:.4g}"
-    return [
-        f"{past.any(axis=1).sum()} of {len(states)} states are beyond the peak of a curve that softens ({place}): "
+    return marks, [
+        f"{marks.sum()} of {len(states)} states are beyond the peak of a curve that softens ({place}): "
         "the equilibrium found there is one of several, and under a load it may not be stable"
     ]

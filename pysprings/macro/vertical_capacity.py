@@ -48,11 +48,16 @@ def with_vertical_use(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
     if model.vertical is None or "V" not in answer:
         return answer
     V = answer["V"].values
-    ends = {sign: largest_vertical(model, sign) for sign in (1.0, -1.0)}
     known = variables.GROUPS["prediction"]["utilisation_V"].attributes()
-    used = V / np.where(V >= 0.0, ends[1.0][0], ends[-1.0][0])
-    added = answer.assign(utilisation_V=(answer["V"].dims, used, known))
-    return added.assign_attrs(_attributes(*ends[1.0 if V[-1] >= 0.0 else -1.0])) if V.size else added
+    added = answer.assign(utilisation_V=(answer["V"].dims, vertical_use(model, V), known))
+    return added.assign_attrs(_attributes(*largest_vertical(model, float(V[-1])))) if V.size else added
+
+
+def vertical_use(model: MacroModel, V: Array) -> Array:
+    """Return V (n,) [N] over the largest known vertical load of its sign; NaN where none is known."""
+    down, up = (largest_vertical(model, sign)[0] for sign in (1.0, -1.0))
+    used: Array = V / np.where(V >= 0.0, down, up)
+    return used
 
 
 def _attributes(largest: float, kind: str, source: str) -> dict[str, Any]:

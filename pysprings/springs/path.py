@@ -173,10 +173,11 @@ class SpringPath:
     @cached_property
     def water(self) -> Array:
         """Part of p that pore water carries, (side, depth, step) [N/m]; no sides where it is not apart."""
-        p = self.dataset["p"]
-        if "water" not in p.coords.get("component", ()):
+        known = self.dataset.variables
+        parts = known["component"].values.tolist() if "component" in known else []
+        if "water" not in parts:
             return np.zeros((0, self.depth.size, self.n))
-        values: Array = p.sel(component="water").transpose("side", "depth", "step").values
+        values: Array = known["p"].isel(component=parts.index("water")).transpose("side", "depth", "step").values
         return values
 
     @cached_property

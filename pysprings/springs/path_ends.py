@@ -82,8 +82,9 @@ def earlier_end(shorter: xr.Dataset, whole: xr.Dataset, other: xr.Dataset) -> di
 
 
 def _last_state(path: xr.Dataset) -> dict[str, float]:
-    good = np.flatnonzero(path["converged"].values == 1)
-    return {key: float(path[name].values[good[-1]]) for name, key in NUMBERS.items()} if good.size else {}
+    known = path.variables
+    good = np.flatnonzero(known["converged"].values == 1)
+    return {key: float(known[name].values[good[-1]]) for name, key in NUMBERS.items()} if good.size else {}
 
 
 def end_of(name: str, path: xr.Dataset) -> PathEnd:
@@ -94,7 +95,7 @@ def end_of(name: str, path: xr.Dataset) -> PathEnd:
         stopped = attrs.get("status", "complete") != "complete"
         how, why = (STOPPED, _NOT_RECORDED) if stopped else (UNKNOWN, "")
     last = {quantity: float(attrs.get(key, np.nan)) for quantity, key in NUMBERS.items()}
-    return PathEnd(name, how, why, V=float(path["V"].values[0]) if "V" in path else np.nan, **last)
+    return PathEnd(name, how, why, V=float(path.variables["V"].values[0]) if "V" in path else np.nan, **last)
 
 
 def end_faults(attrs: dict[Any, Any]) -> Iterator[tuple[str, str]]:

@@ -96,12 +96,13 @@ def blend(slow: SpringPath, fast: SpringPath, share: float) -> SpringPath:
     unchanged = {"u", "converged"} | ({"rotation", "y"} if slow.is_straight else set())
     way, other_way, whole = _way(slow), _way(fast), slow.dataset
     reached = np.flatnonzero(way <= other_way[-1] * (1.0 + 1e-9))
-    out, way = whole.isel(step=reached), way[reached]
+    out, way = whole if reached.size == way.size else whole.isel(step=reached), way[reached]
     data: dict[Hashable, NDArray[Any]] = {}
-    for name, values in out.data_vars.items():
+    for name in out.data_vars:
+        values = out.variables[name]  # variables, not arrays with coordinates: a table of loads blends thousands
         data[name] = values.values
         if "step" in values.dims and name not in unchanged:
-            other = fast.dataset[name].transpose(*values.dims).values
+            other = fast.dataset.variables[name].transpose(*values.dims).values
             moved = _interpolated(way, other_way, other, values.dims.index("step"))
             data[name] = (1.0 - share) * values.values + share * moved
     out = out.copy(data=data)

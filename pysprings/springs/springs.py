@@ -30,6 +30,8 @@ from pysprings.springs.spread import check_spread
 
 Array = NDArray[np.float64]
 
+KEPT = 64  # derived springs at the most: every vertical load of a table of loads has its own
+
 
 def memory_groups(tree: xr.DataTree) -> list[str]:
     """Return the names of the groups of a tree with calibrated elements: "memory", "memory_load_1_rate_1" ..."""
@@ -308,7 +310,9 @@ class Springs:
         return (self.at_rate(between.first), 1.0 - between.share), (self.at_rate(between.second), between.share)
 
     def _cached(self, key: Hashable, make: Callable[[], Springs]) -> Springs:
-        """Return derived springs, made at the first call."""
+        """Return derived springs, made at the first call; the last `KEPT` ones are kept."""
         if key not in self._derived:
+            if len(self._derived) >= KEPT:
+                del self._derived[next(iter(self._derived))]
             self._derived[key] = make()
         return self._derived[key]

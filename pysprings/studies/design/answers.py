@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.core.words import RANGE_END
-from pysprings.macro.batch import predict_batch
+from pysprings.macro.batch import answer_loads
 from pysprings.results.report.load_cases import OK
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ MARKS = {
     "extrapolated": "beyond the calibrated range",
     "off_path": "off the calibrated paths",
     "off_load": "V not covered by the lateral springs",
+    "past_peak": "beyond the peak of a spring that softens",
 }
 STIFFNESS = {
     ("u", "u"): "tangent_u_u_N_per_m",
@@ -51,7 +52,7 @@ def answer_cases(
     choice
         Spring set and path (`pysprings.macro.predict.SpringChoice`).
     """
-    answers = _answered(springs, cases, extrapolate, choice)
+    answers = answer_loads(springs, cases.loads, cases.V, extrapolate, **choice)
     here = np.where(answers["answered"].values == 1, _values(answers, "V", len(cases)), np.nan)
     frame = pd.DataFrame({
         "name": cases.name, "limit_state": cases.limit_state, "direction_deg": np.degrees(cases.direction),
@@ -72,22 +73,6 @@ def answer_cases(
     frame["marks"] = [", ".join(filter(None, pair)) for pair in zip(_marks(answers), _beside(cases), strict=True)]
     frame["verdict"] = [_verdict(row) for row in frame.to_dict("records")]
     return frame
-
-
-def _answered(springs: AnySprings, cases: LoadCases, extrapolate: bool, choice: dict[str, Any]) -> xr.Dataset:
-    """Return the batch in the order of the cases; those without V at the vertical load of the springs."""
-    import xarray as xr
-
-    parts, order = [], []
-    given = np.isfinite(cases.V)
-    for rows in (np.flatnonzero(~given), np.flatnonzero(given)):
-        if rows.size:
-            V = cases.V[rows] if given[rows[0]] else None
-            H, M = cases.loads[rows].T
-            parts.append(predict_batch(springs, H=H, M=M, V=V, extrapolate=extrapolate, **choice))
-            order.append(rows)
-    whole = parts[0] if len(parts) == 1 else xr.concat(parts, "case", combine_attrs="override", join="override")
-    return whole.isel(case=np.argsort(np.concatenate(order)))
 
 
 def _values(answers: xr.Dataset, name: str, n: int) -> Array:
