@@ -12,6 +12,7 @@ from pysprings.core.files.layout import is_unfinished
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pysprings.full_model.run_record import RunRecord
     from pysprings.macro.sets import AnySprings
 
 
@@ -27,23 +28,40 @@ def refuse_unfinished(result: Path, strict: bool = False) -> None:
     With `strict` an interrupted run is refused, too. A file that is named itself is complete: then the state of its
     folder causes a warning only.
     """
-    from pysprings.full_model.checkpoint import Checkpoints
     from pysprings.full_model.run_record import RunRecord, Status
 
     folder = result if result.is_dir() else result.parent
     unfinished, record = is_unfinished(folder), RunRecord.read(folder)
-    saved = not unfinished or Checkpoints(folder).are_of(record.scene_sha256 if record else "")
+    saved = not unfinished or (record is not None and _are_of(folder, record))
     onward = "`pysprings run SCENE --out DIR --resume` goes on with it"
     if record and record.status is Status.INTERRUPTED and saved:
         message = f"the run was interrupted: what is here is what had converged until then; {onward}"
         if strict:
             refuse("--strict", message, folder)
         to_stderr(f"warning: {folder}: {message}")
+    elif record and saved and record.not_made and record.status is not Status.WRITING:
+        to_stderr(f"warning: {folder}: {record.left_to_make}")
     elif unfinished or (record and record.status is Status.WRITING):
         message = "holds a run that has not ended (killed, or still running)"
         if result.is_dir():
             refuse(None, f"{message}: files here may be of a run before it, or not all there; {onward}", folder)
         to_stderr(f"warning: {folder}: {message}; this file may be of a run before it")
+
+
+def _are_of(folder: Path, record: RunRecord) -> bool:
+    """Return whether the checkpoints in a folder are those of its run, or of the same run with more harmonics."""
+    from pysprings.core.errors import PyspringsError
+    from pysprings.full_model.checkpoint import Checkpoints
+    from pysprings.scene.load import parse_scene
+
+    checkpoints = Checkpoints(folder)
+    if checkpoints.are_of(record.scene_sha256):
+        return True
+    try:
+        more = parse_scene(record.scene_toml).replace(mesh={"harmonics": checkpoints.harmonics})
+    except PyspringsError:  # of another version
+        return False
+    return checkpoints.harmonics is not None and checkpoints.are_of(more.sha256)
 
 
 def read_springs(result: Path) -> xr.DataTree:

@@ -62,6 +62,8 @@ def print_results(folder: Path, verbose: bool = False) -> None:
         print(f"limit load of path {name}: {limit}")
     for text in record.warnings:
         print(printable(f"warning: {text}"))
+    if record.not_made:
+        print(printable(record.left_to_make))
     if verbose or not record.complete:
         print_paths(record)
     if verbose:
@@ -254,6 +256,8 @@ def print_estimate(record: RunRecord) -> None:
         print(
             f"target error {target['target']}: setting {target['setting']}, in the study of '{study['scene']}' {parts}"
         )
+        if missed := target.get("missed"):
+            print(printable(missed))
     if estimate := record.error_estimate:
         from pysprings.full_model.accuracy.two_mesh import words
 

@@ -117,7 +117,10 @@ def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[
 
     if has_mesh:
         refuse("--target-error", "chooses the mesh itself: give it or --mesh")
+    presets.refuse_outside(target, scene)
     setting = presets.cheapest(target, scene=scene)
+    if smaller := presets.smaller(setting, scene):
+        to_stderr(f"note: --target-error {target}: {smaller}")
     extra = {"estimate_error": True, "target_error": presets.note(target, setting)}
     return presets.applied(setting, scene), extra
 
@@ -149,4 +152,6 @@ def _ended_run(folder: Path, scene: Scene) -> Stopped:
     record = read_record(folder)
     refuse_other_run(folder, record, scene)
     to_stderr(f"the run in {folder} has ended ({record.status}): nothing is left to do")
-    return None if record.complete else RunIncomplete("; ".join(record.failures), folder)
+    missed = (record.target_error or {}).get("missed")
+    why = missed if record.complete else "; ".join(record.failures)
+    return RunIncomplete(why, folder) if why else None

@@ -11,6 +11,7 @@ class StopReason(StrEnum):
     """A named reason. Those that `pysprings.full_model.diagnosis` finds are physical."""
 
     LIMIT_LOAD = "limit load"
+    DEAD_LOAD = "dead load"
     DISPLACEMENT_LIMIT = "displacement limit"
     APEX = "apex"
     LOCALISATION = "localisation"

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -27,11 +28,9 @@ from pysprings.core.progress import Progress
 from pysprings.core.stop_reasons import StopReason
 from pysprings.core.threads import blas_on_one_thread
 from pysprings.full_model.accuracy.own_estimate import (
-    Companions,
-    add_estimate,
     companions_of,
     estimates_by_default,
-    was_interrupted,
+    with_estimate,
 )
 from pysprings.full_model.cavitation import warning as cavitation_warning
 from pysprings.full_model.checkpoint import Checkpoints, Loaded, Saved, scene_identity
@@ -89,19 +88,21 @@ def run(
     given load that ends at its limit load is complete: its own status is "limit load", the record has the loads. Water
     that would cavitate at the scene's water depth is warned of.
     """
-    ran = scene_to_run(scene, mesh, linear)
-    estimated = estimates_by_default(ran) if estimate_error is None else estimate_error
-    unfinished = checkpoint is not None and is_unfinished(FilePath(checkpoint))
-    chosen = Checkpoints(FilePath(checkpoint)).harmonics if checkpoint is not None and unfinished else None
-    beside = companions_of(ran, compute, progress, chosen) if estimated else Companions()
-    options = RunOptions(mesh, linear, progress, harmonics=beside.harmonics)
-    result = _compute(scene, options) if checkpoint is None else _compute_in(FilePath(checkpoint), scene, options)
-    if estimated and not result.interrupted:
-        add_estimate(ran, result, compute, progress, beside)
-        if was_interrupted(result.record):
-            raise KeyboardInterrupt
+    options = RunOptions(mesh, linear, progress)
+    if checkpoint is None:
+        result = run_and_estimate(scene, options, estimate_error)
+    else:
+        folder = FilePath(checkpoint)
+        with new_folder(folder), exclusive(folder):
+            refuse_links(folder)
+            options = replace(options, checkpoints=Checkpoints(folder), resume=is_unfinished(folder))
+            result = run_and_estimate(scene, options, estimate_error)
+            if not result.unfinished:
+                Checkpoints(folder).remove()
     for text in [*result.record.failures, *result.record.warnings]:
         warnings.warn(text, stacklevel=2)
+    if StopReason.INTERRUPTED in result.record.not_made.values():
+        raise KeyboardInterrupt
     return result.recorded()
 
 
@@ -136,15 +137,30 @@ def compute(
     return _compute(scene, RunOptions(mesh, linear, progress, checkpoints, resume, time_unit, harmonics))
 
 
-def _compute_in(folder: FilePath, scene: Scene, options: RunOptions) -> Computed:
-    """Compute with checkpoints in a folder, from those that it holds."""
-    with new_folder(folder), exclusive(folder):
-        refuse_links(folder)
-        checkpoints = Checkpoints(folder)
-        result = _compute(scene, replace(options, checkpoints=checkpoints, resume=is_unfinished(folder)))
-        if not result.interrupted:
-            checkpoints.remove()
-    return result
+def run_and_estimate(
+    scene: Scene,
+    options: RunOptions,
+    estimate_error: bool | None = None,
+    keep: Callable[[Computed], object] | None = None,
+) -> Computed:
+    """Run a scene, then estimate the error of its mesh; run it again where its series needs more harmonics.
+
+    ``keep`` is called with a result that is whole before what follows it is begun: nothing that follows, an interrupt
+    neither, costs that result. The record names what was not made.
+    """
+    keep = keep or (lambda _: None)
+    ran, saved = scene_to_run(scene, options.mesh, options.linear), options.checkpoints
+    chosen = saved.harmonics if saved is not None and options.resume else options.harmonics
+    result = _compute(scene, replace(options, harmonics=chosen))
+    if result.interrupted or not (estimates_by_default(ran) if estimate_error is None else estimate_error):
+        return result
+    keep(result)
+
+    def again(harmonics: int) -> Computed:
+        keep(result)
+        return _compute(scene, replace(options, harmonics=harmonics, resume=False))
+
+    return with_estimate(ran, result, companions_of(ran, compute, options.progress, chosen), again)
 
 
 def _compute(scene: Scene, options: RunOptions) -> Computed:

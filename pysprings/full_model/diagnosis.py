@@ -2,6 +2,7 @@
 """Why a path stopped: a named physical reason from the state itself, with the figure that shows it.
 
 ``limit load``   under a given load, the caisson's stiffness is gone, or nothing balances the load.
+``dead load``    the path did not begin: its own vertical load was not carried; no load of it is a limit load.
 ``displacement limit``  under a given load, the caisson has moved too far, and the soil still resists more.
 ``apex``         the soil around the largest residual has lost its confining stress: no stiffness, no strength.
 ``localisation`` the soil's tangent there has lost its ellipticity (Rudnicki & Rice 1975): det(n.C.n) <= 0 for some
@@ -28,7 +29,7 @@ from pysprings.core.stop_reasons import Diagnosis, StopReason
 if TYPE_CHECKING:
     from fe_engine.assembly.fourier_system import FourierSystem
     from fe_engine.assembly.system import System
-    from fe_engine.solve.stepping import Driver
+    from fe_engine.solve.stepping import Driver, Position
     from fe_engine.state import State
 
 # A caisson under a given load is at its limit where this share of its initial stiffness is left
@@ -72,6 +73,15 @@ def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> Diagnosis
     if _contact_there(system, elements):
         return Diagnosis(StopReason.FRICTION, "stations there stick, slip and open in turn, and no set of states holds")
     return Diagnosis(StopReason.UNEXPLAINED)
+
+
+def during_dead_load(cause: Diagnosis, position: Position | None) -> Diagnosis:
+    """Return why a path stopped before it began; ``position`` is that of the last converged increment, if any."""
+    converged = 0.0 if position is None else position.done
+    detail = f"{100.0 * converged:.3g} % of it converged"
+    if converged == 0.0:
+        detail = "no increment of it converged, however small; this is no limit load"
+    return Diagnosis(StopReason.DEAD_LOAD, f"{detail}; {cause.detail or cause.reason}")
 
 
 def _left(share: float) -> str:

@@ -16,7 +16,7 @@ from fe_engine.state import FIELDS, State, initial_fields
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.stop_reasons import Diagnosis, StopReason
 from pysprings.full_model.checkpoint import Saved
-from pysprings.full_model.diagnosis import diagnose, too_far
+from pysprings.full_model.diagnosis import diagnose, during_dead_load, too_far
 from pysprings.full_model.discretise import make_collector
 from pysprings.full_model.displacement_limit import DisplacementLimit
 from pysprings.full_model.path_checkpoint import Gathered, Standing
@@ -63,10 +63,9 @@ class PathRun:
             self.ending = COMPLETE
         except NotConverged as error:
             why, reason = self._why(error)
-            limit = reason.is_limit and self.stage >= self.n_dead and bool(self.collector.rows)
             self.ending = (
                 Ending(Status.LIMIT_LOAD, reason, why)
-                if limit
+                if reason.is_limit
                 else Ending(Status.PARTIAL, reason, why, self._failure(why))
             )
             if not self.collector.rows:  # the dead load itself: the state that it reached is kept, marked
@@ -136,6 +135,10 @@ class PathRun:
         if error.refused:
             return str(error), StopReason.DISPLACEMENT_LIMIT
         cause = diagnose(self.driver, self._forced(), self.work.stiffness)
+        if self.stage < self.n_dead:
+            cause = during_dead_load(cause, self.driver.position)
+        elif cause.reason.is_limit and len(self.collector.rows) < 2:
+            cause = Diagnosis(StopReason.UNEXPLAINED, f"no increment of the path converged; {cause.detail}")
         return f"{cause} ({error})", cause.reason
 
     def _forced(self) -> bool:
@@ -147,8 +150,9 @@ class PathRun:
     def _failure(self, why: str) -> str:
         """Return one line: which path stopped, on its way to which part of the load, and why."""
         stage, target = self.driver.aim
-        of = " of its dead load" if stage == DEAD_LOAD else ""
-        return f"path '{self.path.name}' stopped on its way to {100 * target:.4g} %{of}: {why}"
+        if stage == DEAD_LOAD:
+            return f"path '{self.path.name}' stopped during its {why}"
+        return f"path '{self.path.name}' stopped on its way to {100 * target:.4g} %: {why}"
 
     # --- saving ---
 

@@ -141,13 +141,16 @@ def raise_if_incomplete(result: Computed, folder: str | os.PathLike[str] | None 
     Raises
     ------
     RunIncomplete, ResourceError, KeyboardInterrupt
-        A path stopped; memory was used up; the run, or the estimate of its error, was interrupted.
+        A path stopped, or the estimate is above the target error; memory was used up; the run, or what follows its
+        results, was interrupted.
     """
     record = result.record
     if record.stopped_by is StopReason.OUT_OF_MEMORY:
         where = "" if folder is None else f"; what converged is kept in {folder}, --resume goes on from there"
         raise ResourceError(f"{record.failures[-1]}; try a smaller mesh (`pysprings check` estimates){where}")
-    if result.interrupted:
+    if result.interrupted or StopReason.INTERRUPTED in record.not_made.values():
         raise KeyboardInterrupt
     if record.status is not Status.COMPLETE:
         raise RunIncomplete("; ".join(record.failures), folder, record.reasons)
+    if missed := (record.target_error or {}).get("missed"):
+        raise RunIncomplete(missed, folder)

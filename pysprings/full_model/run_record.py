@@ -236,6 +236,7 @@ class RunRecord(_Part):
     stiffness_initial : of the whole caisson at mudline: dofs, and the matrix in N, m, rad.
     summary : the run in ten lines, by heading (`pysprings.results.summary`).
     error_estimate, target_error, balance, files : what was asked for, or written, beside the computation.
+    not_made : parts that follow the results (error estimate, pictures, report) and were not made, by name, and why.
     """
 
     status: Status = Status.INTERRUPTED
@@ -265,6 +266,7 @@ class RunRecord(_Part):
     balance: dict[str, dict[str, float]] | None = field(default=None, metadata=OPTIONAL)
     files: list[str] | None = field(default=None, metadata=OPTIONAL)
     summary: dict[str, str] | None = field(default=None, metadata=OPTIONAL)
+    not_made: dict[str, str] = field(default_factory=dict)
     _typed: ClassVar[Mapping[str, Callable[[Any], Any]]] = {
         "status": Status,
         "stopped_by": StopReason,
@@ -305,6 +307,12 @@ class RunRecord(_Part):
         return [*self.failures, *limits]
 
     @property
+    def left_to_make(self) -> str:
+        """One line on what was not made; empty where everything was."""
+        parts = [f"{name} ({why})" for name, why in self.not_made.items()]
+        return f"not made: {', '.join(parts)}; --resume makes what is missing" if parts else ""
+
+    @property
     def limit_loads(self) -> dict[str, LimitLoad]:
         """Limit loads by path, of those that met one."""
         return {name: path.limit_load for name, path in self.paths.items() if path.limit_load is not None}
@@ -334,6 +342,11 @@ class Computed:
     def interrupted(self) -> bool:
         """True where the run ended before its paths did."""
         return self.record.status is Status.INTERRUPTED
+
+    @property
+    def unfinished(self) -> bool:
+        """True where the run, or a part that follows its results, can go on from checkpoints."""
+        return self.interrupted or bool(self.record.not_made)
 
     def recorded(self) -> xr.DataTree:
         """Return the tree with the record as its attribute `run_json`."""

@@ -4,28 +4,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from pysprings.core.errors import UserInputError
+from pysprings.core.errors import PyspringsError, UserInputError, printable
 from pysprings.core.files.layout import WRITING, is_unfinished
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text, write_tree
 from pysprings.core.files.written import LIST, note, noted, own_folder
 from pysprings.core.progress import Progress
+from pysprings.core.stop_reasons import StopReason
 from pysprings.core.text import json_text
-from pysprings.full_model.accuracy.own_estimate import (
-    Companions,
-    add_estimate,
-    companions_of,
-    estimates_by_default,
-    was_interrupted,
-)
+from pysprings.full_model.accuracy import presets
+from pysprings.full_model.accuracy.own_estimate import PHASE
 from pysprings.full_model.checkpoint import Checkpoints
-from pysprings.full_model.compute import compute, scene_to_run
+from pysprings.full_model.compute import RunOptions, run_and_estimate, scene_to_run
 from pysprings.full_model.record import Meter
 from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.full_model.run_record import Computed, RunRecord
@@ -46,6 +42,9 @@ if TYPE_CHECKING:
 
     from pysprings.scene.load import Scene
 
+T = TypeVar("T")
+NOT_YET = "not made yet"
+
 
 @dataclass(frozen=True)
 class Writing:
@@ -53,7 +52,7 @@ class Writing:
 
     Attributes
     ----------
-    target_error : goes into run.json.
+    target_error : note of the setting that a target chose (`accuracy.presets.note`); its error is judged at the end.
     figures : False draws no pictures, whatever the scene says.
     springs_alone : True writes springs.nc and run.json and no other file.
     """
@@ -72,35 +71,23 @@ def run_to_folder(
 
     Results of an earlier run in the folder are removed once the new ones are there to be written; a scene that is
     refused does not change them. A run that stops early writes what converged, marked as partial, and then
-    raises RunIncomplete (or KeyboardInterrupt, or ResourceError). One run at a time holds the folder. Checkpoints are
-    in it until everything is written; ``resume`` goes on from them. ``estimate_error`` is that of `full_model.run`,
+    raises RunIncomplete (or KeyboardInterrupt, or ResourceError). The error estimate, pictures and report follow the
+    results: where they fail the record names them (`not_made`). One run at a time holds the folder. Checkpoints are
+    in it until everything is made; ``resume`` goes on from them. ``estimate_error`` is that of `full_model.run`,
     ``time_unit`` that of `full_model.compute`; ``writing`` is what else decides the files.
     """
-    folder, ran = Path(out), scene_to_run(scene, mesh)
-    refuse_full_disk(ran, folder)
+    folder, more = Path(out), writing or Writing()
+    refuse_full_disk(scene_to_run(scene, mesh), folder)
     with new_folder(folder), exclusive(folder):
         refuse_linked_folders(folder)
         checkpoints = Checkpoints(folder)
-        estimated = estimates_by_default(ran) if estimate_error is None else estimate_error
-        chosen = checkpoints.harmonics if resume else None
-        beside = companions_of(ran, compute, progress, chosen) if estimated else Companions()
-        result = compute(
-            scene, mesh, progress, checkpoints=checkpoints, resume=resume, time_unit=time_unit,
-            harmonics=beside.harmonics,
-        )  # fmt: skip
-        if estimated and not result.interrupted:
-            add_estimate(ran, result, compute, progress, beside)
-        more = writing or Writing()
-        result.record.target_error = None if more.target_error is None else dict(more.target_error)
-        if more.springs_alone:
-            _write_springs(folder, result)
-        else:
-            _write_all(folder, scene, result, more.figures and scene.output.figures)
-        if not result.interrupted:
+        options = RunOptions(mesh, None, progress, checkpoints, resume, time_unit)
+        files = _Files(folder, more, drawn=more.figures and scene.output.figures)
+        result = run_and_estimate(scene, options, estimate_error, files.keep)
+        files.finish(result)
+        if not result.unfinished:
             checkpoints.remove()
         raise_if_incomplete(result, folder)
-        if was_interrupted(result.record):
-            raise KeyboardInterrupt
     return folder
 
 
@@ -125,42 +112,110 @@ def run_or_go_on(
         return again()
 
 
-def _write_springs(folder: Path, computed: Computed) -> None:
-    """Write the springs and the record of a result alone, in the place of the files of an earlier run."""
-    record, springs = computed.record, _springs(computed.recorded())
-    remove_results(folder)
-    remove_leftovers(folder, *(folder / name for name in own_folders()))
-    if springs is not None:
-        record.balance = {name: balance(get_path(springs, name)) for name in path_names(springs)}
-        save_springs(springs, folder / "springs.nc")
-    record.files = noted(folder)
-    _write_record(folder, record.as_dict())
+class _Files:
+    """The files of a run: those with its results first, then those that follow from them."""
 
+    def __init__(self, folder: Path, writing: Writing, drawn: bool) -> None:
+        self.folder, self.writing, self.drawn = folder, writing, drawn
+        self.kept: xr.DataTree | None = None  # result whose springs `source` has
+        self.source = Source()
+        self.has_springs = False
 
-def _write_all(folder: Path, scene: Scene, computed: Computed, drawn: bool) -> None:
-    """Write every file of a result, in the place of those of an earlier run; run.json has its status at the end."""
-    meter, record, result = Meter(), computed.record, computed.recorded()
-    remove_results(folder)
-    remove_leftovers(folder, *(folder / name for name in own_folders()))
-    written = partial(note, folder)
-    with meter.clock.phase("output: files"):
-        write_tree(result, folder / "full_model.nc")
+    def keep(self, computed: Computed) -> None:
+        """Write the results, in the place of those of an earlier run; parts that follow are named as not made yet."""
+        record, meter = computed.record, Meter()
+        with meter.clock.phase("output: files before the estimate"):
+            self._write_results(computed)
+        meter.charge(record)
+        still = [] if record.error_estimate else [PHASE]
+        self._write_record(record, [*still, *self._shown])
+
+    def finish(self, computed: Computed) -> None:
+        """Write the results as they are at the end, pictures and report; what fails is named in the record."""
+        record, meter = computed.record, Meter()
+        if self.writing.target_error is not None:
+            record.target_error = presets.judged(self.writing.target_error, record.error_estimate or {})
+        with meter.clock.phase("output: files"):
+            self._write_results(computed)
+        if not self.writing.springs_alone:
+            self._write_record(record, self._shown)
+            self._show(computed, meter)
+        meter.charge(record)
+        record.files = noted(self.folder)
+        _write_record(self.folder, record.as_dict())
+        (self.folder / LIST).unlink(missing_ok=True)
+
+    @property
+    def _shown(self) -> list[str]:
+        """Names of what shows the results."""
+        return [] if self.writing.springs_alone else [*(["pictures"] if self.drawn else []), "report"]
+
+    def _write_record(self, record: RunRecord, still: Sequence[str]) -> None:
+        """Write run.json while parts are still to be made."""
+        missing = record.not_made | dict.fromkeys(still, NOT_YET)
+        _write_record(self.folder, record.as_dict() | {"files": noted(self.folder), "not_made": missing})
+
+    def _show(self, computed: Computed, meter: Meter) -> None:
+        """Draw the pictures and write the report."""
+        record, figures = computed.record, None
+        if self.drawn:
+            with meter.clock.phase("output: pictures"):
+                figures = _made(record, "pictures", lambda: _draw(self.folder, self.source, self.has_springs))
+        meter.charge(record)  # the report shows the cost of everything but itself
+        springs, compared = (self.source.springs, self.source.comparison) if self.has_springs else (None, None)
+        with meter.clock.phase("output: report"):
+            _made(
+                record, "report",
+                lambda: write_report(self.folder, computed.tree, springs, compared, run=record, figures=figures or []),
+            )  # fmt: skip
+
+    def _write_results(self, computed: Computed) -> None:
+        """Write full model, springs and tables; the springs alone where nothing else is asked for."""
+        if self.kept is not computed.tree:
+            self._begin(computed)
+        record, folder, source = computed.record, self.folder, self.source
+        if self.has_springs:
+            springs = source.springs
+            record.balance = {name: balance(get_path(springs, name)) for name in path_names(springs)}
+        if self.writing.springs_alone:
+            if self.has_springs:
+                save_springs(source.springs, folder / "springs.nc")
+            return
+        if self.has_springs:
+            source.summary = record.summary = summary(source.result, record, source.comparison, source.springs)
+        write_tree(computed.recorded(), folder / "full_model.nc")
         _write_record(folder, record.as_dict() | {"status": WRITING})
-        springs = _springs(result)
-        source = Source(springs, result)
-        _write_tables(folder, source, springs is not None, record)
-        if "volume" in result.children:
-            export(source, "paraview", Target(folder / PARAVIEW, written))
-    with meter.clock.phase("output: pictures"):
-        figures = _draw(folder, source, springs, written) if drawn else []
-    meter.charge(record)  # the report shows the cost of everything but itself
-    with meter.clock.phase("output: report"):
-        compared = None if springs is None else source.comparison
-        write_report(folder, result, springs, compared, run=record, figures=figures)
-    meter.charge(record)
-    record.files = noted(folder)
-    _write_record(folder, record.as_dict())
-    (folder / LIST).unlink(missing_ok=True)
+        if path_names(source.result):
+            write_load_displacement(source.result, folder / "load_displacement.csv")
+        if self.has_springs:
+            for exporter in EXPORTERS:
+                if exporter.of_every_run:
+                    export(source, exporter.name, folder / exporter.file)
+            write_frame(source.comparison, folder / "compare.csv")
+        if "volume" in source.result.children:
+            export(source, "paraview", Target(folder / PARAVIEW, partial(note, folder)))
+
+    def _begin(self, computed: Computed) -> None:
+        """Take up a result; files of an earlier one go."""
+        springs = _springs(computed.tree)
+        remove_results(self.folder)
+        remove_leftovers(self.folder, *(self.folder / name for name in own_folders()))
+        self.source, self.kept, self.has_springs = Source(springs, computed.tree), computed.tree, springs is not None
+
+
+def _made(record: RunRecord, name: str, make: Callable[[], T]) -> T | None:
+    """Return what ``make`` returns; None where it fails, with the reason in the record, and after an interrupt."""
+    try:
+        if StopReason.INTERRUPTED in record.not_made.values():
+            raise KeyboardInterrupt
+        return make()
+    except KeyboardInterrupt:
+        record.not_made[name] = str(StopReason.INTERRUPTED)
+    except Exception as error:
+        kind = "" if isinstance(error, PyspringsError) else f"{type(error).__name__}: "
+        record.not_made[name] = printable(f"{kind}{error}")
+    record.summary = {**(record.summary or {}), "not made": record.left_to_make}
+    return None
 
 
 def _springs(result: xr.DataTree) -> xr.DataTree | None:
@@ -173,25 +228,11 @@ def _springs(result: xr.DataTree) -> xr.DataTree | None:
         return None
 
 
-def _write_tables(folder: Path, source: Source, has_springs: bool, record: RunRecord) -> None:
-    """Write the loads of every path, and the files of the springs."""
-    if path_names(source.result):
-        write_load_displacement(source.result, folder / "load_displacement.csv")
-    if has_springs:
-        springs = source.springs
-        record.balance = {name: balance(get_path(springs, name)) for name in path_names(springs)}
-        source.summary = record.summary = summary(source.result, record, source.comparison, springs)
-        for exporter in EXPORTERS:
-            if exporter.of_every_run:
-                export(source, exporter.name, folder / exporter.file)
-        write_frame(source.comparison, folder / "compare.csv")
-
-
-def _draw(folder: Path, source: Source, springs: xr.DataTree | None, written: Callable[[Path], object]) -> list[Path]:
+def _draw(folder: Path, source: Source, has_springs: bool) -> list[Path]:
     from pysprings.results import plots
 
-    predicted = source.predictions if springs is not None else {}
-    return plots.save_all(source.result, springs, folder / FIGURES, predicted, written)
+    springs, predicted = (source.springs, source.predictions) if has_springs else (None, {})
+    return plots.save_all(source.result, springs, folder / FIGURES, predicted, partial(note, folder))
 
 
 def _write_record(folder: Path, record: dict[str, Any]) -> None:

@@ -5,14 +5,15 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import percent
+from pysprings.core.words import MeshPreset
 from pysprings.results.analysis.parts import load_sizes
 from pysprings.scene.card import caisson_text, ground_text
 from pysprings.scene.design_load import USUAL_TILT
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
+MESHES = get_args(MeshPreset)  # from coarse to fine
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,7 @@ def summary(
         ("initial stiffness", _stiffness(run)),
         ("loads", _loads(run)), ("tilt", _tilt(run)), ("range", _range(run)), ("mesh error", _mesh(run)),
         ("springs", _springs(run)), ("warnings", _warnings(run)), ("use", _use(run)),
+        ("not made", record.left_to_make),
     ]  # fmt: skip
     return {name: text for name, text in lines if text}
 
@@ -160,15 +163,14 @@ def _range(run: Run) -> str:
 
 
 def _mesh(run: Run) -> str:
-    from pysprings.full_model.accuracy.measures import MEASURES
+    from pysprings.full_model.accuracy.two_mesh import short
     from pysprings.model.forecast.domain_effect import domain_effect
 
-    estimate = (run.record.error_estimate or {}).get("estimate_pct") or {}
-    parts = [f"{MEASURES[name].head} {percent(value)}" for name, value in estimate.items()]
+    estimate = run.record.error_estimate or {}
     most = domain_effect(run.scene).percent
     bounds = f"at most {most['H']:.2g} % (K_H), {most['M']:.2g} % (K_M)" if math.isfinite(most["H"]) else "far"
     domain = f"domain: stiffness {bounds} above unbounded soil"
-    return f"{'estimated ' + ', '.join(parts) if parts else 'not estimated'}; {domain}"
+    return f"{'estimated ' + short(estimate) if estimate.get('estimate_pct') else 'not estimated'}; {domain}"
 
 
 def _springs(run: Run) -> str:
@@ -197,11 +199,24 @@ def _use(run: Run) -> str:
         limits.append("they were not checked on a path of their own")
     elif max(worst.values()) > _GOOD:
         limits.append(f"their error is above {_GOOD:g} % on a path held back")
-    estimate = ((run.record.error_estimate or {}).get("estimate_pct") or {}).get("load_max")
-    if estimate is None or estimate > _GOOD_MESH:
-        size = "unknown" if estimate is None else percent(estimate)
-        limits.append(f"the mesh error of load is {size}: for design take --target-error or a finer --mesh")
+    limits += _mesh_limits(run.record.error_estimate or {}, run.scene.mesh.preset)
     return "predictions within the range" + (f"; preliminary: {'; '.join(limits)}" if limits else "")
+
+
+def _mesh_limits(estimate: Mapping[str, Any], preset: str) -> list[str]:
+    """Say where the error of the mesh is too large for design, and the remedy."""
+    size = (estimate.get("estimate_pct") or {}).get("load_max")
+    finer = MESHES[MESHES.index(preset) + 1 :]
+    remedy = f"run it with --mesh {finer[0]}" if finer else "raise mesh.refinement"
+    if size is None:
+        return [f"the mesh error of load is unknown ({estimate.get('why_not', 'run it with --estimate-error')})"]
+    if size <= _GOOD_MESH:
+        return []
+    path = max(
+        estimate.get("by_path") or {}, key=lambda name: estimate["by_path"][name].get("load_pct", 0.0), default=""
+    )
+    on = f" on path {path}" if path else ""
+    return [f"the mesh error of load is {percent(size)}{on}: {remedy}"]
 
 
 def _lateral(run: Run) -> list[tuple[str, xr.Dataset]]:

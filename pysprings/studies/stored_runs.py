@@ -91,7 +91,7 @@ def has_ended(folder: Path, scene: Scene) -> bool:
         and record.status in (Status.COMPLETE, Status.PARTIAL)
         and record.stopped_by is None
         and all((folder / name).exists() for name in NEEDED)
-        and not is_unfinished(folder)
+        and (not is_unfinished(folder) or bool(record.not_made))  # pictures or a report do not concern a study
     )
 
 

@@ -64,6 +64,8 @@ def curves_of(result: xr.DataTree) -> dict[str, Curve]:
     curves = {}
     for name in path_names(result):
         path = get_path(result, name)
+        if path.sizes["step"] < 2:  # stopped during its dead load or in its first step
+            continue
         length = float(result.attrs["skirt_length_m"])
         x = quantities.driver(path, length)
         rising = leading(x)

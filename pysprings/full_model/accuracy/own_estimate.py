@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Adds to a result the estimate of its own discretisation error: runs the coarser mesh and sets both side by side.
 
-A Fourier series is run on the coarser mesh before: with N and with N + 2 harmonics, until both agree. The scene then
-runs with that N, unless it sets its own.
+It comes after the result, which is kept however this ends. A Fourier series is run on the coarser mesh with N and with
+N + 2 harmonics, N growing by two until both agree: where that asks for more than the result has, the scene runs again.
 """
 
 from __future__ import annotations
@@ -12,12 +12,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from fe_engine.clock import Clock
-from pysprings.core.errors import PyspringsError
+from pysprings.core.errors import PyspringsError, RunIncomplete, UserInputError
 from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
 from pysprings.full_model.accuracy.settings import FOURIER
 from pysprings.full_model.record import Meter
-from pysprings.full_model.run_record import Computed, RunRecord, Status
+from pysprings.full_model.run_record import Computed
+from pysprings.springs.dataset import path_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
 Compute = Callable[..., Computed]
-PHASE = "error estimate"
+PHASE = "error estimate"  # also its name among the parts of a run that were not made
 # %: difference of load and p(y) between N and N + 2 harmonics below which N are enough. The section's own error is far
 # larger on the coarser presets (docs/evidence/accuracy.md).
 ENOUGH = {"coarse": 2.0, "medium": 1.0}
@@ -38,14 +39,28 @@ MOST = 9  # harmonics that are tried
 class Companions:
     """Runs on the coarser mesh by number of harmonics (None: bricks), or why there are none; what they cost.
 
-    ``harmonics`` is the number that was chosen.
+    Attributes
+    ----------
+    harmonics : the number that was chosen.
+    stopped : by path why it stopped on the coarser mesh.
+    again : True where the reason passes, and another attempt may succeed.
     """
 
     trees: dict[int | None, xr.DataTree] = field(default_factory=dict)
     harmonics: int | None = None
     why_not: str = ""
-    ended: str = ""
+    stopped: dict[str, str] = field(default_factory=dict)
+    again: bool = False
     clock: Clock = field(default_factory=Clock)
+
+    def failed(self, error: BaseException) -> None:
+        """Note the error that ended the companions or what was made of them."""
+        self.again = not isinstance(error, RunIncomplete | UserInputError)
+        name = "" if isinstance(error, PyspringsError) else f"{type(error).__name__}: "
+        interrupted = isinstance(error, KeyboardInterrupt)
+        self.why_not = (
+            str(StopReason.INTERRUPTED) if interrupted else f"the run on the coarser mesh failed: {name}{error}"
+        )
 
 
 def estimates_by_default(scene: Scene) -> bool:
@@ -56,36 +71,36 @@ def estimates_by_default(scene: Scene) -> bool:
 def companions_of(
     scene: Scene, compute: Compute, progress: Progress | None = None, chosen: int | None = None
 ) -> Companions:
-    """Run a Fourier scene on its coarser mesh, and choose the number of harmonics with which the scene itself is run.
+    """Run a scene on its coarser mesh; of a Fourier series, choose the number of harmonics that it needs.
 
-    Bricks have none here: their coarser mesh is run after them (`add_estimate`). A run that goes on keeps the number
-    that was ``chosen`` when it began.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        One of the runs was interrupted.
+    ``compute`` runs a scene (`full_model.compute`). A run that goes on keeps the number that was ``chosen`` when it
+    began. Nothing is raised: without a run the companions have the reason.
     """
     companions = Companions()
-    if scene.discretisation == FOURIER:
-        with companions.clock.phase(PHASE):
-            _choose(scene, companions, compute, progress, chosen)
+    with companions.clock.phase(PHASE):
+        try:
+            coarse = two_mesh.coarser(scene)
+            if coarse is scene:
+                companions.why_not = "there is no coarser mesh than this one"
+            elif scene.discretisation == FOURIER:
+                _choose(scene, coarse, companions, lambda each, n: _run(each, n, companions, compute, progress), chosen)
+            else:
+                _run(coarse, None, companions, compute, progress)
+        except (Exception, KeyboardInterrupt) as error:
+            companions.failed(error)
     return companions
 
 
 def _choose(
-    scene: Scene, companions: Companions, compute: Compute, progress: Progress | None, chosen: int | None
+    scene: Scene, coarse: Scene, companions: Companions, run: Callable[[Scene, int], bool], chosen: int | None
 ) -> None:
     """Raise the harmonics on the coarser mesh until two more of them change little."""
     from pysprings.model.fourier import section_counts_of
 
-    coarse = _coarser(scene, companions)
-    if coarse is None:
-        return
     n = chosen or section_counts_of(scene).harmonics
-    while _run(coarse.replace(mesh={"harmonics": n}), n, companions, compute, progress):
+    while run(coarse.replace(mesh={"harmonics": n}), n):
         companions.harmonics = n
-        if not _run(coarse.replace(mesh={"harmonics": n + 2}), n + 2, companions, compute, progress):
+        if not run(coarse.replace(mesh={"harmonics": n + 2}), n + 2):
             return
         change = two_mesh.difference(companions.trees[n + 2], companions.trees[n]) or {}
         most = ENOUGH.get(scene.mesh.preset, ENOUGH_ELSE)
@@ -93,15 +108,6 @@ def _choose(
         if enough or chosen or scene.mesh.harmonics is not None or n + 2 > MOST:
             return
         n += 2
-
-
-def _coarser(scene: Scene, companions: Companions) -> Scene | None:
-    """Return the scene on its coarser mesh; None, with the reason, where there is none."""
-    coarse = two_mesh.coarser(scene)
-    if coarse is not scene:
-        return coarse
-    companions.why_not = "there is no coarser mesh than this one"
-    return None
 
 
 def _run(scene: Scene, key: int | None, companions: Companions, compute: Compute, progress: Progress | None) -> bool:
@@ -112,54 +118,74 @@ def _run(scene: Scene, key: int | None, companions: Companions, compute: Compute
     report = (
         None if progress is None else (lambda at, share, text: progress(f"coarser mesh{beside}, {at}", share, text))
     )
-    try:
-        coarse = compute(scene, progress=report)
-    except PyspringsError as error:
-        companions.why_not = f"the run on the coarser mesh failed: {error}"
-        return False
-    if coarse.record.stopped_by is StopReason.INTERRUPTED and key is not None:
-        raise KeyboardInterrupt
+    coarse = compute(scene, progress=report)
     if coarse.record.stopped_by is not None:
-        companions.why_not = str(coarse.record.stopped_by)
+        companions.why_not, companions.again = str(coarse.record.stopped_by), True
         return False
-    if not coarse.record.reached:
-        limit = coarse.record.complete
-        companions.ended = str(Status.LIMIT_LOAD if limit else coarse.record.status)
+    companions.stopped |= {
+        name: str(path.reason or path.status) for name, path in coarse.record.paths.items() if path.reason is not None
+    }
     companions.trees[key] = coarse.tree
     return True
 
 
-def add_estimate(
-    scene: Scene, result: Computed, compute: Compute, progress: Progress | None = None, beside: Companions | None = None
-) -> None:
+def with_estimate(scene: Scene, result: Computed, companions: Companions, again: Callable[[int], Computed]) -> Computed:
+    """Put the estimate into the record of a result; return it, or that of ``again`` where N is too small.
+
+    ``again`` runs the scene with more harmonics. Where that run does not come as far, the first result stays, and its
+    record has the reason.
+    """
+    add_estimate(scene, result, companions)
+    more, had = companions.harmonics, result.record.mesh.harmonics
+    if more is None or had is None or more <= had or companions.again:
+        return result
+    name, before = f"run with {more} harmonics", result.record
+    try:
+        richer = again(more)
+    except Exception as error:
+        before.not_made[name] = f"{type(error).__name__}: {error}"
+        return result
+    if richer.interrupted:
+        before.not_made[name] = str(richer.record.stopped_by)
+        return result
+    if before.complete and not richer.record.complete:
+        why = "; ".join(richer.record.failures)
+        before.warnings.append(f"the {name}, which the coarser mesh asks for, stopped: {why}")
+        return result
+    record = richer.record
+    record.phases[f"run with {had} harmonics"] = {"wall_s": before.wall_s, "cpu_s": before.cpu_s}
+    record.wall_s, record.cpu_s = record.wall_s + before.wall_s, record.cpu_s + before.cpu_s
+    add_estimate(scene, richer, companions)
+    return richer
+
+
+def add_estimate(scene: Scene, result: Computed, companions: Companions) -> None:
     """Put the estimate and its cost into the record of a result of ``scene`` (the one that ran).
 
-    ``compute`` runs a scene (`full_model.compute`); ``beside`` are the runs of `companions_of`. The result stays as it
-    is however the coarser run ends; without an estimate the record has the reason.
+    The result stays as it is, and nothing is raised; without an estimate the record has the reason.
     """
     meter, record = Meter(), result.record
-    companions = beside or Companions()
     with meter.clock.phase(PHASE):
-        if not companions.trees and not companions.why_not and (coarse := _coarser(scene, companions)) is not None:
-            _run(coarse, None, companions, compute, progress)
-        record.error_estimate = _estimate(scene, result, companions)
+        try:
+            record.error_estimate = _estimate(scene, result, companions)
+        except (Exception, KeyboardInterrupt) as error:
+            companions.failed(error)
+            record.error_estimate = two_mesh.missing(companions.why_not)
+    if companions.again:
+        record.not_made[PHASE] = companions.why_not
     meter.include(companions.clock)
+    companions.clock = Clock()
     meter.charge(record)
 
 
-def was_interrupted(record: RunRecord) -> bool:
-    """Return whether the estimate of a run was interrupted."""
-    return (record.error_estimate or {}).get("why_not") == StopReason.INTERRUPTED
-
-
 def _estimate(scene: Scene, result: Computed, companions: Companions) -> dict[str, Any]:
-    n = companions.harmonics
+    n = result.record.mesh.harmonics
     if n not in companions.trees:
-        return two_mesh.missing(companions.why_not)
+        return two_mesh.missing(companions.why_not or "no run on the coarser mesh has its number of harmonics")
     orders = presets.orders(scene.discretisation)
     richer = None if n is None else companions.trees.get(n + 2)
     ratio = two_mesh.cell_ratio(scene, two_mesh.coarser(scene))
     estimate = two_mesh.estimate(result.tree, companions.trees[n], orders, richer, ratio)
-    if companions.ended:
-        estimate["coarser_run"] = companions.ended
+    if companions.stopped and estimate["estimate_pct"]:
+        estimate |= {"companion_stopped": companions.stopped, "companion_paths": len(path_names(companions.trees[n]))}
     return estimate

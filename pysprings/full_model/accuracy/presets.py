@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING, Any, get_args
 from pydantic import ValidationError
 
 from pysprings.core.errors import refused
+from pysprings.core.text import percent
 from pysprings.core.words import TargetError
 from pysprings.full_model.accuracy.curves import LOAD, PY
 from pysprings.full_model.accuracy.settings import BRICKS, FOURIER, MESH, Setting, read_mesh
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.load import Path, Scene
 
 SCHEMA = "pysprings-accuracy-2"
 TARGETS = {word: float(word.rstrip("%")) for word in get_args(TargetError)}
@@ -59,6 +60,61 @@ def cheapest(target: str, study: dict[str, Any] | None = None, scene: Scene | No
             f"no setting of the study ({study['origin']['scene']}) is within {target}; the best has {best:.2g} %",
         )
     return _setting(row)
+
+
+STUDIED = {"diameter": 7.8, "slenderness": 4.0 / 7.8, "motion": 2.5e-3 / 7.8}  # of the shipped study: m, L/D, u/D
+SLENDER = 1.25  # factor of L/D within which its meshes stand for another caisson
+FARTHEST = 10.0  # times its motion: beyond it more soil yields, and other cells decide
+
+
+def refuse_outside(target: str, scene: Scene) -> None:
+    """Refuse a target for a scene that the study behind the settings does not stand for: drained uniform sand.
+
+    Raises
+    ------
+    UserInputError
+        One problem with everything that is outside.
+    """
+    from pysprings.scene.ground import drainage_of, ground_of
+
+    ground, caisson = ground_of(scene), scene.caisson
+    moved = (
+        max((_motion(path, caisson.skirt_length) for path in scene.load_paths), default=0.0) / caisson.outer_diameter
+    )
+    ratio = caisson.skirt_length / caisson.outer_diameter / STUDIED["slenderness"]
+    outside = {
+        "clay": ground.total_stress,
+        "layers, or values that change with depth": not (ground.total_stress or ground.is_uniform),
+        f"{drainage_of(scene)} water": drainage_of(scene) not in ("drained", "total-stress"),
+        f"L/D {ratio * STUDIED['slenderness']:.2g}": not 1.0 / SLENDER <= ratio <= SLENDER,
+        f"a motion of {100.0 * moved:.2g} % of D": moved > FARTHEST * STUDIED["motion"],
+    }
+    words = ", ".join(name for name, is_so in outside.items() if is_so)
+    if words:
+        low, high = (STUDIED["slenderness"] * factor for factor in (1.0 / SLENDER, SLENDER))
+        most = 100.0 * FARTHEST * STUDIED["motion"]
+        raise refused(
+            "--target-error",
+            f"'{target[:20]}' chooses a mesh from a study of drained uniform sand (L/D {low:.2f} to {high:.2f}, "
+            f"motions up to {most:.2g} % of D), which does not cover {words}: give --mesh medium, paper or fine, whose "
+            "run estimates its own error, or find the mesh by `pysprings accuracy SCENE`",
+        )
+
+
+def _motion(path: Path, length: float) -> float:
+    """Return the largest motion of a path that is given (m); a rotation moves the tip."""
+    moves = (path.lateral_displacement or 0.0, path.vertical_displacement or 0.0, length * (path.rotation or 0.0))
+    return max(map(abs, moves))
+
+
+def smaller(setting: Setting, scene: Scene) -> str:
+    """Return one line where a setting is a smaller model than the scene's own mesh; empty where it is not."""
+    from pysprings.model.forecast.resources import size_of
+
+    own, chosen = size_of(scene).unknowns, size_of(applied(setting, scene)).unknowns
+    if chosen >= own:
+        return ""
+    return f"runs {setting.name}, a smaller model ({chosen:,} unknowns) than that of the scene ({own:,})"
 
 
 def _setting(row: Mapping[str, Any]) -> Setting:
@@ -108,3 +164,25 @@ def note(target: str, setting: Setting, study: dict[str, Any] | None = None) -> 
     row = next(each for each in study["settings"] if each["name"] == setting.name)
     return {"target": target, "setting": setting.name, "error_in_study_pct": {n: row[f"{n}_pct"] for n in JUDGED},
             "study": study["origin"]}  # fmt: skip
+
+
+def judged(noted: Mapping[str, Any], estimate: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the note of a target with what the run's own estimate reached [%], and how it misses the target.
+
+    ``missed`` is one line for people; None where load and p-y are within the target.
+    """
+    most, own = TARGETS[str(noted["target"])], estimate.get("estimate_pct") or {}
+    reached = {name: float(own[name]) for name in JUDGED if name in own}
+    beyond = {name: value for name, value in reached.items() if value > most}
+    missed, heads = None, {"load_max": "load", "py_rms": "p-y"}
+    if len(reached) < len(JUDGED):
+        missed = f"no estimate of load and p-y ({estimate.get('why_not', 'not on these paths')})"
+    elif beyond:
+        sizes = " and ".join(f"{heads[name]} {percent(value)}" for name, value in beyond.items())
+        where = f" (path {estimate['worst_path']})" if estimate.get("worst_path") else ""
+        missed = f"the run's own estimate is {sizes}{where}"
+    elif stopped := estimate.get("companion_stopped"):
+        missed = f"the estimate ends where the coarser mesh stopped, on {', '.join(stopped)}"
+    if missed:
+        missed = f"--target-error {noted['target']}: {missed}; take a finer --mesh, or `pysprings accuracy SCENE`"
+    return {**noted, "reached_pct": reached, "missed": missed}

@@ -81,12 +81,19 @@ def cell_ratio(scene: Scene, coarse: Scene) -> float | None:
     return scene.mesh.refinement / coarse.mesh.refinement
 
 
+ByPath = dict[str, dict[str, float]]
+
+
+def differences(fine: xr.DataTree, coarse: xr.DataTree) -> ByPath:
+    """Return the difference [%] of two results by path and measure, of the paths that both have."""
+    by_path = samples({"fine": curves_of(fine), "coarse": curves_of(coarse)})
+    return {name: measures.errors(each["coarse"], each["fine"]) for name, each in by_path.items()}
+
+
 def difference(fine: xr.DataTree, coarse: xr.DataTree) -> dict[str, float] | None:
     """Return the difference [%] of two results by measure, worst path; None where they have no path in common."""
-    by_path = samples({"fine": curves_of(fine), "coarse": curves_of(coarse)})
-    if not by_path:
-        return None
-    return measures.worst([measures.errors(each["coarse"], each["fine"]) for each in by_path.values()])
+    by_path = differences(fine, coarse)
+    return measures.worst(list(by_path.values())) if by_path else None
 
 
 def estimate(
@@ -106,28 +113,51 @@ def estimate(
     if fewer < SMALLEST_RATIO:
         return missing(f"no mesh with fewer cells: {unknowns[1]} unknowns beside {unknowns[0]}")
     ratio = fewer if ratio is None else ratio
-    own = difference(fine, coarse)
-    if own is None:
-        return missing("the runs have no path in common")
+    own, beyond = differences(fine, coarse), {} if richer is None else differences(richer, coarse)
+    if not own:
+        return missing("the runs have no path in common with two converged states")
     kind = str(fine.attrs.get("discretisation", BRICKS))
-    beyond = None if richer is None else difference(richer, coarse)
     result: dict[str, Any] = {
         "method": "two meshes", "refinement_factor": FACTOR[kind], "unknowns": unknowns, "cell_ratio": round(ratio, 4),
         "safety": SAFETY[kind], "order": {}, "difference_pct": {}, "estimate_pct": {},
     }  # fmt: skip
-    if richer is not None and beyond is not None:
+    if richer is not None and beyond:
         numbers = [int(tree.attrs["harmonics"]) for tree in (coarse, richer)]
         result |= {"method": "two meshes, two numbers of harmonics", "harmonics": numbers, "harmonics_pct": {}}
+    estimates: ByPath = {name: {} for name in own}
     for name, quantity in ESTIMATED.items():
         order = ORDERS[kind].get(quantity) or orders.get(quantity) or USUAL_ORDER
         result["order"][name] = order
-        if np.isfinite(own[name]) and (quantity != STIFFNESS or starts_elastic(fine)):
-            result["difference_pct"][name] = own[name]
-            result["estimate_pct"][name] = SAFETY[kind] * own[name] / (ratio**order - 1.0)
-            if beyond is not None and np.isfinite(beyond[name]):
-                result["harmonics_pct"][name] = beyond[name]
-                result["estimate_pct"][name] += beyond[name]
-    return result if result["estimate_pct"] else missing("the difference of both meshes has no finite value")
+        if quantity == STIFFNESS and not starts_elastic(fine):
+            continue
+        factor = SAFETY[kind] / (ratio**order - 1.0)
+        for path, each in own.items():
+            more = beyond.get(path, {}).get(name, np.nan)
+            if np.isfinite(each[name]):
+                estimates[path][name] = factor * each[name] + (more if np.isfinite(more) else 0.0)
+        for key, values in (("difference_pct", own), ("harmonics_pct", beyond)):
+            finite = [each[name] for each in values.values() if np.isfinite(each[name])]
+            if finite and key in result:
+                result[key][name] = max(finite)
+        if any(name in each for each in estimates.values()):
+            result["estimate_pct"][name] = max(each[name] for each in estimates.values() if name in each)
+    return result | _by_path(estimates) if result["estimate_pct"] else missing(_NOT_FINITE)
+
+
+_NOT_FINITE = "the difference of both meshes has no finite value"
+_KEYS = {"load_max": "load_pct", "py_rms": "py_pct", "rotation_max": "rotation_pct"}  # of an estimate by path
+
+
+def _by_path(estimates: ByPath) -> dict[str, Any]:
+    """Return the entries of run.json on single paths: estimates, the worst path, and which quantity is worst there."""
+    by_path = {
+        path: {_KEYS[name]: value for name, value in each.items() if name in _KEYS} for path, each in estimates.items()
+    }
+    sizes = [(each[name], path, _KEYS[name]) for path, each in estimates.items() for name in DECISIVE if name in each]
+    if not sizes:
+        return {"by_path": by_path}
+    _, path, quantity = max(sizes)
+    return {"by_path": by_path, "worst_path": path, "worst_quantity": quantity.removesuffix("_pct")}
 
 
 def starts_elastic(tree: xr.DataTree) -> bool:
@@ -155,10 +185,29 @@ def words(estimated: Mapping[str, Any]) -> str:
     """Return an estimate in words, one line."""
     if not estimated["estimate_pct"]:
         return f"no estimate of the discretisation error: {estimated['why_not']}"
-    parts = [f"{measures.MEASURES[name].head} {percent(value)}" for name, value in estimated["estimate_pct"].items()]
     series = estimated.get("harmonics")
     beside = "" if series is None else f", {series[0]} and {series[1]} harmonics"
     return (
-        f"estimated discretisation error: {', '.join(parts)} (two meshes, {estimated['unknowns'][1]:,} and "
+        f"estimated discretisation error: {short(estimated)} (two meshes, {estimated['unknowns'][1]:,} and "
         f"{estimated['unknowns'][0]:,} unknowns{beside}; safety factor {estimated['safety']:g} included)"
     )
+
+
+def short(estimated: Mapping[str, Any]) -> str:
+    """Return the numbers of an estimate, its worst path, and the paths that stopped on the coarser mesh."""
+    parts = [f"{measures.MEASURES[name].head} {percent(value)}" for name, value in estimated["estimate_pct"].items()]
+    if worst := estimated.get("worst_path"):
+        quantity = {"py": "p-y"}.get(str(estimated.get("worst_quantity")), "load")
+        parts.append(f"largest in {quantity} of path {worst}")
+    return "; ".join([", ".join(parts), *([text] if (text := companion_text(estimated)) else [])])
+
+
+def companion_text(estimated: Mapping[str, Any]) -> str:
+    """Return which paths stopped on the coarser mesh, where the estimate ends; empty without any."""
+    stopped = estimated.get("companion_stopped") or {}
+    if not stopped:
+        return ""
+    names = ", ".join(f"{name} ({why})" for name, why in stopped.items())
+    of = estimated.get("companion_paths")
+    count = f"{len(stopped)} of {of} paths" if of else f"{len(stopped)} paths"
+    return f"companion stopped on {count}: {names}; the estimate ends there"

@@ -16,15 +16,14 @@ from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
 from pysprings.full_model.accuracy.curves import LOAD, PY, SLICES
 from pysprings.full_model.accuracy.own_estimate import (
-    add_estimate,
     companions_of,
     estimates_by_default,
-    was_interrupted,
+    with_estimate,
 )
 from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import BETWEEN, PRESETS, VARIED, read_mesh, settings
 from pysprings.full_model.compute import scene_to_run
-from pysprings.full_model.run_record import Computed, RunRecord, Status
+from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, RunRecord, Status
 from pysprings.model.build import counts_of
 from pysprings.model.fourier import section_counts_of
 from pysprings.model.mesh import PRESETS as MESHES
@@ -241,19 +240,96 @@ def test_harmonics_grow_until_two_more_change_little(change: dict[int, float], c
     assert estimates_by_default(scene) and not estimates_by_default(tiny.paper())
 
 
-def test_without_a_run_on_the_coarser_section_the_preset_stays() -> None:
-    def fails(*_: Any, **__: Any) -> Computed:
-        raise ResourceError("no memory")
+def finished(tree: Any, status: Status = Status.COMPLETE, stopped: StopReason | None = None) -> Computed:
+    """Return a result whose record has the tree's number of harmonics."""
+    record = RunRecord(status, stopped, mesh=MeshFigures(harmonics=tree.attrs.get("harmonics")))
+    return Computed(tree, record)
+
+
+def fails(*_: Any, **__: Any) -> Computed:
+    raise ResourceError("no memory")
+
+
+def breaks(*_: Any, **__: Any) -> Computed:
+    raise IndexError("a bug")
+
+
+def ends(why: StopReason) -> Callable[..., Computed]:
+    return lambda *_, **__: finished(with_error(3000, harmonics=3), Status.INTERRUPTED, why)
+
+
+@pytest.mark.parametrize("discretisation", ["fourier", "hex8"])
+@pytest.mark.parametrize(
+    ("compute", "words"),
+    [
+        (fails, "no memory"),
+        (breaks, "IndexError: a bug"),
+        (ends(StopReason.INTERRUPTED), "interrupted"),
+        (ends(StopReason.OUT_OF_MEMORY), "out of memory"),
+    ],
+)
+def test_whatever_becomes_of_the_coarser_run_the_result_stays(
+    discretisation: str, compute: Callable[..., Computed], words: str
+) -> None:
+    scene = Scene(mesh={"discretisation": discretisation}) if discretisation == "fourier" else tiny.paper()
+    done = finished(with_error(9000, harmonics=3 if discretisation == "fourier" else None))
+    load = done.tree["paths/pull/H"].values.copy()
+    companions = companions_of(scene, compute)
+    assert companions.harmonics is None
+    assert with_estimate(scene, done, companions, breaks) is done
+    assert words in done.record.error_estimate["why_not"] and words in done.record.not_made["error estimate"]
+    assert words in done.record.left_to_make and "--resume" in done.record.left_to_make
+    assert words in done.recorded().attrs["run_json"]
+    np.testing.assert_array_equal(done.tree["paths/pull/H"], load)
+
+
+@pytest.mark.parametrize(
+    ("again", "kept", "words"),
+    [
+        (lambda n: finished(with_error(9000, harmonics=n)), 5, ""),
+        (lambda n: finished(with_error(9000, harmonics=n), Status.PARTIAL), 3, "the run with 5 harmonics, which the"),
+        (lambda n: finished(with_error(9000, harmonics=n), Status.INTERRUPTED, StopReason.INTERRUPTED), 3, "(inter"),
+        (breaks, 3, "IndexError: a bug"),
+    ],
+)
+def test_more_harmonics_replace_a_result_only_where_they_come_as_far(again: Any, kept: int, words: str) -> None:
+    """The coarser mesh asks for five: 3 and 5 differ by 5 %, 5 and 7 do not."""
+
+    def compute(scene: Scene, **_: Any) -> Computed:
+        n = scene.mesh.harmonics
+        return finished(with_error(300 * (n + 1), harmonics=n, beside=0.05 if n == 3 else 0.0))
 
     scene = Scene(mesh={"discretisation": "fourier"})
-    found = companions_of(scene, fails)
-    assert found.harmonics is None
-    done = Computed(with_error(3000, harmonics=3), RunRecord(Status.COMPLETE))
-    add_estimate(scene, done, fails, beside=found)
-    assert "no memory" in done.record.error_estimate["why_not"]
-    interrupted = Computed(with_error(3000, harmonics=3), RunRecord(Status.INTERRUPTED, StopReason.INTERRUPTED))
-    with pytest.raises(KeyboardInterrupt):
-        companions_of(scene, lambda *_, **__: interrupted)
+    result = with_estimate(scene, finished(with_error(9000, harmonics=3)), companions_of(scene, compute), again)
+    assert result.record.mesh.harmonics == kept
+    assert words in " ".join([*result.record.warnings, result.record.left_to_make])
+    assert result.record.error_estimate["harmonics"] == [kept, kept + 2]
+
+
+def test_an_estimate_names_its_worst_path_and_where_the_companion_stopped() -> None:
+    far, near = (with_error(3000, harmonics=3, slope=slope) for slope in (200.0, 50.0))
+    fine = with_error(9000, harmonics=3)
+    for tree, other in ((far, near), (fine, with_error(9000, harmonics=3))):
+        tree["paths/second"] = other["paths/pull"].copy()
+    stopped = PathFigures(Status.PARTIAL, StopReason.APEX)
+    done, coarse = finished(fine), finished(far, Status.PARTIAL)
+    coarse.record.paths["second"] = stopped
+    scene = Scene(mesh={"discretisation": "fourier", "harmonics": 3})
+    with_estimate(scene, done, companions_of(scene, lambda *_, **__: coarse), breaks)
+    found = done.record.error_estimate
+    assert found["worst_path"] == "pull"
+    assert found["by_path"]["pull"]["load_pct"] == found["estimate_pct"]["load_max"]
+    assert found["by_path"]["pull"]["load_pct"] > found["by_path"]["second"]["load_pct"]
+    words = two_mesh.words(found)
+    assert "companion stopped on 1 of 4 paths: second (apex)" in words and "of path pull" in words
+
+
+def test_a_path_without_a_converged_state_is_left_out_of_an_estimate() -> None:
+    """It stopped during its dead load: the state that it reached is marked."""
+    trees = [with_error(n) for n in (9000, 3000)]
+    for tree in trees:
+        tree["paths/stuck"] = tree["paths/pull"].to_dataset().isel(step=[0]).assign(converged=("step", [0]))
+    assert sorted(two_mesh.differences(*trees)) == ["pull", "shift", "turn"]
 
 
 def test_meshes_that_are_alike_give_no_estimate() -> None:
@@ -263,28 +339,10 @@ def test_meshes_that_are_alike_give_no_estimate() -> None:
 
 
 def test_differences_without_a_finite_value_give_no_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(two_mesh.measures, "worst", lambda _: dict.fromkeys(two_mesh.ESTIMATED, np.nan))
+    monkeypatch.setattr(two_mesh.measures, "errors", lambda *_: dict.fromkeys(two_mesh.ESTIMATED, np.nan))
     found = two_mesh.estimate(with_error(9000), with_error(3000), {LOAD: 2.0, PY: 2.0})
     assert found["estimate_pct"] == {}
     assert "no finite value" in two_mesh.words(found)
-
-
-def test_whatever_becomes_of_the_coarser_run_the_result_stays() -> None:
-    def fails(*_: Any, **__: Any) -> Computed:
-        raise ResourceError("no memory")
-
-    def ends(why: StopReason) -> Callable[..., Computed]:
-        done = Computed(with_error(3000), RunRecord(Status.INTERRUPTED, why))
-        return lambda *_, **__: done
-
-    stopped, full = ends(StopReason.INTERRUPTED), ends(StopReason.OUT_OF_MEMORY)
-    for compute, words in ((fails, "no memory"), (stopped, "interrupted"), (full, "out of memory")):
-        done = Computed(with_error(9000), RunRecord(Status.COMPLETE))
-        load = done.tree["paths/pull/H"].values.copy()
-        add_estimate(tiny.paper(), done, compute)
-        assert words in done.recorded().attrs["run_json"]
-        np.testing.assert_array_equal(done.tree["paths/pull/H"], load)
-        assert was_interrupted(done.record) == (compute is stopped)
 
 
 def test_a_target_runs_what_the_study_ran_whatever_the_scene_says() -> None:

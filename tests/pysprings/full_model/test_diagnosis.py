@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +11,8 @@ import numpy as np
 import pytest
 
 from fe_engine.soil.elastic import elastic_tangent, moduli
-from pysprings.full_model import diagnosis
+from pysprings.core.stop_reasons import Diagnosis, StopReason
+from pysprings.full_model import diagnosis, path_run
 from pysprings.full_model.compute import compute
 from tests.support import tiny
 
@@ -51,8 +53,7 @@ def test_the_stiffness_left_is_beside_the_softest_motion_at_rest() -> None:
     assert left == pytest.approx([0.05, -0.05, 1.0])
 
 
-def failures(**changes: Any) -> list[str]:
-    return compute(tiny.scene(**changes)).record.failures
+STUCK: dict[str, Any] = {"solver": {"tolerance": 1e-12, "max_iterations": 1, "first_step_fraction": 1e-5}}
 
 
 def test_a_load_beyond_capacity_ends_at_its_limit() -> None:
@@ -61,6 +62,29 @@ def test_a_load_beyond_capacity_ends_at_its_limit() -> None:
     assert record.limit_loads["storm"].criterion.startswith("limit load: ")
 
 
-def test_a_caisson_pulled_out_ends_at_its_limit() -> None:
-    (line,) = failures(caisson={"vertical_load": -20e6})
-    assert "of its dead load: limit load: " in line
+SINKS = {"caisson": {"vertical_load": -20e6}}
+PUSHED = {"paths": ({"name": "pull", "kind": "load", "lateral_force": 1e5},)}
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (SINKS, r"path 'pull' stopped during its dead load: 13\.\d % of it converged; no mo"),
+        (
+            STUCK | SINKS,
+            r"stopped during its dead load: no increment of it converged, however small; this is no limit load",
+        ),
+        (STUCK | PUSHED, r"unexplained: no increment of the path converged"),
+    ],
+)
+def test_a_path_that_did_not_begin_is_at_no_limit_load(
+    changes: dict[str, Any], words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No capacity may be taken from it: neither from a load of no size nor from that of a dead load on its way."""
+    limit = Diagnosis(StopReason.LIMIT_LOAD, "no motion balances any more")
+    monkeypatch.setattr(path_run, "diagnose", lambda *_: limit)
+    result = compute(tiny.scene(**changes))
+    (line,) = result.record.failures
+    assert re.search(words, line), line
+    assert result.record.limit_loads == {} and not result.record.reasons[0].is_limit
+    assert result.tree["paths/pull"].attrs["end"] == "stopped"

@@ -141,7 +141,7 @@ def test_run_json_has_status_provenance_cost_and_balance(folder: Path) -> None:
     assert (record["status"], record["scene_sha256"]) == ("complete", scene.sha256)
     assert parse_scene(record["scene_toml"]) == scene
     assert max(record["balance"]["pull"].values()) < 1e-6
-    assert {"output: files", "output: pictures", "output: report", "assembly", "other"} <= set(record["phases"])
+    assert {"output: files", "output: report", "assembly", "other"} <= set(record["phases"])
     for key in ("wall_s", "cpu_s"):
         assert sum(phase[key] for phase in record["phases"].values()) == pytest.approx(record[key], abs=0.02)
 
@@ -163,7 +163,7 @@ def test_the_end_of_the_run_prints_its_cost(run: tuple[Path, Any]) -> None:
 
 def test_the_report_shows_checks_and_what_was_left_out(folder: Path) -> None:
     page = read_report(folder)
-    for words in ("Statuscomplete", "Equilibrium check", "Contact from station to station", "output: pictures"):
+    for words in ("Statuscomplete", "Equilibrium check", "Contact from station to station", "output: files"):
         assert words in page.text
     assert "all pictures" in page.text and "output.figures = false" in page.text
     assert page.pictures == ["Axes and signs of the caisson"]
@@ -323,25 +323,6 @@ def test_a_run_that_does_not_start_keeps_its_record(tmp_path: Path) -> None:
     with xr.open_dataset(tmp_path / "out" / "full_model.nc", group="paths/pull/convergence") as data:
         assert data.sizes["iteration"] == 3 * record["paths"]["pull"]["cut_backs"]
     assert "Attempts given up (cut-backs)" in read_report(tmp_path / "out").text
-
-
-def test_an_interrupt_while_pictures_are_drawn_keeps_the_numbers(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def interrupt(*_: object, **__: object) -> None:
-        raise KeyboardInterrupt
-
-    drawn = plots.save_all
-    monkeypatch.setattr(plots, "save_all", interrupt)
-    file = tiny.write(tiny.scene(output={"figures": True}), tmp_path / "caisson.toml")
-    done = command("run", file, "--out", tmp_path / "out")
-    assert done.code == 130
-    left = {name for name in contents(tmp_path / "out") if not name.startswith("checkpoint")}
-    assert left == set(run_files()) - {"report.html"}
-    monkeypatch.setattr(plots, "save_all", drawn)
-    monkeypatch.setattr(plots.files, "figures", lambda *_: [("pull_py", Figure(figsize=(1, 1)))])
-    assert command("run", file, "--out", tmp_path / "out", "--resume").code == 0
-    assert set(contents(tmp_path / "out")) == {*run_files(), "figures/pull_py.png", "figures/pull_py.svg"}
 
 
 @pytest.mark.slow

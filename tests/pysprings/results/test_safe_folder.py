@@ -14,11 +14,12 @@ from matplotlib.figure import Figure
 import pysprings
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.layout import CHECKPOINT, is_unfinished
+from pysprings.full_model.accuracy import two_mesh
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
 from pysprings.results import plots
 from pysprings.results.exporters.vtu import write_paraview
-from pysprings.results.folder import run_or_go_on, run_to_folder
+from pysprings.results.folder import NOT_YET, run_or_go_on, run_to_folder
 from pysprings.results.layout import FIGURES, PARAVIEW, run_files
 from pysprings.studies import stored_runs
 from pysprings.studies.accuracy import runs as accuracy_runs
@@ -231,23 +232,17 @@ def asked(words: tuple[str, ...], folder: Path) -> Any:
     return command(*(folder if word == "DIR" else word for word in words))
 
 
-def test_status_is_written_last_and_a_killed_writer_is_not_believed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scene_file: Path
-) -> None:
-    """Killed while pictures are drawn: numbers and springs are there, and no command takes them for a whole result."""
+def test_a_killed_writer_is_not_believed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
+    """Killed while the tables are written: no command takes what is there for a whole result."""
     out, seen = tmp_path / "out", []
-    scene = tiny.scene(output={"figures": True})
-    file = tiny.write(scene, scene_file)
 
-    def figures(*_: object) -> Any:
-        yield "pull_py", Figure(figsize=(1, 1))
+    def killed(*_: object) -> None:
         seen.append(json.loads((out / "run.json").read_text())["status"])
-        (out / FIGURES / ".pull_gap_last.123.tmp.png").write_text("half")
         raise Killed
 
-    monkeypatch.setattr(plots.files, "figures", figures)
-    with pytest.raises(Killed):
-        run_to_folder(scene, out)
+    with monkeypatch.context() as patch, pytest.raises(Killed):
+        patch.setattr(pysprings.results.folder, "write_frame", killed)
+        run_to_folder(tiny.scene(), out)
     assert seen == ["writing"]
     assert (out / "springs.nc").exists()
     before = contents(out)
@@ -261,13 +256,58 @@ def test_status_is_written_last_and_a_killed_writer_is_not_believed(
     assert named.code == 0
     assert f"warning: {out}: holds a run that has not ended" in named.err
     assert contents(out) == before
-    monkeypatch.setattr(plots.files, "figures", lambda *_: [("pull_newton", Figure(figsize=(1, 1)))])
-    done = command("run", file, "--out", out, "--resume")
+    assert command("run", tiny.write(tiny.scene(), scene_file), "--out", out, "--resume").code == 0
+    assert set(contents(out)) == set(run_files())
+
+
+def _killed_drawing(out: Path) -> Any:
+    yield "pull_py", Figure(figsize=(1, 1))
+    assert json.loads((out / "run.json").read_text())["not_made"] == {"pictures": NOT_YET, "report": NOT_YET}
+    (out / FIGURES / ".pull_gap_last.123.tmp.png").write_text("half")
+    raise Killed
+
+
+@pytest.mark.parametrize("error", [Killed, KeyboardInterrupt, IndexError("a bug"), OSError(28, "No space left")])
+@pytest.mark.parametrize("part", ["pictures", "report", "error estimate"])
+def test_what_follows_the_results_costs_none_of_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scene_file: Path, part: str, error: Any
+) -> None:
+    """Killed, interrupted, or failed: every command answers from the results, and --resume makes what is missing."""
+    out, scene = tmp_path / "out", tiny.scene(output={"figures": True})
+    module, name = {
+        "pictures": (plots.files, "figures"), "report": (pysprings.results.folder, "write_report"),
+        "error estimate": (two_mesh, "estimate"),
+    }[part]  # fmt: skip
+
+    def fails(*_: object, **__: object) -> Any:
+        raise error
+
+    one = lambda *_: [("pull_newton", Figure(figsize=(1, 1)))]  # noqa: E731
+    monkeypatch.setattr(plots.files, "figures", one)
+    with monkeypatch.context() as patch:
+        patch.setattr(
+            module, name, (lambda *_: _killed_drawing(out)) if (part, error) == ("pictures", Killed) else fails
+        )
+        args = ("run", tiny.write(scene, scene_file), "--out", out, "--estimate-error")
+        if error is Killed:
+            with pytest.raises(Killed):
+                run_to_folder(scene, out, estimate_error=True)
+        else:
+            assert (done := command(*args)).code == (130 if error is KeyboardInterrupt else 0), done.err
+            assert f"not made: {part} (" in done.out and "\n  not made " in done.out
+    record = json.loads((out / "run.json").read_text())
+    assert record["status"] == "complete" and part in record["not_made"]
+    for words in ASKED[:3]:
+        answer = asked(words, out)
+        assert answer.code == 0 and f"warning: {out}: not made: " in answer.err
+    done = command(*args, "--resume")
     assert done.code == 0, done.err
     assert set(contents(out)) == {*run_files(), "figures/pull_newton.png", "figures/pull_newton.svg"}  # not pull_py
-    assert json.loads((out / "run.json").read_text())["status"] == "complete"
+    record = json.loads((out / "run.json").read_text())
+    assert record["not_made"] == {} and "not made" not in record["summary"]
+    assert record["error_estimate"]["by_path"]["pull"]["load_pct"] > 0.0
     answer = asked(ASKED[0], out)
-    assert (answer.code, "has not ended" in answer.err) == (0, False)
+    assert (answer.code, "not made" in answer.err) == (0, False)
 
 
 def test_results_of_a_run_before_a_killed_one_are_not_answered_from(tmp_path: Path) -> None:
