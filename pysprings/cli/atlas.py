@@ -14,25 +14,15 @@ from pysprings.cli.support import print_json, print_table, refuse
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pysprings.studies.atlas.emulator import Emulator
-
 
 def atlas(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="study.nc, or the folder of `pysprings sweep`")],
     family: Annotated[str, typer.Option("--family", metavar="NAME", help="ground: clay, clay-gap or sand")],
-    form: Annotated[
-        str | None,
-        typer.Option(
-            "--form", metavar="NAME", help="formulas in place of an atlas: conic (PISA), ground-conic, hyperbolic"
-        ),
-    ] = None,
     held_back: Annotated[
         Path | None,
         typer.Option("--held-back", metavar="STUDY", help="study of pulls that the atlas is checked on"),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="file \\[default: FAMILY.nc, FAMILY-FORM.json]")
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="file \\[default: FAMILY.nc]")] = None,
     at: Annotated[
         str | None, typer.Option("--at", metavar="U/D[,U/D]", help="where pulls are compared \\[default: 0.001,0.01]")
     ] = None,
@@ -43,31 +33,19 @@ def atlas(
 ) -> None:
     """Make an atlas of a study: springs of any caisson between its cases, with a predicted standard deviation.
 
-    With --form it fits formulas: coefficients (.csv), a page to quote (.md) and a file for `--atlas` (.json).
     Errors of cases that are left out one by one, and of held-back pulls, are printed and stored in the file.
     """
     from pysprings.studies.atlas import check, make
     from pysprings.studies.atlas.file import write_atlas
-    from pysprings.studies.atlas.formulas import FORMS
-    from pysprings.studies.atlas.formulas.file import write_formulas
     from pysprings.studies.atlas.model import family_of
 
-    suffix = ".nc" if form is None else ".json"
-    target = out or Path(f"{family}.nc" if form is None else f"{family}-{form}.json")
-    if target.suffix != suffix or target.is_dir():
-        refuse("--out", f"name a file that ends in {suffix}", target)
+    target = out or Path(f"{family}.nc")
+    if target.suffix != ".nc" or target.is_dir():
+        refuse("--out", "name a file that ends in .nc", target)
     if table is not None and (table.suffix != ".csv" or held_back is None):
         refuse("--table", "is the comparison with --held-back: name a file that ends in .csv", table)
-    made: Emulator
-    if form is None:
-        made, left, compared = make.atlas_of(study, family_of(family), held_back, _shares(at))
-        frames, files = {"Cases left out": make.left_summary(left)}, [write_atlas(made, target)]
-    else:
-        made, missed, compared = make.formulas_of(
-            study, family_of(family), FORMS.find(form, "--form"), held_back, _shares(at)
-        )
-        errors = None if compared is None else check.summary(compared)
-        frames, files = {"Rays fitted": missed}, write_formulas(made, target, errors)
+    made, left, compared = make.atlas_of(study, family_of(family), held_back, _shares(at))
+    frames, file = {"Cases left out": make.left_summary(left)}, write_atlas(made, target)
     if table is not None and compared is not None:
         from pysprings.results.exporters.csv import write_frame
 
@@ -83,8 +61,7 @@ def atlas(
         print(f"{name}:")
         print_table([str(each) for each in frame.columns], _cells(frame))
         print()
-    for file in files:
-        print(f"{file} ({file.stat().st_size / 1e6:.2f} MB)")
+    print(f"{file} ({file.stat().st_size / 1e6:.2f} MB)")
     print(f"pysprings predict --atlas {target} --D ... --L ...")
 
 

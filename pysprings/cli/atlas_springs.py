@@ -13,10 +13,7 @@ from pysprings.cli.support import quantities, refuse
 if TYPE_CHECKING:
     import xarray as xr
 
-SHIPPED_ATLASES = (
-    "an atlas (clay, clay-gap, sand, or a .nc file) "
-    "or formulas (clay-conic, clay-hyperbolic, sand-conic, sand-hyperbolic, or a .json file)"
-)
+SHIPPED_ATLASES = "an atlas (clay, clay-gap, sand, or a .nc file)"
 
 
 @dataclass(frozen=True)

@@ -22,17 +22,17 @@ if TYPE_CHECKING:
     from pysprings.scene.model import Scene
     from pysprings.scene.sections import Path
     from pysprings.springs.springs import Springs
-    from pysprings.studies.atlas.emulator import Emulator
+    from pysprings.studies.atlas.model import Atlas
 
 Array = NDArray[np.float64]
-Source = TypeVar("Source", bound="Emulator")
+Source = TypeVar("Source", bound="Atlas")
 AT = (0.001, 0.01)  # u/D
 BAND = 1.96
 STIFFNESSES = {"K_V": (1, 1, "K_V_relative_deviation"), "K_H": (0, 0, "K_H_relative_deviation"),
                "K_M": (2, 2, "K_M_relative_deviation")}  # fmt: skip
 
 
-def held_back(atlas: Emulator, data: xr.Dataset, at: tuple[float, ...] = AT) -> pd.DataFrame:
+def held_back(atlas: Atlas, data: xr.Dataset, at: tuple[float, ...] = AT) -> pd.DataFrame:
     """Return an atlas beside a study of pulls, a row a quantity.
 
     Columns: case, path, arm_over_D, u_over_D, quantity (K_V, K_H, K_M, H, rotation), full, atlas, error_pct,
@@ -57,7 +57,7 @@ def held_back(atlas: Emulator, data: xr.Dataset, at: tuple[float, ...] = AT) -> 
     return pd.DataFrame(rows)
 
 
-def _case(atlas: Emulator, case: xr.Dataset, scene: Scene, at: tuple[float, ...]) -> Iterator[dict[str, Any]]:
+def _case(atlas: Atlas, case: xr.Dataset, scene: Scene, at: tuple[float, ...]) -> Iterator[dict[str, Any]]:
     from pysprings.springs.springs import Springs
 
     try:
@@ -75,7 +75,7 @@ def _case(atlas: Emulator, case: xr.Dataset, scene: Scene, at: tuple[float, ...]
             yield from _pull(springs, case.sel(path=path.name), scene, path, at)
 
 
-def _plain(atlas: Emulator, scene: Scene) -> Scene:
+def _plain(atlas: Atlas, scene: Scene) -> Scene:
     """Return the scene with the rays of the atlas in place of its pulls."""
     return scene.replace(paths=(), springs=atlas.base.springs.model_dump()) if scene.paths else scene
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Atlas files: NetCDF with the inputs of the full models, the components and their processes; formulas are JSON."""
+"""Atlas files: NetCDF with the inputs of the full models, the components and their processes."""
 
 from __future__ import annotations
 
@@ -17,14 +17,12 @@ from pysprings.core.files.storage import read_tree, write_tree
 from pysprings.core.units import quoted
 from pysprings.core.version import __version__
 from pysprings.scene.load import SceneText
-from pysprings.studies.atlas.emulator import Emulator
 from pysprings.studies.atlas.families import FAMILIES
-from pysprings.studies.atlas.formulas.file import read_formulas
 from pysprings.studies.atlas.model import Atlas
 from pysprings.studies.atlas.process import Process
 from pysprings.studies.atlas.samples import ROWS
 
-SUFFIXES = (".nc", ".json")
+SUFFIX = ".nc"
 SHIPPED = Path(__file__).parent / "shipped"
 
 Array = NDArray[np.float64]
@@ -74,7 +72,7 @@ def read_atlas(file: Path) -> Atlas:
     attrs = data.attrs
     text = SceneText(str(attrs["scene_toml"]), f"base scene of {file.name}")
     return Atlas(
-        family=FAMILIES.find(str(attrs["family"]), "family").emulated, text=text, inputs=values["inputs"],
+        family=FAMILIES.find(str(attrs["family"]), "family"), text=text, inputs=values["inputs"],
         rays=tuple(str(name) for name in data["ray"].values), angles=values["angle"], X=values["X"],
         reach=float(attrs["reach_over_diameter"]), rest=values["rest"].astype(float), factor=float(attrs["factor"]),
         fan=(float(attrs["fan"][0]), float(attrs["fan"][1])), about=json.loads(str(attrs["about"])),
@@ -85,22 +83,17 @@ def read_atlas(file: Path) -> Atlas:
 
 def shipped() -> list[str]:
     """Return the names of the atlases of this package."""
-    return sorted(file.stem for suffix in SUFFIXES for file in SHIPPED.glob(f"*{suffix}"))
+    return sorted(file.stem for file in SHIPPED.glob(f"*{SUFFIX}"))
 
 
-def open_atlas(source: str | os.PathLike[str]) -> Emulator:
-    """Open an atlas or formulas: a file, or the name of one that comes with the package ("clay").
+def open_atlas(source: str | os.PathLike[str]) -> Atlas:
+    """Open an atlas: a file, or the name of one that comes with the package ("clay").
 
     Raises UserInputError for another file, or a broken one.
     """
     names = shipped()
     if str(source) in names:
-        return _read(next(file for file in SHIPPED.glob(f"{source}.*") if file.suffix in SUFFIXES))
-    if not Path(source).exists() and Path(source).suffix not in SUFFIXES:
+        return read_atlas(SHIPPED / f"{source}{SUFFIX}")
+    if not Path(source).exists() and Path(source).suffix != SUFFIX:
         raise refused("--atlas", f"no atlas {quoted(str(source))}; there are: {', '.join(names) or 'none'}, or a file")
-    return _read(Path(source))
-
-
-def _read(file: Path) -> Emulator:
-    """Read formulas or an atlas."""
-    return read_formulas(file) if file.suffix == ".json" else read_atlas(file)
+    return read_atlas(Path(source))

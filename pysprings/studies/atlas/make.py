@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Studies -> an atlas or formulas, with what was measured of them."""
+"""A study -> an atlas, with what was measured of it."""
 
 from __future__ import annotations
 
@@ -15,10 +15,7 @@ from pysprings.core.version import __version__
 from pysprings.studies.atlas import check
 from pysprings.studies.atlas.build import LeftOut, build
 from pysprings.studies.atlas.families import Family
-from pysprings.studies.atlas.formulas import Form
-from pysprings.studies.atlas.formulas.model import Formulas, fit
-from pysprings.studies.atlas.formulas.model import rows as rows_of
-from pysprings.studies.atlas.model import Atlas, sums
+from pysprings.studies.atlas.model import Atlas
 from pysprings.studies.atlas.samples import read_samples
 from pysprings.studies.sweep.dataset import open_study
 
@@ -34,7 +31,6 @@ def atlas_of(
 
     Raises UserInputError for studies that an atlas cannot be made of.
     """
-    family = family.emulated
     with open_study(study) as data:
         title, samples = str(data.attrs["title"]), read_samples(data.load(), family)
     atlas, left = build(samples, family, progress=progress)
@@ -43,39 +39,6 @@ def atlas_of(
         with open_study(held_back) as data:
             atlas, compared = check.calibrated(atlas, data.load(), at)
     return replace(atlas, about=_about(title, samples, _left_words(left), compared)), left, compared
-
-
-def formulas_of(
-    study: Path, family: Family, form: Form, held_back: Path | None, at: tuple[float, ...] = check.AT
-) -> tuple[Formulas, pd.DataFrame, pd.DataFrame | None]:
-    """Return formulas fitted over a study, what they miss along its rays, and the comparison with held-back pulls.
-
-    Raises UserInputError for studies that formulas cannot be fitted to.
-    """
-    with open_study(study) as data:
-        title, samples = str(data.attrs["title"]), read_samples(data.load(), family)
-    made = fit(samples, family, form)
-    missed, compared = fit_summary(made, samples), None
-    if held_back is not None:
-        with open_study(held_back) as data:
-            made, compared = check.calibrated(made, data.load(), at)
-    words = f"loads along the rays {missed['rms_pct'].max():.2g} % (rms of the worst ray)"
-    return replace(made, about=_about(title, samples, {"fitted": words}, compared)), missed, compared
-
-
-def fit_summary(made: Formulas, samples: Samples) -> pd.DataFrame:
-    """Return what formulas miss of |(H, M/L)| along the rays of their own full models, a row a ray."""
-    own = rows_of(made.form, made.terms, made.place(samples.inputs))
-    true, found = np.stack(sums(samples.values)), np.stack(sums(own))
-    error = 100.0 * (found - true) / np.hypot(*true)
-    rows = []
-    for ray, name in enumerate(samples.rays):
-        size = np.abs(error[:, :, ray][np.isfinite(error[:, :, ray])])
-        rows.append({
-            "ray": name, "count": size.size, "rms_pct": float(np.sqrt((size**2).mean())),
-            "p95_pct": float(np.quantile(size, 0.95)), "largest_pct": float(size.max()),
-        })  # fmt: skip
-    return pd.DataFrame(rows)
 
 
 def left_summary(left: LeftOut) -> pd.DataFrame:

@@ -3,47 +3,185 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.studies.atlas.data import Estimate
-from pysprings.studies.atlas.emulator import Emulator
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.scene.changes import Change
+from pysprings.scene.load import SceneText
 from pysprings.studies.atlas.families import FAMILIES, Family
 from pysprings.studies.atlas.process import Process
 from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, stiffness_of
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from pysprings.scene.model import Scene
 
 Array = NDArray[np.float64]
+_ROUNDING = 1e-6
 STIFFNESS_FLOOR = 1e-3  # standard deviation over the stiffness at the least: numbers of cells change with L/D
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Atlas(Emulator):
-    """An emulator by Gaussian processes over the principal components of the springs.
+@dataclass(frozen=True)
+class Estimate:
+    """What is expected of a scene: values (ray, row, X), modes (m, ray, row, X) of one standard deviation each.
 
     Attributes
     ----------
+    stiffness : (3, 3) initial stiffness.
+    stiffness_error : standard deviations of the logarithms of K_V, K_H, K_M.
+    settled : w at rest [m].
+    outside : why the scene is at the edge of what is covered; none inside the hull of the full models.
+    """
+
+    values: Array
+    modes: Array
+    stiffness: Array
+    stiffness_error: Array
+    settled: float
+    outside: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Atlas:
+    """Springs of any caisson between the full models of a study.
+
+    Gaussian processes over the principal components of the springs.
+
+    Attributes
+    ----------
+    family : what decides.
+    text : the base scene.
+    inputs : (n, d) of the full models.
+    rays, angles, X : grid of the springs: names and directions [rad] of the rays, motions.
+    reach : largest rho over D.
+    rest : (2, ray, X) standard deviation of H over F h and M over F L h that `Estimate.modes` do not hold.
+    factor : of all standard deviations, such that 95 % of the cases left out lie in the band of 95 %.
+    fan : standard deviations of what rays do not say of pulls where the soil has failed: over the load, and over the
+        rotation. From held-back pulls (`pysprings.studies.atlas.check`); 0 where there were none.
+    about : where it comes from: words for files and reports.
     mean, modes : (ray, row, X) and (m, ray, row, X): principal components.
     processes : of the components; of the four numbers of the stiffness; of the settlement.
     """
 
+    family: Family
+    text: SceneText
+    inputs: Array
+    rays: tuple[str, ...]
+    angles: Array
+    X: Array
+    reach: float
+    rest: Array
     mean: Array
     modes: Array
     processes: tuple[Process, ...]
     stiffness: tuple[Process, ...]
     settlement: Process
+    factor: float = 1.0
+    fan: tuple[float, float] = (0.0, 0.0)
+    about: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def source(self) -> str:
         """Where springs come from: for files and remarks."""
         return f"atlas {self.family.name}"
 
+    @cached_property
+    def base(self) -> Scene:
+        """The base scene."""
+        return self.text.scene()
+
+    @cached_property
+    def box(self) -> Array:
+        """Least and largest inputs (2, d) of the full models."""
+        return np.stack([self.inputs.min(axis=0), self.inputs.max(axis=0)])
+
+    @cached_property
+    def _scale(self) -> tuple[Array, Array]:
+        even = self.family.even(self.inputs)
+        return even.min(axis=0), even.max(axis=0) - even.min(axis=0)
+
+    def point(self, inputs: Array) -> Array:
+        """Return inputs (..., d) in their even form, 0 to 1 between the full models."""
+        low, span = self._scale
+        return np.asarray((self.family.even(inputs) - low) / span)
+
+    def scene(self, D: float | None = None, L: float | None = None, changes: Sequence[Change] = ()) -> Scene:
+        """Return the base scene with another diameter and skirt length [m] and other values.
+
+        Short names of the family stand for keys. What is covered in proportion follows, where it is not given.
+        """
+        given = [self.named(change) for change in changes]
+        sizes = {"outer_diameter": D, "skirt_length": L}
+        given += [Change(("caisson", key), f"{value:.12g} m") for key, value in sizes.items() if value is not None]
+        scene, there = self.text.scene(given), {change.keys for change in given}
+        more = [
+            Change((each.section, each.key), f"{each.value(self.base) * each.size(scene) / each.unit[1]:.12g} "
+                                             f"{each.unit[0]}")
+            for each in self.family.scaled
+            if (each.section, each.key) not in there
+        ]  # fmt: skip
+        return self.text.scene([*given, *more])
+
+    def named(self, change: Change) -> Change:
+        """Return a change with its key in full where it has a short name of the family."""
+        name = ".".join(change.keys)
+        return Change(tuple(self.family.short.get(name, name).split(".")), change.value)
+
+    def estimate(self, scene: Scene, extrapolate: bool = False) -> Estimate:
+        """Return what is expected of a scene.
+
+        Raises
+        ------
+        UserInputError
+            The scene is none of the family, or outside the box of the full models, unless ``extrapolate``.
+        """
+        self.family.check(scene, self.base)
+        inputs = self.family.read(scene)
+        outside = [*self._outside_box(inputs)]
+        if outside and not extrapolate:
+            raise UserInputError([Problem(key=key, message=text) for key, text in outside])
+        texts = [f"{key}: {text}" for key, text in outside] or [*self._outside_hull(inputs)]
+        return self._expected(scene, inputs, tuple(texts))
+
+    def covers(self, scene: Scene) -> bool:
+        """Return whether a scene is inside the box of the full models. Raises UserInputError for another family."""
+        self.family.check(scene, self.base)
+        return not self._outside_box(self.family.read(scene))
+
+    def springs(self, scene: Scene, extrapolate: bool = False) -> xr.DataTree:
+        """Return springs of a scene, as `pysprings.extract_springs` does for a full model; see `estimate`."""
+        from pysprings.studies.atlas.springs import spring_tree
+
+        return spring_tree(self, scene, self.estimate(scene, extrapolate))
+
+    def _outside_box(self, inputs: Array) -> list[tuple[str, str]]:
+        low, high = self.box
+        slack = _ROUNDING * (high - low)
+        return [
+            (label, f"{value:.4g} is outside the atlas ({a:.4g} to {b:.4g})")
+            for label, value, a, b, room in zip(self.family.labels, inputs, low, high, slack, strict=True)
+            if not a - room <= value <= b + room
+        ]
+
+    def _outside_hull(self, inputs: Array) -> list[str]:
+        """Return a sentence for inputs that no mixture of the full models has; none inside their convex hull."""
+        from scipy.optimize import linprog
+
+        known, point = self.point(self.inputs), self.point(inputs)
+        rows = np.vstack([known.T, np.ones(len(known))])
+        inside = linprog(np.zeros(len(known)), A_eq=rows, b_eq=np.append(point, 1.0), method="highs").status == 0
+        text = "in a corner of the atlas, outside the convex hull of its full models: the standard deviation is larger"
+        return [] if inside else [text]
+
     def _expected(self, scene: Scene, inputs: Array, outside: tuple[str, ...]) -> Estimate:
+        """Return the estimate of a scene that is covered."""
         point, sizes = self.point(inputs), self.family.sizes(scene)
         means, errors = (np.array(each) for each in zip(*(one.at(point) for one in self.processes), strict=True))
         values = self.mean + np.tensordot(means, self.modes, axes=1)

@@ -23,7 +23,7 @@ from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
-    from pysprings.studies.atlas.data import Estimate, Grid
+    from pysprings.studies.atlas.model import Atlas, Estimate
 
 Array = NDArray[np.float64]
 _NOTHING = 1e-9  # of rho: w that is rounding
@@ -31,7 +31,7 @@ _CLOSE = 0.05  # share by which knots differ at the least
 _N = sum(name.startswith("p") for name in FORCES)
 
 
-def spring_tree(atlas: Grid, scene: Scene, estimate: Estimate) -> xr.DataTree:
+def spring_tree(atlas: Atlas, scene: Scene, estimate: Estimate) -> xr.DataTree:
     """Return the springs of a scene; they hold what `pysprings.springs.checks` asks for by the way they are made."""
     D, L = scene.caisson.outer_diameter, scene.caisson.skirt_length
     sizes = atlas.family.sizes(scene)
@@ -41,14 +41,9 @@ def spring_tree(atlas: Grid, scene: Scene, estimate: Estimate) -> xr.DataTree:
     values = _at_rest(_physical(_between(atlas.X, estimate.values, knots), knots, sizes.force, L, D / sizes.ratio))
     modes = _at_rest(_physical(_between(atlas.X, estimate.modes, knots), knots, sizes.force, L, D / sizes.ratio))
     V = _vertical_load(scene)
-    dense = estimate.dense
-    own = atlas.rest if dense is None else dense.rest
-    rest = _between(atlas.X, atlas.factor * own, knots) * share(knots) * sizes.force
+    rest = _between(atlas.X, atlas.factor * atlas.rest, knots) * share(knots) * sizes.force
     modes = np.concatenate([modes, _left(rest, L)])
-    if dense is None:
-        values, modes, angles = between(values, modes, _action(L), atlas.angles, rho)
-    else:
-        angles = dense.angles
+    values, modes, angles = between(values, modes, _action(L), atlas.angles, rho)
     part = np.append(0.0, share(knots))
     modes = np.concatenate([modes, (atlas.fan[0] * part * values)[None]])
     names = [_name(float(angle)) for angle in angles]
@@ -145,7 +140,7 @@ def _path_attributes(along: Mapping[str, Array], is_rotation: bool) -> dict[str,
     }  # fmt: skip
 
 
-def _root(atlas: Grid, scene: Scene, estimate: Estimate, V: float) -> xr.Dataset:
+def _root(atlas: Atlas, scene: Scene, estimate: Estimate, V: float) -> xr.Dataset:
     dofs = list(variables.DOFS)
     root = xr.Dataset(
         {"stiffness_initial": (("dof", "dof_conjugate"), estimate.stiffness)}, {"dof": dofs, "dof_conjugate": dofs}

@@ -13,7 +13,7 @@ from pysprings.core.errors import RunIncomplete, refused
 from pysprings.studies.sizing.search import BAND, Candidate, Search, Wanted, answered
 
 if TYPE_CHECKING:
-    from pysprings.studies.atlas.emulator import Emulator
+    from pysprings.studies.atlas.model import Atlas
 
 _FURTHER = 1.3  # times the displacement that the atlas expects
 ROUNDS = 3
@@ -44,7 +44,7 @@ def least_confirmed(search: Search) -> tuple[Candidate, pd.DataFrame]:
     )
 
 
-def confirmed(atlas: Emulator, wanted: Wanted, candidate: Candidate) -> pd.DataFrame:
+def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFrame:
     """Return the load cases by atlas and full model, a row a case with H; runs the full model.
 
     Columns: name, H_N, arm_m, u and rotation by both [m, rad], errors of the atlas [%], their deviations [%], inside

@@ -20,7 +20,7 @@ from pysprings.scene.changes import Change, vertical_load
 if TYPE_CHECKING:
     from pysprings.results.tables.load_cases import LoadCases
     from pysprings.scene.model import Scene
-    from pysprings.studies.atlas.emulator import Emulator
+    from pysprings.studies.atlas.model import Atlas
 
 STEEL = 7850.0  # kg/m3
 BAND = 1.96
@@ -70,7 +70,7 @@ class Candidate:
 class Search:
     """A search on an atlas: every caisson that was tried. `correction` multiplies predicted rotations and loads."""
 
-    atlas: Emulator
+    atlas: Atlas
     wanted: Wanted
     correction: float = 1.0
     tried: list[Candidate] = field(default_factory=list)
@@ -159,7 +159,7 @@ class Search:
         return self.wanted.D[1], ratio * self.wanted.D[1]
 
 
-def answered(atlas: Emulator, wanted: Wanted, D: float, L: float) -> pd.DataFrame:
+def answered(atlas: Atlas, wanted: Wanted, D: float, L: float) -> pd.DataFrame:
     """Return the answers of an atlas to the cases for a caisson. Raises UserInputError for what it does not cover."""
     cases = wanted.cases
     names = ("u", "rotation", "u_deviation", "rotation_deviation", "utilisation", "answered")
@@ -172,7 +172,7 @@ def answered(atlas: Emulator, wanted: Wanted, D: float, L: float) -> pd.DataFram
     return table
 
 
-def scenes_of(atlas: Emulator, wanted: Wanted, D: float, L: float) -> list[tuple[Scene, NDArray[np.int64]]]:
+def scenes_of(atlas: Atlas, wanted: Wanted, D: float, L: float) -> list[tuple[Scene, NDArray[np.int64]]]:
     """Return the scene of each vertical load of the cases for a caisson, with the rows of its cases."""
     found = []
     for V in np.unique(wanted.cases.V):  # of NaN one
@@ -182,14 +182,14 @@ def scenes_of(atlas: Emulator, wanted: Wanted, D: float, L: float) -> list[tuple
     return found
 
 
-def mass_of(atlas: Emulator, D: float, L: float) -> float:
+def mass_of(atlas: Atlas, D: float, L: float) -> float:
     """Return the steel [kg] of skirt and lid, both of the skirt's thickness."""
     base = atlas.base.caisson
     t = base.skirt_thickness / base.outer_diameter * D
     return STEEL * math.pi * ((D - t) * t * L + 0.25 * D**2 * t)
 
 
-def bounds_of(atlas: Emulator, ratio: tuple[float, float]) -> tuple[float, float]:
+def bounds_of(atlas: Atlas, ratio: tuple[float, float]) -> tuple[float, float]:
     """Return bounds of L/D within the atlas. Raises UserInputError where there are none."""
     low, high = (float(value) for value in atlas.box[:, 0])
     inside = max(ratio[0], low * 1.0001), min(ratio[1], high * 0.9999)

@@ -19,7 +19,6 @@ from pysprings.scene.template_names import template_names
 from pysprings.scene.toml import field_of
 from pysprings.studies.atlas.families import FAMILIES
 from pysprings.studies.atlas.file import shipped
-from pysprings.studies.atlas.formulas import FORMS
 from tests.support.commands import command, environment, run_python
 
 
@@ -86,7 +85,7 @@ def test_help_lists_the_names_that_options_accept() -> None:
         ("export", EXPORTERS.names()),
         ("springs", [each.name for each in EXPORTERS if each.is_spring_file]),
         ("run", [*get_args(MeshPreset), *get_args(Discretisation), *get_args(TargetError)]),
-        ("atlas", [*FAMILIES.names(), *(f" {each.name}" for each in FORMS)]),
+        ("atlas", FAMILIES.names()),
         ("predict", shipped()),
         ("size", shipped()),
     ):

@@ -8,7 +8,7 @@ F and X = ratio rho/D. h = X/(1 + X) takes the way from elasticity to failure ou
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,24 +29,6 @@ class Sizes:
 
     force: float
     ratio: float
-
-
-@dataclass(frozen=True)
-class Symbols:
-    """Words of a family in formulas: sizes that reactions and motions are over.
-
-    Attributes
-    ----------
-    stress, lid, stiffness : stress by depth and at the lid; stiffness.
-    X : the motion rho = |(u, rotation L)| over its size.
-    even : inputs in their even form, with their units.
-    """
-
-    stress: str = "s(z)"
-    lid: str = "s_lid"
-    stiffness: str = "G"
-    X: str = "X"
-    even: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -72,12 +54,6 @@ class Scaled:
         return float(getattr(getattr(scene, self.section), self.key)) / self.size(scene)
 
 
-def even_ground(inputs: Array, zeta: Array) -> tuple[Array, Array]:
-    """Return a stress and a stiffness that are the same at all depths."""
-    ones = np.ones((len(inputs), zeta.size))
-    return ones, ones
-
-
 @dataclass(frozen=True)
 class Family:
     """A family of caissons and ground: one module beside this one, and one entry in `FAMILIES`.
@@ -92,12 +68,7 @@ class Family:
     free : keys of a scene by section that may differ from the base scene of an atlas.
     scaled : values that an atlas has in proportion.
     short : short names of keys for the command line.
-    ground : inputs (n, d), z/L (k,) -> stress that reactions are over, as a share of F/(D (L + D)), and stiffness that
-        motions are over, as a share of the one in X; both (n, k). For formulas (`pysprings.studies.atlas.formulas`).
-    lid : inputs (n, d) -> stress at the lid (n,).
-    symbols : words of the same for reports.
     odd : scene, base -> further reasons why an atlas does not cover the scene.
-    stretch : X over rho/D of an atlas, where it is not that of `sizes`.
     """
 
     name: str
@@ -108,19 +79,7 @@ class Family:
     free: Mapping[str, tuple[str, ...]]
     scaled: tuple[Scaled, ...] = ()
     short: Mapping[str, str] = field(default_factory=dict)
-    ground: Callable[[Array, Array], tuple[Array, Array]] = even_ground
-    lid: Callable[[Array], Array] = lambda inputs: np.ones(len(inputs))
-    symbols: Symbols = Symbols()
     odd: Callable[[Scene, Scene], Iterator[Problem]] = lambda _scene, _base: iter(())
-    stretch: float | None = None
-
-    @property
-    def emulated(self) -> Family:
-        """The family with the motions of an atlas, X by `stretch`."""
-        own, stretch = self.sizes, self.stretch
-        if stretch is None:
-            return self
-        return replace(self, sizes=lambda scene: Sizes(own(scene).force, stretch), stretch=None)
 
     def check(self, scene: Scene, base: Scene) -> None:
         """Raise UserInputError for every value of a scene that an atlas with this base scene does not follow."""

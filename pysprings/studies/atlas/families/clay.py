@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem
-from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, Symbols, diameter
+from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -74,18 +74,6 @@ def _sizes(scene: Scene) -> Sizes:
     return Sizes(strength_at_half(scene) * D * (L + D), float(ratio))
 
 
-def _ground(inputs: Array, zeta: Array) -> tuple[Array, Array]:
-    """Return su(z) over that at half the skirt length, twice: G is in proportion to su."""
-    growth = (inputs[:, 0] * inputs[:, 1])[:, None]
-    su = (1.0 + growth * zeta) / (1.0 + 0.5 * growth)
-    return su, su
-
-
-def _lid(inputs: Array) -> Array:
-    """Return su at mudline over that at half the skirt length."""
-    return np.asarray(_ground(inputs, np.zeros(1))[0][:, 0])
-
-
 def _odd(scene: Scene, _base: Scene) -> Iterator[Problem]:
     """Yield a problem for a strength that is not linear, or an adhesion that differs between surfaces."""
     from pysprings.scene.by_depth import ByDepth
@@ -130,10 +118,5 @@ FAMILY = Family(
         "alpha": "interface.adhesion_factor",
         "V": "caisson.vertical_load",
     },
-    ground=_ground,
-    lid=_lid,
-    symbols=Symbols(
-        "su(z)", "su_m", "G", "(G/su) sqrt(u^2 + (rotation L)^2)/D", ("ln(L/D)", "ln(1 + k D/su_m)", "alpha", "V/V_0")
-    ),
     odd=_odd,
 )  # fmt: skip

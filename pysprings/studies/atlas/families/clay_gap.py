@@ -40,7 +40,6 @@ def _odd(scene: Scene, base: Scene) -> Iterator[Problem]:
         yield Problem(key=f"soil.layer.{_WEIGHT}", message="the atlas needs one unit weight at all depths")
 
 
-_SYMBOLS = clay.FAMILY.symbols
 FAMILY = replace(
     clay.FAMILY,
     name="clay-gap",
@@ -48,6 +47,5 @@ FAMILY = replace(
     read=_read,
     even=_even,
     short={**clay.FAMILY.short, "gamma": f"soil.layer.clay.{_WEIGHT}"},
-    symbols=replace(_SYMBOLS, even=(*_SYMBOLS.even, "ln(gamma' D/su)")),
     odd=_odd,
 )

@@ -2,11 +2,9 @@
 """Caissons in one homogeneous, drained sand under a vertical load.
 
 L/D, the friction angle, E/(gamma' D), the friction of the steel mu and V/(gamma' D^3) decide on loads over
-F = gamma' D^2 (L + D) as functions of X = E rho/(gamma' D^2). E/(gamma' D) decides beside X because the friction
-hardens with the plastic strain. The thickness of the skirt is a fixed share of D, the surcharge one of gamma' D.
-
-All cases of a study move by the same share of D. In an atlas X is therefore `STRETCH` rho/D: none has to be filled in
-from stiffer neighbours.
+F = gamma' D^2 (L + D) as functions of rho/D. The thickness of the skirt is a fixed share of D, the surcharge one of
+gamma' D. All cases of a study move by the same share of D, so that X is `STRETCH` rho/D: none has to be filled in from
+stiffer neighbours.
 """
 
 from __future__ import annotations
@@ -16,12 +14,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, Symbols, diameter
+from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
 
 Array = NDArray[np.float64]
+STRETCH = 1000.0  # X over rho/D
 
 
 def _weight(scene: Scene) -> float:
@@ -47,22 +46,7 @@ def _even(values: Array) -> Array:
 def _sizes(scene: Scene) -> Sizes:
     D, L = diameter(scene), scene.caisson.skirt_length
     weight = _weight(scene)
-    return Sizes(weight * D * (L + D), float(scene.soil.young_modulus) / weight)
-
-
-SURCHARGE = 0.05  # over gamma' D: that of the studies
-STRETCH = 1000.0  # X over rho/D of an atlas
-
-
-def _ground(inputs: Array, zeta: Array) -> tuple[Array, Array]:
-    """Return the vertical effective stress at rest over gamma' D, and the stiffness: the same at all depths."""
-    stress = SURCHARGE + inputs[:, :1] * zeta
-    return stress, np.ones_like(stress)
-
-
-def _lid(inputs: Array) -> Array:
-    """Return V/D^2 over gamma' D."""
-    return np.asarray(inputs[:, 4])
+    return Sizes(weight * D * (L + D), STRETCH)
 
 
 FAMILY = Family(
@@ -90,11 +74,4 @@ FAMILY = Family(
         "mu": "interface.friction_coefficient",
         "V": "caisson.vertical_load",
     },
-    stretch=STRETCH,
-    ground=_ground,
-    lid=_lid,
-    symbols=Symbols(
-        "s'_v(z)", "V/D^2", "E", "E sqrt(u^2 + (rotation L)^2)/(gamma' D^2)",
-        ("ln(L/D)", "phi [deg]", "ln(E/(gamma' D))", "mu", "ln(V/(gamma' D^3))"),
-    ),
 )  # fmt: skip
