@@ -25,7 +25,7 @@ LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.
 # pages of an earlier run of the gallery stay as they are; GALLERY=1 runs the examples whose text has changed
 SPHINX = $(BIN)/python -m sphinx -b html -q -W --keep-going docs out/site
 
-.PHONY: site gallery screenshots build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint evidence figure docs accuracy stability bench bench-peers reference clean
+.PHONY: site gallery screenshots build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint pages figure docs accuracy stability bench bench-peers reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -41,7 +41,7 @@ gallery: $(DOCS)
 
 # pictures of the site, and of the report and workbook of a run, for docs/evidence, by Chromium and LibreOffice
 screenshots: $(DOCS)
-	$(BIN)/python -m benchmarks.screenshots $(RESULT)
+	$(BIN)/python -m tools.screenshots $(RESULT)
 
 test: $(DEV)
 	$(BIN)/python -m pytest -n 2 --dist worksteal
@@ -60,10 +60,10 @@ build: $(DEV)
 	$(BIN)/uv build --quiet --out-dir dist
 
 wheel-check: $(DEV)
-	$(BIN)/python -m benchmarks.wheel_check
+	$(BIN)/python -m tools.wheel_check
 
 release: $(DEV)
-	$(BIN)/python -m benchmarks.release $(VERSION) $(if $(DRY),--dry-run)
+	$(BIN)/python -m tools.release $(VERSION) $(if $(DRY),--dry-run)
 
 test-slow: $(DEV)
 	$(BIN)/python -m pytest -m "slow and not long" -n 2 --dist worksteal
@@ -73,12 +73,11 @@ test-long: $(DEV)
 
 test-all: test test-slow test-long
 
-# how many small changes of the code the tests notice: about a minute a mutant on an idle core; survivors alone when called again
+# how many small changes of the code the tests notice: about a minute a mutant; survivors alone when called again
 SAMPLE ?= 40
 SEED ?= 1
 mutation: $(DEV)
-	$(BIN)/python -m benchmarks.mutation --sample $(SAMPLE) --seed $(SEED) --store
-	$(MAKE) evidence
+	$(BIN)/python -m tools.mutation --sample $(SAMPLE) --seed $(SEED)
 
 verification: $(DEV)
 	$(BIN)/python -m tests.verification.table
@@ -87,12 +86,11 @@ verification: $(DEV)
 verification-data: $(DEV)
 	mkdir -p out
 	$(BIN)/python -m tests.verification.table --out out/verification.csv
-	$(BIN)/python -m benchmarks.evidence_store verification out/verification.csv --command "make verification-data"
+	$(BIN)/python -m tools.evidence_store verification out/verification.csv --command "make verification-data"
 
-# the generated pages: docs/evidence from data/evidence, docs/reference from the program; runs nothing
-evidence: $(DEV)
-	$(BIN)/python -m benchmarks.evidence
-	$(BIN)/python -m benchmarks.reference_pages
+# the generated pages of docs/reference, from the program; runs nothing
+pages: $(DEV)
+	$(BIN)/python -m tools.reference_pages
 
 # advisories on the installed packages; pip-audit runs in an environment of its own, and asks PyPI
 audit: $(DEV)
@@ -104,31 +102,28 @@ audit: $(DEV)
 figure: $(DEV)
 	$(BIN)/pysprings init out/fan.toml --template fan --force
 	$(BIN)/pysprings run out/fan.toml --mesh coarse --out out/fan --force
-	$(BIN)/python -m benchmarks.readme_picture out/fan
-	$(BIN)/python -m benchmarks.thumbnails out/fan
+	$(BIN)/python -m tools.readme_picture out/fan
+	$(BIN)/python -m tools.thumbnails out/fan
 
 # the paper's figures and tables: runs what has not run yet (8 minutes on `medium`, then the sensitivities)
 MESH ?= medium
 docs: $(DEV)
 	$(BIN)/pysprings paper --mesh $(MESH) --sensitivity --out out/paper-$(MESH)
 	$(BIN)/python -m benchmarks.paper_docs out/paper-$(MESH) --mesh $(MESH)
-	$(MAKE) evidence
 
 # the study behind --target-error and docs/evidence/accuracy.md: runs what has not run yet
 STUDY := pysprings accuracy data/scenes/service-load.toml
 accuracy: $(DEV)
 	$(BIN)/$(STUDY) --out out/accuracy --write-presets pysprings/full_model/accuracy/presets.json
-	$(BIN)/python -m benchmarks.evidence_store accuracy out/accuracy/accuracy.md --command "$(STUDY)"
+	$(BIN)/python -m tools.evidence_store accuracy out/accuracy/accuracy.md --command "$(STUDY)"
 	cp out/accuracy/accuracy.png docs/evidence/
-	$(MAKE) evidence
 
 # the catalogue of docs/evidence/stability.md (two minutes)
 CATALOGUE := pysprings stability --refinement 0.6
 stability: $(DEV)
 	$(BIN)/$(CATALOGUE) --out out/stability
-	$(BIN)/python -m benchmarks.evidence_store stability-small out/stability/stability.md --command "$(CATALOGUE)"
+	$(BIN)/python -m tools.evidence_store stability-small out/stability/stability.md --command "$(CATALOGUE)"
 	cp out/stability/stability.png docs/evidence/
-	$(MAKE) evidence
 
 # what the solver costs, as ratios of one run (about half an hour; SECTION=units for one of them)
 bench: $(DEV)

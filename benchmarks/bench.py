@@ -6,9 +6,6 @@ targets  5 % and 2 % of error: wall time
 growth   unit, wall time and memory against unknowns, drained and coupled, with fitted exponents
 fine     the same pull on at least 100,000 nodes
 solvers  factors of its own for every tangent, or those of earlier ones, by mesh
-rest     only the factors of the tangent at rest: what an exact solve by Fourier series in azimuth could replace
-omitted  what the omissions save (benchmarks/omissions.py)
-layers   an iteration in layered ground beside homogeneous ground on the same mesh (benchmarks/layered_cost.py)
 
 Every run is a process of its own with warm caches; pictures are left out. Seconds depend on the machine, and on what
 else it does; the ratios less so.
@@ -37,7 +34,6 @@ GROWTH = {
     "coupled": ("coarse", "medium", "medium:1.4", "paper", "fine:0.92"),
 }
 SOLVERS = ("coarse:0.6", "coarse:0.7", "coarse:0.8", "coarse", "medium", "paper")
-AT_REST_ALONE = {"longest": 150, "comfortable": 1.0e9}  # settings.Recycling: the first factors are never renewed
 
 
 def scene(mesh: str, end: float, mode: str = "drained") -> Any:
@@ -149,34 +145,6 @@ def solvers() -> None:
         )
 
 
-def rest() -> None:
-    """Compare factors at rest with renewed ones: an exact Fourier solve could take the place of those solves."""
-    for mesh in ("medium", "paper"):
-        for end in (1.0 * MM, 2.5 * MM):
-            print(f"{mesh} to {end / MM:g} mm", flush=True)
-            for only, name in ((False, "renewed"), (True, "at rest alone")):
-                mean, factorisations, wall, solves = _in_child(_iterations, (mesh, end, only))
-                print(
-                    f"    {name:14} {mean:5.1f} iterations a system, {factorisations:3} factorisations, {wall:6.1f} s, "
-                    f"solves {solves:6.1f} s",
-                    flush=True,
-                )
-
-
-def omitted() -> None:
-    """Print what each omission saves."""
-    from benchmarks import omissions
-
-    omissions.main([])
-
-
-def layers() -> None:
-    """Print the CPU time of an iteration in layered ground beside homogeneous ground on the same mesh."""
-    from benchmarks import layered_cost
-
-    layered_cost.main([])
-
-
 def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
     """Return the wall time of the second of two runs (s), its factorisations, and the unknowns."""
     from pysprings.full_model import compute
@@ -191,27 +159,6 @@ def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
         record = compute.compute(chosen).record
         wall = time.perf_counter() - begun
     return wall, record.solver.factorisations, record.mesh.unknowns
-
-
-def _iterations(mesh: str, end: float, only_at_rest: bool) -> tuple[float, int, float, float]:
-    from fe_engine.linear.recycled import Recycled
-    from pysprings.full_model import compute
-
-    if only_at_rest:
-        _recycle(**AT_REST_ALONE)
-    made: list[Any] = []
-    begin = Recycled.__init__
-
-    def keep(self: Any, *arguments: Any) -> None:
-        made.append(self)
-        begin(self, *arguments)
-
-    Recycled.__init__ = keep  # type: ignore[method-assign]
-    begun = time.perf_counter()
-    record = compute.compute(scene(mesh, end)).record
-    wall = time.perf_counter() - begun
-    solves = record.phases["solve"]["wall_s"]
-    return made[0].n_iterations / made[0].n_systems, record.solver.factorisations, wall, solves
 
 
 def _recycle(**changes: Any) -> None:
@@ -229,8 +176,7 @@ def _in_child(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
 
 
 SECTIONS: dict[str, Callable[[], None]] = {
-    "units": units, "targets": targets, "growth": growth, "fine": fine, "solvers": solvers, "rest": rest,
-    "omitted": omitted, "layers": layers,
+    "units": units, "targets": targets, "growth": growth, "fine": fine, "solvers": solvers,
 }  # fmt: skip
 
 

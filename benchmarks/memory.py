@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.evidence_store import store, to_csv
 from benchmarks.memory_aims import FAMILIES, Aim, aims, met
 from benchmarks.memory_paths import Case, cases, scene_of
 from pysprings import Scene
@@ -37,6 +36,7 @@ from pysprings.springs.extract import extract_springs
 from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
+from tools.evidence_store import store, to_csv
 
 COMMAND = "python -m benchmarks.memory DIR --store"
 STEPS = 100_000

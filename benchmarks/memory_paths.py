@@ -17,20 +17,6 @@ _ONE_WAY = [(0.5, -0.5), *[(0.1, -0.1), (0.5, -0.5)] * 5]
 _MOMENTS = [(0.4, 0.0), *[(0.4, -0.5), (0.4, -0.1)] * 4]
 _MOORING = [(0.6, 0.2), (0.3, 0.15), (0.8, 0.16), (0.2, 0.06), (0.9, 0.3), (0.4, 0.1)]
 _STORM = [(0.25, -0.45), (0.05, -0.2), (0.4, -0.5), (-0.1, -0.1), (0.5, -0.6), (0.1, -0.35), (0.3, -0.3), (-0.2, 0.1)]
-# Case -> vertical loads [N] of sequences: about that at rest, one between, a second one with rays that turn back
-LOADED = {
-    "sand": {"rest": 0.7e6, "between": 1.8e6, "heavy": 3e6}, "clay": {"rest": 2e6, "between": 3e6, "heavy": 4e6},
-}  # fmt: skip
-# Parts of sequences under a vertical load that changes: "heavy", "between", "rest" are loads, pairs factors as above
-_STORM_V = [
-    "heavy", (0.5, -0.5), (0.1, -0.1), "between", (0.4, -0.4), (-0.1, 0.1), "rest", (0.3, -0.3), (0.0, 0.0), "heavy",
-    (0.5, -0.5), (0.0, 0.0),
-]  # fmt: skip
-_MOMENTS_V = [(0.3, -0.3), (0.3, -0.1), *[
-    part for V, M in (("between", -0.4), ("rest", -0.3), ("heavy", -0.4)) for part in (V, (0.3, M), (0.3, -0.1))
-]]  # fmt: skip
-_REST = 60.0  # s, in coupled sequences
-_PULL_V = ["heavy", -0.1, "between", 0.1, "rest", -0.1, 0.1]  # u over the reach
 
 
 @dataclass(frozen=True)
@@ -83,67 +69,6 @@ def scene_of(case: Case) -> Scene:
     data["mesh"] = data["mesh"] | mesh
     data["output"] = data["output"] | output
     return Scene.model_validate(data)
-
-
-def loaded_scene(case: Case) -> Scene:
-    """Return the scene of a case with a fan and reversed rays under two vertical loads, and sequences held back."""
-    loads = LOADED[case.name]
-    data = scene_of(case).model_dump()
-    data["paths"] = _loaded_sequences(case, loads)
-    data["springs"] = data["springs"] | {"vertical_loads": (loads["heavy"],), "held_back": False}
-    return Scene.model_validate(data)
-
-
-def _loaded_sequences(case: Case, loads: dict[str, float]) -> list[dict[str, Any]]:
-    """Return sequences under one vertical load, then those under one that changes from part to part."""
-    D, r, F = case.scene.caisson.outer_diameter, case.reach, case.force
-    one = [_loop(1, D, 0.2 * r), _loads("one_way", _ONE_WAY, F, D), _loads("moment_cycles", _MOMENTS, F, D),
-           _loads("wind_and_waves", _STORM, F, D)]  # fmt: skip
-
-    def part(each: Any) -> tuple[Any, ...]:
-        if isinstance(each, str):
-            return (None, None, None, None, loads[each])
-        return (each * r, None, None) if isinstance(each, float) else (each[0] * F, None, None, each[1] * D * F)
-
-    pull = {"name": "pull_V", "kind": "pull", "arm": D, "lateral_displacement": 0.1 * r, "role": "held-back"}
-    storm = {"name": "storm_V", "kind": "load", "lateral_force": 0.3 * F, "arm": D, "role": "held-back"}
-    moments = storm | {"name": "moments_V", "arm": 0.0, "vertical_load": loads["heavy"]}
-    return [
-        *(path | {"name": f"{path['name']}_{V}", "vertical_load": loads[V]}
-          for V in ("between", "heavy") for path in one),
-        *(path | {"then": [part(each) for each in parts]}
-          for path, parts in ((storm, _STORM_V), (moments, _MOMENTS_V), (pull, _PULL_V))),
-    ]  # fmt: skip
-
-
-def wet_scene(mode: str) -> Scene:
-    """Return the paper's caisson, coupled at two rates or undrained: a fan, reversed rays, and held-back paths."""
-    data = scene_of(cases()["sand"]).model_dump()
-    reach, rates = 10e-3, (0.05e-3, 0.5e-3) if mode == "coupled" else ()
-    data["drainage"] = data["drainage"] | {"mode": mode}
-    data["springs"] = data["springs"] | {"reach": reach, "rates": rates, "held_back": False, "vertical": False}
-    timed = ("loop_1_D_between", "rests_0_D")
-    paths = _wet_sequences(data["caisson"], reach)
-    data["paths"] = [path for path in paths if rates or path["name"] not in timed]
-    return Scene.model_validate(data)
-
-
-def _wet_sequences(caisson: dict[str, Any], reach: float) -> list[dict[str, Any]]:
-    """Return held-back paths of which the motion, u and rotation*L, has about the faster rate, or lies between both."""
-    u, D, there = 0.2 * reach, caisson["outer_diameter"], 0.4 * reach
-    along, turn = there * math.cos(math.radians(-40)), there * math.sin(math.radians(-40)) / caisson["skirt_length"]
-
-    def pull(name: str, arm: float, rate: float, *ends: float | None) -> dict[str, Any]:
-        then = [(None, None, _REST) if end is None else (end * u, rate, None) for end in ends]
-        return {"name": name, "kind": "pull", "arm": arm, "lateral_displacement": u, "rate": rate, "then": then}
-
-    paths = [
-        pull("pull_0_D", 0.0, 0.4e-3), pull("loop_1_D", D, 0.33e-3, 0.0, 1.0, -1.0, 1.0),
-        pull("loop_1_D_between", D, 0.1e-3, 0.0, 1.0, -1.0, 1.0), pull("rests_0_D", 0.0, 0.4e-3, None, -1.0, None, 0.0),
-        {"name": "ray_minus_40_reversed", "kind": "translation", "lateral_displacement": along, "rotation": turn,
-         "rate": 0.38e-3, "then": [(-along, 0.38e-3, None), (along, 0.38e-3, None)]},
-    ]  # fmt: skip
-    return [path | {"role": "held-back"} for path in paths]
 
 
 def _sequences(case: Case) -> list[dict[str, Any]]:

@@ -2,7 +2,7 @@
 """Store the paper's figures and tables as evidence, from the folder of a study.
 
 ``python -m benchmarks.paper_docs DIR`` after ``pysprings paper --sensitivity --out DIR`` (`make docs`). The tables
-go to ``data/evidence``, the pictures to ``docs/evidence/paper``; `make evidence` then makes the page.
+go to ``data/evidence``, the pictures to ``docs/evidence/paper``; the page shows them.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from benchmarks.evidence_store import DATA, LINE, store, tables_in, to_csv
 from pysprings.core.files.storage import replacing
 from pysprings.results.plots.style import STYLE
 from pysprings.studies.paper import figures, idealisations, runs, study, text
+from tools.evidence_store import DATA, LINE, store, tables_in, to_csv
 
 DPI = 75
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "evidence" / "paper"
@@ -35,7 +35,6 @@ def write(source: Path, mesh: str, data: Path = DATA, pictures: Path = PICTURES)
     tables = {
         "paper-claims": claims,
         "paper-idealisations": [heads, *rows],
-        "paper-figures": [["file", "caption"], *([f"paper/{each.stem}.png", each.caption] for each, _ in drawn)],
     }
     attrs = next(iter(ended.values())).result.attrs
     note = f"Mesh `{mesh}`: {attrs['n_nodes']:,} nodes, {attrs['n_elements']:,} elements"

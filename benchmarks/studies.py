@@ -23,8 +23,8 @@ from pathlib import Path
 import psutil
 
 from benchmarks.differences import difference
-from benchmarks.evidence_store import DATA, Table, store, to_csv
 from pysprings.core.files.storage import write_text
+from tools.evidence_store import DATA, Table, store, to_csv
 
 COMMAND = "python -m benchmarks.studies"
 SCENE = """title = "A case of a study"

@@ -8,6 +8,8 @@ does not reach these, by the short list in ``other_projects.txt``.
 
 from __future__ import annotations
 
+import csv
+import json
 import os
 import re
 import sys
@@ -117,8 +119,42 @@ OUTSIDE = {
 }
 
 
+DATA = HERE.parent / "data" / "evidence"
+STORED = re.compile(r"^\[([\w-]+)\]\((?:\.\./)+data/evidence/\1\.csv\)$", re.M)
+NUMBER = re.compile(r"[-+<>~]*[\d.,]*\d(e[-+]?\d+)?( %)?|-?")
+
+
+def table(name: str) -> str:
+    """Return a stored table in Markdown, columns of numbers set to the right; a list where it has one column `line`."""
+    with (DATA / f"{name}.csv").open(newline="", encoding="utf-8") as stream:
+        heads, *rows = list(csv.reader(stream))
+    if heads == ["line"]:
+        return "\n".join(f"- {row[0]}" for row in rows)
+    right = [all(NUMBER.fullmatch(row[k]) for row in rows) for k in range(len(heads))]
+    lines = [heads, ["--:" if side else "---" for side in right], *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def with_tables(text: str) -> str:
+    """Return a page with the tables that its lines link to, and their origins below its title."""
+    known, used = json.loads((DATA / "origins.json").read_text(encoding="utf-8")), dict[str, None]()
+    for name in STORED.findall(text):
+        used[max((each for each in known if name.startswith(each)), key=len)] = None
+    if not used:
+        return text
+    origins = [
+        f"- `{name}`: `{known[name]['command']}`, version {known[name]['version']}, {known[name]['date']}. "
+        f"{known[name]['note']}".rstrip()
+        for name in used
+    ]
+    title, _, rest = STORED.sub(lambda match: table(match[1]), text).partition("\n")
+    return "\n".join([title, "", "Data on this page:", "", *origins, rest])
+
+
 def adapt(app: Any, docname: str, source: list[str]) -> None:
     """Lead links to files beside docs/ to pages of the site; append the contents that the links of an index make."""
+    source[0] = with_tables(source[0])
+    source[0] = source[0].replace("[origins](../../data/evidence/origins.json)", "`data/evidence/origins.json`")
     for file, page in OUTSIDE.items():
         source[0] = re.sub(rf"\]\((?:\.\./)+{re.escape(file)}\)", f"]({page})", source[0])
     if docname.rpartition("/")[2] == "index" and not docname.startswith("gallery/"):

@@ -11,17 +11,11 @@ import pytest
 
 from tests.support.place import ROOT
 
-# tests of a benchmark, or of the pages that benchmarks write
+# tests of a benchmark
 OF_BENCHMARKS = {
-    "tests/docs/test_docs.py",
     "tests/pysprings/full_model/test_accuracy_benchmarks.py",
     "tests/pysprings/macro/test_memory_aims.py",
-    "tests/pysprings/model/test_omissions.py",
     "tests/pysprings/model/test_domain_effect.py",
-    "tests/pysprings/model/test_omissions_benchmark.py",
-    "tests/pysprings/test_mutation.py",
-    "tests/pysprings/test_release.py",
-    "tests/test_house.py",
     "tests/verification/test_peers.py",
 }
 
@@ -56,7 +50,8 @@ def test_no_test_module_imports_another() -> None:
 def test_benchmarks_do_not_import_tests() -> None:
     found = {
         file: {name for name in names if name.split(".")[0] == "tests"}
-        for file, names in imports_of("benchmarks").items()
+        for folder in ("benchmarks", "tools")
+        for file, names in imports_of(folder).items()
     }
     assert {file: names for file, names in found.items() if names} == {}
 

@@ -6,6 +6,7 @@ Tiny scenes replace those that would take minutes. The commands of a document ru
 
 from __future__ import annotations
 
+import importlib.util
 import re
 import shlex
 import shutil
@@ -16,7 +17,6 @@ from typing import Any
 
 import pytest
 
-from benchmarks import evidence, evidence_store, reference_pages
 from pysprings import Scene
 from pysprings.cli.app import application
 from pysprings.macro.predict import MacroWarning
@@ -25,6 +25,7 @@ from tests.support import tiny
 from tests.support.commands import command
 from tests.support.place import ROOT
 from tests.support.winkler import with_invented_memory
+from tools import evidence_store, reference_pages
 
 README = ROOT / "README.md"
 RUN_HERE = [
@@ -283,47 +284,42 @@ def test_the_page_of_laws_names_every_file_of_a_law_or_element() -> None:
 # --- the generated pages ---
 
 
-@pytest.mark.parametrize("file", sorted(file.name for file in evidence.TEMPLATES.glob("*.md")))
-def test_evidence_is_what_the_committed_data_make(file: str) -> None:
-    assert (evidence.PAGES / file).read_text(encoding="utf-8") == evidence.render(file), "run: make evidence"
-
-
 @pytest.mark.parametrize("file", sorted(reference_pages.pages()))
 def test_reference_is_what_the_program_makes(file: str) -> None:
     assert (reference_pages.PAGES / file).read_text(encoding="utf-8") == reference_pages.pages()[file], (
-        "run: make evidence"
+        "run: make pages"
     )
 
 
-def test_evidence_has_no_page_of_another_origin() -> None:
-    assert {page.name for page in evidence.PAGES.glob("*.md")} == {*evidence.pages(), "index.md"}
+EVIDENCE = sorted((ROOT / "docs/evidence").glob("*.md"))
 
 
-def test_every_page_of_evidence_names_version_and_date() -> None:
-    made = evidence.pages()
-    assert made
-    for text in made.values():
-        head = text.split("Data on this page:\n\n")[1].split("\n\n")[0]
-        assert re.search(r"^- `[\w-]+`: `.+`, version \d+\.\d+\.\d+, \d{4}-\d\d-\d\d\.", head, re.M)
+@pytest.fixture(scope="module")
+def site() -> Any:
+    """The settings of the site, which show stored tables."""
+    spec = importlib.util.spec_from_file_location("site_settings", ROOT / "docs/conf.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-def test_every_stored_table_is_shown() -> None:
+def test_every_stored_table_is_shown_with_its_origin(site: Any) -> None:
     stored = {file.stem for file in evidence_store.DATA.glob("*.csv")}
-    used = {
-        stem
-        for file in evidence.TEMPLATES.glob("*.md")
-        for stem in re.findall(r'(?:table|figures|count)\("([\w-]+)"', file.read_text(encoding="utf-8"))
-    }
-    assert stored and stored == used
+    shown = {name for page in EVIDENCE for name in site.STORED.findall(page.read_text(encoding="utf-8"))}
+    assert stored and stored == shown
+    for page in EVIDENCE:
+        text = site.with_tables(page.read_text(encoding="utf-8"))
+        if page.name != "index.md":
+            head = text.split("Data on this page:\n\n")[1].split("\n\n")[0]
+            assert re.search(r"^- `[\w-]+`: `.+`, version \d+\.\d+\.\d+, \d{4}-\d\d-\d\d\.", head, re.M)
+        assert "data/evidence/" not in site.STORED.sub("", text).replace("data/evidence/origins.json", "")
 
 
-def test_a_changed_figure_changes_the_page(tmp_path: Path) -> None:
-    data = Path(shutil.copytree(evidence_store.DATA, tmp_path / "data"))
-    file = data / "slices.csv"
-    text = file.read_text(encoding="utf-8")
-    assert "6.8 %" in text
-    file.write_text(text.replace("6.8 %", "6.9 %"), encoding="utf-8")
-    assert evidence.render("springs.md", data) != evidence.render("springs.md")
+def test_a_stored_figure_stands_on_its_page(site: Any) -> None:
+    assert "6.8 %" in site.table("slices")
+    page = site.with_tables((ROOT / "docs/evidence/springs.md").read_text(encoding="utf-8"))
+    assert site.table("slices") in page
 
 
 def test_a_document_is_stored_by_section(tmp_path: Path) -> None:
@@ -333,6 +329,4 @@ def test_a_document_is_stored_by_section(tmp_path: Path) -> None:
     assert tables == {"study": "line\na: 1\n", "study-full-model": "x,y\na | b,2\n"}
     paths = evidence_store.store("study", tables, "make study", data=tmp_path / "data")
     assert [path.name for path in paths] == ["study.csv", "study-full-model.csv"]
-    origin = evidence.Page(tmp_path / "data")
-    assert origin.table("study-full-model") == "| x | y |\n| --- | --- |\n| a \\| b | 2 |"
-    assert "`make study`" in origin.origin()
+    assert "make study" in (tmp_path / "data/origins.json").read_text(encoding="utf-8")

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks import release
 from tests.support.place import ROOT
+from tools import release
 
 FILES = {
     "pysprings/core/version.py": '__version__ = "0.9.0"\n',

@@ -2,7 +2,7 @@
 """Print the verification table: ``python -m tests.verification.table [--quick] [--markdown] [--out FILE]``.
 
 ``--only NAME`` computes a case alone. Rows go to stdout as each case ends, progress to stderr; ``--out`` also
-writes them to a CSV file, from which `make evidence` makes the page of the documentation; with ``--only`` they replace
+writes them to a CSV file, which the page of the documentation shows; with ``--only`` they replace
 those of the same case in the file and follow those of other cases. Exit 1 when a row is out of tolerance or a case
 fails.
 """

@@ -2,9 +2,9 @@
 """What a scene does not need and its model does not carry: what, why, and what that saves.
 
 `build` decides; this lists it. A saving is what the model would have, take and keep with it, by the counts of the
-scene's own mesh and the fitted laws of `resources` and `run_time`; `benchmarks/omissions.py` measures the same with
-models that carry it. Idealisations (what no setting brings back) are listed, too, and save nothing that could be
-counted.
+scene's own mesh and the fitted laws of `resources` and `run_time`; docs/evidence/omissions.md has the same
+measured with models that carry it. Idealisations (what no setting brings back) are listed, too, and save nothing that
+could be counted.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 _FACTOR_ENTRIES, _FACTOR_EXPONENT = 10.3, 1.44
 _BASE_BYTES, _BYTES_PER_UNKNOWN, _BYTES_PER_ENTRY = 0.37e9, 3.0e3, 9.0
 _WATER_FACTOR, _WATER_BYTES_PER_UNKNOWN = 1.75, 4.0e3
-_SYMMETRIC_ENTRIES = 0.55  # measured by benchmarks/omissions.py
+_SYMMETRIC_ENTRIES = 0.55  # measured (docs/evidence/omissions.md)
 # Entries of the factors of one harmonic by the number of elements, fitted on 59 to 638 of them; numbers that a point of
 # the soil law keeps: a tangent, and stress, history and their copies.
 _SERIES_ENTRIES, _SERIES_EXPONENT, _BYTES_OF_A_POINT = 194.0, 1.256, 60.0

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 # Seconds of a run, and of an increment of a pull to 2.5 mm, by the number of unknowns and its square
 _START, _PER_UNKNOWN, _PER_SQUARE = 1.0, 1.25e-5, 9.1e-11
 _WATER = 1.85
-_SYMMETRIC = 0.77  # 1/1.3 of benchmarks/omissions.py on `coarse`: the least, since factors grow faster than the rest
+_SYMMETRIC = 0.77  # 1/1.3 of docs/evidence/omissions.md on `coarse`: the least, since factors grow faster than the rest
 # The lid of the paper's caisson (diameter 7.8 m) begins to lift off at 7 to 8 mm: with a share s of the motion beyond
 # that, 28 increments become 28 (1 + s), with 1 - s + 4.3 s times the time of an increment (`paper` to 20 mm).
 _LIFT_OFF, _LIFT_OFF_INCREMENTS, _LIFT_OFF_TIME = 1.0e-3, 2.0, 4.3

@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks import carried
-from benchmarks.carried import SMOOTH, difference, push
 from fe_engine.assembly.system import System
 from fe_engine.linear.backends import available_backends
 from fe_engine.state import State, initial_fields
@@ -18,7 +16,8 @@ from pysprings.full_model.compute import run
 from pysprings.model.build import build_model
 from pysprings.model.forecast.omissions import left_out, symmetric_factors
 from pysprings.model.forecast.resources import memory_bytes, size_of
-from tests.support import tiny
+from tests.support import carried, tiny
+from tests.support.carried import SMOOTH, difference, push
 from tests.support.files import record_of
 
 # of the largest value of each quantity; tolerances of the solver are 1e-9 of the contact forces here

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Build wheel and sdist, and use them in fresh environments: ``python -m benchmarks.wheel_check`` (`make wheel-check`).
+"""Build wheel and sdist, and use them in fresh environments: ``python -m tools.wheel_check`` (`make wheel-check`).
 
 For each Python that is there the wheel is installed with its dependencies from wheels alone, and a small scene is run
 and predicted from. The sdist is installed with the first of them. A Python that is not there is named as such.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Make the generated pages of docs/reference: ``python -m benchmarks.reference_pages`` (`make evidence`).
+"""Make the generated pages of docs/reference: ``python -m tools.reference_pages`` (`make pages`).
 
 Commands come from the command-line program, outputs and pictures from the registries, scene keys from the JSON
 schema, variables from `pysprings.core.variables`.
@@ -14,14 +14,14 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from typer.models import ArgumentInfo, OptionInfo
 
-from benchmarks.evidence import write_pages
+from pysprings.core.files.storage import write_text
 from pysprings.core.text import markdown_table
 from pysprings.core.variables import GROUPS
 from pysprings.core.version import __version__
 from pysprings.scene.schema import scene_schema
 
 PAGES = Path(__file__).resolve().parents[1] / "docs" / "reference"
-MARK = f"<!-- Made by `make evidence` from version {__version__} of the program. Do not edit. -->\n\n"
+MARK = f"<!-- Made by `make pages` from version {__version__} of the program. Do not edit. -->\n\n"
 GROUP_TITLES = {
     "result_root": "full_model.nc, root",
     "result_path": "full_model.nc, paths/NAME",
@@ -256,4 +256,5 @@ def pages() -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    write_pages(__doc__, PAGES, pages)
+    for name, text in pages().items():
+        print(write_text(text, PAGES / name))

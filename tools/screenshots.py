@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Take pictures of the site, a report and a workbook: ``python -m benchmarks.screenshots [RUN]`` (`make screenshots`).
+"""Take pictures of the site, a report and a workbook: ``python -m tools.screenshots [RUN]`` (`make screenshots`).
 
 Pages of the site in out/site (`make gallery` builds it with the pictures of the examples), of the report in the folder
 of a run, and printed pages of its workbook go to docs/evidence/site, a PNG of less than 200 kB each. What is not there

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Models that carry what a scene leaves out, and a push of a model; for `benchmarks/omissions.py` and its tests."""
+"""Models that carry what a scene leaves out, and a push of a model."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Draw the picture of the README, store the errors of the fan: ``python -m benchmarks.readme_picture DIR``.
+"""Draw the picture of the README, store the errors of the fan: ``python -m tools.readme_picture DIR``.
 
 DIR is a run of the template `fan` on the mesh `coarse` (`make figure`). The picture compares the full model with the
 macro-model on a held-back pull: the fan of the calibration paths, and the p-y springs alone.
@@ -16,9 +16,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import pysprings
-from benchmarks.evidence_store import store, to_csv
 from pysprings.core.files.storage import replacing
 from pysprings.results.plots.style import STYLE
+from tools.evidence_store import store, to_csv
 
 PICTURE = Path(__file__).resolve().parents[1] / "docs" / "load_displacement.png"
 PATH = "pull_1_D"

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Store results as evidence: ``python -m benchmarks.evidence_store NAME FILE --command "..." [--note ...]``.
+"""Store results as evidence: ``python -m tools.evidence_store NAME FILE --command "..." [--note ...]``.
 
 FILE is a CSV file, or a Markdown document whose tables and lists are stored one by one. The data go to
 ``data/evidence/NAME.csv``, or ``NAME-SECTION.csv`` for a section of a document; the command, the version and the
-date go to ``data/evidence/origins.json``. `make evidence` makes the pages of docs/evidence from these files alone.
+date go to ``data/evidence/origins.json``. Pages of docs/evidence link to these files, and
+the site shows them as tables.
 """
 
 from __future__ import annotations

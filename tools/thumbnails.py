@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Draw the small pictures of docs/reference/pictures.md: ``python -m benchmarks.thumbnails RESULT``.
+"""Draw the small pictures of docs/reference/pictures.md: ``python -m tools.thumbnails RESULT``.
 
 RESULT is the folder of a run. Pictures that this result does not hold the data for stay as they are.
 """
