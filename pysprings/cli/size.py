@@ -78,14 +78,17 @@ def size(
 
 
 def _files(search: Search, best: Candidate, out: Path) -> list[Path]:
+    from pysprings.core.errors import following
     from pysprings.results.exporters.csv import write_frame
     from pysprings.results.plots.files import save
     from pysprings.studies.sizing.picture import candidates
     from pysprings.studies.sizing.search import table_of
 
     table = table_of(search.tried)
-    drawn = save(candidates(table, table_of([best]).iloc[0]), out / "candidates", dpi=150)
-    return [write_frame(table, out / "candidates.csv"), *drawn]
+    files = [write_frame(table, out / "candidates.csv")]
+    with following("the picture was"):
+        files += save(candidates(table, table_of([best]).iloc[0]), out / "candidates", dpi=150)
+    return files
 
 
 def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> None:

@@ -7,7 +7,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pysprings.cli.support import print_json, to_stderr
+from pysprings.cli.support import interruptible, print_json, to_stderr
+from pysprings.core.errors import following
 from pysprings.core.files.storage import replacing, write_text
 from pysprings.studies.stability import catalogue as stability
 from pysprings.studies.stability import text as stability_text
@@ -20,7 +21,10 @@ def run(names: list[str], mesh: str, refinement: float, reach: float, out: Path 
     """Run the cases of these names (all: none given) as far as ``reach`` (m); return how many ended unexplained."""
     cases = stability.cases_named(names)
 
+    ended: list[stability.Outcome] = []
+
     def report(outcome: stability.Outcome) -> None:
+        ended.append(outcome)
         text = stability_text.line(asdict(outcome))
         if as_json:
             to_stderr(text)
@@ -29,7 +33,14 @@ def run(names: list[str], mesh: str, refinement: float, reach: float, out: Path 
 
     if not as_json:
         print(stability_text.heading(), flush=True)
-    table = stability.run_cases(cases, mesh, refinement, report, reach)
+    try:
+        with interruptible():
+            table = stability.run_cases(cases, mesh, refinement, report, reach)
+    except KeyboardInterrupt:
+        if out is not None and ended:
+            _write(stability.table_of(ended), out)
+            to_stderr(f"the cases that have ended are in {out}")
+        raise
     total = stability.summary(table)
     if out is not None:
         _write(table, out)
@@ -47,5 +58,5 @@ def _write(table: pd.DataFrame, out: Path) -> None:
 
     write_text(table.to_csv(index=False, lineterminator="\n"), out / "stability.csv")
     write_text(stability_text.to_markdown(table), out / "stability.md")
-    with replacing(out / "stability.png") as temporary:
+    with following("the picture was"), replacing(out / "stability.png") as temporary:
         catalogue(table).savefig(temporary, dpi=110, format="png")

@@ -101,8 +101,8 @@ def _outputs(study: Study, tables: list[Path], pictures: list[str], over: str | 
 
             axes = [axis.strip() for axis in over.split(",")] if over else []
             stem = study.out / name.replace(":", "-")
-            for drawn in save(picture.draw(data, name, axes), stem, dpi=150):
-                written[drawn] = name
+            figure = picture.draw(data, name, axes)
+            written |= dict.fromkeys(save(figure, stem, dpi=150), name)
     return written
 
 

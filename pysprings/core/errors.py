@@ -7,7 +7,9 @@ Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged; 4 resources; 130 inter
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -115,6 +117,22 @@ class RunIncomplete(PyspringsError):
 
     def __str__(self) -> str:
         return self.message
+
+
+def reason_of(error: BaseException) -> str:
+    """Return an error as one line; with its kind, where it is none of this program."""
+    return printable(f"{'' if isinstance(error, PyspringsError) else f'{type(error).__name__}: '}{error}")
+
+
+@contextmanager
+def following(what: str) -> Iterator[None]:
+    """Turn an error of the block, which shows results that are written, into a warning that names what is missing."""
+    try:
+        yield
+    except Exception as error:
+        warnings.warn(
+            f"{what} not made ({reason_of(error)}); the results are kept, the same command goes on", stacklevel=3
+        )
 
 
 def out_of_memory(error: MemoryError) -> str:

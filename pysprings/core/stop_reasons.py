@@ -17,6 +17,7 @@ class StopReason(StrEnum):
     LOCALISATION = "localisation"
     FRICTION = "friction"
     UNEXPLAINED = "unexplained"
+    ERROR = "error of the program"
     INTERRUPTED = "interrupted"
     OUT_OF_MEMORY = "out of memory"
 
@@ -28,7 +29,8 @@ class StopReason(StrEnum):
     @property
     def explains(self) -> bool:
         """True for a named physical reason."""
-        return self not in (StopReason.UNEXPLAINED, StopReason.INTERRUPTED, StopReason.OUT_OF_MEMORY)
+        unexplained = (StopReason.UNEXPLAINED, StopReason.ERROR, StopReason.INTERRUPTED, StopReason.OUT_OF_MEMORY)
+        return self not in unexplained
 
 
 @dataclass(frozen=True, slots=True)

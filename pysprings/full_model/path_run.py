@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path as FilePath
+from traceback import extract_tb
 from typing import TYPE_CHECKING
 
 from fe_engine.balance.energy import EnergyBalance
@@ -13,6 +15,7 @@ from fe_engine.errors import NotConverged
 from fe_engine.model import Stage
 from fe_engine.solve.stepping import Driver, Position, Step
 from fe_engine.state import FIELDS, State, initial_fields
+from pysprings.core.errors import PyspringsError, reason_of
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.stop_reasons import Diagnosis, StopReason
 from pysprings.full_model.checkpoint import Saved
@@ -70,10 +73,17 @@ class PathRun:
             )
             if not self.collector.rows:  # the dead load itself: the state that it reached is kept, marked
                 self._collect(converged=False)
+        except PyspringsError:
+            raise
         except (KeyboardInterrupt, MemoryError):
             with suppress(MemoryError):  # no room to pack it: the checkpoint before it stays
                 self._save_standing()
             raise
+        except Exception as error:  # it costs no other path
+            last = extract_tb(error.__traceback__)[-1]
+            where = f"{FilePath(last.filename).name}, line {last.lineno}"
+            why = f"{StopReason.ERROR}: {reason_of(error)} ({where}); please report it"
+            self.ending = Ending(Status.PARTIAL, StopReason.ERROR, why, self._failure(why))
 
     def _run_stages(self) -> None:
         if self.stage < self.n_dead:

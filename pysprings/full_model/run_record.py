@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from pysprings.core.files.layout import WRITING
+from pysprings.core.files.layout import WRITING, is_unfinished
 from pysprings.core.stop_reasons import StopReason
 
 if TYPE_CHECKING:
@@ -283,6 +283,12 @@ class RunRecord(_Part):
             return cls.from_dict(json.loads((folder / FILE).read_text(encoding="utf-8")))
         except (OSError, ValueError, TypeError, AttributeError):
             return None
+
+    @classmethod
+    def has_whole_results(cls, folder: Path) -> bool:
+        """Return whether the results in a folder are whole, whatever follows them is missing."""
+        record = None if not is_unfinished(folder) else cls.read(folder)
+        return not is_unfinished(folder) or (record is not None and bool(record.not_made))
 
     @classmethod
     def of(cls, result: xr.DataTree) -> RunRecord | None:

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pysprings.core.errors import PyspringsError, UserInputError, printable
+from pysprings.core.errors import UserInputError, reason_of
 from pysprings.core.files.layout import WRITING, is_unfinished
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text, write_tree
@@ -212,8 +212,7 @@ def _made(record: RunRecord, name: str, make: Callable[[], T]) -> T | None:
     except KeyboardInterrupt:
         record.not_made[name] = str(StopReason.INTERRUPTED)
     except Exception as error:
-        kind = "" if isinstance(error, PyspringsError) else f"{type(error).__name__}: "
-        record.not_made[name] = printable(f"{kind}{error}")
+        record.not_made[name] = reason_of(error)
     record.summary = {**(record.summary or {}), "not made": record.left_to_make}
     return None
 

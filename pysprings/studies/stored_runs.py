@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.core import version
-from pysprings.core.files.layout import is_unfinished
 from pysprings.core.files.written import keep, own_folder
 from pysprings.core.progress import duration
 from pysprings.full_model.run_record import RunRecord, Status
@@ -91,7 +90,7 @@ def has_ended(folder: Path, scene: Scene) -> bool:
         and record.status in (Status.COMPLETE, Status.PARTIAL)
         and record.stopped_by is None
         and all((folder / name).exists() for name in NEEDED)
-        and (not is_unfinished(folder) or bool(record.not_made))  # pictures or a report do not concern a study
+        and RunRecord.has_whole_results(folder)
     )
 
 

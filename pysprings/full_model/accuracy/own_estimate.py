@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from fe_engine.clock import Clock
-from pysprings.core.errors import PyspringsError, RunIncomplete, UserInputError
+from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
 from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
 from pysprings.full_model.accuracy.settings import FOURIER
@@ -56,10 +56,9 @@ class Companions:
     def failed(self, error: BaseException) -> None:
         """Note the error that ended the companions or what was made of them."""
         self.again = not isinstance(error, RunIncomplete | UserInputError)
-        name = "" if isinstance(error, PyspringsError) else f"{type(error).__name__}: "
         interrupted = isinstance(error, KeyboardInterrupt)
         self.why_not = (
-            str(StopReason.INTERRUPTED) if interrupted else f"the run on the coarser mesh failed: {name}{error}"
+            str(StopReason.INTERRUPTED) if interrupted else f"the run on the coarser mesh failed: {reason_of(error)}"
         )
 
 
@@ -143,7 +142,7 @@ def with_estimate(scene: Scene, result: Computed, companions: Companions, again:
     try:
         richer = again(more)
     except Exception as error:
-        before.not_made[name] = f"{type(error).__name__}: {error}"
+        before.not_made[name] = reason_of(error)
         return result
     if richer.interrupted:
         before.not_made[name] = str(richer.record.stopped_by)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core import version
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import Problem, UserInputError, following
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
@@ -139,4 +139,5 @@ def _write(out: Path, scene: Scene, outcome: StudyResult) -> None:
         "seconds on": _machine(),
     }
     write_text(text.to_markdown(outcome, head, "accuracy.png"), out / "accuracy.md")
-    save(error_against_time(outcome.table, scene.title, TARGETS.values()), out / "accuracy", dpi=110)
+    with following("the picture was"):
+        save(error_against_time(outcome.table, scene.title, TARGETS.values()), out / "accuracy", dpi=110)

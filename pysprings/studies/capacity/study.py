@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core import version
-from pysprings.core.errors import PyspringsError, RunIncomplete
+from pysprings.core.errors import PyspringsError, RunIncomplete, following
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import read_tree, remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
@@ -223,8 +223,9 @@ def write(out: str | os.PathLike[str], outcome: Capacity) -> None:
     else:
         (folder / "cases.csv").unlink(missing_ok=True)
     write_text(json_text(to_json(outcome), indent=1) + "\n", folder / "capacity.json")
-    with warnings.catch_warnings():
+    with following("the picture was"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         if len(outcome.table):
             save(envelopes(outcome.table, outcome.scene, outcome.cases), folder / "capacity", dpi=110)
-    page.write(folder, outcome)
+    with following("the page was"):
+        page.write(folder, outcome)

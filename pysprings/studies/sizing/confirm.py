@@ -51,6 +51,7 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
     (both errors within 1.96 deviations), tilt_used by the full model. NaN where the full model stopped before the load.
     """
     from pysprings.full_model.compute import run
+    from pysprings.full_model.run_record import Status
     from pysprings.springs.dataset import path_dataset
 
     cases, expected = wanted.cases, answered(atlas, wanted, candidate.D, candidate.L)
@@ -70,13 +71,15 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         result = run(scene.replace(paths=tuple(paths)))
+    if result.attrs["status"] == Status.INTERRUPTED:
+        raise KeyboardInterrupt
     rows = []
     for k in chosen:
         path = path_dataset(result, f"case_{k + 1}")
         good = path["converged"].values == 1
         H, u, turn = (np.abs(path[name].values[good]) for name in ("H", "u", "rotation"))
         load = abs(float(cases.H[k]))
-        known = bool(load <= H.max())
+        known = bool(load <= H.max(initial=0.0))  # no state where the dead load itself stopped
         full = [float(np.interp(load, H, values)) if known else np.nan for values in (u, turn)]
         rows.append(_row(k, wanted, expected, full))
     return pd.DataFrame(rows)

@@ -6,13 +6,14 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import pandas as pd
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, PyspringsError, UserInputError
+from pysprings.core.stop_reasons import StopReason
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import RunRecord
 from pysprings.studies.stability.case import REACH, Case
@@ -75,6 +76,8 @@ def run_case(case: Case, mesh: str = "coarse", refinement: float = 1.0, reach: f
         return Outcome(**head, outcome=REFUSED, detail=_refusal(error))
     except PyspringsError as error:
         return Outcome(**head, outcome=UNEXPLAINED, detail=str(error), wall_s=time.perf_counter() - start)
+    if result.record.stopped_by is StopReason.INTERRUPTED:
+        raise KeyboardInterrupt
     return Outcome(
         **head, **_ending(result.record), **_figures(result.record), wall_s=round(time.perf_counter() - start, 1)
     )
@@ -84,12 +87,20 @@ def run_cases(
     cases: Iterable[Case], mesh: str, refinement: float = 1.0, report: Callable[[Outcome], None] = lambda _: None,
     reach: float = REACH,
 ) -> pd.DataFrame:  # fmt: skip
-    """Run cases in turn, to ``reach`` (m) where they set no displacement; return a row each (see `Outcome`)."""
+    """Run cases in turn, to ``reach`` (m) where they set no displacement; return a row each (see `Outcome`).
+
+    KeyboardInterrupt passes through: ``report`` has been given what ended before.
+    """
     rows = []
     for case in cases:
         rows.append(run_case(case, mesh, refinement, reach))
         report(rows[-1])
-    return pd.DataFrame([asdict(row) for row in rows])
+    return table_of(rows)
+
+
+def table_of(rows: Iterable[Outcome]) -> pd.DataFrame:
+    """Return outcomes as a table."""
+    return pd.DataFrame([asdict(row) for row in rows], columns=[each.name for each in fields(Outcome)])
 
 
 def summary(table: pd.DataFrame) -> dict[str, Any]:

@@ -19,7 +19,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from pysprings.core.errors import PyspringsError, RunIncomplete, UserInputError
-from pysprings.core.files.layout import is_unfinished
 from pysprings.core.version import __version__
 from pysprings.studies.sweep.cases_file import DONE, FAILED, SHORT, STOPPED
 
@@ -70,7 +69,9 @@ def read_ended(folder: Path) -> Ended | None:
         ended = Ended(**json.loads((folder / ENDED).read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError):
         return None
-    return ended if ended.version == __version__ and not is_unfinished(folder) else None
+    from pysprings.full_model.run_record import RunRecord
+
+    return ended if ended.version == __version__ and RunRecord.has_whole_results(folder) else None
 
 
 def run_case(task: Task) -> Answer:
