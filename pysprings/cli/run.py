@@ -142,6 +142,12 @@ def _run(scene: Scene, folder: Path, options: RunOptions, extra: dict[str, Any])
         if record_stamp(folder) in (None, before):
             raise
         return error
+    except Exception:
+        if record_stamp(folder) not in (None, before):
+            to_stderr(
+                f"note: the results that were made are kept in {folder} (`not_made` of run.json names the others)"
+            )
+        raise
     return None
 
 

@@ -58,6 +58,8 @@ from pysprings.springs.springs import Springs
 Array = NDArray[np.float64]
 
 AT_LOAD = {"long_name": "lateral displacement of the lid centre under the load of the full model", "units": "m"}
+# columns of a comparison without a row: no path has springs that answer
+_OF_EVERY_ROW = ["path", "role", "kind", "arm_m", "springs", "springs_from", "V_N", "status", "path_end"]
 FEWEST_THINNED = 4  # a path needs more states than these for every second one to be left out
 
 
@@ -95,11 +97,12 @@ class Comparison:
     @cached_property
     def frame(self) -> pd.DataFrame:
         """One row per path and spring set: eta, errors [%], ends of both models, point of rotation."""
-        frame = pd.DataFrame([
+        rows = [
             self._row(self.springs.paths[name], spring_set, answer)
             for name, answers in self.curves.items()
             for spring_set, answer in answers.items()
-        ])  # fmt: skip
+        ]
+        frame = pd.DataFrame(rows) if rows else pd.DataFrame(columns=_OF_EVERY_ROW)
         frame.attrs = {key: self.springs.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")}
         return frame
 

@@ -64,6 +64,10 @@ def to_text(frame: pd.DataFrame, brief: bool = False) -> str:
 
     brief: the columns of `_BRIEF` and one definition.
     """
+    if frame.empty:
+        return (
+            "nothing to compare: no springs of this run answer on its paths (none was calibrated in their direction)\n"
+        )
     shown = frame[list(_TEXT_COLUMNS)].rename(columns=_TEXT_COLUMNS)
     vertical = several_loads(frame)
     for place, (name, (title, factor)) in enumerate(_VERTICAL_COLUMNS.items() if vertical else ()):

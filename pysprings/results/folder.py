@@ -120,6 +120,7 @@ class _Files:
         self.kept: xr.DataTree | None = None  # result whose springs `source` has
         self.source = Source()
         self.has_springs = False
+        self.errors: list[Exception] = []  # of results, not of what shows them
 
     def keep(self, computed: Computed) -> None:
         """Write the results, in the place of those of an earlier run; parts that follow are named as not made yet."""
@@ -144,6 +145,8 @@ class _Files:
         record.files = noted(self.folder)
         _write_record(self.folder, record.as_dict())
         (self.folder / LIST).unlink(missing_ok=True)
+        if self.errors:
+            raise self.errors[0]
 
     @property
     def _shown(self) -> list[str]:
@@ -162,48 +165,56 @@ class _Files:
             with meter.clock.phase("output: pictures"):
                 figures = _made(record, "pictures", lambda: _draw(self.folder, self.source, self.has_springs))
         meter.charge(record)  # the report shows the cost of everything but itself
-        springs, compared = (self.source.springs, self.source.comparison) if self.has_springs else (None, None)
         with meter.clock.phase("output: report"):
-            _made(
-                record, "report",
-                lambda: write_report(self.folder, computed.tree, springs, compared, run=record, figures=figures or []),
-            )  # fmt: skip
+            _made(record, "report", lambda: self._report(computed, figures or []))
+
+    def _report(self, computed: Computed, figures: list[Path]) -> None:
+        compared = "compare.csv" not in computed.record.not_made and self.has_springs
+        springs, table = self.source.springs if self.has_springs else None, self.source.comparison if compared else None
+        write_report(self.folder, computed.tree, springs, table, run=computed.record, figures=figures)
 
     def _write_results(self, computed: Computed) -> None:
         """Write full model, springs and tables; the springs alone where nothing else is asked for."""
+        self.errors.clear()
         if self.kept is not computed.tree:
             self._begin(computed)
         record, folder, source = computed.record, self.folder, self.source
-        if self.has_springs:
-            springs = source.springs
-            record.balance = {name: balance(get_path(springs, name)) for name in path_names(springs)}
-        if self.writing.springs_alone:
-            if self.has_springs:
-                save_springs(source.springs, folder / "springs.nc")
-            return
-        if self.has_springs:
-            source.summary = record.summary = summary(source.result, record, source.comparison, source.springs)
-        write_tree(computed.recorded(), folder / "full_model.nc")
-        _write_record(folder, record.as_dict() | {"status": WRITING})
-        if path_names(source.result):
+        whole = not self.writing.springs_alone
+        if whole:
+            write_tree(computed.recorded(), folder / "full_model.nc")
+            _write_record(folder, record.as_dict() | {"status": WRITING})
             write_load_displacement(source.result, folder / "load_displacement.csv")
         if self.has_springs:
-            for exporter in EXPORTERS:
-                if exporter.of_every_run:
-                    export(source, exporter.name, folder / exporter.file)
-            write_frame(source.comparison, folder / "compare.csv")
-        if "volume" in source.result.children:
-            export(source, "paraview", Target(folder / PARAVIEW, partial(note, folder)))
+            self._made(record, "springs.nc", lambda: save_springs(source.springs, folder / "springs.nc"))
+            springs = source.springs
+            record.balance = {name: balance(get_path(springs, name)) for name in path_names(springs)}
+        if self.has_springs and whole:
+            self._made(record, "compare.csv", lambda: write_frame(source.comparison, folder / "compare.csv"))
+            self._made(record, "summary", lambda: self._summarise(record))
+            for each in (each for each in EXPORTERS if each.of_every_run and each.file != "springs.nc"):
+                self._made(record, each.file, partial(export, source, each.name, folder / each.file))
+            write_tree(computed.recorded(), folder / "full_model.nc")  # with the summary
+        if "volume" in source.result.children and whole:
+            target = Target(folder / PARAVIEW, partial(note, folder))
+            self._made(record, "paraview", lambda: export(source, "paraview", target))
+
+    def _summarise(self, record: RunRecord) -> None:
+        source = self.source
+        source.summary = record.summary = summary(source.result, record, source.comparison, source.springs)
+
+    def _made(self, record: RunRecord, name: str, make: Callable[[], T]) -> T | None:
+        """Return what ``make`` returns; None where it fails, which `finish` raises once all else is made."""
+        return _made(record, name, make, self.errors)
 
     def _begin(self, computed: Computed) -> None:
         """Take up a result; files of an earlier one go."""
-        springs = _springs(computed.tree)
+        springs = self._made(computed.record, "springs", lambda: _springs(computed.tree))
         remove_results(self.folder)
         remove_leftovers(self.folder, *(self.folder / name for name in own_folders()))
         self.source, self.kept, self.has_springs = Source(springs, computed.tree), computed.tree, springs is not None
 
 
-def _made(record: RunRecord, name: str, make: Callable[[], T]) -> T | None:
+def _made(record: RunRecord, name: str, make: Callable[[], T], errors: list[Exception] | None = None) -> T | None:
     """Return what ``make`` returns; None where it fails, with the reason in the record, and after an interrupt."""
     try:
         if StopReason.INTERRUPTED in record.not_made.values():
@@ -213,6 +224,8 @@ def _made(record: RunRecord, name: str, make: Callable[[], T]) -> T | None:
         record.not_made[name] = str(StopReason.INTERRUPTED)
     except Exception as error:
         record.not_made[name] = reason_of(error)
+        if errors is not None:
+            errors.append(error)
     record.summary = {**(record.summary or {}), "not made": record.left_to_make}
     return None
 

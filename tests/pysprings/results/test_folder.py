@@ -18,6 +18,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
+import pysprings.results.folder
 from fe_engine.errors import LinearSolverError
 from fe_engine.solve import step_size
 from pysprings.core.errors import RunIncomplete, UserInputError
@@ -323,6 +324,38 @@ def test_a_run_that_does_not_start_keeps_its_record(tmp_path: Path) -> None:
     with xr.open_dataset(tmp_path / "out" / "full_model.nc", group="paths/pull/convergence") as data:
         assert data.sizes["iteration"] == 3 * record["paths"]["pull"]["cut_backs"]
     assert "Attempts given up (cut-backs)" in read_report(tmp_path / "out").text
+
+
+def test_a_run_whose_springs_answer_on_no_path_keeps_its_results(tmp_path: Path) -> None:
+    """One vertical path, held back: there are no vertical springs to compare."""
+    path = {"name": "up", "kind": "vertical", "vertical_displacement": -1e-4, "role": "held-back"}
+    file, out = tiny.write(tiny.scene(paths=(path,)), tmp_path / "caisson.toml"), tmp_path / "out"
+    for done in (
+        command("run", file, "--out", out),
+        command("compare", out),
+        command("run", file, "--out", out, "--force", "--json"),
+    ):
+        assert done.code == 0, done.err
+    assert "nothing to compare" in command("compare", out).out
+    assert set(contents(out)) == set(run_files())
+
+
+def test_a_file_that_fails_costs_no_other_and_ends_the_run_with_its_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: object) -> None:
+        raise KeyError("a bug")
+
+    file, out = tiny.write(tiny.scene(), tmp_path / "caisson.toml"), tmp_path / "out"
+    with monkeypatch.context() as patch:
+        patch.setattr(pysprings.results.folder, "write_frame", fails)
+        done = command("run", file, "--out", out)
+    assert done.code == 1 and "bug: KeyError: 'a bug'" in done.err and f"are kept in {out}" in done.err
+    assert set(run_files()) - {"compare.csv"} <= set(contents(out))
+    assert read_record(out)["not_made"] == {"compare.csv": "KeyError: 'a bug'"}
+    assert command("predict", out, "--H", "10 kN").code == 0
+    assert command("run", file, "--out", out, "--resume").code == 0
+    assert set(contents(out)) == set(run_files()) and read_record(out)["not_made"] == {}
 
 
 @pytest.mark.slow
