@@ -83,13 +83,11 @@ def read_springs(result: Path) -> xr.DataTree:
 
 def springs_or_table(source: Path, skirt_length: float | None, strict: bool = False) -> AnySprings:
     """Open the springs of a prediction: as `springs_of` does, or from a user's CSV or Excel table."""
-    from pysprings.results.tables import FOREIGN, endings, is_table, open_table
+    from pysprings.core.tables import ENDINGS, is_table
+    from pysprings.results.tables import open_table
 
-    if is_table(source):
+    if is_table(source) and not source.is_dir():
         return open_table(source, skirt_length)
-    if source.suffix.lower() in FOREIGN and not source.is_dir():
-        known = " or ".join(endings())
-        refuse(None, f"tables in the format {source.suffix.lower()} cannot be read; save it as {known}", source)
     if skirt_length is not None:
-        refuse("--skirt-length", f"is for tables ({', '.join(endings())}); a spring file has it", source)
+        refuse("--skirt-length", f"is for tables ({', '.join(ENDINGS[:2])}); a spring file has it", source)
     return springs_of(source, strict)

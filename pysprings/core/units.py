@@ -68,6 +68,8 @@ COMMON: dict[str, tuple[float, Dimension]] = {
     "rad": (1.0, _RADIAN), "mrad": (1e-3, _RADIAN),
 }  # fmt: skip
 
+# units of the field that pint does not have: the force, and the power of the foot below it
+_PER_FOOT = {"psf": ("lbf", 2), "ksf": ("kip", 2), "pcf": ("lbf", 3), "kcf": ("kip", 3)}
 
 _TONS = ("ton", "tons")
 
@@ -223,6 +225,9 @@ def _named(name: str) -> tuple[float, Dimension]:
         return scale, tuple((unit, power + (unit == "meter")) for unit, power in newton)
     if name in COMMON:
         return COMMON[name]
+    if name in _PER_FOOT:
+        force, power = _PER_FOOT[name]
+        return unit_of(f"{force}/ft^{power}")
     registry = _registry()
     try:
         scale, base = registry.get_base_units(registry.parse_units(name))

@@ -22,7 +22,7 @@ from pysprings.scene.design_load import Design
 from pysprings.scene.fields import FROM_TOML, suggestion
 from pysprings.scene.model import Scene
 from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
-from pysprings.scene.profile_table import read_layers
+from pysprings.scene.profile_table import key_of, read_layers
 from pysprings.scene.sections import (
     Caisson,
     Domain,
@@ -161,7 +161,7 @@ def _read_profile(
         raise UserInputError([Problem(file, *at, "soil.profile", wrong)])
     folder = FilePath(file).parent if file else FilePath()
     try:
-        soil["layer"] = read_layers(folder / name, soil.get("yield_surface"))
+        soil["layer"] = read_layers(folder / name, soil)
     except UserInputError as error:
         return True, error.problems
     return True, ()
@@ -277,8 +277,10 @@ def _unknown_key(path: KeyPath) -> Fault:
     section = Layer if path[:2] == ("soil", "layer") else SECTIONS.get(str(path[0]))
     known = _keys(section) if len(path) > 1 and section else ["title", *SECTIONS]
     homes = [_header((section,)) for section, model in SECTIONS.items() if name in _keys(model)]
-    near = re.search(r"'(.*)'", suggestion(name, known))
-    hint = f" (it belongs in {' or '.join(homes)})" if homes else suggestion(name, known)
+    same = key_of(name) if path[0] == "soil" else None
+    meant = f" (did you mean '{same}'?)" if same in known else suggestion(name, known)
+    near = re.search(r"'(.*)'", meant)
+    hint = f" (it belongs in {' or '.join(homes)})" if homes else meant
     return Fault((path,), f"unknown key{hint}", at_key=True, meant=near[1] if near else "")
 
 

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Layers from a table: CSV or Excel with a row a layer, units in the headings.
+"""Layers from a table: CSV or Excel with a row a layer, or a row a depth, units in the headings.
 
 Headings are `NAME [unit]`, or `NAME from [unit]` and `NAME to [unit]` for values that are linear in the layer, as in
 groundhog's soil profiles: `Depth from [m]`, `Depth to [m]`, `Soil type`, parameters. `top [m]` and `bottom [m]` stand
 for the depths, too; `law` chooses the law of a layer. A NAME is a key of [soil], with spaces or underscores, or one of
 `NAMES`. A cell "[5, 25]" holds the values at top and bottom.
+
+With `depth [m]` in place of the ends of layers a row is a point, and values are linear between points. Two points at
+one depth are a layer boundary; points on a straight line make one layer.
 
 openpile's layers have `top` and `bottom` as elevations, `weight` (total), `Su`, `G0`, `phi` and `eps50` without units:
 m, kN/m3, kPa, degrees.
@@ -15,194 +18,337 @@ beside an effective one is not used.
 
 from __future__ import annotations
 
-import csv
 import itertools
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.units import QuantityError, quoted, read, show, si_of
+from pysprings.core.tables import Column, Table, one_table, split
+from pysprings.core.tables.cells import is_blank
+from pysprings.core.tables.headings import ANY, TEXT
+from pysprings.core.units import show, si_of
 from pysprings.scene.by_depth import Profile
-from pysprings.scene.fields import FROM_TOML, Number, Quantity, suggestion
+from pysprings.scene.fields import FROM_TOML, Number, Quantity
 from pysprings.scene.sections import BY_LAYER, Layer
 from pysprings.scene.soil_laws import SOIL_LAWS
 
-TOTAL = "total unit weight"  # less that of water it is the effective one
-WATER = 9.81  # kN/m3
+Array = NDArray[np.float64]
+
+TOTAL = "total_unit_weight"  # less that of water it is the effective one
+WATER = 9.81e3  # N/m3
 EPS50 = "eps50"  # axial strain at half of su in a triaxial test: two thirds of the engineering shear strain
-# other names of the keys, in lower case
-NAMES = {
-    "depth from": "top", "depth to": "bottom", "top": "top", "bottom": "bottom",
-    "soil type": "name", "soil": "name", "layer": "name", "name": "name",
-    "law": "law", "constitutive law": "law", "yield surface": "law",
-    "e": "young_modulus", "young's modulus": "young_modulus", "poisson's ratio": "poisson_ratio", "nu": "poisson_ratio",
-    "phi": "friction_angle_final", "effective friction angle": "friction_angle_final",
-    "friction angle": "friction_angle_final", "psi": "dilation_angle", "c": "cohesion",
-    "submerged unit weight": "effective_unit_weight", "weight": TOTAL, "total unit weight": TOTAL,
-    "gamma'": "effective_unit_weight", "k0": "K0", "permeability": "hydraulic_conductivity",
-    "su": "undrained_shear_strength", "g0": "shear_modulus", "g": "shear_modulus", "eps50": EPS50,
+VELOCITY = "shear_wave_velocity"
+# names of columns that are no keys of [soil], and other names of those, in lower case
+NAMES: dict[str, tuple[str, ...]] = {
+    "top": ("depth from", "z from", "top depth", "depth top", "from"),
+    "bottom": ("depth to", "z to", "base", "bottom depth", "base depth", "depth bottom", "depth base", "to"),
+    "depth": ("z", "depth below mudline", "depth below seabed"),
+    "name": ("soil type", "soil", "layer", "soil unit", "unit", "material"),
+    "law": ("constitutive law", "yield surface"),
+    "young_modulus": ("e", "e'", "young's modulus", "youngs modulus"),
+    "poisson_ratio": ("poisson's ratio", "poissons ratio", "nu", "nu'"),
+    "friction_angle_final": ("phi", "phi'", "effective friction angle", "friction angle", "friction angle peak"),
+    "dilation_angle": ("psi", "dilatancy angle"), "cohesion": ("c", "c'", "effective cohesion"),
+    "effective_unit_weight": ("submerged unit weight", "buoyant unit weight", "gamma'", "gamma eff"),
+    "K0": ("k0",), "hydraulic_conductivity": ("permeability",),
+    "undrained_shear_strength": ("su", "cu", "s u", "c u"), "plasticity_index": ("pi", "ip"),
+    "overconsolidation_ratio": ("ocr",),
+    "shear_modulus": ("g0", "g", "gmax", "g max", "g 0", "small strain shear modulus"),
+    "strain_at_half_strength": (),
+    TOTAL: ("weight", "bulk unit weight", "saturated unit weight", "gamma sat", "gamma bulk"),
+    EPS50: ("epsilon 50",), VELOCITY: ("vs", "v s"),
 }  # fmt: skip
-_HEADING = re.compile(r"(?P<name>[^\[\]]+?)(?:\s+(?P<end>from|to))?\s*(?:\[(?P<unit>[^\[\]]*)\])?")
-_PLAIN = ("name", "law")
+_STRESSES = (
+    "hydrostatic pressure", "pore pressure", "vertical effective stress", "vertical total stress", "effective stress",
+    "total stress", "effective vertical stress", "water unit weight", "overburden",
+)  # fmt: skip
+_UNUSED = (
+    "dr", "relative density", "id", "density index", "water content", "w", "liquid limit", "plastic limit",
+    "void ratio", "location identifier", "location", "borehole", "remark", "remarks", "comment", "comments",
+    "description", "source",
+)  # fmt: skip
+_UNSURE = {"unit weight": "total or effective? write 'Total unit weight' or 'Effective unit weight'"}
+_UNSURE |= dict.fromkeys(("gamma", "bulk weight"), _UNSURE["unit weight"])
 # of openpile's columns, where no heading has a unit
 _UNITS = {"top": "m", "bottom": "m", "weight": "kN/m^3", "su": "kPa", "g0": "kPa", "phi": "deg"}
-_NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
-_PURE = ("", "-", "1")
-_ENDS = {"from": "top", "to": "bottom"}
-_PERCENT = "%"
-_IN_PERCENT = ("plasticity_index",)
-_DEPTHS = ("top", "bottom")
-MOST_ROWS = 100
-MOST_BYTES = 1_000_000
+_KINDS = {
+    "a CPT": ("qc", "qt", "fs", "rf", "u2", "cone resistance", "sleeve friction", "friction ratio", "ic"),
+    "a list of laboratory tests": ("sample", "specimen", "test", "test type", "type", "su peak", "location", "bh"),
+}
+_STIFF = ("young_modulus", "shear_modulus", "rigidity_ratio")
+_STRONG = ("friction_angle_final", "undrained_shear_strength", "cohesion")
+_PAIR = re.compile(r"\s*[\[(]\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*[\])]\s*")
+MOST_LAYERS = 100
 _SAME = 1.0e-6  # m: depths closer than that are the same
+_STRAIGHT = 1.0e-9  # share of a value by which a point may be off the straight line through its neighbours
 
 
-@dataclass(frozen=True)
-class Column:
-    """A column: its heading, the key that it gives ("": none), "from", "to" or "", its unit, whether that is wrong."""
+def field_of(key: str) -> Quantity | Number:
+    """Return the type of the values of a column: unit, interval, example."""
+    if key in ("top", "bottom", "depth"):
+        return Quantity("m", "[-1e4, 1e4]", "", "2 m")
+    if key == VELOCITY:
+        return Quantity("m/s", "(0, 1e4]", "", "200 m/s")
+    if key == EPS50:
+        return Number("", "", 0.01)
+    key = "effective_unit_weight" if key == TOTAL else key
+    field = next(each for each in Layer.model_fields[key].metadata if isinstance(each, Quantity | Number | Profile))
+    return field.quantity if isinstance(field, Profile) else field
 
-    head: str
-    key: str
-    end: str
-    unit: str
-    wrong: bool = False
+
+@cache
+def columns() -> tuple[Column, ...]:
+    """Return the columns of a table of layers; a value has those of its ends, too."""
+    out = [Column(key, TEXT, NAMES[key]) for key in ("name", "law")]
+    for key in dict.fromkeys([*NAMES, *BY_LAYER]):
+        if key in ("name", "law"):
+            continue
+        field, names = field_of(key), NAMES.get(key, ())
+        unit, percent = ("1", 1.0 if key == "plasticity_index" else 0.01) if isinstance(field, Number) else ("", 0.0)
+        unit, example = unit or si_of(field.unit), "" if isinstance(field, Number) else field.unit
+        out.append(Column(key, unit, names, example, "", percent))
+        if key not in ("top", "bottom", "depth", VELOCITY):
+            for end in ("from", "to"):
+                others = tuple(f"{name} {end}" for name in names)
+                out.append(Column(f"{key} {end}", unit, others, example, "", percent))
+    for why, names in (("stresses follow from the unit weights", _STRESSES), ("no value of a layer", _UNUSED)):
+        out += [Column(name, ANY, (f"{name} from", f"{name} to"), skipped=why) for name in names]
+    return tuple(out)
 
 
-def read_layers(file: Path, law: object = None) -> list[dict[str, Any]]:
-    """Return the layers of a table as the scene file would hold them; ``law`` is that of [soil], if it names one.
+def key_of(name: str) -> str | None:
+    """Return the key of [soil] for another name of it: "phi" is friction_angle_final."""
+    low = name.lower().replace("_", " ")
+    return next((key for key, names in NAMES.items() if low in names and key in BY_LAYER), None)
+
+
+def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[str, Any]]:
+    """Return the layers of a table as the scene file would hold them; ``soil`` are the values of [soil].
 
     Raises
     ------
     UserInputError
         One problem per thing that is wrong with the table: file, line, column and value.
     """
-    rows = _rows(file)
-    if len(rows) < 2:
+    soil = soil or {}
+    _refuse_others(file)
+    table = one_table(file, columns(), "layers", _assumed)
+    _refuse_kinds(table)
+    if not len(table):
         raise UserInputError([Problem(str(file), message="holds no layers: expected a heading and a row a layer")])
-    columns, wrong = _columns(rows[0], str(file))
-    layers, ends = [], []
-    for line, row in enumerate(_depths(columns, rows[1:]), 2):
-        layer, faults = _layer(columns, row, str(file), line)
-        wrong += faults
-        if _is_clay(layer, law):
+    _split_pairs(table)
+    _check_columns(table, soil)
+    values = {name: table.numbers(name, most=False) for name in table.columns if name not in ("name", "law")}
+    ends = _ends(table, values)
+    layers = [_layer(table, values, k) for k in range(len(table))]
+    if "depth" in table and "top" not in table:
+        table.faults.stop()
+        layers, ends = _between(table, layers, ends[0])
+    for k, layer in enumerate(layers):
+        layer["top"] = show(float(np.nan_to_num(ends[0][k])), "m")
+        if {"undrained_shear_strength", "friction_angle_final"} <= set(layer):
+            text = "stands beside a friction angle: a layer has one of the two"
+            table.fault(min(k, len(table) - 1), "undrained_shear_strength", text)
+        _check_layer(table, layer, k)
+        if _is_clay(layer, soil.get("yield_surface")):
             layer["law"] = "tresca"
-        layers.append(layer)
-        ends.append((line, layer.pop("bottom", None)))
-    wrong += _joints(layers, ends, str(file))
-    if wrong:
-        raise UserInputError(wrong)
-    end = ends[-1][1]
-    for value in layers[-1].values():
-        if isinstance(value, dict) and "bottom" in value and end is not None:
-            value["to"] = end
+    _check_joints(table, *ends)
+    if len(layers) > MOST_LAYERS:
+        table.faults.add((table.place, None), None, f"holds {len(layers)} layers, at most {MOST_LAYERS}: join some")
+    table.faults.stop()
+    if np.isfinite(ends[1][-1]):
+        for value in layers[-1].values():
+            if isinstance(value, dict):
+                value["to"] = show(float(ends[1][-1]), "m")
     return layers
 
 
-def _rows(file: Path) -> list[list[str]]:
-    """Return the cells of a table as texts, without empty rows."""
+def _assumed(head: Sequence[str]) -> Mapping[str, str]:
+    """Return the units of openpile's columns where no heading has a unit."""
+    plain = "weight" in [text.lower() for text in head] and not any("[" in text or "(" in text for text in head)
+    return _UNITS if plain else {}
+
+
+def _refuse_others(file: Path) -> None:
+    """Refuse files of soil investigations in formats of their own."""
     try:
-        if file.stat().st_size > MOST_BYTES:
-            raise UserInputError([Problem(str(file), message="is too large for a profile (more than 1 MB)")])
-        cells = _workbook(file) if file.suffix.lower() == ".xlsx" else _text(file)
-    except (OSError, ValueError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or "it is neither CSV in UTF-8 nor an Excel workbook"
-        raise UserInputError([Problem(str(file), key="soil.profile", message=f"cannot be read: {reason}")]) from error
-    rows = [[cell.strip() for cell in row] for row in cells if any(cell.strip() for cell in row)]
-    if len(rows) > MOST_ROWS + 1:
-        raise UserInputError([Problem(str(file), message=f"holds more than {MOST_ROWS} layers")])
-    return rows
+        with file.open("rb") as stream:
+            start = stream.read(2000).decode("latin-1").lstrip("\ufeff").lstrip()
+    except OSError:
+        return  # refused by the reader
+    if start.upper().startswith("#GEFID") or re.match(r'"?GROUP"?,"?SCPT', start):
+        raise _is_kind(str(file), "a CPT")
+    if re.match(r'"?GROUP"?,', start):
+        raise _is_kind(str(file), "an AGS file")
 
 
-def _text(file: Path) -> list[list[str]]:
-    text = file.read_text(encoding="utf-8-sig")
-    head = text.split("\n", 1)[0]
-    separator = max(",;\t", key=head.count)
-    rows = list(csv.reader(text.splitlines(), delimiter=separator))
-    return [[cell.replace(",", ".") for cell in row] for row in rows] if separator != "," else rows
+def _refuse_kinds(table: Table) -> None:
+    """Refuse tables of measurements by their headings."""
+    stems = {next(split(text))[0].lower() for text in table.head} - {""}
+    for kind, names in _KINDS.items():
+        if len(stems & set(names)) >= 2:
+            raise _is_kind(table.place, kind)
+    for text in table.head:
+        if why := _UNSURE.get(next(split(text))[0].lower()):
+            table.faults.problems = [each for each in table.faults.problems if each.key != f'"{text}"']
+            table.faults.problems.append(Problem(table.place, table.head_line, key=f'"{text}"', message=why))
 
 
-def _workbook(file: Path) -> list[list[str]]:
-    from zipfile import BadZipFile
-
-    import openpyxl
-
-    try:
-        sheet = openpyxl.load_workbook(file, read_only=True, data_only=True).worksheets[0]
-    except (BadZipFile, KeyError) as error:
-        raise ValueError(str(error)) from error
-    return [["" if cell is None else str(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
+def _is_kind(place: str, kind: str) -> UserInputError:
+    what = "write a table with a row a layer: Depth from [m], Depth to [m], unit weight, strength and stiffness"
+    return UserInputError([Problem(place, key="soil.profile", message=f"is {kind}, no table of layers: {what}")])
 
 
-def _columns(heads: Sequence[str], file: str) -> tuple[list[Column], list[Problem]]:
-    """Return the columns, and what is wrong with the headings."""
-    plain = "weight" in [head.lower() for head in heads] and not any("[" in head for head in heads)
-    columns, wrong = [], []
-    for head in heads:
-        column = _column(head, _UNITS if plain else {})
-        if not column.key:
-            known = [*NAMES, *(each.replace("_", " ") for each in BY_LAYER)]
-            near = suggestion(head.partition("[")[0].strip().lower(), known) or ": no value of a layer; delete it"
-            wrong.append(Problem(file, 1, key=head, message=f"unknown column{near}"))
-        elif fault := _unit_fault(column):
-            wrong.append(Problem(file, 1, key=head, message=fault))
-            column = replace(column, unit="m") if column.key in _DEPTHS else replace(column, wrong=True)
-        columns.append(column)
-    if "top" not in [column.key for column in columns]:
-        wrong.append(Problem(file, 1, message='no column "Depth from [m]" (or "top [m]")'))
-    if "effective_unit_weight" in [column.key for column in columns]:
-        columns = [replace(column, key="") if column.key == TOTAL else column for column in columns]
-    return columns, [*wrong, *_repeated(columns, file)]
+def _split_pairs(table: Table) -> None:
+    """Put the second number of cells "[5, 25]" into a column of its own."""
+    for name, (k, heading) in list(table.columns.items()):
+        found = {n: _PAIR.fullmatch(cell) for n, cell in enumerate(table.cells(name)) if isinstance(cell, str)}
+        if not any(found.values()):
+            continue
+        table.columns[f"{name} to"] = (len(table.head), heading)
+        table.wrong |= {f"{name} to"} if name in table.wrong else set()
+        table.head.append("")
+        for n, row in enumerate(table.rows):
+            row += [None] * (len(table.head) - len(row))
+            if pair := found.get(n):
+                row[k], row[-1] = float(pair[1]), float(pair[2])
 
 
-def _column(head: str, units: dict[str, str]) -> Column:
-    """Return the column of a heading; ``units`` are those of names without one."""
-    match = _HEADING.fullmatch(head)
-    if match is None:
-        return Column(head, "", "", "")
-    name = " ".join(match["name"].split()).lower().replace("_", " ")
-    whole = f"{name} {match['end']}" if match["end"] else name
-    own = {each.lower().replace("_", " "): each for each in BY_LAYER}
-    key = NAMES.get(whole) or NAMES.get(name) or own.get(name) or ""
-    end = "" if whole in NAMES else match["end"] or ""
-    return Column(head, key, end, (match["unit"] or units.get(name, "")).strip())
+def _check_columns(table: Table, soil: Mapping[str, Any]) -> None:
+    """Note missing and repeated columns, and a table whose rows give neither stiffness nor strength."""
+    keys = {name.removesuffix(" from").removesuffix(" to") for name in table.columns}
+    if not keys & {"top", "depth"}:
+        table.fault(None, None, 'no column "Depth from [m]" (or "top [m]", or "depth [m]" of points)')
+    if {"top", "depth"} <= keys:
+        table.fault(None, "depth", "stands beside the ends of layers: keep one of them")
+    for key in keys - {"top", "bottom", "depth"}:
+        if key in table and f"{key} from" in table:
+            table.fault(None, f"{key} from", f"another column gives {key}, too")
+        if f"{key} to" in table and key not in table and f"{key} from" not in table:
+            table.fault(None, f"{key} to", f"needs a column '{key} from'")
+    if VELOCITY in keys and TOTAL not in keys:
+        table.fault(None, VELOCITY, "needs the total unit weight beside it: G = rho Vs^2")
+    given = keys | set(soil) | {"shear_modulus" if VELOCITY in keys else ""}
+    if not table.faults.problems and not given & {*_STIFF, *_STRONG, "law"}:
+        table.fault(None, None, "no column gives stiffness or strength: names and unit weights alone are no ground")
 
 
-def _unit_fault(column: Column) -> str:
-    """Return what is wrong with the unit of a heading, or nothing."""
-    if column.key in _PLAIN:
-        return ""
-    if column.key in _DEPTHS:
-        field: Any = Quantity("m", "", "", "2 m")
-    elif column.key == EPS50:
-        field = Number("", "", 0.01)
-    else:
-        key = "effective_unit_weight" if column.key == TOTAL else column.key
-        field = next(each for each in Layer.model_fields[key].metadata if isinstance(each, Quantity | Number | Profile))
-    quantity = field.quantity if isinstance(field, Profile) else field
-    if isinstance(quantity, Number):
-        return "" if column.unit in (*_PURE, _PERCENT) else f"[{column.unit}]: a pure number has no unit"
-    if column.unit in _PURE:
-        return f"expected a unit in the heading such as [{quantity.unit}]"
-    try:
-        read(f"1 {column.unit}", si_of(quantity.unit), quantity.example)
-    except QuantityError as error:
-        return str(error).replace(quoted(f"1 {column.unit}"), f"[{column.unit}]", 1)
-    return ""
+def _ends(table: Table, values: dict[str, Array]) -> tuple[Array, Array]:
+    """Return top and bottom of each row [m]; elevations, which fall from row to row, are depths below the first."""
+    none = np.full(len(table), np.nan)
+    top = values.get("top", values.get("depth", none))
+    name = "top" if "top" in table else "depth"
+    for k in np.flatnonzero(np.isnan(top)).tolist() if name in table else ():
+        table.fault(k, name, "blank")
+    ends = np.stack([top, values.get("bottom", none)], axis=1)
+    flat = ends[np.isfinite(ends)]
+    if flat.size and flat.min() != flat.max() and not (np.diff(flat) > 0.0).any():
+        ends = flat[0] - ends
+    return ends[:, 0], ends[:, 1]
 
 
-def _repeated(columns: Sequence[Column], file: str) -> Iterator[Problem]:
-    """Give the columns whose value an earlier one has given."""
-    ends: dict[str, list[str]] = {}
-    for column in columns:
-        known = ends.setdefault(column.key, [])
-        if column.key and known and not (column.end and column.end not in known and "" not in known):
-            yield Problem(file, 1, key=column.head, message=f"another column gives {column.key}, too")
-        known.append(column.end)
+def _layer(table: Table, values: dict[str, Array], k: int) -> dict[str, Any]:
+    """Return the values of a row, without its depths."""
+    layer: dict[str, Any] = {each: text for each in ("name", "law") if (text := table.texts(each)[k])}
+    row = {name: float(column[k]) for name, column in values.items() if np.isfinite(column[k])}
+    for name in row:
+        key = name.removesuffix(" from").removesuffix(" to")
+        if key in layer or key in ("top", "bottom", "depth", VELOCITY):
+            continue
+        if key == TOTAL and any(each.startswith("effective_unit_weight") for each in row):
+            continue
+        first, last = row.get(key, row.get(f"{key} from")), row.get(f"{key} to")
+        if first is None or (last is None and key not in row):
+            missing = f"{key} from" if first is None else f"{key} to"
+            if is_blank(table.cells(missing)[k]):
+                table.fault(k, missing, "blank beside the value at the other end of the layer")
+            continue
+        target = {TOTAL: "effective_unit_weight", EPS50: "strain_at_half_strength"}.get(key, key)
+        value = _text(key, first)
+        layer[target] = value if last is None else {"top": value, "bottom": _text(key, last)}
+    if VELOCITY in row and not {"shear_modulus", "young_modulus"} & set(layer):
+        if TOTAL in row:
+            stiffness = row[TOTAL] / WATER * 1000.0 * row[VELOCITY] ** 2
+            layer["shear_modulus"] = show(float(f"{stiffness:.12g}"), "MPa")
+        else:
+            table.fault(k, VELOCITY, "needs the total unit weight beside it: G = rho Vs^2")
+    return layer
+
+
+def _text(key: str, value: float) -> float | str:
+    """Return a value as the scene file would hold it."""
+    field = field_of(key)
+    if key == EPS50:
+        value *= 1.5
+    if key == TOTAL:
+        value = round(value - WATER, 6)
+    return float(f"{value:.15g}") if isinstance(field, Number) else show(value, field.unit)
+
+
+def _between(table: Table, points: list[dict[str, Any]], depth: Array) -> tuple[list[dict[str, Any]], Any]:
+    """Return the layers between points, linear, and their ends; the first value holds up to mudline."""
+    for k in np.flatnonzero(np.diff(depth) < 0.0).tolist():
+        table.fault(k + 1, "depth", "is above the point before: depths of points grow")
+    layers: list[dict[str, Any]] = []
+    spans: list[tuple[float, float]] = []
+    for k, (above, below) in enumerate(itertools.pairwise(points)):
+        if depth[k + 1] - depth[k] <= _SAME:
+            continue
+        layer = {name: value for name, value in above.items() if name in ("name", "law")}
+        for name in dict.fromkeys([*above, *below]):
+            if (name in above) != (name in below) and name not in ("name", "law"):
+                where = k + 1 if name in above else k
+                table.fault(where, name, "blank, and not at the next point: write two points at a layer boundary")
+            elif name not in ("name", "law"):
+                same = above[name] == below[name]
+                layer[name] = above[name] if same else {"top": above[name], "bottom": below[name]}
+        if layers and spans[-1][1] == depth[k] and _is_straight(layers[-1], layer, spans[-1], float(depth[k + 1])):
+            for name, value in layer.items():
+                if isinstance(value, dict):
+                    layers[-1][name]["bottom"] = value["bottom"]
+            spans[-1] = (spans[-1][0], float(depth[k + 1]))
+        else:
+            layers.append(layer)
+            spans.append((float(depth[k]), float(depth[k + 1])))
+    table.faults.stop()
+    if not layers:
+        table.fault(None, "depth", "needs two points at least")
+        table.faults.stop()
+    if spans[0][0] > 0.0:
+        first = {name: value["top"] if isinstance(value, dict) else value for name, value in layers[0].items()}
+        layers.insert(0, first)
+        spans.insert(0, (0.0, spans[0][0]))
+    return layers, tuple(np.array(spans).T)
+
+
+def _is_straight(above: dict[str, Any], below: dict[str, Any], span: tuple[float, float], end: float) -> bool:
+    """Return whether a layer goes on in the line of the one above it."""
+    if above.keys() != below.keys():
+        return False
+    for name, value in above.items():
+        other = below[name]
+        if isinstance(value, dict) != isinstance(other, dict):
+            return False
+        if not isinstance(value, dict):
+            if value != other:
+                return False
+            continue
+        top, middle, bottom = (_size(each) for each in (value["top"], value["bottom"], other["bottom"]))
+        line = top + (bottom - top) * (span[1] - span[0]) / (end - span[0])
+        if _size(other["top"]) != middle or abs(line - middle) > _STRAIGHT * max(abs(top), abs(bottom)):
+            return False
+    return True
+
+
+def _size(value: float | str) -> float:
+    return float(value.split()[0]) if isinstance(value, str) else value
 
 
 def _is_clay(layer: dict[str, Any], law: object) -> bool:
@@ -211,97 +357,33 @@ def _is_clay(layer: dict[str, Any], law: object) -> bool:
     return "undrained_shear_strength" in layer and not {"law", "friction_angle_final"} & set(layer) and not named
 
 
-def _depths(columns: Sequence[Column], rows: Sequence[Sequence[str]]) -> list[list[str]]:
-    """Return the rows with elevations, which fall from row to row, turned into depths below the first top."""
-    at = [n for n, column in enumerate(columns) if column.key in _DEPTHS]
-    filled = [list(row) for row in rows]
+def _check_layer(table: Table, layer: dict[str, Any], k: int) -> None:
+    """Note what the scene refuses of a layer."""
     try:
-        levels = [[float(row[n]) for n in at if n < len(row) and row[n]] for row in rows]
-    except ValueError:
-        return filled  # refused where the cell is read
-    flat = [level for row in levels for level in row]
-    if not flat or flat[0] == max(flat) == min(flat) or any(b > a for a, b in itertools.pairwise(flat)):
-        return filled
-    for row in filled:
-        for n in at:
-            if n < len(row) and row[n]:
-                row[n] = repr(flat[0] - float(row[n]))
-    return filled
+        Layer.model_validate(layer, context=FROM_TOML)
+    except ValidationError as error:
+        for item in error.errors(include_url=False):
+            key = str(item["loc"][0])
+            message = item.get("ctx", {}).get("message", "missing" if item["type"] == "missing" else item["msg"])
+            table.fault(min(k, len(table) - 1), _name_of(table, key), message)
 
 
-def _layer(columns: Sequence[Column], row: Sequence[str], file: str, line: int) -> tuple[dict[str, Any], list[Problem]]:
-    """Return a layer, `bottom` included, and what is wrong with its row."""
-    layer: dict[str, Any] = {}
-    wrong = []
-    for column, cell in zip(columns, row, strict=False):
-        if not column.key or not cell:
-            continue
-        try:
-            read_as = replace(column, key="", unit="") if column.wrong else column
-            value = cell if column.key in _PLAIN else _value(read_as, cell)
-        except ValueError:
-            wrong.append(Problem(file, line, key=column.key, message=f"expected a number, got {quoted(cell)}"))
-            continue
-        if column.wrong:
-            continue  # its unit is refused already
-        key = {TOTAL: "effective_unit_weight", EPS50: "strain_at_half_strength"}.get(column.key, column.key)
-        if column.end:
-            ends = layer.get(key)
-            layer[key] = (ends if isinstance(ends, dict) else {}) | {_ENDS[column.end]: value}
-        else:
-            layer[key] = value
-    if {"undrained_shear_strength", "friction_angle_final"} <= set(layer):
-        text = "stands beside a friction angle: a layer has one of the two"
-        wrong.append(Problem(file, line, key="undrained_shear_strength", message=text))
-    return layer, [*wrong, *_refused(layer, file, line)]
+def _name_of(table: Table, key: str) -> str:
+    """Return the column that gives a key of a layer."""
+    others = {"effective_unit_weight": TOTAL, "strain_at_half_strength": EPS50, "shear_modulus": VELOCITY,
+              "top": "depth"}  # fmt: skip
+    names = [name for each in (key, others.get(key, key)) for name in (each, f"{each} from", f"{each} to")]
+    return next((name for name in names if name in table), key)
 
 
-def _value(column: Column, cell: str) -> Any:
-    """Return a number with its unit, or the table of a pair "[top, bottom]"."""
-    if cell[:1] in "[(":
-        ends = _NUMBER.findall(cell)
-        if len(ends) != 2:
-            raise ValueError(cell)
-        return {name: _value(column, end) for name, end in zip(("top", "bottom"), ends, strict=True)}
-    number = float(cell)
-    if column.key == TOTAL:
-        return _submerged(number, column.unit)
-    if column.unit == _PERCENT and column.key not in _IN_PERCENT:
-        number /= 100.0
-    if column.key == EPS50:
-        number *= 1.5
-    return number if column.unit in (*_PURE, _PERCENT) else f"{number!r} {column.unit}"
-
-
-def _submerged(number: float, unit: str) -> str:
-    """Return the effective unit weight of a total one."""
-    total = read(f"{number!r} {unit}", "N/m^3")
-    return show(round(total - 1e3 * WATER, 6), "kN/m^3")
-
-
-def _refused(layer: dict[str, Any], file: str, line: int) -> Iterator[Problem]:
-    """Give what the scene refuses of a layer."""
-    checked = dict(layer)
-    bottom = checked.pop("bottom", None)
-    for values in (checked, {"top": bottom} if bottom is not None else {}):
-        try:
-            if values:
-                Layer.model_validate(values, context=FROM_TOML)
-        except ValidationError as error:
-            for item in error.errors(include_url=False):
-                key = "bottom" if values is not checked else str(item["loc"][0])
-                message = item.get("ctx", {}).get("message", "missing" if item["type"] == "missing" else item["msg"])
-                yield Problem(file, line, key=key, message=message)
-
-
-def _joints(layers: Sequence[dict[str, Any]], ends: Sequence[tuple[int, Any]], file: str) -> Iterator[Problem]:
-    """Check that each layer begins where the one above it ends."""
-    for (line, bottom), below in zip(ends, layers[1:], strict=False):
-        try:
-            end, top = (read(str(each), "m") for each in (bottom, below.get("top")))
-        except ValueError:
-            continue  # refused already, or not given
+def _check_joints(table: Table, tops: Array, bottoms: Array) -> None:
+    """Note layers that do not begin where the one above them ends."""
+    if "bottom" not in table:
+        for k in np.flatnonzero(np.diff(tops) <= 0.0).tolist() if "top" in table else ():
+            table.fault(k + 1, "top", "is not below the layer above it")
+        return
+    for k, (end, top) in enumerate(zip(bottoms, tops[1:], strict=False)):
         if abs(end - top) > _SAME:
             what = "overlap" if end > top else "leave a gap"
             text = f"the layers {what}: this one ends at {show(end, 'm')}, the next begins at {show(top, 'm')}"
-            yield Problem(file, line, key="bottom", message=text)
+            table.fault(k, "bottom", text)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Springs from a user's own table: a CSV file or an Excel workbook with p-y curves, and their companions if any.
 
-`readers` opens file formats, `file` checks columns and numbers, `recorded` builds springs from tables of a path (as
+`file` declares columns and checks names, `recorded` builds springs from tables of a path (as
 `pysprings springs` writes them), `curves` from independent curves; `open_table` chooses.
 """
 
@@ -12,16 +12,6 @@ import os
 import xarray as xr
 
 from pysprings.macro.user_curves import CurveSprings
-from pysprings.results.tables.reader import Sheet, TableReader
-from pysprings.results.tables.readers import TABLE_READERS, endings, reader_of
-
-# endings of tables in formats without a reader
-FOREIGN = (".xls", ".xlsm", ".xlsb", ".ods", ".tsv", ".txt", ".numbers")
-
-
-def is_table(path: str | os.PathLike[str]) -> bool:
-    """Return whether a file is a table, by its ending."""
-    return reader_of(path) is not None
 
 
 def open_table(path: str | os.PathLike[str], skirt_length: float | None = None) -> xr.DataTree | CurveSprings:
@@ -46,14 +36,11 @@ def open_table(path: str | os.PathLike[str], skirt_length: float | None = None) 
     UserInputError
         Every fault of the table, each with file and line.
     """
+    from pysprings.core.tables import Faults
     from pysprings.results.tables.curves import build_curves
-    from pysprings.results.tables.faults import Faults
     from pysprings.results.tables.file import read_rows
     from pysprings.results.tables.recorded import build_tree, is_record
 
     faults = Faults()
     rows = read_rows(path, faults)
     return build_tree(rows, faults) if is_record(rows) else build_curves(rows, skirt_length, faults)
-
-
-__all__ = ["FOREIGN", "TABLE_READERS", "Sheet", "TableReader", "endings", "is_table", "open_table"]

@@ -4,14 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from pysprings.core.tables.faults import Faults
 from pysprings.macro.curve_table import MAX_NEGATIVE
 from pysprings.macro.user_curves import Curve, CurveSet, CurveSprings
-from pysprings.results.tables.faults import Faults
 from pysprings.results.tables.places import net_rows, place_of, slices
 
 Array = NDArray[np.float64]
@@ -73,8 +74,7 @@ def _check(rows: pd.DataFrame, moves: str, reacts: str, faults: Faults) -> None:
             message = f"{q:g} has another sign than before: give one direction, the other is its odd reflection"
             faults.at(row, moves, message)
         elif last is not None and abs(q) <= abs(last):
-            word = "stands twice at its depth" if q == last else f"does not grow ({last:g} before)"
-            faults.at(row, moves, f"{q:g} {word}: a curve needs one value a displacement, in order")
+            faults.at(row, moves, _why_not_growing(row, q, last, float(rows[moves].iloc[0])))
         elif q == 0.0 and r != 0.0:
             faults.at(row, reacts, f"{r:g} at zero displacement: curves pass through the origin")
         elif q * r < 0.0 and abs(r) > MAX_NEGATIVE * peak:
@@ -83,6 +83,16 @@ def _check(rows: pd.DataFrame, moves: str, reacts: str, faults: Faults) -> None:
         last, sign = q, sign or q
     if sign == 0.0 and len(rows) and last is not None:
         faults.add(place_of(rows), moves, "a curve needs a displacement other than 0")
+
+
+def _why_not_growing(row: Any, q: float, last: float, first: float) -> str:
+    if q == first != last and row.family == "py":
+        return (
+            f"{q:g} begins a second curve at {row.depth_m:g} m: at a layer boundary write the two "
+            f"curves at depths of their own, a little above and below {row.depth_m:g} m"
+        )
+    word = "stands twice at its depth" if q == last else f"does not grow ({last:g} before)"
+    return f"{q:g} {word}: a curve needs one value a displacement, in order"
 
 
 def _on_depths(curves: list[Curve], depth: Array, parts: dict[str, pd.DataFrame], faults: Faults) -> list[Curve]:

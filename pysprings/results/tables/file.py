@@ -4,27 +4,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.tables import Column, Faults, Sheet, Table, tables_of
+from pysprings.core.tables.headings import TEXT
 from pysprings.core.units import quoted
 from pysprings.results.exporters.tables import PY_COLUMNS
-from pysprings.results.tables.csv_file import CSV
-from pysprings.results.tables.faults import Faults, numbers
-from pysprings.results.tables.headings import Column, read_headings
-from pysprings.results.tables.reader import Line
-from pysprings.results.tables.readers import reader_of
-from pysprings.results.tables.wide import is_wide, unfold
+from pysprings.results.tables.wide import unfold
 from pysprings.springs.numbers import name_fault
 
 NEEDED = ("depth_m", "y_m", "p_N_per_m")
 FAMILIES = ("py", "mtheta", "base", "lid", "tz")
 TEXTS = ("path", "family", "side", "component")
+COLUMNS = tuple(Column(name, TEXT) if name in TEXTS else Column.named(name) for name in PY_COLUMNS)
 # Sheets that are not read: words and pictures.
 OTHER_SHEETS = ("about", "charts", "load-displacement", "stiffness 6x6")
 SHEETS = {"py": "py", "p-y": "py", "mtheta": "mtheta", "m-theta": "mtheta", "base": "base", "tip": "base", "lid": "lid"}
@@ -38,8 +34,8 @@ def read_rows(path: str | os.PathLike[str], faults: Faults) -> pd.DataFrame:
     """
     path = Path(path)
     frames = [
-        _typed(place, family, *(unfold(head, cells) if is_wide(head) else (head, cells)), faults)
-        for place, family, head, cells in _sheets(path)
+        _typed(table, SHEETS.get(_name(sheet)) if sheet.name else None)
+        for sheet, table in tables_of(path, COLUMNS, faults, _is_read, unfold)
     ]
     if not frames:
         faults.add((str(path), None), None, f"no sheet with a table; expected the columns {', '.join(NEEDED)}")
@@ -52,67 +48,35 @@ def read_rows(path: str | os.PathLike[str], faults: Faults) -> pd.DataFrame:
     return rows
 
 
-def sheet_of(path: Path) -> tuple[list[str], list[Line]]:
-    """Return heading and lines of the first table of a file that holds any."""
-    _refuse_missing(path)
-    sheets = (reader_of(path) or CSV).sheets(path)
-    return _first_and_rest(next((sheet.lines for sheet in sheets if sheet.lines), []))
+def _name(sheet: Sheet) -> str:
+    return sheet.name.strip().lower()
 
 
-def _refuse_missing(path: Path) -> None:
-    if not path.is_file():
-        raise UserInputError([Problem(file=str(path), message="is a folder" if path.is_dir() else "no such file")])
+def _is_read(sheet: Sheet) -> bool:
+    """Return whether a sheet holds springs; refuse the workbook that a run writes for people."""
+    if sheet.name and sheet.lines and sheet.lines[0][1][0] == "depth [m]" and _name(sheet) not in SHEETS:
+        message = "is the workbook for people that `pysprings run` writes; give the springs.nc or py.csv beside it"
+        raise UserInputError([Problem(file=sheet.place.rpartition("[")[0], message=message)])
+    return not sheet.name or bool(sheet.lines and _name(sheet) not in OTHER_SHEETS)
 
 
-def _sheets(path: Path) -> Iterator[tuple[str, str | None, list[str], list[Line]]]:
-    """Yield (place, family of the sheet or None, heading, lines) for each sheet with a table."""
-    _refuse_missing(path)
-    for name, lines in (reader_of(path) or CSV).sheets(path):
-        if not name:
-            yield str(path), None, *_first_and_rest(lines)
-            continue
-        if lines and lines[0][1][0] == "depth [m]":
-            message = "is the workbook for people that `pysprings run` writes; give the springs.nc or py.csv beside it"
-            raise UserInputError([Problem(file=str(path), message=message)])
-        if name.strip().lower() not in OTHER_SHEETS and lines:
-            yield f"{path}[{name}]", SHEETS.get(name.strip().lower()), *_first_and_rest(lines)
-
-
-def _first_and_rest(lines: list[Line]) -> tuple[list[str], list[Line]]:
-    head = [str(cell or "").strip() for cell in lines[0][1]] if lines else []
-    while head and not head[-1]:
-        head.pop()
-    return head, lines[1:]
-
-
-def _typed(
-    place: str, family: str | None, head: list[str], cells: Sequence[tuple[int, list[Any]]], faults: Faults
-) -> pd.DataFrame:
+def _typed(table: Table, family: str | None) -> pd.DataFrame:
     """Return one sheet's rows with the right types; note the faults of its columns and numbers."""
-    before, width = len(faults.problems), len(head)
-    read = _columns(place, head, family, faults)
-    if len(faults.problems) > before:
+    headings = any(each.file == table.place and each.line == table.head_line for each in table.faults.problems)
+    for name in NEEDED if family in (None, "py") and not headings else ():
+        if name not in table:
+            table.fault(None, name, f"missing column (needed: {', '.join(NEEDED)})")
+            headings = True
+    if headings:
         return pd.DataFrame()
-    for line, row in cells:
-        if any(cell not in (None, "") for cell in row[width:]):
-            faults.add((place, line), None, f"more cells than the {width} columns of the heading")
-    columns = {
-        each.name: ([row[k] if k < len(row) else None for _, row in cells], each.factor) for k, each in enumerate(read)
-    }
-    lines = np.array([line for line, _ in cells], dtype=np.int64)
-    data: dict[str, Any] = {"file": place, "line": lines}
-    for name in PY_COLUMNS:
-        given, factor = columns.get(name, ([None] * len(lines), 1.0))
-        if name in TEXTS:
-            data[name] = ["" if cell is None else str(cell).strip() for cell in given]
-        else:
-            data[name] = numbers(place, name, given, lines, faults, factor)
+    data: dict[str, Any] = {"file": table.place, "line": table.lines}
+    data |= {name: table.texts(name) if name in TEXTS else table.numbers(name) for name in PY_COLUMNS}
     frame = pd.DataFrame(data)
-    _check_names(frame, faults)
+    _check_names(frame, table.faults)
     frame["family"] = frame["family"].where(frame["family"] != "", family or "py")
     known = frame["family"].isin(FAMILIES)
     for other in frame[~known].itertuples(index=False):
-        faults.at(other, "family", f"{quoted(other.family)} is not one of {', '.join(FAMILIES)}")
+        table.faults.at(other, "family", f"{quoted(other.family)} is not one of {', '.join(FAMILIES)}")
     return frame[known]
 
 
@@ -121,14 +85,3 @@ def _check_names(frame: pd.DataFrame, faults: Faults) -> None:
     wrong = {name: name_fault(name) for name in frame["path"].unique() if name}
     for row in frame[frame["path"].map(lambda name: bool(wrong.get(name)))].itertuples(index=False):
         faults.at(row, "path", f"{quoted(row.path)}: {wrong[str(row.path)]}")
-
-
-def _columns(place: str, head: list[str], family: str | None, faults: Faults) -> list[Column]:
-    """Return the column of each heading; note faults of the headings and missing columns."""
-    read = read_headings(place, head, PY_COLUMNS, faults)
-    names = [column.name for column in read if column]
-    if len(names) == len(head):
-        for name in NEEDED if family in (None, "py") else ():
-            if name not in names:
-                faults.add((place, 1), name, f"missing column (needed: {', '.join(NEEDED)})")
-    return [column for column in read if column]

@@ -10,36 +10,39 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.tables import Column, Table, one_table
+from pysprings.core.tables.cells import text_of
+from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.units import quoted
-from pysprings.results.tables.faults import Faults, numbers
-from pysprings.results.tables.file import sheet_of
-from pysprings.results.tables.headings import Column, read_headings
 from pysprings.springs.numbers import MOST_LETTERS
 
 Array = NDArray[np.float64]
 
 TEXTS = ("name", "limit_state")
-NUMBERS = (
-    "H_N", "M_Nm", "V_N", "arm_m", "direction_rad", "M_direction_rad", "factor", "factor_H", "factor_M", "factor_V",
-    "tilt_rad", "T_Nm",
-)  # fmt: skip
-COLUMNS = (*TEXTS, *NUMBERS)
-ALIASES = {
-    "case": "name", "load case": "name", "id": "name", "state": "limit_state", "limit state": "limit_state",
-    "horizontal": "H_N", "moment": "M_Nm", "vertical": "V_N", "height": "arm_m", "lever arm": "arm_m",
-    "h direction": "direction_rad", "azimuth": "direction_rad", "tolerance": "tilt_rad",
-    "torsion": "T_Nm", "mz": "T_Nm",
+_NAMES = {
+    "name": ("case", "load case", "id"), "limit_state": ("state", "limit state"),
+    "H_N": ("horizontal",), "M_Nm": ("moment",), "V_N": ("vertical",), "arm_m": ("height", "lever arm"),
+    "direction_rad": ("h direction", "azimuth"), "M_direction_rad": (), "tilt_rad": ("tolerance",),
+    "factor": (), "factor_H": (), "factor_M": (), "factor_V": (), "T_Nm": ("torsion", "m z", "mz"),
+    "Fx_N": ("f x", "h x", "hx"), "Fy_N": ("f y", "h y", "hy"), "Fz_N": ("f z",),
+    "Mx_Nm": ("m x",), "My_Nm": ("m y",),
 }  # fmt: skip
-FORMS = "H with M or arm, M alone, or V alone"
+COLUMNS = (
+    *(Column(name, TEXT, _NAMES[name]) for name in TEXTS),
+    *(Column.named(name, others) for name, others in _NAMES.items() if name not in TEXTS),
+    Column("remark", ANY, ("remarks", "comment", "comments", "note", "notes", "description"), skipped="words"),
+)
+_COMPONENTS = ("Fx_N", "Fy_N", "Fz_N", "Mx_Nm", "My_Nm")
+_FACTORS = ("factor", "factor_H", "factor_M", "factor_V")
+FORMS = "H with M or arm, M alone, V alone, or Fx, Fy, Fz, Mx, My, Mz with z up"
 # A moment across the plane of the force up to this share of the moment is rounding of angles
 _ACROSS = 1e-6
 MOST_FACTOR = 10.0
@@ -98,172 +101,187 @@ class LoadCases:
 
 
 def read_load_cases(path: str | os.PathLike[str]) -> LoadCases:
-    """Read load cases from a CSV file or an Excel workbook (its first sheet that holds anything).
+    """Read load cases from a CSV file or an Excel workbook with one sheet of them.
 
     Raises
     ------
     UserInputError
         Every fault of the table, each with file, line and column.
     """
-    faults, file = Faults(), Path(path)
-    place = str(file)
-    head, lines = sheet_of(file)
-    columns = _columns(place, head, faults)
-    faults.stop()
-    at = np.array([line for line, _ in lines], dtype=np.int64)
-    cells = {
-        column.name: ([row[k] if k < len(row) else None for _, row in lines], column.factor)
-        for k, column in enumerate(columns)
-    }
-    for line, row in lines:
-        if any(cell not in (None, "") for cell in row[len(head) :]):
-            faults.add((place, line), None, f"more cells than the {len(head)} columns of the heading")
-    none: tuple[list[Any], float] = ([None] * at.size, 1.0)
-    given = {name: cells.get(name, none) for name in COLUMNS}
-    texts = {name: ["" if cell is None else str(cell).strip() for cell in given[name][0]] for name in TEXTS}
-    values = {name: numbers(place, name, given[name][0], at, faults, given[name][1]) for name in NUMBERS}
-    if not at.size:
-        faults.add((place, None), None, "no rows")
-    _check_texts(place, at, texts, faults)
-    _check_rows(place, at, values, set(cells), faults)
-    faults.stop()
-    cases = _added(place, at, texts, values, faults)
-    faults.stop()
+    table = one_table(Path(path), COLUMNS, "load cases")
+    if not table.head:
+        table.fault(None, None, f"holds no table: expected a heading and a row a load ({FORMS})")
+    _check_columns(table)
+    table.stop_at_head()
+    texts = {name: table.texts(name) for name in TEXTS}
+    values = {column.name: table.numbers(column.name) for column in COLUMNS if column.unit not in (TEXT, ANY)}
+    if not len(table):
+        table.fault(None, None, "no rows")
+    _check_texts(table, texts)
+    for k in range(len(table)):
+        _check_row(table, {name: column[k] for name, column in values.items()}, k)
+    _check_blanks(table, values)
+    table.faults.stop()
+    cases = _added(table, texts, values)
+    table.faults.stop()
     return cases
 
 
-def _check_texts(place: str, at: NDArray[np.int64], texts: dict[str, list[str]], faults: Faults) -> None:
+def _check_texts(table: Table, texts: dict[str, list[str]]) -> None:
     """Note texts that a spreadsheet would read as a formula, or that cannot be printed."""
     for name, column in texts.items():
-        for line, text in zip(at.tolist(), column, strict=True):
+        for k, text in enumerate(column):
             if text.startswith(tuple("=+-@")) or len(text) > MOST_LETTERS or not text.isprintable():
                 rule = f"a name has at most {MOST_LETTERS} characters, the first none of = + - @"
-                faults.add((place, line), name, f"{quoted(text)}: {rule}")
+                table.fault(k, name, f"{quoted(text)}: {rule}")
 
 
-def _columns(place: str, head: list[str], faults: Faults) -> list[Column]:
-    """Return the column of each heading; note wrong headings, and loads that are missing or given twice."""
-    if not head:
-        faults.add((place, None), None, f"holds no table: expected a heading and a row a load ({FORMS})")
-        return []
-    read = read_headings(place, head, COLUMNS, faults, ALIASES)
-    names = {column.name for column in read if column}
-    if len(read) == len(names):
-        if not names & {"H_N", "M_Nm", "V_N"}:
-            faults.add((place, 1), None, f"no column with a load: expected {FORMS}")
-        if {"M_Nm", "arm_m"} <= names and "H_N" not in names:
-            faults.add((place, 1), "arm_m", "a height without H")
-        if "arm_m" in names and not names & {"H_N", "M_Nm"}:
-            faults.add((place, 1), "arm_m", "a height without H")
-    return [column or Column("") for column in read]
+def _check_columns(table: Table) -> None:
+    """Note loads that are missing or given twice by the columns of a table."""
+    if table.faults.problems:
+        return
+    if not any(name in table for name in ("H_N", "M_Nm", "V_N", "T_Nm", *_COMPONENTS)):
+        table.fault(None, None, f"no column with a load: expected {FORMS}")
+    if "arm_m" in table and not any(name in table for name in ("H_N", "Fx_N", "Fy_N")):
+        table.fault(None, "arm_m", "a height without H")
+    for one, others in (("H_N", ("Fx_N", "Fy_N")), ("M_Nm", ("Mx_Nm", "My_Nm")), ("V_N", ("Fz_N",))):
+        for other in others:
+            if one in table and other in table:
+                table.fault(None, other, f"gives what {quoted(table.key(one))} gives, too: keep one of them")
+    if "direction_rad" in table and "H_N" not in table and any(name in table for name in ("Fx_N", "Fy_N")):
+        table.fault(None, "direction_rad", "components have the axes x and y: they need no direction")
+    if "factor" in table and any(name in table for name in _FACTORS[1:]):
+        table.fault(None, "factor", "give either one factor on H, M and V, or factor H, factor M and factor V")
 
 
-def _check_rows(place: str, at: NDArray[np.int64], values: dict[str, Array], there: set[str], faults: Faults) -> None:
+def _check_row(table: Table, row: dict[str, float], k: int) -> None:
     """Note blank loads, moments that are given twice, factors and tolerances that are not positive."""
-    bad = {(each.line, each.key) for each in faults.problems}
-    for k, line in enumerate(at.tolist()):
-        H, M, V, arm = (values[name][k] for name in ("H_N", "M_Nm", "V_N", "arm_m"))
-        if np.isnan([H, M, V]).all() and not any(number == line for number, _ in bad):
-            faults.add((place, line), None, f"no load: expected {FORMS}")
-        if np.isfinite(arm) and np.isfinite(M):
-            faults.add((place, line), "arm_m", "give either a moment or the height of H, not both (M = -H arm)")
-        if np.isfinite(arm) and np.isnan(H) and (line, "H_N") not in bad:
-            faults.add((place, line), "arm_m", "a height without H")
-        for name in ("factor", "factor_H", "factor_M", "factor_V"):
-            if values[name][k] < 0.0:
-                faults.add((place, line), name, f"{values[name][k]:g} is negative: a partial factor is 0 or more")
-            if values[name][k] > MOST_FACTOR:
-                faults.add((place, line), name, f"{values[name][k]:g} is above {MOST_FACTOR:g}: 1.35 is usual, not 135")
-        for name in ("direction_rad", "M_direction_rad"):
-            if abs(values[name][k]) > _TURN:
-                faults.add((place, line), name, f"{np.degrees(values[name][k]):.6g} deg is beyond one turn, 360 deg")
-        if values["tilt_rad"][k] <= 0.0:
-            faults.add((place, line), "tilt_rad", "a tolerance must be positive")
-    if there & {"factor"} and there & {"factor_H", "factor_M", "factor_V"}:
-        faults.add((place, 1), "factor", "give either one factor on H, M and V, or factor H, factor M and factor V")
+    given = {name for name, value in row.items() if np.isfinite(value)}
+    force, moment = given & {"H_N", "Fx_N", "Fy_N"}, given & {"M_Nm", "Mx_Nm", "My_Nm"}
+    clean = not any(each.line == table.lines[k] for each in table.faults.problems)
+    if clean and not force | moment | given & {"V_N", "Fz_N", "T_Nm"}:
+        table.fault(k, None, f"no load: expected {FORMS}")
+    if "arm_m" in given and moment:
+        table.fault(k, "arm_m", "give either a moment or the height of H, not both (M = -H arm)")
+    if "arm_m" in given and not force and clean:
+        table.fault(k, "arm_m", "a height without H")
+    for name in _FACTORS:
+        if row[name] < 0.0:
+            table.fault(k, name, f"{row[name]:g} is negative: a partial factor is 0 or more")
+        if row[name] > MOST_FACTOR:
+            table.fault(k, name, f"{row[name]:g} is above {MOST_FACTOR:g}: 1.35 is usual, not 135")
+    for name in ("direction_rad", "M_direction_rad"):
+        if abs(row[name]) > _TURN:
+            table.fault(k, name, f"{np.degrees(row[name]):.6g} deg is beyond one turn, 360 deg")
+    if row["tilt_rad"] <= 0.0:
+        table.fault(k, "tilt_rad", "a tolerance must be positive")
 
 
-def _added(
-    place: str, at: NDArray[np.int64], texts: dict[str, list[str]], values: dict[str, Array], faults: Faults
-) -> LoadCases:
+def _check_blanks(table: Table, values: dict[str, Array]) -> None:
+    """Note blanks that would count as zero: the height or direction of a force that other rows have, a component."""
+    for k in range(len(table)):
+        force = any(np.nan_to_num(values[name][k]) != 0.0 for name in ("H_N", "Fx_N", "Fy_N"))
+        moment = any(np.isfinite(values[name][k]) for name in ("M_Nm", "Mx_Nm", "My_Nm"))
+        blank = [name for name in _COMPONENTS if name in table and np.isnan(values[name][k])]
+        if force and not moment and np.isnan(values["arm_m"][k]):
+            blank += [name for name in ("arm_m", "M_Nm") if name in table][:1]
+        if (force or moment) and np.isfinite(values["direction_rad"]).any() and np.isnan(values["direction_rad"][k]):
+            blank.append("direction_rad")
+        for name in blank:
+            table.fault(k, name, "blank: write 0 where it is none")
+
+
+def _added(table: Table, texts: dict[str, list[str]], values: dict[str, Array]) -> LoadCases:
     """Return the cases: factored loads of one name, added as vectors."""
     groups: dict[str, list[int]] = {}
     for k, name in enumerate(texts["name"]):
-        groups.setdefault(name or f"row {at[k]}", []).append(k)
+        groups.setdefault(name or f"row {table.lines[k]}", []).append(k)
     loads, remarks = _factored(values)
     cases = []
     for name, rows in groups.items():
-        state = _one_text(place, at, texts["limit_state"], rows, faults)
+        state = _one_text(table, texts["limit_state"], rows)
         tilt = np.unique(values["tilt_rad"][rows][np.isfinite(values["tilt_rad"][rows])])
         if tilt.size > 1:
-            faults.add((place, int(at[rows[1]])), "tilt_rad", f"rows of case '{name}' differ in their tolerance")
-        H, M, across, direction = _in_plane(rows, loads, values)
+            table.fault(rows[1], "tilt_rad", f"rows of case '{name}' differ in their tolerance")
+        H, M, across, direction = _in_plane(rows, loads)
         V = np.nan if np.isnan(loads["V"][rows]).all() else math.fsum(np.nan_to_num(loads["V"][rows]))
         numbers = (H, M, V, direction, float(tilt[0]) if tilt.size else np.nan, across, math.fsum(loads["T"][rows]))
-        cases.append((name, state, int(at[rows[0]]), *numbers, _remark([remarks[k] for k in rows])))
+        words = [*(remarks[k] for k in rows), *_twice(table, rows)]
+        remark = "; ".join(dict.fromkeys(word for word in words if word))
+        cases.append((name, state, int(table.lines[rows[0]]), *numbers, remark))
     columns = list(zip(*cases, strict=True))
     names = ("H", "M", "V", "direction", "tilt", "across", "torsion")
     arrays = {each: np.array(column, dtype=float) for each, column in zip(names, columns[3:10], strict=True)}
     lines = np.array(columns[2], dtype=np.int64)
-    return LoadCases(place, columns[0], columns[1], line=lines, remarks=columns[10], **arrays)
+    return LoadCases(table.place, columns[0], columns[1], line=lines, remarks=columns[10], **arrays)
+
+
+def _twice(table: Table, rows: Sequence[int]) -> Iterator[str]:
+    """Yield a remark on rows of one case that are the same in every cell: each of them counts."""
+    first: dict[tuple[str, ...], int] = {}
+    for k in rows:
+        same = first.setdefault(tuple(text_of(cell) for cell in table.rows[k]), k)
+        if same != k:
+            yield f"the rows {table.lines[same]} and {table.lines[k]} are the same, and both count"
 
 
 def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
-    """Return H, M, V and T of each row with their factors (V: NaN where there is none), and remarks by row.
+    """Return loads of each row with their factors (V: NaN where there is none), and remarks by row.
 
-    The moment of a force has the factor of the force: M = -H arm, and M or T beside `factor H` without `factor M`.
+    H and M are signed sizes in the planes of H_plane and M_plane [rad]. The moment of a force has the factor of the
+    force: M = -H arm, and M or T beside `factor H` without `factor M`.
     """
-    one = np.nan_to_num(values["factor"], nan=1.0)
     by = {name: values[f"factor_{name}"] for name in "HMV"}
-    moments = np.nan_to_num(values["M_Nm"]) != 0.0, np.nan_to_num(values["T_Nm"]) != 0.0
-    taken = np.isnan(by["M"]) & np.isfinite(by["H"]) & (by["H"] != 1.0) & (moments[0] | moments[1])
+    given = {name: np.nan_to_num(column) for name, column in values.items()}
+    moments = [given[name] != 0.0 for name in ("M_Nm", "T_Nm", "Mx_Nm", "My_Nm")]
+    taken = np.isnan(by["M"]) & np.isfinite(by["H"]) & (by["H"] != 1.0) & np.any(moments, axis=0)
     by["M"] = np.where(np.isnan(by["M"]), by["H"], by["M"])
-    H, V = (np.nan_to_num(by[name], nan=1.0) * one for name in "HV")
-    turning = np.nan_to_num(by["M"], nan=1.0) * one
-    force = np.nan_to_num(values["H_N"])
-    M = np.nan_to_num(values["M_Nm"]) * turning - np.nan_to_num(force * values["arm_m"]) * H
-    loads = {"H": force * H, "M": M, "V": values["V_N"] * V, "T": np.nan_to_num(values["T_Nm"]) * turning}
+    one = np.nan_to_num(values["factor"], nan=1.0)
+    H, M, V = (np.nan_to_num(by[name], nan=1.0) * one for name in "HMV")
+    towards = given["direction_rad"]
+    turning = np.where(np.isnan(values["M_direction_rad"]), towards, given["M_direction_rad"])
+    force = _vector(given["H_N"], towards) + np.stack([given["Fx_N"], given["Fy_N"]], axis=1)
+    # in the plane of bending: of x by -My, of y by Mx, as M = -H arm
+    bending = _vector(given["M_Nm"], turning) + np.stack([-given["My_Nm"], given["Mx_Nm"]], axis=1)
+    bending = bending * M[:, None] - force * (given["arm_m"] * H)[:, None]
+    down = np.where(np.isnan(values["V_N"]), -values["Fz_N"], values["V_N"])
+    loads = {"H": force * H[:, None], "M": bending, "V": down * V, "T": given["T_Nm"] * M}
+    loads["plane"] = np.where(force.any(axis=1), towards, turning)
+    loads["has_plane"] = np.where((given["Fy_N"] == 0.0) & (given["Mx_Nm"] == 0.0), 1.0, 0.0)
     text = "factor H {:g} multiplies the moment, too (no factor M)"
     return loads, [text.format(by["H"][k]) if each else "" for k, each in enumerate(taken)]
 
 
-def _remark(texts: Sequence[str]) -> str:
-    return "; ".join(dict.fromkeys(text for text in texts if text))
+def _vector(size: Array, angle: Array) -> Array:
+    return size[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def _one_text(place: str, at: NDArray[np.int64], given: list[str], rows: Sequence[int], faults: Faults) -> str:
+def _one_text(table: Table, given: list[str], rows: Sequence[int]) -> str:
     texts = list(dict.fromkeys(given[k] for k in rows if given[k]))
     if len(texts) > 1:
-        faults.add((place, int(at[rows[1]])), "limit_state", f"rows of one case differ: {', '.join(texts)}")
+        table.fault(rows[1], "limit_state", f"rows of one case differ: {', '.join(texts)}")
     return texts[0] if texts else ""
 
 
-def _in_plane(
-    rows: Sequence[int], loads: dict[str, Array], values: dict[str, Array]
-) -> tuple[float, float, float, float]:
+def _in_plane(rows: Sequence[int], loads: dict[str, Array]) -> tuple[float, float, float, float]:
     """Return H, M, the moment about the direction of H, and that direction, of the sum of some rows.
 
     Rows of one direction keep it; else it is that of the sum of H (H > 0), or, without H, that of the moment.
     """
-    towards = np.nan_to_num(values["direction_rad"][rows])
-    turning = np.where(np.isnan(values["M_direction_rad"][rows]), towards, values["M_direction_rad"][rows])
-    force, moment = loads["H"][rows], loads["M"][rows]
-    H, M = _sum(force, towards), _sum(moment, turning)
-    acting = (force != 0.0) | (moment != 0.0)
-    directions = np.unique(np.where(force != 0.0, towards, turning)[acting])
-    if directions.size == 1:
-        plane = np.array([np.cos(directions[0]), np.sin(directions[0])])
-    elif np.hypot(*H) > _ACROSS * np.abs(force).sum():
+    H, M = (np.array([math.fsum(column) for column in loads[name][rows].T]) for name in ("H", "M"))
+    sizes = {name: math.fsum(np.hypot(*loads[name][rows].T)) for name in ("H", "M")}
+    acting = [k for k in rows if loads["H"][k].any() or loads["M"][k].any()]
+    planes = set(loads["plane"][acting].tolist())
+    if len(planes) == 1 and loads["has_plane"][acting].all():
+        (angle,) = planes
+        plane = np.array([np.cos(angle), np.sin(angle)])
+    elif np.hypot(*H) > _ACROSS * sizes["H"]:
         plane = H / np.hypot(*H)
-    elif np.hypot(*M) > _ACROSS * np.abs(moment).sum():
+    elif np.hypot(*M) > _ACROSS * sizes["M"]:
         plane = -M / np.hypot(*M)
     else:
         plane = np.array([1.0, 0.0])
     across = float(plane[0] * M[1] - plane[1] * M[0])
-    if abs(across) <= _ACROSS * np.abs(moment).sum():
+    if abs(across) <= _ACROSS * sizes["M"]:
         across = 0.0
     return float(plane @ H), float(plane @ M), across, float(np.arctan2(plane[1], plane[0]))
-
-
-def _sum(size: Array, angle: Array) -> Array:
-    return np.array([math.fsum(size * np.cos(angle)), math.fsum(size * np.sin(angle))])

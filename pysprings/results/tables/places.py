@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from pysprings.results.tables.faults import Faults
+from pysprings.core.tables.faults import Faults
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,9 @@ def is_wide(head: list[str]) -> bool:
 
 
 def unfold(head: list[str], lines: Lines) -> tuple[list[str], Lines]:
-    """Return heading and lines of the long format; columns that a wide table does not have stay for the checks."""
+    """Return heading and lines of the long format, other tables as they are; other columns stay for the checks."""
+    if not is_wide(head):
+        return head, lines
     by_depth: dict[Place, dict[str, int]] = {}  # depth and slice -> quantity -> column
     for column, text in enumerate(head):
         if (heading := parse(text)) is not None and any(heading[0] in pair for pair in PAIRS):

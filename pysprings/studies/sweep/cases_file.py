@@ -10,8 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pysprings.core.errors import Problem, UserInputError, refused
+from pysprings.core.errors import refused
 from pysprings.core.files.storage import write_text
+from pysprings.core.tables import Table, keyed_table
+from pysprings.core.tables.cells import NotANumber, Unread, number, text_of
 from pysprings.studies.sweep.plan import Axis, Case, Plan, Value, quantity, split
 
 FILE = "cases.csv"
@@ -20,7 +22,6 @@ DONE, SHORT, FAILED, STOPPED, WAITING, SKIP, AGAIN = (
 )  # fmt: skip
 ENDED = (DONE, SHORT, FAILED)
 _EDITED = (SKIP, AGAIN)
-_HEADING = re.compile(r"\s*(?P<key>[^\[\]]+?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*")
 
 
 @dataclass(frozen=True)
@@ -68,91 +69,61 @@ def read_cases(folder: Path, plan: Plan) -> tuple[Plan, dict[int, str]]:
     Raises UserInputError with the line of what cannot be read.
     """
     file = folder / FILE
-    heads, rows = _read(file)
-    columns = _columns(file, heads, plan.axes)
-    cases, asked, problems = [], {}, []
-    for line, row in rows:
-        number = _number(row[0])
+    names = [axis.name for axis in plan.axes]
+    table = keyed_table(file, ["id", *names], "cases")
+    missing = [name for name in names if name not in table]
+    if missing or table.head[:1] != ["id"]:
+        raise refused(None, f"no column {', '.join(missing) or 'id'} (remove the file to have it made anew)", file)
+    status, cases, asked = table.texts("status"), [], {}
+    columns = [_values(table, name) for name in names]
+    for k, text in enumerate(table.texts("id")):
+        number = int(text) if text.isdigit() and int(text) > 0 else None
         if number is None or number in asked:
-            text = f"'{row[0]}' is no number of a case" if number is None else f"case {row[0]} stands here twice"
-            problems.append(Problem(str(file), line, None, "id", text))
+            table.fault(
+                k, "id", f"'{text}' is no number of a case" if number is None else f"case {text} stands here twice"
+            )
             continue
-        values = tuple(_value(row[at], unit) for at, unit in columns)
-        cases.append(Case(number, values))
-        asked[number] = row[heads.index("status")].strip() if "status" in heads else ""
-    if problems:
-        raise UserInputError(problems)
+        cases.append(Case(number, tuple(column[k] for column in columns)))
+        asked[number] = status[k]
+    table.faults.stop()
     if not cases:
         raise refused(None, "has no cases", file)
     whole = plan.is_grid and [case.values for case in cases] == [case.values for case in plan.cases]
     return replace(plan, cases=tuple(cases), is_grid=whole, from_file=str(file)), asked
 
 
-def _number(text: str) -> int | None:
-    return int(text) if text.strip().isdigit() and int(text) > 0 else None
-
-
-def _columns(file: Path, heads: Sequence[str], axes: Sequence[Axis]) -> list[tuple[int, str]]:
-    """Return place and unit of the column of each axis."""
-    found = {
-        match["key"]: (k, match["unit"] or "") for k, head in enumerate(heads) if (match := _HEADING.fullmatch(head))
-    }
-    missing = [axis.name for axis in axes if axis.name not in found]
-    if missing or heads[0] != "id":
-        raise refused(None, f"no column {', '.join(missing) or 'id'} (remove the file to have it made anew)", file)
-    return [found[axis.name] for axis in axes]
-
-
 def read_table(file: Path) -> tuple[tuple[Axis, ...], tuple[Case, ...]]:
     """Return axes and cases of a table: a scene key a column, KEY or KEY [unit]; a column id is not read."""
-    heads, rows = _read(file)
-    axes, columns = [], []
-    for at, head in enumerate(heads):
-        match = _HEADING.fullmatch(head)
-        if match is None:
-            raise refused(head, "expected a scene key, or KEY [unit]", file)
-        if match["key"] != "id":
-            axes.append(Axis(match["key"].replace(".", "_"), (match["key"],)))
-            columns.append((at, match["unit"] or ""))
-    if not axes or not rows:
+    table = keyed_table(file, ("id",), "cases")
+    keys = [key for key in table.columns if key != "id"]
+    if not table.faults.problems and (not keys or not len(table)):
         raise refused(None, "has no cases: a heading line with scene keys, then a row a case", file)
-    cases = [Case(k + 1, tuple(_value(row[at], unit) for at, unit in columns)) for k, (_, row) in enumerate(rows)]
-    return tuple(axes), tuple(cases)
+    columns = [_values(table, key) for key in keys]
+    table.faults.stop()
+    axes = tuple(Axis(key.replace(".", "_"), (key,)) for key in keys)
+    cases = zip(*columns, strict=True)
+    return axes, tuple(Case(k, values) for k, values in enumerate(cases, start=1))
 
 
-def _value(text: str, unit: str) -> Value:
-    """Return a cell as TOML has it."""
-    text = text.strip()
-    if text in ("true", "false"):
-        return text == "true"
-    try:
-        return quantity(float(text), unit)
-    except ValueError:
-        return text
-
-
-def _read(file: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Return headings and (line, cells) of a table; a decimal comma goes with a semicolon between cells."""
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise refused(None, "is not UTF-8 text", file) from None
-    except OSError as error:
-        raise refused(None, f"cannot be read ({error.strerror})", file) from None
-    first = text.split("\n", 1)[0]
-    semicolons = first.count(";") > first.count(",")
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=";" if semicolons else ",")
-    lines = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
-    if not lines:
-        raise refused(None, "is empty", file)
-    heads = [head.strip() for head in lines[0][1]]
-    wrong = [Problem(str(file), line, None, None, f"{len(row)} cells under {len(heads)} headings")
-             for line, row in lines[1:] if len(row) != len(heads)]  # fmt: skip
-    if wrong:
-        raise UserInputError(wrong)
-    if semicolons:
-        lines = [(line, [re.sub(r"^\s*(-?\d+),(\d+)", r"\1.\2", cell) for cell in row]) for line, row in lines]
-    return heads, lines[1:]
+def _values(table: Table, key: str) -> list[Value]:
+    """Return the cells of a column as TOML has them; note blank cells, and what a workbook does not hold as a value."""
+    values: list[Value] = []
+    unit = table.columns[key][1].unit
+    for k, cell in enumerate(table.cells(key)):
+        text = text_of(cell)
+        if isinstance(cell, bool) or text in ("true", "false"):
+            values.append(text.lower() == "true")
+            continue
+        try:
+            value = number(cell, table.style)
+            values.append(text if value is None else quantity(value, unit))
+            if value is None:
+                table.fault(k, key, "blank: every case needs a value")
+        except NotANumber as error:
+            if isinstance(cell, Unread) or (text[:1].isdigit() and not re.search("[A-Za-z]", text)):
+                table.fault(k, key, str(error))
+            values.append(text)
+    return values
 
 
 def wants_again(asked: str) -> bool:

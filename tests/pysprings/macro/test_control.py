@@ -327,7 +327,7 @@ def test_a_sequence_has_times(tmp_path):
         (("M_Nm,arm_m", "1,1"), "1: arm_m: one column too many"),
         (("u_m,arm_m", "1,1", "2,2"), "1: arm_m: a motion is followed at one load height"),
         (("H_N,M_Nm", "1,", "x,1"), "2: M_Nm: blank"),
-        (("H_N",), "None: None: no rows"),
+        (("H_N",), "1: None: no rows"),
         (("H_N,H_N", "1,1"), '1: "H_N": column stands 2 times'),
         (("H_N,what", "1,1"), '1: "what": unknown column'),
         (("H_N,time_s", "1,1", "2,1"), "3: time_s: must be later than the row before"),

@@ -37,7 +37,7 @@ def test_a_european_table_reads_as_a_plain_one(tmp_path: Path) -> None:
 
 def test_a_workbook(tmp_path: Path) -> None:
     book = openpyxl.Workbook()
-    for row in (("name", "H [kN]", "M [MN m]"), ("a", 100, -2), (None, None, None), ("b", -50.5, None)):
+    for row in (("name", "H [kN]", "M [MN m]"), ("a", 100, -2), (None, None, None), ("b", -50.5, 0)):
         book.active.append(row)
     book.save(tmp_path / "cases.xlsx")
     cases = read_load_cases(tmp_path / "cases.xlsx")
@@ -114,31 +114,33 @@ def test_every_fault_with_its_place(tmp_path: Path) -> None:
         "f,ULS,1,,,,,,9",
     )
     assert found == [
-        "2: arm_m: give either a moment or the height of H, not both (M = -H arm)",
+        "2: arm [m]: give either a moment or the height of H, not both (M = -H arm)",
         f"3: None: no load: expected {FORMS}",
-        "3: arm_m: a height without H",
-        '4: H_N: "x" is not a number',
+        "3: arm [m]: a height without H",
+        '4: H [kN]: "x" is not a number',
         "5: factor: -1 is negative: a partial factor is 0 or more",
-        "5: tilt_rad: a tolerance must be positive",
+        "5: tilt [deg]: a tolerance must be positive",
+        "5: arm [m]: blank: write 0 where it is none",
         f"6: None: no load: expected {FORMS}",
         "7: None: more cells than the 8 columns of the heading",
+        "7: arm [m]: blank: write 0 where it is none",
     ]
 
 
-FORMS = "H with M or arm, M alone, or V alone"
+FORMS = "H with M or arm, M alone, V alone, or Fx, Fy, Fz, Mx, My, Mz with z up"
 
 
 @pytest.mark.parametrize(
     ("lines", "found"),
     [
-        (("",), f"None: None: holds no table: expected a heading and a row a load ({FORMS})"),
-        (("name,H [kN]",), "None: None: no rows"),
+        (("",), f"1: None: holds no table: expected a heading and a row a load ({FORMS})"),
+        (("name,H [kN]",), "1: None: no rows"),
         (("name,arm [m]", "a,1"), f"1: None: no column with a load: expected {FORMS}"),
-        (("name,M [kN m],arm [m]", "a,1,"), "1: arm_m: a height without H"),
+        (("name,M [kN m],arm [m]", "a,1,"), "1: arm [m]: a height without H"),
         (("name,H [kN],factor,factor H", "a,1,1,1"),
          "1: factor: give either one factor on H, M and V, or factor H, factor M and factor V"),
-        (("name,limit state,H [kN]", "a,ULS,1", "a,SLS,1"), "3: limit_state: rows of one case differ: ULS, SLS"),
-        (("name,H [kN],tilt [deg]", "a,1,1", "a,1,2"), "3: tilt_rad: rows of case 'a' differ in their tolerance"),
+        (("name,limit state,H [kN]", "a,ULS,1", "a,SLS,1"), "3: limit state: rows of one case differ: ULS, SLS"),
+        (("name,H [kN],tilt [deg]", "a,1,1", "a,1,2"), "3: tilt [deg]: rows of case 'a' differ in their tolerance"),
         (("name,H [kN]", "=A1,1"), "2: name: \"=A1\": a name has at most 60 characters, the first none of = + - @"),
     ],
 )  # fmt: skip

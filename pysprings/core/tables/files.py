@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: MIT
+"""Table files -> sheets of cells: CSV text (UTF-8, UTF-16, Windows-1252) and Excel workbooks; others are refused."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import re
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from datetime import date, time, timedelta
+from pathlib import Path
+from typing import Any
+
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.tables.cells import _ERRORS, Cell, Percent, Unread
+from pysprings.core.units import quoted
+
+ENDINGS = (".csv", ".xlsx", ".xlsm", ".tsv", ".txt")
+FOREIGN = (".xls", ".xlsb", ".ods", ".numbers")  # refused with what to do
+MOST_BYTES = 50_000_000  # of a file, of a workbook when unpacked
+MOST_LINES = 300_000  # of a CSV file: ten seconds of checks
+MOST_ROWS = 200_000  # of a sheet of a workbook
+MOST_WORDS = 200  # characters of a message of a library
+SEPARATORS = (";", "\t", ",")
+
+Line = tuple[int, list[Cell]]  # number of the line, as editors count, and its cells
+
+
+@dataclass
+class Sheet:
+    """Lines of one table that are not blank, and what a workbook does to them.
+
+    ``name`` is blank in a CSV file, ``separator`` in a workbook. ``merged`` are (row, column, row, column) of the
+    corners of merged cells, ``hidden_lines`` and ``hidden_columns`` count from 1.
+    """
+
+    place: str
+    name: str
+    lines: list[Line]
+    separator: str = ""
+    hidden: bool = False
+    merged: list[tuple[int, int, int, int]] = field(default_factory=list)
+    hidden_lines: frozenset[int] = frozenset()
+    hidden_columns: frozenset[int] = frozenset()
+
+
+def is_table(path: str | os.PathLike[str]) -> bool:
+    """Return whether a file is a table, by its ending."""
+    return Path(path).suffix.lower() in (*ENDINGS, *FOREIGN)
+
+
+def sheets_of(path: Path) -> list[Sheet]:
+    """Return the sheets of a table file; a CSV file as it reads with each separator that its first lines hold.
+
+    Raises
+    ------
+    UserInputError
+        No file, no table, or one beyond the limits of size.
+    """
+    try:
+        if path.is_dir():
+            raise _refused(path, "is a folder")
+        _refuse_large(path, path.stat().st_size)
+        raw = path.read_bytes()
+    except FileNotFoundError:
+        raise _refused(path, "no such file") from None
+    except OSError as error:
+        raise _refused(path, f"cannot be read: {error.strerror}") from None
+    if raw[:4] == b"PK\x03\x04" and b"opendocument" not in raw[:100]:
+        return _workbook(path, raw)
+    save_as = "save it as .xlsx or .csv"
+    if raw[:4] == b"\xd0\xcf\x11\xe0" or path.suffix.lower() in (".xls", ".xlsb"):
+        raise _refused(path, f"is a workbook of the old Excel format, or one with a password: {save_as}")
+    if raw[:2] == b"PK" or path.suffix.lower() in (".ods", ".numbers"):
+        raise _refused(path, f"is a spreadsheet of another program: {save_as}")
+    if path.suffix.lower() in (".xlsx", ".xlsm"):
+        raise _refused(path, "not an Excel workbook (File is not a zip file)")
+    return list(_texts(path, _decoded(path, raw)))
+
+
+def _decoded(path: Path, raw: bytes) -> str:
+    if (count := raw.count(b"\n")) > MOST_LINES:
+        words = f"{count:,} lines, at most {MOST_LINES:,}; springs.nc of a run has no such limit"
+        raise _refused(path, f"is too large for a table ({words})")
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        names: tuple[str, ...] = ("utf-16",)
+    else:
+        names = () if b"\0" in raw else ("utf-8-sig", "cp1252")
+    for name in names:
+        try:
+            return raw.decode(name)
+        except UnicodeDecodeError:
+            continue
+    raise _refused(path, "not a CSV file in UTF-8, UTF-16 or Windows-1252: save it as CSV UTF-8")
+
+
+def _texts(path: Path, text: str) -> Iterator[Sheet]:
+    """Yield the sheet of a text with each separator that its first lines hold; "sep=;" of Excel chooses it."""
+    first = text.lstrip().split("\n", 1)[0].strip()
+    named = re.fullmatch(r"sep=(.)", first)
+    head = "\n".join(text.splitlines()[:40])
+    chosen = [named[1]] if named else [each for each in SEPARATORS if each in head] or [","]
+    for separator in chosen:
+        try:
+            with io.StringIO(text, newline="") as stream:
+                reader = csv.reader(stream, delimiter=separator, strict=True)
+                lines = [(reader.line_num, list(row)) for row in reader if any(cell.strip() for cell in row)]
+        except csv.Error as error:
+            if separator == chosen[-1]:
+                raise _refused(path, f"not a CSV file ({error})") from None
+            continue
+        yield Sheet(str(path), "", lines[bool(named) :], separator)
+
+
+def _workbook(path: Path, raw: bytes) -> list[Sheet]:
+    import openpyxl
+
+    try:
+        with io.BytesIO(raw) as stream, zipfile.ZipFile(stream) as archive:
+            _refuse_large(path, sum(part.file_size for part in archive.infolist()), " when unpacked")
+            book, formulas = (openpyxl.load_workbook(stream, read_only=True, data_only=each) for each in (True, False))
+            try:
+                return [_sheet(path, archive, *pair) for pair in zip(book.worksheets, formulas.worksheets, strict=True)]
+            finally:
+                book.close()
+                formulas.close()
+    except UserInputError:
+        raise
+    except Exception as error:  # a broken archive raises many types
+        why = str(error) or type(error).__name__
+        raise _refused(path, f"not an Excel workbook ({why[:MOST_WORDS]})") from None
+
+
+def _sheet(path: Path, archive: zipfile.ZipFile, values: Any, formulas: Any) -> Sheet:
+    """Return a sheet of a workbook; a formula without a stored value is a cell that is refused where it is used."""
+    from openpyxl.utils import range_boundaries
+
+    xml = archive.read(values._worksheet_path)
+    lines = list(_rows(path, values))
+    if b"<f" in xml:
+        by_line = dict(lines)
+        for row in formulas.iter_rows():
+            for cell in row:
+                if cell.data_type == "f" and _at(by_line.get(cell.row, []), cell.column - 1) is None:
+                    text = cell.value if isinstance(cell.value, str) else "array formula"
+                    cells = by_line.setdefault(cell.row, [])
+                    cells += [None] * (cell.column - len(cells))
+                    cells[cell.column - 1] = Unread(text, _no_value(cell.coordinate, text))
+        lines = sorted(by_line.items())
+    merged = []
+    for ref in re.findall(rb'<mergeCell [^>]*?ref="([A-Z0-9:]+)"', xml):
+        left, top, right, bottom = (int(each or 0) for each in range_boundaries(ref.decode()))
+        merged.append((top, left, bottom, right))
+    hidden = rb'<row (?=[^>]*hidden="(?:1|true)")[^>]*?\br="(\d+)"'
+    columns = [
+        (int(low), int(high))
+        for tag in re.findall(rb'<col (?=[^>]*hidden="(?:1|true)")[^>]*>', xml)
+        for low, high in [(re.search(rb'min="(\d+)"', tag)[1], re.search(rb'max="(\d+)"', tag)[1])]  # type: ignore[index]
+    ]
+    return Sheet(
+        f"{path}[{values.title}]", values.title, lines, "", values.sheet_state != "visible", merged,
+        frozenset(map(int, re.findall(hidden, xml))), frozenset(k for a, b in columns for k in range(a, b + 1)),
+    )  # fmt: skip
+
+
+def _no_value(coordinate: str, formula: str) -> str:
+    shown = quoted(formula)
+    return f"cell {coordinate} holds the formula {shown} without a stored value: open and save the file in Excel, " \
+           "or write the number"  # fmt: skip
+
+
+def _rows(path: Path, sheet: Any) -> Iterator[Line]:
+    """Yield the lines of a sheet that are not blank."""
+    count = 0
+    for line, cells in enumerate(sheet.iter_rows(), start=1):
+        values = [_value(cell) for cell in cells]
+        if any(value is not None for value in values):
+            count += 1
+            if count > MOST_ROWS:
+                words = f"sheet {quoted(sheet.title)} has more than {MOST_ROWS:,} lines"
+                raise _refused(path, f"is too large for a table ({words})")
+            yield line, values
+
+
+def _value(cell: Any) -> Cell:
+    value = cell.value
+    if isinstance(value, float | int) and not isinstance(value, bool):
+        return Percent(value) if "%" in cell.number_format else value
+    if isinstance(value, date | time | timedelta):
+        why = f"cell {cell.coordinate} holds the date {value}: spreadsheets make dates of numbers such as 1.5; "
+        return Unread(str(value), f"{why}write the number, in the format General")
+    if isinstance(value, str) and value in _ERRORS:
+        return Unread(value, f"cell {cell.coordinate} holds the error {value}: mend its formula")
+    return value
+
+
+def _at(cells: list[Cell], column: int) -> Cell:
+    return cells[column] if column < len(cells) else None
+
+
+def _refuse_large(path: Path, size: int, words: str = "") -> None:
+    if size > MOST_BYTES:
+        raise _refused(path, f"is too large for a table ({size / 1e6:,.0f} MB{words}, at most {MOST_BYTES / 1e6:.0f})")
+
+
+def _refused(path: Path, message: str) -> UserInputError:
+    return UserInputError([Problem(file=str(path), message=message)])
