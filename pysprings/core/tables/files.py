@@ -174,14 +174,12 @@ def _no_value(coordinate: str, formula: str) -> str:
 
 def _rows(path: Path, sheet: Any) -> Iterator[Line]:
     """Yield the lines of a sheet that are not blank."""
-    count = 0
     for line, cells in enumerate(sheet.iter_rows(), start=1):
+        if line > MOST_ROWS:
+            words = f"sheet {quoted(sheet.title)} has more than {MOST_ROWS:,} lines"
+            raise _refused(path, f"is too large for a table ({words})")
         values = [_value(cell) for cell in cells]
         if any(value is not None for value in values):
-            count += 1
-            if count > MOST_ROWS:
-                words = f"sheet {quoted(sheet.title)} has more than {MOST_ROWS:,} lines"
-                raise _refused(path, f"is too large for a table ({words})")
             yield line, values
 
 

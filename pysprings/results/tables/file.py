@@ -39,7 +39,7 @@ def read_rows(path: str | os.PathLike[str], faults: Faults) -> pd.DataFrame:
     ]
     if not frames:
         faults.add((str(path), None), None, f"no sheet with a table; expected the columns {', '.join(NEEDED)}")
-    if any(each.line in (None, 1) for each in faults.problems):
+    if not all(len(frame.columns) for frame in frames) or any(each.line is None for each in faults.problems):
         faults.stop()  # the columns: nothing can be checked below them
     rows = pd.concat(frames, ignore_index=True)
     if not (rows["family"] == "py").any():

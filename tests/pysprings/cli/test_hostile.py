@@ -18,10 +18,10 @@ from pysprings.cli import support
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
 from pysprings.core.magnitudes import LARGEST, fault, unit_of_column
+from pysprings.core.tables import files as reader
 from pysprings.results.exporters.tables import PY_COLUMNS
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report.page import render
-from pysprings.results.tables import reader
 from pysprings.springs.file import open_springs
 from pysprings.springs.numbers import name_fault
 from tests.fuzz.tables import MINIMAL
