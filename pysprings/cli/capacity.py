@@ -66,9 +66,7 @@ def capacity(
     refuse_no_folder(folder)
     read = load_scene(scene, changes or ())
     request = _request(read, vertical or [], directions, macro and springs is None, factor or [])
-    given = None if cases is None else read_load_cases(cases)
-    if given is not None:
-        given.refuse_out_of_plane("capacity")
+    given = None if cases is None else read_load_cases(cases).bounded(0.5 * read.caisson.outer_diameter)
     model = None if springs is None or not macro else _model(springs)
     chosen = study.scene_of(read, mesh, discretisation)
     try:

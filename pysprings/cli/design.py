@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from pysprings.cli.options import Json, SpringSet
-from pysprings.cli.support import print_json, print_table, quantities, refuse, to_stderr
+from pysprings.cli.support import print_json, print_table, quantities, refuse
 
 
 def design(
@@ -79,5 +79,3 @@ def design(
             print(f"{result / 'report.html'}: the report of the run, with the answers")
         if record:
             print_summary(record)
-    if warning := text.same_signs(table):
-        to_stderr(f"warning: {warning}")

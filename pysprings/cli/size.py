@@ -42,7 +42,7 @@ def size(
 
     The atlas answers, at the V of each case; its rotation counts with 1.96 standard deviations. The thickness of the
     skirt is the share of the diameter that the atlas has. With --confirm the full model pulls the result to every
-    load case, on the mesh of the atlas.
+    load case, on the mesh of the atlas: that confirms the atlas, not its mesh.
     """
     from pysprings.results.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
@@ -59,18 +59,17 @@ def size(
     if angle <= 0.0:
         refuse("--tilt", "a tolerance must be positive")
     model = open_atlas(atlas)
-    loads = read_load_cases(cases)
-    loads.refuse_out_of_plane("size")
     wanted = Wanted(
-        loads, angle, utilisation, tuple(read_changes(changes or [])), (low, high),
+        read_load_cases(cases), angle, utilisation, tuple(read_changes(changes or [])), (low, high),
         bounds_of(model, (0.0, 10.0)),
     )  # fmt: skip
     search = Search(model, wanted)
     best, checked = least_confirmed(search) if confirm else (search.least(), None)
     files = _files(search, best, out) if out else []
     if as_json:
-        print_json({"best": vars(best), "candidates": len(search.tried), "correction": search.correction,
-                    "full_model": [] if checked is None else checked.to_dict("records")})  # fmt: skip
+        full = [] if checked is None else checked.to_dict("records")
+        about = {"remarks": _remarks(search, best, confirm), "correction": search.correction}
+        print_json({"best": vars(best), "candidates": len(search.tried), **about, "full_model": full})
         return
     _print(search, best, checked)
     for file in files:
@@ -91,16 +90,31 @@ def _files(search: Search, best: Candidate, out: Path) -> list[Path]:
     return files
 
 
-def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> None:
+def _remarks(search: Search, best: Candidate, confirmed: bool) -> list[str]:
+    """Return what is to be remarked on the least caisson: where the atlas ends, its mesh, bounds of load cases."""
+    from pysprings.studies.atlas.springs import mesh_words
     from pysprings.studies.sizing.search import EDGE
 
+    cases = search.wanted.cases.bounded(0.5 * best.D)
+    texts = [f"{name}: {remark}" for name, remark in zip(cases.name, cases.notes, strict=True) if remark]
+    if best.governs.startswith(EDGE):
+        texts.append("the atlas ends here, with no smaller diameter or no other L/D: a caisson beyond may do with less")
+    if mesh := mesh_words(search.atlas):
+        texts.append(f"{search.atlas.source}: {mesh}")
+    if confirmed:
+        preset = search.atlas.base.mesh.preset
+        texts.append(f"the full model on mesh '{preset}', that of the atlas, confirms the atlas, not its mesh")
+    return texts
+
+
+def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> None:
     rows: list[list[Any]] = [
         [f"{best.D:.3f}", f"{best.L:.3f}", f"{1e-3 * best.mass:.4g}", f"{best.use:.3f}", best.governs]
     ]
     print_table(["D [m]", "L [m]", "steel [t]", "use", "governs"], rows)
-    if best.governs == EDGE:
-        print("note: the atlas covers no smaller caisson at these vertical loads; one might meet the load cases, too")
     print(f"{len(search.tried)} caissons tried on {search.atlas.source}; correction {search.correction:.4g}")
+    for text in _remarks(search, best, checked is not None):
+        print(f"note: {text}")
     if checked is None:
         print("not confirmed: --confirm runs the full model")
         return

@@ -40,6 +40,8 @@ _KEPT = (
     "drainage",
     "outer_diameter_m",
     "skirt_length_m",
+    "atlas_outside",
+    "atlas_mesh",
 )
 
 

@@ -147,7 +147,7 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
         "utilisation": largest.utilisation, "capacity_H": largest.H, "capacity_M": largest.M,
         "capacity_kind": largest.kind, "capacity_from": largest.source,
     }  # fmt: skip
-    by_case |= {} if down is None or model.vertical is None else {"utilisation_V": vertical_use(model, down)}
+    by_case |= {} if down is None or model.vertical is None else vertical_use(model, down)
     values |= {name: (("case",), each, _UNITS.get(name, {})) for name, each in by_case.items()}
     return _Part(values, {name: answer.coords[name].variable for name in ("dof", "dof_conjugate")}, answer.attrs)
 
@@ -155,6 +155,7 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
 _UNITS = {
     "H": {"units": "N"}, "M": {"units": "N m"}, "capacity_H": {"units": "N"}, "capacity_M": {"units": "N m"},
     "utilisation": {"units": "1"}, "utilisation_V": {"units": "1"},
+    "capacity_V": {"units": "N"},
 }  # fmt: skip
 
 

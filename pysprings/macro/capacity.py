@@ -43,7 +43,8 @@ GONE, FLAT = 0.02, 0.1
 STEPS = 24
 BISECTIONS = 24
 LONGER = 3  # times a way is made four times as long where it stays within the range
-ROUNDING = 1e-9  # directions that differ by less [rad] are one
+ROUNDING = 1e-9  # share by which a load falls from its peak
+ONE_WAY = 1e-12  # angles are rounded to it [rad]: loads in proportion have one way
 
 FULL_LIMIT, SPRING_LIMIT = "limit load of the full model", "limit load of the springs"
 LARGEST_MOTION = "largest motion"
@@ -107,7 +108,7 @@ def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
 
 def _angles(directions: Array) -> Array:
     """Return the angles of directions (n, 2), rounded: the way along a direction is that of its own rounded angle."""
-    return np.round(np.arctan2(directions[:, 1], directions[:, 0]) / ROUNDING) * ROUNDING
+    return np.round(np.arctan2(directions[:, 1], directions[:, 0]) / ONE_WAY) * ONE_WAY
 
 
 @dataclass(frozen=True, slots=True)

@@ -246,6 +246,8 @@ def _remarks(springs: Springs, chosen: SpringSet, built: Built, ends: Mapping[st
     yield from built.remarks
     if springs.of_atlas:
         yield OF_ATLAS.format(springs.attrs["source"], springs.attrs.get("atlas_cases", "?"))
+        if mesh := str(springs.attrs.get("atlas_mesh", "")):
+            yield mesh
     if springs.of_full_model and any(ends[name].how == UNKNOWN for name in built.sources):
         yield NO_ENDS
 

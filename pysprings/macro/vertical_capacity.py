@@ -49,15 +49,19 @@ def with_vertical_use(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
         return answer
     V = answer["V"].values
     known = variables.GROUPS["prediction"]["utilisation_V"].attributes()
-    added = answer.assign(utilisation_V=(answer["V"].dims, vertical_use(model, V), known))
+    added = answer.assign(utilisation_V=(answer["V"].dims, vertical_use(model, V)["utilisation_V"], known))
     return added.assign_attrs(_attributes(*largest_vertical(model, float(V[-1])))) if V.size else added
 
 
-def vertical_use(model: MacroModel, V: Array) -> Array:
-    """Return V (n,) [N] over the largest known vertical load of its sign; NaN where none is known."""
-    down, up = (largest_vertical(model, sign)[0] for sign in (1.0, -1.0))
-    used: Array = V / np.where(V >= 0.0, down, up)
-    return used
+def vertical_use(model: MacroModel, V: Array) -> dict[str, Any]:
+    """Return by vertical load V (n,) [N] the largest known one of its sign, its kind, and the share of it that is used.
+
+    Names: capacity_V, capacity_V_kind, utilisation_V; NaN and blank where none is known.
+    """
+    down, up = (largest_vertical(model, sign) for sign in (1.0, -1.0))
+    largest = np.where(V >= 0.0, down[0], up[0])
+    kind = np.where(V >= 0.0, np.array(down[1], dtype=object), np.array(up[1], dtype=object))
+    return {"capacity_V": largest, "capacity_V_kind": kind, "utilisation_V": V / largest}
 
 
 def _attributes(largest: float, kind: str, source: str) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from pysprings.results.report.table import ReportData, ReportTable, Table
 
 OK = "ok"  # verdict of a case with an answer that the springs support, within its tolerance
 KN, MN, MM = 1e-3, 1e-6, 1e3
-_TEXTS = ("name", "limit_state", "marks", "verdict", "capacity_kind")
+_TEXTS = ("name", "limit_state", "marks", "remarks", "verdict", "capacity_kind", "capacity_V_kind")
 
 
 @dataclass(frozen=True)
@@ -67,20 +67,29 @@ COLUMNS = (
     Column("tangent K rotation,rotation [MN m/rad]", "tangent_rotation_rotation_Nm", MN, brief=False),
     Column("tangent K ww [MN/m]", "tangent_w_w_N_per_m", MN, brief=False),
     Column("utilisation", "utilisation", digits=3),
-    Column("V used", "utilisation_V", brief=False, digits=3),
+    Column("V used", "utilisation_V", digits=3),
+    Column("capacity V [kN]", "capacity_V_N", KN, brief=False),
+    Column("of", "capacity_V_kind", brief=False),
     Column("capacity H [kN]", "H_capacity_N", KN, brief=False),
     Column("capacity M [kN m]", "M_capacity_Nm", KN, brief=False),
     Column("of", "capacity_kind"),
     Column("range used", "range_used", brief=False, digits=3),
+    Column("across [kN m]", "across_Nm", KN, brief=False),
+    Column("torsion [kN m]", "torsion_Nm", KN, brief=False),
+    Column("u bound [mm]", "u_bound_m", MM, brief=False),
+    Column("rotation bound [deg]", "rotation_bound_rad", math.degrees(1.0), brief=False),
+    Column("utilisation bound", "utilisation_bound", brief=False, digits=3),
     Column("verdict", "verdict"),
-    Column("remark", "marks"),
+    Column("mark", "marks"),
+    Column("remark", "remarks"),
 )
 NOTE = (
     "M is about the lid centre at mudline, M = -H arm; loads contain their partial factors. Utilisation is the load "
     "over the largest known one in its direction, H and M in proportion at the V of the case; of the end of the range: "
     "the springs reach no further, the capacity is larger. V used is V over the largest vertical load of the vertical "
-    "springs. A case without an answer has no motion; its remark is the "
-    "reason."
+    "springs. A case without an answer has no motion; its mark is the "
+    "reason. A bound, for a moment across the plane of H and a torsion, has all of the moment in that plane and T over "
+    "the radius added to H."
 )
 
 
@@ -102,28 +111,16 @@ def cells(table: pd.DataFrame, columns: list[Column]) -> list[list[str]]:
 
 
 def closing(table: pd.DataFrame) -> str:
-    """Return the counts of the verdicts and the cases that govern."""
+    """Return the counts of the verdicts and the cases that govern; a case without an answer does where it is beyond."""
     counts = table["verdict"].value_counts()
     parts = [f"{n:,} {verdict}" for verdict, n in counts.items()]
     text = f"{len(table):,} case{'' if len(table) == 1 else 's'}: {', '.join(parts)}"
-    for column, words in (("tilt_used", "tilt used"), ("utilisation", "utilisation")):
-        known = table[table[column].notna()]
+    for column, words in (("tilt_used", "tilt used"), ("utilisation", "utilisation"), ("utilisation_V", "V used")):
+        known = table[table[column].notna() & ((table["answered"] == 1) | (table[column] > 1.0))]
         if len(known):
-            worst = known.sort_values(column).iloc[-1]
+            worst = known.sort_values([column, "name"]).iloc[-1]
             text += f"; largest {words} {worst[column]:.3g} in '{worst['name']}'"
     return text
-
-
-def same_signs(table: pd.DataFrame) -> str:
-    """Return a sentence on cases whose H and M have one sign, which a load above mudline never has; else empty."""
-    names = [str(row["name"]) for row in table.to_dict("records") if row["H_N"] * row["M_Nm"] > 0.0]
-    if not names:
-        return ""
-    more = f" and {len(names) - 3:,} more" if len(names) > 3 else ""
-    return (
-        f"in {', '.join(names[:3])}{more} H and M have the same sign: the load acts below mudline. "
-        "A load above mudline has M = -H arm"
-    )
 
 
 def is_fine(table: pd.DataFrame) -> bool:

@@ -11,16 +11,16 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.tables import Column, Table, one_table
 from pysprings.core.tables.cells import text_of
 from pysprings.core.tables.headings import ANY, TEXT
+from pysprings.core.text import number
 from pysprings.core.units import quoted
 from pysprings.springs.numbers import MOST_LETTERS
 
@@ -46,6 +46,7 @@ FORMS = "H with M or arm, M alone, V alone, or Fx, Fy, Fz, Mx, My, Mz with z up"
 # A moment across the plane of the force up to this share of the moment is rounding of angles
 _ACROSS = 1e-6
 MOST_FACTOR = 10.0
+OVERTURNING = -1.0  # sign of the M of a positive H that acts above mudline
 _TURN = 2.0 * np.pi * (1.0 + 1e-9)
 
 
@@ -88,16 +89,53 @@ class LoadCases:
         """H and M of each case, (n, 2)."""
         return np.stack([self.H, self.M], axis=1)
 
-    def refuse_out_of_plane(self, command: str) -> None:
-        """Refuse cases with a moment across the plane of H or a torsion, for a command that cannot mark them."""
-        problems = [
-            Problem(self.file, int(self.line[k]), key=name, message=f"case '{self.name[k]}' has a {what} of "
-                    f"{1e-3 * load[k]:.4g} kN m: `{command}` answers loads in one vertical plane without torsion")
-            for name, what, load in (("M", "moment across the plane of H", self.across), ("T", "torsion", self.torsion))
-            for k in np.flatnonzero(load)
-        ]  # fmt: skip
-        if problems:
-            raise UserInputError(problems)
+    @property
+    def aside(self) -> NDArray[np.bool_]:
+        """Which cases have a moment across the plane of H, or a torsion."""
+        return (self.across != 0.0) | (self.torsion != 0.0)
+
+    @property
+    def opposed(self) -> NDArray[np.bool_]:
+        """Which cases have an M that turns against H, as a load below mudline does."""
+        opposed: NDArray[np.bool_] = OVERTURNING * self.H * self.M < 0.0
+        return opposed
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be remarked on each case: what the reader did, and an M that turns against H."""
+        texts = []
+        for text, H, M, opposed in zip(self.remarks, self.H, self.M, self.opposed, strict=True):
+            below = f"M turns against H, as of a load {abs(M / H):.3g} m below mudline" if opposed else ""
+            texts.append("; ".join(filter(None, (text, below))))
+        return tuple(texts)
+
+    def bounded(self, radius: float | None) -> LoadCases:
+        """Return the cases in one plane and without torsion, with loads on the safe side, and remarks that say so.
+
+        All of the moment acts in the plane of H and overturns, and T over the radius of the caisson [m] is added to H
+        (None: not known, T is left out): a bound in ground that is the same in all directions.
+        """
+        aside, way = self.aside, np.sign(self.H)
+        way = np.where(way != 0.0, way, np.where(self.M != 0.0, OVERTURNING * np.sign(self.M), 1.0))
+        added = np.zeros(len(self)) if radius is None else np.abs(self.torsion) / radius
+        H = np.where(aside, way * (np.abs(self.H) + added), self.H)
+        M = np.where(aside, OVERTURNING * way * np.hypot(self.M, self.across), self.M)
+        remarks = tuple(
+            "; ".join(filter(None, (text, _bound_words(*each)))) if each[0] or each[1] else text
+            for text, each in zip(self.remarks, zip(self.across, self.torsion, added, strict=True), strict=True)
+        )
+        nothing = np.zeros(len(self))
+        return replace(self, H=H, M=M, across=nothing, torsion=nothing, remarks=remarks)
+
+
+def _bound_words(across: float, torsion: float, added: float) -> str:
+    """Return words on the loads of a bound: moment across the plane of H, torsion [N m], and what it adds to H [N]."""
+    share = f"T/R = {number(1e-3 * added)} kN on H" if added else "left out, the radius is not known"
+    texts = (
+        f"moment across of {number(1e-3 * abs(across))} kN m turned into the plane of H" if across else "",
+        f"torsion of {number(1e-3 * abs(torsion))} kN m as {share}" if torsion else "",
+    )
+    return ", ".join(filter(None, texts))
 
 
 def read_load_cases(path: str | os.PathLike[str]) -> LoadCases:

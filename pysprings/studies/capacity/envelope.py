@@ -32,23 +32,25 @@ def closed(table: pd.DataFrame) -> pd.DataFrame:
 def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
     """Return a row a case and strength: its load over the chord in its direction, at the nearest computed V.
 
-    `off_load` is 1 where the V of a case is none of those computed (cases without V take the first one).
+    `off_load` is 1 where the V of a case is none of those computed. A case without V has the worst of all.
     """
     rows = []
     for strength, own in table.groupby("strength", sort=False):
         loads = own["V_N"].drop_duplicates().to_numpy(dtype=float)
         for k, name in enumerate(cases.name):
-            V = float(cases.V[k]) if np.isfinite(cases.V[k]) else float(loads[0])
-            nearest = float(loads[np.argmin(np.abs(loads - V))])
-            envelope = closed(own[own["V_N"] == nearest])
-            capacity, known = _along(envelope, float(cases.H[k]), float(cases.M[k]))
+            near = loads if np.isnan(cases.V[k]) else loads[[int(np.argmin(np.abs(loads - cases.V[k])))]]
+            found = [_along(closed(own[own["V_N"] == V]), float(cases.H[k]), float(cases.M[k])) for V in near]
+            worst = int(np.argmax([np.inf if np.isnan(share) else share for share, _ in found]))
+            (share, known), nearest = found[worst], float(near[worst])
+            V = nearest if np.isnan(cases.V[k]) else float(cases.V[k])
             off = not same_load(V, nearest)
             rows.append({
                 "name": name, "limit_state": cases.limit_state[k], "strength": strength, "H_N": float(cases.H[k]),
                 "M_Nm": float(cases.M[k]), "V_N": V, "V_of_envelope_N": nearest, "off_load": int(off),
-                "H_capacity_N": float(cases.H[k]) / capacity if capacity > 0.0 else np.nan,
-                "M_capacity_Nm": float(cases.M[k]) / capacity if capacity > 0.0 else np.nan,
-                "utilisation": capacity if not off else np.nan, "upper_bound": int(not known),
+                "H_capacity_N": float(cases.H[k]) / share if share > 0.0 else np.nan,
+                "M_capacity_Nm": float(cases.M[k]) / share if share > 0.0 else np.nan,
+                "utilisation": share if not off else np.nan, "upper_bound": int(not known),
+                "remarks": cases.notes[k],
             })  # fmt: skip
     return pd.DataFrame(rows)
 

@@ -76,7 +76,7 @@ def closing(table: pd.DataFrame) -> str:
 
 def _remark(row: dict[Any, Any]) -> str:
     texts: Sequence[str] = [
-        "no envelope at this V" if row["off_load"] else "", "upper bound" if row["upper_bound"] else "",
+        "no envelope at this V" if row["off_load"] else "", "upper bound" if row["upper_bound"] else "", row["remarks"],
     ]  # fmt: skip
     return ", ".join(filter(None, texts))
 

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from pysprings.core.text import number
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import answer_loads
 from pysprings.results.report.load_cases import OK
@@ -68,9 +70,17 @@ def answer_cases(
     frame["utilisation_V"] = _values(answers, "utilisation_V", len(cases))
     frame["H_capacity_N"], frame["M_capacity_Nm"] = answers["capacity_H"].values, answers["capacity_M"].values
     frame["capacity_kind"] = [str(text) for text in answers["capacity_kind"].values]
+    kinds = answers["capacity_V_kind"].values if "capacity_V_kind" in answers else [""] * len(cases)
+    frame["capacity_V_N"], frame["capacity_V_kind"] = _values(answers, "capacity_V", len(cases)), kinds
     frame["range_used"] = answers["range_used"].values
     frame["answered"] = answers["answered"].values.astype(int)
-    frame["marks"] = [", ".join(filter(None, pair)) for pair in zip(_marks(answers), _beside(cases), strict=True)]
+    frame["marks"] = _marks(answers)
+    frame["remarks"] = list(cases.notes)
+    D = answers.attrs.get("outer_diameter_m")
+    bound, found = cases.bounded(None if D is None else 0.5 * float(D)), answers
+    if cases.aside.any():
+        found = answer_loads(springs, bound.loads, cases.V, extrapolate, **choice)
+    frame = _with_bounds(frame, cases, found)
     frame["verdict"] = [_verdict(row) for row in frame.to_dict("records")]
     return frame
 
@@ -96,27 +106,36 @@ def _stiffness(answers: xr.Dataset, frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _marks(answers: xr.Dataset) -> list[str]:
-    """Return why a case has no answer, or the marks of its answer in words."""
+    """Return why a case has no answer, or the marks of its answer in words; of springs of an atlas those of all."""
     texts = []
+    of_all = [str(answers.attrs[name]) for name in ("atlas_outside", "atlas_mesh") if answers.attrs.get(name)]
     for k, why in enumerate(answers["why_not"].values):
         marked = [words for name, words in MARKS.items() if name in answers and answers[name].values[k]]
-        texts.append(str(why) or ", ".join(marked))
+        texts.append(str(why) or "; ".join([*marked, *of_all]))
     return texts
 
 
-def _beside(cases: LoadCases) -> list[str]:
-    """Return what stands beside the answer of each case: loads that it leaves out, and remarks of the reader."""
-    left_out = {"moment across the plane of H": cases.across, "torsion": cases.torsion}
-    texts = []
-    for k, remark in enumerate(cases.remarks):
-        parts = [f"{what} of {1e-3 * load[k]:.4g} kN m left out" for what, load in left_out.items() if load[k]]
-        texts.append(", ".join([*parts, remark] if remark else parts))
-    return texts
+def _with_bounds(frame: pd.DataFrame, cases: LoadCases, bounds: xr.Dataset) -> pd.DataFrame:
+    """Return the answers with what cases aside of one plane leave out, and the answers to their bounds."""
+    out, aside = frame.copy(), cases.aside
+    for column, load in (("across_Nm", cases.across), ("torsion_Nm", cases.torsion)):
+        out[column] = np.where(load != 0.0, load, np.nan)
+    for column, name in (("u_bound_m", "u"), ("rotation_bound_rad", "rotation"), ("utilisation_bound", "utilisation")):
+        out[column] = np.where(aside, np.abs(bounds[name].values), np.nan)
+    for k in np.flatnonzero(aside):
+        left = {"no moment across the plane of H": cases.across[k], "no torsion": cases.torsion[k]}
+        texts = [f"{what} ({number(1e-3 * abs(load))} kN m left out)" for what, load in left.items() if load]
+        u, turn = 1e3 * out["u_bound_m"][k], degrees(out["rotation_bound_rad"][k])
+        found = [] if bounds["why_not"].values[k] else [f"u {number(u)} mm", f"rotation {number(turn)} deg"]
+        found += [f"utilisation {number(out['utilisation_bound'][k], 3)}"]
+        out.loc[k, "marks"] = "; ".join(filter(None, [frame["marks"][k], *texts, f"bound: {', '.join(found)}"]))
+    return out
 
 
 def _verdict(row: dict[Any, Any]) -> str:
     """Return the verdict on a case: what is wrong with it comes before what is not known."""
-    if row["utilisation"] > 1.0 and row["capacity_kind"] != RANGE_END:
+    loads = ((row["utilisation"], row["capacity_kind"]), (row["utilisation_V"], row["capacity_V_kind"]))
+    if any(used > 1.0 and kind != RANGE_END for used, kind in loads):
         return OVERLOADED
     if not row["answered"]:
         return UNKNOWN

@@ -98,7 +98,6 @@ def _page(file: Path, table: pd.DataFrame, about: Mapping[str, str]) -> Path:
             version=version.__version__,
             about=about,
             closing=text.closing(table),
-            warning=text.same_signs(table),
             cases=replace(text.table_of(table), title=""),
             sketch=picture_uri(axes_svg().encode(), ".svg"),
         )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -54,6 +55,7 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
     from pysprings.full_model.run_record import Status
     from pysprings.springs.dataset import path_dataset
 
+    wanted = replace(wanted, cases=wanted.cases.bounded(0.5 * candidate.D))
     cases, expected = wanted.cases, answered(atlas, wanted, candidate.D, candidate.L)
     scene = atlas.scene(candidate.D, candidate.L, wanted.changes)
     chosen = [k for k in range(len(cases)) if cases.H[k] and expected["answered"][k]]

@@ -26,6 +26,8 @@ STEEL = 7850.0  # kg/m3
 BAND = 1.96
 UNKNOWN = 10.0  # use of a caisson that an atlas has no answer for
 EDGE = "edge of the atlas"
+LEAST = "--D-min"
+_NEAR = 0.02  # of D, and of L/D: a caisson that near is at the edge
 _CLOSE = 1e-3  # of D
 _SIZES, _HALVINGS = 20, 6  # diameters in equal ratios for the range that an atlas covers, halvings towards its ends
 
@@ -55,7 +57,8 @@ class Wanted:
 class Candidate:
     """A caisson, its steel [kg], and its use: the largest share of what is allowed (1: just met), by `governs`.
 
-    `governs` is `EDGE` where the atlas covers no smaller caisson of the same L/D, which might do, too.
+    `governs` is `EDGE` where the atlas covers no smaller caisson of the same L/D, which might do, too; `LEAST` where
+    the bounds do not. Of the least steel it begins with `EDGE` where the atlas ends there.
     """
 
     D: float
@@ -91,10 +94,10 @@ class Search:
             by_tilt = self.correction * turned / tilt
             by_load = self.correction * answers["utilisation"] / wanted.utilisation
         ok = (answers["answered"] == 1).to_numpy()
-        by_tilt = np.where(ok, by_tilt, UNKNOWN * np.maximum(answers["utilisation"], 1.0))
-        use = np.maximum(by_tilt, by_load)
-        worst = int(np.argmax(use))
-        what = "tilt" if by_tilt[worst] >= by_load[worst] else "utilisation"
+        by_tilt = np.where(ok, by_tilt, UNKNOWN * np.fmax(answers["utilisation"], 1.0))
+        use = np.fmax(by_tilt, by_load)  # a case without lateral load has no utilisation
+        worst = max(range(use.size), key=lambda k: (use[k], wanted.cases.name[k]))
+        what = "utilisation" if by_load[worst] > by_tilt[worst] else "tilt"
         return float(use[worst]), f"{wanted.cases.name[worst]}: {what if ok[worst] else 'no answer'}", bool(ok.all())
 
     def just_met(self, ratio: float) -> Candidate | None:
@@ -106,7 +109,7 @@ class Search:
             return None
         smallest = self.at(low, ratio * low)
         if smallest.use <= 1.0:
-            return smallest if low == self.wanted.D[0] else replace(smallest, governs=EDGE)
+            return replace(smallest, governs=LEAST if low == self.wanted.D[0] else EDGE)
         D = brentq(lambda D: math.log(self.at(D, ratio * D).use), low, high, xtol=_CLOSE * low)
         D *= 1.0 + _CLOSE
         return self.at(D, ratio * D)
@@ -153,15 +156,26 @@ class Search:
                 answered(self.atlas, self.wanted, D, ratio * D)  # refused: what is outside the atlas
             text = f"at their V the atlas covers D {low:.3g} to {high:.3g} m"
             raise refused("--D-max", f"no caisson up to D = {self.wanted.D[1]:g} m meets the load cases; {text}")
-        return min(met.values(), key=lambda each: each.mass)
+        best = min(met.values(), key=lambda each: each.mass)
+        beyond = best.governs != EDGE and self._at_edge(best)
+        return replace(best, governs=f"{EDGE}; {best.governs}") if beyond else best
+
+    def _at_edge(self, found: Candidate) -> bool:
+        """Return whether a caisson is at the smallest diameter, or at an end of the L/D, that the atlas covers."""
+        ratio, (low, _) = found.L / found.D, self.covered(found.L / found.D)
+        ends = [end for end in self.atlas.box[:, 0] if abs(ratio - float(end)) <= _NEAR]
+        return bool(ends) or (low > self.wanted.D[0] and found.D / low <= 1.0 + _NEAR)
 
     def _largest(self, ratio: float) -> tuple[float, float]:
         return self.wanted.D[1], ratio * self.wanted.D[1]
 
 
 def answered(atlas: Atlas, wanted: Wanted, D: float, L: float) -> pd.DataFrame:
-    """Return the answers of an atlas to the cases for a caisson. Raises UserInputError for what it does not cover."""
-    cases = wanted.cases
+    """Return the answers of an atlas to the cases for a caisson, to a bound of those aside of one plane.
+
+    Raises UserInputError for what it does not cover.
+    """
+    cases = wanted.cases.bounded(0.5 * D)
     names = ("u", "rotation", "u_deviation", "rotation_deviation", "utilisation", "answered")
     table = pd.DataFrame(np.nan, index=range(len(cases)), columns=list(names))
     for scene, rows in scenes_of(atlas, wanted, D, L):

@@ -3,14 +3,21 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from functools import cache
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from pysprings import open_atlas
 from pysprings.macro.batch import answer_loads, predict_batch
 from pysprings.macro.predict import predict
+from pysprings.results.tables.load_cases import LoadCases
+from pysprings.scene.changes import read_changes
 from pysprings.springs.springs import Springs
+from pysprings.studies.design.answers import answer_cases
+from pysprings.studies.sizing.search import Search, Wanted, answered
 from tests.support.fans import fan_springs, potential
 from tests.support.vertical import REST, fan_with_vertical, vertical_springs
 
@@ -72,3 +79,48 @@ def test_every_v_has_its_own_springs() -> None:
     np.testing.assert_allclose(batch["u"], alone, rtol=1e-9)
     assert len(set(batch["u"].values)) == 3
     assert not batch["off_load"].any()
+
+
+def cases_of(random: np.random.Generator, n: int) -> LoadCases:
+    """Return load cases with blanks, moments across, torsion, and some that are equal but for their name."""
+    loads, V = table(random, n)
+    T, across = random.choice([0.0, 0.0, 2e5], n), random.choice([0.0, 0.0, -4e5], n)
+    tilt, nothing = random.choice([np.nan, 1e-4], n), np.zeros(n)
+    names = tuple(f"case {k}" for k in range(n))
+    return LoadCases("", names, ("",) * n, np.arange(n), *loads.T, V, nothing, tilt, across, T, ("",) * n)
+
+
+def part(cases: LoadCases, rows: np.ndarray) -> LoadCases:
+    """Return some of the cases, in another order."""
+    values = {each.name: getattr(cases, each.name) for each in fields(cases)}
+    chosen = {name: tuple(np.array(x, dtype=object)[rows]) for name, x in values.items() if isinstance(x, tuple)}
+    return LoadCases(**values | {name: x[rows] for name, x in values.items() if isinstance(x, np.ndarray)} | chosen)
+
+
+@pytest.mark.parametrize("kind", ["loads", "fan"])
+def test_design_judges_a_row_by_itself(kind: str) -> None:
+    """180 random tables of each: the answer, mark, bound and verdict of a row are those of the row alone."""
+    random = np.random.default_rng(12)
+    cases = cases_of(random, n=25)
+    alone = pd.concat([answer_cases(springs(kind)[0], part(cases, np.array([k])), 1e-3) for k in range(len(cases))])
+    for _ in range(180):
+        rows = random.integers(0, len(cases), random.integers(2, 6))
+        found, wanted = answer_cases(springs(kind)[0], part(cases, rows), 1e-3), alone.iloc[rows]
+        pd.testing.assert_frame_equal(found, wanted.reset_index(drop=True), check_exact=True)
+
+
+def test_size_judges_a_row_by_itself() -> None:
+    """40 random tables: the answers of an atlas to a caisson, and what governs, in any order and any part."""
+    atlas, random = open_atlas("clay"), np.random.default_rng(13)
+    cases = cases_of(random, n=16)
+    cases = replace(cases, V=random.choice([np.nan, 1e6, 1.004e6], 16))
+    wanted = Wanted(cases, 5e-3, 0.8, tuple(read_changes(["su=20 kPa", "gradient=1.5 kPa/m"])))
+    alone = pd.concat([answered(atlas, replace(wanted, cases=part(cases, np.array([k]))), 8.0, 8.0) for k in range(16)])
+    for turn in range(40):
+        rows = random.permutation(16)[: random.integers(1, 4)]
+        of_rows = replace(wanted, cases=part(cases, rows))
+        found = answered(atlas, of_rows, 8.0, 8.0)
+        pd.testing.assert_frame_equal(found, alone.iloc[rows].reset_index(drop=True), check_exact=True)
+        if turn < 4:
+            turned = replace(wanted, cases=part(cases, rows[::-1]))
+            assert Search(atlas, of_rows).at(8.0, 8.0) == Search(atlas, turned).at(8.0, 8.0)

@@ -88,9 +88,13 @@ def test_what_lies_beside_the_plane_of_the_force_is_kept_by_row(tmp_path: Path) 
     np.testing.assert_allclose(np.degrees(cases.direction), [15.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(np.abs(cases.M), [6e6 * np.cos(angle), 1e3])
     assert cases.torsion.tolist() == [7e3, 0.0]
-    with pytest.raises(UserInputError) as caught:
-        cases.refuse_out_of_plane("size")
-    assert [each.line for each in caught.value.problems] == [2, 2]
+    bound = cases.bounded(radius=3.5)  # one plane, overturning; T/R beside H
+    np.testing.assert_allclose(np.abs(bound.H), [np.abs(cases.H[0]) + 2e3, 1e3])
+    np.testing.assert_allclose(np.abs(bound.M), [np.hypot(cases.M[0], cases.across[0]), 1e3])
+    assert not bound.opposed.any() and not bound.aside.any()
+    assert "turned into the plane of H, torsion of 7 kN m as T/R = 2 kN on H" in bound.remarks[0]
+    assert bound.remarks[1] == ""
+    np.testing.assert_allclose(np.abs(cases.bounded(None).H), np.abs(cases.H))
 
 
 def test_the_factor_of_a_force_is_that_of_its_moment(tmp_path: Path) -> None:

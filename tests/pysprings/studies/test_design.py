@@ -15,7 +15,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.macro.predict import predict
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report import load_cases as text
-from pysprings.results.tables.load_cases import read_load_cases
+from pysprings.results.tables.load_cases import OVERTURNING, read_load_cases
 from pysprings.springs.file import save_springs
 from pysprings.studies.design import files
 from pysprings.studies.design.answers import answer_cases
@@ -87,13 +87,23 @@ def test_files(springs, cases: Path, tmp_path: Path) -> None:
         files.write(tmp_path / "a.txt", table, about)
 
 
-def test_a_moment_of_the_wrong_sign_is_pointed_out(springs, tmp_path: Path) -> None:
+def test_rows_aside_of_one_plane_are_answered_and_marked(springs, tmp_path: Path) -> None:
+    """Their own plane is answered, a bound stands beside it, the verdict is never ok."""
     file = tmp_path / "cases.csv"
-    file.write_text("name,H [kN],M [kN m]\nbelow,100,200\nabove,100,-200\n", encoding="utf-8")
-    words = text.same_signs(answer_cases(springs, read_load_cases(file)))
-    assert words == (
-        "in below H and M have the same sign: the load acts below mudline. A load above mudline has M = -H arm"
-    )
+    lines = ("name,H [kN],arm [m],M [kN m],M direction [deg],Mz [kN m]", "plain,300,6,,,", "across,300,,{0},30,",
+             "twist,300,6,,,90", "twist alone,0,,0,,90", "below,300,,{1},,")  # fmt: skip
+    signed = OVERTURNING * 1800.0
+    file.write_text("\n".join(lines).format(signed, -signed) + "\n", encoding="utf-8")
+    table = answer_cases(springs, read_load_cases(file)).set_index("name")
+    assert list(table["verdict"]) == ["ok", *["supported in part"] * 3, "ok"]
+    assert table["remarks"]["below"] == "M turns against H, as of a load 6 m below mudline"
+    assert (table["remarks"].drop("below") == "").all() and table["marks"]["plain"] == ""
+    assert table["marks"]["across"].startswith("no moment across the plane of H (900 kN m left out); bound: u ")
+    assert table["marks"]["twist"].startswith("no torsion (90 kN m left out); bound: u ")
+    # the moment turned into the plane of H is that of the plain row; T/R grows H
+    assert table["u_bound_m"]["across"] == pytest.approx(table["u_m"]["plain"], rel=1e-9)
+    assert table["u_m"]["across"] < table["u_bound_m"]["across"] < table["u_bound_m"]["twist"]
+    assert table["utilisation_bound"]["twist alone"] > 0.0 and table["utilisation_bound"].isna().sum() == 2
 
 
 @pytest.mark.slow
