@@ -65,12 +65,12 @@ def spring_tree(atlas: Atlas, scene: Scene, estimate: Estimate) -> xr.DataTree:
     return xr.DataTree.from_dict({"/": root, **paths, f"/{GROUP}": spread}, name="springs")
 
 
-def mesh_words(atlas: Grid) -> str:
+def mesh_words(atlas: Atlas) -> str:
     """Return words on the mesh of the full models of an atlas; empty where they are not of clay on the mesh coarse."""
     return OF_MESH if atlas.base.mesh.preset == "coarse" and atlas.about.get("drainage") == "total-stress" else ""
 
 
-def _mesh_error(atlas: Grid, X: Array) -> Array:
+def _mesh_error(atlas: Atlas, X: Array) -> Array:
     """Return one standard deviation of the loads at motions X (n,) that their mesh makes, over the loads."""
     at, shares = MESH_ERROR
     return np.interp(np.log(X), np.log(at), shares) / _BAND * bool(mesh_words(atlas))
