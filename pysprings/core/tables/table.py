@@ -137,7 +137,13 @@ def tables_of(
     """Return the visible sheets of a file that are wanted with their tables, whose lines `reshape` changes before."""
     known = Headings(columns, lambda head: {})
     sheets = [sheet for sheet in _best(sheets_of(path), known) if not sheet.hidden and wanted(sheet)]
+    if any(_head(sheet, known)[1] > 1 for sheet in sheets):  # then pages of words are no tables
+        sheets = [each for each in sheets if _head(each, known)[1] or max(map(_width, each.lines), default=0) > 2]
     return [(sheet, _table(sheet, known, faults, reshape)) for sheet in sheets]
+
+
+def _width(line: Line) -> int:
+    return sum(not is_blank(cell) for cell in line[1])
 
 
 def _best(sheets: list[Sheet], known: Headings) -> list[Sheet]:

@@ -54,7 +54,7 @@ def _name(sheet: Sheet) -> str:
 
 def _is_read(sheet: Sheet) -> bool:
     """Return whether a sheet holds springs; refuse the workbook that a run writes for people."""
-    if sheet.name and sheet.lines and sheet.lines[0][1][0] == "depth [m]" and _name(sheet) not in SHEETS:
+    if sheet.name and [cells[0] for _, cells in sheet.lines[:2]] == ["depth [m]", "slice [m]"]:
         message = "is the workbook for people that `pysprings run` writes; give the springs.nc or py.csv beside it"
         raise UserInputError([Problem(file=sheet.place.rpartition("[")[0], message=message)])
     return not sheet.name or bool(sheet.lines and _name(sheet) not in OTHER_SHEETS)

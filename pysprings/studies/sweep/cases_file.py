@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import csv
 import io
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 from pysprings.core.errors import refused
 from pysprings.core.files.storage import write_text
 from pysprings.core.tables import Table, keyed_table
-from pysprings.core.tables.cells import NotANumber, Unread, number, text_of
+from pysprings.core.tables.cells import NotANumber, number, text_of
 from pysprings.studies.sweep.plan import Axis, Case, Plan, Value, quantity, split
 
 FILE = "cases.csv"
@@ -120,7 +119,7 @@ def _values(table: Table, key: str) -> list[Value]:
             if value is None:
                 table.fault(k, key, "blank: every case needs a value")
         except NotANumber as error:
-            if isinstance(cell, Unread) or (text[:1].isdigit() and not re.search("[A-Za-z]", text)):
+            if not str(error).endswith("is not a number"):  # a word or a quantity is, for the scene to check
                 table.fault(k, key, str(error))
             values.append(text)
     return values
