@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import warnings
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -30,7 +31,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.tables import Column, Table, one_table, split
+from pysprings.core.tables import Column, Table, TableNote, one_table, split
 from pysprings.core.tables.cells import is_blank
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.units import show, si_of
@@ -54,9 +55,9 @@ NAMES: dict[str, tuple[str, ...]] = {
     "law": ("constitutive law", "yield surface"),
     "young_modulus": ("e", "e'", "young's modulus", "youngs modulus"),
     "poisson_ratio": ("poisson's ratio", "poissons ratio", "nu", "nu'"),
-    "friction_angle_final": ("phi", "phi'", "effective friction angle", "friction angle", "friction angle peak"),
+    "friction_angle_final": ("phi", "phi'", "effective friction angle", "friction angle", "φ", "φ'"),
     "dilation_angle": ("psi", "dilatancy angle"), "cohesion": ("c", "c'", "effective cohesion"),
-    "effective_unit_weight": ("submerged unit weight", "buoyant unit weight", "gamma'", "gamma eff"),
+    "effective_unit_weight": ("submerged unit weight", "buoyant unit weight", "gamma'", "γ'"),
     "K0": ("k0",), "hydraulic_conductivity": ("permeability",),
     "undrained_shear_strength": ("su", "cu", "s u", "c u"), "plasticity_index": ("pi", "ip"),
     "overconsolidation_ratio": ("ocr",),
@@ -249,7 +250,7 @@ def _ends(table: Table, values: dict[str, Array]) -> tuple[Array, Array]:
         table.fault(k, name, "blank")
     ends = np.stack([top, values.get("bottom", none)], axis=1)
     flat = ends[np.isfinite(ends)]
-    if flat.size and flat.min() != flat.max() and not (np.diff(flat) > 0.0).any():
+    if flat.size and flat.min() < min(flat.max(), 0.0) and not (np.diff(flat) > 0.0).any():
         ends = flat[0] - ends
     return ends[:, 0], ends[:, 1]
 
@@ -322,6 +323,8 @@ def _between(table: Table, points: list[dict[str, Any]], depth: Array) -> tuple[
         table.fault(None, "depth", "needs two points at least")
         table.faults.stop()
     if spans[0][0] > 0.0:
+        what = f"{table.place}: the values of the first point, at {spans[0][0]:g} m, hold up to mudline"
+        warnings.warn(what, TableNote, stacklevel=2)
         first = {name: value["top"] if isinstance(value, dict) else value for name, value in layers[0].items()}
         layers.insert(0, first)
         spans.insert(0, (0.0, spans[0][0]))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Sheets -> tables with the columns that a reader declares: numbers in SI and texts, each fault with its place.
 
-The heading is the row, among the first ones, with the most known columns: titles and comments may stand above it, and a
+The heading is the first row with two known columns: titles and comments may stand above it, and a
 row of units, or of "from" and "to", below it. Columns without heading and values are left out, and so is an index.
 """
 
@@ -154,12 +154,14 @@ def _best(sheets: list[Sheet], known: Headings) -> list[Sheet]:
 
 
 def _head(sheet: Sheet, known: Headings) -> tuple[int, int]:
-    """Return the place of the heading among the lines and the number of its columns that are known."""
+    """Return the place of the heading among the lines, the first with two known columns, and their number."""
     best, count = 0, 0
     for k, (_, cells) in enumerate(sheet.lines[:_TITLES]):
         texts = [text_of(cell) for cell in cells if isinstance(cell, str) and text_of(cell)]
         own = len({column[0].name for text in texts if (column := known.column_of(text))})
-        if own > count and (own > 1 or own == len(texts)):
+        if own > 1:
+            return k, own
+        if own > count and own == len(texts):
             best, count = k, own
     return best, count
 
@@ -213,6 +215,8 @@ def _joined(head: list[str], lines: list[Line], sheet: Sheet) -> tuple[list[str]
     joined = []
     for text, extra in zip(head, [*below, *[""] * len(head)], strict=False):
         name, unit = re.fullmatch(r"(.*?)\s*([\[(][^\[\]]*[\])])?", text).groups()  # type: ignore[union-attr]
+        if unit and is_unit(extra) and extra.strip("[]()") != unit.strip("[]()"):
+            return head, 1  # two units for one column: the row is refused where it is read
         if extra.lower() in ends:
             text = f"{name} {extra.lower()} {unit or ''}".strip()
         elif is_unit(extra) and not unit:

@@ -172,6 +172,9 @@ def _check_texts(table: Table, texts: dict[str, list[str]]) -> None:
             if text.startswith(tuple("=+-@")) or len(text) > MOST_LETTERS or not text.isprintable():
                 rule = f"a name has at most {MOST_LETTERS} characters, the first none of = + - @"
                 table.fault(k, name, f"{quoted(text)}: {rule}")
+    for k, text in enumerate(texts["name"]):
+        if not text and any(texts["name"]):
+            table.fault(k, "name", "blank: write the name in every row (rows of one name act together)")
 
 
 def _check_columns(table: Table) -> None:

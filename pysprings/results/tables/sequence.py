@@ -39,7 +39,7 @@ class Sequence:
 def read_sequence(path: str | os.PathLike[str]) -> Sequence:
     """Read a sequence from a table with columns of `COLUMNS`, in any unit; loads, or motions, not both.
 
-    A first row of zeros is the state at rest, where every sequence begins; it is left out.
+    A first row of zeros at 0 s is the state at rest, where every sequence begins; it is left out.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def read_sequence(path: str | os.PathLike[str]) -> Sequence:
         for k in np.flatnonzero(np.isnan(values)):
             table.fault(int(k), name, "blank")
     table.faults.stop()
-    if len(table) and not any(column[0] for name, column in columns.items() if name not in ("V_N", "arm_m")):
+    if "time_s" in columns and not any(columns[name][:1].any() for name in columns if name not in ("V_N", "arm_m")):
         columns = {name: column[1:] for name, column in columns.items()}
         table.rows, table.lines = table.rows[1:], table.lines[1:]
     if not len(table):

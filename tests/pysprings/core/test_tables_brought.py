@@ -224,9 +224,7 @@ def test_a_blank_is_never_a_number(tmp_path: Path, kind: str, column: int, word:
     """It is refused, or the value is not given: layers take that of [soil], cases the V asked for."""
     rows = [list(row) for row in READERS[kind][1]]
     rows[2][column] = word
-    free = {"layers": ("Effective", "phi", "E ", "Depth to"), "cases": ("V ", "tilt", "H "), "study": ("id",)}.get(
-        kind, ()
-    )
+    free = {"layers": ("Effective", "phi", "E ", "Depth to"), "cases": ("V ", "tilt", "H "), "study": ("id",)}
     try:
         found = str(read(tmp_path, kind, lines(rows)))
     except UserInputError as error:
