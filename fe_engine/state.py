@@ -21,6 +21,16 @@ class Fields:
     displacement (n, 3) m in nodal axes, or the coefficients (n, 3, N + 1) of a Fourier series; border (nb,); stress
     (ne, np, 6) Pa at the points of each element; history (ne, np, nh), nh that of the law with most; traction (ns, 3)
     Pa, effective, in station frames; pressure (n + nf,) Pa of the water (empty when drained).
+
+    Layout in a series, N harmonics, M azimuths (in bricks: a node has x y z, an element 8 points)::
+
+        displacement[n] | U_0 .. U_N | V_0 .. V_N | W_0 .. W_N |        u_r, u_theta, u_z: see elements.fourier
+        stress[e]       | point 0 at azimuth 0 .. M-1 | point 1 at .. | point 2 at .. | point 3 at .. |
+        stress[e, p]    | rr | tt | zz | rt | tz | zr |                 (in bricks xx yy zz xy yz zx)
+        history[e, p]   | variables of the element's law, in its order | 0 .. 0 |
+        traction[s]     | -p | tau_1 | tau_2 |
+        border          | u | w | rotation |                            of a rigid body
+        pressure        | corners of the soil's elements | nodes of the film |      each with P_0 .. P_N
     """
 
     displacement: np.ndarray

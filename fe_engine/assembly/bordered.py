@@ -34,7 +34,13 @@ class Residual:
 
 @dataclass
 class Tangent:
-    """Bordered tangent [[matrix, columns], [rows, corner]].
+    """Bordered tangent, of the free equations and the border dofs (rigid body, imposed patterns).
+
+    ::
+
+                    n_free        nb
+        n_free  |  matrix     | columns |     matrix: sparse, see pattern.Pattern
+        nb      |  rows       | corner  |     the others: dense
 
     ``contact`` (k,) is what stations and film have added to the entries of the contact block, None where there is none.
     """

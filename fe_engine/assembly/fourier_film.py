@@ -57,8 +57,8 @@ def pack_film(model: FourierModel) -> PackedFilm | None:
     wave = elements.waves(model.stations.azimuth, model.harmonics)
     at = wave[film.station]
     k = np.arange(model.harmonics + 1)
-    along = film.slope[:, :, None] * at[:, None, :, 0]
-    around = film.over_radius[:, :, None] * (-k * at[..., 1])[:, None]
+    along = film.slope[:, :, None] * at[:, None, :, 0]  # dp/ds of cos(k theta)
+    around = film.over_radius[:, :, None] * (-k * at[..., 1])[:, None]  # (dp/dtheta)/r
     return PackedFilm(
         film.soil[film.nodes].astype(np.int64), (first + film.nodes).astype(np.int64),
         film_areas(model.stations.area, film.wetted),
@@ -74,6 +74,7 @@ def transfer_matrix(film: PackedFilm, n: int) -> csr_matrix:
     nodes = np.concatenate([film.soil, film.film], axis=1)
     share = np.concatenate([film.share, -film.share], axis=1).reshape(len(area), -1)
     at = (nodes[:, :, None] * waves + np.arange(waves)).reshape(len(area), -1)
+    # T_w A (p1 - p3): Cerfontaine et al. 2018, Eq. 6
     value = (film.law[1] * area)[:, None, None] * share[:, :, None] * share[:, None, :]
     row, column, value = np.broadcast_arrays(at[:, :, None], at[:, None, :], value)
     return coo_matrix((value.ravel(), (row.ravel(), column.ravel())), shape=(n * waves, n * waves)).tocsr()
@@ -100,6 +101,7 @@ def station_water(s, f, step, gaps, pressure, force, border, rows):
     gap_old, gap = gaps
     for k in range(len(s.area)):
         p1, p3 = _at_station(f.soil[k], f.share[k], pressure), _at_station(f.film[k], f.share[k], pressure)
+        # Cerfontaine et al. 2018, Eqs. 6 and 9; side 2 is impervious
         to_film, _, stored = _exchange(transfer, 0.0, (p1, p3, 0.0), gap_old[k], gap[k])
         square += f.station_area[k] ** 2 * (gap[k] ** 2 + to_film**2)
         size = -step.scale * f.station_area[k]
@@ -107,7 +109,7 @@ def station_water(s, f, step, gaps, pressure, force, border, rows):
             for m in range(f.share.shape[2]):
                 rows[f.soil[k, a], m] += size * f.share[k, a, m] * to_film
                 rows[f.film[k, a], m] += size * f.share[k, a, m] * (stored - to_film)
-        press = -f.station_area[k] * p3
+        press = -f.station_area[k] * p3  # Cerfontaine et al. 2018, Eq. 8: p_N = p' + p_w, open or closed
         for c in range(3):
             for m in range(s.operator.shape[3]):
                 force[s.node[k], c, m] += s.operator[k, 0, c, m] * press
@@ -123,6 +125,7 @@ def line_water(f, step, gap, pressure, rows):
     for q in range(len(f.area)):
         conductance, _ = _transmissivity(f.law[0], gap[f.station[q]], f.law[2])
         for i in range(2):
+            # Cerfontaine et al. 2018, Eq. 5, along the line and around
             flux = step.time * f.area[q] * conductance * _at_station(f.ends[q], f.gradient[q, i], pressure)
             for a in range(2):
                 for m in range(rows.shape[1]):
@@ -151,9 +154,9 @@ def film_matrix(s, f, state, place, film_place, out):
                     continue
                 value = -scale * f.station_area[k] * f.share[k, a, m]
                 for b in range(n):
-                    out[at[b], here] += value * row[b]
+                    out[at[b], here] += value * row[b]  # film pressure on the faces
                     if state.gap[k] > 0.0:
-                        out[here, at[b]] += value * row[b]
+                        out[here, at[b]] += value * row[b]  # storage of an open gap, Cerfontaine et al. 2018, Eq. 9
     for q in range(len(f.area)):
         station = f.station[q]
         conductance, slope = _transmissivity(f.law[0], state.gap[station], f.law[2])
@@ -174,6 +177,7 @@ def film_matrix(s, f, state, place, film_place, out):
                                 out[here, there] += scale * conductance * part * f.gradient[q, i, b, w]
                     if slope > 0.0:
                         for b in range(n):
+                            # d(h^3)/dg_N, Cerfontaine et al. 2018, Eq. 10
                             out[here, at[b]] += part * slope * along * row[b]
 
 

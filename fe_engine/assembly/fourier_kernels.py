@@ -27,7 +27,7 @@ class Soil(NamedTuple):
     """Section elements (ne, 8), see elements.fourier; waves (M, K, 2), weight: radians of one azimuth.
 
     law (ne,) codes, parameters (ne, r, n), moduli (ne, r, 2) K and G in Pa: see material.soil_rows. relaxed: see
-    soil.viscous.
+    soil.viscous. Layout of stress and history: see state.Fields.
     """
 
     quads: np.ndarray
@@ -110,11 +110,11 @@ def _point_forces(soil, at, states, with_tangent, out, room):
     n_azimuths, (_, strains, stresses, strain, change, c) = soil.waves.shape[0], room
     row, code, volume = row_of(soil.moduli, g), soil.law[e], soil.weight * soil.volume[e, g]
     p, moduli = soil.parameters[e, row], soil.moduli[e, row]
-    amplitudes(soil.gradient[e, g], room.move, strains)
+    amplitudes(soil.gradient[e, g], room.move, strains)  # E_k
     stresses[:] = 0.0
     for j in range(n_azimuths):
         point = g * n_azimuths + j
-        strain_at(strains, soil.waves[j], strain)
+        strain_at(strains, soil.waves[j], strain)  # sum of E_k cos or sin(k theta_j)
         before = Point(old.stress[e, point], old.history[e, point])
         after = Point(new.stress[e, point], new.history[e, point])
         status, what = update_soil(code, p, strain, before, after, c, with_tangent)
@@ -122,12 +122,13 @@ def _point_forces(soil, at, states, with_tangent, out, room):
             return status
         regime[e, point] = what
         if soil.relaxed < 1.0 and what != REGIME_ELASTIC:
-            relax(moduli, soil.relaxed, strain, before, after)
+            relax(moduli, soil.relaxed, strain, before, after)  # Duvaut & Lions 1972
         for i in range(6):
+            # the initial stress is in equilibrium (docs/theory/soil.md)
             change[i] = after.stress[i] - soil.initial_stress[e, point, i]
-        add_amplitudes(change, soil.waves[j], volume, stresses)
+        add_amplitudes(change, soil.waves[j], volume, stresses)  # sum over azimuths: int ... dtheta
         if with_tangent and what != REGIME_ELASTIC:
-            subtract_elastic_tangent(moduli[0], moduli[1], c)
+            subtract_elastic_tangent(moduli[0], moduli[1], c)  # C* - C: C is in the factors of the soil at rest
             for i in range(6):
                 for m in range(6):
                     tangent[e, point, m, i] = volume * soil.relaxed * c[i, m]
@@ -203,6 +204,7 @@ def soil_work(soil, old, new):
                 strain_at(strains, soil.waves[j], strain)
                 done, begun = 0.0, 0.0
                 for i in range(6):
+                    # mean stress times strain: see balance.energy
                     done += 0.5 * (old.stress[e, point, i] + new.stress[e, point, i]) * strain[i]
                     begun += soil.initial_stress[e, point, i] * strain[i]
                 change = stored_density(bulk, shear, new.stress[e, point])
@@ -232,9 +234,9 @@ def _jump(s, k, displacement, border, out):
         out[i] = 0.0
         for c in range(3):
             for m in range(displacement.shape[2]):
-                out[i] += s.operator[k, i, c, m] * displacement[node, c, m]
+                out[i] += s.operator[k, i, c, m] * displacement[node, c, m]  # frame u(theta)
         for j in range(len(border)):
-            out[i] -= s.body[k, i, j] * border[j]
+            out[i] -= s.body[k, i, j] * border[j]  # - R q
 
 
 @njit
@@ -251,12 +253,12 @@ def _add_traction(s, k, traction, free, border):
     """Add the change of contact force of station k since the initial state."""
     node = s.node[k]
     for i in range(3):
-        force = s.area[k] * (traction[i] + (s.initial_pressure[k] if i == 0 else 0.0))
+        force = s.area[k] * (traction[i] + (s.initial_pressure[k] if i == 0 else 0.0))  # traction is (-p, tau_1, tau_2)
         for c in range(3):
             for m in range(s.operator.shape[3]):
                 free[node, c, m] += s.operator[k, i, c, m] * force
         for j in range(len(border)):
-            border[j] -= s.body[k, i, j] * force
+            border[j] -= s.body[k, i, j] * force  # reaction on the body: -R^T f
 
 
 @njit
@@ -285,7 +287,7 @@ def linear_contact(s, old, new, iterate, free, border):
     for k in range(len(s.area)):
         _jump(s, k, new.displacement, new.border, jump)
         _jump(s, k, old.displacement, old.border, jump_old)
-        guess_traction(iterate, k, new.traction[k], jump, guess)
+        guess_traction(iterate, k, new.traction[k], jump, guess)  # tau_k of Hueeber et al. 2008 at the present jump
         slide = Slide(jump, jump_old, old.traction[k], s.initial_pressure[k])
         linearise_contact(s.law[k], s.parameters[k], slide, guess, iterate.traction[k], iterate.tangent[k])
         iterate.jump[k, :] = jump
@@ -320,7 +322,7 @@ def contact_matrix(s, tangent, place, out):
             for i in range(3):
                 left = 0.0
                 for h in range(3):
-                    left += row[h, a] * tangent[k, h, i]
+                    left += row[h, a] * tangent[k, h, i]  # operator^T tangent operator, area by area
                 left *= s.area[k]
                 if left != 0.0:
                     for b in range(n):

@@ -55,7 +55,7 @@ class LinearElements:
         for k in range(waves):
             at = np.flatnonzero(free & (np.arange(pattern.n_moving) % waves == k))
             try:
-                lower = np.linalg.cholesky(matrix[at][:, at].toarray())
+                lower = np.linalg.cholesky(matrix[at][:, at].toarray())  # C = K^-1 = L^-T L^-1
             except np.linalg.LinAlgError as error:
                 raise LinearSolverError("linear elements are not held") from error
             half = np.linalg.solve(lower, np.eye(len(at)))
@@ -103,9 +103,10 @@ class BesideLinear:
             mine = np.flatnonzero(harmonic == k)
             block = np.ix_(mine, mine)
             unit = np.eye(len(mine))
+            # N = (1 + C A)^-1
             reduced = np.linalg.solve(unit + linear.compliance_at(k, pattern.beyond[mine]) @ soil.matrix[block], unit)
             self._reduced[block] = reduced
-            self.matrix[block] = soil.matrix[block] @ reduced
+            self.matrix[block] = soil.matrix[block] @ reduced  # A N
 
     def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[Any, np.ndarray]:
         """See `AtRest`."""
@@ -114,14 +115,14 @@ class BesideLinear:
         force = rhs[first:n].copy()
         force[self._beyond] += left[self._joined]
         shift = np.zeros(len(left))
-        shift[self._joined] = self.linear.move(force)[self._beyond]
-        return (swept, force, shift), left - self.matrix @ shift
+        shift[self._joined] = self.linear.move(force)[self._beyond]  # d = C (f_s + f_t)
+        return (swept, force, shift), left - self.matrix @ shift  # f_s - A N d
 
     def backward(self, swept: Any, interface: np.ndarray, near: Near | None = None) -> np.ndarray:
         """See `AtRest`."""
         of_soil, force, shift = swept
         first = self.linear.first
-        moved = self._reduced @ (interface + shift)
-        force[self._beyond] -= (self.soil.matrix @ moved)[self._joined]
+        moved = self._reduced @ (interface + shift)  # u_s = N (j + d)
+        force[self._beyond] -= (self.soil.matrix @ moved)[self._joined]  # q + f_t = f_s + f_t - A u_s
         soil = self.soil.backward(of_soil, moved, near)
         return np.concatenate([soil[:first], self.linear.move(force), soil[first:]])

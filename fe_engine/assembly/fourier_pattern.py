@@ -22,6 +22,12 @@ class FourierPattern:
     are held, and ``film_place`` (np, K) is where those of the film stand in the interface, or -1.
     Where linear elements stand on the other side of the stations, ``opposite`` (nk,) are their nodes there, and
     ``beyond`` (m,) the equations that an equation of the interface has there, or -1; ``opposite`` is empty elsewhere.
+
+    ::
+
+        unknowns (n_free,)  | node 0: U_0..U_N V_0..V_N W_0..W_N | node 1 .. | p 0: P_0..P_N | p 1 .. | film .. |
+                            |<-------------- n_moving = 3 n K -------------->|<---------- np K ---------------->|
+        interface (m,)      | what is free of retained nodes | what is free of the film |    numbers of the row above
     """
 
     held: np.ndarray
@@ -56,7 +62,7 @@ class FourierPattern:
 
     def folded(self, force: np.ndarray) -> np.ndarray:
         """Return the forces (n, 3, K) on the coefficients that are free, in place, in a row (n_moving,)."""
-        force[self.axis, 0, 1:2] -= force[self.axis, 1, 1:2]
+        force[self.axis, 0, 1:2] -= force[self.axis, 1, 1:2]  # V = -U there: its force goes to U
         force[self.held] = 0.0
         return force.ravel()
 
@@ -109,10 +115,10 @@ def held_coefficients(mesh: SectionMesh, fixed: np.ndarray, harmonics: int) -> n
     """
     axis, held = mesh.on_axis, np.zeros((mesh.n_nodes, 3, harmonics + 1), dtype=bool)
     held[fixed] = True
-    held[:, 1, 0] = True
-    held[axis, 0, 0] = True
+    held[:, 1, 0] = True  # no torsion
+    held[axis, 0, 0] = True  # u_r = 0 on the axis
     held[axis, :, 1:] = True
-    held[axis, 0, 1:2] = fixed[axis, :1]
+    held[axis, 0, 1:2] = fixed[axis, :1]  # u_r = U cos(theta), u_theta = -U sin(theta): along x
     return held
 
 

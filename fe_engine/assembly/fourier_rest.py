@@ -106,6 +106,7 @@ class WetSoil:
         self.film_place = pattern.film_place[self.n_soil :]
         self.size = len(pattern.interface)
         coupling = folding(pattern) @ water.coupling[: pattern.n_moving, : self.n_soil * self.waves]
+        # Q on free displacements
         self.coupling = (self.scale * coupling @ _diagonal(self.sealed[: self.n_soil].ravel())).tocsr()
         self.squeezed = self.coupling.T.tocsr()
         self.left, self.compliance = self._eliminate()
@@ -123,16 +124,16 @@ class WetSoil:
             unit[j] = 1.0
             swept, interface = factors.forward((self.coupling @ unit.ravel()).reshape(shape))
             inner = factors.backward(swept, none)
-            left[:, j] = interface.reshape(-1, self.waves).T
-            compliance[:, :, j] = (self.squeezed @ inner.ravel()).reshape(n, self.waves).T
+            left[:, j] = interface.reshape(-1, self.waves).T  # Q_I - K_Ii K_ii^-1 Q_i, a row a pressure
+            compliance[:, :, j] = (self.squeezed @ inner.ravel()).reshape(n, self.waves).T  # G = Q^T K^-1 Q
         return left, 0.5 * (compliance + compliance.transpose(0, 2, 1))
 
     def harmonic(self, k: int, time_step: float, sealed: bool) -> _Harmonic:
         """Factorise W of a harmonic and eliminate its pressures; see `WetAtRest`."""
         n, square = self.n_soil, self.scale**2
         free = (self.sealed if sealed else self.free)[:, k]
-        whole = (square * (self.storage[k] + time_step * self.flow[k])).toarray()
-        matrix = (whole[:n, :n] + self.compliance[k]) * np.outer(free[:n], free[:n])
+        whole = (square * (self.storage[k] + time_step * self.flow[k])).toarray()  # S + dt (H + T)
+        matrix = (whole[:n, :n] + self.compliance[k]) * np.outer(free[:n], free[:n])  # W = S + dt (H + T) + G
         matrix[np.diag_indices(n)] += ~free[:n]
         joint = np.hstack([self.left[k] * free[:n, None], whole[:n, n:] * np.outer(free[:n], free[n:])])
         lower, wrong = lapack.dpotrf(np.asfortranarray(matrix), lower=True, overwrite_a=True)
@@ -159,7 +160,7 @@ class WetAtRest:
         self._places, inside, n = [], self._rest.inside, soil.n_soil
         for k, each in enumerate(self._harmonics):
             at = np.concatenate([inside[..., k].ravel(), soil.film_place[:, k]])
-            block = each.joint.T @ each.solved
+            block = each.joint.T @ each.solved  # J^T W^-1 J
             film = slice(inside[..., k].size, None)
             block[film, film] -= soil.scale**2 * time_step * soil.flow[k][n:, n:].toarray()
             free = at >= 0
@@ -171,13 +172,13 @@ class WetAtRest:
         soil, factors, shape = self.soil, self._rest.factors, self._rest.shape
         n_u, n_p = int(np.prod(shape)), soil.n_soil * soil.waves
         swept, left = factors.forward(rhs[:n_u].reshape(shape))
-        inner = factors.backward(swept, np.zeros(left.shape))
+        inner = factors.backward(swept, np.zeros(left.shape))  # K^-1 f with I held
         squeezed = (rhs[n_u : n_u + n_p] + soil.squeezed @ inner.ravel()).reshape(-1, soil.waves)
         squeezed *= self._free
         film = rhs[n_u + n_p :].reshape(-1, soil.waves)
         interface, pressure = np.empty(soil.size), np.empty(squeezed.shape)
         for k, (each, (at, free)) in enumerate(zip(self._harmonics, self._places, strict=True)):
-            pressure[:, k] = each.solve(squeezed[:, k])
+            pressure[:, k] = each.solve(squeezed[:, k])  # W^-1 (q + Q^T K^-1 f) = -p with I at rest
             whole = np.concatenate([left[..., k].ravel(), film[:, k]]) - pressure[:, k] @ each.joint
             interface[at] = whole[free]
         return (inner, pressure), interface
@@ -191,9 +192,9 @@ class WetAtRest:
         for k, (each, (at, free)) in enumerate(zip(self._harmonics, self._places, strict=True)):
             whole = np.zeros(len(free))
             whole[free] = interface[at]
-            pressure[:, k] = -pressure[:, k] - each.solved @ whole
+            pressure[:, k] = -pressure[:, k] - each.solved @ whole  # p of the motion of I and of the film
             inside[..., k], film[:, k] = whole[: inside[..., k].size].reshape(-1, 3), whole[inside[..., k].size :]
-        again, _ = rest.factors.forward((soil.coupling @ pressure.ravel()).reshape(rest.shape))
+        again, _ = rest.factors.forward((soil.coupling @ pressure.ravel()).reshape(rest.shape))  # u = K^-1 (f + Q p)
         move = inner + rest.factors.backward(again, inside)
         return np.concatenate([move.ravel(), pressure.ravel(), film.ravel()])
 

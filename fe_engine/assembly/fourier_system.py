@@ -92,7 +92,7 @@ class FourierSystem:
         """Factorise the soil at rest."""
         model, p = self.model, self.pattern
         moduli, number = np.unique(self.soil.moduli.reshape(-1, 2), axis=0, return_inverse=True)
-        each_point = np.array([_elastic(*each) for each in moduli])[number.ravel()]
+        each_point = np.array([_elastic(*each) for each in moduli])[number.ravel()]  # C of each pair of K and G
         tangent = np.broadcast_to(each_point.reshape(model.mesh.n_elements, -1, 6, 6), (*volume.shape, 6, 6))
         waves = range(model.harmonics + 1)
         stiffness = np.array([elements.stiffness(gradient, volume, tangent, k) for k in waves])
@@ -163,7 +163,7 @@ class FourierSystem:
 
         Without contact; and the sum of squares of the volumes of the water, m6.
         """
-        force = self._soil(state, with_tangent)
+        force = self._soil(state, with_tangent)  # int B^T (s - s_0) dV
         if self.linear is not None:
             self.linear.add_force(state.trial.displacement, force)
         across, border = np.zeros(force.shape), np.zeros(self.model.n_border)
@@ -334,7 +334,7 @@ def _hold(stiffness: np.ndarray, held: np.ndarray, axis: np.ndarray) -> None:
     for k, matrices in enumerate(stiffness):
         if k == 1:
             for e, a in np.argwhere(axis):
-                matrices[e, 3 * a] -= matrices[e, 3 * a + 1]
+                matrices[e, 3 * a] -= matrices[e, 3 * a + 1]  # V = -U on the axis: rows and columns fold
                 matrices[e, :, 3 * a] -= matrices[e, :, 3 * a + 1]
         still = held[..., k].reshape(len(held), -1)
         matrices[still] = 0.0
@@ -347,7 +347,7 @@ def _contact(model: FourierModel, packed: PackedStations) -> kernels.Contact:
     wave = elements.waves(s.azimuth, model.harmonics)
     c, d = np.cos(s.azimuth), np.sin(s.azimuth)
     turn = np.zeros((len(s), 3, 3))  # global from cylindrical components
-    turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1], turn[:, 2, 2] = c, -d, d, c, 1.0
+    turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1], turn[:, 2, 2] = c, -d, d, c, 1.0  # e_r, e_theta in x, y
     series = np.stack([wave[..., 0], wave[..., 1], wave[..., 0]], axis=1)
     operator = np.einsum("sij,sjk->sijk", s.frame @ turn, series)
     return kernels.Contact(

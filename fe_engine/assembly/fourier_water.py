@@ -91,6 +91,7 @@ class FourierWater:
         rows : (np, K) of the water, and the sum of squares of the volumes that have changed and that flow, m6.
         """
         force, across, border = forces
+        # Biot 1941: total = effective - p: f = -Q P
         force -= (self.coupling @ new.pressure.ravel()).reshape(force.shape)
         rows = -step.scale * self.leaving(step, old, new)
         square = self._squares(step, new)
@@ -103,6 +104,7 @@ class FourierWater:
     def leaving(self, step: Step, old: Fields, new: Fields) -> np.ndarray:
         """Return the volumes (np, K) in m3 that leave the soil at each pressure, without the film."""
         move, change = (new.displacement - old.displacement).ravel(), (new.pressure - old.pressure).ravel()
+        # Q^T du + S M dP + dt H P, backward Euler
         volumes = self._squeezed @ move + self.storage @ change + step.time * (self.seepage @ new.pressure.ravel())
         return volumes.reshape(new.pressure.shape)
 
@@ -129,7 +131,7 @@ class FourierWater:
         """Return work (J) against the pore pressures by soil and gaps, for changes ``opened`` (ns,) of the jumps."""
         pressure = 0.5 * (old.pressure + new.pressure)
         move = (new.displacement - old.displacement).ravel()
-        soil = -float(pressure.ravel() @ (self._squeezed @ move))
+        soil = -float(pressure.ravel() @ (self._squeezed @ move))  # -int p dtheta dV
         return soil - float(np.sum(self.film_area * self.film_pressure(pressure) * opened))
 
     @property

@@ -82,11 +82,11 @@ def gather(nodes, new, old, frame_of, table, out):
         n = nodes[a]
         f = frame_of[n]
         for i in range(3):
-            out[a, i] = new[n, i] - old[n, i]
+            out[a, i] = new[n, i] - old[n, i]  # in the axes of the node
         if f >= 0:
             x, y, z = out[a, 0], out[a, 1], out[a, 2]
             for i in range(3):
-                out[a, i] = table[f, 0, i] * x + table[f, 1, i] * y + table[f, 2, i] * z
+                out[a, i] = table[f, 0, i] * x + table[f, 1, i] * y + table[f, 2, i] * z  # u = R^T u_node
 
 
 @njit
@@ -98,6 +98,7 @@ def _to_nodal_axes(nodes, frame_of, table, force, stiffness, with_tangent):
         if f < 0:
             continue
         for i in range(3):
+            # f_node = R f, K_node = R K R^T
             t[i] = table[f, i, 0] * force[3 * a] + table[f, i, 1] * force[3 * a + 1] + table[f, i, 2] * force[3 * a + 2]
         for i in range(3):
             force[3 * a + i] = t[i]
@@ -144,7 +145,7 @@ def _chunk(start, first, last, elements, old, new, with_tangent, blocks):
         force[:] = 0.0
         for g in range(8):
             row = row_of(moduli, g)
-            strain_at(gradient[g], mean_gradient, move, strain)
+            strain_at(gradient[g], mean_gradient, move, strain)  # B-bar, Hughes 1980
             before, after = Point(stress_old[g], history_old[g]), Point(stress[g], history[g])
             status, what = update_soil(laws[e], parameters[e, row], strain, before, after, tangent, with_tangent)
             if status != OK:
@@ -152,14 +153,16 @@ def _chunk(start, first, last, elements, old, new, with_tangent, blocks):
                 break
             regime[g] = what
             if relaxed < 1.0 and what != REGIME_ELASTIC:
-                relax(moduli[e, row], relaxed, strain, before, after)
+                relax(moduli[e, row], relaxed, strain, before, after)  # Duvaut & Lions 1972
             for i in range(6):
+                # the initial stress is in equilibrium (docs/theory/soil.md)
                 change[i] = stress[g, i] - initial_stress[g, i]
             add_force(gradient[g], mean_gradient, volume[g], change, force)
             if with_tangent and what != REGIME_ELASTIC:
                 if not changed:
                     stiffness[:, :] = 0.0
                     changed = True
+                # C* - C; s of it counts with viscosity, see soil.viscous
                 subtract_elastic_tangent(moduli[e, row, 0], moduli[e, row, 1], tangent)
                 b_bar(gradient[g], mean_gradient, b)
                 add_stiffness(b, tangent, relaxed * volume[g], cb, stiffness)

@@ -24,8 +24,10 @@ def hex_work(elements, old, new):
             strain_at(elements.gradient[e, g], elements.mean_gradient[e], move, strain)
             done, begun = 0.0, 0.0
             for i in range(6):
+                # mean stress times strain: see balance.energy
                 done += 0.5 * (old.stress[e, g, i] + new.stress[e, g, i]) * strain[i]
                 begun += elements.initial_stress[e, g, i] * strain[i]
+            # s:C^-1:s/2
             change = stored_density(bulk, shear, new.stress[e, g]) - stored_density(bulk, shear, old.stress[e, g])
             stored += elements.volume[e, g] * change
             dissipated += elements.volume[e, g] * (done - change)

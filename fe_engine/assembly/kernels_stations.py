@@ -75,10 +75,10 @@ def _jump(s, k, displacement, border, out):
     x = np.zeros(3)
     for a in range(s.nodes.shape[1]):
         for i in range(3):
-            x[i] += s.weight[k, a] * displacement[s.nodes[k, a], i]
+            x[i] += s.weight[k, a] * displacement[s.nodes[k, a], i]  # sum of w_a u_a
     for j in range(len(border)):
         for i in range(3):
-            x[i] -= s.body[k, i, j] * border[j]
+            x[i] -= s.body[k, i, j] * border[j]  # - R q
     for i in range(3):
         out[i] = s.frame[k, i, 0] * x[0] + s.frame[k, i, 1] * x[1] + s.frame[k, i, 2] * x[2]
 
@@ -95,11 +95,12 @@ def station_jumps(s, displacement, border):
 @lean
 def guess_traction(iterate, k, traction, jump, guess):
     """Write the traction iterate (3,) of station k at a jump (3,), ``traction`` being the law's own."""
-    restart = iterate.traction[k, 0] == 0.0
+    restart = iterate.traction[k, 0] == 0.0  # open, or no linear model yet
     for i in range(3):
         guess[i] = traction[i] if restart else iterate.traction[k, i]
         if not restart:
             for j in range(3):
+                # tau_k of Hueeber et al. 2008 at the present jump
                 guess[i] += iterate.tangent[k, i, j] * (jump[j] - iterate.jump[k, j])
 
 
@@ -147,13 +148,13 @@ def _scatter_traction(s, k, traction, scatter, forces):
     """Add the change of contact force of station k since the initial state; return its square."""
     frame, square = s.frame[k], 0.0
     for i in range(3):
-        change = (traction[0] + s.initial_pressure[k]) * frame[0, i]
+        change = (traction[0] + s.initial_pressure[k]) * frame[0, i]  # traction is (-p, tau_1, tau_2)
         force = s.area[k] * (change + traction[1] * frame[1, i] + traction[2] * frame[2, i])
         square += force * force
         for a in range(s.nodes.shape[1]):
             add_dof(scatter, s.nodes[k, a], i, s.weight[k, a] * force, forces)
         for j in range(len(forces.border)):
-            forces.border[j] -= s.body[k, i, j] * force
+            forces.border[j] -= s.body[k, i, j] * force  # reaction on side 2: -R^T f
     return square
 
 

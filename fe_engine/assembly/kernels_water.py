@@ -73,22 +73,22 @@ def soil_water(hexes, pores, step, old, new, scatter, forces):
         change, total, mean = 0.0, 0.0, 0.0
         for a in range(8):
             n = nodes[a]
-            mean += volume[e, a] * new[1][n]
+            mean += volume[e, a] * new[1][n]  # int p dV
             for i in range(3):
                 total += coupling[e, a, i] * new[0][n, i]
-                change += coupling[e, a, i] * (new[0][n, i] - old[0][n, i])
+                change += coupling[e, a, i] * (new[0][n, i] - old[0][n, i])  # dtheta, mean of the element
         square += (volume[e].sum() * total) ** 2
         for a in range(8):
             n = nodes[a]
-            leaves, flows = volume[e, a] * change, 0.0
+            leaves, flows = volume[e, a] * change, 0.0  # Biot 1941: V_a dtheta + ...
             for b in range(8):
                 p_new, p_old = new[1][nodes[b]], old[1][nodes[b]]
-                leaves += storage[e, a, b] * (p_new - p_old)
-                flows += dt * seepage[e, a, b] * p_new
+                leaves += storage[e, a, b] * (p_new - p_old)  # (S M + T) dp
+                flows += dt * seepage[e, a, b] * p_new  # dt H p, backward Euler
             square += flows * flows
             add_dof(scatter, n, _PRESSURE, -scale * (leaves + flows), forces)
             for i in range(3):
-                add_dof(scatter, n, i, -coupling[e, a, i] * mean, forces)
+                add_dof(scatter, n, i, -coupling[e, a, i] * mean, forces)  # f_a = -mean(grad N_a) int p dV
     return square
 
 
@@ -158,11 +158,13 @@ def station_water(s, f, step, gaps, pressure, scatter, forces, targets):
         _station_shares(s, f, k, side_1, side_2, film)
         transfer = step.time * f.law[1]
         second = transfer if porous else 0.0
+        # Cerfontaine et al. 2018, Eqs. 6, 7, 9
         to_film, to_side_2, stored = _exchange(transfer, second, (p1, p3, p2), gap_old[k], gap[k])
         square += f.station_area[k] ** 2 * (gap[k] ** 2 + to_film**2 + to_side_2**2)
         for a in range(size):
             leaves = side_1[a] * to_film - side_2[a] * to_side_2 + film[a] * (stored - to_film + to_side_2)
             add_dof(scatter, f.station_nodes[k, a], _PRESSURE, -scale * f.station_area[k] * leaves, forces)
+        # Cerfontaine et al. 2018, Eq. 8: p_N = p' + p_w, open or closed
         _press(s, k, f.station_area[k] * p3, scatter, forces)
         if targets.with_tangent:
             rates = transfer, second, scale
@@ -192,8 +194,8 @@ def _station_tangent(s, f, k, rates, is_open, shares, scatter, targets):
         row = f.station_nodes[k, a]
         for b in range(size):
             column = f.station_nodes[k, b]
-            first = (side_1[a] - film[a]) * transfer_1 * (side_1[b] - film[b])
-            second = (side_2[a] - film[a]) * transfer_2 * (side_2[b] - film[b])
+            first = (side_1[a] - film[a]) * transfer_1 * (side_1[b] - film[b])  # d(to_film): p1 - p3
+            second = (side_2[a] - film[a]) * transfer_2 * (side_2[b] - film[b])  # d(to_side_2): p3 - p2
             value = -scale * scale * f.station_area[k] * (first + second)
             if value != 0.0:
                 add_entry(scatter, row, _PRESSURE, column, _PRESSURE, f.station_offset[k, a, b], value, targets)
@@ -224,6 +226,7 @@ def face_water(s, f, step, gap, pressure, scatter, forces, targets):
     conductance, slope = np.empty(4), np.empty(4)
     for k in range(len(f.area)):
         for c in range(4):
+            # Cerfontaine et al. 2018, Eq. 10, at the corner's gap
             conductance[c], slope[c] = _transmissivity(f.law[0], gap[f.corners[k, c]], f.law[2])
         for g in range(4):
             mean = 0.0
@@ -232,11 +235,11 @@ def face_water(s, f, step, gap, pressure, scatter, forces, targets):
             flux = np.zeros(3)
             for b in range(4):
                 for i in range(3):
-                    flux[i] += f.gradient[k, g, b, i] * pressure[f.face_nodes[k, b]]
+                    flux[i] += f.gradient[k, g, b, i] * pressure[f.face_nodes[k, b]]  # grad p3
             for a in range(4):
                 row, along = f.face_nodes[k, a], 0.0
                 for i in range(3):
-                    along += f.gradient[k, g, a, i] * flux[i]
+                    along += f.gradient[k, g, a, i] * flux[i]  # grad N_a . grad p3: Cerfontaine et al. 2018, Eq. 5
                 share = -scale * dt * f.area[k, g]
                 add_dof(scatter, row, _PRESSURE, share * mean * along, forces)
                 square += (share / scale * mean * along) ** 2

@@ -31,6 +31,11 @@ class Pattern:
     (m, 4 + 4 nn, 4 + 4 nn): position inside the row of node a where the free dofs of node b begin. station_film
     (ns, nn + k) are the mesh nodes and the film nodes of each station, face_nodes (m, 4 + 4 nn) the film nodes of each
     face and the mesh nodes that its gaps hang on; film nodes are numbered behind the mesh here.
+
+    Row r of a dof of node a, whose neighbours b are in ascending order::
+
+        | free dofs of b_0 | free dofs of b_1 | free dofs of b_2 | ..
+        ^ indptr[r]        ^ + offset[a, b_1] ^ + offset[a, b_2]       dof j of node b stands at + rank[b, j]
     """
 
     equation: np.ndarray
@@ -114,7 +119,7 @@ def _node_graph(n: int, groups: list[np.ndarray]) -> tuple[np.ndarray, np.ndarra
     starts = np.concatenate([[0], np.cumsum(width)])
     nodes = np.concatenate([group.ravel() for group in groups])
     meets = csr_matrix((np.ones(len(nodes), dtype=np.int32), nodes, starts), shape=(len(width), n))
-    graph = (meets.T @ meets).tocsr()
+    graph = (meets.T @ meets).tocsr()  # nodes of one group meet
     graph.sort_indices()
     return graph.indptr.astype(np.int64), graph.indices.astype(np.int64)
 
@@ -130,7 +135,7 @@ def _csr(start, neighbours, equation, count):
         width = 0
         for k in range(start[a], start[a + 1]):
             offset[k] = width
-            width += count[neighbours[k]]
+            width += count[neighbours[k]]  # free dofs of a node stand side by side in a row
         n_free += count[a]
         nnz += width * count[a]
     indptr = np.zeros(n_free + 1, dtype=np.int64)

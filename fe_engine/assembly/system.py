@@ -179,8 +179,8 @@ class System:
         n = self.model.mesh.n_nodes
         move = (new.displacement - old.displacement)[self.hexes]
         _, _, volume, coupling = self.pores.arrays
-        mean = np.einsum("eb,eb->e", volume, pressure[:n][self.hexes])
-        soil = -float(np.einsum("e,eai,eai->", mean, coupling, move))
+        mean = np.einsum("eb,eb->e", volume, pressure[:n][self.hexes])  # int p dV
+        soil = -float(np.einsum("e,eai,eai->", mean, coupling, move))  # -int p dtheta dV
         film = wet.film
         if film is None:
             return soil
@@ -268,7 +268,7 @@ class System:
             parts = _targets(tangent), *self._soil_water
             for target, still, flowing in zip(*(each[1:] for each in parts), strict=True):
                 target += still
-                target += self.time_step * flowing
+                target += self.time_step * flowing  # backward Euler: dt H
         return float(square)
 
     def _film(self, state: State, tangent: Tangent | None, forces: Forces) -> float:

@@ -72,7 +72,7 @@ class EnergyBalance:
         t[FRICTION] += contact[1]
         t[INITIAL] += soil[2] + contact[2]
         t[WATER] += water
-        t[WORK] += 0.5 * (self._border + border) @ (new.border - old.border)
+        t[WORK] += 0.5 * (self._border + border) @ (new.border - old.border)  # mean load times motion
         self._border = np.array(border, dtype=float)
         old.copy_from(new)
 
@@ -100,6 +100,7 @@ class EnergyBalance:
         slide = self.system.jumps(new) - self.system.jumps(old)
         mean = 0.5 * (old.traction + new.traction)
         done = np.einsum("s,si,si->", area, mean, slide)
+        # t^2/(2 K), K_N and K_T
         stored = np.einsum("s,si,si->", area, 0.5 / penalty, new.traction**2 - old.traction**2)
         initial = np.einsum("s,si,si->", area, self.initial.traction, slide)
         return float(stored), float(done - stored), float(initial)

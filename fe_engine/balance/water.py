@@ -93,9 +93,9 @@ class WaterBalance:
         """Return the balance at a state that has been advanced to."""
         initial, system = self.initial, self.system
         own = self._volumes.fixed(self._volumes.leaving(initial, state, 0.0))
-        expelled = -float(np.sum(self.area_vectors * (state.displacement - initial.displacement)))
+        expelled = -float(np.sum(self.area_vectors * (state.displacement - initial.displacement)))  # -int u.n dA
         compressed = self._volumes.compressed(state.pressure - initial.pressure)
-        film = float(np.sum(system.film_area * (system.gaps(state) - system.gaps(initial))))
+        film = float(np.sum(system.film_area * (system.gaps(state) - system.gaps(initial))))  # A g_N
         return Balance(expelled, compressed, film, self._flown_out - own, self._moved)
 
 
@@ -175,7 +175,7 @@ def section_area_vectors(nodes: np.ndarray, quads: np.ndarray) -> np.ndarray:
         normal = np.array([along[1], -along[0]])
         normal *= np.sign(normal @ (nodes[a] - nodes[other]))
         start, step = nodes[a, 0], nodes[b, 0] - nodes[a, 0]
-        vectors[a] += start / 6.0 * normal
+        vectors[a] += start / 6.0 * normal  # int N r ds, Simpson's rule: exact for N r of third order
         vectors[c] += (2.0 * start / 3.0 + step / 3.0) * normal
         vectors[b] += (start / 6.0 + step / 6.0) * normal
     return vectors

@@ -42,11 +42,11 @@ def pack(kn: Any, kt: Any, mu: Any, adhesion: Any, tension: Any) -> np.ndarray:
 @lean
 def shear_limit(p, pressure):
     """Return the largest shear in Pa at a contact pressure above -t, and its derivative by the pressure."""
-    limit, slope, above = p[ADHESION], 0.0, pressure + p[TENSION]
+    limit, slope, above = p[ADHESION], 0.0, pressure + p[TENSION]  # min(a, p + t), 0 at opening
     if above < limit:
         limit, slope = above, 1.0
     if pressure > 0.0:
-        limit, slope = limit + p[MU] * pressure, slope + p[MU]
+        limit, slope = limit + p[MU] * pressure, slope + p[MU]  # + mu max(p, 0)
     return limit, slope
 
 
@@ -61,7 +61,7 @@ def update(p, slide, traction):
         traction[0] = p[TENSION]
         traction[1] = traction[2] = 0.0
         return CONTACT_OPEN
-    traction[0] = -pressure
+    traction[0] = -pressure  # p = -K_N g_N: Cerfontaine et al. 2018, Eq. 2, from p_0
     return return_shear(p[KT], shear_limit(p, pressure)[0], slide, traction)
 
 

@@ -51,8 +51,8 @@ def update(p, slide, traction):
 
     A station that was open has no committed shear and sticks where it closes again.
     """
-    pressure = slide.initial_pressure - p[KN] * slide.jump[0]
-    if pressure <= 0.0:
+    pressure = slide.initial_pressure - p[KN] * slide.jump[0]  # Eq. 2, from the initial p_0
+    if pressure <= 0.0:  # Eq. 1: open
         for i in range(3):
             traction[i] = 0.0
         return CONTACT_OPEN
@@ -63,14 +63,14 @@ def update(p, slide, traction):
 @lean
 def return_shear(kt, limit, slide, traction):
     """Write the shear traction of a closed station, at most ``limit`` (Pa, >= 0); return the contact state."""
-    traction[1] = slide.traction_old[1] + kt * (slide.jump[1] - slide.jump_old[1])
+    traction[1] = slide.traction_old[1] + kt * (slide.jump[1] - slide.jump_old[1])  # Eq. 3, backward Euler
     traction[2] = slide.traction_old[2] + kt * (slide.jump[2] - slide.jump_old[2])
     size = math.sqrt(traction[1] ** 2 + traction[2] ** 2)
-    if size <= limit and limit > 0.0:
+    if size <= limit and limit > 0.0:  # Eq. 4: f <= 0
         return CONTACT_STICK
     if size == 0.0:
         return CONTACT_SLIP
-    traction[1] *= limit / size
+    traction[1] *= limit / size  # back to f = 0 along the shear
     traction[2] *= limit / size
     return CONTACT_SLIP
 
@@ -90,7 +90,7 @@ def linearise(p, slide, guess, traction, tangent):
     if pressure <= 0.0:
         return CONTACT_OPEN
     traction[0] = -pressure
-    tangent[0, 0] = p[KN]
+    tangent[0, 0] = p[KN]  # dp/dw_N = -K_N, traction is -p
     if p[MU] <= 0.0:
         return CONTACT_SLIP
     return linearise_shear(p[KT], p[MU] * pressure, -p[MU] * p[KN], slide, guess, traction, tangent)
@@ -104,12 +104,12 @@ def linearise_shear(kt, limit, fall, slide, guess, traction, tangent):
     """
     jump, jump_old, traction_old, _ = slide
     c = _ACTIVE_SET_FRACTION * kt
-    stick_1 = traction_old[1] + kt * (jump[1] - jump_old[1])
+    stick_1 = traction_old[1] + kt * (jump[1] - jump_old[1])  # Eq. 3
     stick_2 = traction_old[2] + kt * (jump[2] - jump_old[2])
-    eta_1 = guess[1] + c / kt * (stick_1 - guess[1])
+    eta_1 = guess[1] + c / kt * (stick_1 - guess[1])  # eta = tau_k + c s, Hueeber et al. 2008
     eta_2 = guess[2] + c / kt * (stick_2 - guess[2])
     size = math.sqrt(eta_1 * eta_1 + eta_2 * eta_2)
-    if size <= limit:
+    if size <= limit:  # P(eta) = eta
         traction[1], traction[2] = stick_1, stick_2
         tangent[1, 1] = tangent[2, 2] = kt
         return CONTACT_STICK
@@ -119,10 +119,10 @@ def linearise_shear(kt, limit, fall, slide, guess, traction, tangent):
     free = 1.0 - ratio * (1.0 - c / kt)
     across = -n_2 * guess[1] + n_1 * guess[2]
     across -= across / free
-    stiffness = ratio * c / free
+    stiffness = ratio * c / free  # K_T mu p'/|tau_tr| where tau_k satisfies the law
     traction[1] = limit * n_1 - across * n_2
     traction[2] = limit * n_2 + across * n_1
-    tangent[1, 0], tangent[2, 0] = fall * n_1, fall * n_2
+    tangent[1, 0], tangent[2, 0] = fall * n_1, fall * n_2  # along n: d(limit)/dw_N
     tangent[1, 1] = stiffness * n_2 * n_2
     tangent[2, 2] = stiffness * n_1 * n_1
     tangent[1, 2] = tangent[2, 1] = -stiffness * n_1 * n_2

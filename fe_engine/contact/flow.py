@@ -19,6 +19,7 @@ from fe_engine.compiled import lean
 def transmissivity(residual_aperture, gap, viscosity):
     """Return the h^3/(12 mu_w) in m3/(Pa s), and its derivative with respect to an open gap."""
     h = residual_aperture + gap
+    # Eq. 10, k_l = h^2/12, over the aperture h
     return h * h * h / (12.0 * viscosity), (h * h / (4.0 * viscosity) if gap > 0.0 else 0.0)
 
 
@@ -29,4 +30,4 @@ def exchange(transfer, second, pressures, gap_old, gap):
     transfer, second : conductivities T_w of side 1 and side 2 times the time step; pressures : (p1, p3, p2).
     """
     p1, p3, p2 = pressures
-    return transfer * (p1 - p3), second * (p3 - p2), gap - gap_old
+    return transfer * (p1 - p3), second * (p3 - p2), gap - gap_old  # Eqs. 6, 7 and 9, over dt and rho_w

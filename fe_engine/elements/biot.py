@@ -61,7 +61,7 @@ Values = float | np.ndarray
 
 def projection_factor(bulk: np.ndarray, shear: np.ndarray) -> np.ndarray:
     """Return the factor tau of the pressure projection in 1/Pa, from the elastic moduli (...,) of the soil in Pa."""
-    return np.asarray(np.maximum(0.5 / shear, 3.0 / (bulk + 4.0 * shear / 3.0)))
+    return np.asarray(np.maximum(0.5 / shear, 3.0 / (bulk + 4.0 * shear / 3.0)))  # White & Borja 2008, and ours
 
 
 def make_pores(
@@ -76,9 +76,10 @@ def make_pores(
     mobility : k/gamma_w in m2/(Pa s), one value or (ne,); storage : S in 1/Pa; tau : 1/Pa, one value or (ne,).
     """
     n = hex8.GAUSS_SHAPES
-    nodal = np.einsum("eg,ga->ea", volume, n)
-    mass = np.einsum("eg,ga,gb->eab", volume, n, n)
+    nodal = np.einsum("eg,ga->ea", volume, n)  # V_a
+    mass = np.einsum("eg,ga,gb->eab", volume, n, n)  # M_ab
+    # T/tau: mean N_a = V_a/V (Dohrmann & Bochev 2004)
     projection = mass - nodal[:, :, None] * nodal[:, None, :] / volume.sum(axis=1)[:, None, None]
     mobility, tau = (np.reshape(each, (-1, 1, 1)) for each in (mobility, tau))
-    seepage = mobility * np.einsum("eg,egai,egbi->eab", volume, gradient, gradient, optimize=True)
+    seepage = mobility * np.einsum("eg,egai,egbi->eab", volume, gradient, gradient, optimize=True)  # H_ab, Darcy
     return Pores(seepage, storage * mass + tau * projection, storage * mass, nodal, coupling)

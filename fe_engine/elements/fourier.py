@@ -57,8 +57,8 @@ def geometry(nodes: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarr
         jacobian = np.einsum("ai,eaj->eij", local, corner)
         radius = corner[:, :, 0] @ value
         gradient[:, g, :2] = np.einsum("eji,ai->eja", np.linalg.inv(jacobian), local)
-        gradient[:, g, 2] = value / radius[:, None]
-        volume[:, g] = radius * np.linalg.det(jacobian)
+        gradient[:, g, 2] = value / radius[:, None]  # no point lies on the axis
+        volume[:, g] = radius * np.linalg.det(jacobian)  # r dr dz
     return gradient, volume
 
 
@@ -86,16 +86,19 @@ def strain_operator(gradient: np.ndarray, k: int) -> np.ndarray:
     """Return E_k (..., 6, 24) from the coefficients of harmonic k, three a node, for gradients (..., 3, 8)."""
     d_r, d_z, over_r = (gradient[..., i, :] for i in range(3))
     b = np.zeros((*gradient.shape[:-2], 6, 3 * N_NODES))
+    # rr = du_r/dr;  tt = u_r/r + (du_theta/dtheta)/r;  zz = du_z/dz
     b[..., 0, 0::3], b[..., 1, 0::3], b[..., 1, 1::3], b[..., 2, 2::3] = d_r, over_r, k * over_r, d_z
+    # rt = (du_r/dtheta)/r + du_theta/dr - u_theta/r, over sin(k theta)
     b[..., 3, 0::3], b[..., 3, 1::3] = -k * over_r, d_r - over_r
-    b[..., 4, 1::3], b[..., 4, 2::3] = d_z, -k * over_r
-    b[..., 5, 0::3], b[..., 5, 2::3] = d_z, d_r
+    b[..., 4, 1::3], b[..., 4, 2::3] = d_z, -k * over_r  # tz = du_theta/dz + (du_z/dtheta)/r, over sin(k theta)
+    b[..., 5, 0::3], b[..., 5, 2::3] = d_z, d_r  # zr = du_r/dz + du_z/dr
     return b
 
 
 def stiffness(gradient: np.ndarray, volume: np.ndarray, tangent: np.ndarray, k: int) -> np.ndarray:
     """Return the stiffnesses (ne, 24, 24) of harmonic k over half a circle for isotropic tangents (ne, 4, 6, 6), Pa."""
     b = strain_operator(gradient, k)
+    # int cos^2 and int sin^2 of k theta over 0 .. pi
     cosine, sine = (np.pi, 0.0) if k == 0 else (0.5 * np.pi, 0.5 * np.pi)
     weight = np.array([cosine, cosine, cosine, sine, sine, cosine])
     by_harmonic: np.ndarray = np.einsum("egir,i,egij,egjs,eg->ers", b, weight, tangent, b, volume, optimize=True)
@@ -120,7 +123,7 @@ def amplitudes(gradient, move, out):
             z_z += d_z * w
             z_h += h * w
         out[k, 0] = r_r
-        out[k, 1] = r_h + k * t_h
+        out[k, 1] = r_h + k * t_h  # see strain_operator
         out[k, 2] = z_z
         out[k, 3] = t_r - t_h - k * r_h
         out[k, 4] = t_z - k * z_h
@@ -132,7 +135,7 @@ def add_force(gradient, amplitude, nodes, force):
     """Add the forces (n, 3, K) of stress amplitudes (K, 6) on the nodes (8,): the transpose of `amplitudes`."""
     for k in range(amplitude.shape[0]):
         s = amplitude[k]
-        radial, around, vertical = s[1] - k * s[3], k * s[1] - s[3], -k * s[4]
+        radial, around, vertical = s[1] - k * s[3], k * s[1] - s[3], -k * s[4]  # what the rows of N/r collect
         for a in range(8):
             d_r, d_z, h, n = gradient[0, a], gradient[1, a], gradient[2, a], nodes[a]
             force[n, 0, k] += d_r * s[0] + h * radial + d_z * s[5]

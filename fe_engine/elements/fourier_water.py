@@ -76,9 +76,10 @@ def pore_matrices(
     around = np.einsum("eg,ga,gb->eab", volume / radius**2, value, value)
     coupling, seepage, stored = [], [], []
     for k in range(harmonics + 1):
-        c, s = (np.pi, 0.0) if k == 0 else (0.5 * np.pi, 0.5 * np.pi)
-        swelling = fourier.strain_operator(gradient, k)[..., :3, :].sum(axis=-2)
-        coupling.append(c * np.einsum("eg,egr,ga->era", volume, swelling, value, optimize=True))
+        c, s = (np.pi, 0.0) if k == 0 else (0.5 * np.pi, 0.5 * np.pi)  # int cos^2 and int sin^2 of k theta over 0 .. pi
+        swelling = fourier.strain_operator(gradient, k)[..., :3, :].sum(axis=-2)  # E_rr + E_tt + E_zz
+        coupling.append(c * np.einsum("eg,egr,ga->era", volume, swelling, value, optimize=True))  # Q
+        # H, Darcy along r, z and theta
         seepage.append(np.reshape(mobility, (-1, 1, 1)) * (c * along + s * k * k * around))
-        stored.append(storage * c * mass)
+        stored.append(storage * c * mass)  # S M
     return PoreMatrices(np.array(coupling), np.array(seepage), np.array(stored))

@@ -55,9 +55,10 @@ def geometry(nodes: np.ndarray, hexes: np.ndarray) -> tuple[np.ndarray, np.ndarr
     volume = np.empty((ne, 8))
     corner = nodes[hexes]
     for g in range(8):
-        jacobian = np.einsum("eai,aj->eij", corner, _GAUSS_GRADIENTS[g])
+        jacobian = np.einsum("eai,aj->eij", corner, _GAUSS_GRADIENTS[g])  # dx/dxi
         volume[:, g] = np.linalg.det(jacobian)
         gradient[:, g] = np.einsum("aj,eji->eai", _GAUSS_GRADIENTS[g], np.linalg.inv(jacobian))
+    # Hughes 1980: (1/V) int grad N dV
     mean = np.einsum("eg,egai->eai", volume, gradient) / volume.sum(axis=1)[:, None, None]
     return gradient, volume, mean
 
@@ -77,7 +78,7 @@ def strain_at(gradient, mean_gradient, displacement, strain):
             mean += mean_gradient[a, i] * displacement[a, i]
             for j in range(3):
                 h[i, j] += displacement[a, i] * gradient[a, j]
-    shift = (mean - h[0, 0] - h[1, 1] - h[2, 2]) / 3.0
+    shift = (mean - h[0, 0] - h[1, 1] - h[2, 2]) / 3.0  # theta_bar/3 in place of tr(h)/3
     strain[XX] = h[0, 0] + shift
     strain[YY] = h[1, 1] + shift
     strain[ZZ] = h[2, 2] + shift
@@ -89,7 +90,7 @@ def strain_at(gradient, mean_gradient, displacement, strain):
 @njit(inline="never")
 def add_force(gradient, mean_gradient, volume, s, force):
     """Add B-bar^T s dV of one Gauss point to force (24,); s is a stress (6,) in Pa."""
-    mean = (s[XX] + s[YY] + s[ZZ]) / 3.0
+    mean = (s[XX] + s[YY] + s[ZZ]) / 3.0  # acts on the mean gradient, the deviator on the point's own
     for a in range(8):
         gx, gy, gz = gradient[a, 0], gradient[a, 1], gradient[a, 2]
         mx = mean * (mean_gradient[a, 0] - gx)
@@ -105,6 +106,7 @@ def b_bar(gradient, mean_gradient, b):
     """Write the strain operator B-bar (6, 24) of one Gauss point."""
     for a in range(8):
         gx, gy, gz = gradient[a, 0], gradient[a, 1], gradient[a, 2]
+        # what the mean dilatation has more than the point's
         shift = ((mean_gradient[a, 0] - gx) / 3.0, (mean_gradient[a, 1] - gy) / 3.0, (mean_gradient[a, 2] - gz) / 3.0)
         for j in range(3):
             c = 3 * a + j

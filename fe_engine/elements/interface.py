@@ -101,9 +101,9 @@ def film_geometry(nodes: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.
     for g, (xi, eta) in enumerate(_GAUSS):
         local = _shape_gradient(xi, eta)
         tangent = np.einsum("aj,fai->fji", local, corner)
-        metric = np.einsum("fji,fki->fjk", tangent, tangent)
-        gradient[:, g] = np.einsum("aj,fjk,fki->fai", local, np.linalg.inv(metric), tangent)
-        area[:, g] = np.sqrt(np.linalg.det(metric))
+        metric = np.einsum("fji,fki->fjk", tangent, tangent)  # g_ab = t_a.t_b
+        gradient[:, g] = np.einsum("aj,fjk,fki->fai", local, np.linalg.inv(metric), tangent)  # t_a g^ab dN/dxi_b
+        area[:, g] = np.sqrt(np.linalg.det(metric))  # dA = sqrt(det g) dxi deta
     return gradient, area
 
 
@@ -125,7 +125,7 @@ def nodal_stations(
     node = np.unique(faces)
     vector = nodal_area_vectors(nodes, faces)[node]
     normal = vector / np.linalg.norm(vector, axis=1)[:, None] if normals is None else normals[node]
-    return node, normal, np.einsum("si,si->s", vector, normal)
+    return node, normal, np.einsum("si,si->s", vector, normal)  # Newton-Cotes: Schellekens & de Borst 1993
 
 
 def nodal_area_vectors(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -163,6 +163,7 @@ def _face_points(corner: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.nd
     for xi, eta in _GAUSS:
         shape = _shape(xi, eta)
         d_xi, d_eta = np.einsum("aj,fai->jfi", _shape_gradient(xi, eta), corner)
+        # n dA = t_1 x t_2 dxi deta
         points.append((np.einsum("a,fai->fi", shape, corner), shape, np.cross(d_xi, d_eta)))
     return points
 

@@ -19,6 +19,6 @@ def displacement_operator(position: np.ndarray, reference: np.ndarray) -> np.nda
     operator = np.zeros((len(arm), 3, N_DOFS))
     operator[:, 0, U] = 1.0
     operator[:, 2, W] = 1.0
-    operator[:, 0, ROTATION] = arm[:, 2]
+    operator[:, 0, ROTATION] = arm[:, 2]  # u_x = rotation (z - z0), small
     operator[:, 2, ROTATION] = -arm[:, 0]
     return operator

@@ -33,7 +33,7 @@ def stiffness(nodes: np.ndarray, hexes: np.ndarray, young: float, poisson: float
     ``hexes`` (ne, 8) have the corner order of `hex8`; corners 0-3 and 4-7 are on the two faces of the wall.
     """
     corner = nodes[hexes]
-    elastic, centre = elastic_matrix(young, poisson), np.zeros(3)
+    elastic, centre = elastic_matrix(young, poisson), np.zeros(3)  # Hooke
     base_0 = _base(corner, centre)
     turn_0, volume_0 = _to_cartesian(base_0), np.linalg.det(base_0)
     ne = len(hexes)
@@ -42,13 +42,16 @@ def stiffness(nodes: np.ndarray, hexes: np.ndarray, young: float, poisson: float
     for point in GAUSS:
         base = _base(corner, point)
         volume = np.linalg.det(base)
+        # Dvorkin & Bathe 1984, Betsch & Stein 1995
         b = _to_cartesian(base) @ _assumed(_covariant(corner, point), sampled, point)
+        # Simo & Rifai 1990: det J_0/det J T_0, work-free under a constant stress
         g = (volume_0 / volume)[:, None, None] * (turn_0 @ _modes(point))
         cb, cg = elastic @ b, elastic @ g
         weight = volume[:, None, None]
         k_uu += weight * (b.transpose(0, 2, 1) @ cb)
         k_ua += weight * (b.transpose(0, 2, 1) @ cg)
         k_aa += weight * (g.transpose(0, 2, 1) @ cg)
+    # modes condensed: they carry no load
     return np.asarray(k_uu - k_ua @ np.linalg.solve(k_aa, k_ua.transpose(0, 2, 1)))
 
 
@@ -62,7 +65,7 @@ def _covariant(corner: np.ndarray, point: np.ndarray) -> np.ndarray:
     gradient, base = shape_gradient(point), _base(corner, point)
     b = np.zeros((len(corner), 6, 8, 3))
     for row, (i, j) in enumerate(_PAIRS):
-        b[:, row] = gradient[None, :, j, None] * base[:, None, i, :]
+        b[:, row] = gradient[None, :, j, None] * base[:, None, i, :]  # G_i.u_,j
         if i != j:
             b[:, row] += gradient[None, :, i, None] * base[:, None, j, :]
     return b.reshape(len(corner), 6, 24)
@@ -81,9 +84,10 @@ def _assumed(b: np.ndarray, sampled: tuple, point: np.ndarray) -> np.ndarray:
     """Replace e_33, e_23 and e_31 by what is interpolated from the sampled points."""
     x, y, _ = point
     thickness, shear_23, shear_31 = sampled
-    b[:, 2] = sum(
+    b[:, 2] = sum(  # Betsch & Stein 1995: bilinear from the four corners
         0.25 * (1.0 + x * at[0]) * (1.0 + y * at[1]) * row for at, row in zip(_CORNERS, thickness, strict=True)
     )
+    # Dvorkin & Bathe 1984: 23 is linear in xi_1, 31 in xi_2
     b[:, 4] = 0.5 * (1.0 - x) * shear_23[0] + 0.5 * (1.0 + x) * shear_23[1]
     b[:, 5] = 0.5 * (1.0 - y) * shear_31[0] + 0.5 * (1.0 + y) * shear_31[1]
     return b
@@ -93,8 +97,8 @@ def _modes(point: np.ndarray) -> np.ndarray:
     """Return the incompatible strains (6, 7) in covariant components; their means over the element vanish."""
     x, y, z = point
     modes = np.zeros((6, 7))
-    modes[0, 0], modes[1, 1], modes[3, 2], modes[3, 3] = x, y, x, y
-    modes[2, 4:] = z, x * z, y * z
+    modes[0, 0], modes[1, 1], modes[3, 2], modes[3, 3] = x, y, x, y  # membrane: bending in the plane of the wall
+    modes[2, 4:] = z, x * z, y * z  # thickness: linear over it, as Poisson's ratio asks in bending
     return modes
 
 

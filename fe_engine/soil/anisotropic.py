@@ -59,13 +59,14 @@ def _surface(p):
     """Return m_1, m_2 in 1/Pa2 and the coordinate y_1 of the centre in Pa."""
     shift = 0.5 * (p[COMPRESSION] - p[EXTENSION])
     square = 0.25 * (p[COMPRESSION] + p[EXTENSION]) ** 2 - 0.25 * p[DIRECT_SHEAR] ** 2
+    # (3/4 s_zz)^2 = 3/8 y_1^2;  ((s_xx - s_yy)/2)^2 = y_2^2/2
     return 0.375 / square, 0.5 / p[DIRECT_SHEAR] ** 2, -4.0 / 3.0 * math.sqrt(1.5) * shift
 
 
 @njit
 def _coordinates(stress, out):
     """Write the coordinates (5,) of the deviator of a stress (6,)."""
-    out[0] = _R6 * (2.0 * stress[2] - stress[0] - stress[1])
+    out[0] = _R6 * (2.0 * stress[2] - stress[0] - stress[1])  # y_1 = sqrt(3/2) s_zz
     out[1] = _R2 * (stress[0] - stress[1])
     for i in range(3):
         out[2 + i] = stress[3 + i] / _R2
@@ -77,6 +78,7 @@ def yield_function(p, stress, kappa):
     first, others, centre = _surface(p)
     y = np.empty(5)
     _coordinates(stress, y)
+    # S - 1; ellipse of Davis & Christian 1971 in the plane of y_1 and s_zx
     return first * (y[0] - centre) ** 2 + others * (y[1] ** 2 + y[2] ** 2 + y[3] ** 2 + y[4] ** 2) - 1.0
 
 
@@ -94,16 +96,16 @@ def update(p, strain, old, new, tangent, with_tangent):
     _coordinates(stress, y)
     y[0] -= centre
     beside = y[1] ** 2 + y[2] ** 2 + y[3] ** 2 + y[4] ** 2
-    if first * y[0] ** 2 + others * beside <= 1.0:
+    if first * y[0] ** 2 + others * beside <= 1.0:  # S of the trial state
         if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
     length, status = _closest(first * y[0] ** 2, others * beside, first, others)
-    shrink = 1.0 / (1.0 + length * first), 1.0 / (1.0 + length * others)
+    shrink = 1.0 / (1.0 + length * first), 1.0 / (1.0 + length * others)  # D_1, D_2
     square = 0.0
     for i in range(5):
         factor = shrink[0] if i == 0 else shrink[1]
-        square += ((1.0 - factor) * y[i]) ** 2
+        square += ((1.0 - factor) * y[i]) ** 2  # (2 G)^2 de_p:de_p
         y[i] *= factor
     new.history[KAPPA] += math.sqrt(square / 1.5) / (2.0 * p[SHEAR])
     if with_tangent:
@@ -121,20 +123,21 @@ def update(p, strain, old, new, tangent, with_tangent):
 def _closest(one, two, first, others):
     """Return L for which one/(1 + L m_1)^2 + two/(1 + L m_2)^2 is 1, and the status."""
     most = math.sqrt(one + two) - 1.0
+    # S between S_trial/(1 + L m)^2 of the larger and the smaller m
     low, high = most / max(first, others), most / min(first, others)
     length = low
     for _ in range(MAX_ITERATIONS):
         a, b = 1.0 + length * first, 1.0 + length * others
-        s = one / (a * a) + two / (b * b)
+        s = one / (a * a) + two / (b * b)  # S(L)
         slope = -2.0 * (one * first / (a * a * a) + two * others / (b * b * b))
-        g = 1.0 - 1.0 / math.sqrt(s)
+        g = 1.0 - 1.0 / math.sqrt(s)  # almost a line in L
         if g > 0.0:
             low = length
         else:
             high = length
         if abs(g) <= _TIGHT or high - low <= _TIGHT * high:
             return length, OK
-        step = length - g * 2.0 * s * math.sqrt(s) / slope
+        step = length - g * 2.0 * s * math.sqrt(s) / slope  # Newton on g: dg/dL = dS/dL/(2 S^(3/2))
         length = step if low < step < high else 0.5 * (low + high)
     return length, OK if abs(g) <= 1.0e-9 else LAW_NOT_CONVERGED
 
@@ -150,13 +153,13 @@ def _tangent(p, m, shrink, y, tangent):
     for i in range(5):
         k = 0 if i == 0 else 1
         u[i] = m[k] * shrink[k] * y[i]
-        weight += m[k] * u[i] * y[i]
+        weight += m[k] * u[i] * y[i]  # sum(m_k u_k y_k)
     for a in range(6):
         for b in range(6):
             tangent[a, b] = p[BULK] if a < 3 and b < 3 else 0.0
     for i in range(5):
         for j in range(5):
-            value = -u[i] * u[j] / weight
+            value = -u[i] * u[j] / weight  # d(y_i)/d(y_j trial)
             if i == j:
                 value += shrink[0 if i == 0 else 1]
             for a in range(6):

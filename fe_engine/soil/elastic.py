@@ -24,16 +24,16 @@ def moduli(young: Any, poisson: Any) -> tuple[Any, Any]:
 def add_elastic_stress(bulk, shear, strain, stress):
     """Add C:strain to stress (6,), in Pa."""
     volumetric = strain[0] + strain[1] + strain[2]
-    lame = (bulk - 2.0 * shear / 3.0) * volumetric
+    lame = (bulk - 2.0 * shear / 3.0) * volumetric  # Hooke: s = lambda tr(eps) 1 + 2 G eps, lambda = K - 2 G/3
     for i in range(3):
         stress[i] += lame + 2.0 * shear * strain[i]
-        stress[i + 3] += shear * strain[i + 3]
+        stress[i + 3] += shear * strain[i + 3]  # engineering shear: tau = G gamma
 
 
 @lean
 def elastic_tangent(bulk, shear, factor, tangent):
     """Write factor times the elastic stiffness (6, 6), in Pa."""
-    lame = factor * (bulk - 2.0 * shear / 3.0)
+    lame = factor * (bulk - 2.0 * shear / 3.0)  # C = lambda 1 x 1 + 2 G I
     for i in range(6):
         for j in range(6):
             tangent[i, j] = 0.0
@@ -61,6 +61,7 @@ def stored_density(bulk, shear, stress):
     first = stress[0] + stress[1] + stress[2]
     square = 0.0
     for i in range(3):
+        # II^2 = s:s/2, in which each shear stands twice
         square += 0.5 * (stress[i] - first / 3.0) ** 2 + stress[i + 3] ** 2
     return first * first / (18.0 * bulk) + square / (2.0 * shear)
 

@@ -45,6 +45,8 @@ PARAMETERS = (
 BULK, SHEAR = 0, 1
 SURFACE, PRESSURE, EXPONENT, DEGRADATION, LEAST = range(_WIDTH, _WIDTH + 5)
 FIRST = 1  # history variable behind those of the surface
+# parameters  | K_0 G_0 | others of the surface, 0 .. | code of the surface | p_0 | n | a | least c_g |
+# history     | e of the surface | xx yy zz of the strain since the last turn | its xy yz zx, engineering |
 HISTORY = (*plasol.HISTORY, "e_xx", "e_yy", "e_zz", "g_xy", "g_yz", "g_zx")
 GAMMA_07 = 0.385  # a g_07: the secant modulus there is 72.2 % of the initial one
 
@@ -82,7 +84,7 @@ def initial_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def power(r, n):
     """Return c_p and its derivative at a mean stress r p_0."""
     inside = FLOOR < r < CEILING
-    value = min(max(r, FLOOR), CEILING) ** n
+    value = min(max(r, FLOOR), CEILING) ** n  # Hardin & Black 1968
     return value, n * value / r if inside else 0.0
 
 
@@ -91,7 +93,7 @@ def _along(r, n):
     """Return the integral of dr/c_p from FLOOR to r."""
     if r < FLOOR:
         return (r - FLOOR) / FLOOR**n
-    inner = (min(r, CEILING) ** (1.0 - n) - FLOOR ** (1.0 - n)) / (1.0 - n)
+    inner = (min(r, CEILING) ** (1.0 - n) - FLOOR ** (1.0 - n)) / (1.0 - n)  # int r^-n dr between the limits
     return inner + max(r - CEILING, 0.0) / CEILING**n
 
 
@@ -100,7 +102,7 @@ def _at(u, n):
     """Return r from that integral."""
     if u < 0.0:
         return FLOOR + u * FLOOR**n
-    most = (CEILING ** (1.0 - n) - FLOOR ** (1.0 - n)) / (1.0 - n)
+    most = (CEILING ** (1.0 - n) - FLOOR ** (1.0 - n)) / (1.0 - n)  # the integral at CEILING
     if u > most:
         return CEILING + (u - most) * CEILING**n
     return (FLOOR ** (1.0 - n) + (1.0 - n) * u) ** (1.0 / (1.0 - n))
@@ -117,11 +119,11 @@ def by_stress(p, pressure, squeeze):
     if n == 0.0:
         return 1.0, 0.0
     if abs(stiffness * squeeze * value) <= _SMALL * max(r, FLOOR):
-        half = 0.5 * slope * value * stiffness
+        half = 0.5 * slope * value * stiffness  # the secant's first derivative is half of the tangent's
         return value + half * squeeze, half
-    end = _at(_along(r, n) + stiffness * squeeze, n)
-    secant = (end - r) / (stiffness * squeeze)
-    return secant, (power(end, n)[0] - secant) / squeeze
+    end = _at(_along(r, n) + stiffness * squeeze, n)  # int dp/c_p = K_0 c_g de_v
+    secant = (end - r) / (stiffness * squeeze)  # c_p = (p_new - p_old)/(K_0 c_g de_v)
+    return secant, (power(end, n)[0] - secant) / squeeze  # d(end)/d(squeeze) = c_p(end) K_0/p_0
 
 
 @njit
@@ -136,14 +138,14 @@ def by_strain(p, strain, old, new, slope):
     mean, along = (strain[0] + strain[1] + strain[2]) / 3.0, 0.0
     for i in range(6):
         change = strain[i] - (mean if i < 3 else 0.0)
-        along += (2.0 if i < 3 else 1.0) * old[i] * change
+        along += (2.0 if i < 3 else 1.0) * old[i] * change  # 2 e:de, engineering shear
         new[i] = old[i] + change
     a, begun, end = p[DEGRADATION], _length(old), _length(new)
-    value = 1.0 / ((1.0 + a * begun) * (1.0 + a * end))
+    value = 1.0 / ((1.0 + a * begun) * (1.0 + a * end))  # Santos & Correia 2001: mean of d/dg [g/(1 + a g)]
     free = value > p[LEAST] and end > 0.0
     for i in range(6):
         slope[i] = -a * value / (1.0 + a * end) * (2.0 if i < 3 else 1.0) * new[i] / end if free else 0.0
-        if along < 0.0:
+        if along < 0.0:  # turned back: e is this increment's
             new[i] -= old[i]
     return max(value, p[LEAST])
 
@@ -155,7 +157,7 @@ def update(p, strain, old, new, tangent, with_tangent):
     strained = by_strain(p, strain, old.history[FIRST:], new.history[FIRST:], slope)
     volume = -(strain[0] + strain[1] + strain[2])
     pressed, rate = by_stress(p, -(old.stress[0] + old.stress[1] + old.stress[2]) / 3.0, strained * volume)
-    scaled, factor = p.copy(), strained * pressed
+    scaled, factor = p.copy(), strained * pressed  # c = c_g c_p
     scaled[BULK], scaled[SHEAR] = factor * p[BULK], factor * p[SHEAR]
     status, regime = _returned(int(p[SURFACE]), scaled, strain, old, new, tangent, with_tangent)
     if status != OK:
@@ -167,9 +169,10 @@ def update(p, strain, old, new, tangent, with_tangent):
         else:
             _by_difference(p, scaled, factor, strain, old, by_factor)
         for j in range(6):
+            # dc/d(eps) = c_p dc_g + c_g dc_p, dc_p through c_g de_v
             turn = pressed * slope[j] + strained * rate * (volume * slope[j] - (strained if j < 3 else 0.0))
             for i in range(6):
-                tangent[i, j] += by_factor[i] * turn
+                tangent[i, j] += by_factor[i] * turn  # h dc/d(eps)
     return OK, REGIME_STIFFNESS if regime == REGIME_ELASTIC else regime
 
 

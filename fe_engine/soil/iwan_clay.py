@@ -37,7 +37,9 @@ def pack(young: Any, poisson: Any, strength: Any, strain: Any = 0.0) -> np.ndarr
     strength, strain = np.broadcast_arrays(np.asarray(strength, dtype=float), np.asarray(strain, dtype=float))
     shear = np.broadcast_to(moduli(young, poisson)[1], strength.shape)
     x, s = overlay.mobilised_shares(overlay.ELEMENTS - 1), strength[..., None]
+    # backbone of `mobilised`: gamma = tau/G + g_s A(x)
     gamma = x * s / shear[..., None] + strain[..., None] * x * x / (1.0 - x)
+    # dtau/dgamma, A' = x (2 - x)/(1 - x)^2
     slope = s / (s / shear[..., None] + strain[..., None] * x * (2.0 - x) / (1.0 - x) ** 2)
     return overlay.pack(young, poisson, 0.0, strength, *overlay.shares(x * s, gamma, slope, shear, strength))
 
@@ -54,7 +56,7 @@ def pack_table(young: Any, poisson: Any, strength: Any, strain: Any, ratio: Any)
     """
     strength, strain = np.asarray(strength, dtype=float), np.asarray(strain, dtype=float)
     shear = np.broadcast_to(moduli(young, poisson)[1], np.broadcast_shapes(strength.shape, np.shape(young)))
-    tau = shear[..., None] * np.asarray(ratio, dtype=float) * strain
+    tau = shear[..., None] * np.asarray(ratio, dtype=float) * strain  # tau = G gamma (G_sec/G)
     line = np.minimum(np.arange(overlay.ELEMENTS - 1), strain.size - 2)  # the last one counts once: no change of slope
     slope = (np.diff(tau) / np.diff(strain))[..., line]
     return overlay.pack(

@@ -37,13 +37,14 @@ def pack(young: Any, poisson: Any, phi_i: Any, phi_f: Any, b_phi: Any, cohesion:
     shear = moduli(young, poisson)[1]
     m, k = _cone(phi_f, cohesion)
     m_i, k_i = _cone(phi_i, cohesion)
-    strength = 3.0 * m * pressure + k
+    strength = 3.0 * m * pressure + k  # R_f = k - m I at I = -3 p
     first = np.minimum(3.0 * m_i * pressure + k_i, strength)[..., None]
+    # x = e/(B + e), so that e = B x/(1 - x)
     x = np.concatenate([[0.0], overlay.mobilised_shares(overlay.ELEMENTS - 2)])
     tau = first + (strength[..., None] - first) * x
     gamma = tau / shear[..., None] + np.sqrt(3.0) * b_phi[..., None] * x / (1.0 - x)
-    hardening = (strength[..., None] - first) * (1.0 - x) ** 2 / (np.sqrt(3.0) * b_phi[..., None])
-    slope = hardening * shear[..., None] / (hardening + shear[..., None])
+    hardening = (strength[..., None] - first) * (1.0 - x) ** 2 / (np.sqrt(3.0) * b_phi[..., None])  # dtau/d(sqrt3 e)
+    slope = hardening * shear[..., None] / (hardening + shear[..., None])  # elastic and plastic strain in series
     return overlay.pack(young, poisson, m, k, *overlay.shares(tau, gamma, slope, shear, strength))
 
 

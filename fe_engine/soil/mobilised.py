@@ -61,7 +61,8 @@ def radius(p, kappa):
     if p[STRAIN] == 0.0:
         return p[STRENGTH]
     x = p[MOBILISED]
-    a = x * x / (1.0 - x) + SQRT3 * kappa / p[STRAIN]
+    a = x * x / (1.0 - x) + SQRT3 * kappa / p[STRAIN]  # A(x) = A(x_0) + g/g_s, g = sqrt3 e
+    # x of x^2/(1 - x) = A, without a difference
     return p[STRENGTH] * (2.0 * a / (a + math.sqrt(a * (a + 4.0))) if a > 0.0 else 0.0)
 
 
@@ -71,8 +72,8 @@ def returned(p, kappa, trial, stiffness):
     strength, strain, x = p[STRENGTH], p[STRAIN], p[MOBILISED]
     if strain == 0.0:
         return strength, 0.0
-    r = stiffness * strain / strength
-    t = (trial + stiffness * (SQRT3 * kappa + strain * x * x / (1.0 - x))) / strength
-    x = 2.0 * t / (1.0 + t + math.sqrt((1.0 - t) ** 2 + 4.0 * r * t))
+    r = stiffness * strain / strength  # r = h g_s/s
+    t = (trial + stiffness * (SQRT3 * kappa + strain * x * x / (1.0 - x))) / strength  # T of the module docstring
+    x = 2.0 * t / (1.0 + t + math.sqrt((1.0 - t) ** 2 + 4.0 * r * t))  # root of x + r A(x) = T
     left = (1.0 - x) ** 2
-    return x * strength, left / (left + r * x * (2.0 - x))
+    return x * strength, left / (left + r * x * (2.0 - x))  # dx/dT = 1/(1 + r A'), A' = x (2 - x)/(1 - x)^2

@@ -41,7 +41,8 @@ PARAMETERS = (
 )  # fmt: skip
 BULK, SHEAR, SLOPE, STRENGTH = range(4)
 FIRST, RADIUS = 4, 4 + ELEMENTS  # of w_k and rho_k among the parameters
-# Plastic shear strain of all elements over sqrt(3); then xx, yy, xy, yz, zx of each element's share of the deviator
+# parameters  | K G m k | w_0 .. w_9 | rho_0 .. rho_9 |
+# history     | e | xx yy xy yz zx of s_0 - rho_0 s0 | .. of s_1 - rho_1 s0 | .. |     e: plastic shear strain/sqrt(3)
 HISTORY = (PLASTIC_STRAIN, *(f"element_{k}_{c}" for k in range(ELEMENTS) for c in ("xx", "yy", "xy", "yz", "zx")))
 KAPPA, SHEARS = 0, 1
 _SQRT3 = math.sqrt(3.0)
@@ -65,6 +66,7 @@ def shares(tau: Any, gamma: Any, slope: Any, shear: Any, strength: Any) -> tuple
     zero = np.zeros(np.broadcast_shapes(np.shape(tau), shear.shape, strength.shape)[:-1] + (1,))
     slopes = np.concatenate([zero + shear, slope + zero, zero], axis=-1)
     axis = np.concatenate([zero, tau - gamma * slope + zero, zero + strength], axis=-1)  # where tangents meet gamma = 0
+    # Iwan 1967: -tau''/G, bin by bin; rho alike from the axis
     w, rho = -np.diff(slopes, axis=-1) / shear, np.diff(axis, axis=-1) / strength
     return np.where(w > _ROUNDING, w, 0.0), np.where(rho > _ROUNDING, rho, 0.0)
 
@@ -86,7 +88,7 @@ def update(p, strain, old, new, tangent, with_tangent):
     bulk, shear = p[BULK], p[SHEAR]
     volume = strain[0] + strain[1] + strain[2]
     mean = (old.stress[0] + old.stress[1] + old.stress[2]) / 3.0 + bulk * volume
-    size = p[STRENGTH] - 3.0 * p[SLOPE] * mean
+    size = p[STRENGTH] - 3.0 * p[SLOPE] * mean  # R(I) = k - m I
     opens = size <= 0.0 and p[SLOPE] > 0.0
     if opens:
         apex = p[STRENGTH] / p[SLOPE] / 3.0
@@ -100,16 +102,17 @@ def update(p, strain, old, new, tangent, with_tangent):
     whole, plastic, yields = 0.0, 0.0, False
     for k in range(ELEMENTS):
         a, b, c, d, e = _trial(p, k, change, initial, old.history)
+        # II of the trial deviator, s_zz = -(s_xx + s_yy)
         trial, rho, ratio = math.sqrt(a * a + b * b + a * b + c * c + d * d + e * e), p[RADIUS + k], 1.0
         if opens:
             ratio = APEX_STIFFNESS
         elif trial > rho * size:
-            ratio = rho * size / trial
+            ratio = rho * size / trial  # II(s_k) = rho_k R: back along its own deviator
             if with_tangent:
                 _add_yielding(p, k, ratio, trial, (a, b, -a - b, c, d, e), tangent)
         whole, plastic, yields = whole + ratio * p[FIRST + k], plastic + (1.0 - ratio) * trial, yields or ratio < 1.0
         _keep(k, rho, (ratio * a, ratio * b, ratio * c, ratio * d, ratio * e), initial, new)
-    new.history[KAPPA] = old.history[KAPPA] + plastic / (_SQRT3 * shear)
+    new.history[KAPPA] = old.history[KAPPA] + plastic / (_SQRT3 * shear)  # G w_k g_k is what II has lost; g = sqrt3 e
     if with_tangent:
         _add_elastic(bulk, whole * shear, tangent)
     return OK, REGIME_APEX if opens else (REGIME_CONE if yields else REGIME_ELASTIC)
@@ -164,8 +167,8 @@ def _initial(old):
 @lean
 def _add_yielding(p, k, ratio, trial, deviator, tangent):
     """Add what a returned element has less along its deviator (6), and what the pressure gives it."""
-    along = ratio * p[FIRST + k] * p[SHEAR] / (trial * trial)
-    pressure = 3.0 * p[BULK] * p[SLOPE] * p[RADIUS + k] / trial
+    along = ratio * p[FIRST + k] * p[SHEAR] / (trial * trial)  # 2 G w_k ratio N x N, N:N = 1, with N = s_k/(sqrt2 II)
+    pressure = 3.0 * p[BULK] * p[SLOPE] * p[RADIUS + k] / trial  # rho_k dR = -3 K m rho_k tr(d eps), along s_k/II
     for i in range(6):
         for j in range(6):
             tangent[i, j] -= along * deviator[i] * deviator[j]

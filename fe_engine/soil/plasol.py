@@ -72,8 +72,8 @@ def cone_slope(phi):
 @lean
 def mobilised(p, kappa):
     """Return the friction angle (rad) after the equivalent plastic strain kappa, and its derivative."""
-    phi = p[PHI_I] + (p[PHI_F] - p[PHI_I]) * kappa / (p[B_PHI] + kappa)
-    return phi, (p[PHI_F] - p[PHI_I]) * p[B_PHI] / (p[B_PHI] + kappa) ** 2
+    phi = p[PHI_I] + (p[PHI_F] - p[PHI_I]) * kappa / (p[B_PHI] + kappa)  # Cerfontaine et al. 2018, Eq. 11
+    return phi, (p[PHI_F] - p[PHI_I]) * p[B_PHI] / (p[B_PHI] + kappa) ** 2  # dphi/de = (phi_f - phi_i) B/(B + e)^2
 
 
 @lean
@@ -83,7 +83,8 @@ def strength(p, kappa):
     s, c = math.sin(phi), math.cos(phi)
     a = 3.0 - s
     m, k = _slope(s), _cohesion(s, c, p[COHESION])
-    dm = 6.0 * c / (_SQRT3 * a * a) * dphi
+    dm = 6.0 * c / (_SQRT3 * a * a) * dphi  # dm/dphi of m = 2 sin phi/(sqrt3 (3 - sin phi))
+    # dk/dphi of k = 6 c cos phi/(sqrt3 (3 - sin phi))
     dk = 6.0 * p[COHESION] * (1.0 - 3.0 * s) / (_SQRT3 * a * a) * dphi
     return m, k, dm, dk
 
@@ -91,17 +92,17 @@ def strength(p, kappa):
 @lean
 def _excess(p, kappa_old, first, second, dl):
     """Yield function and its derivative after the plastic multiplier dl from the trial (I, II)."""
-    m, k, dm, dk = strength(p, kappa_old + dl / _SQRT3)
-    i = first - 9.0 * p[BULK] * p[M_PSI] * dl
-    f = second - p[SHEAR] * dl + m * i - k
-    slope = -p[SHEAR] - 9.0 * p[BULK] * m * p[M_PSI] + (dm * i - dk) / _SQRT3
+    m, k, dm, dk = strength(p, kappa_old + dl / _SQRT3)  # de = dl/sqrt3: |dg/ds| = 1/sqrt2
+    i = first - 9.0 * p[BULK] * p[M_PSI] * dl  # I = I_tr - 9 K m_psi dl
+    f = second - p[SHEAR] * dl + m * i - k  # II = II_tr - G dl;  f = II + m I - k (Barnichon 1998)
+    slope = -p[SHEAR] - 9.0 * p[BULK] * m * p[M_PSI] + (dm * i - dk) / _SQRT3  # df/d(dl), through II, I and e
     return f, slope
 
 
 @lean
 def multiplier(p, kappa_old, first, second):
     """Return the root dl of the yield function on [0, II_tr/G] by Newton kept inside a shrinking bracket."""
-    low, high = 0.0, second / p[SHEAR]
+    low, high = 0.0, second / p[SHEAR]  # at II_tr/G nothing is left of II
     scale = second + abs(first) * cone_slope(p[PHI_F]) + p[COHESION]
     dl = 0.0
     for _ in range(MAX_ITERATIONS):
@@ -112,7 +113,7 @@ def multiplier(p, kappa_old, first, second):
             high = dl
         if abs(f) <= 1.0e-14 * scale or high - low <= 1.0e-16 * high:
             return dl, OK
-        step = dl - f / slope if slope < 0.0 else low
+        step = dl - f / slope if slope < 0.0 else low  # Newton, bisection where it leaves the bracket
         dl = step if low < step < high else 0.5 * (low + high)
     return dl, OK if abs(f) <= 1.0e-9 * scale else LAW_NOT_CONVERGED
 
@@ -122,7 +123,7 @@ def yield_function(p, stress, kappa):
     """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
     m, k, _, _ = strength(p, kappa)
     first = stress[0] + stress[1] + stress[2]
-    return second_invariant(stress, first / 3.0) + m * first - k
+    return second_invariant(stress, first / 3.0) + m * first - k  # f = II + m I - k, Barnichon 1998
 
 
 @lean
@@ -146,11 +147,12 @@ def update(p, strain, old, new, tangent, with_tangent):
     first = stress[0] + stress[1] + stress[2]
     second = second_invariant(stress, first / 3.0)
     m, k, _, _ = strength(p, kappa_old)
-    if second + m * first - k <= 0.0:
+    if second + m * first - k <= 0.0:  # f of the trial state with the old strength
         history[KAPPA] = kappa_old
         if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
+    # f > 0 with all of II returned: no point of the cone is close enough
     if second <= 0.0 or _excess(p, kappa_old, first, second, second / p[SHEAR])[0] >= 0.0:
         return_to_apex(p, kappa_old, (first, second), new, tangent, with_tangent)
         return OK, REGIME_APEX
@@ -169,8 +171,8 @@ def _return_to_cone(p, kappa_old, trial, dl, new, tangent, with_tangent):
     stress, history = new
     bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
     kappa = kappa_old + dl / _SQRT3
-    ratio = 1.0 - shear * dl / second
-    first_new = first - 9.0 * bulk * m_psi * dl
+    ratio = 1.0 - shear * dl / second  # II/II_tr: s shrinks along s_tr
+    first_new = first - 9.0 * bulk * m_psi * dl  # I = I_tr - 9 K m_psi dl
     history[KAPPA] = kappa
     if with_tangent:
         _cone_tangent(p, kappa, trial, first_new, dl, stress, tangent)
@@ -191,19 +193,20 @@ def _cone_tangent(p, kappa, invariants, first_new, dl, trial, tangent):
     first, second = invariants
     bulk, shear, m_psi = p[BULK], p[SHEAR], p[M_PSI]
     m, _, dm, dk = strength(p, kappa)
-    denominator = shear + 9.0 * bulk * m * m_psi - (dm * first_new - dk) / _SQRT3
-    elastic_tangent(0.0, shear, 1.0 - shear * dl / second, tangent)
-    turning = 4.0 * shear * shear * dl / second
+    denominator = shear + 9.0 * bulk * m * m_psi - (dm * first_new - dk) / _SQRT3  # D = -df/d(dl)
+    elastic_tangent(0.0, shear, 1.0 - shear * dl / second, tangent)  # 2 G (1 - G dl/II_tr) I_dev
+    turning = 4.0 * shear * shear * dl / second  # factor of N x N: N = s_tr/(2 II_tr) turns with the strain
     for i in range(6):
         n_i = _deviator(trial, first, i) * (0.5 / second)
-        flow = 2.0 * shear * n_i + (3.0 * bulk * m_psi if i < 3 else 0.0)
+        flow = 2.0 * shear * n_i + (3.0 * bulk * m_psi if i < 3 else 0.0)  # C : dg/dsigma = 2 G N + 3 K m_psi 1
         for j in range(6):
             n_j = _deviator(trial, first, j) * (0.5 / second)
+            # d(dl)/d(eps) = (2 G N + 3 K m 1)/D
             normal = (2.0 * shear * n_j + (3.0 * bulk * m if j < 3 else 0.0)) / denominator
             tangent[i, j] += turning * n_i * n_j - flow * normal
     for i in range(3):
         for j in range(3):
-            tangent[i, j] += bulk
+            tangent[i, j] += bulk  # K 1 x 1
 
 
 @lean
@@ -211,9 +214,9 @@ def return_to_apex(p, kappa_old, trial, new, tangent, with_tangent):
     """Put the point on the apex, plus the residual elastic fraction of the trial stress, of invariants ``trial``."""
     first, second = trial
     stress, history = new
-    kappa = kappa_old + second / (_SQRT3 * p[SHEAR])
+    kappa = kappa_old + second / (_SQRT3 * p[SHEAR])  # all of II_tr flows: dl = II_tr/G
     m, k, dm, dk = strength(p, kappa)
-    mean = k / m / 3.0 if k > 0.0 else 0.0
+    mean = k / m / 3.0 if k > 0.0 else 0.0  # the apex: f = 0 at II = 0
     history[KAPPA] = kappa
     if with_tangent:
         # the apex moves along the hydrostatic axis as friction hardens: d(k/m)/de
@@ -230,7 +233,7 @@ def _apex_tangent(p, drift, first, second, trial, tangent):
     elastic_tangent(p[BULK], p[SHEAR], APEX_STIFFNESS, tangent)
     if second <= 0.0 or drift == 0.0:
         return
-    factor = (1.0 - APEX_STIFFNESS) * drift * 2.0 / _SQRT3
+    factor = (1.0 - APEX_STIFFNESS) * drift * 2.0 / _SQRT3  # de/d(eps) = 2 N/sqrt3
     for j in range(6):
         n_j = (trial[j] - (first / 3.0 if j < 3 else 0.0)) / (2.0 * second)
         for i in range(3):

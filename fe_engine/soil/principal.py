@@ -22,19 +22,19 @@ def principal(stress, values, directions):
     for i in range(3):
         for j in range(3):
             directions[i, j] = 1.0 if i == j else 0.0
-    size = m00 * m00 + m11 * m11 + m22 * m22 + 2.0 * (m01 * m01 + m12 * m12 + m20 * m20)
+    size = m00 * m00 + m11 * m11 + m22 * m22 + 2.0 * (m01 * m01 + m12 * m12 + m20 * m20)  # |a|^2, which rotations keep
     for _ in range(_SWEEPS):
         if m01 * m01 + m12 * m12 + m20 * m20 <= _ZERO * size:
             break
-        c, s = _angle(m00, m11, m01)
+        c, s = _angle(m00, m11, m01)  # entry 01 becomes 0
         m00, m11 = _rotated(m00, m11, m01, c, s)
         m01, m20, m12 = 0.0, c * m20 - s * m12, s * m20 + c * m12
         _turn(directions, 0, 1, c, s)
-        c, s = _angle(m11, m22, m12)
+        c, s = _angle(m11, m22, m12)  # entry 12
         m11, m22 = _rotated(m11, m22, m12, c, s)
         m12, m01, m20 = 0.0, c * m01 - s * m20, s * m01 + c * m20
         _turn(directions, 1, 2, c, s)
-        c, s = _angle(m00, m22, m20)
+        c, s = _angle(m00, m22, m20)  # entry 20
         m00, m22 = _rotated(m00, m22, m20, c, s)
         m20, m01, m12 = 0.0, c * m01 - s * m12, s * m01 + c * m12
         _turn(directions, 0, 2, c, s)
@@ -49,6 +49,7 @@ def _angle(first, second, beside):
     """Return the cosine and sine of the rotation that removes the entry beside two diagonal ones."""
     if beside == 0.0:
         return 1.0, 0.0
+    # cot of twice the angle; Jacobi takes the smaller root t of t^2 + 2 tau t = 1
     tau = (second - first) / (2.0 * beside)
     t = 1.0 / (abs(tau) + math.sqrt(1.0 + tau * tau))
     if tau < 0.0:
@@ -60,7 +61,7 @@ def _angle(first, second, beside):
 @lean
 def _rotated(first, second, beside, c, s):
     """Return the diagonal entries after the rotation."""
-    change = beside * s / c
+    change = beside * s / c  # tan of the angle times the entry
     return first - change, second + change
 
 
@@ -110,13 +111,14 @@ def spectral_tangent(directions, normal, shear, tangent):
     for a in range(3):
         for b in range(3):
             for i in range(6):
+                # n_a n_a of the stress beside n_b n_b of the strain
                 left = normal[a, b] * _product(directions, a, a, i)
                 for j in range(6):
                     tangent[i, j] += left * _product(directions, b, b, j)
     for k in range(3):
         a, b = k, (k + 1) % 3
         for i in range(6):
-            left = 2.0 * shear[k] * _product(directions, a, b, i)
+            left = 2.0 * shear[k] * _product(directions, a, b, i)  # sym(n_a n_b): ab and ba
             for j in range(6):
                 tangent[i, j] += left * _product(directions, a, b, j)
 

@@ -47,7 +47,7 @@ def yield_function(p, stress, kappa):
     """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
     values, directions = np.empty(3), np.empty((3, 3))
     principal(stress, values, directions)
-    return 0.5 * (values[0] - values[2]) - radius(p, kappa)
+    return 0.5 * (values[0] - values[2]) - radius(p, kappa)  # f = (sigma_1 - sigma_3)/2 - x s
 
 
 @njit
@@ -65,7 +65,7 @@ def update(p, strain, old, new, tangent, with_tangent):
         deviator[i] = stress[i] - mean
         deviator[i + 3] = stress[i + 3]
     principal(deviator, trial, directions)
-    if 0.5 * (trial[0] - trial[2]) <= radius(p, kappa):
+    if 0.5 * (trial[0] - trial[2]) <= radius(p, kappa):  # f of the trial state
         history[KAPPA] = kappa
         if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
@@ -87,9 +87,9 @@ def _return(p, kappa, trial, values, slopes):
     start = 0.5 * (trial[0] - trial[2])
     shear, slope = returned(p, kappa, start, stiffness)
     plastic = (start - shear) / stiffness
-    values[0], values[1], values[2] = trial[0] - stiffness * plastic, trial[1], trial[2] + stiffness * plastic
-    if values[0] >= values[1] >= values[2]:
-        half = 0.5 * (1.0 - slope)
+    values[0], values[1], values[2] = trial[0] - stiffness * plastic, trial[1], trial[2] + stiffness * plastic  # plane
+    if values[0] >= values[1] >= values[2]:  # the order holds: no corner (de Souza Neto et al. 2008, section 8.1)
+        half = 0.5 * (1.0 - slope)  # d(sigma_1)/d(s_1) = 1 - half, d(sigma_1)/d(s_3) = half
         for i in range(3):
             for j in range(3):
                 slopes[i, j] = 1.0 if i == j else 0.0
@@ -103,11 +103,12 @@ def _return(p, kappa, trial, values, slopes):
     first, second = (0, 1) if one == 2 else (1, 2)
     pair = 0.5 * (trial[first] + trial[second])
     start = 0.5 * sign * (pair - trial[one])
+    # each of the pair moves by half of what the single one does
     shear, slope = returned(p, kappa, start, 0.75 * stiffness)
     plastic = (start - shear) / (0.75 * stiffness)
     values[first] = values[second] = pair - 0.5 * sign * stiffness * plastic
     values[one] = trial[one] + sign * stiffness * plastic
-    share = (1.0 - slope) / 3.0
+    share = (1.0 - slope) / 3.0  # d(pair)/d(single trial value)
     for i in (first, second):
         for j in (first, second):
             slopes[i, j] = 0.5 - 0.5 * share
@@ -125,10 +126,12 @@ def _tangent(p, trial, values, slopes, directions, tangent):
     for i in range(3):
         total = slopes[i, 0] + slopes[i, 1] + slopes[i, 2]
         for j in range(3):
+            # K + 2 G d(sigma_i)/d(s_k) (delta_kj - 1/3): strain to trial deviator
             normal[i, j] = bulk + 2.0 * shear * (slopes[i, j] - total / 3.0)
     for k in range(3):
         i, j = k, (k + 1) % 3
         apart = trial[i] - trial[j]
+        # isotropic function; its limit where the two trial values meet
         ratio = (values[i] - values[j]) / apart if apart != 0.0 else slopes[i, i] - slopes[i, j]
         between[k] = 2.0 * shear * ratio
     spectral_tangent(directions, normal, between, tangent)

@@ -93,9 +93,10 @@ def _section_change(p, kappa, cos3, sin3):
     rho = section(b, cos3)
     along = 1.0 + b * cos3
     sine = math.sin(phi) / 3.0
+    # db/de: b = tanh(atanh(sin phi/3)/n), phi of Cerfontaine et al. 2018, Eq. 11
     db = (1.0 - b * b) / EXPONENT * math.cos(phi) / (3.0 * (1.0 - sine * sine)) * dphi
-    d_theta = -3.0 * EXPONENT * b * sin3 / along
-    d_kappa = EXPONENT * (cos3 - 1.0) / (along * (1.0 + b)) * db
+    d_theta = -3.0 * EXPONENT * b * sin3 / along  # d(ln rho)/d(theta)
+    d_kappa = EXPONENT * (cos3 - 1.0) / (along * (1.0 + b)) * db  # d(ln rho)/db db/de
     return rho, rho * d_theta, rho * d_kappa
 
 
@@ -105,17 +106,18 @@ def _deflection(trial, b_psi, w, delta):
     if b_psi == 0.0 or w == 0.0:
         return 0.0
     theta = math.atan2(trial.sin3, trial.cos3) / 3.0
+    # T has one sign, and is 0 at both meridians
     low, high = (0.0, theta) if b_psi < 0.0 else (theta - math.pi / 3.0, 0.0)
     delta = min(max(delta, low), high)
     for _ in range(MAX_ITERATIONS):
         cos3, sin3 = rotated(trial, delta)
         turn, slope = turn_of(b_psi, cos3, sin3)
-        excess = delta - math.atan(w * turn)
+        excess = delta - math.atan(w * turn)  # tan(delta) = w T(theta_t - delta)
         if excess < 0.0:
             low = delta
         else:
             high = delta
-        step = delta - excess / (1.0 + w * slope / (1.0 + (w * turn) ** 2))
+        step = delta - excess / (1.0 + w * slope / (1.0 + (w * turn) ** 2))  # Newton; dT/d(delta) = -dT/d(theta)
         new = step if low < step < high else 0.5 * (low + high)
         if abs(new - delta) <= 1.0e-15 * abs(new):
             return new
@@ -129,15 +131,15 @@ def _evaluate(p, b_psi, kappa_old, trial, w, guess):
     delta = _deflection(trial, b_psi, w, guess)
     cos3, sin3 = rotated(trial, delta)
     turn, turn_slope = turn_of(b_psi, cos3, sin3)
-    m_psi = p[M_PSI] * section(b_psi, cos3)
-    shrunk = trial.second * math.cos(delta)
-    dl = w * shrunk / p[SHEAR]
-    kappa = kappa_old + dl * math.sqrt(1.0 + turn * turn) / _SQRT3
-    first = trial.first - 9.0 * p[BULK] * m_psi * dl
+    m_psi = p[M_PSI] * section(b_psi, cos3)  # m(psi) rho(theta, psi): dilation on this meridian
+    shrunk = trial.second * math.cos(delta)  # Q cos(delta)
+    dl = w * shrunk / p[SHEAR]  # G dl = w Q cos(delta)
+    kappa = kappa_old + dl * math.sqrt(1.0 + turn * turn) / _SQRT3  # de = dl sqrt(1 + T^2)/sqrt3
+    first = trial.first - 9.0 * p[BULK] * m_psi * dl  # I = I_t - 9 K m(psi) rho(theta, psi) dl
     m, k, dm, dk = strength(p, kappa)
     rho, rho_theta, rho_kappa = _section_change(p, kappa, cos3, sin3)
-    reach = k - m * first
-    second = (1.0 - w) * shrunk
+    reach = k - m * first  # II that the cone allows
+    second = (1.0 - w) * shrunk  # II = (1 - w) Q cos(delta)
     return _Point(
         w, delta, second, first, second - rho * reach, turn, turn_slope, m_psi, rho, rho_theta, rho_kappa, m, reach,
         dk - dm * first,
@@ -148,16 +150,19 @@ def _evaluate(p, b_psi, kappa_old, trial, w, guess):
 def _change(p, trial, at, dw, d_second, d_theta, d_first):
     """Change (II, delta, I, f, kappa) of the point with w and with the trial stress."""
     cosine, sine = math.cos(at.delta), math.sin(at.delta)
+    # tan(delta) = w T(theta_t - delta), differentiated
     d_delta = (at.turn * dw + at.w * at.turn_slope * d_theta) / (1.0 + (at.w * at.turn) ** 2 + at.w * at.turn_slope)
-    angle = d_theta - d_delta
+    angle = d_theta - d_delta  # change of theta = theta_t - delta
     shrunk, d_shrunk = trial.second * cosine, cosine * d_second - trial.second * sine * d_delta
     dl, d_dl = at.w * shrunk / p[SHEAR], (dw * shrunk + at.w * d_shrunk) / p[SHEAR]
     length = math.sqrt(1.0 + at.turn**2)
+    # de = dl sqrt(1 + T^2)/sqrt3, differentiated
     d_kappa = (length * d_dl + dl * at.turn * at.turn_slope / length * angle) / _SQRT3
     # d(m_psi)/d(theta) = -T m_psi
     new_first = d_first - 9.0 * p[BULK] * at.m_psi * (d_dl - dl * at.turn * angle)
     new_second = (1.0 - at.w) * d_shrunk - dw * shrunk
-    d_rho = at.rho_theta * angle + at.rho_kappa * d_kappa
+    d_rho = at.rho_theta * angle + at.rho_kappa * d_kappa  # rho(theta, phi(e))
+    # f = II - rho (k - m I), differentiated
     d_f = new_second - d_rho * at.reach - at.rho * (at.reach_kappa * d_kappa - at.m * new_first)
     return new_second, d_delta, new_first, d_f, d_kappa
 
@@ -175,7 +180,7 @@ def solve(p, b_psi, kappa_old, trial):
             high = at.w
         if abs(at.f) <= 1.0e-14 * scale or high - low <= 1.0e-16 * high:
             return at, OK
-        slope = _change(p, trial, at, 1.0, 0.0, 0.0, 0.0)[3]
+        slope = _change(p, trial, at, 1.0, 0.0, 0.0, 0.0)[3]  # df/dw
         step = at.w - at.f / slope if slope < 0.0 else low
         w = step if low < step < high else 0.5 * (low + high)
         at = _evaluate(p, b_psi, kappa_old, trial, w, at.delta)
@@ -191,7 +196,7 @@ def yield_function(p, stress, kappa):
     rho = 1.0
     if second > 0.0:
         rho = section(shape(mobilised(p, kappa)[0]), lode(stress, first, second).cos3)
-    return second + rho * (m * first - k)
+    return second + rho * (m * first - k)  # f, Van Eekelen 1980 in the form of Barnichon 1998
 
 
 @lean
@@ -215,7 +220,7 @@ def update(p, strain, old, new, tangent, with_tangent):
         return OK, REGIME_APEX
     b_psi = shape_of_slope(p[M_PSI])
     trial = lode(stress, first, second)
-    if _evaluate(p, b_psi, kappa_old, trial, 1.0, 0.0).f >= 0.0:
+    if _evaluate(p, b_psi, kappa_old, trial, 1.0, 0.0).f >= 0.0:  # f > 0 with II = 0: beyond the apex
         return_to_apex(p, kappa_old, (first, second), new, tangent, with_tangent)
         return OK, REGIME_APEX
     at, status = solve(p, b_psi, kappa_old, trial)
@@ -230,6 +235,7 @@ def _return(p, kappa_old, trial, at, stress, history):
     """Write the returned stress and the history."""
     dl = at.w * trial.second * math.cos(at.delta) / p[SHEAR]
     history[KAPPA] = kappa_old + dl * math.sqrt(1.0 + at.turn**2) / _SQRT3
+    # |s| = sqrt2 II, at the angle delta to the trial
     radius, cosine, sine = math.sqrt(2.0) * at.second, math.cos(at.delta), math.sin(at.delta)
     for i in range(6):
         stress[i] = radius * (cosine * trial.n[i] - sine * trial.across[i]) + (at.first / 3.0 if i < 3 else 0.0)
@@ -254,7 +260,7 @@ def _tangent(p, trial, at, tangent):
         along, turned = 2.0 * shear * n[j], 2.0 * shear * t[j]
         d_second, d_theta = along / root2, turned / (root2 * trial.second)
         d_first = 3.0 * bulk if j < 3 else 0.0
-        dw = -_change(p, trial, at, 0.0, d_second, d_theta, d_first)[3] / slope
+        dw = -_change(p, trial, at, 0.0, d_second, d_theta, d_first)[3] / slope  # f stays 0: df = 0 gives dw
         new_second, d_delta, new_first, _, _ = _change(p, trial, at, dw, d_second, d_theta, d_first)
         # unit change dn = (ds - n (n : ds))/(sqrt2 Q)
         d = (

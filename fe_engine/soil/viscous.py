@@ -21,7 +21,7 @@ from fe_engine.soil.elastic import add_elastic_stress
 
 def share_of(step: float, lag: float) -> float:
     """Return s of a step and a relaxation time, both in the same unit; 1 without a relaxation time."""
-    return step / (step + lag) if lag > 0.0 else 1.0
+    return step / (step + lag) if lag > 0.0 else 1.0  # backward Euler of Duvaut & Lions 1972
 
 
 @lean
@@ -32,7 +32,8 @@ def relax(moduli, share, strain, old, new):
     """
     rest = 1.0 - share
     for i in range(6):
+        # s sigma* + (1 - s)(sigma_old + C : d eps), Simo et al. 1988
         new.stress[i] = share * new.stress[i] + rest * old.stress[i]
     add_elastic_stress(rest * moduli[0], rest * moduli[1], strain, new.stress)
     for i in range(len(old.history)):
-        new.history[i] = share * new.history[i] + rest * old.history[i]
+        new.history[i] = share * new.history[i] + rest * old.history[i]  # q_old + s (q* - q_old)

@@ -31,7 +31,7 @@ from fe_engine.soil.plasol import second_invariant
 @lean
 def yield_function(p, stress, kappa):
     """Yield function f in Pa of a stress (6,); negative inside the elastic domain."""
-    return second_invariant(stress, (stress[0] + stress[1] + stress[2]) / 3.0) - radius(p, kappa)
+    return second_invariant(stress, (stress[0] + stress[1] + stress[2]) / 3.0) - radius(p, kappa)  # f = II - x s
 
 
 @lean
@@ -45,17 +45,17 @@ def update(p, strain, old, new, tangent, with_tangent):
     kappa = history_old[KAPPA]
     mean = (stress[0] + stress[1] + stress[2]) / 3.0
     trial = second_invariant(stress, mean)
-    if trial <= radius(p, kappa):
+    if trial <= radius(p, kappa):  # f of the trial state
         history[KAPPA] = kappa
         if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
     shear, slope = returned(p, kappa, trial, p[SHEAR])
-    ratio = shear / trial
-    history[KAPPA] = kappa + (trial - shear) / (SQRT3 * p[SHEAR])
+    ratio = shear / trial  # s shrinks along s_tr
+    history[KAPPA] = kappa + (trial - shear) / (SQRT3 * p[SHEAR])  # g/sqrt3, where G g is what II has lost
     if with_tangent:
-        elastic_tangent(0.0, p[SHEAR], ratio, tangent)
-        factor = p[SHEAR] * (slope - ratio) / (trial * trial)
+        elastic_tangent(0.0, p[SHEAR], ratio, tangent)  # 2 G ratio I_dev
+        factor = p[SHEAR] * (slope - ratio) / (trial * trial)  # along s_tr the stress changes by slope, not by ratio
         for i in range(6):
             direction = stress[i] - (mean if i < 3 else 0.0)
             for j in range(6):
