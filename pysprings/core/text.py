@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 
@@ -31,6 +32,25 @@ def _real(value: float, digits: int) -> str:
     if 1.0e4 <= abs(value) < 1.0e15:
         return f"{value:,.0f}"
     return f"{value + 0.0:.{digits}g}"  # + 0.0 turns -0.0 into 0.0
+
+
+def one_line(text: str) -> str:
+    """Return a text on one line: line ends and all that is not printable become blanks; no backslash ends it."""
+    return "".join(c if c.isprintable() else " " for c in str(text)).rstrip(" \\")
+
+
+def is_formula(text: str) -> bool:
+    """Return whether a spreadsheet takes a text for a formula: by its first character; numbers are none."""
+    return text.lstrip().startswith(tuple("=+-@")) and not re.match(r"\s*[+-]?[\d.]", text)
+
+
+def commented(mark: str, lines: Iterable[str]) -> list[str]:
+    """Return lines behind the comment mark of a program, each on one line whatever text it holds.
+
+    All text of a scene or a spring file enters the files for other programs through this function alone: a line end in
+    it would be a command there, a backslash at its end would take the next line into the comment (Tcl, C).
+    """
+    return [f"{mark} {one_line(line)}" for line in lines]
 
 
 def percent(value: float) -> str:

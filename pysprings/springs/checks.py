@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import unicodedata
 from collections.abc import Iterator
 from typing import Any
 
@@ -20,6 +21,7 @@ from pysprings.springs.path_ends import end_faults
 from pysprings.springs.sums import balance_faults
 
 _ROOT_NUMBERS = ("outer_diameter_m", "skirt_length_m", "skirt_thickness_m", "vertical_load_N")
+_CONTROL = ("Cc", "Zl", "Zp")  # Unicode categories: control characters, line and paragraph separators
 _ROOT_TEXTS = ("drainage", "pysprings_version", "scene_sha256")
 
 
@@ -31,7 +33,9 @@ def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = No
     schema = tree.attrs.get("schema")
     if text_of(schema) != SCHEMA:
         raise refused("schema", _foreign(tree, schema), file)
-    problems = [*_root_faults(tree), *variables.tree_problems(tree, "springs")] or list(_type_faults(tree))
+    problems = [*_text_faults(tree), *_root_faults(tree), *variables.tree_problems(tree, "springs")] or list(
+        _type_faults(tree)
+    )
     problems = problems or [fault for name in path_names(tree) for fault in _path_faults(tree, name)]
     problems = problems or [
         (f"paths/{name}/{key}", text)
@@ -42,6 +46,22 @@ def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = No
     if problems:
         name = None if file is None else str(file)
         raise UserInputError([Problem(file=name, key=key, message=message) for key, message in problems])
+
+
+def _text_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
+    """Yield texts that are not on one line, but for scenes: files for other programs would take the rest for input."""
+    for node in tree.subtree:
+        place = node.path.strip("/")
+        owners = [(place, node.attrs), *((f"{place}/{name}", data.attrs) for name, data in node.variables.items())]
+        for owner, attrs in owners:
+            for key, value in attrs.items():
+                if not str(key).startswith("scene_toml") and not _is_on_one_line(str(key), value):
+                    yield f"{owner}/{quoted(str(key))}".strip("/"), "a text with a line end or a control character"
+
+
+def _is_on_one_line(*texts: object) -> bool:
+    parts = (str(part) for text in texts for part in (text if isinstance(text, list | tuple) else (text,)))
+    return not any(unicodedata.category(c) in _CONTROL for part in parts for c in part)
 
 
 def _foreign(tree: xr.DataTree, schema: object) -> str:

@@ -36,7 +36,7 @@ def attach(ops, script: str, skirt: dict[float, int]) -> None:
     import tkinter
 
     tcl = tkinter.Tcl()
-    for name in ("node", "fix", "rigidLink", "uniaxialMaterial", "element", "nodeCoord"):
+    for name in ("node", "fix", "geomTransf", "uniaxialMaterial", "element", "nodeCoord"):
         tcl.createcommand(name, partial(called, getattr(ops, name)))
     tcl.call("source", script)
     tcl.call("attach_caisson", 1, 900001, " ".join(f"{depth} {tag}" for depth, tag in skirt.items()))
@@ -77,7 +77,9 @@ def main() -> int:
         ops.timeSeries("Linear", 1)
         ops.pattern("Plain", 1, 1)
         ops.load(1, c * H, s * H, -V, s * M, -c * M, 0.0)
-        ops.constraints("Transformation")
+        if held := task["held"]:  # freedoms of the lid that a user fixes, as in a tower in a plane
+            ops.fix(1, *held)
+        ops.constraints(*task["constraints"])
         ops.numberer("Plain")
         ops.system("FullGeneral")
         ops.test("NormDispIncr", 1e-13, 100)

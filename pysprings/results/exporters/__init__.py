@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from pysprings.core.registry import Registry
 from pysprings.results.exporters import (
-    ansys,
+    calculix,
     csv,
-    decks,
     json,
     netcdf,
     openfast,
@@ -42,9 +41,7 @@ EXPORTERS: Registry[Exporter] = Registry(
         openfast.OPENFAST,
         subdyn.SUBDYN,
         opensees.OPENSEES,
-        decks.CALCULIX,
-        decks.ABAQUS,
-        ansys.ANSYS,
+        calculix.CALCULIX,
         sacs.SACS,
     ),
     group="pysprings.exporters",

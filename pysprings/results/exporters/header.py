@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pysprings.core.path_kinds import HELD_BACK
 from pysprings.core.version import __version__
 from pysprings.results.exporters.base import Source
 from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
@@ -49,12 +52,44 @@ def header(source: Source, target: str, frame: str, units: str, use: str = BACKB
         f"drainage: {given.drainage}; rate: {rates or 'none: the springs do not depend on it'}; "
         f"vertical load at rest: {given.rest_load / 1e3:.6g} kN",
         use,
-        *(f"range, path {name}: {range_of_path(springs, name)}" for name in path_names(springs)),
-        *(
-            f"measured error, path {row['path']}, springs {row['springs']}: {error_of_row(row)}"
-            for row in source.comparison.to_dict("records")
-        ),
+        *_ranges(springs),
+        *_errors(source.comparison),
     ]
+
+
+def _ranges(springs: xr.DataTree) -> Iterator[str]:
+    """Yield the largest motions and loads of the lateral paths together, of each vertical one, and what failed."""
+    lateral = [name for name in path_names(springs) if not is_vertical(springs, name)]
+    if lateral:
+        most = {
+            key: max(float(np.abs(get_path(springs, name)[key].values).max()) for name in lateral)
+            for key in ("u", "rotation", "H")
+        }
+        yield (
+            f"range of {len(lateral)} lateral paths: |u| to {1e3 * most['u']:.4g} mm, |rotation| to "
+            f"{1e3 * most['rotation']:.4g} mrad, |H| to {1e-3 * most['H']:.5g} kN; beyond it every use is an "
+            "extrapolation"
+        )
+    yield from (f"range, path {name}: {range_of_path(springs, name)}" for name in path_names(springs)
+                if is_vertical(springs, name))  # fmt: skip
+    ends = ((name, end_of(name, get_path(springs, name))) for name in lateral)
+    yield from (f"path {name} {end.words}" for name, end in ends if end.failed)
+
+
+def _errors(comparison: pd.DataFrame) -> Iterator[str]:
+    """Yield the largest errors of each spring set, on held-back paths where there are any, and their paths."""
+    for springs, rows in comparison.groupby("springs", sort=False):
+        held = rows[rows["role"] == HELD_BACK]
+        used = held if len(held) else rows
+        parts = []
+        for key, words in _ERRORS.items():
+            sizes = used[f"{key}_error_max_pct"].abs()
+            if np.isfinite(sizes).any():
+                parts.append(f"{words} {sizes.max():.2f} % ({used['path'].iloc[int(np.nanargmax(sizes))]})")
+        role = "held-back" if len(held) else "calibration"
+        if parts:
+            head = f"largest errors of springs {springs} against the full model, {len(used)} {role} paths"
+            yield f"{head}: {', '.join(parts)}"
 
 
 def range_of_path(springs: xr.DataTree, name: str) -> str:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""OpenSees: uniaxial springs on rigid links under a node of the lid, as Python (openseespy) and Tcl.
+"""OpenSees: uniaxial springs at the ends of stiff beams under a node of the lid, as Python (openseespy) and Tcl.
+
+Rigid links would make the lid a retained node: Transformation then loses freedoms of a lid that fix() holds after the
+first step, and the answer depends on the steps.
 
 `ElasticMultiLinear` has no hysteresis and is the default. `MultiLinear` unloads and reloads by Masing's rule, which
 sand and clay around a caisson do not follow; it is written on request, and labelled.
@@ -11,6 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from pysprings.core.text import commented
 from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
 from pysprings.results.exporters.uniaxial.options import table_options
 
@@ -20,13 +24,14 @@ if TYPE_CHECKING:
     from pysprings.results.exporters.uniaxial.export import Prepared
 
 _FRAME = (
-    "3D (ndm 3, ndf 6), z up; springs in vertical planes at depths below the lid node, which is at mudline; "
-    "the model needs constraints('Transformation')"
+    "3D (ndm 3, ndf 6), z up; springs in vertical planes at depths below the lid node, which is at mudline, at the "
+    "ends of stiff beams: any constraint handler serves, and fix() may hold any freedom of the lid"
 )
 _MASING = (
     "MultiLinear unloads and reloads by Masing's rule, symmetric; on the paper's caisson in sand its load was off by "
     "50 to 75 % of the peak where the load turned"
 )
+_RIGID = 1e8  # stiffness of a beam over that of the stiffest spring: answers differ by less than 1e-9
 _DIRECTIONS = {"lateral": (1, 2), "rotation": (5, 4), "vertical": (3,)}
 _PYTHON = '''
 
@@ -37,6 +42,7 @@ def attach(ops, lid, first={first}, skirt=None):
     """
     x, y, z = ops.nodeCoord(lid)
     tag = element = first
+    ops.geomTransf("Linear", first, 1.0, 0.0, 0.0)
     for depth, directions, strain, stress in SPRINGS:
         ground, node = tag, lid
         ops.node(ground, x, y, z - depth)
@@ -45,9 +51,11 @@ def attach(ops, lid, first={first}, skirt=None):
         if own:
             node = own[0]
         elif depth:
-            node = tag + 1
+            node = tag + 1  # at the end of a beam that is far stiffer than any spring
             ops.node(node, x, y, z - depth)
-            ops.rigidLink("beam", lid, node)
+            size = depth, RIGID, RIGID, depth, depth**3 / 3.0, depth**3 / 3.0
+            ops.element("elasticBeamColumn", element, lid, node, *size, first)
+            element += 1
         if MASING and directions != (3,):
             pairs = [value for pair in zip(strain, stress) if pair[0] > 0.0 for value in pair]
             ops.uniaxialMaterial("MultiLinear", tag, *pairs)
@@ -73,6 +81,7 @@ proc attach_caisson {{lid {{first {first}}} {{skirt {{}}}}}} {{
     lassign [nodeCoord $lid] x y z
     set tag $first
     set number $first
+    geomTransf Linear $first 1.0 0.0 0.0
     foreach spring $PYSPRINGS(springs) {{
         lassign $spring depth directions strain stress
         set at [expr {{$z - $depth}}]
@@ -85,7 +94,10 @@ proc attach_caisson {{lid {{first {first}}} {{skirt {{}}}}}} {{
         if {{$depth != 0 && $node == $lid}} {{
             set node [expr {{$tag + 1}}]
             node $node $x $y $at
-            rigidLink beam $lid $node
+            set inertia [expr {{$depth**3 / 3.0}}]
+            element elasticBeamColumn $number $lid $node $depth $PYSPRINGS(rigid) $PYSPRINGS(rigid) $depth \\
+                $inertia $inertia $first
+            incr number
         }}
         if {{$PYSPRINGS(masing) && $directions != 3}} {{
             set pairs {{}}
@@ -146,13 +158,13 @@ def _numbers(values: NDArray, comma: str) -> Iterator[str]:
 
 def _data(made: Prepared, words: _Words, masing: bool) -> Iterator[str]:
     """Yield header and data in the words of a language; vertical springs are turned upwards."""
-    yield from (f"# {line}" for line in made.head)
+    yield from commented("#", made.head)
     yield "# depth below the lid node [m]; directions of OpenSees; displacements [m, rad]; reactions [N, N m]"
     yield words.begin.format()
     for row in made.tables:
         up = -1 if row.spring.direction == "vertical" else 1
         directions = f"{words.comma} ".join(map(str, _DIRECTIONS[row.spring.direction]))
-        yield f"    # {row.spring.name}" if words is _IN_PYTHON else ""
+        yield from commented("    #", [row.spring.name] if words is _IN_PYTHON else [])
         depth = row.spring.depth if row.spring.direction == "lateral" else 0.0
         yield words.spring.format(depth=depth, directions=directions)
         yield from _numbers(up * row.q[::up], words.comma)
@@ -164,7 +176,7 @@ def _data(made: Prepared, words: _Words, masing: bool) -> Iterator[str]:
 
 
 def _settings(made: Prepared, words: _Words, masing: bool) -> Iterator[str]:
-    """Yield axes of the springs, torsion [N m/rad], and whether they unload by Masing's rule."""
+    """Yield axes of the springs, torsion [N m/rad], unloading by Masing's rule (1) or not (0), beams [N/m]."""
     import numpy as np
 
     half = np.array(made.angles[: len(made.angles) // 2])
@@ -173,7 +185,9 @@ def _settings(made: Prepared, words: _Words, masing: bool) -> Iterator[str]:
         yield words.axes.format(pairs=", ".join(f"({c}, {s})" for c, s in pairs))
     else:
         yield words.axes.format(pairs=" ".join(f"{{{c} {s}}}" for c, s in pairs))
-    for name, value in (("torsion", f"{made.torsion:.12g}"), ("masing", str(int(masing)))):
+    rigid = _RIGID * max(float(np.abs(np.diff(row.f) / np.diff(row.q)).max()) for row in made.tables)
+    settings = ("torsion", f"{made.torsion:.12g}"), ("masing", str(int(masing))), ("rigid", f"{rigid:.3e}")
+    for name, value in settings:
         yield words.value.format(lower=name, upper=name.upper(), value=value)
 
 
@@ -196,7 +210,7 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
 
 OPENSEES = Exporter(
     name="opensees",
-    description="springs for OpenSees: openseespy and Tcl, ElasticMultiLinear on rigid links",
+    description="springs for OpenSees: openseespy and Tcl, ElasticMultiLinear on stiff beams",
     write=_write,
     suffixes=(".py", ".tcl"),
     options=(

@@ -14,6 +14,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pysprings.core.errors import refused
+from pysprings.core.text import commented, one_line
 from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
 from pysprings.results.exporters.uniaxial.options import table_options
 
@@ -138,7 +139,7 @@ def _lateral_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[
     """Return P-Y cards, and sentences on what they lose, with the errors of the curves as they are written."""
     from pysprings.results.exporters.sacs_cards import PY, cards
     from pysprings.results.exporters.uniaxial.curve import table
-    from pysprings.results.exporters.uniaxial.sets import change_by_tables, errors_by_path, with_tables
+    from pysprings.results.exporters.uniaxial.sets import change_by_tables, errors_by_role, with_tables
 
     head, (slices, lost) = float(options["head"] or 0.0), _lateral(made)
     strata, written = [], []
@@ -147,7 +148,7 @@ def _lateral_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[
         strata.append(_stratum(given, _bounds(made, given.spring.depth, head), unit))
         written.append(_as_written(given, strata[-1], unit))
     fine, carried = with_tables(made, [table(each, FINE) for each in slices]), with_tables(made, written)
-    lost += [change_by_tables(springs, fine, carried), *errors_by_path(springs, carried, "error of these P-Y cards")]
+    lost += [change_by_tables(springs, fine, carried), *errors_by_role(springs, carried, "error of these P-Y cards")]
     return list(cards(PY, strata, str(options["soil"]), 100.0 * springs.diameter)), lost
 
 
@@ -182,7 +183,7 @@ def _axial(made: Uniaxial, area: float) -> Iterator[str]:
 
 def _comments(lines: Sequence[str]) -> Iterator[str]:
     for line in lines:
-        yield from textwrap.wrap(line, 78, initial_indent="* ", subsequent_indent="*   ")
+        yield from commented("*", textwrap.wrap(one_line(line), 76, subsequent_indent="  "))
 
 
 def _write(source: Source, target: Target, options: Options) -> Exported:

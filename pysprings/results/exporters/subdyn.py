@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from pysprings.core.text import commented
 from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def labels(letter: str) -> Iterator[tuple[str, int, int]]:
 
 def ssi_text(head: Sequence[str], stiffness: np.ndarray) -> str:
     """Return a SubDyn SSI file: stiffness (6, 6), and no added mass."""
-    lines = [f"! {line}" for line in head]
+    lines = commented("!", head)
     lines += [f"{stiffness[i, j]:24.15E}  {label}" for label, i, j in labels("K")]
     lines += [f"{0.0:24.15E}  {label}" for label, _, _ in labels("M")]
     return "\n".join(lines) + "\n"
@@ -47,7 +48,7 @@ def ssi_text(head: Sequence[str], stiffness: np.ndarray) -> str:
 def spring_element_text(head: Sequence[str], stiffness: np.ndarray) -> str:
     """Return the rows of a SubDyn file for a spring element: its properties, a member and its direction cosines."""
     pairs = [(i, j) for i in range(6) for j in range(i, 6)]
-    lines = [f"! {line}" for line in head]
+    lines = commented("!", head)
     lines += [
         "! Copy the rows below into the SubDyn file; joints and numbers in < > are those of the model. Both joints are",
         "! at the lid centre; the joint of the ground is a base reaction joint with all six degrees of freedom fixed.",

@@ -14,6 +14,8 @@ from typing import Any, Literal
 import numpy as np
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.text import is_formula
+from pysprings.core.units import quoted
 from pysprings.scene.changes import OPTION, Change
 from pysprings.scene.load import SceneText
 from pysprings.scene.model import Scene
@@ -116,13 +118,24 @@ class Plan:
         for case in self.cases:
             try:
                 names.append(self.scene_of(case).sha256[:16])
+                found = self._formulas(case)
             except UserInputError as error:
-                for each in error.problems:
-                    problem = self._placed(each, case)
-                    problems.setdefault((problem.line, problem.key, problem.message), problem)
+                found = [*error.problems]
+            for each in found:
+                problem = self._placed(each, case)
+                problems.setdefault((problem.line, problem.key, problem.message), problem)
         if problems:
             raise UserInputError(sorted(problems.values(), key=lambda each: each.line or 0))
         return names
+
+    def _formulas(self, case: Case) -> list[Problem]:
+        """Return a problem for each text of a case that a spreadsheet would take for a formula: cases.csv holds it."""
+        words = "begins as a formula does: with = + - or @"
+        return [
+            Problem(OPTION, key=f"{OPTION} {axis.keys[0]}", message=f"{quoted(value)} {words}")
+            for axis, value in zip(self.axes, case.values, strict=True)
+            if isinstance(value, str) and is_formula(value)
+        ]
 
     def _placed(self, problem: Problem, case: Case) -> Problem:
         """Return a problem of a case at the axis, or the row, that its value comes from."""

@@ -268,7 +268,7 @@ def strong_coupling(springs: Any) -> None:
         (attribute("/paths/pull", "arm_m", "8 m"), "paths/pull/arm_m: missing attribute, or not a number"),
         (attribute("/paths/pull", "arm_m", np.arange(2.0)), "paths/pull/arm_m: missing attribute, or not a number"),
         (attribute("/paths/pull", "rate_m_per_s", "fast"), "paths/pull/rate_m_per_s: not a number"),
-        (attribute("/paths/pull", "status", "\x1b[31m"), "paths/pull/status: attribute must be one of complete"),
+        (attribute("/paths/pull", "status", "\x1b[31m"), "a text with a line end or a control character"),
         (scaled("/paths/pull/p", 1e30), "N m-1"),
         (scaled("/paths/pull/H", 1e300), "paths/pull/H: "),
         (scaled("/paths/pull/H", 1e-310), "paths/pull/H: "),

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.text import commented, one_line
+
 Array = NDArray[np.float64]
 Place = tuple[float, float, float]
 
@@ -41,8 +43,8 @@ def _input(
     head: Sequence[str], option: int, stiffness: Array, place: Place, points: Sequence[str], library: str = "unused"
 ) -> str:
     lines = [
-        f"---------- SoilDyn Input File: {head[0]} ----------",
-        f"{head[1]}; frame, units, range and error: below END",
+        f"---------- SoilDyn Input File: {one_line(head[0])} ----------",
+        "scene, frame, units, range and error: below END",
         "---------- Options ----------",
         "False        Echo         - Echo the input data",
         '"default"    DT           - Time step (s)',
@@ -67,7 +69,7 @@ def _input(
         "---------- OutList ----------",
         *_outputs(max(1, len(points))),
         "END of input",
-        *(f"! {line}" for line in head),
+        *commented("!", head),
     ]
     return "\n".join(lines) + "\n"
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
+from pysprings.core.text import commented
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.calibration import ElementSet, numbers_of
 from pysprings.macro.memory.model import MemoryModel
@@ -58,7 +59,7 @@ def spring_text(
     _check_size(model, table)
     w, V = (_rest_rows(table, name) for name in ("w", "V"))
     rest = (float(w[0]), float(V[0])) if model.vertical is None else model.vertical.rest
-    lines = [f"! {line}" for line in head]
+    lines = commented("!", head)
     lines += [
         f"pysprings_soildyn {VERSION}",
         _row("length_m", [table.length]),
@@ -110,7 +111,7 @@ def _ray_lines(model: MacroModel, table: FanTable) -> Iterator[str]:
         n = int(table.count[k])
         columns = [knots[2 * k], loads[2 * k], slopes[2 * k], loads[2 * k + 1], slopes[2 * k + 1]]
         columns += [each[k] for pair in down for each in pair]
-        yield f"! path {path}"
+        yield from commented("!", [f"path {path}"])
         yield _row("ray", [table.angle[k], n, float(model.ends[path].failed)])
         yield from (_row("", row) for row in np.stack(columns, axis=1)[:n])
 

@@ -15,7 +15,7 @@ from pysprings.results.exporters.uniaxial.curve import FAR, Spring, Table
 from pysprings.results.exporters.uniaxial.sets import (
     Uniaxial,
     change_by_tables,
-    errors_by_path,
+    errors_by_role,
     other_planes,
     tables,
     uniaxial,
@@ -78,7 +78,7 @@ def prepare(
     lost += [
         f"tables of at most {points} points: {100.0 * max(row.error for row in rows):.2g} % from the curves at most",
         change_by_tables(springs, made.model, with_tables(made, rows)),
-        *errors_by_path(springs, made.model, "error of these springs beside the full model"),
+        *errors_by_role(springs, made.model, "error of these springs beside the full model"),
     ]
     angles = tuple(first + np.pi / made.planes * k for k in range(made.planes))
     return Prepared([*header(source, target, frame, UNITS), *lost], rows, lost, made, springs, angles, torsion)

@@ -230,9 +230,9 @@ def _lines(given: Table) -> tuple[Array, Array, Array]:
     return np.array([*x, q[-1]]), np.array([*y, f[-1]]), np.array([*s, slopes[-1]])
 
 
-def errors_by_path(springs: Springs, model: MacroModel, what: str) -> list[str]:
-    """Return a sentence for each lateral path: largest errors beside the full model, as `compare` measures."""
-    lines = []
+def errors_by_role(springs: Springs, model: MacroModel, what: str) -> list[str]:
+    """Return a sentence for calibration and held-back paths: largest errors beside the full model, and their paths."""
+    worst: dict[str, dict[str, tuple[float, str]]] = {}
     for path in springs.paths.values():
         if path.is_vertical:
             continue
@@ -242,13 +242,17 @@ def errors_by_path(springs: Springs, model: MacroModel, what: str) -> list[str]:
         errors |= measures.at_equal_load(path, answer)
         if np.abs(path.u).max() < ROUNDING * springs.length * np.abs(path.rotation).max():
             errors["u_error_max_pct"] = np.nan  # a rotation about the lid centre
-        parts = [
-            f"{words} {errors[f'{key}_error_max_pct'] + 0.0:+.2f} %"
-            for key, words in (("H", "H"), ("M", "M"), ("rotation", "rotation"), ("u", "u at equal load"))
-            if np.isfinite(errors[f"{key}_error_max_pct"])
-        ]
-        short = "" if n == path.n else f"; no equilibrium beyond state {n}"
-        lines.append(f"{what}, path {path.name} ({path.role}): {', '.join(parts) or 'no state'}{short}")
+        of_role = worst.setdefault(path.role, {})
+        for key, words in (("H", "H"), ("M", "M"), ("rotation", "rotation"), ("u", "u at equal load")):
+            error = float(errors[f"{key}_error_max_pct"])
+            if np.isfinite(error) and abs(error) >= abs(of_role.get(words, (0.0, ""))[0]):
+                of_role[words] = error, path.name
+        if n < path.n:
+            of_role[f"no equilibrium beyond state {n} of {path.name}"] = 0.0, ""
+    lines = []
+    for role, each in worst.items():
+        parts = [f"{words} {error + 0.0:+.2f} % ({path})" if path else words for words, (error, path) in each.items()]
+        lines.append(f"{what}, {role} paths, largest: {', '.join(parts) or 'no state'}")
     return lines
 
 
