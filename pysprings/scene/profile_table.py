@@ -68,13 +68,17 @@ NAMES: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 _STRESSES = (
     "hydrostatic pressure", "pore pressure", "vertical effective stress", "vertical total stress", "effective stress",
-    "total stress", "effective vertical stress", "water unit weight", "overburden",
+    "total stress", "effective vertical stress", "overburden",
 )  # fmt: skip
 _UNUSED = (
     "dr", "relative density", "id", "density index", "water content", "w", "liquid limit", "plastic limit",
     "void ratio", "location identifier", "location", "borehole", "remark", "remarks", "comment", "comments",
     "description", "source",
 )  # fmt: skip
+_SKIPPED = {
+    "stresses follow from the unit weights": _STRESSES, "no value of a layer": _UNUSED,
+    "that of water counts 9.81 kN/m3": ("water unit weight", "gamma w"),
+}  # fmt: skip
 _UNSURE = {"unit weight": "total or effective? write 'Total unit weight' or 'Effective unit weight'"}
 _UNSURE |= dict.fromkeys(("gamma", "bulk weight"), _UNSURE["unit weight"])
 # of openpile's columns, where no heading has a unit
@@ -119,7 +123,7 @@ def columns() -> tuple[Column, ...]:
             for end in ("from", "to"):
                 others = tuple(f"{name} {end}" for name in names)
                 out.append(Column(f"{key} {end}", unit, others, example, "", percent))
-    for why, names in (("stresses follow from the unit weights", _STRESSES), ("no value of a layer", _UNUSED)):
+    for why, names in _SKIPPED.items():
         out += [Column(name, ANY, (f"{name} from", f"{name} to"), skipped=why) for name in names]
     return tuple(out)
 
@@ -232,8 +236,10 @@ def _check_columns(table: Table, soil: Mapping[str, Any]) -> None:
     for key in keys - {"top", "bottom", "depth"}:
         if key in table and f"{key} from" in table:
             table.fault(None, f"{key} from", f"another column gives {key}, too")
-        if f"{key} to" in table and key not in table and f"{key} from" not in table:
-            table.fault(None, f"{key} to", f"needs a column '{key} from'")
+        ends = (f"{key} from", f"{key} to")
+        for end, other in (ends, ends[::-1]):
+            if end in table and other not in table and key not in table:
+                table.fault(None, end, f"needs a column '{other}' beside it")
     if VELOCITY in keys and TOTAL not in keys:
         table.fault(None, VELOCITY, "needs the total unit weight beside it: G = rho Vs^2")
     given = keys | set(soil) | {"shear_modulus" if VELOCITY in keys else ""}

@@ -282,9 +282,9 @@ def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     towards = given["direction_rad"]
     turning = np.where(np.isnan(values["M_direction_rad"]), towards, given["M_direction_rad"])
     force = _vector(given["H_N"], towards) + np.stack([given["Fx_N"], given["Fy_N"]], axis=1)
-    # in the plane of bending: of x by -My, of y by Mx, as M = -H arm
-    bending = _vector(given["M_Nm"], turning) + np.stack([-given["My_Nm"], given["Mx_Nm"]], axis=1)
-    bending = bending * M[:, None] - force * (given["arm_m"] * H)[:, None]
+    # in planes of bending: My bends in that of x, -Mx in that of y, as forces at a height do
+    bending = _vector(given["M_Nm"], turning) + OVERTURNING * np.stack([given["My_Nm"], -given["Mx_Nm"]], axis=1)
+    bending = bending * M[:, None] + OVERTURNING * force * (given["arm_m"] * H)[:, None]
     down = np.where(np.isnan(values["V_N"]), -values["Fz_N"], values["V_N"])
     loads = {"H": force * H[:, None], "M": bending, "V": down * V, "T": given["T_Nm"] * M}
     loads["plane"] = np.where(force.any(axis=1), towards, turning)
@@ -319,10 +319,10 @@ def _in_plane(rows: Sequence[int], loads: dict[str, Array]) -> tuple[float, floa
     elif np.hypot(*H) > _ACROSS * sizes["H"]:
         plane = H / np.hypot(*H)
     elif np.hypot(*M) > _ACROSS * sizes["M"]:
-        plane = -M / np.hypot(*M)
+        plane = OVERTURNING * M / np.hypot(*M)
     else:
         plane = np.array([1.0, 0.0])
-    across = float(plane[0] * M[1] - plane[1] * M[0])
+    across = -OVERTURNING * float(plane[0] * M[1] - plane[1] * M[0])
     if abs(across) <= _ACROSS * sizes["M"]:
         across = 0.0
     return float(plane @ H), float(plane @ M), across, float(np.arctan2(plane[1], plane[0]))

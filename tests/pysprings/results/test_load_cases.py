@@ -106,6 +106,72 @@ def test_the_factor_of_a_force_is_that_of_its_moment(tmp_path: Path) -> None:
     assert cases.remarks == ("factor H 1.35 multiplies the moment, too (no factor M)", "")
 
 
+def test_six_components(tmp_path: Path) -> None:
+    """z up, right-handed: My = Fx h and Mx = -Fy h of a force at height h; a moment across is none of both."""
+    head = "load case,Fx [kN],Fy [kN],Fz [kN],Mx [kNm],My [kNm],Mz [kNm]"
+    rows = ("a,1200,0,-9000,0,42000,0", "b,1500,300,-9000,-9000,45000,500", "c,0,100,0,-500,200,0", "d,-10,0,0,0,-50,0")
+    cases = table(tmp_path, head, *rows)
+    np.testing.assert_allclose(np.abs(cases.H), [1200e3, np.hypot(1500e3, 300e3), 1e5, 1e4])
+    np.testing.assert_allclose(np.abs(cases.M), [42e6, 30.0 * np.hypot(1500e3, 300e3), 5e5, 5e4])
+    assert not cases.opposed.any()
+    np.testing.assert_allclose(cases.V, [9e6, 9e6, 0.0, 0.0])
+    np.testing.assert_allclose(np.degrees(cases.direction), [0.0, 11.309932474, 90.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(cases.torsion, [0.0, 5e5, 0.0, 0.0])
+    np.testing.assert_allclose(cases.across, [0.0, 0.0, 2e5, 0.0], atol=1e-6)  # right-handed about y
+
+
+@pytest.mark.parametrize(
+    ("lines", "found"),
+    [
+        (("name,Fx [kN],H [kN]", "a,1,1"), '1: Fx [kN]: gives what "H [kN]" gives, too: keep one of them'),
+        (("name,Fx [kN],Fy [kN],Mx [kN m]", "a,1,,2"), "2: Fy [kN]: blank: write 0 where it is none"),
+        (("name,Fx [kN],Fy [kN],direction [deg]", "a,1,1,5"),
+         "1: direction [deg]: components have the axes x and y: they need no direction"),
+        (("name,H [kN],height [m]", "a,1,2", "b,1,"), "3: height [m]: blank: write 0 where it is none"),
+        (("name,H [kN],M [kN m]", "a,1,2", "b,1,-"), "3: M [kN m]: blank: write 0 where it is none"),
+        (("name,H [kN],direction [deg]", "a,1,2", "b,1,"), "3: direction [deg]: blank: write 0 where it is none"),
+        (("name,H [kN]", "storm,500", ",300"),
+         "3: name: blank: write the name in every row (rows of one name act together)"),
+        (("name,H [kN],arm [m]", "a,1,2", "name,H [kN],arm [m]"), '3: H [kN]: "H [kN]" is not a number'),
+        (("name,H [kN],arm [m]", ",MN,", "a,1,2"), '2: H [kN]: "MN" is not a number'),
+    ],
+)  # fmt: skip
+def test_cells_and_columns_in_doubt_are_refused(tmp_path: Path, lines: tuple[str, ...], found: str) -> None:
+    assert found in problems(tmp_path, *lines)
+
+
+def test_the_order_and_the_parts_of_loads_change_no_case(tmp_path: Path) -> None:
+    """100 random tables: shuffled, and with a load in two halves; a repeated row counts twice, and a remark says so."""
+    random = np.random.default_rng(40)
+    head = "name,H [kN],arm [m],V [kN],direction [deg],T [kN m],factor"
+    for _ in range(100):
+        rows = [
+            f"{name},{H},{arm},{V},{angle},{T},{factor}"
+            for name, H, arm, V, angle, T, factor in zip(
+                random.choice(list("abc"), 6), random.integers(-900, 900, 6), random.integers(0, 60, 6),
+                random.integers(0, 9000, 6), 45 * random.integers(0, 8, 6), random.integers(0, 9, 6),
+                random.choice([1.0, 1.35], 6), strict=True,
+            )
+        ]  # fmt: skip
+        first = rows[0].split(",")
+        half = ",".join([first[0], str(int(first[1]) / 2), first[2], str(int(first[3]) / 2), first[4],
+                         str(int(first[5]) / 2), first[6]])  # fmt: skip
+        whole = by_name(table(tmp_path, head, *rows))
+        shuffled = by_name(table(tmp_path, head, *random.permutation(rows)))
+        halved = by_name(table(tmp_path, head, half, *rows[1:], half))
+        assert whole.keys() == shuffled.keys() == halved.keys()
+        for name, values in whole.items():
+            assert shuffled[name] == values
+            np.testing.assert_allclose(halved[name], values, rtol=1e-9, atol=1e-3)
+    twice = table(tmp_path, "name,H [kN]", "a,5", "b,1", "a,5")
+    assert (twice.H.tolist(), twice.remarks) == ([1e4, 1e3], ("the rows 2 and 4 are the same, and both count", ""))
+
+
+def by_name(cases: LoadCases) -> dict[str, tuple[float, ...]]:
+    columns = (cases.H, cases.M, cases.V, cases.direction, cases.across, cases.torsion)
+    return {name: tuple(float(each[k]) for each in columns) for k, name in enumerate(cases.name)}
+
+
 def test_every_fault_with_its_place(tmp_path: Path) -> None:
     found = problems(
         tmp_path,

@@ -10,8 +10,10 @@ import openpyxl
 import pytest
 
 from pysprings.core.errors import UserInputError
+from pysprings.core.units import read, si_of
 from pysprings.scene.ground import ground_of
 from pysprings.scene.load import load_scene, parse_scene
+from pysprings.scene.profile_table import read_layers
 
 SITE = """\
 Depth from [m],Depth to [m],Soil type,Effective unit weight [kN/m3],Friction angle from [deg],Friction angle to [deg],\
@@ -211,3 +213,77 @@ def test_rows_with_su_alone_are_clay_and_eps50_is_an_axial_strain(tmp_path):
     file.write_text(file.read_text().replace("[soil]", '[soil]\nyield_surface = "von-mises"'))
     file.with_name("site.csv").write_text(table.rsplit("sand", 1)[0])
     assert ground_of(load_scene(file)).strata[0].law == "von-mises"
+
+
+LAYER = {"name": "S", "effective_unit_weight": "9 kN/m^3", "friction_angle_final": "30 deg", "young_modulus": "40 MPa"}
+
+
+def layers(folder, text, **soil):
+    (folder / "site.csv").write_text(text, encoding="utf-8")
+    return read_layers(folder / "site.csv", soil)
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.core.tables.TableNote")
+@pytest.mark.parametrize(
+    ("table", "given"),
+    [
+        ("z from [m],z to [m],Soil unit,gamma' [kN/m3],phi' [deg],E' [MPa]\n0,9,S,9,30,40\n", {}),
+        ("top_m,bottom_m,name,effective_unit_weight_kN_m3,phi_deg,E_MPa\n0,9,S,9,30,40\n", {}),
+        ("Depth from (ft),Depth to (ft),name,Total unit weight (pcf),φ (°),E (ksf)\n0,30,S,119.7422,30,835.4174\n",
+         {"effective_unit_weight": 9e3, "young_modulus": 40e6}),
+        ("top [m],name,Bulk unit weight [kN/m3],phi [deg],Vs [m/s],Dr [%],remarks\n0,S,18.81,30,100,70,loose\n",
+         {"effective_unit_weight": 9e3, "shear_modulus": 18.81 / 9.81 * 1e3 * 100.0**2, "young_modulus": None}),
+        ("top [m],name,gamma' [kN/m3],phi [deg],Gmax [kPa],sigma v\n0,S,9,30,30000,\n",
+         "sigma v"),
+        (",top [m],name,gamma' [kN/m3],phi [deg],E [MPa],\n0,0,S,9,30,40,\n1,5,S,9,30,40,\n", {}),
+        ("top [m],name,Unit weight [kN/m3],phi [deg],E [MPa]\n0,S,9,30,40\n", "total or effective"),
+        ("top [m],name,phi [deg],Vs [m/s]\n0,S,30,200\n", "needs the total unit weight beside it"),
+        ("top [m],name,gamma' [kN/m3]\n0,S,9\n", "no column gives stiffness or strength"),
+        ("top [m],phi [deg],E [MPa]\n5,30,40\n0,30,40\n", "is not below the layer above it"),
+        ("top [m],bottom [m],su from [kPa],su to [kPa],E [MPa]\n0,9,5,,40\n", "blank beside the value at the other"),
+        ("top [m],bottom [m],su from [kPa],E [MPa]\n0,9,5,40\n", "needs a column"),
+        ("z [m],qc [MPa],fs [MPa]\n0.1,0.9,0.004\n", "is a CPT"),
+        ("#GEFID= 1, 1, 0\n#EOH=\n0.1;0.9;0.004;\n", "is a CPT"),
+        ('"GROUP","SCPT"\n"HEADING","LOCA_ID"\n', "is a CPT"),
+        ("Sample,Depth [m],Type,Su peak [kPa]\n3W,2.2,UU,31\n", "laboratory tests"),
+    ],
+)  # fmt: skip
+def test_headings_of_the_field(tmp_path, table, given):
+    if not isinstance(given, dict):
+        with pytest.raises(UserInputError, match=given):
+            layers(tmp_path, table)
+        return
+    first = layers(tmp_path, table)[0]
+    expected = {**LAYER, **given}
+    for key, value in expected.items():
+        if value is None:
+            assert key not in first
+        elif isinstance(value, float):
+            assert read(first[key], si_of(first[key].split(" ", 1)[1])) == pytest.approx(value, rel=1e-5), key
+        else:
+            assert first[key] == value
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.core.tables.TableNote")
+def test_points_by_depth_are_linear_between(tmp_path):
+    """Two points at one depth are a boundary; a point on the line, or 400 of them, change nothing."""
+    rows = ["0,clay,8,5,30", "4,clay,8,13,30", "4,clay,9,20,60", "10,clay,9,20,60"]
+    head = "depth [m],name,gamma' [kN/m3],su [kPa],E [MPa]\n"
+    plain = layers(tmp_path, head + "\n".join(rows))
+    assert [layer["top"] for layer in plain] == ["0 m", "4 m"]
+    assert plain[0]["undrained_shear_strength"] == {"top": "5 kPa", "bottom": "13 kPa"}
+    assert (plain[1]["undrained_shear_strength"], plain[0]["law"]) == ("20 kPa", "tresca")
+    more = [rows[0], *(f"{z / 100:g},clay,8,{5 + z / 50:g},30" for z in range(1, 400)), *rows[1:]]
+    assert layers(tmp_path, head + "\n".join(more)) == plain
+    deeper = layers(tmp_path, head + "\n".join(rows).replace("0,clay", "1,clay", 1))
+    assert [layer["top"] for layer in deeper] == ["0 m", "1 m", "4 m"]
+    for row, message in (("2,clay,8,,30", "blank, and not at the next point"), ("-1,clay,8,5,30", "is not in")):
+        with pytest.raises(UserInputError, match=message):
+            layers(tmp_path, head + "\n".join([row, *rows[1:]]))
+    with pytest.raises(UserInputError, match="is above the point before"):
+        layers(tmp_path, head + "\n".join([*rows, "7,clay,9,30,60"]))
+
+
+def test_names_of_tables_serve_the_scene(tmp_path):
+    with pytest.raises(UserInputError, match=r"soil.phi: unknown key \(did you mean 'friction_angle_final'\?\)"):
+        parse_scene('[soil]\nphi = "30 deg"\n')
