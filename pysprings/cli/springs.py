@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -14,6 +14,7 @@ from pysprings.cli.inputs import refuse_unfinished, springs_of
 from pysprings.cli.options import Json, Result, named
 from pysprings.cli.support import refuse, to_stderr
 from pysprings.core.files.written import note, own_folder
+from pysprings.core.text import plain_table
 from pysprings.results import exporters
 from pysprings.results.exporters import EXPORTERS
 
@@ -61,7 +62,7 @@ def _format(form: str | None, out: Path | None) -> str:
 
 def export(
     result: Annotated[Path, typer.Argument(metavar="RESULT", help="folder of a run, springs.nc, or full_model.nc")],
-    to: Annotated[str, named("--to", EXPORTERS, "format or program")] = "paraview",
+    to: Annotated[str | None, named("--to", EXPORTERS, "format or program")] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="folder for the files \\[default: NAME/ beside RESULT]")
     ] = None,
@@ -70,7 +71,7 @@ def export(
     ] = None,
 ) -> None:
     """Write files for other programs. ParaView files need a run with \\[output] paraview = true."""
-    exporter = EXPORTERS.find(to, "--to")
+    exporter = EXPORTERS.find(to, "--to") if to else _refuse_no_target()
     options = _export_options(option or [])
     exporters.read_options(exporter, options)
     if out is not None:
@@ -84,6 +85,14 @@ def export(
         print(path)
     for remark in done.remarks:
         to_stderr(f"note: {remark}")
+
+
+def _refuse_no_target() -> NoReturn:
+    """List what `--to` takes, a line each, and end the program."""
+    to_stderr(
+        plain_table(("--to", "writes"), [(each.name, each.description) for each in EXPORTERS], (True, True)).rstrip()
+    )
+    refuse("--to", f"is missing: give one of {', '.join(EXPORTERS.names())}")
 
 
 def _keep_no_list(_file: Path) -> None:

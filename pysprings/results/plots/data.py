@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pysprings.core.errors import refused
 from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.style import KN, MM, MN, MRAD
@@ -28,10 +29,26 @@ _AXES = {
 
 
 def pick_depths(path: xr.Dataset, depths: Iterable[float] | None = None) -> list[int]:
-    """Choose rings: the nearest to the given depths [m], else to 1/16, 5/16, 9/16 and 13/16 of the skirt."""
-    rings = path["depth"].values
-    targets = list(depths) if depths is not None else [f * skirt_length(path) for f in DEPTH_FRACTIONS]
-    return sorted({int(np.argmin(np.abs(rings - depth))) for depth in targets})
+    """Choose rings: the nearest to the given depths [m], else to 1/16, 5/16, 9/16 and 13/16 of the skirt.
+
+    Raises UserInputError for a depth that is not on the skirt.
+    """
+    length = skirt_length(path)
+    targets = list(depths) if depths is not None else [f * length for f in DEPTH_FRACTIONS]
+    if beyond := [f"{depth:g}" for depth in targets if not 0.0 <= depth <= length * (1.0 + 1e-9)]:
+        raise refused("depths", f"{', '.join(beyond)} m is not on the skirt, 0 to {length:g} m")
+    return sorted({_nearest(path, depth) for depth in targets})
+
+
+def _nearest(path: xr.Dataset, depth: float) -> int:
+    return int(np.argmin(np.abs(path["depth"].values - depth)))
+
+
+def depth_words(path: xr.Dataset, depths: Iterable[float] | None) -> str:
+    """Return where the rings lie that stand for the depths [m] that were asked for; empty where they are these."""
+    drawn = [(depth, float(path["depth"][_nearest(path, depth)])) for depth in (() if depths is None else depths)]
+    moved = [f"{at:.2f} m for {depth:g} m" for depth, at in drawn if abs(at - depth) >= 0.005]
+    return f"nearest depths with results: {', '.join(moved)}" if moved else ""
 
 
 def spread_depths(path: xr.Dataset, most: int) -> list[int]:

@@ -10,7 +10,7 @@ import matplotlib as mpl
 import numpy as np
 
 from pysprings.results.analysis.parts import converged
-from pysprings.results.plots.data import lateral_reaction, pick_depths, spread_depths
+from pysprings.results.plots.data import depth_words, lateral_reaction, pick_depths, spread_depths
 from pysprings.results.plots.labels import label_ends, last_point
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.profiles import limits_without_edge
@@ -47,7 +47,7 @@ def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure
     path
         One path of a result or of a spring set.
     depths
-        Depths [m]; the nearest rings are drawn. Default: at most eight rings, evenly over the skirt.
+        Depths [m]; the nearest rings are drawn, and named in the title. Default: at most eight rings, evenly over it.
     """
     figure = new_figure(9.6, 7.4)
     grid = figure.add_gridspec(2, 2, height_ratios=[1.25, 1.0])
@@ -59,7 +59,13 @@ def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure
         _make_room(axes)
         _label_depths(axes)
         zero_lines(axes)
-    set_title(figure, "p-y curves by depth (depth below mudline at the end of each curve)", path.attrs, EDGE_WORDS)
+    set_title(
+        figure,
+        "p-y curves by depth (depth below mudline at the end of each curve)",
+        path.attrs,
+        EDGE_WORDS,
+        depth_words(path, depths),
+    )
     return figure
 
 

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Arc, Circle, Patch, Wedge
 
 from pysprings.results.analysis.parts import pick_step
-from pysprings.results.plots.data import pick_depths, step_text
+from pysprings.results.plots.data import depth_words, pick_depths, step_text
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import (
     DEG,
@@ -132,7 +132,7 @@ def stress_rose(
         ncols=2,
     )
     title = rf"Normal effective stress $p'_N$ / initial, {side} of the skirt"
-    set_title(figure, title, path.attrs, f"at {step_text(path, step)}")
+    set_title(figure, title, path.attrs, f"at {step_text(path, step)}", depth_words(path, depths))
     return figure
 
 

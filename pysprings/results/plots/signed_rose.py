@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 
 from pysprings.results.analysis.parts import pick_step
-from pysprings.results.plots.data import pick_depths, step_text
+from pysprings.results.plots.data import depth_words, pick_depths, step_text
 from pysprings.results.plots.rose import GAP_LOOK, TRACE, draw_gaps, refine, ring
 from pysprings.results.plots.style import GREY, INK, KPA, PALE, SIDE_COLOURS, STEEL, new_figure, set_title
 
@@ -73,7 +73,13 @@ def draw_signed_rose(
         axes.set_title(_words(float(path["depth"][k]), azimuth, rings[k], quantity), loc="center", fontsize=9)
     gaps = quantity.normalised and any(ring(path, step, k, side).gaps() for k in chosen for side in sides)
     figure.legend(handles=_legend(sides, largest, quantity, gaps), loc="outside lower center", ncols=2)
-    set_title(figure, quantity.title, path.attrs, f"at {step_text(path, step)}")
+    set_title(
+        figure,
+        quantity.title,
+        path.attrs,
+        f"at {step_text(path, step)}",
+        depth_words(path, depths),
+    )
     return figure
 
 

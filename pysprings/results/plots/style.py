@@ -143,9 +143,9 @@ def plain(text: object) -> str:
     return str(text).replace("$", r"\$")
 
 
-def set_title(figure: Figure, what: str, attrs: Mapping[str, Any], more: str = "") -> None:
-    """Write the figure's title: what it shows, then the settings of the run, then a remark."""
-    figure.suptitle("\n".join(line for line in (what, headline(attrs), more) if line))
+def set_title(figure: Figure, what: str, attrs: Mapping[str, Any], *more: str) -> None:
+    """Write the figure's title: what it shows, then the settings of the run, then remarks, a line each."""
+    figure.suptitle("\n".join(line for line in (what, headline(attrs), *more) if line))
 
 
 def plot_path(axes: Axes, x: ArrayLike, y: ArrayLike, good: NDArray[np.bool_], **line: Any) -> NDArray[np.float64]:

@@ -80,6 +80,13 @@ def test_command_line(toy: Exporter, folder: Path, tmp_path: Path) -> None:
     assert not (folder / "toy").exists()
 
 
+def test_without_a_target_the_targets_are_listed(toy: Exporter, folder: Path) -> None:
+    done = command("export", folder)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert all(f"{each.name} " in done.stderr and each.description in done.stderr for each in EXPORTERS)
+    assert done.stderr.splitlines()[-1].startswith("fatal: user input: --to: is missing: give one of csv, wide")
+
+
 def test_files_inside_a_result_folder_go_with_the_next_run(toy: Exporter, folder: Path) -> None:
     done = command("export", folder, "--to", "toy")
     assert done.exit_code == 0

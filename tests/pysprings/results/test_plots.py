@@ -17,6 +17,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 
+from pysprings.core.errors import UserInputError
 from pysprings.core.registry import Registry
 from pysprings.results import layout, plots
 from pysprings.results.analysis import newton, parts
@@ -315,6 +316,17 @@ def test_rose_without_initial_stress_says_so(pull: xr.Dataset) -> None:
 def test_depths_default_to_the_papers(pull: xr.Dataset) -> None:
     fine = xr.Dataset({"y": ("depth", np.zeros(81))}, {"depth": np.linspace(0, 4, 81)}, {"skirt_length_m": 4.0})
     assert fine["depth"].values[data.pick_depths(fine)].tolist() == pytest.approx([0.25, 1.25, 2.25, 3.25])
+
+
+def test_depths_that_are_not_there_are_named_or_refused(pull: xr.Dataset) -> None:
+    ring = float(pull["depth"][4])
+    for draw in (plots.py_curves, plots.stress_rose, plots.shear_rose):
+        assert f"nearest depths with results: {ring:.2f} m for {ring + 0.02:g} m" in title(
+            draw(pull, depths=[ring + 0.02])
+        )
+        assert "nearest" not in title(draw(pull, depths=[ring])) + title(draw(pull))
+        with pytest.raises(UserInputError, match=r"-1, 44 m is not on the skirt, 0 to 4 m"):
+            draw(pull, depths=[-1.0, ring, 44.0])
 
 
 # ---------------------------------------------------------------- gap
