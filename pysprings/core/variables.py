@@ -255,6 +255,7 @@ _SPRINGS_PATH = (
         *_TIP,
         *_LID,
         V("time", "time", "s", ("step",), required=False),
+        replace(_RESULT_PATH["cavitation_margin"], required=False),
     )
 )
 

@@ -8,9 +8,11 @@ Below the vapour pressure water boils and carries no further suction, which the 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
 from pysprings.core.atmosphere import ATMOSPHERE, VAPOUR
 
@@ -36,11 +38,22 @@ def smallest_margin(position: np.ndarray, pressure: np.ndarray, unit_weight: flo
     return Margin(float(margin[worst]), float(pressure[worst]), (x, y, z))
 
 
-def warning(path: str, u: float, margin: Margin) -> str:
-    """Return one line on where and when water would cavitate."""
+def warning(path: str, states: xr.Dataset, length: float, margin: Margin) -> str:
+    """Return one line on where and when water would cavitate.
+
+    states : of the path, with the margin by step; length : of the skirt (m).
+    """
+    first = int(np.argmax(states["cavitation_margin"].values < 0.0))
+    u, w, rotation = (float(states[name].values[first]) for name in ("u", "w", "rotation"))
+    settled = w - float(states["w"].values[0])
+    ways = (
+        (abs(u), f"u = {1e3 * u:.4g} mm"),
+        (abs(rotation) * length, f"rotation = {math.degrees(rotation):.4g} deg"),
+        (abs(settled), f"w = {1e3 * w:.4g} mm (V = {1e-3 * float(states['V'].values[first]):.5g} kN)"),
+    )
     x, y, z = margin.place
     where = f"x={x:.3f}, y={y:.3f}, z={z:.3f} m"
     return (
-        f"path '{path}': water would cavitate from u = {1e3 * u:.4g} mm on, first at {where}, where the excess "
-        f"pressure is {margin.pressure / 1e3:.4g} kPa; the suction beyond is not there in reality"
+        f"path '{path}': water would cavitate from {max(ways)[1]} on, first at {where}, where the excess "
+        f"pressure is {margin.pressure / 1e3:.4g} kPa; reality has no such suction, and springs end there"
     )

@@ -39,7 +39,7 @@ class Collector:
         holds_water: Callable[[np.ndarray], np.ndarray] = np.ones_like,
     ) -> None:  # fmt: skip
         self.balance, self.sea = balance, sea
-        self.cavitation: tuple[float, Margin] | None = None
+        self.cavitation: Margin | None = None
         nodes, film = built.model.mesh.nodes, built.film_mesh_node
         n_wet, n = built.caisson.mesh.n_nodes, len(nodes)
         self.wet = np.r_[:n_wet, n : n + len(film)]  # steel holds no water
@@ -150,7 +150,7 @@ class Collector:
             return {}
         smallest = smallest_margin(self.water_position, self._wet_pressures(state), *self.sea)
         if smallest.margin < 0.0 and self.cavitation is None:
-            self.cavitation = float(state.border[0]), smallest
+            self.cavitation = smallest
         return {"cavitation_margin": smallest.margin}
 
     def _rings(self, state: Fields, force: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:

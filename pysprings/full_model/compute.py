@@ -345,4 +345,5 @@ def _keep(work: Work, run: PathRun) -> None:
         if large := large_motion(name, max(u, w), turn, work.scene.caisson.skirt_length):
             work.warnings.append(large)
         if run.collector.cavitation is not None:
-            work.warnings.append(cavitation_warning(name, *run.collector.cavitation))
+            length, margin = work.scene.caisson.skirt_length, run.collector.cavitation
+            work.warnings.append(cavitation_warning(name, dataset, length, margin))

@@ -32,7 +32,7 @@ class Gathered:
     ----------
     rows : one a step, with the same names.
     record : one entry per iteration; ``given_up`` the failed attempts; ``limits`` what limited each step.
-    cavitation : displacement u [m] from which water would cavitate, and the margin there.
+    cavitation : margin of the first step whose water would cavitate.
     energy : totals of the energy balance.
     cost : of the run until then (`Work.cost`).
     """
@@ -43,7 +43,7 @@ class Gathered:
     record: list[Row]
     given_up: list[Attempt]
     limits: list[str]
-    cavitation: tuple[float, Margin] | None
+    cavitation: Margin | None
     energy: Any
     n_steps: int
     cost: Mapping[str, Any]
@@ -57,7 +57,7 @@ class Gathered:
             "record": self.record,
             "given_up": [(stage, fraction, _plain(error)) for stage, fraction, error in self.given_up],
             "limits": self.limits,
-            "cavitation": None if self.cavitation is None else [self.cavitation[0], asdict(self.cavitation[1])],
+            "cavitation": None if self.cavitation is None else asdict(self.cavitation),
             "energy": self.energy,
             "n_steps": self.n_steps,
             "cost": self.cost,
@@ -78,7 +78,7 @@ class Gathered:
             record=meta["record"],
             given_up=[(stage, fraction, NotConverged(**error)) for stage, fraction, error in meta["given_up"]],
             limits=meta["limits"],
-            cavitation=None if meta["cavitation"] is None else _margin(*meta["cavitation"]),
+            cavitation=None if meta["cavitation"] is None else _margin(meta["cavitation"]),
             energy=meta["energy"],
             n_steps=meta["n_steps"],
             cost=meta["cost"],
@@ -150,9 +150,9 @@ def _part(saved: Saved, prefix: str) -> dict[str, np.ndarray]:
     return {name.removeprefix(prefix): values for name, values in saved.arrays.items() if name.startswith(prefix)}
 
 
-def _margin(u: float, margin: Mapping[str, Any]) -> tuple[float, Margin]:
+def _margin(margin: Mapping[str, Any]) -> Margin:
     x, y, z = margin["place"]
-    return u, Margin(margin["margin"], margin["pressure"], (x, y, z))
+    return Margin(margin["margin"], margin["pressure"], (x, y, z))
 
 
 def _plain(error: NotConverged) -> dict[str, Any]:

@@ -36,8 +36,10 @@ def largest_vertical(model: MacroModel, V: float) -> tuple[float, str, str]:
     end = model.ends.get(branch.path)
     if end is not None and end.how == LIMIT_LOAD:
         return largest, f"{LIMIT_LOAD} of the full model", f"path '{branch.path}' {end.words}"
-    kind = "limit load of the springs" if _is_flat(branch) else RANGE_END
-    return largest, kind, f"path '{branch.path}', at a settlement of {branch.sign * branch.end[0]:.4g} m from rest"
+    stopped = end is not None and end.failed
+    kind = "limit load of the springs" if _is_flat(branch) and not stopped else RANGE_END
+    source = f"path '{branch.path}', at a settlement of {branch.sign * branch.end[0]:.4g} m from rest"
+    return largest, kind, f"{source}; it stopped: {end.why}" if end is not None and stopped else source
 
 
 def with_vertical_use(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:

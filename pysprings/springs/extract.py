@@ -9,6 +9,7 @@ from pysprings.core import variables
 from pysprings.core.errors import refused
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.dataset import FEWEST_STATES, SCHEMA, path_dataset, path_names
+from pysprings.springs.path_ends import MARGIN
 
 _ROOT_ATTRS = (
     "Conventions", "title", "source", "history", "references", "pysprings_version", "scene_sha256", "scene_toml",
@@ -37,7 +38,7 @@ def extract_springs(result: xr.DataTree) -> xr.DataTree:
     groups: dict[str, xr.Dataset] = {"/": root}
     for name in names:
         path = path_dataset(result, name)
-        springs = path[list(_KEPT)].assign(p=path["p_component"])
+        springs = path[[*_KEPT, *(name for name in (MARGIN,) if name in path)]].assign(p=path["p_component"])
         springs.attrs = path.attrs
         groups[f"/paths/{name}"] = variables.attach(springs, "springs_path")
     tree = xr.DataTree.from_dict(groups, name="springs")

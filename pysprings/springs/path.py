@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import MEMORY, PathKind, bends, driven, is_straight, kind_of, turns_back
 from pysprings.springs.alike import same_load
-from pysprings.springs.path_ends import PathEnd, end_of
+from pysprings.springs.path_ends import MARGIN, PathEnd, before_cavitation, end_of
 from pysprings.springs.sums import by_depth, slice_heights
 
 Array = NDArray[np.float64]
@@ -37,12 +37,14 @@ class SpringPath:
 
     @cached_property
     def dataset(self) -> xr.Dataset:
-        """The converged steps, with the name as attribute ``path``."""
+        """The converged steps, with the name as attribute ``path``; where springs are made, those before cavitation."""
         if "converged" not in self.recorded.variables:
             return self.recorded
         good = np.flatnonzero(self.recorded.variables["converged"].values == 1)
         whole = good.size == self.recorded.sizes["step"]
-        return (self.recorded if whole else self.recorded.isel(step=good)).assign_attrs(path=self.name)
+        found = self.recorded if whole else self.recorded.isel(step=good)
+        known = before_cavitation(found) if self.calibrates else found.drop_vars(MARGIN, errors="ignore")
+        return known.assign_attrs(path=self.name)
 
     # --- attributes ---
 
@@ -114,7 +116,7 @@ class SpringPath:
     @cached_property
     def end(self) -> PathEnd:
         """How the path ended."""
-        return end_of(self.name, self.recorded)
+        return end_of(self.name, self.dataset)
 
     # --- arrays ---
 

@@ -5,6 +5,9 @@ Attributes of a path: `end` is "reached" (the path came to its aim), "limit load
 motion under a given load is at the limit of the scene; `end_reason` is the criterion) or "stopped" (`end_reason` is the
 cause); `end_H_N`, `end_M_Nm`, `end_u_m` and `end_rotation_rad` are those of its last converged step. Tables do not have
 them: the end is "not known", unless the path is marked as partial.
+
+The equations do not include cavitation. A path whose water would cavitate is known up to the step before
+(`before_cavitation`): what it carries beyond is no load of springs and no capacity.
 """
 
 from __future__ import annotations
@@ -24,6 +27,8 @@ REACHED, LIMIT_LOAD, STOPPED, UNKNOWN = "reached", str(StopReason.LIMIT_LOAD), "
 ENDS = (REACHED, LIMIT_LOAD, STOPPED)
 NUMBERS = MappingProxyType({"H": "end_H_N", "M": "end_M_Nm", "u": "end_u_m", "rotation": "end_rotation_rad"})
 KEYS = ("end", "end_reason", *NUMBERS.values())
+MARGIN = "cavitation_margin"
+FEWEST = 2  # states of a path that springs are made from
 _ROUNDING = 1e-9  # loads below this share of the other one are what rounding has left of zero
 _MOST_LETTERS = 120  # of a reason in a message
 _NOT_RECORDED = "reason not recorded"
@@ -72,6 +77,23 @@ def end_attrs(reason: StopReason | None, why: str, path: xr.Dataset) -> dict[str
     """Return the attributes of a path that stopped for a reason (None: it came to its aim), and why in one line."""
     how = REACHED if reason is None else LIMIT_LOAD if reason.is_limit else STOPPED
     return {"end": how, "end_reason": why} | _last_state(path)
+
+
+def before_cavitation(path: xr.Dataset) -> xr.Dataset:
+    """Return the steps of a path before its water would cavitate, two at the least, with the end there.
+
+    The margin itself is left out. A path without a margin, or whose water never would, has all of its steps.
+    """
+    if MARGIN not in path.variables:
+        return path
+    beyond = np.flatnonzero(path.variables[MARGIN].values < 0.0)
+    known = path.drop_vars(MARGIN)
+    if not beyond.size:
+        return known
+    cut = known.isel(step=slice(max(int(beyond[0]), FEWEST)))
+    w, V = (float(cut.variables[name].values[-1]) for name in ("w", "V"))
+    why = f"the water would cavitate beyond, at w = {w:.4g} m, V = {V:.4g} N"
+    return cut.assign_attrs({"end": STOPPED, "end_reason": why} | _last_state(cut))
 
 
 def earlier_end(shorter: xr.Dataset, whole: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import xarray as xr
 
 from fe_engine.solve.globalisation import EXACT
 from pysprings.full_model import discretise
-from pysprings.full_model.cavitation import ATMOSPHERE, VAPOUR, smallest_margin
+from pysprings.full_model.cavitation import ATMOSPHERE, VAPOUR, Margin, smallest_margin, warning
 from pysprings.full_model.compute import compute, run
 from pysprings.model.build import build_model
 from pysprings.model.stages import path_stages
@@ -131,6 +131,18 @@ def test_suction_beyond_cavitation_is_warned_of_with_place_and_value() -> None:
     assert margin.min() < 0.0
     deep = compute(scene.replace(paths=(path,), drainage={"water_depth": 5000.0})).recorded()
     assert json.loads(deep.attrs["run_json"])["warnings"] == []
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [("u", "u = 2 mm on"), ("w", "w = 2 mm (V = -3000 kN) on"), ("rotation", "rotation = 0.1146 deg")],
+)
+def test_cavitation_is_named_by_the_motion_of_its_path(motion: str, words: str) -> None:
+    zero, moved = np.array([0.0, 1e-17, -1e-17]), np.array([0.0, 2e-3, 4e-3])
+    values = {name: moved if name == motion else zero for name in ("u", "w", "rotation")}
+    values |= {"V": np.array([5e6, -3e6, -4e6]), "cavitation_margin": np.array([1e5, -1.0, -2.0])}
+    states = xr.Dataset({name: ("step", each) for name, each in values.items()})
+    assert words in warning("pull_out", states, 8.0, Margin(-1.0, -4.7e5, (-4.0, 0.0, 8.0)))
 
 
 def test_margin_of_cavitation() -> None:

@@ -13,6 +13,7 @@ import xarray as xr
 from pysprings import Scene, open_table
 from pysprings.core import variables
 from pysprings.core.errors import BeyondSprings, UserInputError
+from pysprings.core.words import RANGE_END
 from pysprings.full_model.compute import run
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.comparison import compare, curves
@@ -29,13 +30,14 @@ from pysprings.macro.predict import (
 )
 from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.macro.vertical import build_vertical
+from pysprings.macro.vertical_capacity import largest_vertical
 from pysprings.springs.dataset import get_path
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.springs import Springs
 from tests.support import tiny, written
 from tests.support.commands import command
-from tests.support.vertical import REST, K, down_curve, pressed, vertical_springs
+from tests.support.vertical import REST, K, down_curve, fan_with_vertical, pressed, vertical_springs
 
 
 @pytest.mark.parametrize("name", ["down", "up"])
@@ -453,3 +455,21 @@ def test_the_share_of_the_vertical_load_that_is_used():
     np.testing.assert_allclose(batch["utilisation_V"], [5e6 / end, -3e5 / up])
     assert "utilisation_V" not in predict(vertical_springs(ends=()), H=1e3, arm=1.0)
     assert np.isnan(float(predict(vertical_springs(ends=(1e-2,)), V=-1e5, extrapolate=True)["utilisation_V"]))
+
+
+def test_what_is_carried_beyond_cavitation_is_no_capacity():
+    """A path whose water would cavitate is known up to the step before: V, w and capacity end there, and say so."""
+    whole = fan_with_vertical()
+    wet, k = whole.copy(deep=True), 12
+    margin = np.where(np.arange(whole["paths/up"].sizes["step"]) < k, 1e5, -1e3)
+    wet["paths/up"] = whole["paths/up"].to_dataset().assign(cavitation_margin=("step", margin, {"units": "Pa"}))
+    last = float(whole["paths/up"]["V"][k - 1])
+    model = MacroModel.from_springs(wet)
+    largest, kind, source = largest_vertical(model, -1.0)
+    assert (largest, kind) == (pytest.approx(last), RANGE_END) and "water would cavitate beyond, at w = " in source
+    assert largest_vertical(MacroModel.from_springs(whole), -1.0)[0] < last
+    with pytest.raises(BeyondSprings, match=r"path 'up' stopped.*the water would cavitate beyond"):
+        predict(wet, V=1.01 * last)
+    w = [float(predict(each, V=0.99 * last)["w"]) for each in (wet, whole)]
+    assert w[0] == pytest.approx(w[1], rel=1e-3)
+    assert "cavitation_margin" not in Springs.of(wet).path("up").dataset  # springs at two V or rates are blended
