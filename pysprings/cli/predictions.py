@@ -125,7 +125,7 @@ def vertical_capacity(states: xr.Dataset) -> str:
     )
 
 
-MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate")
+MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak")
 
 
 def _marks(states: xr.Dataset, step: int) -> str:

@@ -61,7 +61,8 @@ def summary(
     lines = [
         ("caisson", caisson_text(run.scene)), ("ground", ground_text(run.scene)),
         ("initial stiffness", _stiffness(run)),
-        ("loads", _loads(run)), ("tilt", _tilt(run)), ("range", _range(run)), ("mesh error", _mesh(run)),
+        ("loads", _loads(run)), ("vertical", _vertical(run)),
+        ("tilt", _tilt(run)), ("range", _range(run)), ("mesh error", _mesh(run)),
         ("springs", _springs(run)), ("warnings", _warnings(run)), ("use", _use(run)),
         ("not made", record.left_to_make),
     ]  # fmt: skip
@@ -98,6 +99,23 @@ def _loads(run: Run) -> str:
                 f"{load} {value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, {math.degrees(turn):.3g} deg)"
             )
     return f"largest reached, no limit load: {', '.join(parts)}" if parts else ""
+
+
+def _vertical(run: Run) -> str:
+    """Give V at rest, and the largest vertical loads that the springs carry; empty without vertical springs."""
+    from pysprings.core.errors import PyspringsError
+    from pysprings.macro.model import MacroModel
+    from pysprings.macro.vertical_capacity import largest_vertical
+
+    if run.springs is None:
+        return ""
+    try:
+        model = MacroModel.from_springs(run.springs)
+    except PyspringsError:  # of several rates: none is asked for
+        return ""
+    known = [(word, *largest_vertical(model, sign)) for word, sign in (("down", 1.0), ("up", -1.0))]
+    parts = [f"{word} {1e-6 * V:.4g} MN ({kind})" for word, V, kind, _ in known if kind]
+    return f"V {1e-6 * model.rest_load:.4g} MN at rest; largest known: {', '.join(parts)}" if parts else ""
 
 
 def _tilt(run: Run) -> str:

@@ -61,7 +61,7 @@ def test_no_answer_depends_on_its_neighbours(kind: str) -> None:
                 np.testing.assert_array_equal(answer[name].values, values[rows], err_msg=str(name))
 
 
-@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
+@pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (2, 0, 1)])
 def test_a_v_without_springs_is_marked_in_every_order(order: tuple[int, ...]) -> None:
     """Of springs at one V a case at another V is supported in part, whatever stands in the middle of the table."""
     V = np.array([REST, 1.5 * REST, 0.1 * REST])[list(order)]

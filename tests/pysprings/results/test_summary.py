@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -12,8 +13,10 @@ import pysprings
 from pysprings.core.files.storage import read_tree
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.folder import run_to_folder
-from pysprings.results.summary import summary
+from pysprings.results.summary import _vertical, summary
 from tests.support import tiny
+from tests.support.fans import fan_springs, potential
+from tests.support.vertical import fan_with_vertical
 
 
 @pytest.fixture(scope="module")
@@ -79,3 +82,10 @@ def test_a_design_load_changes_no_number_of_other_scenes() -> None:
     assert "[design]" not in tiny.scene().to_toml()
     assert tiny.scene(design={"lateral_force": 1e6}).sha256 != tiny.scene().sha256
     assert tiny.scene(design={"lateral_force": 1e6, "arm": 2.0}).to_toml().count("[design]") == 1
+
+
+def test_vertical_loads_stand_in_the_summary() -> None:
+    """V at rest is a number, and each direction has the largest load known; without vertical paths there is none."""
+    text = _vertical(SimpleNamespace(springs=fan_with_vertical()))
+    assert text.startswith("V 2 MN at rest; largest known: down ") and ", up -" in text
+    assert _vertical(SimpleNamespace(springs=fan_springs(potential))) == ""
