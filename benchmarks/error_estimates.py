@@ -35,7 +35,7 @@ from pysprings.full_model.accuracy.own_estimate import add_estimate, companions_
 from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import read_mesh
 from pysprings.full_model.compute import scene_to_run
-from pysprings.full_model.run_record import Computed, RunRecord, Status
+from pysprings.full_model.run_record import Computed, MeshFigures, RunRecord, Status
 from pysprings.scene.extent import PAPER
 
 ASKED = 0.9
@@ -170,7 +170,8 @@ def estimated(scene: Scene, folder: Path) -> tuple[Any, dict[str, Any]]:
 
     beside = companions_of(scene, stored)
     done = stored(scene_to_run(scene, harmonics=beside.harmonics))
-    add_estimate(scene, done, stored, beside=beside)
+    done.record.mesh = MeshFigures(harmonics=done.tree.attrs.get("harmonics"))
+    add_estimate(scene, done, beside)
     assert done.record.error_estimate is not None
     return done.tree, done.record.error_estimate
 
