@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from pysprings.results.analysis.two_runs import Run
 
 
+WIDTHS = (16, 26, 20, 20, 10)  # of the table: a terminal of 100 characters
+
+
 def diff(
     first: Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")],
     second: Annotated[Path, typer.Argument(metavar="RUN", help="folder of another run")],
@@ -41,7 +44,7 @@ def diff(
         return
     change = ["" if row.change is None else f"{row.change + 0.0:+.2f}" for row in rows]
     cells = [(row.part, row.quantity, row.first, row.second, each) for row, each in zip(rows, change, strict=True)]
-    print_table(("", "quantity", str(first), str(second), "change [%]"), cells, (True, True))
+    print_table(("", "quantity", str(first), str(second), "change [%]"), cells, (True, True, True, True), WIDTHS)
     for file in pictures:
         print(file)
 

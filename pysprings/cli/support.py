@@ -83,10 +83,12 @@ def print_json(data: Any) -> None:
     print(json_text(data, indent=2))
 
 
-def print_table(headers: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[bool] = (True,)) -> None:
-    """Print a table in plain text; columns are set to the right, but for those marked in `left` (the first one)."""
+def print_table(
+    headers: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[bool] = (True,), most: Sequence[int] = ()
+) -> None:
+    """Print a table in plain text; `left` and `most` are those of `pysprings.core.text.plain_table`."""
     cells = [[printable(cell) for cell in row] for row in rows]
-    print(plain_table([printable(head) for head in headers], cells, left))
+    print(plain_table([printable(head) for head in headers], cells, left, most))
 
 
 def refuse(key: str | None, message: str, file: str | os.PathLike[str] | None = None) -> NoReturn:

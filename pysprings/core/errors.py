@@ -7,6 +7,7 @@ Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged; 4 resources; 130 inter
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -28,11 +29,15 @@ def printable(text: object) -> str:
 
 
 MOST_PROBLEMS = 20  # lines of a message: a broken file may have thousands
-MOST_LETTERS = 500  # of a message: what it quotes may be a whole file
+MOST_LETTERS = 900  # of a message: what it quotes may be a whole file
+LONGEST_WORD = 120
 
 
-def _shortened(text: str) -> str:
-    return text if len(text) <= MOST_LETTERS else text[: MOST_LETTERS - 3] + "..."
+def shortened(text: str) -> str:
+    """Return a message with long words cut, and where that is not enough its middle: its remedy stands at its end."""
+    text = re.sub(rf"\S{{{LONGEST_WORD},}}", lambda found: f"{found[0][: LONGEST_WORD - 3]}...", text)
+    half = MOST_LETTERS // 2 - 3
+    return text if len(text) <= MOST_LETTERS else f"{text[:half]} ... {text[-half:]}"
 
 
 @dataclass(frozen=True)
@@ -50,7 +55,7 @@ class Problem:
 
     def __str__(self) -> str:
         place = [str(part) for part in (self.file, self.line, self.col) if part is not None]
-        parts = [":".join(place), _shortened(self.key or ""), _shortened(self.message)]
+        parts = [":".join(place), shortened(self.key or ""), shortened(self.message)]
         return printable(": ".join(part for part in parts if part))
 
 

@@ -4,15 +4,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TextIO
 
 Progress = Callable[[str, float, str], None]
 """Called with the name of the path (or phase), the fraction done of it in [0, 1], and a short message."""
 
-LINE_EVERY = 0.1  # fraction of a path between two plain lines
-LINE_AFTER = 30.0  # s without a plain line
+LINE_AFTER = 10.0  # s between two plain lines
 
 
 @contextmanager
@@ -49,23 +48,34 @@ def _bars(stream: TextIO) -> Iterator[Progress]:
 
 
 class PlainLines:
-    """Writes a line when a path starts, moved on by LINE_EVERY, ends, or after LINE_AFTER seconds."""
+    """Writes a line at first, and then where something moved on and LINE_AFTER seconds have passed."""
 
     def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic) -> None:
         self.stream = stream
         self.clock = clock
-        self.last: dict[str, float] = {}
-        self.written_at = clock()
+        self.written_at = -LINE_AFTER + clock()
 
     def __call__(self, path: str, fraction: float, message: str) -> None:
         """Report; see `Progress`."""
-        last = self.last.get(path)
-        late = self.clock() - self.written_at >= LINE_AFTER
-        ended = fraction >= 1.0 and last is not None and last < 1.0
-        if last is None or late or ended or fraction - last >= LINE_EVERY:
+        if self.clock() - self.written_at >= LINE_AFTER:
             print(f"{path} {100 * fraction:3.0f} % {message}".rstrip(), file=self.stream, flush=True)
-            self.last[path] = fraction
             self.written_at = self.clock()
+
+
+def counted(progress: Progress, names: Sequence[str]) -> Progress:
+    """Return a progress function that puts the place of a path among ``names``, and the share of all, into the message.
+
+    Other names (of the model, of what follows the paths) are passed on as they are.
+    """
+    place = {name: number for number, name in enumerate(names)}
+
+    def report(path: str, fraction: float, message: str) -> None:
+        if path in place and len(place) > 1:
+            total = 100.0 * (place[path] + fraction) / len(place)
+            message = f"path {place[path] + 1} of {len(place)}, {total:.0f} % of all; {message}"
+        progress(path, fraction, message)
+
+    return report
 
 
 def duration(seconds: float) -> str:

@@ -58,16 +58,33 @@ def percent(value: float) -> str:
     return f"{value:.2g} %" if value < 100.0 else f"{value:.0f} %"
 
 
-def plain_table(heads: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[bool] = (True,)) -> str:
-    """Return a table for a terminal: a rule below the heads, columns set to the right but for those in ``left``."""
+def plain_table(
+    heads: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[bool] = (True,), most: Sequence[int] = ()
+) -> str:
+    """Return a table for a terminal: a rule below the heads, columns set to the right but for those in ``left``.
+
+    ``most`` are the largest widths of the first columns: longer texts go on in a line below.
+    """
     from tabulate import tabulate
 
+    heads, *rows = [_wrapped(row, most) for row in (heads, *rows)]
     sides = [*left, *[False] * (len(heads) - len(left))]
     text = tabulate(
         rows, heads, tablefmt="simple", disable_numparse=True, colalign=["left" if side else "right" for side in sides],
         preserve_whitespace=True,
     )  # fmt: skip
     return "\n".join(line.rstrip() for line in text.splitlines())
+
+
+def _wrapped(row: Sequence[str], most: Sequence[int]) -> list[str]:
+    """Return cells with line breaks where they are wider than allowed."""
+    from textwrap import wrap
+
+    widths = [*most, *[None] * (len(row) - len(most))]
+    return [
+        cell if width is None or len(cell) <= width else "\n".join(wrap(cell, width))
+        for cell, width in zip(row, widths, strict=True)
+    ]
 
 
 def markdown_table(heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = False) -> str:

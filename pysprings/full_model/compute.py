@@ -24,7 +24,7 @@ from pysprings.core.errors import ResourceError, RunIncomplete, out_of_memory, r
 from pysprings.core.files.layout import is_unfinished, refuse_links
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.path_kinds import PAIRS, PARTS
-from pysprings.core.progress import Progress
+from pysprings.core.progress import Progress, counted
 from pysprings.core.stop_reasons import StopReason
 from pysprings.core.threads import blas_on_one_thread
 from pysprings.full_model.accuracy.own_estimate import (
@@ -168,11 +168,15 @@ def _compute(scene: Scene, options: RunOptions) -> Computed:
         return _computed(scene, options)
 
 
+def _silent(*_: object) -> None:
+    """Report no progress."""
+
+
 def _computed(scene: Scene, options: RunOptions) -> Computed:
     started, meter = datetime.now(UTC).isoformat(timespec="seconds"), Meter()
     ran = scene_to_run(scene, options.mesh, options.linear, options.harmonics)
     refuse_what_cannot_fit(ran)
-    work = _prepare(ran, meter.clock, options.progress or (lambda *_: None))
+    work = _prepare(ran, meter.clock, counted(options.progress or _silent, [path.name for path in ran.load_paths]))
     work.checkpoints = options.checkpoints
     loaded = _take_up(work, started, options.resume)
     try:

@@ -183,7 +183,8 @@ class _Files:
         if whole:
             write_tree(computed.recorded(), folder / "full_model.nc")
             _write_record(folder, record.as_dict() | {"status": WRITING})
-            write_load_displacement(source.result, folder / "load_displacement.csv")
+            if path_names(source.result):
+                write_load_displacement(source.result, folder / "load_displacement.csv")
         if self.has_springs:
             self._made(record, "springs.nc", lambda: save_springs(source.springs, folder / "springs.nc"))
             springs = source.springs

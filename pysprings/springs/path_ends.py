@@ -30,7 +30,6 @@ KEYS = ("end", "end_reason", *NUMBERS.values())
 MARGIN = "cavitation_margin"
 FEWEST = 2  # states of a path that springs are made from
 _ROUNDING = 1e-9  # loads below this share of the other one are what rounding has left of zero
-_MOST_LETTERS = 120  # of a reason in a message
 _NOT_RECORDED = "reason not recorded"
 
 
@@ -69,7 +68,8 @@ class PathEnd:
         H, M = (0.0 if abs(x) < _ROUNDING * max(abs(self.H), abs(self.M)) else x for x in (self.H, self.M))
         loads = f" at H = {H:.4g} N with M = {M:.4g} N m" if np.isfinite([H, M]).all() else ""
         loads += f" (u = {self.u:.4g} m, rotation = {self.rotation:.4g} rad)" if np.isfinite(self.u) else ""
-        why = f" ({self.why[:_MOST_LETTERS]})" if self.why and self.failed else ""
+        reason = self.why.partition(" (")[0]  # without the place and the residuals of the last attempt
+        why = f" ({reason})" if reason and self.failed else ""
         return f"{words.get(self.how, 'ended in a way that is not known')}{loads}{why}"
 
 

@@ -18,7 +18,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from pysprings.core.errors import PyspringsError, RunIncomplete, UserInputError
+from pysprings.core.errors import PyspringsError, RunIncomplete, UserInputError, shortened
 from pysprings.core.version import __version__
 from pysprings.studies.sweep.cases_file import DONE, FAILED, SHORT, STOPPED
 
@@ -26,7 +26,6 @@ ENDED = "case.json"
 SIGN = ".pysprings-study"  # a worker that sees this file of the study writes into its folder itself
 NEW = ".carried"
 FOLDER = "cases"
-_MOST_LETTERS = 300
 
 
 @dataclass(frozen=True)
@@ -140,7 +139,7 @@ def _computed(task: Task, folder: Path) -> tuple[str, str, str]:
 def _line(error: object) -> str:
     """Return an error as one line."""
     text = "; ".join(str(error).removeprefix("fatal: user input: ").split("\n")) or type(error).__name__
-    return text if len(text) <= _MOST_LETTERS else text[: _MOST_LETTERS - 3] + "..."
+    return shortened(text)
 
 
 def packed(folder: Path) -> bytes:

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import io
 
-from pysprings.core.progress import PlainLines, reporter
+from pysprings.core.errors import Problem
+from pysprings.core.progress import PlainLines, counted, reporter
+from pysprings.core.text import plain_table
 
 
 class Terminal(io.StringIO):
@@ -13,27 +15,26 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_plain_lines_are_few() -> None:
-    stream, time = io.StringIO(), [0.0]
-    lines = PlainLines(stream, clock=lambda: time[0])
-    for step in range(101):
-        lines("pull", step / 100, f"step {step}")
-    lines("turn", 0.0, "")
+def test_plain_lines_are_at_most_one_in_ten_seconds() -> None:
+    stream, time = io.StringIO(), [100.0]
+    lines = counted(PlainLines(stream, clock=lambda: time[0]), ["pull", "turn"])
+    lines("model", 0.0, "mesh")
+    for step in range(200):
+        time[0] += 0.3
+        lines("pull" if step < 100 else "turn", step % 100 / 100, f"step {step % 100}")
     written = stream.getvalue().splitlines()
-    assert written[0] == "pull   0 % step 0"
-    assert written[-2:] == ["pull 100 % step 100", "turn   0 %"]
-    assert len(written) <= 12
+    assert written[0] == "model   0 % mesh"
+    assert written[1] == "pull  33 % path 1 of 2, 17 % of all; step 33"
+    assert written[-1].startswith("turn  ") and "path 2 of 2" in written[-1]
+    assert len(written) == 6
 
 
-def test_plain_lines_speak_after_a_while() -> None:
-    stream, time = io.StringIO(), [0.0]
-    lines = PlainLines(stream, clock=lambda: time[0])
-    lines("pull", 0.0, "a")
-    lines("pull", 0.001, "b")
-    time[0] = 31.0
-    lines("pull", 0.002, "c")
-    lines("pull", 0.003, "d")
-    assert stream.getvalue() == "pull   0 % a\npull   0 % c\n"
+def test_messages_keep_their_remedy_and_tables_their_width() -> None:
+    remedy = "--extrapolate (extrapolate=True) answers beyond"
+    line = str(Problem(key="k", message=f"{'x' * 5000} {'so many words ' * 300} {remedy}"))
+    assert line.endswith(remedy) and len(line) < 1000
+    wide = plain_table(["a", "b"], [["word " * 100, "12,570"]], most=(20, 20))
+    assert max(map(len, wide.splitlines())) <= 42 and "12,570" in wide
 
 
 def test_reporter_suits_the_stream() -> None:
