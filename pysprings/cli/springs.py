@@ -111,8 +111,14 @@ def _export_options(given: list[str]) -> dict[str, str]:
 def _export_source(result: Path, exporter: exporters.Exporter) -> exporters.Source:
     """Return the springs, or the full model of a folder or file; refuse a run that has not ended."""
     from pysprings.core.files.storage import read_tree
+    from pysprings.full_model.accuracy.two_mesh import missing, words
+    from pysprings.full_model.run_record import RunRecord
 
     if exporter.needs == "springs":
-        return exporters.Source(springs=springs_of(result))
+        source = exporters.Source(springs=springs_of(result))
+        record = RunRecord.read(result if result.is_dir() else result.parent)
+        if record and record.scene_sha256 == source.springs.attrs.get("scene_sha256"):
+            source.mesh_error = words(record.error_estimate or missing("the run made none"))
+        return source
     refuse_unfinished(result)
     return exporters.Source(result=read_tree(result / "full_model.nc" if result.is_dir() else result))

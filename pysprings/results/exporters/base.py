@@ -36,6 +36,7 @@ class Source:
     ) -> None:
         self._springs, self._result = springs, result
         self.summary: dict[str, str] = {}  # of the run, by heading
+        self.mesh_error = "discretisation error: not recorded beside these springs"  # of the run, a sentence
 
     @cached_property
     def springs(self) -> xr.DataTree:

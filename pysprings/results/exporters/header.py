@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.core.path_kinds import HELD_BACK
+from pysprings.core.path_kinds import HELD_BACK, VERTICAL
 from pysprings.core.version import __version__
 from pysprings.results.exporters.base import Source
 from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
@@ -22,6 +22,7 @@ _ERRORS = {
 }  # fmt: skip
 
 
+_PREDICT = ("fan", "full", "py")  # spring sets in the order in which `predict` takes them
 BACKBONE = "monotonic backbone of a nonlinear response, not cyclic"
 
 
@@ -54,6 +55,7 @@ def header(source: Source, target: str, frame: str, units: str, use: str = BACKB
         use,
         *_ranges(springs),
         *_errors(source.comparison),
+        source.mesh_error,
     ]
 
 
@@ -70,15 +72,24 @@ def _ranges(springs: xr.DataTree) -> Iterator[str]:
             f"{1e3 * most['rotation']:.4g} mrad, |H| to {1e-3 * most['H']:.5g} kN; beyond it every use is an "
             "extrapolation"
         )
-    yield from (f"range, path {name}: {range_of_path(springs, name)}" for name in path_names(springs)
-                if is_vertical(springs, name))  # fmt: skip
-    ends = ((name, end_of(name, get_path(springs, name))) for name in lateral)
+    down = [get_path(springs, name) for name in path_names(springs) if is_vertical(springs, name)]
+    if down:
+        w, V = (np.concatenate([path[key].values for path in down]) for key in ("w", "V"))
+        yield (
+            f"range of {len(down)} vertical paths: w from {1e3 * w.min():.4g} to {1e3 * w.max():.4g} mm, "
+            f"V from {1e-3 * V.min():.5g} to {1e-3 * V.max():.5g} kN"
+        )
+    ends = ((name, end_of(name, get_path(springs, name))) for name in path_names(springs))
     yield from (f"path {name} {end.words}" for name, end in ends if end.failed)
 
 
 def _errors(comparison: pd.DataFrame) -> Iterator[str]:
-    """Yield the largest errors of each spring set, on held-back paths where there are any, and their paths."""
-    for springs, rows in comparison.groupby("springs", sort=False):
+    """Yield the largest errors of the springs that predict, on held-back paths where there are any, and their paths."""
+    sets = comparison.groupby("springs", sort=False)
+    predict = next((each for each in _PREDICT if each in sets.groups), None)
+    for springs, rows in sets:
+        if springs not in (predict, VERTICAL):
+            continue
         held = rows[rows["role"] == HELD_BACK]
         used = held if len(held) else rows
         parts = []

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.path_kinds import has_free_head
 from pysprings.core.text import plain_table
-from pysprings.macro.stiffness import stiffness_six
+from pysprings.macro.model import MacroModel
+from pysprings.macro.stiffness import Form, in_form, secant, stiffness_six
 from pysprings.springs.springs import Springs
 
 if TYPE_CHECKING:
@@ -24,6 +26,13 @@ _HEAD = (
     "error of the linear response in H and M at 10, 50 and 100 % of the range of each path, in percent of the largest "
     f"H and M on the path ('-': below {100 * SMALL:g} % of the other load):"
 )
+AT_REST = (
+    "linear: stiffness at rest, which the caisson has at no load; beside it secants of the springs, and its errors"
+)
+_SECANTS = (
+    "stiffness at rest, and the secant of the springs at 10 and 50 % of the range of paths [MN/m, MN/rad, MN m/rad]:"
+)
+_SECANT_COLUMNS = ("state", "|u| [mm]", "|rotation| [mrad]", "Kxx", "Kxty", "Ktyty")
 _COLUMNS = ("path", "role", "u [mm]", "rotation [mrad]", *(f"{load} {100 * s:g} %" for load in "HM" for s in SHARES))
 
 
@@ -42,6 +51,39 @@ def stiffness_z_up(springs: Springs, torsion: float) -> Array:
     return matrix + 0.0
 
 
+def linear_words(springs: Springs) -> list[str]:
+    """Return the lines that stand beside a matrix of the caisson at rest: what it is, secants, and its errors."""
+    return [AT_REST, *secants(springs), *linear_errors(springs)]
+
+
+def secants(springs: Springs) -> list[str]:
+    """Return the lines of a table: stiffness at rest, then the secants at 10 and 50 % of the range of lateral paths.
+
+    The secant is that of the springs that predict, at recorded states of the paths with a free head (of all lateral
+    ones where there is none), in the frame and the words of the matrix: z up, x along the load.
+    """
+    lateral = [path for path in springs.paths.values() if not path.is_vertical]
+    rows = [("at rest", "", "", *_entries(stiffness_z_up(springs, 0.0)[np.ix_([0, 4], [0, 4])]))]
+    for path in [each for each in lateral if has_free_head(each.attrs)] or lateral:
+        model = MacroModel.from_springs(springs.answering(path))
+        motion = np.stack([path.u, path.rotation])
+        for share, step in zip(SHARES[:2], _steps(motion, springs.length), strict=False):
+            matrix = in_form(secant(model, *motion[:, step]), Form(z_up=True, symmetric=True))
+            size = [f"{1e3 * value + 0.0:.3g}" for value in np.abs(motion[:, step])]
+            rows.append((f"{path.name}, {100 * share:g} %", *size, *_entries(matrix[np.ix_([0, -1], [0, -1])])))
+    return [_SECANTS, *plain_table(_SECANT_COLUMNS, rows).splitlines()]
+
+
+def _entries(matrix: Array) -> list[str]:
+    return [f"{1e-6 * value:.4g}" for value in (matrix[0, 0], matrix[0, 1], matrix[1, 1])]
+
+
+def _steps(motion: Array, length: float) -> list[int]:
+    """Return the steps at `SHARES` of the largest size of a motion (2, step)."""
+    size = np.hypot(motion[0], motion[1] * length)
+    return [int(np.argmin(np.abs(size - share * size.max()))) for share in SHARES]
+
+
 def linear_errors(springs: Springs) -> list[str]:
     """Return the lines of a table with a row for each lateral path: errors of the initial stiffness in H and M.
 
@@ -54,8 +96,7 @@ def linear_errors(springs: Springs) -> list[str]:
             continue
         data = path.dataset
         motion = np.stack([data["u"].values, data["rotation"].values])
-        size = np.hypot(motion[0], motion[1] * springs.length)
-        steps = [int(np.argmin(np.abs(size - share * size.max()))) for share in SHARES]
+        steps = _steps(motion, springs.length)
         end = [f"{1e3 * value + 0.0:.3g}" for value in motion[:, steps[-1]]]
         words = _words(springs.lateral_stiffness @ motion, data, springs.length, steps)
         rows.append((name, str(data.attrs["role"]), *end, *words))

@@ -88,7 +88,7 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
     from pysprings.results.exporters.soildyn.inputs import matrix_input
 
     stiffness, lost = matrix_of(source, float(options["torsion"] or 0.0))
-    head = [*header(source, "OpenFAST foundation matrix", FRAME, UNITS), *lost]
+    head = [*header(source, "OpenFAST foundation matrix: stiffness at rest", FRAME, UNITS), *lost]
     files = [
         *write_subdyn(head, stiffness, target),
         target.write("soildyn.dat", matrix_input(head, stiffness, _place(options))),

@@ -23,7 +23,6 @@ FRAME = (
 )
 UNITS = "N/m, N/rad = N m/m, N m/rad; kg, kg m, kg m2"
 NO_TORSION = "torsion is not known from lateral loading: Ktztz is 0, which SubDyn rejects; give --option torsion=..."
-LINEAR = "linear: the matrix is that of the caisson at rest, at all displacements"
 TORSION = Option(
     "torsion", "stiffness about the vertical axis, which springs do not give", unit="N m/rad", example="1e9 N m/rad",
     least=0.0,
@@ -74,12 +73,12 @@ def _unit(i: int, j: int) -> str:
 
 def matrix_of(source: Source, torsion: float) -> tuple[np.ndarray, list[str]]:
     """Return the initial stiffness (6, 6) with z up, and the sentences on what a matrix loses."""
-    from pysprings.results.exporters.linear import linear_errors, stiffness_z_up
+    from pysprings.results.exporters.linear import linear_words, stiffness_z_up
     from pysprings.springs.springs import Springs
 
     springs = Springs.of(source.springs)
     stiffness = stiffness_z_up(springs, torsion)
-    lost = [LINEAR, *linear_errors(springs)]
+    lost = linear_words(springs)
     return stiffness, lost + ([] if torsion else [NO_TORSION])
 
 
@@ -95,7 +94,7 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
     from pysprings.results.exporters.header import header
 
     stiffness, lost = matrix_of(source, float(options["torsion"] or 0.0))
-    head = [*header(source, "SubDyn foundation matrix", FRAME, UNITS), *lost]
+    head = [*header(source, "SubDyn foundation matrix: stiffness at rest", FRAME, UNITS), *lost]
     return Exported(write_subdyn(head, stiffness, target), lost)
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import html
 import json
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -108,6 +109,23 @@ def test_the_files_for_other_programs(folder: Path, full: np.ndarray) -> None:
             assert float(value) == pytest.approx(up[names.index(row), names.index(column)], rel=1e-12, abs=1e-3)
     rows = re.findall(r"^(?:\s*-?[\d.]+E[+-]\d+){6}\s*$", (folder / "openfast" / "soildyn.dat").read_text(), re.M)
     same([[float(x) for x in row.split()] for row in rows], up)
+
+
+def test_the_head_of_an_export_has_the_mesh_error_of_its_run(folder: Path) -> None:
+    for file in ("subdyn/subdyn_ssi.dat", "opensees/caisson_opensees.py", "sacs/caisson_sacs.inp"):
+        head = " ".join((folder / file).read_text(encoding="utf-8").replace("*", " ").split())
+        assert "no estimate of the discretisation error: the run made none" in head
+    lines = (folder / "opensees" / "caisson_opensees.py").read_text(encoding="utf-8").splitlines()
+    assert sum(line.startswith("#") for line in lines) <= 26
+    record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    estimate = {"estimate_pct": {"load_max": 7.5}, "unknowns": [200, 100], "safety": 2.0, "companion_paths": 3}
+    estimate["companion_stopped"] = {"pull": "contact lost"}
+    (folder / "other").mkdir()
+    (folder / "other" / "run.json").write_text(json.dumps(record | {"error_estimate": estimate}), encoding="utf-8")
+    shutil.copy(folder / "springs.nc", folder / "other")
+    assert command("export", folder / "other", "--to", "subdyn").code == 0
+    head = (folder / "other" / "subdyn" / "subdyn_ssi.dat").read_text(encoding="utf-8")
+    assert "load max 7.5 %; companion stopped on 1 of 3 paths: pull (contact lost)" in head
 
 
 def test_the_command(folder: Path, full: np.ndarray) -> None:

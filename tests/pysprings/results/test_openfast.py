@@ -17,7 +17,7 @@ from pysprings.macro.predict import MacroWarning, impose
 from pysprings.macro.stiffness import stiffness_six
 from pysprings.macro.trace import trace
 from pysprings.results.exporters import Source, export
-from pysprings.results.exporters.linear import linear_errors
+from pysprings.results.exporters.linear import linear_errors, secants
 from pysprings.results.exporters.soildyn.inputs import library_input
 from pysprings.results.exporters.soildyn.library import COMPILERS, build, library_name
 from pysprings.results.exporters.subdyn import labels
@@ -96,7 +96,7 @@ def test_the_header_names_origin_conditions_and_errors(folder: Path) -> None:
         for words in (
             "written by pysprings", str(springs.attrs["scene_sha256"]), "z up", "N m/rad", "drainage: drained",
             "vertical load at rest: 2000 kN", "not cyclic", "lateral paths: |u| to", "largest errors of springs",
-            "error of the linear response in H and M",
+            "foundation matrix: stiffness at rest", "error of the linear response in H and M",
         ):  # fmt: skip
             assert words in text, (name, words)
 
@@ -112,6 +112,22 @@ def test_the_linear_error_is_that_of_the_matrix(source: Source, tmp_path: Path) 
     error = 100.0 * (K[0, 0] * u + K[0, 2] * rotation - H) / float(np.abs(path["H"]).max())
     assert line[2:4] == [f"{1e3 * u:.3g}", f"{1e3 * rotation:.3g}"]
     assert line[6] == f"{error:+.1f}"
+
+
+@pytest.mark.parametrize(("name", "motion", "load", "column"), [("slide", "u", "H", -3), ("turn", "rotation", "M", -1)])
+def test_the_secants_beside_a_matrix_carry_the_recorded_loads(
+    source: Source, name: str, motion: str, load: str, column: int
+) -> None:
+    path = source.springs[f"paths/{name}"]
+    size, loads = (np.abs(path[key].values) for key in (motion, load))
+    rows = [line.split() for line in secants(Springs.of(source.springs))[3:]]
+    assert rows[0][-3] == f"{1e-6 * float(source.springs['stiffness_initial'][0, 0]):.4g}"
+    shown = {row[1]: row for row in rows if row[0] == f"{name},"}
+    assert list(shown) == ["10", "50"]
+    for share, row in shown.items():
+        step = int(np.argmin(np.abs(size - 0.01 * float(share) * size.max())))
+        assert float(row[-5 if motion == "u" else -4]) == pytest.approx(1e3 * size[step], rel=5e-3)
+        assert 1e6 * float(row[column]) * size[step] == pytest.approx(loads[step], rel=1e-3)
 
 
 def test_missing_torsion_is_a_remark(tmp_path: Path) -> None:
