@@ -24,7 +24,7 @@ def test_plain_lines_are_at_most_one_in_ten_seconds() -> None:
         lines("pull" if step < 100 else "turn", step % 100 / 100, f"step {step % 100}")
     written = stream.getvalue().splitlines()
     assert written[0] == "model   0 % mesh"
-    assert written[1] == "pull  33 % path 1 of 2, 17 % of all; step 33"
+    assert written[1] == "pull  33 % path 1 of 2, 16 % of all; step 33"
     assert written[-1].startswith("turn  ") and "path 2 of 2" in written[-1]
     assert len(written) == 6
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -352,3 +353,34 @@ def test_a_target_runs_what_the_study_ran_whatever_the_scene_says() -> None:
     setting = presets.cheapest("2%")
     assert found.sha256 == setting.scene(tiny.paper()).sha256
     assert noted["target_error"]["setting"] == setting.name
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"caisson": {"skirt_length": 8.0}}, "L/D 1"),
+        ({"paths": ({"name": "far", "kind": "pull", "lateral_displacement": 0.1},)}, "a motion of 1.3 % of D"),
+        ({"drainage": {"mode": "undrained"}}, "undrained water"),
+    ],
+)
+def test_a_target_outside_its_study_is_refused_with_what_to_do(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(UserInputError, match=rf"--target-error: .*does not cover {words}: give --mesh medium"):
+        with_target(tiny.paper().replace(**changes), "5%", has_mesh=False)
+
+
+@pytest.mark.parametrize(
+    ("load", "py", "stopped", "words"),
+    [
+        (4.0, 3.0, {}, None),
+        (28.0, 3.0, {}, r"load 28 % \(path p\); take a finer --mesh"),
+        (4.0, 6.0, {}, "p-y 6"),
+        (4.0, 3.0, {"p": "apex"}, "the estimate ends where the coarser mesh stopped, on p"),
+    ],
+)
+def test_a_target_is_met_by_the_estimate_of_the_run_alone(
+    load: float, py: float, stopped: dict[str, str], words: str | None
+) -> None:
+    estimate = {"estimate_pct": {"load_max": load, "py_rms": py}, "worst_path": "p", "companion_stopped": stopped}
+    missed = presets.judged({"target": "5%"}, estimate)["missed"]
+    assert missed is None if words is None else re.search(words, missed)
+    assert "no estimate" in presets.judged({"target": "5%"}, {})["missed"]
