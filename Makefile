@@ -25,7 +25,7 @@ LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.
 # pages of an earlier run of the gallery stay as they are; GALLERY=1 runs the examples whose text has changed
 SPHINX = $(BIN)/python -m sphinx -b html -q -W --keep-going docs out/site
 
-.PHONY: site gallery screenshots build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint pages figure docs accuracy stability bench bench-peers reference clean
+.PHONY: site gallery screenshots build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint pages figure paper paper-evidence accuracy stability bench bench-peers reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -105,11 +105,15 @@ figure: $(DEV)
 	$(BIN)/python -m tools.readme_picture out/fan
 	$(BIN)/python -m tools.thumbnails out/fan
 
-# the paper's figures and tables: runs what has not run yet (8 minutes on `medium`, then the sensitivities)
+# the study of the paper behind the model: its runs, figures, claims beside ours, in out/paper-MESH; runs what has not
+# run yet (8 minutes on `medium`; SENSITIVITY=1 also varies what the paper leaves open). Its tables and pictures as evidence
 MESH ?= medium
-docs: $(DEV)
-	$(BIN)/pysprings paper --mesh $(MESH) --sensitivity --out out/paper-$(MESH)
-	$(BIN)/python -m benchmarks.paper_docs out/paper-$(MESH) --mesh $(MESH)
+paper: $(DEV)
+	$(BIN)/python -m validation.paper --mesh $(MESH) $(if $(SENSITIVITY),--sensitivity) --out out/paper-$(MESH)
+
+paper-evidence: $(DEV)
+	$(BIN)/python -m validation.paper --mesh $(MESH) --sensitivity --out out/paper-$(MESH)
+	$(BIN)/python -m validation.paper.evidence out/paper-$(MESH) --mesh $(MESH)
 
 # the study behind --target-error and docs/evidence/accuracy.md: runs what has not run yet
 STUDY := pysprings accuracy data/scenes/service-load.toml
@@ -137,8 +141,8 @@ bench-peers: $(DEV)
 
 # the small results that the regression test compares with
 reference: $(DEV)
-	$(BIN)/pysprings paper --mesh coarse --out out/paper-coarse --force
-	$(BIN)/python -m benchmarks.paper_reference out/paper-coarse
+	$(BIN)/python -m validation.paper --mesh coarse --out out/paper-coarse --force
+	$(BIN)/python -m validation.paper.reference out/paper-coarse
 
 lint: $(DEV)
 	$(BIN)/ruff check .

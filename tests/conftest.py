@@ -20,6 +20,7 @@ LIMITS = {"long": 3600, "slow": 1800, "": 300}  # s for a test of each tier, on 
 COMPILING = (
     "fe_engine",
     "verification",
+    "validation",
     "pysprings/full_model",
     "pysprings/model",
     "pysprings/studies",

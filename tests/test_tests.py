@@ -50,7 +50,7 @@ def test_no_test_module_imports_another() -> None:
 def test_benchmarks_do_not_import_tests() -> None:
     found = {
         file: {name for name in names if name.split(".")[0] == "tests"}
-        for folder in ("benchmarks", "tools")
+        for folder in ("benchmarks", "tools", "validation")
         for file, names in imports_of(folder).items()
     }
     assert {file: names for file, names in found.items() if names} == {}

@@ -43,7 +43,6 @@ COMMANDS = {
     "size": "size",
     "accuracy": "studies",
     "stability": "studies",
-    "paper": "studies",
 }
 
 WITH_DASK = ("sweep", "atlas", "size")  # commands that Dask runs, or that read studies lazily

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`pysprings accuracy`, `stability` and `paper`: many runs, and what they show."""
+"""`pysprings accuracy` and `stability`: many runs, and what they show."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ import typer
 from pysprings.cli.options import Json, Mesh, SceneFile
 from pysprings.cli.support import quantities
 from pysprings.core.errors import RunIncomplete
-from pysprings.core.words import MeshPreset
 
 
 def accuracy(
@@ -66,25 +65,3 @@ def stability(
     unexplained = cli_stability.run(case or [], mesh or "coarse", refinement, far, out, as_json)
     if unexplained:
         raise RunIncomplete(f"{unexplained} cases ended without a named reason")
-
-
-def paper(
-    mesh: Annotated[MeshPreset, typer.Option("--mesh", help="mesh preset of the runs")] = "medium",
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/paper-MESH]")
-    ] = None,
-    sensitivity: Annotated[
-        bool, typer.Option("--sensitivity", help="also vary what the paper leaves open, one at a time")
-    ] = False,
-    sensitivity_mesh: Annotated[MeshPreset, typer.Option("--sensitivity-mesh", help="their mesh preset")] = "coarse",
-    force: Annotated[bool, typer.Option("--force", help="forget what has run in DIR, and begin anew")] = False,
-    as_json: Json = False,
-) -> None:
-    """Reproduce Cerfontaine, Charlier & Collin (2018): its runs, the paper's figures, its claims beside ours.
-
-    Runs that have ended in DIR are not run again; interrupted ones go on.
-    """
-    from pysprings.cli import paper as cli_paper
-
-    variants_on = sensitivity_mesh if sensitivity else None
-    cli_paper.run(out or Path("out") / f"paper-{mesh}", mesh, variants_on, force, as_json)

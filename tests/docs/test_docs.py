@@ -262,7 +262,7 @@ def test_every_page_is_reached_over_the_index_pages() -> None:
 
 
 def test_every_source_file_that_a_page_names_exists() -> None:
-    pattern = re.compile(r"`((?:fe_engine|pysprings|tests|benchmarks|data)/[\w/.-]+)`")
+    pattern = re.compile(r"`((?:fe_engine|pysprings|tests|benchmarks|tools|validation|data)/[\w/.-]+)`")
     pages = [page for page in PAGES if page.name != "CHANGELOG.md"]
     named = [(page, path) for page in pages for path in pattern.findall(page.read_text(encoding="utf-8"))]
     assert len(named) > 30

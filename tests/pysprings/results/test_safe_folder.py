@@ -23,10 +23,10 @@ from pysprings.results.folder import NOT_YET, run_or_go_on, run_to_folder
 from pysprings.results.layout import FIGURES, PARAVIEW, run_files
 from pysprings.studies import stored_runs
 from pysprings.studies.accuracy import runs as accuracy_runs
-from pysprings.studies.paper import sensitivity, study
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.files import contents
+from validation.paper import sensitivity, study
 
 needs_links = pytest.mark.skipif(os.name == "nt", reason="links need a right there")
 

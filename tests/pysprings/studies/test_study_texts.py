@@ -24,9 +24,6 @@ from pysprings.studies.accuracy import study
 from pysprings.studies.accuracy.picture import error_against_time
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
 from pysprings.studies.accuracy.text import to_markdown
-from pysprings.studies.paper import claims, figures, idealisations, page, sensitivity, text
-from pysprings.studies.paper import runs as paper_runs
-from pysprings.studies.paper.cases import CASES, VARIANTS, Variant
 from pysprings.studies.stability import cases as stability
 from pysprings.studies.stability import catalogue as stability_catalogue
 from pysprings.studies.stability import text as stability_text
@@ -35,6 +32,9 @@ from pysprings.studies.stability.picture import catalogue
 from tests.support import stored, synthetic, tiny
 from tests.support.drawn import describe, number
 from tests.support.files import Outline
+from validation.paper import claims, figures, idealisations, page, sensitivity, text
+from validation.paper import runs as paper_runs
+from validation.paper.cases import CASES, VARIANTS, Variant
 
 TEXTS = File(__file__).parent / "texts"
 

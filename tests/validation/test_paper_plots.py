@@ -13,9 +13,9 @@ from matplotlib.patches import Wedge
 
 from pysprings.results import plots
 from pysprings.results.plots import signed_rose
-from pysprings.studies.paper import curves
-from pysprings.studies.paper.measures import py_curve
 from tests.support import synthetic
+from validation.paper import curves
+from validation.paper.measures import py_curve
 
 
 @dataclass(frozen=True)

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 from pysprings.core.files.written import own_folder
 from pysprings.results import plots
 from pysprings.results.analysis.parts import path_data, section_data
-from pysprings.studies.paper import curves as drawn
-from pysprings.studies.paper import measures
-from pysprings.studies.paper.cases import DEPTHS, END, PATH, SHOWN
-from pysprings.studies.paper.idealisations import BESIDE
+from validation.paper import curves as drawn
+from validation.paper import measures
+from validation.paper.cases import DEPTHS, END, PATH, SHOWN
+from validation.paper.idealisations import BESIDE
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from pysprings.studies.paper.runs import Run
+    from validation.paper.runs import Run
 
 FOLDER = "figures"
 Runs = Mapping[str, "Run"]

@@ -21,8 +21,8 @@ from pysprings.core.files.written import own_folder
 from pysprings.core.progress import duration
 from pysprings.core.stop_reasons import StopReason
 from pysprings.core.text import json_text
-from pysprings.studies.paper import measures as m
-from pysprings.studies.paper.cases import DEPTHS, END, SHOWN, VARIANTS, Case, Variant
+from validation.paper import measures as m
+from validation.paper.cases import DEPTHS, END, SHOWN, VARIANTS, Case, Variant
 
 if TYPE_CHECKING:
     import pandas as pd

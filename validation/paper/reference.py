@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Small results of the paper's caisson, kept in data/reference with their origin, and how far a run is from them."""
+"""Small results of the paper's caisson, kept in data/reference with their origin, and how far a run is from them.
+
+``python -m validation.paper.reference DIR`` writes them from a folder of the study (`make reference`).
+"""
 
 from __future__ import annotations
 
+import argparse
+import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,11 +17,11 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.files.storage import read_tree, write_tree
-from pysprings.studies.paper.cases import CASES, STEPS_MM, Case
-from pysprings.studies.paper.measures import at
+from validation.paper.cases import CASES, STEPS_MM, Case
+from validation.paper.measures import at
 
 if TYPE_CHECKING:
-    from pysprings.studies.paper.runs import Run
+    from validation.paper.runs import Run
 
 MESH = "coarse"
 KEPT = ("drained", "slow")  # cases
@@ -24,7 +29,7 @@ STATES_MM = tuple(u for u in STEPS_MM if u >= 0.2) + (20.0,)
 FIELDS_MM = (2.5, 20.0)  # contact fields at these alone
 BY_STEP = ("time", "w", "rotation", "H", "V", "H_outer", "H_inner", "H_lid", "H_tip", "F_in", "F_out", "F_pw", "p", "y")
 FIELDS = ("normal_effective_stress", "shear_lateral", "shear_vertical", "pore_pressure", "gap")
-COMMAND = f"pysprings paper --mesh {MESH}"
+COMMAND = f"make paper MESH={MESH}"
 # Largest deviation that is taken for the same result, over the largest value of each variable: rounding, another
 # linear solver and the Newton tolerance (1e-5) come to less; a change of the model to more.
 TOLERANCE = 2e-3
@@ -84,3 +89,30 @@ def deviations(path: xr.Dataset, reference: xr.Dataset) -> dict[str, float]:
         apart = float(np.abs(data[name].values - reference[name].values).max())
         out[str(name)] = apart / largest if largest else apart
     return out
+
+
+def _commit_date() -> str:
+    """Return the date of the commit that the results come from; "unknown" outside a repository."""
+    command = ["git", "log", "-1", "--format=%cI"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return done.stdout.strip() or "unknown"
+
+
+def main() -> None:
+    """Read the options, write data/reference from the folder of a study."""
+    from validation.paper.runs import load_runs
+
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help=f"folder of `{COMMAND}`")
+    parser.add_argument("--to", type=Path, default=Path("data/reference"), help="where the references are")
+    given = parser.parse_args()
+    ended = load_runs(given.folder, MESH, reference_cases())
+    origin = {"command": f"{COMMAND}; python -m validation.paper.reference", "commit_date": _commit_date()}
+    for case in reference_cases():
+        if case.name not in ended or not ended[case.name].complete:
+            raise SystemExit(f"{given.folder}: the run {case.name} is not there, or not complete")
+        print(write(ended[case.name], given.to, origin))
+
+
+if __name__ == "__main__":
+    main()

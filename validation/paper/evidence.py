@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Store the paper's figures and tables as evidence, from the folder of a study.
 
-``python -m benchmarks.paper_docs DIR`` after ``pysprings paper --sensitivity --out DIR`` (`make docs`). The tables
-go to ``data/evidence``, the pictures to ``docs/evidence/paper``; the page shows them.
+``python -m validation.paper.evidence DIR`` after ``python -m validation.paper --sensitivity --out DIR``
+(`make paper-evidence`). Tables go to ``data/evidence``, pictures to ``docs/evidence/paper``; the page shows them.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 
 from pysprings.core.files.storage import replacing
 from pysprings.results.plots.style import STYLE
-from pysprings.studies.paper import figures, idealisations, runs, study, text
 from tools.evidence_store import DATA, LINE, store, tables_in, to_csv
+from validation.paper import figures, idealisations, runs, study, text
 
 DPI = 75
-PICTURES = Path(__file__).resolve().parents[1] / "docs" / "evidence" / "paper"
+PICTURES = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "paper"
 
 
 def write(source: Path, mesh: str, data: Path = DATA, pictures: Path = PICTURES) -> list[Path]:
@@ -45,7 +45,7 @@ def write(source: Path, mesh: str, data: Path = DATA, pictures: Path = PICTURES)
         tables["paper-conclusion"] = [[LINE], [text.conclusion(readings)]]
         note += f"; sensitivities on `{readings['mesh'].iloc[0]}`"
     texts = {stem: to_csv(table) for stem, table in tables.items()}
-    return store("paper", texts, f"pysprings paper --mesh {mesh} --sensitivity", f"{note}.", data)
+    return store("paper", texts, f"make paper MESH={mesh} SENSITIVITY=1", f"{note}.", data)
 
 
 def _save(figure: Figure, file: Path) -> None:
@@ -58,7 +58,7 @@ def _save(figure: Figure, file: Path) -> None:
 def main() -> None:
     """Read the options, write."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path, help="folder of `pysprings paper`")
+    parser.add_argument("folder", type=Path, help="folder of the study")
     parser.add_argument("--mesh", default="medium", help="mesh preset of its runs")
     given = parser.parse_args()
     for path in write(given.folder, given.mesh):

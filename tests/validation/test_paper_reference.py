@@ -8,11 +8,11 @@ import pytest
 import xarray as xr
 
 from pysprings.full_model.compute import run
-from pysprings.studies.paper import reference
-from pysprings.studies.paper.cases import Case
-from pysprings.studies.paper.runs import path_of
 from tests.support import synthetic
 from tests.support.place import ROOT
+from validation.paper import reference
+from validation.paper.cases import Case
+from validation.paper.runs import path_of
 
 FOLDER = ROOT / "data" / "reference"
 CASES = reference.reference_cases()

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from pysprings.studies.paper.claims_drained import (
+from validation.paper.claims_drained import (
     base,
     front_stress,
     lateral_shear,
@@ -22,8 +22,8 @@ from pysprings.studies.paper.claims_drained import (
     vertical_shear,
     wedge,
 )
-from pysprings.studies.paper.claims_water import drainage_gain, friction, py, rate, rear_contact, suction
-from pysprings.studies.paper.findings import UNKNOWN, Finding, Paths
+from validation.paper.claims_water import drainage_gain, friction, py, rate, rear_contact, suction
+from validation.paper.findings import UNKNOWN, Finding, Paths
 
 
 @dataclass(frozen=True)

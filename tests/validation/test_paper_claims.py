@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from pysprings.studies.paper import claims, claims_drained, text
-from pysprings.studies.paper.findings import AGREES, DIFFERS, PARTLY, UNKNOWN, Finding
-from pysprings.studies.paper.runs import path_of
 from tests.support import synthetic
+from validation.paper import claims, claims_drained, text
+from validation.paper.findings import AGREES, DIFFERS, PARTLY, UNKNOWN, Finding
+from validation.paper.runs import path_of
 
 NAMES = ("drained", "drained-smooth", "slow", "slow-smooth", "fast", "fast-smooth")
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from pysprings.studies.paper import measures as m
-from pysprings.studies.paper.cases import DEPTHS, END, SHOWN
-from pysprings.studies.paper.findings import Finding, Paths, at_depths, every, joined, rises, which, within
+from validation.paper import measures as m
+from validation.paper.cases import DEPTHS, END, SHOWN
+from validation.paper.findings import Finding, Paths, at_depths, every, joined, rises, which, within
 
 _SLOPE = 2e-3  # m, where the paper sees the change of slope
 _OPEN = 1e-9  # of the initial stress

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from jinja2 import ChoiceLoader, FileSystemLoader
+
 from pysprings.core import version
 from pysprings.core.files.storage import write_text
 from pysprings.core.text import number
@@ -15,17 +17,17 @@ from pysprings.results.report.balances import energy_table, water_table
 from pysprings.results.report.inputs import input_tables, mesh_table
 from pysprings.results.report.page import Picture, environment, picture_uri
 from pysprings.results.report.table import Table
-from pysprings.studies.paper import idealisations
-from pysprings.studies.paper.cases import END, SHOWN
-from pysprings.studies.paper.measures import load
-from pysprings.studies.paper.sensitivity import CRITERIA
-from pysprings.studies.paper.text import DRAINED_COLUMNS, NOTE, WATER_COLUMNS, cells, conclusion, split
+from validation.paper import idealisations
+from validation.paper.cases import END, SHOWN
+from validation.paper.measures import load
+from validation.paper.sensitivity import CRITERIA
+from validation.paper.text import DRAINED_COLUMNS, NOTE, WATER_COLUMNS, cells, conclusion, split
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pysprings.studies.paper.figures import Drawing
-    from pysprings.studies.paper.runs import Run
+    from validation.paper.figures import Drawing
+    from validation.paper.runs import Run
 
 
 def write(
@@ -35,7 +37,10 @@ def write(
     """Write report.html into the folder of a study; return its path."""
     first = next(iter(runs.values()), None)
     attrs: Mapping[Any, Any] = first.result.attrs if first else {}
-    page = environment().get_template("paper.html.j2")
+    engine = environment()
+    assert engine.loader
+    engine.loader = ChoiceLoader([engine.loader, FileSystemLoader(Path(__file__).parent)])
+    page = engine.get_template("paper.html.j2")
     text = page.render(
         version=version.__version__,
         mesh=mesh,

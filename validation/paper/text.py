@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core.text import markdown_table
-from pysprings.studies.paper.cases import END, SHOWN
-from pysprings.studies.paper.sensitivity import CRITERIA
+from validation.paper.cases import END, SHOWN
+from validation.paper.sensitivity import CRITERIA
 
 if TYPE_CHECKING:
     import pandas as pd

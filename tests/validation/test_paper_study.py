@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""`pysprings paper` on tiny runs: what has ended stays, what was interrupted goes on, a part is said to be one."""
+"""The study of the paper on tiny runs: what has ended stays, what was interrupted goes on, a part is said to be one."""
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+import typer
+from typer.testing import CliRunner
 
 import pysprings
 from fe_engine.solve import step_size
@@ -18,10 +19,10 @@ from pysprings.core.files.storage import read_tree
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results import folder
 from pysprings.studies import stored_runs
-from pysprings.studies.paper import cases, claims, figures, idealisations, page, runs, sensitivity, study, text
-from pysprings.studies.paper.cases import Case, Variant
-from pysprings.studies.paper.findings import UNKNOWN
-from tests.support.commands import command
+from validation.paper import cases, claims, figures, idealisations, page, runs, sensitivity, study, text
+from validation.paper.__main__ import paper
+from validation.paper.cases import Case, Variant
+from validation.paper.findings import UNKNOWN
 
 TINY: dict[str, Any] = {
     "mesh": {"refinement": 0.4},
@@ -167,23 +168,24 @@ def test_a_study_writes_what_it_names(done: Path) -> None:
 def test_the_command(done: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(study, "CASES", [tiny(cases.CASES[0]), tiny(cases.CASES[2])])
     kept: dict[str, Any] = {}
+    app = typer.Typer()
+    app.command()(paper)
 
     def keep(out: Path, mesh: str, report: Any, sensitivity_mesh: str | None, force: bool) -> list[str]:
         kept.update(out=out, mesh=mesh, sensitivity=sensitivity_mesh, force=force)
         return ["slow: path 'pull' stopped"]
 
     monkeypatch.setattr(study, "study", keep)
-    noted = command("paper", "--mesh", "coarse", "--out", str(done), "--json")
-    assert noted.code == 3
-    found = json.loads(noted.out)
-    assert len(found["claims"]) == 13
-    assert found["stopped"] == ["slow: path 'pull' stopped"]
+    noted = CliRunner().invoke(app, ["--mesh", "coarse", "--out", str(done)])
+    assert noted.exit_code == 3
+    assert "slow: path 'pull' stopped" in noted.output
+    assert all(claim.words in noted.output for claim in claims.CLAIMS)
     assert kept == {"out": done, "mesh": "coarse", "sensitivity": None, "force": False}
-    noted = command("paper", "--out", str(done), "--sensitivity", "--force")
-    assert "claims.csv" in noted.out
+    noted = CliRunner().invoke(app, ["--out", str(done), "--sensitivity", "--force"])
+    assert "claims.csv" in noted.output
     assert kept == {"out": done, "mesh": "medium", "sensitivity": "coarse", "force": True}
     (tmp_path / "file").touch()
-    assert command("paper", "--out", str(tmp_path / "file")).code == 2
+    assert CliRunner().invoke(app, ["--out", str(tmp_path / "file")]).exit_code == 2
 
 
 @pytest.mark.slow

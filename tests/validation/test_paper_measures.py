@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.studies.paper import measures as m
+from validation.paper import measures as m
 
 DEPTH = np.array([0.0, 1.0, 2.0, 4.0])
 AZIMUTH = np.linspace(0.0, np.pi, 5)

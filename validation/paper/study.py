@@ -11,9 +11,9 @@ from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
 from pysprings.results.exporters.csv import write_frame
-from pysprings.studies.paper import claims, figures, idealisations, page, runs, sensitivity, text
-from pysprings.studies.paper.cases import CASES, VARIANTS, Case, Variant
 from pysprings.studies.stored_runs import RUNS
+from validation.paper import claims, figures, idealisations, page, runs, sensitivity, text
+from validation.paper.cases import CASES, VARIANTS, Case, Variant
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pysprings.studies.paper import measures as m
-from pysprings.studies.paper.cases import DEPTHS, END, SHOWN
+from validation.paper import measures as m
+from validation.paper.cases import DEPTHS, END, SHOWN
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from pysprings.studies.paper.cases import DEPTHS
+from validation.paper.cases import DEPTHS
 
 AGREES, PARTLY, DIFFERS, UNKNOWN = "agrees", "partly", "differs", "not reached"
 Paths = Mapping[str, xr.Dataset]  # by name of the case; cases that have not run are absent

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from pysprings.core.errors import RunIncomplete
 from pysprings.studies import stored_runs
-from pysprings.studies.paper.cases import CASES, PATH, Case
 from pysprings.studies.stored_runs import Whole, has_ended, record_of, run_folder, why_stopped
+from validation.paper.cases import CASES, PATH, Case
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.studies.paper import idealisations
+from validation.paper import idealisations
 
 U = np.linspace(0.0, 20e-3, 41)
 DEPTH, AZIMUTH = np.array([0.0, 1.0, 2.0, 4.0]), np.array([0.0, 0.5 * np.pi, np.pi])
