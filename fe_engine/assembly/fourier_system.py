@@ -3,7 +3,7 @@
 
 The tangent is never assembled. It is the soil's elastic stiffness, which the series takes apart into one matrix a
 harmonic, the contact of the stations, which joins the harmonics on the interface alone, and what the points that yield
-have beyond the elastic tangent, which is applied point by point (see fourier_linear).
+have beyond the elastic tangent, which is applied point by point (see solve.fourier_stage).
 """
 
 from __future__ import annotations
@@ -15,9 +15,8 @@ import numpy as np
 from fe_engine.assembly import fourier_kernels as kernels
 from fe_engine.assembly.bordered import Residual, summary
 from fe_engine.assembly.fourier_film import FilmState
-from fe_engine.assembly.fourier_linear import BesideLinear, LinearElements
 from fe_engine.assembly.fourier_pattern import make_pattern
-from fe_engine.assembly.fourier_rest import AtRest, SoilAtRest, WetAtRest, WetSoil
+from fe_engine.assembly.fourier_rest import AtRest, BesideLinear, LinearElements, SoilAtRest, WetAtRest, WetSoil
 from fe_engine.assembly.fourier_water import FourierWater
 from fe_engine.assembly.harmonic_factors import HarmonicFactors, Near
 from fe_engine.assembly.kernels import SoilState

@@ -14,7 +14,7 @@ from fe_engine.assembly import fourier_film
 from fe_engine.assembly.fourier_film import FilmState
 from fe_engine.assembly.fourier_kernels import Contact
 from fe_engine.assembly.kernels_water import Step
-from fe_engine.elements.fourier_water import N_CORNERS, pore_matrices
+from fe_engine.elements.biot import N_CORNERS, pore_matrices
 from fe_engine.errors import ModelError
 from fe_engine.fourier_model import FourierModel
 from fe_engine.state import Fields

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from fe_engine.assembly import kernels, kernels_energy, kernels_stations, kernels_water
+from fe_engine.assembly import kernels, kernels_stations, kernels_water
 from fe_engine.assembly.bordered import Residual, Tangent, summary
 from fe_engine.assembly.contact_block import ContactBlock, contact_block
 from fe_engine.assembly.kernels_stations import no_iterate
@@ -164,7 +164,7 @@ class System:
 
     def solid_work(self, old: Fields, new: Fields) -> tuple[float, float, float]:
         """Return the work (J) of solids from one state to the next: stored, dissipated, and of the initial stress."""
-        stored, dissipated, initial = kernels_energy.hex_work(self.elements, _soil_of(old), _soil_of(new))
+        stored, dissipated, initial = kernels.hex_work(self.elements, _soil_of(old), _soil_of(new))
         if self.model.linear is not None:
             energies = [kernels.linear_energy(*self.linear, each.displacement) for each in (old, new)]
             stored += energies[1] - energies[0]

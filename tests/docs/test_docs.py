@@ -270,7 +270,7 @@ def test_every_source_file_that_a_page_names_exists() -> None:
 
 
 # files of the engine that hold no law or element of their own
-HELPERS = {"__init__.py", "dispatch.py", "formulas.py", "frictional.py", "law.py", "laws.py", "lode.py", "principal.py"}
+HELPERS = {"__init__.py", "dispatch.py", "formulas.py", "frictional.py", "law.py", "laws.py", "lode.py"}
 
 
 def test_the_page_of_laws_names_every_file_of_a_law_or_element() -> None:

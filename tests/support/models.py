@@ -13,7 +13,7 @@ import numpy as np
 from fe_engine.assembly.system import System
 from fe_engine.contact import coulomb
 from fe_engine.elements import hex8, rigid
-from fe_engine.elements.interface import Film, Stations, film_geometry, gauss_stations, local_frames, nodal_stations
+from fe_engine.elements.interface import Film, Stations, face_points, film_geometry, local_frames, nodal_stations
 from fe_engine.linear.solver import LinearSolver
 from fe_engine.material import Material
 from fe_engine.mesh import Mesh
@@ -96,13 +96,29 @@ def soil(law: SoilLaw = plasol.LAW, **changes: float) -> Material:
     return Material(law, law.pack(**{name: value for name, value in values.items() if name in accepted}))
 
 
+Placed = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def gauss_stations(nodes: np.ndarray, faces: np.ndarray) -> Placed:
+    """Place 2x2 Gauss stations on every face; return nodes (ns, 4), weight (ns, 4), normal (ns, 3), area (ns,)."""
+    points = face_points(nodes[faces])
+    weight = np.repeat(np.array([p[1] for p in points])[None], len(faces), axis=0).reshape(-1, 4)
+    vector = np.stack([p[2] for p in points], axis=1).reshape(-1, 3)
+    area = np.linalg.norm(vector, axis=1)
+    return np.repeat(faces, 4, axis=0), weight, vector / area[:, None], area
+
+
+def placed(nodes: np.ndarray, faces: np.ndarray, rule: str) -> Placed:
+    """Place stations by a rule, nodal or gauss; return what `gauss_stations` does, with one node a station."""
+    if rule == "gauss":
+        return gauss_stations(nodes, faces)
+    node, normal, area = nodal_stations(nodes, faces)
+    return node[:, None], np.ones((len(node), 1)), normal, area
+
+
 def body_stations(mesh: Mesh, faces: np.ndarray, reference: np.ndarray, rule: str = "nodal") -> Stations:
     """Return the stations of a rigid body on faces whose normals point into the soil."""
-    if rule == "nodal":
-        node, normal, area = nodal_stations(mesh.nodes, faces)
-        nodes, weight = node[:, None], np.ones((len(node), 1))
-    else:
-        nodes, weight, normal, area = gauss_stations(mesh.nodes, faces)
+    nodes, weight, normal, area = placed(mesh.nodes, faces, rule)
     position = np.einsum("sa,sai->si", weight, mesh.nodes[nodes])
     body = rigid.displacement_operator(position, reference)
     return Stations(position, local_frames(normal), area, nodes, weight, body, np.zeros(len(area), dtype=np.int64))

@@ -24,6 +24,7 @@ from pysprings.model.contact import SURFACE
 from pysprings.model.mesh import SURFACES
 from pysprings.model.stages import path_stages
 from pysprings.scene.extent import PAPER
+from tests.support.models import gauss_stations
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ def put_gauss_stations(built: Built, scene: Scene, facets: bool) -> None:
     model = built.model
     parts = []
     for name in SURFACES:
-        found = interface.gauss_stations(model.mesh.nodes, model.mesh.face_sets[name])
+        found = gauss_stations(model.mesh.nodes, model.mesh.face_sets[name])
         parts.append((*found, np.full(len(found[0]), SURFACE[name])))
     nodes, weight, normal, area, surface = (np.concatenate(column) for column in zip(*parts, strict=True))
     position = np.einsum("sa,sai->si", weight, model.mesh.nodes[nodes])

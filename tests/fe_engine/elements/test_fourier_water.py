@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fe_engine.elements import fourier
-from fe_engine.elements.fourier_water import corner_gradients, corner_shapes, pore_matrices
+from fe_engine.elements.biot import corner_gradients, corner_shapes, pore_matrices
 from tests.support.fourier_models import section
 
 MESH = section(np.array([0.0, 0.7, 1.0, 2.5]), np.array([0.0, 0.4, 1.5]))

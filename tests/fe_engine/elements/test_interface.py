@@ -8,10 +8,10 @@ import pytest
 
 from fe_engine.assembly.system import System
 from fe_engine.contact import coulomb
-from fe_engine.elements.interface import Stations, gauss_stations, local_frames, nodal_stations
+from fe_engine.elements.interface import Stations, local_frames, nodal_stations
 from fe_engine.model import Model
 from fe_engine.state import State
-from tests.support.models import box, rotation_matrix, soil, to_matrix, to_voigt
+from tests.support.models import box, gauss_stations, placed, rotation_matrix, soil, to_matrix, to_voigt
 
 SQUARE = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0], [0.0, 3.0, 0.0]])
 FACE = np.array([[0, 1, 2, 3]])
@@ -142,11 +142,7 @@ def block_on_a_plate(turn, rule):
     mesh = box((2, 2, 1), (1.0, 1.0, 0.7), distort=0.1)
     mesh.nodes[:] = mesh.nodes @ turn.T
     faces = mesh.face_sets["top"]
-    if rule == "nodal":
-        node, normal, area = nodal_stations(mesh.nodes, faces)
-        nodes, weight = node[:, None], np.ones((len(node), 1))
-    else:
-        nodes, weight, normal, area = gauss_stations(mesh.nodes, faces)
+    nodes, weight, normal, area = placed(mesh.nodes, faces, rule)
     ns = len(area)
     stations = Stations(
         np.zeros((ns, 3)), local_frames(normal), area, nodes, weight, np.tile(np.eye(3), (ns, 1, 1)),

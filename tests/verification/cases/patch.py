@@ -20,6 +20,7 @@ from fe_engine.elements.interface import Stations
 from fe_engine.mesh import Mesh
 from fe_engine.model import Model
 from fe_engine.soil.elastic import elastic_matrix
+from tests.support.models import placed
 from tests.verification.blocks import (
     POISSON,
     YOUNG,
@@ -132,11 +133,7 @@ def split(mesh: Mesh) -> tuple[Mesh, np.ndarray, np.ndarray, np.ndarray]:
 def put_interface(model: Model, faces: np.ndarray, twin: np.ndarray, rule: str, pressure: float) -> None:
     """Stations between the soil at the faces (side 1) and the elements at their twin nodes (side 2)."""
     nodes = model.mesh.nodes
-    if rule == "nodal":
-        node, normal, area = interface.nodal_stations(nodes, faces)
-        first, weight = node[:, None], np.ones((len(node), 1))
-    else:
-        first, weight, normal, area = interface.gauss_stations(nodes, faces)
+    first, weight, normal, area = placed(nodes, faces, rule)
     n = len(area)
     model.stations = Stations(
         position=np.einsum("sa,sai->si", weight, nodes[first]), frame=interface.local_frames(normal), area=area,
