@@ -18,8 +18,14 @@ A rigid body moves with (u, w, rotation): u_x = u + rotation (z - z0),
 u_z = w - rotation (x - x0); rotation is the right-hand rotation about +y.
 """
 
+import numpy as np
+
 # Voigt positions
 XX, YY, ZZ, XY, YZ, ZX = range(6)
+# Local corners (xi, eta, zeta) of a hexahedron: bottom quad counter-clockwise, then top quad.
+CORNERS = np.array(
+    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=float
+)
 # Components of a jump or a traction: 0 normal, 1 and 2 tangential (see interface.local_frames)
 # Rigid-body degrees of freedom
 U, W, ROTATION = range(3)

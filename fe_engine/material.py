@@ -28,39 +28,18 @@ class Material:
     parameters: np.ndarray
 
 
-class HasSoil(Protocol):
-    """A model with soil: see model.Model."""
+class HasLaws(Protocol):
+    """A model with soil and an interface: see model.Model."""
 
-    @property
-    def materials(self) -> list[Material]:
-        """Laws in use."""
-
-    @property
-    def material(self) -> np.ndarray:
-        """Index (ne,) into the materials."""
-
-
-class HasContact(Protocol):
-    """A model with an interface: see model.Model."""
-
-    @property
-    def contact(self) -> np.ndarray:
-        """Parameters (ns, n) or (1, n)."""
-
-    @property
-    def contact_laws(self) -> tuple[ContactLaw, ...]:
-        """Laws in use."""
-
-    @property
-    def contact_law(self) -> np.ndarray | None:
-        """Index (ns,) into the laws; None: all have the first."""
-
-    @property
-    def initial_pressure(self) -> np.ndarray:
-        """Contact pressure (ns,) in the initial state, Pa."""
+    materials: list[Material]
+    material: np.ndarray
+    contact: np.ndarray
+    contact_laws: tuple[ContactLaw, ...]
+    contact_law: np.ndarray | None
+    initial_pressure: np.ndarray
 
 
-def soil_rows(model: HasSoil) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def soil_rows(model: HasLaws) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the codes of the laws (ne,), their parameters (ne, r, n), and K and G (ne, r, 2) in Pa.
 
     r is the number of points of an element, or 1 where no material varies inside its elements. Rows of laws with fewer
@@ -83,12 +62,12 @@ def _by_point(material: Material) -> np.ndarray:
     return p[:, None] if p.ndim == 2 else p[None] if p.ndim == 1 else p
 
 
-def history_size(model: HasSoil) -> int:
+def history_size(model: HasLaws) -> int:
     """Return the number of history variables of a point: those of the law that has most."""
     return max(len(each.law.history) for each in model.materials)
 
 
-def history_of(model: HasSoil, history: np.ndarray, name: str) -> np.ndarray:
+def history_of(model: HasLaws, history: np.ndarray, name: str) -> np.ndarray:
     """Return a history variable (ne, np) by its name, 0 in elements whose law does not have it."""
     values = np.zeros(history.shape[:2])
     for number, each in enumerate(model.materials):
@@ -98,7 +77,7 @@ def history_of(model: HasSoil, history: np.ndarray, name: str) -> np.ndarray:
     return values
 
 
-def material_shapes(model: HasSoil) -> Shapes:
+def material_shapes(model: HasLaws) -> Shapes:
     """Return the shapes of the materials' parameters beside those that they must have."""
     shapes: Shapes = {}
     for number, each in enumerate(model.materials):
@@ -108,7 +87,7 @@ def material_shapes(model: HasSoil) -> Shapes:
     return shapes
 
 
-def contact_rows(model: HasContact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def contact_rows(model: HasLaws) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return for each station the code of its law (ns,), its parameters (ns, n), and K_N and K_T (ns, 2) in N/m3."""
     ns = len(model.initial_pressure)
     # a copy: the loops are compiled once more for read-only rows
@@ -120,7 +99,7 @@ def contact_rows(model: HasContact) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     return code, rows, penalties
 
 
-def contact_gaps(model: HasContact, normal_jump: np.ndarray) -> np.ndarray:
+def contact_gaps(model: HasLaws, normal_jump: np.ndarray) -> np.ndarray:
     """Return the openings (ns,) in m, 0 where stations are closed, from the normal jumps (ns,) since the start."""
     gaps = np.zeros(len(normal_jump))
     rows = np.broadcast_to(model.contact, (len(normal_jump), model.contact.shape[1]))
@@ -129,13 +108,13 @@ def contact_gaps(model: HasContact, normal_jump: np.ndarray) -> np.ndarray:
     return gaps
 
 
-def is_smooth(model: HasContact) -> bool:
+def is_smooth(model: HasLaws) -> bool:
     """Return whether the tangent of every station is symmetric."""
     rows = np.broadcast_to(model.contact, (len(model.initial_pressure), model.contact.shape[1]))
     return all(bool(np.all(law.smooth(rows[mine]))) for law, mine in _stations_by_law(model))
 
 
-def contact_shapes(model: HasContact) -> Shapes:
+def contact_shapes(model: HasLaws) -> Shapes:
     """Return the shapes of the contact's parameters and codes beside those that they must have."""
     ns, rows = len(model.initial_pressure), len(model.contact)
     shapes: Shapes = {"contact": (model.contact.shape, (rows if rows == 1 else ns, _widest(model.contact_laws)))}
@@ -148,7 +127,7 @@ def _widest(laws: Sequence[ContactLaw]) -> int:
     return max(len(law.parameters) for law in laws)
 
 
-def _stations_by_law(model: HasContact) -> Iterator[tuple[ContactLaw, np.ndarray]]:
+def _stations_by_law(model: HasLaws) -> Iterator[tuple[ContactLaw, np.ndarray]]:
     ns = len(model.initial_pressure)
     for number, law in enumerate(model.contact_laws):
         yield law, np.full(ns, number == 0) if model.contact_law is None else model.contact_law == number

@@ -7,13 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fe_engine.conventions import CORNERS
 from fe_engine.errors import MeshError
 
-# Local corners (xi, eta, zeta) of a hexahedron: bottom quad counter-clockwise, then top quad.
-CORNERS = np.array(
-    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
-    dtype=float,
-)
 EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]])
 
 # Corners of the six faces, normals pointing out of the element
@@ -41,7 +37,7 @@ class Mesh:
     Attributes
     ----------
     nodes : (n, 3) float, coordinates in m.
-    hexes : (ne, 8) int, corner order of ``CORNERS``.
+    hexes : (ne, 8) int, corner order of ``conventions.CORNERS``.
     node_sets : name -> (k,) int.
     face_sets : name -> (k, 4) int, each face with its normal pointing out of side 2 into the soil.
     """

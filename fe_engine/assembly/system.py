@@ -103,14 +103,9 @@ class System:
         """Return the constant parts of the tangent: storage and coupling, and seepage in one second."""
         assert self.model.water is not None
         out = self._no_tangent()
+        scale, offset = self.model.water.scale, self.pattern.element_offset
         kernels_water.soil_water_tangent(
-            self.hexes,
-            self.pores.arrays,
-            (still, flowing),
-            self.model.water.scale,
-            self._scatter,
-            self.pattern.element_offset,
-            out,
+            self.hexes, self.pores.arrays, (still, flowing), scale, self._scatter, offset, out
         )
         return out
 

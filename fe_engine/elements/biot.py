@@ -36,7 +36,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fe_engine.elements import fourier, hex8
+from fe_engine.elements import fourier, hex8, interface
 
 N_CORNERS = 4  # of an element of the section: they have the pressures
 Values = float | np.ndarray
@@ -113,19 +113,12 @@ class PoreMatrices:
         return PoreMatrices(*(part * wet[:, None, None] for part in (self.coupling, self.seepage, self.storage)))
 
 
-def corner_shapes() -> np.ndarray:
-    """Return the bilinear functions (4 Gauss points, 4 corners)."""
-    corner = fourier.LOCAL[:N_CORNERS]
-    return np.array([np.prod(1.0 + corner * point, axis=1) / 4.0 for point in fourier.GAUSS])
-
-
 def corner_gradients(nodes: np.ndarray, quads: np.ndarray) -> np.ndarray:
     """Return the gradients (ne, 4 Gauss points, 2, 4 corners) of the bilinear functions along r and z, 1/m."""
-    corner, slopes = fourier.LOCAL[:N_CORNERS], np.empty((len(quads), fourier.N_POINTS, 2, N_CORNERS))
+    slopes = np.empty((len(quads), fourier.N_POINTS, 2, N_CORNERS))
     for g, point in enumerate(fourier.GAUSS):
-        local = 0.25 * corner * (1.0 + corner[:, ::-1] * point[::-1])
         jacobian = np.einsum("ai,eaj->eij", fourier.shape_gradient(*point), nodes[quads])
-        slopes[:, g] = np.einsum("eji,ai->eja", np.linalg.inv(jacobian), local)
+        slopes[:, g] = np.einsum("eji,ai->eja", np.linalg.inv(jacobian), interface.shape_gradient(*point))
     return slopes
 
 
@@ -140,7 +133,7 @@ def pore_matrices(
     mobility : k/gamma_w in m2/(Pa s), one value or (ne,); storage : S in 1/Pa.
     """
     gradient, volume = fourier.geometry(nodes, quads)
-    value, slope = corner_shapes(), corner_gradients(nodes, quads)
+    value, slope = interface.GAUSS_SHAPES, corner_gradients(nodes, quads)
     radius = fourier.gauss_positions(nodes, quads)[..., 0]
     along = np.einsum("eg,egia,egib->eab", volume, slope, slope, optimize=True)
     mass = np.einsum("eg,ga,gb->eab", volume, value, value)

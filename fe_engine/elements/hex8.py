@@ -12,28 +12,23 @@ from __future__ import annotations
 import numpy as np
 
 from fe_engine.compiled import njit
-from fe_engine.conventions import XX, XY, YY, YZ, ZX, ZZ
+from fe_engine.conventions import CORNERS, XX, XY, YY, YZ, ZX, ZZ
 
-_G = 1.0 / np.sqrt(3.0)
-_CORNERS = np.array(
-    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
-    dtype=np.float64,
-)
-GAUSS = _CORNERS * _G
+GAUSS = CORNERS * (1.0 / np.sqrt(3.0))
 
 
 def shape(xi: np.ndarray) -> np.ndarray:
     """Return the trilinear shape functions (8,) at the local point xi (3,)."""
-    return np.prod(1.0 + _CORNERS * xi, axis=1) / 8.0
+    return np.prod(1.0 + CORNERS * xi, axis=1) / 8.0
 
 
 def shape_gradient(xi: np.ndarray) -> np.ndarray:
     """Return the local gradient (8, 3) of the shape functions at the local point xi (3,)."""
-    factors = 1.0 + _CORNERS * xi
+    factors = 1.0 + CORNERS * xi
     gradient = np.empty((8, 3))
     for axis in range(3):
         others = [a for a in range(3) if a != axis]
-        gradient[:, axis] = _CORNERS[:, axis] * factors[:, others[0]] * factors[:, others[1]] / 8.0
+        gradient[:, axis] = CORNERS[:, axis] * factors[:, others[0]] * factors[:, others[1]] / 8.0
     return gradient
 
 

@@ -98,7 +98,7 @@ def film_geometry(nodes: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.
     corner = nodes[faces]
     gradient, area = np.empty((len(faces), 4, 4, 3)), np.empty((len(faces), 4))
     for g, (xi, eta) in enumerate(_GAUSS):
-        local = _shape_gradient(xi, eta)
+        local = shape_gradient(xi, eta)
         tangent = np.einsum("aj,fai->fji", local, corner)
         metric = np.einsum("fji,fki->fjk", tangent, tangent)  # g_ab = t_a.t_b
         gradient[:, g] = np.einsum("aj,fjk,fki->fai", local, np.linalg.inv(metric), tangent)  # t_a g^ab dN/dxi_b
@@ -151,7 +151,7 @@ def face_points(corner: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.nda
     points = []
     for xi, eta in _GAUSS:
         shape = _shape(xi, eta)
-        d_xi, d_eta = np.einsum("aj,fai->jfi", _shape_gradient(xi, eta), corner)
+        d_xi, d_eta = np.einsum("aj,fai->jfi", shape_gradient(xi, eta), corner)
         # n dA = t_1 x t_2 dxi deta
         points.append((np.einsum("a,fai->fi", shape, corner), shape, np.cross(d_xi, d_eta)))
     return points
@@ -161,7 +161,7 @@ def _shape(xi: float, eta: float) -> np.ndarray:
     return (1.0 + _CORNERS[:, 0] * xi) * (1.0 + _CORNERS[:, 1] * eta) / 4.0
 
 
-def _shape_gradient(xi: float, eta: float) -> np.ndarray:
+def shape_gradient(xi: float, eta: float) -> np.ndarray:
     """Return the local gradient (4, 2) of the bilinear shape functions."""
     return _CORNERS * (1.0 + _CORNERS[:, ::-1] * [eta, xi]) / 4.0
 

@@ -185,7 +185,7 @@ class SoilFactors(TangentFactors):
         assert tangent.contact is not None
         scale, scaled = equilibrated(tangent.matrix, np.float32)
         entries, d = scaled.data, scale[self._block.equations]
-        soil = tangent.matrix.data[self._block.positions] - tangent.contact
+        soil = tangent.matrix.data[self._block.positions] - tangent.contact  # K without C
         entries[self._block.positions] = d[self._block.row] * soil * d[self._block.column]
         return Origin(entries, scale, contact=tangent.contact)
 
@@ -205,6 +205,7 @@ class SoilFactors(TangentFactors):
         d, equations, forces = self._d, self._block.equations, control.forces.T
         shape = self._of_contact(d[:, None] * (tangent.columns[equations] @ control.motions))
         rows = forces @ tangent.rows[:, equations] * d
+        # Schur complement of the border
         self._now = shape, rows, forces @ tangent.corner @ control.motions - rows @ shape
 
     def apply(self, v: np.ndarray) -> np.ndarray:
@@ -270,6 +271,7 @@ class SoilFactors(TangentFactors):
         self._rows = np.ascontiguousarray(self._inverse[self._changed])
         with self._threads(len(delta)):
             among = np.eye(len(delta), dtype=np.float32) + self._rows[:, self._changed] @ delta
+            # T = dC (1 + W_JJ dC)^-1, Woodbury 1950
             self._t = np.ascontiguousarray(np.linalg.solve(among.T, delta.T).T)
 
     def _threads(self, size: int) -> AbstractContextManager[object]:
@@ -280,7 +282,7 @@ class SoilFactors(TangentFactors):
         """Apply M^-1 to rhs (m,) or (m, k)."""
         r = np.array(rhs, dtype=np.float32)
         if len(self._changed):
-            r[self._changed] -= self._t @ (self._rows @ r)
+            r[self._changed] -= self._t @ (self._rows @ r)  # W (r - T W^J r) = M^-1 r
         return self._inverse @ r
 
 

@@ -87,7 +87,7 @@ class LinearSolver:
 def equilibrated(matrix: csr_matrix, kind: type = np.float64) -> tuple[np.ndarray, csr_matrix]:
     """Scale D (n,), 1/sqrt|diagonal| with 1 where that is 0, and D A D in the precision ``kind``, on A's pattern."""
     diagonal = np.abs(matrix.diagonal())
-    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))  # D A D has 1 on its diagonal
     entries = scaled_entries(matrix, scale, kind)
     return scale, csr_matrix((entries, matrix.indices, matrix.indptr), shape=matrix.shape)
 

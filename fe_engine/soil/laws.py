@@ -4,15 +4,7 @@
 from __future__ import annotations
 
 from fe_engine.register import Register
-from fe_engine.soil import (
-    anisotropic,
-    elastic,
-    following,
-    iwan_clay,
-    iwan_sand,
-    tresca,
-    von_mises,
-)
+from fe_engine.soil import anisotropic, elastic, following, iwan_clay, iwan_sand, tresca, von_mises
 from fe_engine.soil.frictional import SURFACES
 from fe_engine.soil.law import SoilLaw
 

@@ -27,20 +27,10 @@ import numpy as np
 
 from fe_engine.compiled import lean, njit
 from fe_engine.conventions import OK, REGIME_CONE, REGIME_ELASTIC
+from fe_engine.soil import mobilised
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent
 from fe_engine.soil.law import SoilLaw
-from fe_engine.soil.mobilised import (
-    BULK,
-    HISTORY,
-    KAPPA,
-    PARAMETERS,
-    SHEAR,
-    SQRT3,
-    elastic_moduli,
-    pack,
-    radius,
-    returned,
-)
+from fe_engine.soil.mobilised import BULK, KAPPA, SHEAR, SQRT3, radius, returned
 
 _SWEEPS = 20
 _ZERO = 1.0e-32  # squared size of what is left beside the diagonal, over that of the stress
@@ -265,4 +255,6 @@ def _product(directions, a, b, i):
     return 0.5 * (directions[a, j] * directions[b, k] + directions[a, k] * directions[b, j])
 
 
-LAW = SoilLaw("tresca", PARAMETERS, HISTORY, pack, elastic_moduli, update)
+LAW = SoilLaw(
+    "tresca", mobilised.PARAMETERS, mobilised.HISTORY, mobilised.pack, mobilised.elastic_moduli, update,
+)  # fmt: skip

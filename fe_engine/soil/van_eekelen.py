@@ -40,28 +40,14 @@ from typing import NamedTuple
 
 from fe_engine.compiled import lean
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
+from fe_engine.soil import plasol
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent
 from fe_engine.soil.formulas import EXPONENT
 from fe_engine.soil.law import SoilLaw
 from fe_engine.soil.lode import lode, rotated, section, shape, shape_of_slope, turn_of
-from fe_engine.soil.plasol import (
-    BULK,
-    COHESION,
-    HISTORY,
-    KAPPA,
-    M_PSI,
-    PARAMETERS,
-    PHI_F,
-    SHEAR,
-    cone_slope,
-    elastic_moduli,
-    mobilised,
-    pack,
-    return_to_apex,
-    second_invariant,
-    strength,
-)
+from fe_engine.soil.plasol import BULK, COHESION, KAPPA, M_PSI, PHI_F, SHEAR, mobilised, return_to_apex, strength
 
+cone_slope, second_invariant = plasol.cone_slope, plasol.second_invariant
 _SQRT3, _SQRT6 = math.sqrt(3.0), math.sqrt(6.0)
 MAX_ITERATIONS = 80
 
@@ -303,4 +289,4 @@ def _symmetric_product(a, b):
     )
 
 
-LAW = SoilLaw("van-eekelen", PARAMETERS, HISTORY, pack, elastic_moduli, update)
+LAW = SoilLaw("van-eekelen", plasol.PARAMETERS, plasol.HISTORY, plasol.pack, plasol.elastic_moduli, update)

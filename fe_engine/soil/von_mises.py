@@ -11,20 +11,10 @@ from __future__ import annotations
 
 from fe_engine.compiled import lean
 from fe_engine.conventions import OK, REGIME_CONE, REGIME_ELASTIC
+from fe_engine.soil import mobilised
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent
 from fe_engine.soil.law import SoilLaw
-from fe_engine.soil.mobilised import (
-    BULK,
-    HISTORY,
-    KAPPA,
-    PARAMETERS,
-    SHEAR,
-    SQRT3,
-    elastic_moduli,
-    pack,
-    radius,
-    returned,
-)
+from fe_engine.soil.mobilised import BULK, KAPPA, SHEAR, SQRT3, radius, returned
 from fe_engine.soil.plasol import second_invariant
 
 
@@ -68,4 +58,6 @@ def update(p, strain, old, new, tangent, with_tangent):
     return OK, REGIME_CONE
 
 
-LAW = SoilLaw("von-mises", PARAMETERS, HISTORY, pack, elastic_moduli, update)
+LAW = SoilLaw(
+    "von-mises", mobilised.PARAMETERS, mobilised.HISTORY, mobilised.pack, mobilised.elastic_moduli, update,
+)  # fmt: skip

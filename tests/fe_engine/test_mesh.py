@@ -6,9 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fe_engine.conventions import CORNERS
 from fe_engine.elements.hex8 import geometry
 from fe_engine.errors import MeshError
-from fe_engine.mesh import CORNERS, EDGES, Mesh, measure_quality
+from fe_engine.mesh import EDGES, Mesh, measure_quality
 from tests.support.models import box, rotation_matrix
 
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fe_engine.conventions import CORNERS
 from fe_engine.elements import hex8
-from fe_engine.mesh import CORNERS
 from fe_engine.model import Model, Stage
 from fe_engine.soil import elastic, plasol
 from fe_engine.soil.elastic import elastic_matrix

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fe_engine.conventions import CORNERS
 from fe_engine.elements import solid_shell
-from fe_engine.elements.hex8 import _CORNERS
 from fe_engine.errors import ModelError
 from fe_engine.mesh import Mesh
 from fe_engine.model import Linear
@@ -22,7 +22,7 @@ ONE = np.arange(8)[None]
 def wall(distort: float = 0.0, through: float = 0.0) -> np.ndarray:
     """Corners (8, 3) of a thin element, distorted in its plane and through its thickness."""
     rng = np.random.default_rng(4)
-    nodes = _CORNERS * [1.0, 0.7, 0.05]
+    nodes = CORNERS * [1.0, 0.7, 0.05]
     plan = distort * rng.uniform(-1.0, 1.0, (4, 2))
     nodes[:, :2] += np.vstack([plan, plan])
     return nodes + through * rng.uniform(-1.0, 1.0, (8, 3))
