@@ -18,9 +18,7 @@ beside an effective one is not used.
 
 from __future__ import annotations
 
-import itertools
 import re
-import warnings
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -31,12 +29,13 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.tables import Column, Table, TableNote, one_table, split
+from pysprings.core.tables import Column, Table, one_table, split
 from pysprings.core.tables.cells import is_blank
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.units import show, si_of
 from pysprings.scene.by_depth import Profile
 from pysprings.scene.fields import FROM_TOML, Number, Quantity
+from pysprings.scene.profile_points import SAME, between
 from pysprings.scene.sections import BY_LAYER, Layer
 from pysprings.scene.soil_laws import SOIL_LAWS
 
@@ -91,8 +90,6 @@ _STIFF = ("young_modulus", "shear_modulus", "rigidity_ratio")
 _STRONG = ("friction_angle_final", "undrained_shear_strength", "cohesion")
 _PAIR = re.compile(r"\s*[\[(]\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*[\])]\s*")
 MOST_LAYERS = 100
-_SAME = 1.0e-6  # m: depths closer than that are the same
-_STRAIGHT = 1.0e-9  # share of a value by which a point may be off the straight line through its neighbours
 
 
 def field_of(key: str) -> Quantity | Number:
@@ -155,7 +152,7 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
     layers = [_layer(table, values, k) for k in range(len(table))]
     if "depth" in table and "top" not in table:
         table.faults.stop()
-        layers, ends = _between(table, layers, ends[0])
+        layers, ends = between(table, layers, ends[0])
     for k, layer in enumerate(layers):
         layer["top"] = show(float(np.nan_to_num(ends[0][k])), "m")
         if {"undrained_shear_strength", "friction_angle_final"} <= set(layer):
@@ -299,67 +296,6 @@ def _text(key: str, value: float) -> float | str:
     return float(f"{value:.15g}") if isinstance(field, Number) else show(value, field.unit)
 
 
-def _between(table: Table, points: list[dict[str, Any]], depth: Array) -> tuple[list[dict[str, Any]], Any]:
-    """Return the layers between points, linear, and their ends; the first value holds up to mudline."""
-    for k in np.flatnonzero(np.diff(depth) < 0.0).tolist():
-        table.fault(k + 1, "depth", "is above the point before: depths of points grow")
-    layers: list[dict[str, Any]] = []
-    spans: list[tuple[float, float]] = []
-    for k, (above, below) in enumerate(itertools.pairwise(points)):
-        if depth[k + 1] - depth[k] <= _SAME:
-            continue
-        layer = {name: value for name, value in above.items() if name in ("name", "law")}
-        for name in dict.fromkeys([*above, *below]):
-            if (name in above) != (name in below) and name not in ("name", "law"):
-                where = k + 1 if name in above else k
-                table.fault(where, name, "blank, and not at the next point: write two points at a layer boundary")
-            elif name not in ("name", "law"):
-                same = above[name] == below[name]
-                layer[name] = above[name] if same else {"top": above[name], "bottom": below[name]}
-        if layers and spans[-1][1] == depth[k] and _is_straight(layers[-1], layer, spans[-1], float(depth[k + 1])):
-            for name, value in layer.items():
-                if isinstance(value, dict):
-                    layers[-1][name]["bottom"] = value["bottom"]
-            spans[-1] = (spans[-1][0], float(depth[k + 1]))
-        else:
-            layers.append(layer)
-            spans.append((float(depth[k]), float(depth[k + 1])))
-    table.faults.stop()
-    if not layers:
-        table.fault(None, "depth", "needs two points at least")
-        table.faults.stop()
-    if spans[0][0] > 0.0:
-        what = f"{table.place}: the values of the first point, at {spans[0][0]:g} m, hold up to mudline"
-        warnings.warn(what, TableNote, stacklevel=2)
-        first = {name: value["top"] if isinstance(value, dict) else value for name, value in layers[0].items()}
-        layers.insert(0, first)
-        spans.insert(0, (0.0, spans[0][0]))
-    return layers, tuple(np.array(spans).T)
-
-
-def _is_straight(above: dict[str, Any], below: dict[str, Any], span: tuple[float, float], end: float) -> bool:
-    """Return whether a layer goes on in the line of the one above it."""
-    if above.keys() != below.keys():
-        return False
-    for name, value in above.items():
-        other = below[name]
-        if isinstance(value, dict) != isinstance(other, dict):
-            return False
-        if not isinstance(value, dict):
-            if value != other:
-                return False
-            continue
-        top, middle, bottom = (_size(each) for each in (value["top"], value["bottom"], other["bottom"]))
-        line = top + (bottom - top) * (span[1] - span[0]) / (end - span[0])
-        if _size(other["top"]) != middle or abs(line - middle) > _STRAIGHT * max(abs(top), abs(bottom)):
-            return False
-    return True
-
-
-def _size(value: float | str) -> float:
-    return float(value.split()[0]) if isinstance(value, str) else value
-
-
 def _is_clay(layer: dict[str, Any], law: object) -> bool:
     """Return whether a row without a law is Tresca clay: it has su, no friction angle, and [soil] no law of clay."""
     named = isinstance(law, str) and law in SOIL_LAWS and SOIL_LAWS[law].total_stress
@@ -392,7 +328,7 @@ def _check_joints(table: Table, tops: Array, bottoms: Array) -> None:
             table.fault(k + 1, "top", "is not below the layer above it")
         return
     for k, (end, top) in enumerate(zip(bottoms, tops[1:], strict=False)):
-        if abs(end - top) > _SAME:
+        if abs(end - top) > SAME:
             what = "overlap" if end > top else "leave a gap"
             text = f"the layers {what}: this one ends at {show(end, 'm')}, the next begins at {show(top, 'm')}"
             table.fault(k, "bottom", text)

@@ -83,6 +83,8 @@ def number(cell: Cell, style: Style) -> float | None:
         return float(cell)
     if isinstance(cell, Unread):
         raise NotANumber(cell.why)
+    if type(cell) is str and style == Style() and _NUMBER.fullmatch(cell):
+        return float(cell)
     text = text_of(cell)
     if not text:
         return None

@@ -190,15 +190,18 @@ def _table(sheet: Sheet, known: Headings, faults: Faults, reshape: Reshape | Non
     for k, row in enumerate(table.rows):
         if any(not is_blank(cell) for cell in row[len(head) :]):
             table.fault(k, None, f"more cells than the {len(head)} columns of the heading")
-        if text_of(row[0]).startswith("#"):
+        if _begins_with_hash(row):
             table.fault(k, None, "begins with #: delete the row, or the sign")
     return table
 
 
 def _is_comment(line: Line) -> bool:
     """Return whether a line is a comment: a text that begins with # and nothing beside it."""
-    texts = [text_of(cell) for cell in line[1]]
-    return bool(texts) and texts[0].startswith("#") and not any(texts[1:])
+    return _begins_with_hash(line[1]) and all(is_blank(cell) for cell in line[1][1:])
+
+
+def _begins_with_hash(cells: list[Cell]) -> bool:
+    return bool(cells) and isinstance(cells[0], str) and cells[0].lstrip().startswith("#")
 
 
 def _joined(head: list[str], lines: list[Line], sheet: Sheet) -> tuple[list[str], int]:
@@ -232,9 +235,10 @@ def _read_head(table: Table, known: Headings) -> None:
     skipped: dict[str, list[str]] = {}
     known.units = known.assume(table.head)
     for k, text in enumerate(table.head):
-        own = [row[k] for row in table.rows if k < len(row) and not is_blank(row[k])]
-        if text.lower() in _INDEX and (not own or (k == 0 and _counts(own))):
-            continue
+        if text.lower() in _INDEX:
+            own = [row[k] for row in table.rows if k < len(row) and not is_blank(row[k])]
+            if not own or (k == 0 and _counts(own)):
+                continue
         if not text:
             message = f"column {k + 1} has values and no heading: give it one, or delete it"
             table.faults.add((table.place, table.head_line), f"column {k + 1}", message)
