@@ -57,7 +57,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "friction_angle_final": ("phi", "phi'", "effective friction angle", "friction angle", "φ", "φ'"),
     "dilation_angle": ("psi", "dilatancy angle"), "cohesion": ("c", "c'", "effective cohesion"),
     "effective_unit_weight": ("submerged unit weight", "buoyant unit weight", "gamma'", "γ'"),
-    "K0": ("k0",), "hydraulic_conductivity": ("permeability",),
+    "K0": ("k0",), "hydraulic_conductivity": ("permeability", "k"),
     "undrained_shear_strength": ("su", "cu", "s u", "c u"), "plasticity_index": ("pi", "ip"),
     "overconsolidation_ratio": ("ocr",),
     "shear_modulus": ("g0", "g", "gmax", "g max", "g 0", "small strain shear modulus"),

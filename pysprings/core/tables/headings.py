@@ -161,7 +161,7 @@ def split(text: str) -> Iterator[tuple[str, str | None]]:
     """Yield the ways to read a heading as name and unit (None: without a unit), the likeliest first."""
     text = text.strip()
     if match := _BRACKETS.fullmatch(text):
-        yield _words(match["stem"]), match["unit"].strip()
+        yield _words(match["stem"]), re.sub(r"(?<=[A-Za-z])[-.](?=[A-Za-z])", " ", match["unit"].strip())  # kN-m, kN.m
         return
     yield _words(text), None
     for cut in (each.start() for each in re.finditer(r"[_\s]", text)):

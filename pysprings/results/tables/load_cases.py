@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 TEXTS = ("name", "limit_state")
 _NAMES = {
-    "name": ("case", "load case", "id"), "limit_state": ("state", "limit state"),
+    "name": ("case", "load case", "lc", "id"), "limit_state": ("state", "limit state"),
     "H_N": ("horizontal",), "M_Nm": ("moment",), "V_N": ("vertical",), "arm_m": ("height", "lever arm"),
     "direction_rad": ("h direction", "azimuth"), "M_direction_rad": (), "tilt_rad": ("tolerance",),
     "factor": (), "factor_H": (), "factor_M": (), "factor_V": (), "T_Nm": ("torsion", "m z", "mz"),
@@ -247,7 +247,8 @@ def _added(table: Table, texts: dict[str, list[str]], values: dict[str, Array]) 
         H, M, across, direction = _in_plane(rows, loads)
         V = np.nan if np.isnan(loads["V"][rows]).all() else math.fsum(np.nan_to_num(loads["V"][rows]))
         numbers = (H, M, V, direction, float(tilt[0]) if tilt.size else np.nan, across, math.fsum(loads["T"][rows]))
-        words = [*(remarks[k] for k in rows), *_twice(table, rows)]
+        alike = [f"'{each}' is another case" for each in groups if each != name and each.lower() == name.lower()]
+        words = [*(remarks[k] for k in rows), *_twice(table, rows), *alike]
         remark = "; ".join(dict.fromkeys(word for word in words if word))
         cases.append((name, state, int(table.lines[rows[0]]), *numbers, remark))
     columns = list(zip(*cases, strict=True))
@@ -289,8 +290,17 @@ def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     loads = {"H": force * H[:, None], "M": bending, "V": down * V, "T": given["T_Nm"] * M}
     loads["plane"] = np.where(force.any(axis=1), towards, turning)
     loads["has_plane"] = np.where((given["Fy_N"] == 0.0) & (given["Mx_Nm"] == 0.0), 1.0, 0.0)
-    text = "factor H {:g} multiplies the moment, too (no factor M)"
-    return loads, [text.format(by["H"][k]) if each else "" for k, each in enumerate(taken)]
+    left = {
+        name: np.isfinite(values[name]).any() & np.isnan(values[name]) for name in ("factor", "factor_H", "factor_V")
+    }
+    left["factor_H"] &= force.any(axis=1)
+    left["factor_V"] &= np.isfinite(down)
+    remarks = []
+    for k, each in enumerate(taken):
+        words = [f"factor H {values['factor_H'][k]:g} multiplies the moment, too (no factor M)"] if each else []
+        words += [f"{name.replace('_', ' ')} is blank: 1" for name, blank in left.items() if blank[k]]
+        remarks.append("; ".join(words))
+    return loads, remarks
 
 
 def _vector(size: Array, angle: Array) -> Array:

@@ -37,6 +37,7 @@ KNOWN = Headings(COLUMNS, lambda head: {})
         ("direction [°]", "direction_rad", 0.017453292519943295),
         ("H / kN", "H_N", 1e3),
         ("M_kN_m", "M_Nm", 1e3),
+        ("M [kN-m]", "M_Nm", 1e3),
         ("Fx [kip]", "Fx_N", 4448.2216152605),
     ],
 )

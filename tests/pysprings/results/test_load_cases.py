@@ -103,7 +103,7 @@ def test_the_factor_of_a_force_is_that_of_its_moment(tmp_path: Path) -> None:
     np.testing.assert_allclose(cases.H, [1350e3, 1000e3])
     np.testing.assert_allclose(cases.M, [-2700e3, -2000e3])
     np.testing.assert_allclose(cases.torsion, [13.5e3, 10e3])
-    assert cases.remarks == ("factor H 1.35 multiplies the moment, too (no factor M)", "")
+    assert cases.remarks == ("factor H 1.35 multiplies the moment, too (no factor M)", "factor H is blank: 1")
 
 
 def test_six_components(tmp_path: Path) -> None:
@@ -164,6 +164,7 @@ def test_the_order_and_the_parts_of_loads_change_no_case(tmp_path: Path) -> None
             assert shuffled[name] == values
             np.testing.assert_allclose(halved[name], values, rtol=1e-9, atol=1e-3)
     twice = table(tmp_path, "name,H [kN]", "a,5", "b,1", "a,5")
+    assert table(tmp_path, "name,H [kN]", "Storm,5", "storm,1").remarks[0] == "'storm' is another case"
     assert (twice.H.tolist(), twice.remarks) == ([1e4, 1e3], ("the rows 2 and 4 are the same, and both count", ""))
 
 
