@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: MIT
+"""The numbers of the tutorials and of the first-run page are those that the commands print, to two digits."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tools.tutorials import PAGES, STORED, blocks
+
+NUMBER = re.compile(r"(?<![\w.])-?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?(?![\w]*\.(?:md|toml|csv))", re.I)
+SMALL = 12  # counts and steps of a page
+# numbers of a page that no command prints, with their reason
+GIVEN = {
+    "first-run": {200.0},
+    "sand": {200.0, 35.0, 30.0},  # D/200; friction angle and depth of the ground
+    "partially-drained": {400.0, 40.0, 30.0},  # seconds of a path at its rates; metres of water
+}
+
+
+def values(text: str) -> list[float]:
+    """Return the numbers of a text, those with commas between thousands too."""
+    return [float(each.replace(",", "")) for each in NUMBER.findall(text) if each.replace(",", "") not in ("-", "")]
+
+
+def alike(a: float, b: float) -> bool:
+    """Return whether two numbers are the same to two digits, whatever their signs."""
+    return abs(abs(a) - abs(b)) <= 0.05 * abs(b)
+
+
+def words(line: str) -> str:
+    return " ".join(NUMBER.sub("#", line).split())
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_blocks_of_a_page_are_lines_that_its_commands_print(name: str) -> None:
+    stored = (STORED / f"{name}.txt").read_text(encoding="utf-8").splitlines()
+    shown = [line for block in blocks(PAGES[name], "text") for line in block.splitlines() if line.strip(" -")]
+    assert shown
+    for line in shown:
+        head = words(line.split("...")[0])
+        found = [other for other in stored if words(other).startswith(head)]
+        assert found, f"no command of the page prints: {line}"
+        mine = values(line.split("...")[0])
+        assert any(all(map(alike, mine, values(other))) for other in found), f"{line}\nis printed as\n{found[0]}"
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_numbers_in_the_words_of_a_page_are_printed_by_its_commands(name: str) -> None:
+    page = PAGES[name].read_text(encoding="utf-8")
+    prose = re.sub(r"^```.*?^```", "", page, flags=re.M | re.S)
+    prose = re.sub(r"\]\([^)]*\)|`[^`]*`|^#.*$", " ", prose, flags=re.M)
+    code = " ".join(re.findall(r"^```.*?^```", page, flags=re.M | re.S)) + " ".join(re.findall(r"`[^`]*`", page))
+    known = values((STORED / f"{name}.txt").read_text(encoding="utf-8")) + values(code)
+    known += [1e-6 * each for each in known] + [1e-3 * each for each in known] + [*GIVEN.get(name, ())]
+    odd = [each for each in values(prose) if abs(each) > SMALL and not any(alike(each, other) for other in known)]
+    small = [each for each in values(prose) if each % 1 and not any(alike(each, other) for other in known)]
+    assert not odd and not small, f"{name}: no command of the page prints {odd + small}"
+
+
+def test_every_page_has_what_its_commands_print() -> None:
+    assert {file.stem for file in Path(STORED).glob("*.txt")} == set(PAGES) and len(PAGES) > 4
