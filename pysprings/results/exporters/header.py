@@ -99,7 +99,7 @@ def _errors(comparison: pd.DataFrame) -> Iterator[str]:
                 parts.append(f"{words} {sizes.max():.2f} % ({used['path'].iloc[int(np.nanargmax(sizes))]})")
         role = "held-back" if len(held) else "calibration"
         if parts:
-            head = f"largest errors of springs {springs} against the full model, {len(used)} {role} paths"
+            head = f"largest errors of springs {springs!s} against the full model, {len(used)} {role} paths"
             yield f"{head}: {', '.join(parts)}"
 
 
