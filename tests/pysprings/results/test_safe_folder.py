@@ -224,7 +224,7 @@ def test_a_study_forgets_the_figures_of_its_variants_only(tmp_path: Path, elsewh
 
 
 ASKED = [
-    ("predict", "DIR", "--H", "100 kN"), ("compare", "DIR"), ("springs", "DIR"), ("export", "DIR"),
+    ("predict", "DIR", "--H", "100 kN"), ("compare", "DIR"), ("springs", "DIR"), ("export", "DIR", "--to", "json"),
 ]  # fmt: skip
 
 
