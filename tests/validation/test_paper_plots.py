@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 
 from pysprings.results import plots
-from pysprings.results.plots import signed_rose
+from pysprings.results.plots import rose
 from tests.support import synthetic
 from validation.paper import curves
 from validation.paper.measures import py_curve
@@ -45,7 +45,7 @@ def test_shear_goes_outward_over_the_initial_stress(path: xr.Dataset) -> None:
     ratio = shear / path["normal_effective_stress"].isel(step=0, depth=ring).transpose("side", "azimuth").values
     quarter = int(np.argmin(np.abs(np.arctan2(y, x) - np.pi / 2)))
     side = ratio[0, path.sizes["azimuth"] // 2]
-    assert np.hypot(x, y)[quarter] - 1.0 == pytest.approx(signed_rose.REACH * side / np.abs(ratio).max(), rel=1e-6)
+    assert np.hypot(x, y)[quarter] - 1.0 == pytest.approx(rose.SHEAR.reach * side / np.abs(ratio).max(), rel=1e-6)
     assert np.hypot(x, y)[0] == pytest.approx(1.0, abs=1e-12)  # none at the front
 
 
@@ -54,8 +54,8 @@ def test_suction_goes_inward(path: xr.Dataset) -> None:
         figure = plots.pressure_rose(path, step=10, depths=[1.0], normalised=normalised)
         x, y = line(figure, "pressure_outside")
         back = int(np.argmax(np.abs(np.arctan2(y, x))))
-        assert np.hypot(x, y)[0] == pytest.approx(1.0 + signed_rose.REACH)
-        assert np.hypot(x, y)[back] == pytest.approx(1.0 - signed_rose.REACH, rel=1e-6)
+        assert np.hypot(x, y)[0] == pytest.approx(1.0 + rose.SHEAR.reach)
+        assert np.hypot(x, y)[back] == pytest.approx(1.0 - rose.SHEAR.reach, rel=1e-6)
     ring = int(np.argmin(np.abs(path["depth"].values - 1.0)))
     initial = float(path["normal_effective_stress"].isel(step=0, side=0, depth=ring).mean())
     assert f"{1e3 / initial:.2g} front" in figure.axes[0].get_title(loc="center")

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from matplotlib.lines import Line2D
 
-from pysprings.results.plots.labels import label_beside
 from pysprings.results.plots.reactions import depth_colours
 from pysprings.results.plots.style import (
     BLUE,
@@ -21,6 +20,7 @@ from pysprings.results.plots.style import (
     ORANGE,
     SKY,
     VERMILLION,
+    legend_beside,
     new_figure,
     set_title,
     styled,
@@ -77,7 +77,7 @@ def load_components(path: xr.Dataset, beside: xr.Dataset | None = None) -> Figur
     axes.set_ylabel("force, change from the start [kN]")
     axes.set_xlim(left=0)
     zero_lines(axes)
-    label_beside(axes, axes.get_lines()[: len(_COMPONENTS) + (beside is not None)])
+    legend_beside(axes)
     words = "vertical forces: of the caisson on the soil and the water, down +; whole caisson"
     set_title(figure, "Horizontal load, shear forces on the skirt, water under the lid", path.attrs, words)
     return figure
@@ -174,7 +174,7 @@ def rates_and_friction(paths: Mapping[str, tuple[xr.Dataset, RateAndFriction]]) 
     axes.set_ylabel(r"horizontal load $\Delta F_{tot}$ [kN]")
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
-    label_beside(axes, axes.get_lines()[: len(paths)])
+    legend_beside(axes)
     attrs = drop_drainage(next(iter(paths.values()))[0].attrs) if paths else {}
     set_title(figure, "Load for loading rates v and friction coefficients \N{GREEK SMALL LETTER MU}", attrs)
     return figure

@@ -20,10 +20,9 @@ from pysprings.results.plots.newton import newton_record
 from pysprings.results.plots.overview import draw_paths, lateral_paths, overview
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.pictures import PICTURES
-from pysprings.results.plots.pressure_rose import pressure_rose, shear_rose
 from pysprings.results.plots.profiles import draw_profile, profiles
 from pysprings.results.plots.reactions import draw_py, py_curves
-from pysprings.results.plots.rose import stress_rose
+from pysprings.results.plots.rose import pressure_rose, shear_rose, stress_rose
 from pysprings.results.plots.secant import draw_secant, secant_stiffness
 from pysprings.results.plots.section import mesh, section_displacement, section_pressure
 from pysprings.results.plots.steel import ovalisation

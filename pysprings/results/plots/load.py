@@ -10,7 +10,6 @@ import numpy as np
 from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.data import abscissa, unit_text
-from pysprings.results.plots.labels import label_beside
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import (
     BLUE,
@@ -23,6 +22,7 @@ from pysprings.results.plots.style import (
     SKY,
     SURFACE_COLOURS,
     VERMILLION,
+    legend_beside,
     new_figure,
     plot_path,
     set_title,
@@ -63,7 +63,7 @@ def load_displacement(path: xr.Dataset) -> Figure:
         zero_lines(each)
     set_title(figure, "Load and motion of the caisson", path.attrs, _status(path))
     for each in (axes[0, 0], axes[0, 1]):
-        label_beside(each, [line for line in each.get_lines() if not str(line.get_label()).startswith("_")])
+        legend_beside(each)
     return figure
 
 

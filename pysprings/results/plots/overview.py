@@ -12,13 +12,13 @@ import xarray as xr
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.results.analysis.parts import converged, settings
-from pysprings.results.plots.labels import label_beside
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import (
     DEG,
     MM,
     MN,
     PATH_COLOURS,
+    legend_beside,
     new_figure,
     plain,
     plot_path,
@@ -57,7 +57,7 @@ def lateral_paths(tree: xr.DataTree, free_head: bool = False) -> list[LateralPat
 def draw_paths(axes: Axes, paths: Sequence[LateralPath], x: tuple[str, float], y: tuple[str, float]) -> None:
     """Draw a variable of each path against another, (name, factor) each; held-back paths are dashed.
 
-    Call `label_beside` once the limits are set: the names of the paths are the labels of the lines.
+    The names of the paths are the labels of the lines.
     """
     for name, path, colour in paths:
         line = "--" if path.attrs.get("role") == "held-back" else "-"
@@ -80,7 +80,7 @@ def overview(tree: xr.DataTree) -> Figure:
     right.set(xlabel="rotation [deg]", ylabel="M about the lid centre [MN m]", title="Moment")
     set_title(figure, "All lateral paths (dashed: held back)", settings(tree))
     for axes in (left, right):
-        label_beside(axes, [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")], 8.0)
+        legend_beside(axes, 8.0)
     return figure
 
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.data import depth_words, lateral_reaction, pick_depths, spread_depths
-from pysprings.results.plots.labels import label_ends, last_point
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.profiles import limits_without_edge
 from pysprings.results.plots.style import (
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
 
 MOST_CURVES = 8
 EDGE_WORDS = "dotted: edge ring of the tip, whose p depends on the mesh; it does not set the scale"
@@ -56,23 +54,17 @@ def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure
         if side in PANELS:
             draw_py(figure.add_subplot(places[side]), path, depths, side)
     for axes in figure.axes:
-        _make_room(axes)
-        _label_depths(axes)
         zero_lines(axes)
+    handles, names = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside right center", title="depth")
     set_title(
         figure,
-        "p-y curves by depth (depth below mudline at the end of each curve)",
+        "p-y curves by depth below mudline",
         path.attrs,
         EDGE_WORDS,
         depth_words(path, depths),
     )
     return figure
-
-
-def _ends_in_view(axes: Axes, line: Line2D, text: str) -> bool:
-    """Return whether a line is a curve of a depth that ends within the frame."""
-    end, (low, high) = last_point(line), sorted(axes.get_ylim())
-    return text.endswith(" m") and end is not None and low <= end[1] <= high
 
 
 def depth_colours(n: int) -> list[Any]:
@@ -88,29 +80,14 @@ def draw_py(axes: Axes, path: xr.Dataset, depths: Iterable[float] | None = None,
     y = path["y"].transpose("depth", "step").values
     for ring, colour in zip(rings, depth_colours(len(rings)), strict=True):
         depth, line = float(path["depth"][ring]), ":" if edge[ring] else "-"
-        name = f"_{depth:.2f} m"
+        name = f"{depth:.2f} m"
         plot_path(axes, y[ring] * MM, p[ring] * KN, good, color=colour, linewidth=1.7, linestyle=line, label=name)
     within = [ring for ring in rings if not edge[ring]]
     limits_without_edge(axes, p[within] * KN, "y")
     note_unconverged(axes, good)
-    if not good.all():
-        axes.legend(loc="best")
     axes.set_xlabel("displacement y of the mean fibre [mm]")
     axes.set_ylabel("reaction p [kN/m]")
     axes.set_title(PANELS[side])
-
-
-def _make_room(axes: Axes) -> None:
-    """Widen the view for the labels: most curves end on the right."""
-    axes.margins(x=0.04)
-    left, right = axes.get_xlim()
-    axes.set_xlim(left, right + 0.14 * (right - left))
-
-
-def _label_depths(axes: Axes) -> None:
-    """Label each curve at its last converged point."""
-    curves = [(line, str(line.get_label()).lstrip("_")) for line in axes.get_lines()]
-    label_ends(axes, [(line, text) for line, text in curves if _ends_in_view(axes, line, text)])
 
 
 PICTURE = Picture(

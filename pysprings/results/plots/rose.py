@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: MIT
-"""Normal effective stress around the caisson, drawn radially (the paper's figures 7, 8 and 14)."""
+"""Stresses and pressures around the caisson, drawn radially by the paper's rule (its figures 7, 8, 9, 14 and 15).
+
+Application point: where the radial direction meets the trace of the caisson. Magnitude: distance from the trace. Sense:
+positive outside the trace, negative inside.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
-from matplotlib.patches import Arc, Circle, Patch, Wedge
+from matplotlib.patches import Circle, Patch, Wedge
 
 from pysprings.results.analysis.parts import pick_step
 from pysprings.results.plots.data import depth_words, pick_depths, step_text
@@ -35,71 +39,56 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-TRACE = 1.0  # drawn radius of the caisson: the circle of zero stress
-MOST_RADIUS = 2.5
+TRACE = 1.0  # drawn radius of the caisson: the circle of zero
+GAP_WIDTH = 0.12  # drawn width of the zones without contact
 FINER = 10  # drawn points per station
 TIMES = "\N{MULTIPLICATION SIGN}"
 GAP_LOOK: Any = {"facecolor": "#f6cfb9", "edgecolor": VERMILLION, "hatch": "////", "linewidth": 0.0}
+DASHES: Any = {"outside": "-", "inside": "--"}
 
 
 @dataclass(frozen=True)
-class Ring:
-    """Normal effective stress at one depth of one side of the skirt, over the half model.
+class Quantity:
+    """What is drawn: a field (step, side, azimuth, depth) [Pa] of a path, even in azimuth, and its look.
 
-    azimuth [rad] (0 at the front) and stress, initial [Pa], all of shape (azimuth,).
+    normalised : over the initial normal effective stress of each ring; zones without contact stress are then shaded.
+    reach : drawn length of the largest value, in radii of the trace. marks, places : azimuths [rad] whose values stand
+    above a panel, and their words. signed : values below zero exist; where not, a circle shows the initial value.
     """
 
-    depth: float
-    azimuth: NDArray[np.float64]
-    stress: NDArray[np.float64]
-    initial: NDArray[np.float64]
+    name: str
+    title: str
+    gid: str
+    normalised: bool = True
+    sides: tuple[str, ...] = ("outside", "inside")
+    reach: float = 0.6
+    marks: tuple[float, ...] = (0.0, np.pi)
+    places: tuple[str, ...] = ("front", "back")
+    signed: bool = True
 
-    @property
-    def ratio(self) -> NDArray[np.float64]:
-        """Return stress over initial stress, NaN where the initial stress is zero."""
-        return np.divide(self.stress, self.initial, out=np.full_like(self.stress, np.nan), where=self.initial > 0)
-
-    def gaps(self) -> list[tuple[float, float]]:
-        """Return the zones (from, to) [rad] of the half ring where p'_N = 0.
-
-        A station represents the arc that reaches half-way to its neighbours.
-        """
-        middle = (self.azimuth[1:] + self.azimuth[:-1]) / 2
-        edges = np.concatenate([[0.0], middle, [np.pi]])
-        zones: list[tuple[float, float]] = []
-        for k in np.flatnonzero(self.stress <= 0.0):
-            if zones and zones[-1][1] == edges[k]:
-                zones[-1] = (zones[-1][0], float(edges[k + 1]))
-            else:
-                zones.append((float(edges[k]), float(edges[k + 1])))
-        return zones
-
-    def closed(self, values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mirror values of the half ring; return (azimuth, values) of a closed curve."""
-        angle = np.concatenate([self.azimuth, 2 * np.pi - self.azimuth[::-1], self.azimuth[:1]])
-        return angle, np.concatenate([values, values[::-1], values[:1]])
+    def words(self, value: float) -> str:
+        """Return a value with its unit; without one over the initial stress."""
+        text = f"{value:.2g}" if self.normalised else f"{value * KPA:.3g} kPa"
+        return ("0" if self.normalised and abs(value) < 5e-4 else text).replace("-", "\N{MINUS SIGN}")
 
 
-def ring(path: xr.Dataset, step: int, depth: int, side: str) -> Ring:
-    """Take one ring of a path: step and depth by index, side ``"outside"`` or ``"inside"``."""
-    field = path["normal_effective_stress"].sel(side=side).isel(depth=depth).transpose("step", "azimuth").values
-    azimuth = path["azimuth"].values
-    order = np.argsort(azimuth)
-    return Ring(float(path["depth"][depth]), azimuth[order], field[step][order], field[0][order])
+STRESS = Quantity("normal_effective_stress", "Normal effective stress $p'_N$ / initial", "stress", reach=1.2,
+                  signed=False)  # fmt: skip
+PRESSURE = Quantity("pore_pressure", "Excess pore pressure around the skirt", "pressure", normalised=False)
+PRESSURE_RATIO = replace(PRESSURE, title="Excess pore pressure around the skirt / initial $p'_N$", normalised=True)
+SHEAR = Quantity("shear_lateral", "Shear stress in the loading direction / initial $p'_N$, on the soil, along +x "
+                 "positive", "shear", marks=(0.0, np.pi / 2.0, np.pi), places=("front", "side", "back"))  # fmt: skip
 
 
 @styled
 def stress_rose(
-    path: xr.Dataset,
-    step: int | None = None,
-    displacement: float | None = None,
-    depths: Iterable[float] | None = None,
-    side: str = "outside",
-) -> Figure:
+    path: xr.Dataset, step: int | None = None, displacement: float | None = None,
+    depths: Iterable[float] | None = None, side: str = "outside",
+) -> Figure:  # fmt: skip
     """Draw p'_N around the caisson at four depths, normalised by its initial value.
 
-    The trace of the caisson is the zero circle and the magnitude goes outward (the paper's figure 7). Zones
-    with p'_N = 0 are shaded. The half model is mirrored to the full ring; the front is on the right.
+    The trace of the caisson is the zero circle and the magnitude goes outward. Zones with p'_N = 0 are shaded. The half
+    model is mirrored to the full ring; the front is on the right.
 
     Parameters
     ----------
@@ -112,172 +101,162 @@ def stress_rose(
     side
         ``"outside"`` or ``"inside"`` of the skirt.
     """
+    quantity = replace(STRESS, title=f"{STRESS.title}, {side} of the skirt", sides=(side,))
+    return _rose(path, quantity, step, displacement, depths)
+
+
+@styled
+def pressure_rose(
+    path: xr.Dataset, step: int | None = None, displacement: float | None = None,
+    depths: Iterable[float] | None = None, normalised: bool = False,
+) -> Figure:  # fmt: skip
+    """Draw the excess pore pressure in the interface at four depths, on both sides of the skirt; suction goes inward.
+
+    Parameters as those of `stress_rose`; path with pore_pressure (step, side, azimuth, depth) [Pa], compression
+    positive, over hydrostatic. normalised : over the initial normal effective stress of each ring, as the paper does,
+    instead of kPa; zones without contact stress are then marked.
+    """
+    return _rose(path, PRESSURE_RATIO if normalised else PRESSURE, step, displacement, depths)
+
+
+@styled
+def shear_rose(
+    path: xr.Dataset, step: int | None = None, displacement: float | None = None,
+    depths: Iterable[float] | None = None,
+) -> Figure:  # fmt: skip
+    """Draw the shear stress in the loading direction over the initial p'_N at four depths, on both sides of the skirt.
+
+    Parameters as those of `stress_rose`; path with shear_lateral (step, side, azimuth, depth) [Pa], the traction of
+    the caisson on the soil, positive along +x.
+    """
+    return _rose(path, SHEAR, step, displacement, depths)
+
+
+@dataclass(frozen=True)
+class _Ring:
+    """A side of the skirt at one depth over the half model: azimuth [rad] (0 at the front), stress, initial [Pa]."""
+
+    azimuth: NDArray[np.float64]
+    stress: NDArray[np.float64]
+    initial: NDArray[np.float64]
+    values: NDArray[np.float64]
+
+    def gaps(self) -> list[tuple[float, float]]:
+        """Return the zones (from, to) [rad] where p'_N = 0; a station represents the arc half-way to its neighbours."""
+        edges = np.concatenate([[0.0], (self.azimuth[1:] + self.azimuth[:-1]) / 2, [np.pi]])
+        zones: list[tuple[float, float]] = []
+        for k in np.flatnonzero(self.stress <= 0.0):
+            start = zones.pop()[0] if zones and zones[-1][1] == edges[k] else float(edges[k])
+            zones.append((start, float(edges[k + 1])))
+        return zones
+
+
+def _ring(path: xr.Dataset, quantity: Quantity, step: int, depth: int, side: str) -> _Ring:
+    names = {quantity.name, *(["normal_effective_stress"] if quantity.normalised else ())}
+    at = path[sorted(names)].sel(side=side).isel(depth=depth).sortby("azimuth").transpose("step", "azimuth")
+    values = contact = at[quantity.name].values.astype(float)
+    values = values[step]
+    if quantity.normalised:
+        contact = at["normal_effective_stress"].values.astype(float)
+        values = np.divide(values, contact[0], out=np.full_like(values, np.nan), where=contact[0] > 0)
+    return _Ring(at["azimuth"].values, contact[step], contact[0], values)
+
+
+def _rose(
+    path: xr.Dataset, quantity: Quantity, step: int | None, displacement: float | None, depths: Iterable[float] | None,
+) -> Figure:  # fmt: skip
+    """Draw a quantity around the caisson, one panel a depth, one scale."""
     step = pick_step(path, step, displacement)
-    rings = [ring(path, step, k, side) for k in pick_depths(path, depths)]
-    largest = max([2.0] + [float(np.nanmax(r.ratio)) for r in rings if np.isfinite(r.ratio).any()])
-    scale = min(0.5, (MOST_RADIUS - TRACE) / largest)
-    columns = min(2, len(rings))
-    rows = -(-len(rings) // columns)
-    frame = _frame(rings, scale)
-    figure = new_figure(4.5 * columns, 4.5 * rows * (frame[3] - frame[2]) / (frame[1] - frame[0]) + 1.6)
+    chosen = pick_depths(path, depths)
+    rings = {k: {side: _ring(path, quantity, step, k, side) for side in quantity.sides} for k in chosen}
+    sizes = [np.nan_to_num(np.abs(ring.values)).max() for sides in rings.values() for ring in sides.values()]
+    largest = float(max(sizes)) or 1.0
+    if not quantity.signed:
+        largest = max(largest, 1.0)  # the circle of the initial value stays in view
+    columns = min(2, len(chosen))
+    rows = -(-len(chosen) // columns)
+    figure = new_figure(4.3 * columns, 4.1 * rows + 1.2)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes in panels:
         axes.set_axis_off()
-    for axes, each in zip(panels, rings, strict=False):
-        axes.set(xlim=frame[:2], ylim=frame[2:])
-        _draw(axes, each, scale, SIDE_COLOURS[side])
-    figure.legend(
-        handles=_legend(SIDE_COLOURS[side], any(each.gaps() for each in rings)),
-        loc="outside lower center",
-        ncols=2,
-    )
-    title = rf"Normal effective stress $p'_N$ / initial, {side} of the skirt"
-    set_title(figure, title, path.attrs, f"at {step_text(path, step)}", depth_words(path, depths))
+    for axes, (k, sides) in zip(panels, rings.items(), strict=False):
+        _frame(axes, quantity, quantity.reach / largest)
+        _draw(axes, sides, quantity, quantity.reach / largest)
+        axes.set_title(_words(float(path["depth"][k]), sides, quantity), loc="center", fontsize=9)
+    gaps = quantity.normalised and any(ring.gaps() for sides in rings.values() for ring in sides.values())
+    figure.legend(handles=_legend(quantity, largest, gaps), loc="outside lower center", ncols=2)
+    set_title(figure, quantity.title, path.attrs, f"at {step_text(path, step)}", depth_words(path, depths))
     return figure
 
 
-def _draw(axes: Axes, each: Ring, scale: float, colour: str) -> None:
+def _frame(axes: Axes, quantity: Quantity, scale: float) -> None:
+    """Draw the trace, the circles of the largest value outward and inward, or of the initial value; front arrow."""
     axes.set_aspect("equal")
-    draw_gaps(axes, each, TRACE, scale)
-    axes.add_patch(Circle((0, 0), TRACE, facecolor=PALE, edgecolor=STEEL, linewidth=2.0, zorder=3))
-    axes.add_patch(Circle((0, 0), TRACE + scale, fill=False, edgecolor=INK, linestyle="--", linewidth=1.1, zorder=3))
-    _grid_rings(axes, each, scale)
-    angle, ratio = refine(*each.closed(each.ratio))
-    radius = TRACE + scale * ratio
-    axes.plot(
-        radius * np.cos(angle),
-        radius * np.sin(angle),
-        color=colour,
-        linewidth=2.0,
-        marker="o",
-        markersize=3.5,
-        markevery=FINER,
-        zorder=5,
-        gid="stress",
-    )
-    _centre_text(axes, each)
-    axes.annotate(
-        "",
-        (0.93, 0),
-        xytext=(0.66, 0),
-        zorder=6,
-        arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.6},
-    )
+    reach = TRACE + quantity.reach + 0.1
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
+    inner = TRACE - quantity.reach if quantity.signed else TRACE
+    axes.add_patch(Circle((0, 0), inner, facecolor=PALE, edgecolor="none", zorder=1))
+    for radius in {inner, TRACE + quantity.reach} - {TRACE}:
+        axes.add_patch(Circle((0, 0), radius, fill=False, edgecolor=GREY, linestyle=":", linewidth=0.9, zorder=2))
+    axes.add_patch(Circle((0, 0), TRACE, fill=False, edgecolor=STEEL, linewidth=2.0, zorder=3))
+    if not quantity.signed:
+        axes.add_patch(Circle((0, 0), TRACE + scale, fill=False, edgecolor=INK, linestyle="--", linewidth=1.1,
+                              zorder=3))  # fmt: skip
+    axes.annotate("", (TRACE - 0.64, 0), xytext=(-0.36, 0), zorder=6,
+                  arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.4})  # fmt: skip
 
 
-def draw_gaps(axes: Axes, each: Ring, radius: float, width: float) -> None:
-    """Shade the zones of a ring without contact stress, from a drawn radius outward."""
-    for start, stop in each.gaps():
+def _draw(axes: Axes, sides: Mapping[str, _Ring], quantity: Quantity, scale: float) -> None:
+    """Draw the curves of the sides, mirrored to the full ring, and shade their zones without contact."""
+    for number, (side, ring) in enumerate(sides.items()):
+        if quantity.normalised:
+            inward = TRACE if side == "outside" or not quantity.signed else TRACE - (number + 1) * GAP_WIDTH
+            _shade_gaps(axes, ring, inward)
+        turn = np.concatenate([ring.azimuth, 2 * np.pi - ring.azimuth[::-1], ring.azimuth[:1] + 2 * np.pi])
+        values = np.concatenate([ring.values, ring.values[::-1], ring.values[:1]])
+        # linear in azimuth between stations: chords would dip inside the trace at a gap
+        place = np.arange(FINER * (turn.size - 1) + 1) / FINER
+        angle = np.interp(place, np.arange(turn.size), turn)
+        distance = TRACE + scale * np.interp(place, np.arange(turn.size), values)
+        axes.plot(distance * np.cos(angle), distance * np.sin(angle), color=SIDE_COLOURS[side],
+                  gid=f"{quantity.gid}_{side}", linestyle=DASHES[side], linewidth=2.0, zorder=5)  # fmt: skip
+
+
+def _shade_gaps(axes: Axes, ring: _Ring, radius: float) -> None:
+    for start, stop in ring.gaps():
         for low, high in ((start, stop), (2 * np.pi - stop, 2 * np.pi - start)):
-            wedge = Wedge((0, 0), radius + width, low * DEG, high * DEG, width=width, gid="gap", **GAP_LOOK)
-            axes.add_patch(wedge)
+            axes.add_patch(Wedge((0, 0), radius + GAP_WIDTH, low * DEG, high * DEG, width=GAP_WIDTH, gid="gap",
+                                 **GAP_LOOK))  # fmt: skip
 
 
-def _frame(rings: list[Ring], scale: float) -> tuple[float, float, float, float]:
-    """Return (left, right, bottom, top) that holds every curve: one frame, one scale for all panels."""
-    x, y = [-TRACE - scale, TRACE + scale], [-TRACE - scale, TRACE + scale]
-    for each in rings:
-        angle, ratio = each.closed(np.nan_to_num(each.ratio))
-        x += list((TRACE + scale * ratio) * np.cos(angle))
-        y += list((TRACE + scale * ratio) * np.sin(angle))
-    return min(x) - 0.12, max(x) + 0.12, min(y) - 0.12, max(y) + 0.12
+def _words(depth: float, sides: Mapping[str, _Ring], quantity: Quantity) -> str:
+    lines = [f"depth {depth:.2f} m"]
+    for side, ring in sides.items():
+        values = [quantity.words(float(np.interp(mark, ring.azimuth, ring.values))) for mark in quantity.marks]
+        text = ", ".join(f"{value} {place}" for value, place in zip(values, quantity.places, strict=True))
+        if quantity.normalised and not np.isfinite(ring.values).any():
+            text = "the initial stress is 0, no ratio"
+        lines.append(f"{side}: {text}")
+    if not quantity.signed:
+        lines.append(f"initial {KPA * float(np.mean([ring.initial for ring in sides.values()])):.3g} kPa")
+    return "\n".join(lines)
 
 
-def refine(angle: NDArray[np.float64], values: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """Put nine points between stations, linear in azimuth: chords would dip inside the trace at a gap."""
-    turn = np.unwrap(angle)
-    fine = np.interp(np.arange(FINER * (turn.size - 1) + 1) / FINER, np.arange(turn.size), turn)
-    return fine, np.interp(fine, turn, values)
-
-
-def _grid_rings(axes: Axes, each: Ring, scale: float) -> None:
-    """Draw dotted half circles at multiples of the initial stress, numbered where the curve is farthest."""
-    largest = float(np.nanmax(each.ratio)) if np.isfinite(each.ratio).any() else 1.0
-    every = 1 if scale > 0.25 else max(1, round(0.25 / scale))
-    for multiple in range(1, int(np.floor(max(largest, 1.0))) + 1, every):
-        radius = TRACE + scale * multiple
-        if multiple > 1:
-            turn = 180.0 if _leans_back(each) else 0.0
-            axes.add_patch(
-                Arc(
-                    (0, 0),
-                    2 * radius,
-                    2 * radius,
-                    angle=turn,
-                    theta1=-90,
-                    theta2=90,
-                    edgecolor=GREY,
-                    linestyle=":",
-                    linewidth=0.9,
-                    zorder=2,
-                )
-            )
-        angle = _free_angle(axes, each, multiple, radius)
-        text = axes.text(
-            radius * np.cos(angle),
-            -radius * np.sin(angle),
-            f"{multiple}{TIMES}",
-            ha="center",
-            va="center",
-            fontsize=7.5,
-            color=INK,
-            zorder=6,
-            clip_on=True,
-        )
-        text.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.6})
-
-
-def _leans_back(each: Ring) -> bool:
-    """Return whether the stress is larger at the back than at the front."""
-    return bool(each.ratio[-1] > each.ratio[0])
-
-
-def _free_angle(axes: Axes, each: Ring, multiple: int, radius: float) -> float:
-    """Choose the azimuth [rad] inside the frame at which the curve is farthest from a circle."""
-    angle = np.radians(np.arange(15, 81, 5))
-    if _leans_back(each):
-        angle = np.pi - angle
-    (left, right), (bottom, _) = axes.get_xlim(), axes.get_ylim()
-    x, y = radius * np.cos(angle), -radius * np.sin(angle)
-    away = np.abs(np.interp(angle, each.azimuth, np.nan_to_num(each.ratio)) - multiple)
-    away[(x < left + 0.08) | (x > right - 0.08) | (y < bottom + 0.08)] = -1.0
-    return float(angle[np.argmax(away)])
-
-
-def _centre_text(axes: Axes, each: Ring) -> None:
-    """Write depth, initial stress and the front and back ratios in the middle of the disc."""
-    axes.text(-0.05, 0.42, f"depth {each.depth:.2f} m", ha="center", va="center", fontweight="bold", zorder=6)
-    initial = float(np.mean(each.initial)) * KPA
-    lines = [
-        f"initial {initial:.3g} kPa",
-        f"front {each.ratio[0]:.2f} {TIMES} initial",
-        f"back {each.ratio[-1]:.2f} {TIMES} initial",
+def _legend(quantity: Quantity, largest: float, gaps: bool) -> list[Line2D | Patch]:
+    unit = f" {TIMES} initial $p'_N$" if quantity.normalised else ""
+    words = f"{quantity.words(largest)}{unit} outward"
+    words += f", {quantity.words(-largest)} inward" if quantity.signed else ""
+    handles: list[Line2D | Patch] = [
+        Line2D([], [], color=SIDE_COLOURS[side], linestyle=DASHES[side], label=side) for side in quantity.sides
     ]
-    if not np.isfinite(each.ratio).any():
-        lines = ["initial stress is 0:", "no ratio"]
-    axes.text(-0.12, -0.1, "\n".join(lines), ha="center", va="center", fontsize=8.5, linespacing=1.4, zorder=6)
-    axes.text(0.79, 0.13, "front", ha="center", va="center", fontsize=8, zorder=6)
+    handles.append(Line2D([], [], color=STEEL, linewidth=2.0, label="trace of the caisson = zero"))
+    if not quantity.signed:
+        handles.append(Line2D([], [], color=INK, linestyle="--", linewidth=1.1, label="initial stress"))
+    handles.append(Line2D([], [], color=GREY, linestyle=":", label=words))
+    return [*handles, Patch(label="no contact: $p'_N = 0$", **GAP_LOOK)] if gaps else handles
 
 
-def _legend(colour: str, gaps: bool) -> list[Line2D | Patch]:
-    words = "no contact stress: $p'_N = 0$" if gaps else "no contact stress, $p'_N = 0$: nowhere here"
-    return [
-        Line2D(
-            [],
-            [],
-            color=colour,
-            linewidth=2.0,
-            marker="o",
-            markersize=3,
-            label="now, at the stations (distance from the trace)",
-        ),
-        Line2D([], [], color=INK, linestyle="--", linewidth=1.1, label="initial stress (circle 1)"),
-        Line2D([], [], color=STEEL, linewidth=2.0, label="trace of the caisson = zero"),
-        Patch(label=words, **GAP_LOOK),
-    ]
-
-
-def _picture(side: str) -> Picture:
+def _stress(side: str) -> Picture:
     return Picture(
         name=f"stress_{side}",
         caption=f"Normal effective stress around the caisson, {side}",
@@ -290,4 +269,13 @@ def _picture(side: str) -> Picture:
     )
 
 
-OUTSIDE, INSIDE = _picture("outside"), _picture("inside")
+OUTSIDE, INSIDE = _stress("outside"), _stress("inside")
+PORE_PRESSURE = Picture(
+    name="pressure",
+    caption="Excess pore pressure around the skirt",
+    function=pressure_rose,
+    data=lambda view: (view.path, view.step),
+    scope="state",
+    applies=lambda view: "pressure_min" in view.path and "pore_pressure" in view.path,
+    section="",
+)

@@ -179,6 +179,18 @@ def note_unconverged(axes: Axes, good: NDArray[np.bool_]) -> None:
         axes.plot([], [], linestyle="none", marker="x", markeredgewidth=1.8, color=INK, label="not converged")
 
 
+def legend_beside(axes: Axes, size: float = 9.0, title: str = "") -> None:
+    """Name the labelled curves of a panel right of it, in the order of the heights of their ends."""
+    ends = {}
+    for line in axes.get_lines():
+        drawn = np.asarray(line.get_ydata(), dtype=float)
+        good = drawn[np.isfinite(drawn)]
+        if good.size and not str(line.get_label()).startswith("_"):
+            ends[line] = float(good[-1])
+    handles = sorted(ends, key=lambda line: -ends[line])
+    axes.legend(handles=handles, loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=size, title=title or None)
+
+
 def zero_lines(axes: Axes) -> None:
     """Draw the axes through zero that the view contains."""
     low, high = sorted(axes.get_ylim())

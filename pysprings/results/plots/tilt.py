@@ -10,10 +10,9 @@ import numpy as np
 import xarray as xr
 
 from pysprings.results.analysis.parts import settings
-from pysprings.results.plots.labels import label_beside
 from pysprings.results.plots.overview import draw_paths, lateral_paths
 from pysprings.results.plots.picture import Picture
-from pysprings.results.plots.style import DEG, INK, MN, new_figure, plain, set_title, styled
+from pysprings.results.plots.style import DEG, INK, MN, legend_beside, new_figure, plain, set_title, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,7 +41,7 @@ def tilt(tree: xr.DataTree, limits: Iterable[float] = LIMITS) -> Figure:
     right.set_title("Moment about the lid centre")
     set_title(figure, "Load against tilt, by height of the load", settings(tree))
     for axes in (left, right):
-        label_beside(axes, [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")], 8.0)
+        legend_beside(axes, 8.0)
     return figure
 
 

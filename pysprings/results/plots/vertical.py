@@ -9,7 +9,6 @@ import numpy as np
 
 from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.data import abscissa, spread_depths, unit_text
-from pysprings.results.plots.labels import label_beside, label_ends
 from pysprings.results.plots.load import SURFACES
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.reactions import MOST_CURVES, depth_colours
@@ -17,6 +16,7 @@ from pysprings.results.plots.style import (
     INK,
     KN,
     SURFACE_COLOURS,
+    legend_beside,
     new_figure,
     note_unconverged,
     plot_path,
@@ -57,8 +57,9 @@ def vertical_springs(path: xr.Dataset) -> Figure:
         axes.set_xlabel(label)
         zero_lines(axes)
         if x[-1] < x[0]:
-            axes.invert_xaxis()  # the labels are on the right, where curves end
-    label_beside(left, [line for line in left.get_lines() if not str(line.get_label()).startswith("_")])
+            axes.invert_xaxis()
+    legend_beside(left)
+    legend_beside(right, title="depth")
     set_title(figure, "Vertical springs", path.attrs)
     return figure
 
@@ -67,11 +68,8 @@ def _reactions(axes: Axes, path: xr.Dataset, x: np.ndarray) -> None:
     good, rings = converged(path), spread_depths(path, MOST_CURVES)
     t = path["t"].sum("side").transpose("depth", "step").values * KN
     for ring, colour in zip(rings, depth_colours(len(rings)), strict=True):
-        label = f"_{float(path['depth'][ring]):.2f} m"
+        label = f"{float(path['depth'][ring]):.2f} m"
         plot_path(axes, x, t[ring], good, color=colour, linewidth=1.7, label=label)
-    labels = [(line, str(line.get_label()).lstrip("_")) for line in axes.get_lines()]
-    axes.margins(x=0.14, y=0.1)
-    label_ends(axes, [(line, text) for line, text in labels if text.endswith(" m")])
     note_unconverged(axes, good)
     axes.set_ylabel("reaction t [kN/m], both sides")
     axes.set_title("Vertical reaction by depth")

@@ -21,7 +21,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.core.registry import Registry
 from pysprings.results import layout, plots
 from pysprings.results.analysis import newton, parts
-from pysprings.results.plots import data, files, gap, labels, rose, section
+from pysprings.results.plots import data, files, gap, rose, section
 from pysprings.results.plots.picture import View
 from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.reactions import PANELS
@@ -171,14 +171,20 @@ def test_unconverged_steps_are_crosses_and_no_part_of_a_curve(pull: xr.Dataset) 
     assert "2 of 25 steps did not converge" in title(figure)
 
 
-def test_py_labels_sit_at_the_last_converged_point(pull: xr.Dataset) -> None:
+def test_depths_of_py_curves_stand_in_one_key(pull: xr.Dataset) -> None:
     pull["converged"][24] = 0
     figure = plots.py_curves(pull, depths=[0.4])
-    written = [text for text in figure.axes[0].texts if text.get_gid() == "end label"]
     ring = data.pick_depths(pull, [0.4])[0]
-    assert [text.get_text() for text in written] == [f"{float(pull['depth'][ring]):.2f} m"]
-    np.testing.assert_allclose(written[0].xy[0], float(pull["y"][ring, 23]) * 1e3)
-    np.testing.assert_allclose(written[0].xy[1], float(pull["p"][ring, 23]) * 1e-3)
+    words = [f"{float(pull['depth'][ring]):.2f} m", "not converged"]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == words
+
+
+def test_curves_are_named_in_the_order_of_their_ends(pull: xr.Dataset) -> None:
+    axes = plots.load_displacement(pull).axes[0]
+    named = [text.get_text() for text in axes.get_legend().get_texts()]
+    ends = {str(line.get_label()): line.get_ydata()[-1] for line in axes.get_lines()}
+    assert named[0] == "total H" and len(named) > 2
+    assert [ends[name] for name in named] == sorted((ends[name] for name in named), reverse=True)
 
 
 def test_default_state_is_the_last_converged_one(pull: xr.Dataset) -> None:
@@ -229,25 +235,6 @@ def test_py_from_springs_equals_py_from_the_result(pull: xr.Dataset, trees: tupl
         np.testing.assert_allclose(data.lateral_reaction(springs)[side], p, rtol=1e-12, atol=1e-6)
 
 
-def test_labels_cover_neither_each_other_nor_a_curve() -> None:
-    figure = Figure(figsize=(8, 6))
-    axes = figure.subplots()
-    x = np.linspace(0, 1, 50)
-    lines = [axes.plot(end * x, (1 + 0.02 * k) * np.sqrt(end * x))[0] for k, end in enumerate((1.0, 0.97, 0.7, 0.5))]
-    axes.margins(0.2)
-    boxes = labels.label_ends(axes, [(line, f"{k}.00 m") for k, line in enumerate(lines)])
-    assert not any(a.overlap(b) for i, a in enumerate(boxes) for b in boxes[:i])
-    curves = np.concatenate([labels._samples(axes, line) for line in lines])
-    assert sum(box.holds(curves) for box in boxes) == 0
-
-
-def test_spread_keeps_order_and_distance() -> None:
-    moved = labels.spread([5.0, 0.0, 0.5, 20.0], 2.0)
-    assert np.diff(np.sort(moved)).min() >= 2.0 - 1e-12
-    assert np.argsort(moved).tolist() == [1, 2, 0, 3]
-    assert moved[3] == 20.0
-
-
 # ---------------------------------------------------------------- rose
 
 
@@ -259,7 +246,7 @@ def test_rose_follows_the_papers_rule(pull: xr.Dataset) -> None:
     field = pull["normal_effective_stress"].sel(side="outside").transpose("step", "azimuth", "depth").values
     scale = initial_circle(figure, 0) - rose.TRACE
     for panel, k in enumerate(rings):
-        (line,) = [line for line in figure.axes[panel].get_lines() if line.get_gid() == "stress"]
+        (line,) = [line for line in figure.axes[panel].get_lines() if line.get_gid() == "stress_outside"]
         x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
         n = pull.sizes["azimuth"]
         stations = np.hypot(x, y)[::10]  # nine points lie between two stations
@@ -309,8 +296,7 @@ def test_rose_without_initial_stress_says_so(pull: xr.Dataset) -> None:
     field = pull["normal_effective_stress"].transpose("step", "side", "azimuth", "depth")
     field[0] = 0.0
     pull["normal_effective_stress"] = field
-    texts = [text.get_text() for text in plots.stress_rose(pull).axes[0].texts]
-    assert any("initial stress is 0" in text for text in texts)
+    assert "initial stress is 0" in plots.stress_rose(pull).axes[0].get_title(loc="center")
 
 
 def test_depths_default_to_the_papers(pull: xr.Dataset) -> None:
@@ -581,7 +567,7 @@ def test_the_edge_ring_is_dotted_and_does_not_set_the_scale(pull: xr.Dataset) ->
     path["p_component"][-1] *= 50.0
     axes = plots.py_curves(path).axes[0]
     dotted = [line for line in axes.get_lines() if line.get_linestyle() == ":"]
-    assert [str(line.get_label()) for line in dotted] == [f"_{float(path['depth'][-1]):.2f} m"]
+    assert [str(line.get_label()) for line in dotted] == [f"{float(path['depth'][-1]):.2f} m"]
     inner = path["p_component"].sum(("side", "component")).transpose("depth", "step").values[:-1] * 1e-3
     top = axes.get_ylim()[1]
     assert inner.max() < top < 1.3 * inner.max() < np.nanmax(dotted[0].get_ydata())
