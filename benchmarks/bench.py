@@ -41,14 +41,14 @@ def scene(mesh: str, end: float, mode: str = "drained") -> Any:
     from pysprings import Scene
     from pysprings.full_model.accuracy.settings import read_mesh
     from pysprings.scene.extent import PAPER
+    from pysprings.scene.sections import PAPER_SOIL
 
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end}
     if mode == "coupled":
         path["rate"] = 0.05 * MM
     output = {"figures": False, "section": False}
-    return read_mesh(mesh).scene(
-        Scene.model_validate({"path": [path], "domain": PAPER, "drainage": {"mode": mode}, "output": output})
-    )
+    paper = Scene(domain=PAPER, soil=PAPER_SOIL, paths=(path,), drainage={"mode": mode}, output=output)
+    return read_mesh(mesh).scene(paper)
 
 
 def record(mesh: str, end: float, mode: str = "drained") -> RunRecord:

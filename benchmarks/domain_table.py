@@ -21,6 +21,7 @@ from pysprings.model.forecast import domain_effect
 from pysprings.model.fourier import build_on_section
 from pysprings.model.fourier_mesh import PRESETS
 from pysprings.scene.load import Scene
+from pysprings.scene.sections import PAPER_SOIL
 
 DIAMETER = 8.0  # m
 SLENDERNESS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
@@ -36,7 +37,7 @@ def stiffness(slenderness: float, beside: float, below: float, poisson: float, s
         "domain": {
             "radius": (0.5 + beside) * DIAMETER, "depth": (slenderness + below) * DIAMETER, "side": side,
         },
-        "soil": {"yield_surface": "elastic", "poisson_ratio": poisson},
+        "soil": PAPER_SOIL | {"yield_surface": "elastic", "poisson_ratio": poisson},
         "mesh": {"preset": "medium", "discretisation": "fourier", "harmonics": 1},
         "path": [{"name": "pull", "kind": "pull", "lateral_displacement": 1e-3}],
     })  # fmt: skip

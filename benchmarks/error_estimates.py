@@ -37,6 +37,7 @@ from pysprings.full_model.accuracy.settings import read_mesh
 from pysprings.full_model.compute import scene_to_run
 from pysprings.full_model.run_record import Computed, MeshFigures, RunRecord, Status
 from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER_SOIL
 
 ASKED = 0.9
 HEAD = ("quantity", "estimates", "true error covered", "median of estimate over true error",
@@ -126,7 +127,9 @@ def scene_of(name: str, reach: float) -> Scene:
         for key in ("lateral_displacement", "rotation"):
             if key in path:
                 path[key] = reach * path[key]
-    return Scene.model_validate({"title": name, "domain": PAPER, "output": OUTPUT} | values | {"path": paths})
+    soil = PAPER_SOIL | values.get("soil", {})
+    given = {"title": name, "domain": PAPER, "output": OUTPUT} | values | {"path": paths, "soil": soil}
+    return Scene.model_validate(given)
 
 
 def result_of(scene: Scene, folder: Path) -> Any:

@@ -32,6 +32,7 @@ from pysprings.cli import app
 from pysprings.core.files.storage import write_text
 from pysprings.results.folder import run_to_folder
 from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER_SOIL
 
 
 def scenes(refinement: float) -> dict[str, Scene]:
@@ -43,7 +44,7 @@ def scenes(refinement: float) -> dict[str, Scene]:
         "caisson": {"vertical_load": 1.5e6},
         "solver": {"first_step_fraction": 0.05, "max_step_fraction": 0.2}, "output": {"figures": False},
     }  # fmt: skip
-    drained = Scene(domain=PAPER).replace(**common, paths=(pull, turn))
+    drained = Scene(domain=PAPER, soil=PAPER_SOIL).replace(**common, paths=(pull, turn))
     rests = {**pull, "role": "held-back", "then": ("rest 2 hour",)}
     return {"drained": drained, "coupled": drained.replace(drainage={"mode": "coupled"}, paths=(rests, turn))}
 

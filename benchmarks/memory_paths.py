@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pysprings.scene.load import Scene, load_scene, parse_scene
+from pysprings.scene.sections import PAPER_SOIL
 from pysprings.scene.template import template_text
 
 ROOT = Path(__file__).parents[1]
@@ -37,7 +38,8 @@ def cases() -> dict[str, Case]:
     """Return the caissons of the benchmark by name."""
     cohesive = load_scene(ROOT / "data/scenes/fan-cohesive-long-caisson.toml")
     clay = parse_scene(template_text("soft-clay"))
-    paper = Scene(caisson={"outer_diameter": 7.8, "skirt_length": 4.0}, domain={"radius": 24.0, "depth": 12.0})
+    caisson, domain = {"outer_diameter": 7.8, "skirt_length": 4.0}, {"radius": 24.0, "depth": 12.0}
+    paper = Scene(caisson=caisson, domain=domain, soil=PAPER_SOIL)
     return {
         "sand": Case("sand", "the paper's caisson, drained sand", paper, 20e-3, 1.0e6),
         "cohesive": Case("cohesive", "L/D 1, soil with cohesion, drained", cohesive, 30e-3, 1.0e6),
@@ -50,7 +52,7 @@ def cases() -> dict[str, Case]:
 def iwan_sand(law: str = "iwan-sand") -> Scene:
     """Return the paper's caisson in sand of this law."""
     paper = {"outer_diameter": 7.8, "skirt_length": 4.0}
-    return Scene(caisson=paper, domain={"radius": 24.0, "depth": 12.0}, soil={"yield_surface": law})
+    return Scene(caisson=paper, domain={"radius": 24.0, "depth": 12.0}, soil=PAPER_SOIL | {"yield_surface": law})
 
 
 def iwan_clay(law: str = "iwan-clay") -> Scene:

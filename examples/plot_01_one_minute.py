@@ -14,6 +14,14 @@ from pysprings import plots
 # A scene needs a path; everything else has a default. Numbers in Python are in SI units.
 scene = pysprings.Scene(
     title="A pull at 5 m above mudline",
+    soil={  # sand, in SI
+        "young_modulus": 200e6,
+        "friction_angle_initial": 0.0873,
+        "friction_angle_final": 0.5236,
+        "effective_unit_weight": 10.56e3,
+        "surcharge": 10.56e3,
+        "K0": 1.0,
+    },
     paths=({"name": "pull", "kind": "pull", "lateral_displacement": 2.5e-3, "arm": 5.0},),
     mesh={"preset": "coarse", "harmonics": 3},
     solver={"tolerance": 1e-3},

@@ -16,6 +16,14 @@ from pysprings import plots
 
 scene = pysprings.Scene(
     title="p-y curves of a pull at one diameter",
+    soil={  # sand, in SI
+        "young_modulus": 200e6,
+        "friction_angle_initial": 0.0873,
+        "friction_angle_final": 0.5236,
+        "effective_unit_weight": 10.56e3,
+        "surcharge": 10.56e3,
+        "K0": 1.0,
+    },
     paths=({"name": "pull", "kind": "pull", "lateral_displacement": 5e-3, "arm": 7.8},),
     mesh={"preset": "coarse", "harmonics": 3},
     solver={"tolerance": 1e-3},

@@ -14,6 +14,15 @@ from pysprings import plots
 
 scene = pysprings.Scene(
     title="A pull in sand with water",
+    soil={  # sand, in SI
+        "young_modulus": 200e6,
+        "friction_angle_initial": 0.0873,
+        "friction_angle_final": 0.5236,
+        "effective_unit_weight": 10.56e3,
+        "surcharge": 10.56e3,
+        "K0": 1.0,
+        "hydraulic_conductivity": 1e-4,
+    },
     drainage={"mode": "drained"},
     paths=({"name": "pull", "kind": "pull", "lateral_displacement": 2.5e-3, "arm": 5.0},),
     mesh={"preset": "coarse", "harmonics": 3},

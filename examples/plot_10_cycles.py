@@ -23,6 +23,14 @@ solver = { tolerance = 1e-3 }
 domain = { radius = "40 m", depth = "30 m" }
 
 [soil]
+young_modulus = "200 MPa"
+poisson_ratio = 0.3
+friction_angle_initial = "5 deg"
+friction_angle_final = "30 deg"
+hardening_parameter = 0.005
+effective_unit_weight = "10.56 kN/m^3"
+surcharge = "10.56 kPa"
+K0 = 1.0
 cohesion = "2 kPa"
 
 [[path]]

@@ -18,6 +18,14 @@ loads, nodes, seconds = [], [], []
 for refinement in (0.5, 0.7, 1.0, 1.4, 2.0):
     scene = pysprings.Scene(
         title=f"refinement {refinement}",
+        soil={  # sand, in SI
+            "young_modulus": 200e6,
+            "friction_angle_initial": 0.0873,
+            "friction_angle_final": 0.5236,
+            "effective_unit_weight": 10.56e3,
+            "surcharge": 10.56e3,
+            "K0": 1.0,
+        },
         paths=({"name": "pull", "kind": "pull", "lateral_displacement": 2.5e-3, "arm": 5.0},),
         mesh={"preset": "coarse", "harmonics": 3, "refinement": refinement},
         solver={"tolerance": 1e-3},

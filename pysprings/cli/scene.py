@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series
+from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series, Target
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
 from pysprings.core.errors import printable
 from pysprings.core.text import number
@@ -60,14 +60,19 @@ def check(
     scene: SceneFile,
     mesh: Mesh = None,
     discretisation: Series = None,
+    target: Target = None,
     changes: Changes = None,
     as_json: Json = False,
 ) -> None:
-    """Validate a scene; print what it leaves out, the size of the model and its cost. Solves nothing."""
+    """Validate a scene; print its defaults, what it leaves out, the size of the model and its cost. Solves nothing."""
+    from pysprings.cli.run import with_target
     from pysprings.model.forecast.estimate import describe
 
-    loaded = on_mesh(load(scene, discretisation, changes), mesh)
-    about = describe(loaded)
+    loaded, chosen = on_mesh(load(scene, discretisation, changes), mesh), {}
+    if target is not None:
+        loaded, extra = with_target(loaded, target, mesh is not None)
+        chosen = {"target_error": {name: extra["target_error"][name] for name in ("target", "setting")}}
+    about = chosen | describe(loaded)
     if as_json:
         print_json(description(scene, loaded, about))
     else:
@@ -125,15 +130,19 @@ def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
 def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
     """Print the description of a scene that `pysprings check` has made."""
     from pysprings.model.forecast.omission_text import saved_text
+    from pysprings.scene.defaults import value_text
 
     print(printable(f"{file}: {scene.title}"))
     print(f"sha256 {scene.sha256}")
     paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.load_paths)
     print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
-    apart = ("ground", "left_out", "warnings")
+    apart = ("ground", "left_out", "warnings", "defaulted")
     rows = [row for key, value in about.items() if key not in apart for row in _rows(key, value)]
     print_table(("quantity", "value"), rows)
     print_ground(about.get("ground", ()))
+    if rows := about.get("defaulted", ()):
+        print("\ndefaults, which this scene does not give:")
+        print_table(("key", "value"), [(row["key"], value_text(row)) for row in rows])
     print("\nleft out by this scene:")
     for omission in about.get("left_out", ()):
         print(f"- {omission['what']}: {omission['why']}")

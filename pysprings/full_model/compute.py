@@ -50,7 +50,6 @@ from pysprings.full_model.unit_time import factorise_and_solve_seconds
 from pysprings.full_model.work import Work
 from pysprings.model.discretise import build
 from pysprings.model.forecast.domain_effect import domain_effect
-from pysprings.model.forecast.profile import unusual_values
 from pysprings.model.forecast.resources import refuse_what_cannot_fit
 from pysprings.model.forecast.small_strain import large_motion
 from pysprings.model.penalty import penalty_of
@@ -264,7 +263,7 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
             raise ResourceError(str(error)) from error
     unknowns = engine.system.pattern.n_unknowns + built.model.n_border
     progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {unknowns} unknowns")
-    remarks = [*domain_effect(scene).remarks, *penalty_of(scene).remarks, *unusual_values(scene)]
+    remarks = [*domain_effect(scene).remarks, *penalty_of(scene).remarks]
     return Work(scene, built, engine.system, engine.newton, clock, progress, warnings=remarks)
 
 

@@ -19,6 +19,8 @@ from pysprings.full_model.run_record import CheckpointCost, Computed, MeshFigure
 from pysprings.full_model.work import Work
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.fourier import BuiltFourier
+from pysprings.model.penalty import defaults_of
+from pysprings.scene.defaults import defaulted_text, remarks
 from pysprings.scene.ground import drainage_of
 
 
@@ -43,6 +45,8 @@ def record_of(work: Work, loaded: Loaded) -> RunRecord:
         solver=_solver(work),
         paths=work.figures,
         left_out=[omission.record() for omission in left_out(work.scene)],
+        defaulted=defaults_of(work.scene, work.vertical_load),
+        remarks=remarks(work.scene),
         checkpoints=_checkpoints(work),
         stiffness_initial={"dofs": list(variables.DOFS), "matrix": (2.0 * work.stiffness).tolist()},
         **before,
@@ -127,7 +131,9 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
         "caisson_behaviour": scene.caisson.behaviour,
         "limit_displacement_over_diameter": scene.limit.displacement_over_diameter,
         "limit_rotation_rad": scene.limit.rotation,
-        "vertical_load_N": 2.0 * (work.built.balanced_load + work.built.extra_load),
+        "vertical_load_N": work.vertical_load,
+        "defaulted": defaulted_text(record.defaulted, numerical=False),
+        "remarks": "; ".join(record.remarks),
     }
     groups: dict[str, Any] = {"/": root, "/section": section_of(work.built)} | work.paths
     if scene.output.paraview:

@@ -232,6 +232,7 @@ class RunRecord(_Part):
     resumed : time and place of each continuation.
     environment : versions of the libraries and numbers of threads.
     left_out : what the scene leaves out, and why.
+    defaulted, remarks : values that the scene does not give, and what is unlikely in it (`pysprings.scene.defaults`).
     phases : wall and CPU seconds by phase; wall_s and cpu_s are their sums.
     stiffness_initial : of the whole caisson at mudline: dofs, and the matrix in N, m, rad.
     summary : the run in ten lines, by heading (`pysprings.results.summary`).
@@ -255,6 +256,8 @@ class RunRecord(_Part):
     solver: SolverFigures = field(default_factory=SolverFigures)
     paths: dict[str, PathFigures] = field(default_factory=dict)
     left_out: list[dict[str, Any]] = field(default_factory=list)
+    defaulted: list[dict[str, Any]] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
     checkpoints: CheckpointCost | None = field(default=None, metadata=OPTIONAL)
     phases: dict[str, dict[str, float]] = field(default_factory=dict)
     wall_s: float = 0.0

@@ -57,6 +57,11 @@ class Work:
     resumed: list[dict[str, str]] = field(default_factory=list)
     state: State | None = None
 
+    @property
+    def vertical_load(self) -> float:
+        """Vertical load of the whole caisson in N, positive down; the number behind "balanced"."""
+        return 2.0 * (self.built.balanced_load + self.built.extra_load)
+
     def cost(self) -> dict[str, Any]:
         """Return the cost of the run so far, as a checkpoint keeps it."""
         assert self.checkpoints is not None

@@ -14,10 +14,11 @@ them (a hundred times that took 78 increments, 19 of them cut, where ten times t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pysprings.scene.defaults import defaulted
 from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
@@ -60,6 +61,14 @@ def penalty_of(scene: Scene) -> Penalty:
             value = STIFFEST * unit
         values.append(value)
     return Penalty(values[0], values[1], _pressure(scene) / values[0], _loss(min(values) / unit), tuple(remarks))
+
+
+def defaults_of(scene: Scene, vertical_load: float) -> list[dict[str, Any]]:
+    """Return what a scene does not give, by key, value and unit; ``vertical_load`` (N) is that of the built model."""
+    penalty = penalty_of(scene)
+    known = {"normal": penalty.normal, "shear": penalty.shear}
+    numbers = {f"interface.{name}_stiffness": value for name, value in known.items()}
+    return defaulted(scene, {**numbers, "caisson.vertical_load": vertical_load})
 
 
 def penalty_at(scene: Scene, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

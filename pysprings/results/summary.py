@@ -16,6 +16,7 @@ from pysprings.core.text import percent
 from pysprings.core.words import MeshPreset
 from pysprings.results.analysis.parts import load_sizes
 from pysprings.scene.card import caisson_text, ground_text
+from pysprings.scene.defaults import defaulted_text
 from pysprings.scene.design_load import USUAL_TILT
 
 if TYPE_CHECKING:
@@ -59,7 +60,9 @@ def summary(
     except PyspringsError:  # of another version
         return {}
     lines = [
-        ("caisson", caisson_text(run.scene)), ("ground", ground_text(run.scene)),
+        ("caisson", caisson_text(run.scene, run.result.attrs.get("vertical_load_N"))),
+        ("ground", ground_text(run.scene)),
+        ("defaults", defaulted_text(record.defaulted, numerical=False)), ("unlikely", "; ".join(record.remarks)),
         ("initial stiffness", _stiffness(run)),
         ("loads", _loads(run)), ("vertical", _vertical(run)),
         ("tilt", _tilt(run)), ("range", _range(run)), ("mesh error", _mesh(run)),

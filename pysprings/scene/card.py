@@ -14,11 +14,14 @@ if TYPE_CHECKING:
 MOST_LAYERS = 4  # that are named
 
 
-def caisson_text(scene: SceneSections) -> str:
-    """Return size, behaviour and vertical load of the caisson."""
+def caisson_text(scene: SceneSections, vertical_load: float | None = None) -> str:
+    """Return size, behaviour and vertical load of the caisson; ``vertical_load`` (N) is the number behind a word."""
     each = scene.caisson
     ratio = each.skirt_length / each.outer_diameter
-    load = "balanced" if each.vertical_load == "balanced" else f"{1e-6 * float(each.vertical_load):.4g} MN"
+    number = vertical_load if isinstance(each.vertical_load, str) else each.vertical_load
+    load = "" if number is None else f"{1e-6 * number:.4g} MN"
+    if isinstance(each.vertical_load, str):
+        load = f"{load} ({each.vertical_load})" if load else each.vertical_load
     return (
         f"D {each.outer_diameter:g} m, L {each.skirt_length:g} m (L/D {ratio:.2g}), skirt "
         f"{1e3 * each.skirt_thickness:g} mm, {each.behaviour}; vertical load {load}"

@@ -13,7 +13,7 @@ from pysprings.scene.clash import Clash
 from pysprings.scene.design_load import design_clashes
 from pysprings.scene.extent import Extent, extent_of
 from pysprings.scene.interface import drainage_clashes, interface_clashes
-from pysprings.scene.law_keys import key_clashes
+from pysprings.scene.law_keys import key_clashes, missing, with_stand_ins
 from pysprings.scene.layers import in_layer, layer_order, open_ends, uniform_soils, values_inside
 from pysprings.scene.positions import KeyPath
 from pysprings.scene.scene_sections import SceneSections
@@ -32,7 +32,10 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
     yield from _caisson(scene.caisson)
     extent = extent_of(scene)
     yield from _domain(extent, scene.caisson)
-    yield from _ground(scene.soil, extent)
+    lacking = [*missing(scene.soil, scene.drainage.mode)]
+    yield from _ground(scene.soil, extent, lacking)
+    if lacking:
+        scene = scene.model_copy(update={"soil": with_stand_ins(scene.soil)})
     yield from drainage_clashes(scene)
     if not [*layer_order(scene.soil, extent)]:
         yield from interface_clashes(scene)
@@ -92,9 +95,13 @@ def _series(scene: SceneSections) -> Iterator[Clash]:
         yield Clash((("drainage", "stabilisation"), chosen), "is one of bricks; pressures of a series need none")
 
 
-def _ground(soil: Soil, domain: Extent) -> Iterator[Clash]:
-    """Check keys, order and values by depth of the layers; where they are right, the soil of each."""
-    wrong = [*key_clashes(soil), *layer_order(soil, domain), *values_inside(soil, domain)]
+def _ground(soil: Soil, domain: Extent, lacking: list[Clash]) -> Iterator[Clash]:
+    """Check keys, order and values by depth of the layers; where they are right, the soil of each.
+
+    ``lacking`` names the values that are missing: others stand in for them where the rest is checked.
+    """
+    checked = with_stand_ins(soil) if lacking else soil
+    wrong = [*key_clashes(soil), *lacking, *layer_order(soil, domain), *values_inside(checked, domain)]
     wrong += [] if wrong else [*open_ends(soil, domain)]
     yield from wrong
     if wrong:

@@ -101,11 +101,19 @@ def initial_shear(measure: float) -> Callable[[Any, tuple[float, float]], Iterat
         shear = measure * abs(1.0 - soil.K0) * max(stresses)
         most = strength if soil.strain_at_half_strength is None else strength * (1.0 - _ROUNDING)
         if shear > most + _ROUNDING * max(stresses):
-            keys = tuple(("soil", name) for name in ("K0", "undrained_shear_strength", "surcharge"))
-            text = f"{soil.K0:g} puts an initial shear stress of {_rounded(shear)} into a soil of strength"
-            yield Clash(keys, f"{text} {_rounded(strength)}")
+            names = ("K0", "undrained_shear_strength", "surcharge")
+            if soil.surcharge > 0.0 and max(stresses) <= soil.surcharge:  # at mudline
+                names = ("surcharge", "undrained_shear_strength", "K0")
+            keys = tuple(("soil", name) for name in names)
+            yield Clash(keys, f"{_state(soil, stresses, shear)} into a soil of strength {_rounded(strength)}")
 
     return check
+
+
+def _state(soil: Any, stresses: tuple[float, float], shear: float) -> str:
+    """Return the beginning of a sentence on an initial shear stress [Pa], with what makes it."""
+    vertical = f"a vertical effective stress of {_rounded(max(stresses))} (surcharge {_rounded(soil.surcharge)})"
+    return f"K0 {soil.K0:g} with {vertical} puts an initial shear stress of {_rounded(shear)}"
 
 
 def _initial_anisotropic(
@@ -120,4 +128,4 @@ def _initial_anisotropic(
         names = ("K0", "undrained_shear_strength", "surcharge", *ANISOTROPY_KEYS)
         keys = tuple(("soil", name) for name in names if getattr(soil, name) is not None)
         allowed = f"triaxial strengths of {_rounded(low)} (extension) to {_rounded(high)}"
-        yield Clash(keys, f"{soil.K0:g} puts an initial shear stress of {_rounded(shear)} into a soil with {allowed}")
+        yield Clash(keys, f"{_state(soil, stresses, shear)} into a soil with {allowed}")

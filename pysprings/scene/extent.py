@@ -20,20 +20,21 @@ _OF_LAST = 1.0  # diameter of the last layer that is modelled at the least
 
 @dataclass(frozen=True)
 class Extent:
-    """Radius and depth of the domain, m, and the depth down to which the soil has its own laws and values."""
+    """Radius and depth of the domain, m, the depth down to which the soil has its own values, and that of the tip."""
 
     radius: float
     depth: float
     ground: float
+    tip: float
 
 
 def extent_of(scene: SceneSections) -> Extent:
     """Return the size of the domain of a scene; what is "auto" follows from caisson and layers."""
     domain, caisson = scene.domain, scene.caisson
-    diameter = caisson.outer_diameter
+    diameter, tip = caisson.outer_diameter, caisson.skirt_length
     last = max((layer.top for layer in scene.soil.layers), default=0.0)
     radius = RADIUS * diameter if domain.radius == AUTO else float(domain.radius)
     if domain.depth != AUTO:
-        return Extent(radius, float(domain.depth), float(domain.depth))
-    ground = max(caisson.skirt_length + GROUND * diameter, last + _OF_LAST * diameter)
-    return Extent(radius, max(caisson.skirt_length + BELOW_TIP * diameter, 2.0 * ground), ground)
+        return Extent(radius, float(domain.depth), float(domain.depth), tip)
+    ground = max(tip + GROUND * diameter, last + _OF_LAST * diameter)
+    return Extent(radius, max(tip + BELOW_TIP * diameter, 2.0 * ground), ground, tip)

@@ -12,18 +12,19 @@ from typing import Any
 
 import numpy as np
 
+from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth, Value, follows_stress
 from pysprings.scene.clay_laws import factors_of, small_strain_modulus
 from pysprings.scene.extent import Extent, extent_of
-from pysprings.scene.law_defaults import STIFFNESSES
 from pysprings.scene.reduction import KEY as REDUCTION
 from pysprings.scene.reduction import Pairs
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import BY_LAYER, Layer, Soil
-from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS
+from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS, STIFFNESSES
 
 _OF_ELASTIC = ("poisson_ratio", "K0", "effective_unit_weight", "hydraulic_conductivity")
 _MERGED = 1.0e-9  # m: depths closer than that are one
+_UNUSED_CONDUCTIVITY = 1e-4  # m/s: a scale of time where water does not flow; where it does a scene gives its own
 
 
 @dataclass(frozen=True)
@@ -209,6 +210,19 @@ def ground_of(scene: SceneSections) -> Ground:
     return make_ground(scene.soil, extent_of(scene))
 
 
+def in_layers(scene: SceneSections) -> Soil:
+    """Return the soil of a scene in one form: a surcharge, and layers, one at the least, that have all their values."""
+    soil, layers = scene.soil, []
+    for layer in soil.layers or (None,):
+        law = (layer.law if layer else None) or soil.yield_surface
+        given: dict[str, Any] = {"top": 0.0} if layer is None else {
+            "top": layer.top, "name": layer.name, "drainage": layer.drainage,
+        }  # fmt: skip
+        given |= {"law": law, **dict.fromkeys(BY_LAYER), **values_of(soil, layer)}
+        layers.append(Layer.model_construct(**given | {REDUCTION: _reduction(soil, layer, law)}))
+    return Soil.model_construct(surcharge=soil.surcharge, layers=tuple(layers))
+
+
 def drainage_of(scene: SceneSections) -> str:
     """Return how the water takes part: the mode of the scene, "total-stress" for undrained clay, or several of them."""
     kinds = {each.drainage_in(scene.drainage.mode) for each in ground_of(scene).strata}
@@ -222,9 +236,8 @@ def make_ground(soil: Soil, extent: Extent) -> Ground:
     elastic with the stiffness that it has there: strengths and stresses of a profile are not carried on without end.
     """
     layers = soil.layers
-    tops = [each.top for each in layers] or [0.0]
     strata, above = [], soil.surcharge
-    for number, (top, bottom) in enumerate(zip(tops, [*tops[1:], extent.ground], strict=True)):
+    for number, top, bottom in _places(soil, extent):
         layer = layers[number] if layers else None
         name, law = (layer.name, layer.law or soil.yield_surface) if layer else ("soil", soil.yield_surface)
         water = layer.drainage if layer else None
@@ -234,6 +247,44 @@ def make_ground(soil: Soil, extent: Extent) -> Ground:
     if extent.depth > extent.ground:
         strata.append(_elastic(strata[-1], extent.depth, above))
     return Ground(tuple(strata))
+
+
+def _places(soil: Soil, extent: Extent) -> list[tuple[int, float, float]]:
+    """Return number, top and bottom (m) of each layer that is modelled, boundaries near the tip moved onto it.
+
+    Cells of the mesh stand on tip and boundaries: a sliver between two of them would decide the largest aspect ratio
+    and often whether a run comes to its end. A layer thinner than `thinnest` belongs to the one below it, the last one
+    to that above.
+    """
+    least = thinnest(extent)
+    tops = [extent.tip if abs(each.top - extent.tip) <= least else each.top for each in soil.layers] or [0.0]
+    places: list[tuple[int, float, float]] = []
+    top = tops[0]
+    for number, bottom in enumerate([*tops[1:], extent.ground]):
+        if bottom - top > least or len(tops) == 1:
+            places.append((number, top, bottom))
+            top = bottom
+    number, top, _ = places.pop() if places else (0, tops[0], 0.0)
+    return [*places, (number, top, extent.ground)]
+
+
+def thinnest(extent: Extent) -> float:
+    """Return the thickness (m) below which two levels are one: 1 mm, or 0.1 % of the skirt length."""
+    return max(1.0e-3, 1.0e-3 * extent.tip)
+
+
+def moved_layers(soil: Soil, extent: Extent) -> list[str]:
+    """Return a sentence on each layer whose top is moved, or that is too thin to be modelled."""
+    places, least = {number: top for number, top, _ in _places(soil, extent)}, show(thinnest(extent), "mm")
+    texts = []
+    for number, layer in enumerate(soil.layers):
+        if number not in places:
+            texts.append(f"layer '{layer.name}' is thinner than {least} and not modelled")
+        elif places[number] != layer.top:
+            where = " (the skirt tip)" if places[number] == extent.tip else ""
+            to = f"moved to {places[number]:.9g} m{where}, less than {least} away"
+            texts.append(f"layer '{layer.name}': its top at {layer.top:.9g} m is {to}")
+    return texts
 
 
 def _elastic(above: Stratum, bottom: float, stress: float) -> Stratum:
@@ -254,15 +305,24 @@ def _reduction(soil: Soil, layer: Layer | None, law: str) -> Pairs | None:
     return (getattr(soil, REDUCTION) if own is None else own) if REDUCTION in SOIL_LAWS[law].keys else None
 
 
-def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:
-    """Return the values of a layer that its law uses, those of the soil where it gives none."""
+def given_values(soil: Soil, layer: Layer | None) -> dict[str, Any]:
+    """Return the values of a layer, those of the soil where it gives none; None for those that neither gives."""
     own = {name: getattr(layer, name, None) for name in BY_LAYER}
-    values = {name: getattr(soil, name) if value is None else value for name, value in own.items()}
+    return {name: getattr(soil, name) if value is None else value for name, value in own.items()}
+
+
+def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:
+    """Return the values of a layer that its law uses; where the scene gives none those of the soil, then of the law."""
     law = SOIL_LAWS[(layer.law if layer else None) or soil.yield_surface]
+    defaults = {**law.defaults, "hydraulic_conductivity": _UNUSED_CONDUCTIVITY}
+    values: dict[str, Any] = {
+        name: defaults.get(name) if value is None else value for name, value in given_values(soil, layer).items()
+    }
     if values["K0"] == "auto":
         values["K0"] = at_rest(values["friction_angle_final"])
     if values["friction_angle_initial"] == "auto":
         values["friction_angle_initial"] = max(law.least_friction(each) for each in _ends(values["K0"]))
+    own = {name: getattr(layer, name, None) for name in STIFFNESSES}
     dropped = [each for each in STIFFNESSES if each != _stiffness(soil, own, law.total_stress)]
     dropped += FRICTION_KEYS if law.total_stress else CLAY_KEYS
     return {name: value for name, value in values.items() if value is not None and name not in dropped}

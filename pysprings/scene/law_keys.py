@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pysprings.scene.by_depth import ByDepth, follows_stress
+from pysprings.scene.by_depth import ByDepth, Profile, follows_stress
 from pysprings.scene.clash import Clash
-from pysprings.scene.law_defaults import STIFFNESSES
+from pysprings.scene.fields import Number, Quantity
+from pysprings.scene.ground import given_values
 from pysprings.scene.positions import KeyPath
-from pysprings.scene.sections import Layer, Soil
-from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS
+from pysprings.scene.sections import Layer, Soil, SoilValues
+from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS, STIFFNESSES
 
 
 def laws_of(soil: Soil) -> list[str]:
@@ -41,7 +42,7 @@ def key_clashes(soil: Soil) -> Iterator[Clash]:
         for name in given_keys(soil):
             if isinstance(getattr(soil, name), ByDepth):
                 yield Clash((("soil", name),), "a table by depth stands in a layer where there are layers")
-    yield from _missing(soil, laws)
+    yield from _without_strength(soil, laws)
     yield from _at_rest(soil, laws)
 
 
@@ -97,21 +98,71 @@ def _one_stiffness(here: KeyPath, given: set[str]) -> Iterator[Clash]:
         yield Clash(tuple((*here, name) for name in reversed(several)), f"give one of {', '.join(several)}")
 
 
-def _missing(soil: Soil, laws: list[str]) -> Iterator[Clash]:
-    """Give clay in total stress without a strength or a stiffness."""
-    stiff = given_keys(soil) & {*STIFFNESSES}
+def _without_strength(soil: Soil, laws: list[str]) -> Iterator[Clash]:
+    """Give clay whose strength is 0 at every depth."""
     for number, law in enumerate(laws):
-        if not SOIL_LAWS[law].total_stress:
-            continue
         layer = soil.layers[number] if soil.layers else None
-        here: KeyPath = ("soil", "layer", number) if layer else ("soil",)
-        given = given_keys(layer) if layer else given_keys(soil)
-        place = ((*here, "law" if layer else "yield_surface"), ("soil", "yield_surface"))
-        own = layer.undrained_shear_strength if layer else None  # type: ignore[attr-defined]
-        strength = soil.undrained_shear_strength if own is None else own
-        if strength is None or strength == 0.0:
-            text = f'missing; law "{law}" needs it' if strength is None else "0: a soil without strength"
-            yield Clash(((*here, "undrained_shear_strength"), ("soil", "undrained_shear_strength"), *place), text)
-        if not (stiff or given & {*STIFFNESSES}):
-            text = f'missing; law "{law}" needs it, or shear_modulus, or young_modulus, or plasticity_index'
-            yield Clash(((*here, "rigidity_ratio"), *place), text)
+        if SOIL_LAWS[law].total_stress and given_values(soil, layer)["undrained_shear_strength"] == 0.0:
+            keys = (*_here(soil, number), "undrained_shear_strength"), ("soil", "undrained_shear_strength")
+            yield Clash(keys, "0: a soil without strength")
+
+
+def _here(soil: Soil, number: int) -> KeyPath:
+    return ("soil", "layer", number) if soil.layers else ("soil",)
+
+
+def missing(soil: Soil, mode: str) -> Iterator[Clash]:
+    """Give every key without which layers cannot be computed, with these layers; ``mode`` is drainage.mode."""
+    lacking: dict[tuple[str, str], list[int]] = {}  # key and law -> numbers of the layers
+    for number, name in enumerate(laws_of(soil)):
+        layer, law = soil.layers[number] if soil.layers else None, SOIL_LAWS[name]
+        given = given_values(soil, layer)
+        flows = not law.total_stress and (getattr(layer, "drainage", None) or mode) == "coupled"
+        needed = {_stiffnesses(name)[0]: _stiffnesses(name), **{key: (key,) for key in law.needs}}
+        needed |= {"hydraulic_conductivity": ("hydraulic_conductivity",)} if flows else {}
+        for key, instead in needed.items():
+            if all(given[each] is None for each in instead):
+                lacking.setdefault((key, name), []).append(number)
+    for (key, law_name), numbers in lacking.items():
+        keys = _stiffnesses(law_name) if key in _stiffnesses(law_name) else (key,)
+        tables = [*(_here(soil, number) for number in numbers), ("soil",)] if soil.layers else [("soil",)]
+        places = [(*table, each) for table in tables for each in keys]
+        there: list[KeyPath] = [(*tables[0], "law"), ("soil", "yield_surface"), ("soil", "layer")]
+        names = [f"'{soil.layers[number].name}'" for number in numbers] if soil.layers else []
+        where = f" in layer {', '.join(names[:_MOST_NAMED])}{', ...' * (len(names) > _MOST_NAMED)}" if names else ""
+        yield Clash((*places, *there), f"missing{where}; {_reason(law_name, key, keys[1:])}; such as {_example(key)}")
+
+
+def _stiffnesses(law: str) -> tuple[str, ...]:
+    return _OF_CLAY if SOIL_LAWS[law].total_stress else STIFFNESSES[:2]
+
+
+_MOST_NAMED = 8
+_OF_CLAY = ("rigidity_ratio", "shear_modulus", "young_modulus", "plasticity_index")
+
+
+def _reason(law: str, key: str, others: tuple[str, ...]) -> str:
+    if key == "hydraulic_conductivity":
+        return "water flows in it"
+    clay = ' (undrained clay: law "tresca" with undrained_shear_strength)' * (key == "friction_angle_final")
+    return f'law "{law}" needs {", or ".join(["it", *others])}{clay}'
+
+
+def _example(key: str) -> str:
+    """Return an example of a key of the ground as a scene has it."""
+    field = next(
+        each for each in SoilValues.model_fields[key].metadata if isinstance(each, Quantity | Number | Profile)
+    )
+    quantity = field.quantity if isinstance(field, Profile) else field
+    return f'{key} = "{quantity.example}"' if isinstance(quantity, Quantity) else f"{key} = {quantity.example:g}"
+
+
+_STAND_INS = {
+    "young_modulus": 1e8, "friction_angle_final": 0.5, "effective_unit_weight": 1e4, "K0": 1.0,
+    "undrained_shear_strength": 1e4, "hydraulic_conductivity": 1e-4,
+}  # fmt: skip
+
+
+def with_stand_ins(soil: Soil) -> Soil:
+    """Return a soil in which something stands where values are missing, so that the rest of it can be checked."""
+    return soil.model_copy(update={key: value for key, value in _STAND_INS.items() if getattr(soil, key) is None})

@@ -51,14 +51,14 @@ def open_ends(soil: Soil, domain: Extent) -> Iterator[Clash]:
             yield Clash((("soil", *here, name), ("domain", "depth")), text)
 
 
-def uniform_soils(soil: Soil, domain: Extent) -> Iterator[tuple[Soil, tuple[float, float], int | None]]:
+def uniform_soils(soil: Soil, domain: Extent) -> Iterator[tuple[Any, tuple[float, float], int | None]]:
     """Give soils of constant values for what is checked of one: the soil, or the ends of each layer.
 
     With each come the vertical effective stresses (Pa) between which it stands, and the number of its layer.
     """
     ground = make_ground(soil, domain)
     if not soil.layers and ground.is_uniform:
-        bottom = soil.surcharge + soil.effective_unit_weight * domain.ground
+        bottom = float(ground.strata[0].vertical_stress(np.array(domain.ground)))
         yield soil.model_copy(update=_at(ground.strata[0], domain.ground)), (soil.surcharge, bottom), None
         return
     for stratum in (each for each in ground.strata if not each.like):

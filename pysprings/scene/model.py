@@ -16,13 +16,6 @@ from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Limit
 from pysprings.scene.toml import to_toml
 
-# keys of a soil that did not exist when folders of runs were first named by the number of a scene
-LATER_KEYS = (
-    "shear_modulus", "undrained_shear_strength", "rigidity_ratio", "strain_at_half_strength", "drainage",
-    "degradation_strain", "degradation_limit", "plasticity_index", "overconsolidation_ratio", "compression_factor",
-    "direct_shear_factor", "extension_factor", "shear_modulus_reduction",
-)  # fmt: skip
-
 
 class Scene(SceneSections):
     """Everything that decides a run: `pysprings.Scene(soil={"K0": 0.9})` changes one value."""
@@ -55,9 +48,8 @@ class Scene(SceneSections):
         if not self.soil.layers:
             del values["soil"]["layers"]
         for table in (values["soil"], *values["soil"].get("layers", ())):
-            for key in LATER_KEYS:
-                if table.get(key, 0) is None:
-                    del table[key]
+            for key in [key for key, value in table.items() if value is None]:
+                del table[key]
             for value in table.values():
                 if isinstance(value, dict) and value.get("follows", "") is None:
                     del value["follows"]
@@ -93,11 +85,11 @@ class Scene(SceneSections):
 
         A table is merged key by key; anything else (title, paths) is replaced. Paths take the place of a fan, too.
         """
-        data = self.model_dump()
+        data = self.model_dump(exclude_unset=True)
         if "paths" in sections:
             data["springs"] = {}
         for name, change in sections.items():
-            merge = isinstance(change, dict) and isinstance(data.get(name), dict)
+            merge = isinstance(change, dict) and isinstance(data.get(name, None), dict)
             data[name] = {**data[name], **change} if merge else change
         return Scene.model_validate(data)
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The sections of a scene: caisson, domain, soil, interface, drainage, load paths, mesh, solver, output, in SI, frozen.
 
-Defaults are the drained caisson of Cerfontaine, Charlier & Collin (2018); the commented template marks what
-that paper leaves open. Lengths in m, angles in rad, forces in N, stresses in Pa.
+Defaults of the caisson are that of Cerfontaine, Charlier & Collin (2018); the ground has none but neutral values:
+`pysprings.scene.defaults` lists what a scene does not give. Lengths in m, angles in rad, forces in N, stresses in Pa.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
-from pydantic import BaseModel, ConfigDict, create_model, model_validator
+from pydantic import BaseModel, ConfigDict, create_model
 from pydantic import Field as Key
 
 from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
@@ -21,12 +21,9 @@ from pysprings.scene.by_depth import ByDepth, Profile
 from pysprings.scene.by_surface import BySurface
 from pysprings.scene.clay_laws import ANISOTROPY_KEYS
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
-from pysprings.scene.law_defaults import with_defaults_of_laws
 from pysprings.scene.reduction import Reduction
 from pysprings.scene.soil_laws import DEGRADATION_KEYS, SOIL_LAWS
 from pysprings.scene.then import Then, ThenList
-
-_DEGREE = math.pi / 180.0
 
 # pydantic annotations of the fields, short enough to be read as a table
 _PENALTY = 'penalty stiffness of the interface; "auto" is 390 times Young modulus over diameter'
@@ -53,8 +50,22 @@ _QUANTITIES = {
     "lateral_displacement": _SHIFT, "rotation": _TURN, "lateral_force": _PUSH, "vertical_displacement": _SINK,
 }  # fmt: skip
 _IMPOSED = tuple((name, _QUANTITIES[kind.imposed]) for name, kind in PATH_KINDS.items())
-_AT_REST = 'initial horizontal over vertical effective stress; "auto" is 1 - sin(friction_angle_final)'
-_FIRST_YIELD = 'friction angle at first yield; "auto" is the least that holds the initial stress'
+_AT_REST = (
+    'initial horizontal over vertical effective stress; "auto" is 1 - sin(friction_angle_final); needed by soil with '
+    "friction, 1 where others do not give it"
+)
+_E = Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa", optional=True)
+_NU = Number("[0, 0.5)", "Poisson ratio; 0.3 where not given, 0.495 of undrained clay", 0.3, optional=True)
+_FIRST_YIELD = 'friction angle at first yield; "auto" (default) is the least that holds the initial stress'
+_PHI_FIRST = Quantity("deg", "[0, 60]", _FIRST_YIELD, "5 deg", word="auto", optional=True)
+_PHI = Quantity("deg", "[0, 60]", "friction angle when fully hardened", "30 deg", optional=True)
+_HARDENS = Number("[1e-9, 10]", "equivalent plastic strain at half of the hardening; 0.005 where not given", 0.005,
+                  optional=True)  # fmt: skip
+_PSI = Quantity("deg", "[-30, 60]", "dilation angle; 0 where not given", "5 deg", optional=True)
+_COHESION = Quantity("kPa", "[0, 1e5]", "cohesion; 0 where not given", "5 kPa", optional=True)
+_WEIGHT = Quantity("kN/m^3", "[0, 100]", "effective (submerged) unit weight", "10 kN/m^3", optional=True)
+_CONDUCTS = Quantity("m/s", "[1e-20, 10]", "hydraulic conductivity; used and needed where drainage is coupled",
+                     "1e-4 m/s", optional=True)  # fmt: skip
 _SU = Quantity(
     "kPa", "[0, 1e5]", "undrained shear strength: any test for tresca, plane strain or DSS for von-mises", "5 kPa",
     optional=True,
@@ -153,32 +164,25 @@ class Domain(Section):
 
 
 class SoilValues(Section):
-    """A frictional soil that hardens, or undrained clay, and its initial state."""
+    """A frictional soil that hardens, or undrained clay, and its initial state.
 
-    young_modulus: Annotated[float, Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa")] = 200e6
-    poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio", 0.3)] = 0.3
+    A value that is None is not given: `pysprings.scene.ground.values_of` puts the default of the law in its place, and
+    a scene without stiffness, strength, unit weight, K0 of a frictional soil, or conductivity where water flows is
+    refused.
+    """
+
+    young_modulus: Annotated[float | None, _E] = None
+    poisson_ratio: Annotated[float | None, _NU] = None
     yield_surface: Annotated[str, Choice(tuple(SOIL_LAWS), "shape of the yield surface")] = "drucker-prager"
-    friction_angle_initial: Annotated[float | str, Quantity("deg", "[0, 60]", _FIRST_YIELD, "5 deg", word="auto")] = (
-        5.0 * _DEGREE
-    )
-    friction_angle_final: Annotated[
-        float, Quantity("deg", "[0, 60]", "friction angle when fully hardened", "30 deg")
-    ] = 30.0 * _DEGREE
-    hardening_parameter: Annotated[
-        float, Number("[1e-9, 10]", "equivalent plastic strain at half of the hardening", 0.005)
-    ] = 0.005
-    dilation_angle: Annotated[float, Quantity("deg", "[-30, 60]", "dilation angle", "5 deg")] = 0.0
-    cohesion: Annotated[float, Quantity("kPa", "[0, 1e5]", "cohesion", "5 kPa")] = 0.0
-    effective_unit_weight: Annotated[
-        float, Quantity("kN/m^3", "[0, 100]", "effective (submerged) unit weight", "10.56 kN/m^3")
-    ] = 10.56e3
-    surcharge: Annotated[float, Quantity("kPa", "[0, 1e5]", "vertical effective stress at mudline", "10.56 kPa")] = (
-        10.56e3
-    )
-    K0: Annotated[float | str, Number("[0.01, 10]", _AT_REST, 1.0, word="auto")] = 1.0
-    hydraulic_conductivity: Annotated[
-        float, Quantity("m/s", "[1e-20, 10]", "hydraulic conductivity; not used when drained", "1e-4 m/s")
-    ] = 1e-4
+    friction_angle_initial: Annotated[float | str | None, _PHI_FIRST] = None
+    friction_angle_final: Annotated[float | None, _PHI] = None
+    hardening_parameter: Annotated[float | None, _HARDENS] = None
+    dilation_angle: Annotated[float | None, _PSI] = None
+    cohesion: Annotated[float | None, _COHESION] = None
+    effective_unit_weight: Annotated[float | None, _WEIGHT] = None
+    surcharge: Annotated[float, Quantity("kPa", "[0, 1e5]", "vertical effective stress at mudline", "10 kPa")] = 0.0
+    K0: Annotated[float | str | None, Number("[0.01, 10]", _AT_REST, 0.5, optional=True, word="auto")] = None
+    hydraulic_conductivity: Annotated[float | None, _CONDUCTS] = None
     shear_modulus: Annotated[float | ByDepth | None, Profile(_G, powers=True)] = None
     undrained_shear_strength: Annotated[float | ByDepth | None, Profile(_SU)] = None
     rigidity_ratio: Annotated[float | ByDepth | None, Profile(_RIGIDITY)] = None
@@ -232,12 +236,6 @@ class Soil(SoilValues):
     """A frictional soil that hardens, or undrained clay, and its initial state; [[soil.layer]] tables divide it."""
 
     layers: tuple[Layer, ...] = Key((), validation_alias="layer")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _defaults_of_laws(cls, data: Any) -> Any:
-        defaults = {name: info.default for name, info in SoilValues.model_fields.items()}
-        return with_defaults_of_laws(data, defaults) if isinstance(data, dict) else data
 
 
 class Interface(Section):
@@ -399,4 +397,10 @@ class Springs(Section):
     memory: Annotated[bool, Flag("also compute rays that turn back, which give the springs a memory")] = False
 
 
+# of Cerfontaine, Charlier & Collin (2018)
+PAPER_SOIL = {
+    "young_modulus": 200e6, "poisson_ratio": 0.3, "friction_angle_initial": math.radians(5.0),
+    "friction_angle_final": math.radians(30.0), "hardening_parameter": 0.005, "effective_unit_weight": 10.56e3,
+    "surcharge": 10.56e3, "K0": 1.0, "hydraulic_conductivity": 1e-4,
+}  # fmt: skip
 PAPER_PATH = Path(name="pull", kind="pull", lateral_displacement=20e-3, rate=0.05e-3, report_at=(2.5e-3,))

@@ -45,6 +45,16 @@ class Soil(Protocol):
     @property
     def cohesion(self) -> float: ...
 
+    @property
+    def effective_unit_weight(self) -> float: ...
+
+
+# values of keys of a frictional soil that are not given
+_FRICTIONAL: dict[str, Any] = {
+    "poisson_ratio": 0.3, "friction_angle_initial": "auto", "hardening_parameter": 0.005, "dilation_angle": 0.0,
+    "cohesion": 0.0,
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class SoilLaw:
@@ -59,8 +69,8 @@ class SoilLaw:
     least_friction : K0 -> least initial friction angle (rad) that holds the geostatic stress without cohesion.
     yields : whether the soil can yield.
     total_stress : whether it is undrained clay in total stress, which has no pore pressure as unknown.
-    defaults : values of keys that are not given, where they differ from those of [soil].
-    defaults_at_rest : the same where K0 is "auto".
+    needs : keys of the initial state and the strength that have no default.
+    defaults : values of keys that are not given.
     """
 
     name: str
@@ -70,8 +80,8 @@ class SoilLaw:
     least_friction: Callable[[float], float]
     yields: bool = True
     total_stress: bool = False
-    defaults: Mapping[str, Any] = field(default_factory=dict)
-    defaults_at_rest: Mapping[str, Any] = field(default_factory=dict)
+    needs: tuple[str, ...] = ("friction_angle_final", "effective_unit_weight", "K0")
+    defaults: Mapping[str, Any] = field(default_factory=lambda: dict(_FRICTIONAL))
 
     @property
     def changes_stiffness(self) -> bool:
@@ -202,7 +212,7 @@ def _initial_state(
         names = ("K0", angle, "cohesion", "surcharge", "effective_unit_weight", "yield_surface")
         keys = (*(("soil", name) for name in names), ("domain", "depth"))
         bottom = stresses[1]
-        if bottom == 0.0 and soil.cohesion == 0.0:
+        if bottom == 0.0 and soil.cohesion == 0.0 and not soil.effective_unit_weight:
             yield Clash((("soil", "surcharge"), *keys), "a soil without weight, surcharge and cohesion has no strength")
         phi = float(getattr(soil, angle))
         sine, cosine = math.sin(phi), math.cos(phi)
@@ -251,6 +261,7 @@ def _nothing(*_: object) -> Iterator[Clash]:
     return iter(())
 
 
+STIFFNESSES = ("young_modulus", "shear_modulus", "rigidity_ratio", "plasticity_index")  # the last two of clay alone
 DEGRADATION_KEYS = ("degradation_strain", "degradation_limit")
 STRENGTH_KEYS = ("friction_angle_initial", "friction_angle_final", "hardening_parameter", "dilation_angle", "cohesion")
 FRICTION_KEYS = (*STRENGTH_KEYS, *DEGRADATION_KEYS)
@@ -258,14 +269,16 @@ CLAY_KEYS = (
     "undrained_shear_strength", "rigidity_ratio", "plasticity_index", "overconsolidation_ratio",
     "strain_at_half_strength", "shear_modulus_reduction", *ANISOTROPY_KEYS,
 )  # fmt: skip
-_HELD = {"friction_angle_initial": "auto"}
-_CLAY_POISSON = 0.495  # almost constant volume; quadratic and mean-dilatation elements do not lock there
+_IWAN = {**_FRICTIONAL, "friction_angle_initial": math.radians(5.0)}  # need not hold the initial stress
+# an elastic soil still has a strength that checks read; without K0 the initial stress is isotropic
+_ELASTIC = {**_FRICTIONAL, "friction_angle_final": MOST_FRICTION, "K0": 1.0}
+_CLAY = {"poisson_ratio": 0.495, "K0": 1.0}  # almost constant volume; elements do not lock there
 
 
 def _clay(name: str, measure: float) -> SoilLaw:
     check = initial_shear(measure)
-    defaults = {"poisson_ratio": _CLAY_POISSON}
-    return SoilLaw(name, CLAY_KEYS, strength_clashes, check, lambda k0: 0.0, total_stress=True, defaults=defaults)
+    return SoilLaw(name, CLAY_KEYS, strength_clashes, check, lambda k0: 0.0, total_stress=True,
+                   needs=("undrained_shear_strength", "effective_unit_weight"), defaults=_CLAY)  # fmt: skip
 
 
 SOIL_LAWS = {
@@ -277,7 +290,6 @@ SOIL_LAWS = {
             _cone_clashes,
             _initial_state(CONE),
             _least_friction(CONE),
-            defaults_at_rest=_HELD,
         ),
         SoilLaw(
             "van-eekelen",
@@ -285,9 +297,17 @@ SOIL_LAWS = {
             _van_eekelen_clashes,
             _initial_state(VAN_EEKELEN),
             _least_friction(VAN_EEKELEN),
-            defaults_at_rest=_HELD,
         ),
-        SoilLaw("elastic", (), _elastic_clashes, _nothing, lambda k0: 0.0, yields=False),
+        SoilLaw(
+            "elastic",
+            (),
+            _elastic_clashes,
+            _nothing,
+            lambda k0: 0.0,
+            yields=False,
+            needs=("effective_unit_weight",),
+            defaults=_ELASTIC,
+        ),
         _clay("tresca", TRESCA),
         _clay("von-mises", VON_MISES),
         _clay("iwan-clay", VON_MISES),
@@ -297,6 +317,7 @@ SOIL_LAWS = {
             _iwan_sand_clashes,
             _initial_state(CONE, "friction_angle_final"),
             _least_friction(CONE),
+            defaults=_IWAN,
         ),
     )
 }

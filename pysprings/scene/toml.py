@@ -12,17 +12,16 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from pysprings.scene.fields import Field, QuantityList
-from pysprings.scene.law_defaults import STIFFNESSES, unused_keys
-from pysprings.scene.law_keys import given_keys, laws_of
 from pysprings.scene.scene_sections import SceneSections
-from pysprings.scene.sections import Soil
 
 
 def to_toml(scene: SceneSections) -> str:
-    """Write every value of a scene, in its usual unit; values that are not set (None) are left out."""
+    """Write every value of a scene, in its usual unit; what the scene did not give is a comment, None is left out."""
     lines = [f"title = {_literal(scene.title)}"]
     for heading, section in _tables(scene):
-        lines += ["", heading, *(f"{name} = {_literal(value)}" for name, value in _pairs(section))]
+        lines += ["", heading]
+        for name, value in _pairs(section):
+            lines.append(f"{'' if name in section.model_fields_set else '# '}{name} = {_literal(value)}")
     return "\n".join(lines) + "\n"
 
 
@@ -54,11 +53,10 @@ def field_of(info: FieldInfo) -> Field:
 
 
 def _pairs(section: BaseModel) -> Iterator[tuple[str, Any]]:
-    """Yield key and value, as in TOML, of what is set in a section and in use."""
-    unused = unused_keys(laws_of(section), given_keys(section) & {*STIFFNESSES}) if isinstance(section, Soil) else ()
+    """Yield key and value, as in TOML, of what is set in a section."""
     for name, info in type(section).model_fields.items():
         value = getattr(section, name)
-        if value is not None and value != () and name != "layers" and name not in unused:
+        if value is not None and value != () and name != "layers":
             yield name, _in_toml(field_of(info), value, section)
 
 

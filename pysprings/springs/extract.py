@@ -15,7 +15,7 @@ _ROOT_ATTRS = (
     "Conventions", "title", "source", "history", "references", "pysprings_version", "scene_sha256", "scene_toml",
     "solver", "mesh_preset", "n_nodes", "n_elements", "status", "drainage", "outer_diameter_m", "skirt_length_m",
     "skirt_thickness_m", "vertical_load_N", "caisson_behaviour", "limit_displacement_over_diameter",
-    "limit_rotation_rad",
+    "limit_rotation_rad", "defaulted", "remarks",
 )  # fmt: skip
 _KEPT = (
     "depth_bounds", "m", "t", "y", "u", "w", "rotation", "H", "V", "M", "converged", "time",

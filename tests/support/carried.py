@@ -25,6 +25,7 @@ from pysprings.full_model.work import Work
 from pysprings.model.build import Built, build_model, build_on
 from pysprings.model.mesh import CaissonMesh
 from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER_SOIL
 
 # Steps that do not depend on how Newton does: two models then go the same way.
 STEPS = {"first_step_fraction": 0.25, "max_step_fraction": 0.25, "tolerance": 1e-9, "max_iterations": 40}
@@ -39,7 +40,7 @@ def scene(end: float = 0.5e-3, rate: float | None = None, **sections: Any) -> Sc
         "output": {"figures": False},
         "solver": STEPS,
     }
-    return Scene(**small, domain=PAPER, paths=(path,)).replace(**sections)
+    return Scene(**small, domain=PAPER, soil=PAPER_SOIL, paths=(path,)).replace(**sections)
 
 
 @dataclass(frozen=True)
@@ -140,7 +141,7 @@ def with_history(scene: Scene) -> Built:
     built, soil = build_model(scene), scene.soil
     strong = plasol.pack(
         young=soil.young_modulus, poisson=soil.poisson_ratio, phi_i=soil.friction_angle_initial,
-        phi_f=soil.friction_angle_final, b_phi=soil.hardening_parameter, psi=soil.dilation_angle, cohesion=1e12,
+        phi_f=soil.friction_angle_final, b_phi=soil.hardening_parameter, psi=0.0, cohesion=1e12,
     )  # fmt: skip
     return replace(built, model=replace(built.model, materials=[Material(plasol.LAW, strong)]))
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,12 +13,18 @@ import xarray as xr
 
 from pysprings import Scene
 from pysprings.full_model.compute import run
+from pysprings.scene.changes import read_changes
 from pysprings.scene.extent import PAPER
+from pysprings.scene.load import SceneText
+from pysprings.scene.sections import BY_LAYER, PAPER_SOIL, Soil
+from pysprings.scene.soil_laws import SOIL_LAWS, STIFFNESSES
+from pysprings.scene.toml import _pairs
 
 PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 0.5e-3}
 SECTIONS: dict[str, Any] = {
     "title": "tiny",
     "domain": PAPER,
+    "soil": PAPER_SOIL,
     "mesh": {"refinement": 0.4, "discretisation": "hex8"},
     "solver": {"first_step_fraction": 0.05, "max_step_fraction": 0.5},
     "output": {"figures": False},
@@ -24,10 +32,53 @@ SECTIONS: dict[str, Any] = {
 }
 
 
+def with_soil(given: dict[str, Any]) -> dict[str, Any]:
+    """Return a table of the soil with what it does not give of the paper's sand; of clay weight and surcharge alone."""
+    law, rest = SOIL_LAWS[given.get("yield_surface", "drucker-prager")], dict(PAPER_SOIL)
+    if law.total_stress:
+        rest = {name: rest[name] for name in ("effective_unit_weight", "surcharge")}
+    elif any(given.get(name) is not None for name in STIFFNESSES):
+        del rest["young_modulus"]
+    if given.get("K0") == "auto":
+        del rest["friction_angle_initial"]  # by default that which holds the initial stress
+    return rest | given
+
+
+def only(**given: Any) -> dict[str, Any]:
+    """Return a table of the soil that `Scene.replace` puts in place of the one before, as `with_soil`."""
+    return dict.fromkeys(BY_LAYER) | with_soil(given)
+
+
+def sand(**sections: Any) -> Scene:
+    """Return a scene whose ground is the paper's sand where it does not give its own."""
+    return Scene(**sections | {"soil": with_soil(sections.get("soil", {}))})
+
+
+def parsed(text: str, file: str | None = None, changes: Sequence[str] = ()) -> Scene:
+    """Return the scene of a text whose ground is the paper's sand where the text does not give its own."""
+    read = SceneText(text, file)
+    soil = read._data.setdefault("soil", {}) if read._data else None
+    if isinstance(soil, dict):
+        own: dict[str, Any] = {"K0": "auto"} if soil.get("K0") == "auto" else {}
+        own |= {"yield_surface": law} if (law := soil.get("yield_surface")) in [*SOIL_LAWS] else {}
+        given = {*soil, "poisson_ratio", "hardening_parameter"}
+        given |= {"young_modulus"} if {*STIFFNESSES} & {*soil} else set()
+        soil |= {name: value for name, value in _pairs(Soil.model_validate(with_soil(own))) if name not in given}
+    return read.scene(read_changes(changes))
+
+
+def grounded(text: str) -> str:
+    """Return a text of a scene with the paper's sand where it does not give its own."""
+    soil = Soil.model_validate(with_soil({}))
+    lines = [f"{key} = {json.dumps(value)}" for key, value in _pairs(soil) if f"\n{key} = " not in text]
+    whole = text if "[soil]\n" in text else f"{text}\n[soil]\n"
+    return whole.replace("[soil]\n", "\n".join(["[soil]", *lines, ""]), 1)
+
+
 def paper(**sections: Any) -> Scene:
     """Return the paper's caisson in the paper's domain, on bricks, with some values changed."""
     mesh = {"discretisation": "hex8"} | sections.pop("mesh", {})
-    return Scene(**sections | {"domain": PAPER | sections.pop("domain", {}), "mesh": mesh})
+    return sand(**sections | {"domain": PAPER | sections.pop("domain", {}), "mesh": mesh})
 
 
 def scene(**sections: Any) -> Scene:

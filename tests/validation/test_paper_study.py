@@ -11,13 +11,13 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-import pysprings
 from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
 from pysprings.core.files.layout import is_unfinished
 from pysprings.core.files.storage import read_tree
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results import folder
+from pysprings.scene.sections import PAPER_SOIL
 from pysprings.studies import stored_runs
 from validation.paper import cases, claims, figures, idealisations, page, runs, sensitivity, study, text
 from validation.paper.__main__ import paper
@@ -57,7 +57,7 @@ def test_cases_are_the_papers() -> None:
     assert noted == {(rate, mu) for rate in (None, 0.05e-3, 0.5e-3) for mu in (0.5, 0.0)}
     scene = cases.CASES[2].scene("paper")
     assert (scene.drainage.mode, scene.paths[0].rate, scene.paths[0].lateral_displacement) == ("coupled", 0.05e-3, 0.02)
-    assert scene.soil == pysprings.Scene().soil
+    assert scene.soil.model_dump(exclude_unset=True) == PAPER_SOIL
     assert 2.5e-3 in scene.paths[0].report_at
 
 

@@ -25,6 +25,7 @@ from pysprings.model.contact import SURFACE
 from pysprings.model.discretise import build
 from pysprings.model.fourier import build_on_section
 from pysprings.model.fourier_mesh import SectionCounts
+from tests.support import tiny
 
 DIAMETER, RIGIDITY, POISSON, STRENGTH = 10.0, 167.0, 0.49, 10.0e3
 AREA = 0.25 * np.pi * DIAMETER**2
@@ -69,7 +70,7 @@ class Clay:
         """Return the caisson as a scene."""
         gradient = STRENGTH * self.kappa / DIAMETER
         preset, _, factor = (self.preset or "coarse").partition(":")
-        return Scene(
+        return tiny.sand(
             caisson={"outer_diameter": DIAMETER, "skirt_length": self.tip, "skirt_thickness": THICKNESS},
             domain={"radius": 3.0 * DIAMETER, "depth": self.tip + 2.5 * DIAMETER},
             soil={

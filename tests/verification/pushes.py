@@ -24,6 +24,7 @@ from pysprings.model.contact import SURFACE
 from pysprings.model.mesh import SURFACES
 from pysprings.model.stages import path_stages
 from pysprings.scene.extent import PAPER
+from tests.support import tiny
 from tests.support.models import gauss_stations
 
 
@@ -69,7 +70,7 @@ def push_scene(end: float, stops: tuple[float, ...] = (), **sections: dict) -> S
     """The paper's caisson pulled at the lid centre to ``end`` (m), on the coarse mesh unless sections say else."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "report_at": stops}
     mesh = {"preset": "coarse", "discretisation": "hex8"} | sections.pop("mesh", {})
-    return Scene(**({"domain": PAPER} | sections | {"mesh": mesh, "paths": [path]}))
+    return tiny.sand(**({"domain": PAPER} | sections | {"mesh": mesh, "paths": [path]}))
 
 
 def push(scene: Scene, gauss: bool = False, facets: bool = True) -> Push:

@@ -55,6 +55,7 @@ class Case:
         """
         from pysprings.scene.extent import PAPER
         from pysprings.scene.load import Scene
+        from pysprings.scene.sections import PAPER_SOIL
 
         stops = tuple(u / 1e3 for u in self.stops_mm if u / 1e3 < self.end)
         path = {"name": PATH, "kind": "pull", "lateral_displacement": self.end, "report_at": stops}
@@ -64,7 +65,7 @@ class Case:
             drainage = {"mode": "coupled", "water_depth": 30.0}
         given: dict[str, Any] = {
             "title": f"Caisson of Cerfontaine et al. (2018), {self.words}", "path": [path],
-            "domain": PAPER, "mesh": {"preset": mesh, "discretisation": "hex8"},
+            "domain": PAPER, "soil": PAPER_SOIL, "mesh": {"preset": mesh, "discretisation": "hex8"},
             "interface": {"friction_coefficient": self.friction}, "drainage": drainage,
             "output": {"section": not fields_only, "figures": not fields_only},
         }  # fmt: skip

@@ -125,11 +125,12 @@ def _variations(
 
 
 def _unknowns(setting: Setting) -> int:
-    """Return the unknowns of a mesh, by which presets and factors are ordered; of the default scene."""
+    """Return the unknowns of a mesh, by which presets and factors are ordered; of the paper's caisson."""
     from pysprings.model.forecast.resources import size_of
     from pysprings.scene.load import Scene
+    from pysprings.scene.sections import PAPER_SOIL
 
-    return size_of(setting.scene(Scene())).unknowns
+    return size_of(setting.scene(Scene(soil=PAPER_SOIL))).unknowns
 
 
 _MESH = re.compile(rf"({FOURIER}-)?([a-z]+)(?::([0-9]*\.?[0-9]+))?(?:@([0-9]+))?")

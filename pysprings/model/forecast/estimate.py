@@ -13,7 +13,7 @@ from pysprings.model.discretise import build
 from pysprings.model.forecast.direct_solver import superlu_bytes, uses_superlu
 from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect
 from pysprings.model.forecast.omissions import left_out, symmetric_factors
-from pysprings.model.forecast.profile import profile, unusual_values
+from pysprings.model.forecast.profile import profile
 from pysprings.model.forecast.resources import (
     gigabytes,
     model_bytes,
@@ -24,7 +24,8 @@ from pysprings.model.forecast.resources import (
 from pysprings.model.forecast.run_time import seconds
 from pysprings.model.forecast.small_strain import scene_warnings
 from pysprings.model.fourier import BuiltFourier
-from pysprings.model.penalty import penalty_of
+from pysprings.model.penalty import defaults_of, penalty_of
+from pysprings.scene.defaults import remarks
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -44,7 +45,8 @@ def describe(scene: Scene) -> dict[str, Any]:
     memory = model_bytes(scene, symmetric) + steps
     effect = domain_effect(scene)
     warnings = [*_memory_warning(memory), *effect.remarks, *scene_warnings(scene), *penalty_of(scene).remarks]
-    warnings += unusual_values(scene)
+    warnings += remarks(scene)
+    V = 2.0 * (built.balanced_load + built.extra_load)
     return {
         "mesh": {
             "nodes": mesh.n_nodes,
@@ -58,7 +60,8 @@ def describe(scene: Scene) -> dict[str, Any]:
         "domain": _domain(effect),
         "contact": _contact(scene),
         "ground": profile(scene),
-        "vertical_load_N": 2.0 * (built.balanced_load + built.extra_load),
+        "vertical_load_N": V,
+        "defaulted": defaults_of(scene, V),
         "memory_GB": memory / 1e9,
         "disk_GB": steps / 1e9,
         "time_s": seconds(scene, unknowns, symmetric=symmetric),

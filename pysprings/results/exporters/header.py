@@ -23,6 +23,8 @@ _ERRORS = {
 
 
 _PREDICT = ("fan", "full", "py")  # spring sets in the order in which `predict` takes them
+# attributes of springs on their scene, and the words before them
+_OF_SCENE = {"defaulted": "by default, not given in the scene", "remarks": "unlikely in the scene"}
 BACKBONE = "monotonic backbone of a nonlinear response, not cyclic"
 
 
@@ -52,6 +54,7 @@ def header(source: Source, target: str, frame: str, units: str, use: str = BACKB
         f"units: {units}",
         f"drainage: {given.drainage}; rate: {rates or 'none: the springs do not depend on it'}; "
         f"vertical load at rest: {given.rest_load / 1e3:.6g} kN",
+        *(f"{words}: {attrs[name]}" for name, words in _OF_SCENE.items() if attrs.get(name)),
         use,
         *_ranges(springs),
         *_errors(source.comparison),

@@ -11,9 +11,10 @@ from typing import Any
 from pysprings.core.errors import UserInputError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
-from pysprings.full_model.run_record import MeshFigures
+from pysprings.full_model.run_record import MeshFigures, RunRecord
 from pysprings.model.forecast.omission_text import saved_text
 from pysprings.results.report.table import ReportTable, Table
+from pysprings.scene.defaults import value_text
 
 
 def input_tables(scene_toml: str) -> list[Table]:
@@ -88,6 +89,15 @@ def omission_table(left_out: Any) -> Table | None:
     return Table("What this scene leaves out", ("what", "why", "what it saves"), rows) if rows else None
 
 
+def defaults_table(run: RunRecord | None) -> Table | None:
+    """Return the table of what a scene does not give, with the values in its place; None where nothing is recorded."""
+    rows = [(str(row["key"]), value_text(row)) for row in (run.defaulted if run else [])]
+    remarks = f"Unlikely in the scene: {'; '.join(run.remarks)}." if run and run.remarks else ""
+    return (
+        Table("Defaults, which the scene does not give", ("key", "value"), rows, remarks) if rows or remarks else None
+    )
+
+
 # Sections that decide the computation, not the case: they stand in the appendix
 _NUMERICAL = ("mesh", "solver", "output", "springs")
 # Keys that a scene with drained ground alone does not use
@@ -117,5 +127,6 @@ def used_tables(scene_toml: str, numerical: bool) -> list[Table]:
 
 INPUTS = ReportTable("inputs", "inputs", lambda data: used_tables(str(data.result.attrs.get("scene_toml", "")), False))
 SETTINGS = ReportTable("settings", "mesh", lambda data: used_tables(str(data.result.attrs.get("scene_toml", "")), True))
+DEFAULTS = ReportTable("defaults", "inputs", lambda data: [defaults_table(data.run)])
 OMISSIONS = ReportTable("omissions", "limits", lambda data: [omission_table(data.run.left_out if data.run else [])])
 MESH = ReportTable("mesh", "mesh", lambda data: [mesh_table(data.result.attrs, data.run.mesh if data.run else None)])

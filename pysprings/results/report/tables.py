@@ -22,6 +22,7 @@ REPORT_TABLES: Registry[ReportTable] = Registry(
         solution.TILT,
         validity.COMPARISON,
         inputs.INPUTS,
+        inputs.DEFAULTS,
         inputs.OMISSIONS,
         inputs.SETTINGS,
         inputs.MESH,

@@ -76,7 +76,7 @@ def test_a_workbook_leaves_no_file_elsewhere(tmp_path: Path) -> None:
 
 
 def test_a_title_does_not_steer_the_terminal(tmp_path: Path) -> None:
-    (tmp_path / "c.toml").write_text('title = "a\u202eb"\n', encoding="utf-8")
+    (tmp_path / "c.toml").write_text(tiny.grounded('title = "a\u202eb"\n'), encoding="utf-8")
     done = command("check", tmp_path / "c.toml")
     assert done.code == 0
     assert "a\\u202eb" in done.out
@@ -376,7 +376,7 @@ def test_the_first_problems_of_many_are_shown(springs_nc: Path) -> None:
 
 @pytest.mark.parametrize("name", ["CON", "nul", "Prn", "AUX", "COM1", "lpt9", "com0"])
 def test_names_that_are_devices_are_refused(tmp_path: Path, name: str) -> None:
-    text = f'[[path]]\nname = "{name}"\nkind = "pull"\nlateral_displacement = "1 mm"\n'
+    text = tiny.grounded(f'[[path]]\nname = "{name}"\nkind = "pull"\nlateral_displacement = "1 mm"\n')
     (tmp_path / "c.toml").write_text(text, encoding="utf-8")
     done = command("check", tmp_path / "c.toml")
     assert done.code == 2

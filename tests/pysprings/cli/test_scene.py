@@ -10,7 +10,8 @@ import pytest
 
 from pysprings.core.text import number
 from pysprings.model.forecast.estimate import describe
-from pysprings.scene.load import Scene, load_scene
+from pysprings.scene.load import load_scene, parse_scene
+from pysprings.scene.template import template_text
 from pysprings.scene.template_names import template_names
 from tests.support import tiny
 from tests.support.commands import command
@@ -25,7 +26,7 @@ def test_init_writes_scene_and_schema() -> None:
     done = command("init")
     assert (done.code, done.out) == (0, "caisson.toml\npysprings.schema.json\n")
     assert done.err == "next: pysprings check caisson.toml\n"
-    assert load_scene("caisson.toml") == Scene(springs={"reach": 0.02}, solver={"tolerance": 1e-4})
+    assert load_scene("caisson.toml") == parse_scene(template_text("caisson"))
     assert Path("caisson.toml").read_text().startswith("#:schema ./pysprings.schema.json\n")
     assert json.loads(Path("pysprings.schema.json").read_text())["title"] == "pysprings scene"
 
@@ -49,7 +50,7 @@ def test_init_never_overwrites_without_force() -> None:
     assert (other.out, other.err) == ("other.toml\n", f"{kept}next: pysprings check other.toml\n")
     assert Path("pysprings.schema.json").read_text() == "mine too"
     assert command("init", "--force").code == 0
-    assert load_scene("caisson.toml") == Scene(springs={"reach": 0.02}, solver={"tolerance": 1e-4})
+    assert load_scene("caisson.toml") == parse_scene(template_text("caisson"))
     assert Path("pysprings.schema.json").read_text() != "mine too"
 
 
@@ -113,11 +114,13 @@ def test_check_with_another_mesh(scene_file: Path) -> None:
 
 
 def test_check_refuses_a_scene_with_every_problem() -> None:
-    Path("bad.toml").write_text("[soil]\npoisson_ratio = 0.6\n[interface]\nfriction_coeficient = 0.5\n")
+    bad = "[interface]\nfriction_coeficient = 0.5\n[caisson]\nposition = 1\n[domain]\nside = 3\n"
+    Path("bad.toml").write_text(tiny.grounded(bad))
     done = command("check", "bad.toml")
     assert (done.code, done.out) == (2, "")
     assert done.err == (
-        "fatal: user input: bad.toml:2:17: soil.poisson_ratio: 0.6 is not in [0, 0.5)\n"
-        "fatal: user input: bad.toml:4:1: interface.friction_coeficient: unknown key "
+        "fatal: user input: bad.toml:2:1: interface.friction_coeficient: unknown key "
         "(did you mean 'friction_coefficient'?)\n"
+        "fatal: user input: bad.toml:4:1: caisson.position: unknown key\n"
+        'fatal: user input: bad.toml:6:8: domain.side: expected one of "roller", "fixed", got 3\n'
     )

@@ -172,7 +172,7 @@ def test_the_coarser_mesh_is_coarser_in_every_direction(preset: str) -> None:
 @pytest.mark.parametrize("preset", PRESETS)
 def test_the_coarser_section_keeps_small_elements_at_both_ends_of_the_skirt(preset: str) -> None:
     """With two equal elements along the skirt the difference of p(y) would be that of another kind of mesh."""
-    scene = Scene(mesh={"preset": preset, "discretisation": "fourier"})
+    scene = tiny.sand(mesh={"preset": preset, "discretisation": "fourier"})
     coarse = two_mesh.coarser(scene)
     own, other = section_counts_of(scene), section_counts_of(coarse)
     ratio = two_mesh.cell_ratio(scene, coarse)
@@ -227,7 +227,7 @@ def test_harmonics_grow_until_two_more_change_little(change: dict[int, float], c
         above = sum(size for least, size in change.items() if least >= n)
         return Computed(with_error(300 * (n + 1), harmonics=n, beside=above), RunRecord(Status.COMPLETE))
 
-    scene = Scene(mesh={"discretisation": "fourier"})
+    scene = tiny.sand(mesh={"discretisation": "fourier"})
     found = companions_of(scene, compute)
     assert found.harmonics == chosen
     assert asked == list(range(3, chosen + 3, 2))  # none twice
@@ -272,7 +272,7 @@ def ends(why: StopReason) -> Callable[..., Computed]:
 def test_whatever_becomes_of_the_coarser_run_the_result_stays(
     discretisation: str, compute: Callable[..., Computed], words: str
 ) -> None:
-    scene = Scene(mesh={"discretisation": discretisation}) if discretisation == "fourier" else tiny.paper()
+    scene = tiny.sand(mesh={"discretisation": discretisation}) if discretisation == "fourier" else tiny.paper()
     done = finished(with_error(9000, harmonics=3 if discretisation == "fourier" else None))
     load = done.tree["paths/pull/H"].values.copy()
     companions = companions_of(scene, compute)
@@ -300,7 +300,7 @@ def test_more_harmonics_replace_a_result_only_where_they_come_as_far(again: Any,
         n = scene.mesh.harmonics
         return finished(with_error(300 * (n + 1), harmonics=n, beside=0.05 if n == 3 else 0.0))
 
-    scene = Scene(mesh={"discretisation": "fourier"})
+    scene = tiny.sand(mesh={"discretisation": "fourier"})
     result = with_estimate(scene, finished(with_error(9000, harmonics=3)), companions_of(scene, compute), again)
     assert result.record.mesh.harmonics == kept
     assert words in " ".join([*result.record.warnings, result.record.left_to_make])
@@ -315,7 +315,7 @@ def test_an_estimate_names_its_worst_path_and_where_the_companion_stopped() -> N
     stopped = PathFigures(Status.PARTIAL, StopReason.APEX)
     done, coarse = finished(fine), finished(far, Status.PARTIAL)
     coarse.record.paths["second"] = stopped
-    scene = Scene(mesh={"discretisation": "fourier", "harmonics": 3})
+    scene = tiny.sand(mesh={"discretisation": "fourier", "harmonics": 3})
     with_estimate(scene, done, companions_of(scene, lambda *_, **__: coarse), breaks)
     found = done.record.error_estimate
     assert found["worst_path"] == "pull"

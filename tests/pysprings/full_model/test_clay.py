@@ -14,7 +14,6 @@ from pysprings.macro.comparison import compare
 from pysprings.model.contact import SURFACE
 from pysprings.model.discretise import build
 from pysprings.model.forecast.omissions import left_out
-from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_text
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
@@ -24,6 +23,10 @@ CLAY: dict[str, Any] = {
     "yield_surface": "tresca", "undrained_shear_strength": {"top": 5e3, "gradient": 2e3}, "rigidity_ratio": 200.0,
     "effective_unit_weight": 6e3, "surcharge": 0.0,
 }  # fmt: skip
+SAND = {
+    "top": 0.0, "law": "drucker-prager", "young_modulus": 40e6, "friction_angle_final": 0.5236, "K0": 1.0,
+    "hydraulic_conductivity": 1e-4, "friction_angle_initial": "auto",
+}  # fmt: skip
 BONDED = {"adhesion_factor": 1.0, "opening": "bonded"}
 MESHES = ["hex8", "fourier"]
 
@@ -31,7 +34,7 @@ MESHES = ["hex8", "fourier"]
 def clay(discretisation: str = "fourier", soil: dict | None = None, **sections: Any) -> Scene:
     mesh = {"discretisation": discretisation, "refinement": 0.4 if discretisation == "hex8" else 1.0}
     given = {"interface": BONDED, "paths": (tiny.PULL,)} | sections
-    return Scene(**{**tiny.SECTIONS, "mesh": mesh, "soil": CLAY | (soil or {}), **given})
+    return tiny.sand(**{**tiny.SECTIONS, "mesh": mesh, "soil": CLAY | (soil or {}), **given})
 
 
 @pytest.mark.parametrize("discretisation", MESHES)
@@ -91,7 +94,7 @@ def test_a_sealed_lid_carries_suction_and_a_vented_one_none():
 @pytest.mark.parametrize("discretisation", MESHES)
 def test_contact_follows_the_layers_and_surfaces(discretisation):
     layers = [
-        {"top": 0.0, "law": "drucker-prager", "cohesion": 2e3, "young_modulus": 40e6},
+        SAND | {"cohesion": 2e3},
         {"top": 2.0, "undrained_shear_strength": {"top": 20e3, "bottom": 70e3}},
     ]
     opening = {"outside": "vented", "inside": "sealed", "lid": "bonded", "tip": "sealed"}
@@ -119,7 +122,7 @@ def test_contact_follows_the_layers_and_surfaces(discretisation):
 @pytest.mark.parametrize("discretisation", MESHES)
 def test_a_pull_in_sand_over_clay_has_springs_that_balance(discretisation):
     layers = [
-        {"top": 0.0, "law": "drucker-prager", "young_modulus": 40e6, "friction_angle_initial": "auto"},
+        SAND,
         {"top": 2.0, "undrained_shear_strength": 30e3},
     ]
     soil = {"layers": layers, "undrained_shear_strength": 20e3, "surcharge": 5e3}
@@ -133,7 +136,7 @@ def test_a_pull_in_sand_over_clay_has_springs_that_balance(discretisation):
 @pytest.mark.parametrize("discretisation", MESHES)
 def test_water_of_sand_over_clay_stays_in_the_sand_and_in_balance(discretisation):
     layers = [
-        {"top": 0.0, "law": "drucker-prager", "young_modulus": 40e6, "friction_angle_initial": "auto"},
+        SAND,
         {"top": 2.0, "undrained_shear_strength": 30e3},
     ]
     soil = {"layers": layers, "undrained_shear_strength": 20e3, "surcharge": 5e3}
@@ -189,7 +192,7 @@ def test_omissions_tell_why_there_is_no_water():
 @pytest.mark.parametrize("name", ["soft-clay", "sand-over-clay", "layered-sand", "monobucket"])
 def test_a_template_runs_to_its_end_and_its_fan_predicts_the_pulls_held_back(name):
     """Within 2 % in load and 4 % in rotation, a median of at most five Newton iterations."""
-    result = compute(parse_scene(template_text(name)))
+    result = compute(tiny.parsed(template_text(name)))
     assert result.record.reasons == [] and result.record.failures == []
     assert max(path.median_iterations for path in result.record.paths.values()) <= 5
     table = compare(extract_springs(result.recorded()))

@@ -21,7 +21,6 @@ from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.comparison import compare
 from pysprings.results.analysis.parts import settings
-from pysprings.scene.load import parse_scene
 from pysprings.springs.dataset import get_path
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
@@ -86,7 +85,7 @@ def test_attributes_and_record() -> None:
     record = record_of(result)
     assert result.attrs["status"] == record["status"] == "complete"
     assert result.attrs["scene_sha256"] == record["scene_sha256"] == scene.sha256
-    assert parse_scene(result.attrs["scene_toml"]) == parse_scene(record["scene_toml"]) == scene
+    assert tiny.parsed(result.attrs["scene_toml"]) == tiny.parsed(record["scene_toml"]) == scene
     assert "scene_toml_given" not in result.attrs
     assert result.attrs["n_nodes"] == record["mesh"]["nodes"] == 216
     assert result.attrs["n_unknowns"] == record["mesh"]["unknowns"]
@@ -172,21 +171,21 @@ def test_a_dead_load_settles_the_caisson_before_the_path() -> None:
 
 def test_another_mesh_is_recorded_as_the_scene_that_ran() -> None:
     text = "# mine\n" + tiny.scene(mesh={"refinement": 0.3, "preset": "coarse"}).to_toml()
-    given = parse_scene(text)
+    given = tiny.parsed(text)
     ran = given.replace(mesh={"preset": "medium"})
     result = run(given, mesh="medium", linear="superlu")
     ran = ran.replace(solver={"linear": "superlu"})
     assert result.attrs["mesh_preset"] == "medium"
     assert result.attrs["solver"] == record_of(result)["solver"]["linear"] == "superlu"
     assert result.attrs["scene_sha256"] == record_of(result)["scene_sha256"] == ran.sha256
-    assert parse_scene(result.attrs["scene_toml"]) == parse_scene(record_of(result)["scene_toml"]) == ran
+    assert tiny.parsed(result.attrs["scene_toml"]) == tiny.parsed(record_of(result)["scene_toml"]) == ran
     assert result.attrs["scene_toml_given"] == text
     assert result.equals(run(ran))
 
 
 def test_the_users_own_words_are_kept_when_nothing_is_changed() -> None:
     text = "# mine\n" + tiny.scene().to_toml()
-    result = run(parse_scene(text), mesh="coarse")
+    result = run(tiny.parsed(text), mesh="coarse")
     assert result.attrs["scene_toml"] == text
     assert "scene_toml_given" not in result.attrs
 

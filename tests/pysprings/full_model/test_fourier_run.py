@@ -26,7 +26,7 @@ from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import build_fourier, build_on_section, section_counts_of
 from pysprings.model.stages import path_stages
 from pysprings.scene.extent import PAPER
-from pysprings.scene.load import Scene, parse_scene
+from pysprings.scene.load import Scene
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
@@ -113,7 +113,7 @@ def test_the_slot_of_the_skirt_holds_no_elements():
 )
 def test_elastic_stiffness_is_that_of_an_independent_solution(penalty, wanted):
     """Rigid caisson of no thickness in the paper's soil and domain, stiffness over (u, rotation) in MN and m."""
-    given = Scene(
+    given = tiny.sand(
         domain=PAPER, soil={"yield_surface": "elastic"}, caisson={"skirt_thickness": 5e-3},
         interface={"normal_stiffness": penalty, "shear_stiffness": penalty, "friction_coefficient": 5.0},
         mesh={"discretisation": "fourier", "preset": "paper", "harmonics": 1},
@@ -146,7 +146,7 @@ def test_soft_sand_and_lift_off_do_not_stop_a_pull(harmonics, end):
     """Exact Newton steps follow soft modes of sand that is about to localise, and stop both runs before their end."""
     mesh = {"discretisation": "fourier", "preset": "medium", "harmonics": harmonics}
     pull = {"name": "pull", "kind": "pull", "lateral_displacement": end}
-    found = compute(Scene(domain=PAPER, paths=(pull,), mesh=mesh, solver={"tolerance": 1e-3})).recorded()
+    found = compute(tiny.sand(domain=PAPER, paths=(pull,), mesh=mesh, solver={"tolerance": 1e-3})).recorded()
     assert found.attrs["status"] == "complete"
     assert float(found["paths/pull"]["u"][-1]) == pytest.approx(end)
 
@@ -279,13 +279,13 @@ def test_what_a_series_cannot_carry_is_refused():
     path = '[[path]]\nname = "p"\nkind = "pull"\nlateral_displacement = "1 mm"\nrate = "0.05 mm/s"\n'
     water = '[drainage]\nmode = "coupled"\nstabilisation = 0.5\n'
     with pytest.raises(UserInputError, match=r"drainage\.stabilisation"):
-        parse_scene('[mesh]\ndiscretisation = "fourier"\n' + water + path)
+        tiny.parsed('[mesh]\ndiscretisation = "fourier"\n' + water + path)
 
 
 @pytest.mark.parametrize("mesh", ['discretisation = "fourier"\nazimuth = 16', 'harmonics = 3\ndiscretisation = "hex8"'])
 def test_counts_of_the_other_discretisation_are_refused(mesh):
     with pytest.raises(UserInputError, match=r"mesh\.(azimuth|harmonics)"):
-        parse_scene(f"[mesh]\n{mesh}\n")
+        tiny.parsed(f"[mesh]\n{mesh}\n")
 
 
 def test_the_command_line_chooses_the_discretisation(tmp_path):

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pysprings import Scene
 from pysprings.full_model.compute import compute
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
@@ -28,7 +27,9 @@ def cycle(law: str, soil: dict[str, Any], size: float, **sections: Any):
     pull = {"name": "loop", "kind": "pull", "lateral_displacement": size, "role": "held-back", "then": back}
     pulls = ({**tiny.PULL, "lateral_displacement": size}, pull)
     mesh = {"discretisation": "fourier", "refinement": 1.0}
-    scene = Scene(**{**tiny.SECTIONS, "mesh": mesh, "soil": {"yield_surface": law, **soil}, "paths": pulls, **sections})
+    scene = tiny.sand(
+        **{**tiny.SECTIONS, "mesh": mesh, "soil": {"yield_surface": law, **soil}, "paths": pulls, **sections}
+    )
     result = compute(scene).recorded()
     assert result.attrs["status"] == "complete"
     return result["paths/loop"].to_dataset(), result

@@ -49,7 +49,7 @@ def stiffness(scene: Scene) -> np.ndarray:
 )
 def test_elastic_stiffness_is_that_of_an_independent_solution(layers, wanted):
     """Rigid caisson of no thickness in the paper's domain; E by layer and by depth, penalty 1e10 N/m3."""
-    scene = Scene(
+    scene = tiny.sand(
         domain=PAPER, soil={"yield_surface": "elastic", "layers": layers}, caisson={"skirt_thickness": 5e-3},
         interface={"normal_stiffness": 1e10, "shear_stiffness": 1e10, "friction_coefficient": 5.0},
         mesh={"discretisation": "fourier", "preset": "paper", "harmonics": 1},
@@ -61,7 +61,7 @@ def test_elastic_stiffness_is_that_of_an_independent_solution(layers, wanted):
 
 @pytest.mark.parametrize("mesh", [{"preset": "coarse"}, {"discretisation": "fourier", "preset": "coarse"}])
 def test_a_soil_cut_along_its_mesh_is_the_same_soil(mesh):
-    whole = Scene(domain=PAPER, soil={"yield_surface": "elastic"}, mesh={"discretisation": "hex8"} | mesh)
+    whole = tiny.sand(domain=PAPER, soil={"yield_surface": "elastic"}, mesh={"discretisation": "hex8"} | mesh)
     levels = np.unique(np.round(build(whole).model.mesh.nodes[:, -1], 12))
     tops = [0.0, *(float(z) for z in levels[2:-2:4])]
     assert len(tops) >= 3

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings import Scene, open_table
+from pysprings import open_table
 from pysprings.core import variables
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.core.words import RANGE_END
@@ -327,15 +327,15 @@ def test_predict_with_a_vertical_load_alone(tmp_path):
 )  # fmt: skip
 def test_a_scene_refuses_what_a_vertical_path_cannot_be(path, message):
     with pytest.raises(ValueError) as caught:
-        Scene(paths=[{"name": "down", "kind": "vertical", **path}])
+        tiny.sand(paths=[{"name": "down", "kind": "vertical", **path}])
     assert message in str(caught.value)
 
 
 def test_a_vertical_path_needs_a_time_where_there_is_water():
     path = {"name": "down", "kind": "vertical", "vertical_displacement": 1e-3}
     with pytest.raises(ValueError, match=r'drainage\.mode = "coupled" needs rate or duration here'):
-        Scene(drainage={"mode": "coupled"}, paths=[path])
-    kept = Scene(drainage={"mode": "coupled"}, paths=[{**path, "rate": 1e-4, "vertical_load": "balanced"}])
+        tiny.sand(drainage={"mode": "coupled"}, paths=[path])
+    kept = tiny.sand(drainage={"mode": "coupled"}, paths=[{**path, "rate": 1e-4, "vertical_load": "balanced"}])
     assert kept.vertical_load_of(kept.paths[0]) == "balanced"
 
 

@@ -166,7 +166,7 @@ WATER = {
 SINGLE: set[tuple[str, str]] = set()
 # Another value, where a change by a tenth is not one.
 CLAY = {
-    "soil": {"yield_surface": "tresca", "undrained_shear_strength": 20e3, "rigidity_ratio": 200.0},
+    "soil": tiny.only(yield_surface="tresca", undrained_shear_strength=20e3, rigidity_ratio=200.0),
     "interface": {"adhesion_factor": 0.5},
 }
 OF_CLAY = (
@@ -261,7 +261,8 @@ def flat(value: Any) -> Any:
 def changed(scene: Scene, section: str, name: str, value: Any) -> Scene:
     if section == "path":
         return scene.replace(paths=({**scene.paths[0].model_dump(), name: value},))
-    return scene.replace(**{section: {name: value}})
+    extra = {"young_modulus": None} if name == "shear_modulus" else {}
+    return scene.replace(**{section: {name: value, **extra}})
 
 
 ALL = [(section, name) for section, model in SECTIONS.items() for name in model.model_fields]

@@ -11,7 +11,6 @@ from pysprings.full_model.compute import compute, run
 from pysprings.model.forecast.domain_effect import MOST_SHOWN, DomainEffect, domain_effect
 from pysprings.model.forecast.estimate import describe
 from pysprings.scene.extent import extent_of
-from pysprings.scene.load import Scene
 from pysprings.studies.stability.cases import CASES
 from pysprings.studies.stability.catalogue import run_case
 from tests.support import tiny
@@ -31,7 +30,7 @@ def effect_of(length: float, beside: float, below: float, poisson: float, side: 
     """The bounds of a domain; lengths over the diameter, of the skirt, the soil beside it and below its tip."""
     domain = {"radius": (0.5 + beside) * DIAMETER, "depth": (length + below) * DIAMETER, "side": side}
     caisson = {"outer_diameter": DIAMETER, "skirt_length": length * DIAMETER}
-    return domain_effect(Scene(caisson=caisson, domain=domain, soil={"poisson_ratio": poisson}))
+    return domain_effect(tiny.sand(caisson=caisson, domain=domain, soil={"poisson_ratio": poisson}))
 
 
 @pytest.mark.slow
@@ -50,14 +49,14 @@ def test_the_bounds_are_above_what_the_engine_finds_and_not_far(
 @pytest.mark.parametrize("mode", ["drained", "undrained"])
 def test_the_domain_by_default_is_as_good_as_unbounded_soil(length: float, mode: str) -> None:
     caisson = {"outer_diameter": DIAMETER, "skirt_length": length * DIAMETER}
-    assert domain_effect(Scene(caisson=caisson, drainage={"mode": mode})).most < 4.0
+    assert domain_effect(tiny.sand(caisson=caisson, drainage={"mode": mode})).most < 4.0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("length", [0.25, 0.5, 0.75, 1.0])
 def test_the_domain_by_default_is_within_five_per_cent_of_the_half_space(length: float) -> None:
     """The half-space: domains of 80 and of 160 diameters, extrapolated. The bound that `check` prints is above it."""
-    scene = Scene(caisson={"outer_diameter": DIAMETER, "skirt_length": length * DIAMETER})
+    scene = tiny.sand(caisson={"outer_diameter": DIAMETER, "skirt_length": length * DIAMETER})
     extent = extent_of(scene)
     near, far = (stiffness(length, size, size, scene.soil.poisson_ratio) for size in (80.0, 160.0))
     own = stiffness(length, extent.radius / DIAMETER - 0.5, extent.depth / DIAMETER - length, scene.soil.poisson_ratio)
@@ -70,7 +69,7 @@ def test_the_domain_by_default_is_within_five_per_cent_of_the_half_space(length:
 @pytest.mark.slow
 def test_the_papers_caisson_by_default_beside_an_independent_half_space() -> None:
     """K_H 2,892 MN/m and K_M 80,933 MN m by an independent axisymmetric solution; mesh `coarse`, domain and penalty."""
-    scene = Scene(soil={"yield_surface": "elastic"})
+    scene = tiny.sand(soil={"yield_surface": "elastic"})
     matrix = run(scene.replace(springs={"reach": None}, paths=(tiny.PULL,)))["stiffness_initial"].values
     over = [1e-6 * matrix[0, 0] / 2892.0 - 1.0, 1e-6 * matrix[2, 2] / 80933.0 - 1.0]
     assert min(over) > 0.0 and max(over) < 0.05

@@ -9,10 +9,11 @@ from fe_engine.contact.coulomb import KN
 from pysprings.model.build import build_model
 from pysprings.model.penalty import AUTO, STIFFEST, penalty_of
 from pysprings.scene.load import Scene
+from tests.support import tiny
 
 
 def scene(normal: float | str = "auto", shear: float | str = "auto", **soil: float) -> Scene:
-    return Scene.model_validate({"interface": {"normal_stiffness": normal, "shear_stiffness": shear}, "soil": soil})
+    return tiny.sand(interface={"normal_stiffness": normal, "shear_stiffness": shear}, soil=soil)
 
 
 def test_auto_is_the_papers_value_for_the_papers_soil_and_follows_the_soil() -> None:

@@ -91,7 +91,9 @@ def test_a_full_disk_is_refused_by_the_run(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_check_ends_with_exit_code_4(tmp_path: Path) -> None:
-    (tmp_path / "c.toml").write_text("[mesh]\nrefinement = 8\npreset = 'fine'\ndiscretisation = 'hex8'\n")
+    (tmp_path / "c.toml").write_text(
+        tiny.grounded("[mesh]\nrefinement = 8\npreset = 'fine'\ndiscretisation = 'hex8'\n")
+    )
     done = command("check", str(tmp_path / "c.toml"))
     assert done.code == 4
     assert done.err.startswith("fatal: resources: the model needs about ")
@@ -102,7 +104,7 @@ def test_check_names_warnings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     """Memory that other programs use now, and motions beyond small strains."""
     monkeypatch.setattr("pysprings.model.forecast.estimate.memory_available", lambda: 1e6)
     text = '[mesh]\ndiscretisation = "hex8"\n[[path]]\nname = "a"\nkind = "pull"\nlateral_displacement = "0.5 m"\n'
-    (tmp_path / "c.toml").write_text(text)
+    (tmp_path / "c.toml").write_text(tiny.grounded(text))
     done = command("check", str(tmp_path / "c.toml"))
     assert done.code == 0
     assert re.search(r"warning: the run needs about 0\.4\d* GB of memory; 0\.001 GB are free now", done.err)

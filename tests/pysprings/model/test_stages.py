@@ -10,8 +10,8 @@ import pytest
 
 from fe_engine.model import Stage
 from fe_engine.solve.stepping import fewest_increments
-from pysprings import Scene
 from pysprings.model.stages import dead_load_stage, imposed_end, path_stages
+from tests.support import tiny
 
 D, L = 7.8, 4.0
 
@@ -20,7 +20,7 @@ def stage(
     kind: str, extra_load: float = 0.0, solver: dict[str, Any] | None = None, soil: dict[str, Any] | None = None,
     **path: Any,
 ) -> Stage:  # fmt: skip
-    scene = Scene(paths=[{"name": "a", "kind": kind, **path}], solver=solver or {}, soil=soil or {})
+    scene = tiny.sand(paths=[{"name": "a", "kind": kind, **path}], solver=solver or {}, soil=soil or {})
     return path_stages(scene, scene.paths[0], extra_load)[0]
 
 
@@ -83,7 +83,7 @@ def test_stops_are_fractions_of_what_is_imposed(kind: str, path: dict[str, Any],
 
 
 def test_what_is_imposed() -> None:
-    scene = Scene(
+    scene = tiny.sand(
         paths=[
             {"name": "a", "kind": "pull", "lateral_displacement": 0.02},
             {"name": "b", "kind": "translation", "lateral_displacement": 0.03, "rotation": 1.0e-3},
@@ -134,7 +134,7 @@ def test_the_soil_relaxes_in_an_imposed_motion_of_the_scenes_length() -> None:
     solver, tip = {"viscous_displacement": 1e-6}, 2e-3 * L
 
     def lag(**path: Any) -> list[float]:
-        scene = Scene(paths=[{"name": "a"} | path], solver=solver)
+        scene = tiny.sand(paths=[{"name": "a"} | path], solver=solver)
         return [each.lag for each in path_stages(scene, scene.paths[0], 0.0)]
 
     pull = {"kind": "pull", "lateral_displacement": 5e-3, "role": "held-back"}
@@ -158,7 +158,7 @@ def test_rays_that_turn_back_in_sand_have_a_small_viscosity_by_themselves() -> N
         path |= {"then": ["-5 mm"]} if role == "memory" else {}
         interface = {"adhesion_factor": 0.5} if "undrained_shear_strength" in soil else {}
         solver = {"viscous_displacement": viscous}
-        scene = Scene(paths=[path], soil=soil, interface=interface, solver=solver)
+        scene = tiny.sand(paths=[path], soil=soil, interface=interface, solver=solver)
         return [each.lag for each in path_stages(scene, scene.paths[0], 0.0)]
 
     small = 1e-8 * 7.8
@@ -173,7 +173,7 @@ def test_rays_that_turn_back_in_sand_have_a_small_viscosity_by_themselves() -> N
 def test_a_swipe_turns_where_it_has_slid_to() -> None:
     path = {"name": "a", "kind": "swipe", "lateral_displacement": 5e-3, "rotation": -2e-3, "rate": 1e-3,
             "role": "held-back"}  # fmt: skip
-    scene = Scene(paths=[path])
+    scene = tiny.sand(paths=[path])
     slide, turn = path_stages(scene, scene.paths[0], 0.0)
     np.testing.assert_array_equal(slide.target, [5e-3, 0.0])
     np.testing.assert_array_equal(turn.target, [5e-3, -2e-3])
@@ -195,7 +195,7 @@ def test_a_probe_imposes_the_displacement_conjugate_to_its_load() -> None:
 
 def test_a_load_that_climbs_grows_its_moment_under_a_constant_force() -> None:
     path = {"name": "a", "kind": "load", "lateral_force": 2e6, "arm_from": 1.0, "arm": 8.0, "role": "held-back"}
-    scene = Scene(paths=[path])
+    scene = tiny.sand(paths=[path])
     grow, climb = path_stages(scene, scene.paths[0], 1e5)
     np.testing.assert_allclose(grow.force, [1e6, 1e5, -1e6])
     np.testing.assert_allclose(climb.force, [1e6, 1e5, -8e6])
@@ -206,7 +206,7 @@ def test_loads_go_on_to_pairs_of_force_and_moment() -> None:
     """Half of H and M; a rest holds both; a single force goes back to the height of the path."""
     path = {"name": "a", "kind": "load", "lateral_force": 2e6, "arm": 5.0, "role": "held-back",
             "then": ["2 MN, -4 MN*m", "rest 1 s", "-1 MN"]}  # fmt: skip
-    scene = Scene(paths=[path])
+    scene = tiny.sand(paths=[path])
     forces = [stage.force for stage in path_stages(scene, scene.paths[0], 1e5)]
     np.testing.assert_allclose(forces, [[1e6, 1e5, -5e6], [1e6, 1e5, -2e6], [1e6, 1e5, -2e6], [-5e5, 1e5, 2.5e6]])
 
@@ -214,14 +214,14 @@ def test_loads_go_on_to_pairs_of_force_and_moment() -> None:
 def test_a_load_goes_on_after_its_climb() -> None:
     path = {"name": "a", "kind": "load", "lateral_force": 2e6, "arm_from": 0.0, "arm": 8.0, "role": "held-back",
             "then": ["2 MN, -4 MN*m"]}  # fmt: skip
-    scene = Scene(paths=[path])
+    scene = tiny.sand(paths=[path])
     assert [stage.force[2] for stage in path_stages(scene, scene.paths[0], 0.0)] == [0.0, -8e6, -2e6]
 
 
 def test_a_swipe_goes_on_with_pairs_of_motions() -> None:
     path = {"name": "a", "kind": "swipe", "lateral_displacement": 5e-3, "rotation": -2e-3, "role": "held-back",
             "then": ["0 mm, 1 mrad", "rest 1 s", "1 mm, 1 mrad"]}  # fmt: skip
-    scene = Scene(paths=[path])
+    scene = tiny.sand(paths=[path])
     found = path_stages(scene, scene.paths[0], 0.0, rest=0.0)
     np.testing.assert_allclose(
         [s.target for s in found], [[5e-3, 0], [5e-3, -2e-3], [0, 1e-3], [0, 1e-3], [1e-3, 1e-3]]
@@ -245,7 +245,7 @@ def test_a_part_changes_the_vertical_load_alone(path: dict[str, Any], lateral: s
     """Half of it beyond the balanced one; the parts after it keep it, and go on as without it."""
 
     def stages(*then: str) -> list[Stage]:
-        given = Scene(paths=[{"name": "a", "role": "held-back", "then": then, **path}])
+        given = tiny.sand(paths=[{"name": "a", "role": "held-back", "then": then, **path}])
         return path_stages(given, given.paths[0], 1e5, balanced=3e5)
 
     plain, found = stages(lateral, "rest 1 s"), stages("V 3 MN", lateral, "V 0 MN in 10 s", "rest 1 s")
@@ -265,7 +265,7 @@ def test_a_part_changes_the_vertical_load_alone(path: dict[str, Any], lateral: s
 
 def test_a_vertical_load_takes_the_time_of_undrained_parts_and_no_relaxation() -> None:
     path = {"name": "a", "kind": "pull", "lateral_displacement": 5e-3, "role": "held-back", "then": ["V 3 MN", "0 mm"]}
-    scene = Scene(paths=[path], solver={"viscous_displacement": 1e-6}, drainage={"mode": "undrained"})
+    scene = tiny.sand(paths=[path], solver={"viscous_displacement": 1e-6}, drainage={"mode": "undrained"})
     found = path_stages(scene, scene.paths[0], 0.0, undrained_time=2.0)
     assert [stage.duration for stage in found] == [2.0, 2.0, 2.0]
     assert [stage.lag for stage in found] == pytest.approx([2e-4, 0.0, 2e-4])
@@ -274,7 +274,7 @@ def test_a_vertical_load_takes_the_time_of_undrained_parts_and_no_relaxation() -
 @pytest.mark.parametrize("rate", [None, 1e-4])
 def test_a_fan_with_memory_has_three_rays_that_turn_back(rate: float | None) -> None:
     rates = {} if rate is None else {"rates": (rate,)}
-    scene = Scene(springs={"reach": 20e-3, "memory": True, **rates})
+    scene = tiny.sand(springs={"reach": 20e-3, "memory": True, **rates})
     shift, middle, turned = (path for path in scene.load_paths if path.role == "memory")
     # back and forth, farther; the middle one twice
     sizes = 20e-3 * np.array([0.12, -0.12, 0.24, -0.24, 0.24, -0.24, 0.4, -0.4, 0.4])

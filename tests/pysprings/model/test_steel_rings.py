@@ -15,7 +15,6 @@ from fe_engine.clock import Clock
 from fe_engine.elements import fourier as elements
 from fe_engine.solve.stepping import Driver
 from fe_engine.state import State, initial_fields
-from pysprings import Scene
 from pysprings.full_model.compute import compute
 from pysprings.full_model.discretise import make_engine
 from pysprings.full_model.fourier_collect import FourierCollector
@@ -174,6 +173,6 @@ def test_stiffness_approaches_that_of_bricks():
 
 
 def test_a_scene_that_leaves_the_discretisation_open_takes_series():
-    given = Scene(caisson={"behaviour": "elastic"}, mesh={"preset": "coarse"})
+    given = tiny.sand(caisson={"behaviour": "elastic"}, mesh={"preset": "coarse"})
     assert given.discretisation == "fourier"
     assert build(given).steel is not None

@@ -19,7 +19,7 @@ from pysprings.core.files.storage import write_tree
 from pysprings.results.accessor import Accessor
 from pysprings.results.opened import open_result
 from pysprings.results.plots.draw import drawable
-from tests.support import synthetic
+from tests.support import synthetic, tiny
 
 PATHS = (synthetic.Path("pull", size=8e-3, steps=12), synthetic.Path("turn", "rotation", size=-2e-3, steps=6))
 MOST_BYTES = 8_000
@@ -73,7 +73,7 @@ def test_springs_are_a_few_kB_of_html_with_size_stiffness_paths_and_range(spring
 
 def test_text_of_a_scene_is_escaped_and_its_layers_are_drawn() -> None:
     layers = [{"top": 0.0, "name": "<b>sand</b>"}, {"top": 2.0, "name": "dense", "friction_angle_final": 0.7}]
-    html = pysprings.Scene(title="<script>", soil={"layers": layers})._repr_html_()
+    html = tiny.sand(title="<script>", soil={"layers": layers})._repr_html_()
     page = Balance(html)
     assert page.open == []
     assert "<script>" in page.words and "<b>" not in html.replace("<b>&lt;script&gt;</b>", "")

@@ -30,7 +30,7 @@ from pysprings.results import plots
 from pysprings.results.exporters.csv import read_comparison, write_frame
 from pysprings.results.folder import run_to_folder
 from pysprings.results.layout import run_files
-from pysprings.scene.load import load_scene, parse_scene
+from pysprings.scene.load import load_scene
 from pysprings.scene.template import template_names, template_text
 from pysprings.springs.file import open_springs
 from pysprings.springs.path import SpringPath
@@ -140,7 +140,7 @@ def test_run_json_has_status_provenance_cost_and_balance(folder: Path) -> None:
     record = read_record(folder)
     scene = tiny.scene()
     assert (record["status"], record["scene_sha256"]) == ("complete", scene.sha256)
-    assert parse_scene(record["scene_toml"]) == scene
+    assert tiny.parsed(record["scene_toml"]) == scene
     assert max(record["balance"]["pull"].values()) < 1e-6
     assert {"output: files", "output: report", "assembly", "other"} <= set(record["phases"])
     for key in ("wall_s", "cpu_s"):
@@ -404,7 +404,7 @@ def test_scenes_in_data_are_valid(file: Path) -> None:
 
 @pytest.mark.parametrize("name", template_names())
 def test_templates_are_valid(name: str) -> None:
-    assert parse_scene(template_text(name)).load_paths
+    assert tiny.parsed(template_text(name)).load_paths
 
 
 @pytest.mark.slow
@@ -412,7 +412,7 @@ def test_templates_are_valid(name: str) -> None:
 def test_scenes_run_on_a_small_mesh_for_a_short_way(name: str, tmp_path: Path) -> None:
     """A twentieth of each path in two steps: every option of the scene is used."""
     files = {file.stem: file.read_text(encoding="utf-8") for file in SCENES}
-    scene = parse_scene(files[name] if name in files else template_text(name))
+    scene = tiny.parsed(files[name] if name in files else template_text(name))
     small = {
         "mesh": {"refinement": 0.4},
         "output": {"figures": False},
@@ -442,7 +442,7 @@ BRIEF = {"elastic-check", "service-load", "soft-clay"}  # a minute; the others t
 )
 def test_scenes_run_as_they_are(name: str, tmp_path: Path) -> None:
     files = {file.stem: file.read_text(encoding="utf-8") for file in SCENES}
-    scene = parse_scene(files[name] if name in files else template_text(name))
+    scene = tiny.parsed(files[name] if name in files else template_text(name))
     run_to_folder(scene, tmp_path)
     record = read_record(tmp_path)
     assert record["status"] == "complete"

@@ -12,13 +12,14 @@ from pysprings.results.plots.ground import PICTURE
 from pysprings.results.plots.picture import View
 from pysprings.scene.extent import PAPER
 from pysprings.scene.ground import ground_of
+from tests.support import tiny
 
 LAYERS = [
     {"top": 0.0, "name": "sand", "friction_angle_final": 0.6, "young_modulus": 60e6},
     {"top": 2.0, "name": "clay", "law": "tresca", "undrained_shear_strength": {"top": 40e3, "bottom": 60e3},
      "rigidity_ratio": 100.0},
 ]  # fmt: skip
-SCENE = Scene(domain=PAPER, soil={"layers": LAYERS}, interface={"adhesion_factor": 0.5})
+SCENE = tiny.sand(domain=PAPER, soil={"layers": LAYERS}, interface={"adhesion_factor": 0.5})
 
 
 def view(scene: Scene) -> View:
@@ -28,8 +29,8 @@ def view(scene: Scene) -> View:
 def test_it_is_drawn_where_the_ground_varies_or_is_clay():
     clay = {"yield_surface": "tresca", "undrained_shear_strength": 20e3, "rigidity_ratio": 100.0}
     assert PICTURE.applies(view(SCENE))
-    assert PICTURE.applies(view(Scene(soil=clay, interface={"adhesion_factor": 0.5})))
-    assert not PICTURE.applies(view(Scene()))
+    assert PICTURE.applies(view(tiny.sand(soil=clay, interface={"adhesion_factor": 0.5})))
+    assert not PICTURE.applies(view(tiny.sand()))
     assert not PICTURE.applies(View(xr.DataTree()))
 
 

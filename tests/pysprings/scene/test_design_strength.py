@@ -8,18 +8,17 @@ import math
 import numpy as np
 import pytest
 
-from pysprings import Scene
 from pysprings.core.errors import UserInputError
 from pysprings.scene.design_strength import StrengthFactors, with_design_strength
 from pysprings.scene.ground import ground_of
-from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_text
+from tests.support import tiny
 
 _DEG = math.pi / 180.0
 
 
 def test_sand() -> None:
-    scene = Scene(soil={"cohesion": 5e3, "dilation_angle": 28 * _DEG})
+    scene = tiny.sand(soil={"cohesion": 5e3, "dilation_angle": 28 * _DEG})
     design = with_design_strength(scene, StrengthFactors(tan_phi=1.25, c=1.4))
     assert math.tan(design.soil.friction_angle_final) == pytest.approx(math.tan(30 * _DEG) / 1.25, rel=1e-14)
     assert design.soil.cohesion == pytest.approx(5e3 / 1.4)
@@ -31,7 +30,7 @@ def test_sand() -> None:
 
 
 def test_clay_by_depth_keeps_its_stiffness() -> None:
-    scene = parse_scene(template_text("soft-clay"))
+    scene = tiny.parsed(template_text("soft-clay"))
     design = with_design_strength(scene, StrengthFactors.read(["su=1.4"]))
     before, after = scene.soil.undrained_shear_strength, design.soil.undrained_shear_strength
     assert (after.top, after.gradient) == pytest.approx((before.top / 1.4, before.gradient / 1.4))
@@ -40,7 +39,7 @@ def test_clay_by_depth_keeps_its_stiffness() -> None:
 
 
 def test_layers() -> None:
-    scene = parse_scene(template_text("layered-sand"))
+    scene = tiny.parsed(template_text("layered-sand"))
     design = with_design_strength(scene, StrengthFactors(tan_phi=1.25))
     assert len(scene.soil.layers) == len(design.soil.layers) > 1
     for before, after in zip(scene.soil.layers, design.soil.layers, strict=True):
@@ -57,7 +56,7 @@ def test_layers() -> None:
 def test_angles_that_grow_with_depth() -> None:
     """A gradient is factored at both ends of the ground; the design angle between them is linear."""
     gradient = {"top": 30 * _DEG, "gradient": 0.5 * _DEG}
-    scene = Scene(soil={"layers": [{"top": 0.0, "friction_angle_final": gradient}]}, domain={"depth": 12.0})
+    scene = tiny.sand(soil={"layers": [{"top": 0.0, "friction_angle_final": gradient}]}, domain={"depth": 12.0})
     angle = with_design_strength(scene, StrengthFactors(tan_phi=1.25)).soil.layers[0].friction_angle_final
     assert math.tan(angle.top) == pytest.approx(math.tan(30 * _DEG) / 1.25)
     assert math.tan(angle.bottom) == pytest.approx(math.tan(36 * _DEG) / 1.25)
@@ -70,7 +69,7 @@ def test_the_initial_stress_stays_that_of_the_friction_angle_before() -> None:
         ({"friction_angle_final": 0.6}, [1.0 - np.sin(0.6)]),
         ({"layers": layers}, [1.0 - np.sin(0.6), 0.9]),
     ):
-        scene = Scene(soil=soil | {"K0": "auto"})
+        scene = tiny.sand(soil=soil | {"K0": "auto"})
         reduced = with_design_strength(scene, StrengthFactors(tan_phi=1.25))
         for depth, k0 in zip([1.0, 3.0], expected, strict=False):
             assert ground_of(reduced).value("K0", np.array(depth)) == pytest.approx(k0)

@@ -16,7 +16,6 @@ from pysprings.core.errors import UserInputError
 from pysprings.model.build import build_model
 from pysprings.model.forecast.small_strain import scene_warnings
 from pysprings.model.stages import path_stages
-from pysprings.scene.load import Scene, parse_scene
 from pysprings.scene.soil_laws import MOST_CONTRACTION, VAN_EEKELEN
 from tests.support import tiny
 
@@ -98,8 +97,8 @@ GEOMETRY = [name for name, sections in EXTREMES.items() if {"caisson", "domain"}
     ("name", "preset"), [*((name, "coarse") for name in EXTREMES), *((name, "medium") for name in GEOMETRY)]
 )
 def test_extremes_are_accepted_and_give_a_sound_model(name: str, preset: str) -> None:
-    scene = parse_scene(as_toml(EXTREMES[name])).replace(mesh={"preset": preset})
-    assert parse_scene(scene.to_toml()) == scene
+    scene = tiny.parsed(as_toml(EXTREMES[name])).replace(mesh={"preset": preset})
+    assert tiny.parsed(scene.to_toml()) == scene
     built = build_model(scene)
     assert built.quality.min_jacobian > 0.0
     model = built.model
@@ -131,7 +130,7 @@ def test_extremes_are_accepted_and_give_a_sound_model(name: str, preset: str) ->
 )
 def test_beyond_them_is_refused_with_the_range(section: str, key: str, value: str, words: str) -> None:
     with pytest.raises(UserInputError) as caught:
-        parse_scene(f"[{section}]\n{key} = {value}\n")
+        tiny.parsed(f"[{section}]\n{key} = {value}\n")
     (line,) = str(caught.value).split("\n")
     assert line.startswith(f"fatal: user input: 2:{len(key) + 4}: {section}.{key}: ")
     assert words in line
@@ -144,23 +143,23 @@ def test_beyond_them_is_refused_with_the_range(section: str, key: str, value: st
 def test_a_soil_that_contracts_is_accepted_down_to_where_it_becomes_unstable(nu: float) -> None:
     """The limit is 9 K m(phi_f) m_psi = -0.95 G; the message names the angle, and that angle is accepted."""
     with pytest.raises(UserInputError, match="is unstable: with Poisson ratio") as caught:
-        parse_scene(f'[soil]\npoisson_ratio = {nu}\nfriction_angle_final = "60 deg"\ndilation_angle = "-30 deg"\n')
+        tiny.parsed(f'[soil]\npoisson_ratio = {nu}\nfriction_angle_final = "60 deg"\ndilation_angle = "-30 deg"\n')
     least = float(str(caught.value).split("at least ")[1].split(" deg")[0])
     soil = {"poisson_ratio": nu, "friction_angle_final": "60 deg", "dilation_angle": f"{least + 0.005} deg"}
     bulk_over_shear = 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
-    psi = Scene(soil=soil).soil.dilation_angle
+    psi = tiny.sand(soil=soil).soil.dilation_angle
     share = 9.0 * bulk_over_shear * formulas.cone_slope(np.sin(np.radians(60.0))) * formulas.cone_slope(np.sin(psi))
     assert share == pytest.approx(-MOST_CONTRACTION, abs=0.03)
     with pytest.raises(ValueError, match="unstable"):
-        Scene(soil=soil | {"dilation_angle": f"{least - 0.015} deg"})
+        tiny.sand(soil=soil | {"dilation_angle": f"{least - 0.015} deg"})
 
 
 def test_van_eekelen_is_refused_where_it_is_not_convex() -> None:
     with pytest.raises(UserInputError) as caught:
-        parse_scene('[soil]\nyield_surface = "van-eekelen"\nfriction_angle_final = "47 deg"\n')
+        tiny.parsed('[soil]\nyield_surface = "van-eekelen"\nfriction_angle_final = "47 deg"\n')
     place = "3:24: soil.friction_angle_final: 47 deg is too much: "
     assert str(caught.value) == f"fatal: user input: {place}Van Eekelen's surface is convex up to 46.5 deg"
-    assert parse_scene('[soil]\nyield_surface = "van-eekelen"\nfriction_angle_final = "46.5 deg"\n')
+    assert tiny.parsed('[soil]\nyield_surface = "van-eekelen"\nfriction_angle_final = "46.5 deg"\n')
 
 
 @pytest.mark.parametrize("angle", [5.0, 30.0, 45.0])
@@ -179,9 +178,9 @@ def test_van_eekelen_returns_to_its_surface_down_to_the_least_dilation(phi: floa
     given = {"yield_surface": "van-eekelen", "friction_angle_final": f"{phi} deg", "poisson_ratio": 0.4}
     given |= {"dilation_angle": "-30 deg"}
     with pytest.raises(ValueError, match="is unstable") as caught:
-        Scene(soil=given)
+        tiny.sand(soil=given)
     least = float(str(caught.value).split("at least ")[1].split(" deg")[0]) + 0.005
-    assert Scene(soil=given | {"dilation_angle": f"{least} deg"})
+    assert tiny.sand(soil=given | {"dilation_angle": f"{least} deg"})
     law = plasol.pack(200e6, 0.4, np.radians(5.0), np.radians(phi), 0.005, np.radians(least), 0.0)
     rng = np.random.default_rng(1)
     for _ in range(300):
@@ -205,7 +204,7 @@ def test_van_eekelen_returns_to_its_surface_down_to_the_least_dilation(phi: floa
 
 
 def test_an_elastic_soil_has_no_use_for_its_dilation() -> None:
-    assert Scene(soil={"yield_surface": "elastic", "poisson_ratio": 0.49, "dilation_angle": "-30 deg"})
+    assert tiny.sand(soil={"yield_surface": "elastic", "poisson_ratio": 0.49, "dilation_angle": "-30 deg"})
 
 
 @pytest.mark.parametrize("psi", [-30.0, -10.0, -1.0])
@@ -240,7 +239,7 @@ def test_the_law_returns_to_its_surface_when_it_contracts(psi: float) -> None:
     ],
 )  # fmt: skip
 def test_large_motions_are_named(path: dict[str, Any], words: str) -> None:
-    (text,) = scene_warnings(Scene(paths=[path]))
+    (text,) = scene_warnings(tiny.sand(paths=[path]))
     assert text.startswith("path 'a': ")
     assert words in text
     assert "(limit 10% of the skirt length, 0.1 rad)" in text
@@ -248,7 +247,7 @@ def test_large_motions_are_named(path: dict[str, Any], words: str) -> None:
 
 def test_small_motions_are_not() -> None:
     turn = {"name": "b", "kind": "rotation", "rotation": "0.1 rad"}
-    assert scene_warnings(Scene(paths=[PULL | {"lateral_displacement": "0.4 m"}, turn])) == []
+    assert scene_warnings(tiny.sand(paths=[PULL | {"lateral_displacement": "0.4 m"}, turn])) == []
 
 
 def test_a_run_records_the_motion_that_it_reached(monkeypatch: pytest.MonkeyPatch) -> None:

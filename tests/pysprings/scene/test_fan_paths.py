@@ -9,6 +9,7 @@ import pytest
 
 from pysprings import Scene
 from pysprings.core.path_kinds import MEMORY
+from tests.support import tiny
 
 REACH = 0.02
 
@@ -16,7 +17,7 @@ REACH = 0.02
 def test_rays_turn_back_under_each_vertical_load_and_rate() -> None:
     """Three under each, with the motion of those of the scene's load, at the rate all along their way."""
     rates, loads = (1e-5, 1e-3), (3e6, 5e6)
-    scene = Scene(
+    scene = tiny.sand(
         springs={"reach": REACH, "memory": True, "vertical_loads": loads, "rates": rates},
         drainage={"mode": "coupled"},
     )
@@ -35,7 +36,7 @@ def test_rays_turn_back_under_each_vertical_load_and_rate() -> None:
 
 def test_rays_turn_back_while_the_vertical_load_changes_where_there_are_several() -> None:
     """To the largest load, half of it, and back, at the three angles; not with rates, and not under one load."""
-    several = Scene(springs={"reach": REACH, "memory": True, "vertical_loads": (3e6, 5e6)})
+    several = tiny.sand(springs={"reach": REACH, "memory": True, "vertical_loads": (3e6, 5e6)})
     paths = [path for path in several.load_paths if any(then.load is not None for then in path.then)]
     assert [path.name for path in paths] == ["ray_0_loads", "ray_minus_30_loads", "ray_minus_50_loads"]
     for path in paths:
@@ -45,10 +46,10 @@ def test_rays_turn_back_while_the_vertical_load_changes_where_there_are_several(
         assert ends == pytest.approx([sign * float(path.lateral_displacement or 0.0) for sign in (-1, 1, -1)])
     for loads, expected in (((1e6, 5e6), [5e6, None, 4.5e6] * 2), ((1e6, 3e6), [1e6, None, 2.5e6] * 2)):
         springs = {"reach": REACH, "memory": True, "vertical_loads": loads}
-        known = Scene(caisson={"vertical_load": 4e6}, springs=springs)
+        known = tiny.sand(caisson={"vertical_load": 4e6}, springs=springs)
         ray = next(path for path in known.load_paths if path.name == "ray_0_loads")
         assert [then.load for then in ray.then if then.load is not None] == [expected[0], expected[2], expected[0]]
-    one = Scene(springs={"reach": REACH, "memory": True})
+    one = tiny.sand(springs={"reach": REACH, "memory": True})
     coupled = several.model_dump() | {"drainage": {"mode": "coupled"}}
     coupled["springs"] = coupled["springs"] | {"rates": (1e-5,)}
     for scene in (one, Scene.model_validate(coupled)):

@@ -14,6 +14,7 @@ from pysprings.core.units import read, si_of
 from pysprings.scene.ground import ground_of
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.profile_table import read_layers
+from tests.support import tiny
 
 SITE = """\
 Depth from [m],Depth to [m],Soil type,Effective unit weight [kN/m3],Friction angle from [deg],Friction angle to [deg],\
@@ -21,7 +22,7 @@ Young modulus [MPa],Poisson ratio [-],law
 0,2,Loose sand,9,29,31,40,0.25,
 2,12,Dense sand,10.5,36,38,120,0.3,van-eekelen
 """
-SCENE = '[domain]\nradius = "24 m"\ndepth = "12 m"\n[soil]\nfriction_angle_initial = "5 deg"\nprofile = "site.csv"\n'
+SCENE = '[domain]\nradius = "24 m"\ndepth = "12 m"\n[soil]\nK0 = 1.0\nprofile = "site.csv"\n'
 
 
 def write(folder, table=SITE, name="site.csv"):
@@ -106,8 +107,11 @@ def test_tables_that_are_no_profile_are_refused(tmp_path, table, message):
 
 
 def test_a_hundred_layers_are_accepted(tmp_path):
-    rows = "".join(f"{0.05 * k:g},{200 + k}\n" for k in range(100))
-    assert len(load_scene(write(tmp_path, "top [m],young modulus [MPa]\n" + rows)).soil.layers) == 100
+    rows = "".join(f"{0.05 * k:g},{200 + k},30,9\n" for k in range(100))
+    assert (
+        len(load_scene(write(tmp_path, "top [m],young modulus [MPa],phi [deg],gamma' [kN/m3]\n" + rows)).soil.layers)
+        == 100
+    )
 
 
 def test_a_missing_table_and_two_descriptions_are_refused(tmp_path):
@@ -116,7 +120,7 @@ def test_a_missing_table_and_two_descriptions_are_refused(tmp_path):
     with pytest.raises(UserInputError, match=r"site.csv.*no such file"):
         load_scene(file)
     with pytest.raises(UserInputError, match=r"soil.profile: give soil.profile or \[\[soil.layer\]\], not both"):
-        parse_scene(SCENE + '[[soil.layer]]\ntop = "0 m"\n')
+        tiny.parsed(SCENE + '[[soil.layer]]\ntop = "0 m"\n')
 
 
 OPENPILE = """\
@@ -194,7 +198,9 @@ def test_problems_of_table_and_scene_come_at_once(tmp_path):
 
 
 def test_a_total_unit_weight_beside_an_effective_one_is_not_used(tmp_path):
-    table = "top [m],Effective unit weight [kN/m3],Total unit weight [kN/m3],young modulus [MPa]\n0,9,25,40\n"
+    table = (
+        "top [m],Effective unit weight [kN/m3],Total unit weight [kN/m3],young modulus [MPa],phi [deg]\n0,9,25,40,30\n"
+    )
     assert load_scene(write(tmp_path, table)).soil.layers[0].effective_unit_weight == pytest.approx(9e3)
 
 
@@ -202,7 +208,7 @@ def test_rows_with_su_alone_are_clay_and_eps50_is_an_axial_strain(tmp_path):
     """Columns of openpile without a law: su, G0 and eps50 beside a row of sand."""
     table = "name,top,bottom,weight,Su,G0,eps50,phi\nclay,0,-6,16,20,4000,0.01,\nsand,-6,-12,19,,30000,,35\n"
     file = write(tmp_path, table)
-    file.write_text(CLAY.replace("rigidity_ratio = 200\n", ""))
+    file.write_text(CLAY.replace("rigidity_ratio = 200\n", "K0 = 1.0\n"))
     clay, sand = ground_of(load_scene(file)).strata
     assert (clay.law, sand.law) == ("tresca", "drucker-prager")
     assert clay.values["strain_at_half_strength"] == pytest.approx(0.015)

@@ -12,7 +12,7 @@ from fe_engine.soil import following, plasol
 from pysprings.core.errors import UserInputError
 from pysprings.model.forecast.profile import profile
 from pysprings.model.soil_laws import engine_laws, soil_materials
-from pysprings.scene.load import parse_scene
+from tests.support import tiny
 
 SAND = """\
 [soil]
@@ -32,12 +32,12 @@ young_modulus = "200 MPa"
 
 def messages(text: str) -> list[str]:
     with pytest.raises(UserInputError) as refused:
-        parse_scene(text)
+        tiny.parsed(text)
     return [str(problem) for problem in refused.value.problems]
 
 
 def test_a_layer_that_follows_has_the_law_and_its_initial_stress() -> None:
-    scene = parse_scene(SAND)
+    scene = tiny.parsed(SAND)
     assert [law.name for law in engine_laws(scene)[:2]] == ["following", "drucker-prager"]
     depth = np.array([[1.0, 2.0], [4.0, 5.0]])
     materials, number = soil_materials(scene, depth)
@@ -55,8 +55,8 @@ def test_a_layer_that_follows_has_the_law_and_its_initial_stress() -> None:
 
 
 def test_a_shear_modulus_follows_as_youngs_modulus_does() -> None:
-    twin = parse_scene(SAND.replace('young_modulus = { reference = "80 MPa"', 'shear_modulus = { reference = "40 MPa"'))
-    young = parse_scene(SAND.replace("80 MPa", "104 MPa"))  # 2.6 times G
+    twin = tiny.parsed(SAND.replace('young_modulus = { reference = "80 MPa"', 'shear_modulus = { reference = "40 MPa"'))
+    young = tiny.parsed(SAND.replace("80 MPa", "104 MPa"))  # 2.6 times G
     assert engine_laws(twin)[0].name == "following"
     depth = np.array([[1.0, 2.0]])
     rows = [soil_materials(scene, depth)[0][0].parameters for scene in (twin, young)]
@@ -64,9 +64,9 @@ def test_a_shear_modulus_follows_as_youngs_modulus_does() -> None:
 
 
 def test_the_scene_reads_itself_again_and_frozen_ones_keep_their_number() -> None:
-    scene = parse_scene(SAND)
-    assert parse_scene(scene.to_toml()) == scene
-    frozen = parse_scene(SAND.replace(', follows = "stress"', "").replace("degradation_strain = 2e-4\n", ""))
+    scene = tiny.parsed(SAND)
+    assert tiny.parsed(scene.to_toml()) == scene
+    frozen = tiny.parsed(SAND.replace(', follows = "stress"', "").replace("degradation_strain = 2e-4\n", ""))
     assert frozen.sha256 != scene.sha256
     assert "follows" not in frozen.to_toml()
 

@@ -22,6 +22,7 @@ from pysprings import Scene
 from pysprings.full_model.discretise import make_engine
 from pysprings.model.discretise import build
 from pysprings.scene.extent import PAPER
+from tests.support import tiny
 from tests.verification.rows import Row
 
 NAMES, UNITS = ("K_H", "K_C", "K_M", "K_free", "K_V"), ("MN/m", "MN", "MN m", "MN/m", "MN/m")
@@ -69,7 +70,7 @@ def five(scene: Scene) -> np.ndarray:
 
 def _scene(caisson: dict[str, float], soil: dict[str, Any], young: float, **sections: Any) -> Scene:
     penalty = _PENALTY * young / caisson["outer_diameter"]
-    return Scene(
+    return tiny.sand(
         caisson=caisson | {"skirt_thickness": caisson["outer_diameter"] / 8e3},
         soil={"yield_surface": "elastic"} | soil,
         interface={"normal_stiffness": penalty, "shear_stiffness": penalty, "friction_coefficient": 5.0},

@@ -31,6 +31,7 @@ from pysprings import Scene
 from pysprings.full_model.compute import run
 from pysprings.model.build import build_model
 from pysprings.model.contact import SURFACE
+from tests.support import tiny
 from tests.verification import axisymmetric
 from tests.verification.rows import Row
 
@@ -74,7 +75,7 @@ def elastic_scene(variant: Variant, **sections) -> Scene:
         "domain": {"radius": variant.radius, "depth": 0.5 * variant.radius},
         "mesh": {"discretisation": "hex8", "preset": variant.preset, "refinement": variant.refinement},
     }
-    return Scene(**base).replace(**sections)
+    return tiny.sand(**base).replace(**sections)
 
 
 @cache

@@ -27,6 +27,7 @@ from pysprings.model.build import build_model
 from pysprings.model.stages import path_stages
 from pysprings.model.water import undrained_time
 from pysprings.scene.extent import PAPER
+from tests.support import tiny
 from tests.verification.cases.undrained_column import checkerboard
 from tests.verification.rows import Row
 
@@ -42,7 +43,7 @@ def stiffness(
     preset: str, mode: str = "coupled", penalty: float = 1e11, time: float | None = None, **drainage: object
 ) -> dict[str, float]:
     """Stiffness of the whole caisson in MN and m over a time step (s); None: one in which nothing flows."""
-    scene = Scene(
+    scene = tiny.sand(
         domain=PAPER,
         mesh={"preset": preset, "discretisation": "hex8"}, soil={"yield_surface": "elastic"},
         caisson={"skirt_thickness": 1e-3},
@@ -101,7 +102,7 @@ def _case(preset: str) -> str:
 def push(mode: str, rate: float, end: float, drainage: dict | None = None, **sections: dict) -> xr.Dataset:
     """The paper's caisson pulled at the lid centre on the coarse mesh."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end, "rate": rate}
-    scene = Scene(
+    scene = tiny.sand(
         domain=PAPER,
         mesh={"preset": "coarse", "discretisation": "hex8"}, drainage={"mode": mode, **(drainage or {})}, paths=[path],
         output={"figures": False}, **sections,
@@ -114,7 +115,7 @@ def checkerboard_rows() -> list[Row]:
     rows, quantity = [], "checkerboard of p over its rms"
     variants = (("", 1e-12, 1.0), (", without the stabilisation", 1e-12, 0.0), (", k 0.01 m/s: water flows", 1e-2, 1.0))
     for words, conductivity, factor in variants:
-        scene = Scene(
+        scene = tiny.sand(
         domain=PAPER,
             mesh={"preset": "coarse", "discretisation": "hex8"}, soil={"hydraulic_conductivity": conductivity},
             drainage={"mode": "coupled", "stabilisation": factor},

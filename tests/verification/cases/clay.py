@@ -17,8 +17,8 @@ from fe_engine.material import Material
 from fe_engine.mesh import Mesh
 from fe_engine.soil import mobilised, tresca, von_mises
 from fe_engine.soil.law import SoilLaw
-from pysprings import Scene
 from pysprings.full_model.compute import compute
+from tests.support import tiny
 from tests.verification.blocks import block_model, border_force, followers, imposed, make_newton, run
 from tests.verification.cases.cavity import Sector, make_sector
 from tests.verification.clay_caissons import Clay, about_tip, probe, push
@@ -227,7 +227,7 @@ def pull_out_rows() -> tuple[Row, ...]:
     found = []
     meshes = {"fourier": {"preset": "medium"}, "hex8": {"preset": "coarse", "azimuth": 28}}
     for discretisation, mesh in meshes.items():
-        scene = Scene(
+        scene = tiny.sand(
             caisson={"outer_diameter": 8.0, "skirt_length": 6.0, "skirt_thickness": 0.03},
             domain={"radius": 32.0, "depth": 24.0},
             soil={

@@ -24,6 +24,7 @@ from fe_engine.solve.newton import Newton
 from pysprings import Scene
 from pysprings.full_model.compute import compute
 from pysprings.scene.extent import PAPER
+from tests.support import tiny
 from tests.verification.blocks import YOUNG, loaded, make_newton
 from tests.verification.cases import caisson_water, series_water, terzaghi
 from tests.verification.rows import Row
@@ -76,7 +77,7 @@ def sand_over_clay(discretisation: str, mode: str, **sections: Any) -> Scene:
     """Return the paper's caisson in 2 m of sand over clay in total stress."""
     mesh = {"preset": "coarse", "discretisation": discretisation} | sections.pop("mesh", {})
     mesh |= {"harmonics": 3} if discretisation == "fourier" and "harmonics" not in mesh else {}
-    return Scene(
+    return tiny.sand(
         domain=PAPER, mesh=mesh, drainage={"mode": mode} | sections.pop("drainage", {}),
         output={"figures": False}, **sections,
     )  # fmt: skip

@@ -23,10 +23,10 @@ from fe_engine.model import Stage
 from fe_engine.settings import Settings
 from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.newton import Newton
-from pysprings import Scene
 from pysprings.full_model.compute import compute
 from pysprings.model.fourier import nodal_rings
 from pysprings.scene.extent import PAPER
+from tests.support import tiny
 from tests.support.fourier_models import section
 from tests.verification.blocks import elastic_soil
 from tests.verification.cases import caisson_water, terzaghi
@@ -122,7 +122,7 @@ def rows() -> tuple[Row, ...]:
 
 def stiffness_rows(preset: str) -> list[Row]:
     """Undrained stiffness of the caisson in elastic soil."""
-    scene = Scene(
+    scene = tiny.sand(
         domain=PAPER,
         mesh={"preset": preset, "discretisation": "fourier", "harmonics": 1}, soil={"yield_surface": "elastic"},
         caisson={"skirt_thickness": 1e-3}, drainage={"mode": "undrained", "water_bulk_modulus": "incompressible"},
@@ -147,7 +147,7 @@ def pull(mode: str, rate: float, end: float) -> xr.Dataset:
     path = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3 * end}
     path |= {"report_at": [2.5e-3]} if end > 2.5 else {}
     path |= {"rate": 1e-3 * rate} if mode == "coupled" else {}
-    scene = Scene(
+    scene = tiny.sand(
         domain=PAPER,
         mesh={"preset": "medium", "discretisation": "fourier", "harmonics": 3}, drainage={"mode": mode}, paths=[path],
         output={"figures": False},

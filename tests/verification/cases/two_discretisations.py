@@ -12,13 +12,13 @@ from functools import cache
 
 import numpy as np
 
-from pysprings import Scene
 from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, curves_of, samples
 from pysprings.full_model.accuracy.richardson import Reference, cell_size
 from pysprings.full_model.accuracy.settings import QUICK_SERIES, read_mesh
 from pysprings.full_model.compute import compute
 from pysprings.scene.extent import PAPER
+from tests.support import tiny
 from tests.verification.rows import Row
 
 END = 2.5  # mm
@@ -32,7 +32,7 @@ _LOAD, _ROTATION, _PY = 0.02, 0.025, 0.02
 def limits() -> tuple[dict[str, Reference], dict[str, Reference]]:
     """Return the limits of bricks and of series, by quantity, on displacements that all meshes share."""
     path = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3 * END}
-    scene = Scene(domain=PAPER, paths=[path], output={"figures": False, "section": False})
+    scene = tiny.sand(domain=PAPER, paths=[path], output={"figures": False, "section": False})
     names = (*QUICK_SERIES, *SECTIONS)
     trees = {name: compute(read_mesh(name).scene(scene)).recorded() for name in names}
     each = samples({name: curves_of(tree) for name, tree in trees.items()})["pull"]

@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.scene.defaults import row_of, value_text
+from pysprings.scene.ground import in_layers
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -83,7 +85,13 @@ class Family:
 
     def check(self, scene: Scene, base: Scene) -> None:
         """Raise UserInputError for every value of a scene that an atlas with this base scene does not follow."""
-        problems = [*self._scaled_faults(scene, base), *_differing(scene, base, self), *self.odd(scene, base)]
+        mine, theirs = ([str(each.law) for each in in_layers(one).layers] for one in (scene, base))
+        if mine != theirs:
+            text = f"the ground of the atlas is {', '.join(theirs)}, that of the scene {', '.join(mine)}"
+            raise UserInputError([Problem(key="soil", message=text)])
+        problems = [*_differing(scene, base, self), *self.odd(scene, base)]
+        if not problems:
+            problems = [*self._scaled_faults(scene, base)]
         if problems:
             raise UserInputError(problems)
 
@@ -96,25 +104,32 @@ class Family:
 
 
 def _differing(scene: Scene, base: Scene, family: Family) -> Iterator[Problem]:
-    """Yield a problem for every value that differs from the base scene and is not free."""
-    mine, theirs = scene.model_dump(), base.model_dump()
-    if len(mine["soil"]["layers"]) != len(theirs["soil"]["layers"]):
-        yield Problem(key="soil.layer", message=f"the atlas has {len(theirs['soil']['layers']) or 'no'} layer tables")
-        return
-    tables = [(name, mine[name], theirs[name]) for name in ("caisson", "domain", "soil", "interface", "drainage")]
-    tables += [("soil.layer", *pair) for pair in zip(mine["soil"]["layers"], theirs["soil"]["layers"], strict=True)]
+    """Yield a problem for every value that differs from the base scene and is not free; the laws are the same."""
+    mine, theirs = in_layers(scene), in_layers(base)
+    names = ("caisson", "domain", "interface", "drainage")
+    tables: list[tuple[str, Any, Any]] = [(name, getattr(scene, name), getattr(base, name)) for name in names]
+    layers = zip(mine.layers, theirs.layers, strict=True)
+    tables += [("soil", mine, theirs), *(("soil.layer", *pair) for pair in layers)]
     scaled = {(each.section, each.key) for each in family.scaled}
     for name, own, known in tables:
-        for key, value in own.items():
-            if key == "layers" or key in family.free.get(name, ()) or (name, key) in scaled:
+        place = "soil" if not scene.soil.layers else name
+        for key in type(own).model_fields:
+            if key in ("layers", "top") or key in family.free.get(name, ()) or (name, key) in scaled:
                 continue
-            if value != known[key]:
-                message = f"the atlas holds for {_shown(known[key])} alone, the scene has {_shown(value)}"
-                yield Problem(key=f"{name}.{key}", message=message)
+            here, there = getattr(own, key), getattr(known, key)
+            if here != there:
+                shown = [_shown(each, type(own), key) for each in (there, here)]
+                message = f"the atlas holds for {shown[0]} alone, the scene has {shown[1]}"
+                yield Problem(key=f"{place if name == 'soil.layer' else name}.{key}", message=message)
 
 
-def _shown(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+def _shown(value: Any, model: Any, key: str) -> str:
+    return "none" if value is None else value_text(row_of(key, value, model, key))
+
+
+def first_layer(scene: Scene) -> Any:
+    """Return the first layer of a scene with all its values, whether or not the scene has layers."""
+    return in_layers(scene).layers[0]
 
 
 def diameter(scene: Scene) -> float:

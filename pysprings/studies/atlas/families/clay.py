@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem
-from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter
+from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter, first_layer
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -28,15 +28,10 @@ def strength(scene: Scene) -> tuple[float, float]:
     """Return su at mudline [Pa] and its gradient [Pa/m]."""
     from pysprings.scene.by_depth import ByDepth
 
-    su = _clay(scene).undrained_shear_strength
+    su = first_layer(scene).undrained_shear_strength
     if isinstance(su, ByDepth):
         return float(su.top or 0.0), float(su.gradient or 0.0)
     return float(su), 0.0
-
-
-def _clay(scene: Scene) -> Any:
-    """Return the layer of clay."""
-    return scene.soil.layers[0]
 
 
 def strength_at_half(scene: Scene) -> float:
@@ -69,7 +64,7 @@ def even(values: Array) -> Array:
 
 
 def _sizes(scene: Scene) -> Sizes:
-    D, L, ratio = diameter(scene), scene.caisson.skirt_length, _clay(scene).rigidity_ratio
+    D, L, ratio = diameter(scene), scene.caisson.skirt_length, first_layer(scene).rigidity_ratio
     assert ratio is not None
     return Sizes(strength_at_half(scene) * D * (L + D), float(ratio))
 
@@ -78,13 +73,13 @@ def _odd(scene: Scene, _base: Scene) -> Iterator[Problem]:
     """Yield a problem for a strength that is not linear, or an adhesion that differs between surfaces."""
     from pysprings.scene.by_depth import ByDepth
 
-    su = _clay(scene).undrained_shear_strength
+    su = first_layer(scene).undrained_shear_strength
     if isinstance(su, ByDepth) and (su.gradient is None or not su.top):
         text = "the atlas needs { top, gradient } with a top above zero, or one value"
         yield Problem(key="soil.layer.undrained_shear_strength", message=text)
     if not isinstance(scene.interface.adhesion_factor, float | int):
         yield Problem(key="interface.adhesion_factor", message="the atlas needs one number for all surfaces")
-    ratio = _clay(scene).rigidity_ratio
+    ratio = first_layer(scene).rigidity_ratio
     if ratio is None or isinstance(ratio, ByDepth):
         text = "missing: the atlas needs G/su" if ratio is None else "the atlas needs one G/su at all depths"
         yield Problem(key="soil.layer.rigidity_ratio", message=text)
@@ -101,11 +96,10 @@ FAMILY = Family(
     free={
         "caisson": ("outer_diameter", "skirt_length", "lid_thickness", "vertical_load"),
         "interface": ("adhesion_factor", "friction_coefficient"),
-        "soil": (
-            "young_modulus", "poisson_ratio", "friction_angle_initial", "friction_angle_final", "hardening_parameter",
-            "dilation_angle", "cohesion", "effective_unit_weight", "hydraulic_conductivity",
-        ),  # of sand: the layer has its own
-        "soil.layer": ("undrained_shear_strength", "rigidity_ratio", "effective_unit_weight", "name"),
+        "soil.layer": (
+            "undrained_shear_strength", "rigidity_ratio", "effective_unit_weight", "name", "drainage",
+            "hydraulic_conductivity",
+        ),
         "drainage": (
             "porosity", "water_bulk_modulus", "water_unit_weight", "water_viscosity", "water_depth", "stabilisation",
         ),

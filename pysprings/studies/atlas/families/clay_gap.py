@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem
 from pysprings.studies.atlas.families import clay
-from pysprings.studies.atlas.families.base import diameter
+from pysprings.studies.atlas.families.base import diameter, first_layer
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -26,7 +26,7 @@ _WEIGHT = "effective_unit_weight"
 
 
 def _read(scene: Scene) -> Array:
-    weight = float(getattr(scene.soil.layers[0], _WEIGHT)) * diameter(scene) / clay.strength_at_half(scene)
+    weight = float(getattr(first_layer(scene), _WEIGHT)) * diameter(scene) / clay.strength_at_half(scene)
     return np.append(clay.read(scene), weight)
 
 
@@ -36,7 +36,7 @@ def _even(values: Array) -> Array:
 
 def _odd(scene: Scene, base: Scene) -> Iterator[Problem]:
     yield from clay.FAMILY.odd(scene, base)
-    if not isinstance(getattr(scene.soil.layers[0], _WEIGHT), float | int):
+    if not isinstance(getattr(first_layer(scene), _WEIGHT), float | int):
         yield Problem(key=f"soil.layer.{_WEIGHT}", message="the atlas needs one unit weight at all depths")
 
 

@@ -9,12 +9,14 @@ stiffer neighbours.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter
+from pysprings.core.errors import Problem
+from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter, first_layer
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -25,11 +27,11 @@ STRETCH = 1000.0  # X over rho/D
 
 def _weight(scene: Scene) -> float:
     """Return gamma' D [Pa]."""
-    return float(scene.soil.effective_unit_weight) * diameter(scene)
+    return float(first_layer(scene).effective_unit_weight) * diameter(scene)
 
 
 def _read(scene: Scene) -> Array:
-    D, soil = diameter(scene), scene.soil
+    D, soil = diameter(scene), first_layer(scene)
     V = float(scene.caisson.vertical_load)
     return np.array([
         scene.caisson.skirt_length / D, np.degrees(float(soil.friction_angle_final)),
@@ -49,6 +51,16 @@ def _sizes(scene: Scene) -> Sizes:
     return Sizes(weight * D * (L + D), STRETCH)
 
 
+def _odd(scene: Scene, _base: Scene) -> Iterator[Problem]:
+    """Yield a problem for values that vary with depth, and for a vertical load without a number."""
+    for key in _CONSTANT:
+        if not isinstance(getattr(first_layer(scene), key), float):
+            yield Problem(key=f"soil.{key}", message="the atlas needs one value at all depths")
+    if isinstance(scene.caisson.vertical_load, str):
+        yield Problem(key="caisson.vertical_load", message='the atlas needs a force, such as "2 MN"')
+
+
+_CONSTANT = ("friction_angle_final", "young_modulus", "effective_unit_weight")
 FAMILY = Family(
     name="sand",
     labels=("L/D", "phi", "E/(gamma' D)", "mu", "V/(gamma' D^3)"),
@@ -58,7 +70,7 @@ FAMILY = Family(
     free={
         "caisson": ("outer_diameter", "skirt_length", "lid_thickness", "vertical_load"),
         "interface": ("friction_coefficient",),
-        "soil": ("friction_angle_final", "young_modulus", "effective_unit_weight", "hydraulic_conductivity"),
+        "soil.layer": (*_CONSTANT, "hydraulic_conductivity", "name", "drainage"),
         "drainage": (
             "porosity", "water_bulk_modulus", "water_unit_weight", "water_viscosity", "water_depth", "stabilisation",
         ),
@@ -74,4 +86,5 @@ FAMILY = Family(
         "mu": "interface.friction_coefficient",
         "V": "caisson.vertical_load",
     },
+    odd=_odd,
 )  # fmt: skip

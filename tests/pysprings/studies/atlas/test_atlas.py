@@ -11,6 +11,8 @@ import pytest
 import pysprings
 from pysprings.core.errors import UserInputError
 from pysprings.scene.changes import read_changes
+from pysprings.scene.load import parse_scene
+from pysprings.scene.template import template_text
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.file import open_springs, save_springs
 from pysprings.studies.atlas.between import between
@@ -84,6 +86,51 @@ def test_a_vertical_load_of_the_command_is_that_of_the_caisson(atlas):
     given = json.loads(command("predict", "--atlas", "clay", *asked).out)
     own = pysprings.predict(springs(atlas, 8.0, 4.0, "alpha=0.65", "V=2 MN"), H=5e5, V=2e6)
     assert given["states"][-1]["u"] == pytest.approx(float(own["u"]), rel=1e-9)
+
+
+CLAY_SCENE = """[caisson]
+outer_diameter = "16 m"
+skirt_length = "12 m"
+skirt_thickness = "0.16 m"
+vertical_load = "12 MN"
+[soil]
+yield_surface = "tresca"
+undrained_shear_strength = { top = "20 kPa", gradient = "2.5 kPa/m" }
+rigidity_ratio = 200
+poisson_ratio = 0.49
+effective_unit_weight = "7 kN/m^3"
+[interface]
+adhesion_factor = 0.65
+opening = "bonded"
+"""
+
+
+def test_a_scene_without_layers_is_the_same_as_one_with_a_layer(atlas):
+    """It was answered by an IndexError."""
+    plain = parse_scene(CLAY_SCENE)
+    layered = parse_scene(
+        CLAY_SCENE.replace("undrained_shear", '[[soil.layer]]\ntop = "0 m"\nname = "a"\nundrained_shear', 1)
+    )
+    one, other = (pysprings.predict(atlas.springs(each), H=3e6, arm=20.0) for each in (plain, layered))
+    assert float(one["u"]) == float(other["u"]) > 0.0
+
+
+@pytest.mark.parametrize("name", ["clay", "clay-gap", "sand"])
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (CLAY_SCENE.replace("poisson_ratio = 0.49\n", ""), "soil.poisson_ratio: the atlas holds for 0.49 alone"),
+        (CLAY_SCENE.replace("rigidity_ratio = 200", 'shear_modulus = "5 MPa"'), "soil.layer.rigidity_ratio: missing"),
+        (template_text("sand-over-clay"), "is tresca, that of the scene drucker-prager, tresca"),
+        (template_text("paper-drained"), "is tresca, that of the scene drucker-prager"),
+        (template_text("paper-drained").replace("drucker-prager", "elastic"), "is tresca, that of the scene elastic"),
+    ],
+)  # fmt: skip
+def test_every_scene_is_answered_or_refused_by_every_atlas(name, text, words):
+    with pytest.raises(UserInputError) as error:
+        pysprings.open_atlas(name).springs(parse_scene(text))
+    if name == "clay":
+        assert words in str(error.value)
 
 
 def test_scenes_that_the_atlas_does_not_cover_are_refused_all_at_once(atlas):
