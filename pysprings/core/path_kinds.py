@@ -123,6 +123,12 @@ def driven(attrs: Mapping[Any, Any]) -> Dof:
     return kind.drives if kind else "u"
 
 
+def beam_order(attrs: Mapping[Any, Any]) -> tuple[bool, bool, bool]:
+    """Return a key that sorts lateral paths by their use for a beam: a pure translation first, held-back paths last."""
+    pure = attrs.get("kind") == "translation" and abs(float(attrs.get("end_rotation_rad", 0.0))) < 1e-12
+    return attrs.get("role") != CALIBRATION, turns_back(attrs), not pure
+
+
 def has_free_head(attrs: Mapping[Any, Any]) -> bool:
     """Return whether the load of a path with these attributes acts at a height, and the rotation is free."""
     kind = PATH_KINDS.get(str(attrs.get("kind")))

@@ -60,8 +60,8 @@ def reslice(springs: xr.DataTree, bounds: ArrayLike | None = None) -> xr.DataTre
         del tree[name]
     for name in path_names(tree):
         path = path_dataset(tree, name)
-        edges = tip_zone(path) if bounds is None else _checked(bounds, path)
-        tree.children["paths"].children[name].dataset = _on_slices(path, edges)
+        edges = None if bounds is None else _checked(bounds, path)
+        tree.children["paths"].children[name].dataset = on_slices(path, edges)
     return tree
 
 
@@ -85,8 +85,9 @@ def _checked(bounds: ArrayLike, path: xr.Dataset) -> Array:
     return edges
 
 
-def _on_slices(path: xr.Dataset, edges: Array) -> xr.Dataset:
-    """Return a path whose slices lie between these depths."""
+def on_slices(path: xr.Dataset, edges: Array | None = None) -> xr.Dataset:
+    """Return a path whose slices lie between these depths [m]; by default those of `tip_zone`."""
+    edges = tip_zone(path) if edges is None else edges
     old, rings = path.variables["depth_bounds"].values, path["depth"].values
     low, high = np.maximum(edges[:-1, None], old[:, 0]), np.minimum(edges[1:, None], old[:, 1])
     overlap = np.maximum(high - low, 0.0)
@@ -94,7 +95,8 @@ def _on_slices(path: xr.Dataset, edges: Array) -> xr.Dataset:
     whole = (overlap > 0.0) & np.isclose(old[:, 0], edges[:-1, None]) & np.isclose(old[:, 1], edges[1:, None])
     at = np.where(whole.any(axis=1), rings[whole.argmax(axis=1)], 0.5 * (edges[1:] + edges[:-1]))
     # where the force of a covered part acts: as far from its middle as the ring is from that of its slice
-    arm = xr.DataArray(0.5 * (low + high) + rings - old.mean(axis=1) - at[:, None], dims=("slice", "depth"))
+    arms = 0.5 * (low + high) + rings - old.mean(axis=1) - at[:, None]
+    arm = xr.DataArray(np.where(whole, 0.0, arms), dims=("slice", "depth"))
     bare = path.drop_vars("depth")
     p, t = share.dot(bare["p"], dim="depth"), share.dot(bare["t"], dim="depth")
     turning = (share * arm).dot(bare["p"].sum("component") if "component" in bare["p"].dims else bare["p"], dim="depth")

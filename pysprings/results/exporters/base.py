@@ -44,6 +44,13 @@ class Source:
         return _opened(self._springs, "springs")
 
     @cached_property
+    def tables(self) -> xr.DataTree:
+        """The springs on the slices of all tables: the last fifth of the skirt is one (`pysprings.reslice`)."""
+        from pysprings.springs.edge import reslice
+
+        return reslice(self.springs)
+
+    @cached_property
     def result(self) -> xr.DataTree:
         """Full model."""
         return _opened(self._result, "full model")

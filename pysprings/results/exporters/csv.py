@@ -23,15 +23,14 @@ def py_text(source: Source, _options: Options) -> str:
     """Return the long p-y table as CSV text."""
     from pysprings.results.exporters.tables import py_long
 
-    return csv_text(py_long(source.springs))
+    return csv_text(py_long(source.tables))
 
 
 def wide_text(source: Source, _options: Options) -> str:
-    """Return the wide p-y table (rows are steps, a pair of columns y, p for each slice of `reslice`) as CSV text."""
+    """Return the wide p-y table (rows are steps, a pair of columns y, p for each slice) as CSV text."""
     from pysprings.results.exporters.wide_table import py_wide
-    from pysprings.springs.edge import reslice
 
-    return csv_text(py_wide(reslice(source.springs)))
+    return csv_text(py_wide(source.tables))
 
 
 CSV = Exporter(

@@ -90,7 +90,8 @@ def _errors(comparison: pd.DataFrame) -> Iterator[str]:
     """Yield the largest errors of the springs that predict, on held-back paths where there are any, and their paths."""
     sets = comparison.groupby("springs", sort=False)
     predict = next((each for each in _PREDICT if each in sets.groups), None)
-    for springs, rows in sets:
+    for name, rows in sets:
+        springs = str(name)
         if springs not in (predict, VERTICAL):
             continue
         held = rows[rows["role"] == HELD_BACK]

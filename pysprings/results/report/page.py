@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-from pysprings.core.path_kinds import has_free_head
+from pysprings.core.path_kinds import beam_order, has_free_head
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
@@ -186,10 +186,12 @@ def pictures_by_part(files: Iterable[Path], paths: Paths, live: bool = False) ->
 def _stands_for(kind: str, stems: Iterable[str], paths: Paths) -> tuple[str, str]:
     """Return stem and state of the picture of a kind that the report shows; blank where there is none.
 
-    The first path that has one: of those with a free head before others in the parts about loads and states.
+    The first path that has one: of those with a free head before others in the parts about loads and states, of that
+    whose springs a beam would take (`beam_order`) elsewhere.
     """
     known = list(stems)
-    order = sorted(paths, key=lambda name: not has_free_head(paths[name])) if kind in OF_FREE_HEADS else paths
+    free = kind in OF_FREE_HEADS
+    order = sorted(paths, key=lambda name: (not has_free_head(paths[name]),) if free else beam_order(paths[name]))
     candidates = [
         (found[1] != "last", stem, found[1])
         for path in ("", *order)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The springs as tables of the report: reactions by depth at the end of each path, and those of tip and lid."""
+"""The springs as tables of the report: reactions by depth at the end of one path, and those of tip and lid."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pysprings.core.path_kinds import CALIBRATION, beam_order
 from pysprings.core.text import number
 from pysprings.results.report.table import ReportTable, Table
-from pysprings.springs.dataset import get_path, is_vertical, path_names
-from pysprings.springs.edge import edge_rings
+from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
+from pysprings.springs.edge import on_slices
 from pysprings.springs.sums import net_m, net_p
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 _COLUMNS = ("depth [m]", "slice [m]", "y [mm]", "p outside [kN/m]", "p inside [kN/m]", "p net [kN/m]",
@@ -21,27 +23,33 @@ _COLUMNS = ("depth [m]", "slice [m]", "y [mm]", "p outside [kN/m]", "p inside [k
 _NOTE = (
     "At the last converged step; soil reactions, positive when they oppose a positive displacement. y: displacement of "
     "the caisson's mean fibre; p: lateral, m: moment of the vertical shear, both per metre of depth; normal stress, "
-    "shear and water together. *: edge ring of the tip, whose p depends on the mesh; its force does not. Every path "
-    "and step is in springs.xlsx, py.csv and springs.nc."
+    "shear and water together. The last fifth of the skirt is one slice: p of thinner ones depends on the mesh. Every "
+    "path and step is in springs.xlsx and py.csv on the same slices, and on those of the mesh in springs.nc. "
 )
 
 
-def spring_tables(springs: xr.DataTree | None) -> list[Table]:
-    """Return the table of the first lateral path of a spring set; none without springs."""
+def spring_tables(springs: xr.DataTree | None, comparison: pd.DataFrame | None = None) -> list[Table]:
+    """Return the table of the calibration path that a beam program would take (`beam_order`), and what it misses.
+
+    None without springs, or without a lateral calibration path.
+    """
     if springs is None:
         return []
-    lateral = [name for name in path_names(springs) if not is_vertical(springs, name)]
-    return [_table(name, get_path(springs, name)) for name in lateral[:1]]
+    at_rest = float(springs.attrs.get("vertical_load_N", 0.0))
+    lateral = [
+        (name, get_path(springs, name)) for name in path_names(springs, CALIBRATION) if not is_vertical(springs, name)
+    ]
+    order = sorted(lateral, key=lambda each: (*beam_order(each[1].attrs), round(abs(path_load(each[1]) - at_rest), -3)))
+    return [_table(name, on_slices(path), comparison) for name, path in order[:1]]
 
 
-def _table(name: str, path: xr.Dataset) -> Table:
+def _table(name: str, path: xr.Dataset, comparison: pd.DataFrame | None) -> Table:
     p, m, y = net_p(path).values * 1e-3, net_m(path).values * 1e-3, path["y"].transpose("depth", "step").values * 1e3
     sides = path["p"].sum("component").transpose("side", "depth", "step").values * 1e-3
-    edge = edge_rings(path)
     order = [str(side) for side in path["side"].values]
     rows = [
         (
-            number(float(depth)) + ("*" if edge[k] else ""),
+            number(float(depth)),
             "{:.2f} to {:.2f}".format(*path["depth_bounds"].values[k]),
             number(y[k, -1]),
             number(sides[order.index("outside"), k, -1]),
@@ -55,7 +63,25 @@ def _table(name: str, path: xr.Dataset) -> Table:
     for part in ("tip", "lid"):
         force, moment = (float(path[f"{letter}_{part}"].values[-1]) * 1e-3 for letter in ("H", "M"))
         rows.append((part, "", "", "", "", f"H {number(force)} kN", "", f"M {number(moment)} kN m"))
-    return Table(f"Path {name}", _COLUMNS, rows, _NOTE, wide=True)
+    title = f"Path {name}: {path.attrs['kind']}, {path.attrs['role']}"
+    return Table(title, _COLUMNS, rows, _NOTE + _missed(path, comparison), wide=True)
+
+
+def _missed(path: xr.Dataset, comparison: pd.DataFrame | None) -> str:
+    """Return sentences on the share of H that p carries, and on the largest error of p-y curves alone."""
+    carried = float(net_p(path).values[:, -1] @ np.diff(path["depth_bounds"].values, axis=1)[:, 0])
+    load = float(path["H"].values[-1])
+    text = f"p carries {100.0 * carried / load:.0f} % of H of this path, tip and lid the rest. " if load else ""
+    if comparison is None or "H_error_max_pct" not in comparison:
+        return text
+    alone = comparison[(comparison["springs"] == "py") & comparison["H_error_max_pct"].notna()]
+    if alone.empty:
+        return text
+    worst = alone.iloc[int(alone["H_error_max_pct"].abs().to_numpy().argmax())]
+    return (
+        f"{text}The curves hold for this path: p-y curves alone, those of path {worst['springs_from']}, miss the load "
+        f"of path {worst['path']} by {worst['H_error_max_pct']:+.0f} %."
+    )
 
 
 def _at_half(y: np.ndarray, p: np.ndarray) -> str:
@@ -82,4 +108,4 @@ def stiffness_table(result: xr.DataTree) -> Table | None:
 
 
 STIFFNESS = ReportTable("stiffness", "springs", lambda data: [stiffness_table(data.result)])
-SPRINGS = ReportTable("springs", "springs", lambda data: spring_tables(data.springs))
+SPRINGS = ReportTable("springs", "springs", lambda data: spring_tables(data.springs, data.comparison))

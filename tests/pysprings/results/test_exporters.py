@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from io import StringIO
+import re
 
 import numpy as np
 import openpyxl
@@ -14,16 +14,15 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.results import exporters
-from pysprings.results.exporters.csv import csv_text
-from pysprings.results.exporters.tables import py_long
 from pysprings.results.exporters.xlsx.names import Names
+from pysprings.results.report.springs import spring_tables
 from pysprings.springs.edge import reslice
 from tests.support import written
 from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import Path, make_result, make_springs
 
 PATHS = (Path("pull"), Path("high", arm=8.0, role="held-back"))
-STEPS, RINGS = 21, 13
+STEPS, RINGS, SLICES = 21, 13, 11
 LOAD_COLUMNS = (
     "path,step,time_s,u_m,w_m,rotation_rad,H_N,V_N,M_Nm,"
     "H_outer_N,H_inner_N,H_lid_N,H_tip_N,F_pw_N,F_in_N,F_out_N,converged"
@@ -63,7 +62,7 @@ def test_load_displacement_has_the_contracts_columns(folder):
 def test_wide_table_holds_what_the_long_one_does(folder, springs):
     """Rows are steps; each depth has its pair y, p beside each other, as a long table of the same slices has them."""
     resliced = reslice(springs)
-    wide, long = pd.read_csv(folder / "py_wide.csv"), pd.read_csv(StringIO(csv_text(py_long(resliced))))
+    wide, long = pd.read_csv(folder / "py_wide.csv"), pd.read_csv(folder / "py.csv")
     slices = resliced["paths/pull"].sizes["depth"]
     assert len(wide) == 2 * STEPS and 5 < slices < RINGS
     assert wide.columns[5] == "y_m z=0 [0..0.204863853]"
@@ -89,14 +88,14 @@ def test_py_has_the_contracts_columns_and_no_comment(folder):
     assert table.groupby("family").size().to_dict() == {
         "base": 2 * STEPS,
         "lid": 2 * STEPS,
-        "mtheta": 2 * RINGS * 3 * STEPS,
-        "py": 2 * RINGS * 3 * 4 * STEPS,
+        "mtheta": 2 * SLICES * 3 * STEPS,
+        "py": 2 * SLICES * 3 * 4 * STEPS,
     }
 
 
 def test_py_values_and_sums(folder, springs):
     table = pd.read_csv(folder / "py.csv")
-    path = springs["paths/pull"]
+    path = reslice(springs)["paths/pull"]
     py = table[(table["path"] == "pull") & (table["family"] == "py")]
     picked = py[(py["side"] == "inside") & (py["component"] == "shear") & (py["step"] == 7)]
     np.testing.assert_allclose(picked["p_N_per_m"], path["p"].values[:, 1, 1, 7], rtol=1e-9)
@@ -214,16 +213,30 @@ def test_sheets_print_one_page_wide_and_can_be_filtered(book):
 
 
 def test_tidy_sheet_has_a_row_for_each_path_step_and_depth(book, springs):
+    springs = reslice(springs)
     rows = list(book["tidy"].iter_rows(values_only=True))
     heads, rows = rows[0], [row for row in rows[1:] if row[0] is not None]
     sizes = [path["y"].size for path in springs["paths"].children.values()]
     assert len(rows) == sum(sizes)
     name, path = next(iter(springs["paths"].children.items()))
     last = dict(zip(heads, rows[sizes[0] - 1], strict=True))
-    assert last["path"] == name and last["edge ring (1 = yes)"] == 1
+    assert last["path"] == name and last["slice top [m]"] == pytest.approx(0.8 * last["slice bottom [m]"])
     assert last["y [mm]"] == pytest.approx(1e3 * float(path["y"].transpose("step", "depth")[-1, -1]))
     net = path["p"].sum(("side", "component")).transpose("step", "depth")
     assert last["p net [kN/m]"] == pytest.approx(1e-3 * float(net[-1, -1]))
+
+
+def test_all_tables_of_a_run_have_the_same_depths(book, folder, springs):
+    """The long and the wide file, the workbook, the report, and the cards for SACS."""
+    slices = [tuple(row) for row in reslice(springs)["paths/pull/depth_bounds"].values]
+    long = pd.read_csv(folder / "py.csv").query("family == 'py'")[["depth_top_m", "depth_bottom_m"]].drop_duplicates()
+    wide = re.findall(r"p_N_per_m z=\S+ \[(\S+)\.\.(\S+)\]", (folder / "py_wide.csv").read_text().splitlines()[0])
+    sheet = [cells[1].value.split(" - ") for cells in book["p-y"].iter_cols(min_col=3) if "p net" in cells[2].value]
+    page = [row[1].split(" to ") for row in spring_tables(springs)[0].rows[:-2]]
+    exporters.export(springs, "sacs", folder / "sacs", springs="full")
+    cards = re.findall(r"^SOIL P-Y.{16}(.{6})(.{6})", (folder / "sacs" / "caisson_sacs.inp").read_text(), re.M)
+    for found, digits in ((long.values, 1e-9), (wide, 1e-8), (sheet, 6e-4), (page, 6e-3), (cards, 6e-4)):
+        np.testing.assert_allclose(np.array(found, dtype=float), slices, atol=digits)
 
 
 def test_stiffness_sheet(book, springs):

@@ -21,16 +21,19 @@ import xarray as xr
 from pysprings.core.files.storage import write_tree
 from pysprings.core.text import number
 from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
+from pysprings.macro.comparison import compare
 from pysprings.results import axes
 from pysprings.results.report import balances, inputs, solution, validity
 from pysprings.results.report import page as report
 from pysprings.results.report.live import live_parts
+from pysprings.results.report.springs import spring_tables
 from pysprings.results.report.table import ReportData, ReportTable, Table
 from pysprings.results.report.tables import REPORT_TABLES
 from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_text
 from pysprings.scene.template_names import template_names
-from tests.support import synthetic, tiny
+from pysprings.springs.edge import on_slices
+from tests.support import fans, synthetic, tiny
 from tests.support.commands import run_python
 from tests.support.files import Page
 from tests.support.place import ROOT
@@ -513,13 +516,14 @@ def test_a_wet_run_reports_the_balance_of_its_water_and_its_warnings() -> None:
 
 
 def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.DataTree) -> None:
-    from pysprings.results.report.springs import spring_tables
-
     table = spring_tables(springs)[0]
-    path = springs["paths/pull"].to_dataset()
-    assert table.title == "Path pull"
+    path = on_slices(springs["paths/pull"].to_dataset())
+    assert table.title == "Path pull: pull, calibration"
     assert len(table.rows) == path.sizes["depth"] + 2
-    net = float(path["p"].sum(("side", "component")).transpose("depth", "step")[3, -1]) * 1e-3
+    bounds = np.diff(path["depth_bounds"].values, axis=1)[:, 0]
+    p = path["p"].sum(("side", "component")).transpose("depth", "step").values[:, -1]
+    assert f"p carries {100.0 * (p @ bounds) / float(path['H'][-1]):.0f} % of H" in table.note
+    net = p[3] * 1e-3
     outside, inside, total = (float(cell) for cell in table.rows[3][3:6])
     assert total == pytest.approx(net, rel=1e-3)
     assert outside + inside == pytest.approx(total, rel=2e-3)
@@ -527,6 +531,23 @@ def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.Data
     assert table.rows[-2][5] == f"H {number(float(path['H_tip'][-1]) * 1e-3)} kN"
     assert "p net [kN/m]" in report.render(result, springs)
     assert spring_tables(None) == []
+
+
+def test_the_table_of_springs_shows_the_path_that_a_beam_takes() -> None:
+    """A pure translation for calibration, wherever it stands in the file; never a held-back or a vertical path."""
+    tree = fans.fan_springs(fans.potential)
+    names = list(tree["paths"].children)
+    held = tree[f"paths/{names[0]}"].to_dataset().assign_attrs(role="held-back", kind="translation")
+    groups = {"/": tree.to_dataset(inherit=False), "/paths/held": held}
+    for name in reversed(names):
+        path = tree[f"paths/{name}"].to_dataset()
+        groups[f"/paths/{name}"] = path.assign_attrs(end_rotation_rad=float(path["rotation"][-1]))
+    (table,) = spring_tables(xr.DataTree.from_dict(groups), compare(tree))
+    path = tree["paths"].children[table.title.removeprefix("Path ").split(":")[0]]
+    assert path.attrs["role"] == "calibration" and abs(float(path["rotation"][-1])) < 1e-9 < abs(float(path["u"][-1]))
+    assert "p-y curves alone, those of path" in table.note
+    groups = {name: each.assign_attrs(role="held-back") for name, each in groups.items()}
+    assert spring_tables(xr.DataTree.from_dict(groups)) == []
 
 
 @pytest.mark.slow

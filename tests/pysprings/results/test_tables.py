@@ -47,11 +47,11 @@ def problems(path: Path, **options: float) -> list[str]:
 def test_our_own_table_predicts_what_the_springs_do(tmp_path, spring_set, path, form):
     """y of the deep rings turns back at an arm of 8 m: the record of the path is needed, and is in the table.
 
-    The wide table has the slices of `reslice`.
+    Tables have the slices of `reslice`.
     """
     springs = synthetic.make_springs((synthetic.Path("pull"), synthetic.Path("high", arm=8.0)))
     file = written.tables(tmp_path, springs)[form]
-    springs = reslice(springs) if form else springs
+    springs = reslice(springs)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MacroWarning)
         ours, theirs = (

@@ -64,9 +64,9 @@ def uniaxial(
     """Return the uniaxial springs of a set: "virtual" (of a fan; the default with one), "pisa", "full" or "py".
 
     Springs at real depths stand in the slices of the mesh ("rings"), or in those of `reslice` with the last fifth of
-    the skirt as one ("zone"). V [N] selects the lateral springs of several vertical loads. `planes` is the number of
-    vertical planes in which springs stand, even; 0 for that of the set: 8 of virtual springs, 2 of others, which are
-    exact along both.
+    the skirt as one ("zone", or blank). V [N] selects the lateral springs of several vertical loads. `planes` is the
+    number of vertical planes in which springs stand, even; 0 for that of the set: 8 of virtual springs, 2 of others,
+    which are exact along both.
 
     Raises
     ------
@@ -81,7 +81,8 @@ def uniaxial(
         raise refused(
             "--option slices", "virtual springs have no slices: springs=pisa, full or py stand at real depths"
         )
-    springs = Springs.of(reslice(springs.tree)) if slices == ZONE else springs
+    if slices != RINGS and chosen != VIRTUAL:
+        springs = Springs.of(reslice(springs.tree))
     model = MacroModel.from_springs(springs, "fan" if chosen == VIRTUAL else chosen, V=V)
     if chosen == VIRTUAL:
         made, lost = (

@@ -51,7 +51,11 @@ _MEANING = (
         "Reactions are positive when they oppose a positive displacement. y = u + rotation*depth (of a rigid caisson). "
         "w and V are positive down.",
     ),
-    ("depth, slice", "where the forces of a slice act; slice = a part of the skirt."),
+    (
+        "depth, slice",
+        "where the forces of a slice act; slice = a part of the skirt, its last fifth as one: p of thinner slices at "
+        "the tip depends on the mesh.",
+    ),
     ("base, lid", "tip: H, V and M about the axis point at the depth of the tip; lid: about O."),
     ("balance", "H = sum p*dz + H_tip + H_lid;  M = sum (p*z + m)*dz + L*H_tip + M_tip + M_lid"),
     (

@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import xarray as xr
 
-from pysprings.macro.sets import spring_sets
 from pysprings.results.exporters.xlsx.sheet import HEAD_ROWS, Book
 from pysprings.springs.dataset import is_vertical, path_dataset
 
@@ -17,11 +16,11 @@ ACROSS = 3  # charts beside each other
 ON_A_PAGE = 2  # rows of charts
 
 
-def add_charts(book: Book, sheet: Any, springs: xr.DataTree) -> None:
+def add_charts(book: Book, sheet: Any, springs: xr.DataTree, sets: Sequence[str]) -> None:
     """Insert charts of each lateral path: load-displacement, p-y by depth, m by depth, tip and lid; a page each."""
     depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
     shown = range(depths.size)
-    load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(spring_sets(springs))]
+    load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(sets)]
     py = [(f"{depths[k]:.2f} m", 2 + 4 * k, 3 + 4 * k) for k in shown]
     mtheta = [(f"{depths[k]:.2f} m", 2, 4 + 4 * k) for k in shown]
     lateral = [(name, rows) for name, rows in book.rows.items() if not is_vertical(springs, name)]

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from pysprings.results.exporters.xlsx.names import Names
 from pysprings.springs.dataset import path_dataset, path_names
-from pysprings.springs.edge import edge_rings
 
 KN, MM, MRAD = 1e-3, 1e3, 1e3
 HEAD_ROWS = 3  # depth, slice, heading with unit
@@ -118,11 +117,10 @@ def datasets(springs: xr.DataTree) -> list[xr.Dataset]:
 def by_depth(springs: xr.DataTree, headings: Mapping[str, str], values: Sequence[list[Any]]) -> list[Column]:
     """Return columns of arrays (depth, step): for each depth one per heading; a name gets the number of the depth."""
     first = datasets(springs)[0]
-    edge = edge_rings(first)
     columns = []
     for k, depth in enumerate(first["depth"].values):
         top, bottom = first["depth_bounds"].values[k]
-        label = f"{top:.3f} - {bottom:.3f}" + (" edge ring" if edge[k] else "")
+        label = f"{top:.3f} - {bottom:.3f}"
         for (heading, name), parts in zip(headings.items(), values, strict=True):
             named = f"{name}_{k + 1}" if name else ""
             columns.append(Column(heading, [part[k] for part in parts], round(float(depth), 4), label, named))

@@ -10,12 +10,11 @@ import xarray as xr
 
 from pysprings.results.exporters.xlsx.sheet import KN, MM, MRAD, Book, print_a_look
 from pysprings.springs.dataset import path_dataset
-from pysprings.springs.edge import edge_rings
 from pysprings.springs.sums import by_depth
 
 HEADINGS = (
     "path", "role", "step", "converged (1 = yes)", "depth [m]", "slice top [m]", "slice bottom [m]",
-    "edge ring (1 = yes)", "u [mm]", "w [mm]", "rotation [mrad]", "y [mm]",
+    "u [mm]", "w [mm]", "rotation [mrad]", "y [mm]",
     "p net [kN/m]", "m net [kN m/m]", "t net [kN/m]",
 )  # fmt: skip
 
@@ -33,13 +32,13 @@ def write_tidy(book: Book, sheet: Any, springs: xr.DataTree) -> None:
         sheet.write_column(row + 1, 1, [str(path.attrs.get("role", ""))] * step.size)
         columns = [
             step, path["converged"].values[step], path["depth"].values[depth], *bounds[depth].T,
-            edge_rings(path)[depth].astype(int), *(path[key].values[step] * scale for key, scale in _MOTION.items()),
+            *(path[key].values[step] * scale for key, scale in _MOTION.items()),
             path["y"].transpose("step", "depth").values.ravel() * MM,
             *(by_depth(path, key).T.ravel() * KN for key in ("p", "m", "t")),
         ]  # fmt: skip
         for col, values in enumerate(columns, start=2):
             cells = [None if np.isnan(value) else value for value in np.asarray(values, dtype=float).tolist()]
-            sheet.write_column(row + 1, col, cells, book.number if col in (4, 5, 6) or col >= 8 else None)
+            sheet.write_column(row + 1, col, cells, book.number if col >= 4 else None)
         row += step.size
     sheet.set_row(0, 45)
     sheet.set_column(0, 1, 14)

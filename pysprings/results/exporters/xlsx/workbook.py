@@ -50,7 +50,7 @@ PLAIN = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_num
 
 def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
     """Write the workbook atomically; return its path."""
-    springs = source.springs
+    springs = source.tables
     with (
         replacing(path) as temporary,
         xlsxwriter.Workbook(str(temporary), PLAIN) as file,
@@ -63,7 +63,7 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
         sheets = {name: file.add_worksheet(name) for name in names}
         for sheet in sheets.values():
             set_page(sheet)
-        _about(book, sheets["About"], about_lines(springs, source.comparison, source.summary))
+        _about(book, sheets["About"], about_lines(source.springs, source.comparison, source.summary))
         _py(book, sheets["p-y"], springs)
         _mtheta(book, sheets["m-theta"], springs)
         if down:
@@ -74,7 +74,7 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
             _end(book, sheets[name], springs, part)
         _load(book, sheets["load-displacement"], source)
         write_stiffness(book, sheets["stiffness 6x6"], springs)
-        add_charts(book, sheets["charts"], springs)
+        add_charts(book, sheets["charts"], springs, spring_sets(source.springs))
         write_tidy(book, sheets["tidy"], springs)
     return Path(path)
 
