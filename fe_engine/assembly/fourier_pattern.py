@@ -122,6 +122,21 @@ def held_coefficients(mesh: SectionMesh, fixed: np.ndarray, harmonics: int) -> n
     return held
 
 
+def hold(stiffness: np.ndarray, held: np.ndarray, axis: np.ndarray) -> None:
+    """Take what is held (ne, 8, 3, K) out of element stiffnesses (K, ne, 24, 24), in place.
+
+    On the axis (ne, 8) V of k = 1 goes into U.
+    """
+    for k, matrices in enumerate(stiffness):
+        if k == 1:
+            for e, a in np.argwhere(axis):
+                matrices[e, 3 * a] -= matrices[e, 3 * a + 1]  # V = -U on the axis: rows and columns fold
+                matrices[e, :, 3 * a] -= matrices[e, :, 3 * a + 1]
+        still = held[..., k].reshape(len(held), -1)
+        matrices[still] = 0.0
+        matrices.transpose(0, 2, 1)[still] = 0.0
+
+
 def held_pressures(fixed: np.ndarray, on_axis: np.ndarray, harmonics: int) -> np.ndarray:
     """Return whether each coefficient (np, K) is held, for pressures (np,) that are fixed and those on the axis.
 

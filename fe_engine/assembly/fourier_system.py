@@ -15,7 +15,7 @@ import numpy as np
 from fe_engine.assembly import fourier_kernels as kernels
 from fe_engine.assembly.bordered import Residual, summary
 from fe_engine.assembly.fourier_film import FilmState
-from fe_engine.assembly.fourier_pattern import make_pattern
+from fe_engine.assembly.fourier_pattern import hold, make_pattern
 from fe_engine.assembly.fourier_rest import AtRest, BesideLinear, LinearElements, SoilAtRest, WetAtRest, WetSoil
 from fe_engine.assembly.fourier_water import FourierWater
 from fe_engine.assembly.harmonic_factors import HarmonicFactors, Near
@@ -95,7 +95,7 @@ class FourierSystem:
         tangent = np.broadcast_to(each_point.reshape(model.mesh.n_elements, -1, 6, 6), (*volume.shape, 6, 6))
         waves = range(model.harmonics + 1)
         stiffness = np.array([elements.stiffness(gradient, volume, tangent, k) for k in waves])
-        _hold(stiffness, p.held[model.mesh.quads], p.axis[model.mesh.quads])
+        hold(stiffness, p.held[model.mesh.quads], p.axis[model.mesh.quads])
         return HarmonicFactors(model.mesh.quads, p.retained, stiffness, p.held[: model.n_soil])
 
     def at_rest(self, time_step: float) -> AtRest:
@@ -323,21 +323,6 @@ def _elastic(bulk: float, shear: float) -> np.ndarray:
     tangent = np.empty((6, 6))
     elastic_tangent(bulk, shear, 1.0, tangent)
     return tangent
-
-
-def _hold(stiffness: np.ndarray, held: np.ndarray, axis: np.ndarray) -> None:
-    """Take what is held (ne, 8, 3, K) out of element stiffnesses (K, ne, 24, 24), in place.
-
-    On the axis (ne, 8) V of k = 1 goes into U.
-    """
-    for k, matrices in enumerate(stiffness):
-        if k == 1:
-            for e, a in np.argwhere(axis):
-                matrices[e, 3 * a] -= matrices[e, 3 * a + 1]  # V = -U on the axis: rows and columns fold
-                matrices[e, :, 3 * a] -= matrices[e, :, 3 * a + 1]
-        still = held[..., k].reshape(len(held), -1)
-        matrices[still] = 0.0
-        matrices.transpose(0, 2, 1)[still] = 0.0
 
 
 def _contact(model: FourierModel, packed: PackedStations) -> kernels.Contact:
