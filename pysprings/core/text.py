@@ -9,6 +9,11 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+# xlsxwriter: a text stays a text (a name may begin with =, or be an address)
+PLAIN_CELLS = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
+# a number with a unit, such as "-5 kN m^-1": nothing that calls, joins or calculates
+_QUANTITY = re.compile(r"[+-]?\.?\d[\d.,]*(e[+-]?\d+)?\s*[^\W\d_]*[\w /^·²³%-]*", re.IGNORECASE)
+
 
 def number(value: Any, digits: int = 4) -> str:
     """Return a number for reading: ``digits`` figures, thousands apart; "-" where it is missing or not finite."""
@@ -40,8 +45,9 @@ def one_line(text: str) -> str:
 
 
 def is_formula(text: str) -> bool:
-    """Return whether a spreadsheet takes a text for a formula: by its first character; numbers are none."""
-    return text.lstrip().startswith(tuple("=+-@")) and not re.match(r"\s*[+-]?[\d.]", text)
+    """Return whether a spreadsheet takes a text for a formula: by its first character; quantities are none."""
+    bare = text.strip()
+    return len(bare) > 1 and bare.startswith(tuple("=+-@")) and not _QUANTITY.fullmatch(bare)
 
 
 def commented(mark: str, lines: Iterable[str]) -> list[str]:

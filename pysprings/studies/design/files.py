@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pysprings.core import version
 from pysprings.core.errors import refused
 from pysprings.core.files.storage import replacing, write_text
+from pysprings.core.text import PLAIN_CELLS
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import LOAD_CASES
 from pysprings.results.report import load_cases as text
@@ -56,7 +57,10 @@ def _workbook(file: Path, table: pd.DataFrame, about: Mapping[str, str]) -> Path
     import xlsxwriter
 
     columns = text.columns_of(table, brief=False)
-    with replacing(file) as temporary, xlsxwriter.Workbook(temporary, {"strings_to_formulas": False}) as book:
+    with (
+        replacing(file) as temporary,
+        xlsxwriter.Workbook(temporary, PLAIN_CELLS) as book,
+    ):
         head = book.add_format({"bold": True, "text_wrap": True, "bottom": 1, "valign": "top"})
         wrong = book.add_format({"bg_color": "#fbe3d3"})
         sheet = book.add_worksheet("cases")

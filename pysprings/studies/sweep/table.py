@@ -11,6 +11,7 @@ import numpy as np
 
 from pysprings.core.errors import refused
 from pysprings.core.files.storage import replacing
+from pysprings.core.text import PLAIN_CELLS
 from pysprings.studies.sweep.dataset import scalars
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def _write_csv(file: Path, heads: list[str], rows: Iterator[list[Any]]) -> None:
 def _write_xlsx(file: Path, heads: list[str], rows: Iterator[list[Any]]) -> None:
     import xlsxwriter
 
-    book = xlsxwriter.Workbook(str(file), {"constant_memory": True, "strings_to_formulas": False})
+    book = xlsxwriter.Workbook(str(file), {**PLAIN_CELLS, "constant_memory": True})
     sheet = book.add_worksheet("cases")
     bold = book.add_format({"bold": True, "text_wrap": True, "valign": "top"})
     sheet.freeze_panes(1, 1)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 import shutil
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
 import xarray as xr
 
@@ -100,7 +102,23 @@ def test_hostile_texts_do_nothing_in_the_programs(tmp_path: Path) -> None:
     assert not [file for file in tmp_path.iterdir() if MARK in file.name]
 
 
-@pytest.mark.parametrize("text", ["=1+1", "@x", "+cmd|x", "-x", " =1"])
+def test_tables_hold_texts_and_no_formulas(tmp_path: Path) -> None:
+    """Workbook and CSV of springs whose texts would be formulas, links and calls of programs in a spreadsheet."""
+    springs = vertical.fan_with_vertical().copy(deep=True)
+    springs.attrs |= {"title": "=cmd|' /C calc'!A0", "source": "http://x.y", "history": "@SUM(1)", "drainage": "+1+1"}
+    export(springs, "xlsx", tmp_path / "s.xlsx")
+    for sheet in openpyxl.load_workbook(tmp_path / "s.xlsx"):
+        for row in sheet.iter_rows():
+            assert not [cell.coordinate for cell in row if cell.data_type == "f" or cell.hyperlink]
+    for name in ("csv", "wide"):
+        export(springs, name, tmp_path / "s.csv")
+        cells = [
+            cell for row in csv.reader((tmp_path / "s.csv").read_text(encoding="utf-8").splitlines()) for cell in row
+        ]
+        assert len(cells) > 100 and not list(filter(is_formula, cells))
+
+
+@pytest.mark.parametrize("text", ["=1+1", "@x", "+cmd|x", "-x", " =1", "-1+cmd|' /C calc'!A0", "+1-2*A1", "-2(A1)"])
 def test_what_a_spreadsheet_takes_for_a_formula(text: str) -> None:
     assert is_formula(text)
-    assert not any(map(is_formula, ("-5 kN", "+.5", "clay")))
+    assert not any(map(is_formula, ("-5 kN", "+.5", "clay", "-", "-1e-3 m", "-5 kN m^-1", "-0.5 %", "+3,5 deg")))

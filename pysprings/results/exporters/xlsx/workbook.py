@@ -21,6 +21,7 @@ import xlsxwriter
 from numpy.typing import NDArray
 
 from pysprings.core.files.storage import replacing
+from pysprings.core.text import PLAIN_CELLS
 from pysprings.macro.sets import spring_sets
 from pysprings.results.exporters.base import Source
 from pysprings.results.exporters.tables import with_net
@@ -44,8 +45,8 @@ from pysprings.results.exporters.xlsx.stiffness import write_stiffness
 from pysprings.results.exporters.xlsx.tidy import write_tidy
 from pysprings.springs.dataset import is_vertical, path_dataset, path_names
 
-# A text stays a text (a name may begin with =), and no temporary file is left elsewhere.
-PLAIN = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False, "in_memory": True}
+# no temporary file is left elsewhere
+PLAIN = {**PLAIN_CELLS, "in_memory": True}
 
 
 def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
