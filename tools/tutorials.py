@@ -69,7 +69,8 @@ def _ends(file: Path) -> str:
     import pandas as pd
 
     table = pd.read_csv(file)
-    rows = [part.iloc[[int((part["u_m"] - 2.5e-3).abs().argmin()), -1]] for _, part in table.groupby("path", sort=False)]
+    parts = (part for _, part in table.groupby("path", sort=False))
+    rows = [part.iloc[[int((part["u_m"] - 2.5e-3).abs().argmin()), -1]] for part in parts]
     return pd.concat(rows)[["path", "u_m", "H_N", "M_Nm", "F_pw_N"]].to_csv(index=False, float_format="%.5g")
 
 

@@ -7,6 +7,7 @@ row of units, or of "from" and "to", below it. Columns without heading and value
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -70,12 +71,12 @@ class Table:
         return [text_of(cell) for cell in self.cells(name)]
 
     def numbers(self, name: str, most: bool = True) -> Array:
-        """Return a column in SI; NaN where a cell is blank or refused; ``most``: no number is beyond the largest."""
+        """Return a column in SI; NaN where a cell is blank or refused; ``most``: at most the largest of its unit."""
         out = np.full(len(self), np.nan)
         if name not in self.columns:
             return out
         heading = self.columns[name][1]
-        unit = heading.column.unit if most and heading.column.unit in LARGEST else "1"
+        unit = heading.column.unit if heading.column.unit in LARGEST else "1"
         for k, cell in enumerate(self.cells(name)):
             try:
                 value = number(cell, self.style)
@@ -85,7 +86,7 @@ class Table:
             if value is None or name in self.wrong:
                 continue
             value *= heading.factor * (100.0 if heading.unit == "%" and isinstance(cell, Percent) else 1.0)
-            if wrong := fault(value, unit):
+            if wrong := fault(value, unit) if most else "" if math.isfinite(value) else "is not a finite number":
                 self.fault(k, name, f"{quoted(cell)} {wrong}")
             else:
                 out[k] = value
