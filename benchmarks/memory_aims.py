@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.cycle_reactions import reaction_errors
 from pysprings.macro.cycles import Followed, cycles, errors, follow_path
+from pysprings.macro.cycles_text import reaction_errors
 from pysprings.macro.fan import RANGE_SLACK, FanTable
 from pysprings.macro.model import MacroModel
 from pysprings.springs.path import SpringPath

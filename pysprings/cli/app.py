@@ -18,7 +18,7 @@ import typer
 from pysprings.cli.guard import DEBUG, guarded
 from pysprings.cli.once import Once
 from pysprings.core.jit import choose_for_command
-from pysprings.core.streams import open_missing_streams
+from pysprings.core.process import open_missing_streams
 from pysprings.core.version import __version__
 
 EPILOG = (

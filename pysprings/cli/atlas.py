@@ -35,7 +35,7 @@ def atlas(
 
     Errors of cases that are left out one by one, and of held-back pulls, are printed and stored in the file.
     """
-    from pysprings.studies.atlas import check, make
+    from pysprings.studies.atlas import build, check
     from pysprings.studies.atlas.file import write_atlas
     from pysprings.studies.atlas.model import family_of
 
@@ -44,8 +44,8 @@ def atlas(
         refuse("--out", "name a file that ends in .nc", target)
     if table is not None and (table.suffix != ".csv" or held_back is None):
         refuse("--table", "is the comparison with --held-back: name a file that ends in .csv", table)
-    made, left, compared = make.atlas_of(study, family_of(family), held_back, _shares(at))
-    frames, file = {"Cases left out": make.left_summary(left)}, write_atlas(made, target)
+    made, left, compared = build.atlas_of(study, family_of(family), held_back, _shares(at))
+    frames, file = {"Cases left out": build.left_summary(left)}, write_atlas(made, target)
     if table is not None and compared is not None:
         from pysprings.results.exporters.csv import write_frame
 

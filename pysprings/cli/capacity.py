@@ -15,8 +15,8 @@ from pysprings.cli.support import interruptible, print_json, print_table, quanti
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
     from pysprings.scene.model import Scene
-    from pysprings.studies.capacity.outcome import Capacity
     from pysprings.studies.capacity.plan import Request
+    from pysprings.studies.capacity.points import Capacity
 
 
 def capacity(

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.cli.support import refuse, to_stderr
-from pysprings.core.files.layout import is_unfinished
+from pysprings.core.files.written import is_unfinished
 
 if TYPE_CHECKING:
     import xarray as xr

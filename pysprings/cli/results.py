@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pysprings.cli.inputs import read_springs
 from pysprings.cli.support import print_table, refuse
 from pysprings.core.errors import printable
-from pysprings.core.files.layout import WRITING
+from pysprings.core.files.written import WRITING
 from pysprings.core.text import number
 from pysprings.full_model.run_record import FILE, CutBack, PathFigures, RunRecord
 from pysprings.results.layout import FIGURES, listed_pictures, run_files

@@ -16,7 +16,7 @@ from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series, Target
 from pysprings.cli.scene import load, on_mesh
 from pysprings.cli.support import interruptible, logged, print_json, refuse, to_stderr, write_log
 from pysprings.core.errors import ResourceError, RunIncomplete
-from pysprings.core.files.layout import is_unfinished
+from pysprings.core.files.written import is_unfinished
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene

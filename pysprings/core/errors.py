@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 
 EXIT_BUG = 1
 EXIT_USER_INPUT = 2

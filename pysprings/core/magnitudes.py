@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Largest numbers that a caisson can mean, by unit: beyond them arithmetic overflows, and nobody meant them."""
+"""Largest numbers that a caisson can mean, by unit: beyond them arithmetic overflows; pressures of cavitation."""
 
 from __future__ import annotations
 
@@ -50,3 +50,7 @@ def slip(text: str, value: float, unit: str) -> str:
 
 def _with(unit: str) -> str:
     return "" if unit == "1" else f" {unit}"
+
+
+ATMOSPHERE = 101_325.0  # Pa, standard atmosphere (ISO 2533)
+VAPOUR = 2_339.0  # Pa, saturated vapour of water at 20 deg C (IAPWS)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Words that scene file, command line and studies share (light)."""
+"""Words that scene file, command line, studies and records share; why a run or a path ended before its aim (light)."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from enum import StrEnum
 from typing import Literal
 
 AUTO = "auto"  # of a value that the program chooses
@@ -14,3 +16,40 @@ Discretisation = Literal["hex8", "fourier"]
 TargetError = Literal["5%", "2%", "1%", "0.5%"]
 
 RANGE_END = "end of the range"  # kind of the largest known load of an answer that is no capacity: more is not known
+
+
+class StopReason(StrEnum):
+    """A named reason. Those that `pysprings.full_model.diagnosis` finds are physical."""
+
+    LIMIT_LOAD = "limit load"
+    DEAD_LOAD = "dead load"
+    DISPLACEMENT_LIMIT = "displacement limit"
+    APEX = "apex"
+    LOCALISATION = "localisation"
+    FRICTION = "friction"
+    UNEXPLAINED = "unexplained"
+    ERROR = "error of the program"
+    INTERRUPTED = "interrupted"
+    OUT_OF_MEMORY = "out of memory"
+
+    @property
+    def is_limit(self) -> bool:
+        """True where a path under a given load has reached its limit load, or a motion that counts as one."""
+        return self in (StopReason.LIMIT_LOAD, StopReason.DISPLACEMENT_LIMIT)
+
+    @property
+    def explains(self) -> bool:
+        """True for a named physical reason."""
+        unexplained = (StopReason.UNEXPLAINED, StopReason.ERROR, StopReason.INTERRUPTED, StopReason.OUT_OF_MEMORY)
+        return self not in unexplained
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """A reason with the figures that show it; `str()` is one line for people that begins with the reason."""
+
+    reason: StopReason
+    detail: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.reason}: {self.detail}" if self.detail else str(self.reason)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from pysprings.core.atmosphere import ATMOSPHERE, VAPOUR
+from pysprings.core.magnitudes import ATMOSPHERE, VAPOUR
 
 
 @dataclass(frozen=True)

@@ -25,9 +25,8 @@ from typing import Any
 import numpy as np
 
 from pysprings.core.errors import ResourceError, refused
-from pysprings.core.files.layout import CHECKPOINT, checkpoints_in
 from pysprings.core.files.storage import leftovers, replacing
-from pysprings.core.files.written import own_folder
+from pysprings.core.files.written import CHECKPOINT, checkpoints_in, own_folder
 
 FORMAT = "pysprings-checkpoint-1"
 SHARE = 0.02  # of the wall time of a run

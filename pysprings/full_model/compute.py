@@ -21,12 +21,12 @@ from fe_engine.errors import FEError, LinearSolverError
 from fe_engine.state import State
 from pysprings.core import version
 from pysprings.core.errors import ResourceError, RunIncomplete, out_of_memory, refused
-from pysprings.core.files.layout import is_unfinished, refuse_links
 from pysprings.core.files.lock import exclusive, new_folder
+from pysprings.core.files.written import is_unfinished, refuse_links
 from pysprings.core.path_kinds import PAIRS, PARTS
+from pysprings.core.process import blas_on_one_thread
 from pysprings.core.progress import Progress, counted
-from pysprings.core.stop_reasons import StopReason
-from pysprings.core.threads import blas_on_one_thread
+from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy.own_estimate import (
     companions_of,
     estimates_by_default,

@@ -24,7 +24,7 @@ from fe_engine.material import soil_rows
 from fe_engine.soil.dispatch import update_soil
 from fe_engine.soil.elastic import elastic_tangent
 from fe_engine.soil.law import Point
-from pysprings.core.stop_reasons import Diagnosis, StopReason
+from pysprings.core.words import Diagnosis, StopReason
 
 if TYPE_CHECKING:
     from fe_engine.assembly.fourier_system import FourierSystem

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene

@@ -13,7 +13,7 @@ from fe_engine.errors import NotConverged
 from fe_engine.linear.preconditioner import Origin
 from fe_engine.solve.step_size import StepSize
 from fe_engine.solve.stepping import Position
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 from pysprings.full_model.cavitation import Margin
 from pysprings.full_model.checkpoint import Saved
 from pysprings.full_model.run_record import Ending, Status

@@ -17,7 +17,7 @@ from fe_engine.solve.stepping import Driver, Position, Step
 from fe_engine.state import FIELDS, State, initial_fields
 from pysprings.core.errors import PyspringsError, reason_of
 from pysprings.core.path_kinds import PATH_KINDS
-from pysprings.core.stop_reasons import Diagnosis, StopReason
+from pysprings.core.words import Diagnosis, StopReason
 from pysprings.full_model.checkpoint import Saved
 from pysprings.full_model.diagnosis import diagnose, during_dead_load, too_far
 from pysprings.full_model.discretise import make_collector

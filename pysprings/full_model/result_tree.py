@@ -11,7 +11,7 @@ import xarray as xr
 
 from pysprings.core import variables, version
 from pysprings.core.errors import ResourceError, RunIncomplete
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Loaded
 from pysprings.full_model.discretise import section_of, volume_of
 from pysprings.full_model.environment import environment_of

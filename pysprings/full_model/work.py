@@ -15,7 +15,7 @@ from fe_engine.clock import Clock
 from fe_engine.solve.newton import Newton
 from fe_engine.state import State
 from pysprings.core.progress import Progress
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.run_record import PathFigures
 from pysprings.model.build import Built

@@ -12,12 +12,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core import variables
-from pysprings.macro.control import Control
 from pysprings.macro.ends import past_ends
 from pysprings.macro.fan import RANGE_SLACK, WIDEST, FanTable
-from pysprings.macro.history import Turns
-from pysprings.macro.limit import Limit, paths_at, range_used
-from pysprings.macro.softening import past_peak
+from pysprings.macro.history import Control, Turns
+from pysprings.macro.limit import Limit, past_peak, paths_at, range_used
 from pysprings.macro.solver import row_values
 from pysprings.macro.spread import NAMES, deviations
 from pysprings.macro.vertical_answer import Down, vertical_answer

@@ -43,7 +43,7 @@ from numpy.typing import NDArray
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import VERTICAL
 from pysprings.macro import measures
-from pysprings.macro.control import Control
+from pysprings.macro.history import Control
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets

@@ -26,7 +26,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import PATH_KINDS
-from pysprings.macro.control import Control
+from pysprings.macro.history import Control
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
 from pysprings.springs.path import SpringPath

@@ -13,9 +13,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core import variables
-from pysprings.macro.control import Control, ending, equations
 from pysprings.macro.curve_table import SpringTable
 from pysprings.macro.fan import FanTable
+from pysprings.macro.history import Control, ending, equations
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.sets import AnySprings, choose_set, typed
 from pysprings.macro.solver import FAN, ROWS, SpringArrays, follow, reactions, solve_cases, tangents

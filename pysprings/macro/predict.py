@@ -45,7 +45,7 @@ from numpy.typing import NDArray
 from pysprings.core.arguments import check_arrays, check_numbers
 from pysprings.core.errors import refused
 from pysprings.macro.capacity import with_capacity
-from pysprings.macro.control import Control
+from pysprings.macro.history import Control
 from pysprings.macro.model import MacroModel
 from pysprings.macro.refusal import Care, MacroWarning, PredictionNotConverged, raise_or_warn
 from pysprings.macro.sets import AnySprings

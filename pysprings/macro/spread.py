@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
-from pysprings.macro.control import Control
 from pysprings.macro.fan import FanTable, secant_slopes
+from pysprings.macro.history import Control
 from pysprings.macro.solver import fan_rows
 from pysprings.springs.springs import Springs
 

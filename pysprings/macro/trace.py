@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.macro.answer import Way, answer_dataset
-from pysprings.macro.control import Control
-from pysprings.macro.history import turns
+from pysprings.macro.history import Control, turns
 from pysprings.macro.limit import Limit, range_limit
 from pysprings.macro.model import MacroModel
 

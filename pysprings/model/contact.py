@@ -18,7 +18,7 @@ import numpy as np
 
 from fe_engine.contact import adhesion, coulomb
 from fe_engine.contact.law import ContactLaw
-from pysprings.core.atmosphere import ATMOSPHERE, VAPOUR
+from pysprings.core.magnitudes import ATMOSPHERE, VAPOUR
 from pysprings.model.mesh import SURFACES
 from pysprings.model.penalty import penalty_at
 from pysprings.scene.by_surface import of_surface

@@ -10,6 +10,7 @@ its circle: the leading geometric error of a faceted circle cancels.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
@@ -26,7 +27,6 @@ from pysprings.model.grading import (
     graded,
     graded_both,
 )
-from pysprings.model.levels import stand_on, through
 
 SURFACES = ("outer", "inner", "lid", "tip")
 
@@ -275,3 +275,32 @@ def _section(mesh: Mesh) -> np.ndarray:
     local = np.array([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
     quads = mesh.hexes[:, local].reshape(-1, 4)
     return quads[(np.abs(mesh.nodes[quads, 1]) < 1e-9).all(axis=1)]
+
+
+_SAME = 1.0e-9  # of the whole length: lines closer to a level than that are that level
+
+
+def through(levels: np.ndarray, lines: Sequence[float]) -> np.ndarray:
+    """Return levels (m,) that stand on all ``lines``, with cells about as large as those of ``levels`` (n + 1,).
+
+    Between two lines the cells follow the grading of ``levels``; each gap has one at the least. Lines beyond the ends
+    do not count. Without lines between the levels these are returned as they are.
+    """
+    room = _SAME * (levels[-1] - levels[0])
+    new = [x for x in lines if levels[0] + room < x < levels[-1] - room and np.min(np.abs(levels - x)) > room]
+    if not new:
+        return levels
+    fixed = np.unique(np.concatenate([levels[[0, -1]], levels[stand_on(levels, lines)], new]))
+    rank = np.interp(fixed, levels, np.arange(len(levels)))
+    parts = [fixed[:1]]
+    for a, b in zip(range(len(fixed) - 1), range(1, len(fixed)), strict=True):
+        n = max(1, round(float(rank[b] - rank[a])))
+        inner = np.interp(np.linspace(rank[a], rank[b], n + 1)[1:-1], np.arange(len(levels)), levels)
+        parts += [inner, fixed[b : b + 1]]
+    return np.concatenate(parts)
+
+
+def stand_on(levels: np.ndarray, lines: Sequence[float]) -> np.ndarray:
+    """Return which levels (n,) bool stand on a line."""
+    room = _SAME * (levels[-1] - levels[0])
+    return np.array([any(abs(x - line) <= room for line in lines) for x in levels])

@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pysprings.core.errors import UserInputError, reason_of
-from pysprings.core.files.layout import WRITING, is_unfinished
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text, write_tree
-from pysprings.core.files.written import LIST, note, noted, own_folder
+from pysprings.core.files.written import LIST, WRITING, is_unfinished, note, noted, own_folder
 from pysprings.core.progress import Progress
-from pysprings.core.stop_reasons import StopReason
 from pysprings.core.text import json_text
+from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import presets
 from pysprings.full_model.accuracy.own_estimate import PHASE
 from pysprings.full_model.checkpoint import Checkpoints

@@ -6,8 +6,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from pysprings.core.files.layout import CHECKPOINT, refuse_links
-from pysprings.core.files.written import LIST, listed
+from pysprings.core.files.written import CHECKPOINT, LIST, listed, refuse_links
 from pysprings.results.exporters import EXPORTERS
 
 FIGURES = "figures"  # folder of the pictures

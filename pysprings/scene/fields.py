@@ -20,7 +20,7 @@ from pydantic import ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from pysprings.core import units
-from pysprings.core.files.file_names import is_device
+from pysprings.core.files.written import is_device
 from pysprings.core.magnitudes import slip
 from pysprings.core.units import quoted
 

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core import variables
-from pysprings.core.files.file_names import is_device
+from pysprings.core.files.written import is_device
 from pysprings.core.magnitudes import LARGEST, SMALLEST_AT_ALL
 
 LABELS = ("side", "component", "dof", "dof_conjugate")

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 from pysprings.springs.numbers import is_number, text_of
 
 REACHED, LIMIT_LOAD, STOPPED, UNKNOWN = "reached", str(StopReason.LIMIT_LOAD), "stopped", "not known"

@@ -19,8 +19,8 @@ from pysprings.core.errors import PyspringsError, UserInputError
 from pysprings.core.files.storage import write_text
 from pysprings.core.files.written import own_folder
 from pysprings.core.progress import duration
-from pysprings.core.stop_reasons import StopReason
 from pysprings.core.text import json_text
+from pysprings.core.words import StopReason
 from validation.paper import measures as m
 from validation.paper.cases import DEPTHS, END, SHOWN, VARIANTS, Case, Variant
 

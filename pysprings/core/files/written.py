@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which files a run has written into the folders inside its result folder: nothing else is removed there (light).
+"""Result folders: which files a run has written there (nothing else is removed), checkpoints, links, names (light).
 
 The list is in `run.json` (`files`) once everything is written. Until then it is a file of its own, a line each, so that
 a run that was killed leaves it, too.
@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from pysprings.core.errors import refused
@@ -75,3 +76,33 @@ def _recorded(folder: Path) -> list[object]:
         return []
     names = record.get(KEY) if isinstance(record, dict) else None
     return names if isinstance(names, list) else []
+
+
+CHECKPOINT = "checkpoint"  # folder of the data from which an unfinished run continues
+_CHECKPOINT_FILE = re.compile(r"(start|path-\d{3,}|state-[ab])\.npz")
+WRITING = "writing"  # status in run.json until every file of the run is written
+
+
+def is_unfinished(folder: Path) -> bool:
+    """Return whether a folder holds the checkpoints of a run that was stopped: a run that ends removes them."""
+    return bool(checkpoints_in(folder / CHECKPOINT))
+
+
+def checkpoints_in(place: Path) -> list[Path]:
+    """Return the checkpoint files in their folder; files with other names are left out."""
+    return sorted(file for file in place.glob("*.npz") if _CHECKPOINT_FILE.fullmatch(file.name))
+
+
+def refuse_links(folder: Path, names: Iterable[str] = (CHECKPOINT,)) -> None:
+    """Raise UserInputError where a result folder has a link in the place of one of these folders."""
+    for name in names:
+        own_folder(folder, name)
+
+
+_DEVICES = {"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}
+_DEVICES |= {f"{kind}{number}" for kind in ("COM", "LPT") for number in "0123456789\u00b9\u00b2\u00b3"}
+
+
+def is_device(name: str) -> bool:
+    """Return True if Windows takes a file of this name, with any ending, for a device."""
+    return name.split(".")[0].rstrip(" ").upper() in _DEVICES

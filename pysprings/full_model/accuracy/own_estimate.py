@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from fe_engine.clock import Clock
 from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
 from pysprings.full_model.accuracy.settings import FOURIER
 from pysprings.full_model.record import Meter

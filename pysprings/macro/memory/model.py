@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.control import Control, ending, equations
 from pysprings.macro.fan import RANGE_SLACK, FanTable
+from pysprings.macro.history import Control, ending, equations
 from pysprings.macro.memory.calibration import ElementSet, way_of
 from pysprings.macro.memory.changing import ChangingLoad
 from pysprings.macro.memory.elements import STATES, follow, tangents

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.control import equations
 from pysprings.macro.fan import RANGE_SLACK, FanTable, reaction_rows
+from pysprings.macro.history import equations
 from pysprings.macro.solver import FAN, SpringArrays, solve_cases
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs

@@ -24,9 +24,8 @@ from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLASTIC, PLATES, REVERSIBLE, histories
-from pysprings.macro.memory.ridge import ridge_fit
 from pysprings.macro.memory.samples import Sample
-from pysprings.macro.memory.water import Water, water_of
+from pysprings.macro.memory.water import Water, ridge_fit, water_of
 
 Array = NDArray[np.float64]
 

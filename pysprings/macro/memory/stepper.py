@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_numbers
 from pysprings.core.errors import BeyondSprings, Problem, refused
-from pysprings.macro.control import Control
 from pysprings.macro.fan import RANGE_SLACK
+from pysprings.macro.history import Control
 from pysprings.macro.memory.changing import ChangingLoad, Step
 from pysprings.macro.memory.elements import STATES, advance, relax
 from pysprings.macro.memory.marks import StepMarks, lateral_marks, off_load, off_rate

@@ -13,14 +13,61 @@ other rates: at one rate alone, what drains and what yields look alike.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.memory.relaxation import carried, relaxed
-from pysprings.macro.memory.ridge import ridge_fit
+from pysprings.core.jit import jitted
+
+
+def ridge_fit(X: Array, Y: Array, weights: Array, ridge: float) -> Array:
+    """Return the coefficients (columns of Y, columns of X) of a weighted ridge regression.
+
+    ridge: shrinkage, as a share of the largest singular value of the regressors, each of the size 1.
+    """
+    size = np.linalg.norm(X * weights[:, None], axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    U, s, Vt = np.linalg.svd(X * weights[:, None] / size, full_matrices=False)
+    shrunk = s / (s**2 + (ridge * s[0]) ** 2)
+    coefficients: Array = ((Vt.T * shrunk) @ (U.T @ (Y * weights[:, None]))).T / size
+    return coefficients
+
+
+@jitted
+def _relax(before, now, step, times, state):
+    """Change the state (k, m) by a step [s] from elastic motions (m,) to others."""
+    for k in range(times.shape[0]):
+        for j in range(times.shape[1]):
+            lost = step / times[k, j]
+            kept = math.exp(-lost)
+            gained = (1.0 - kept) / lost if lost > 1e-9 else 1.0
+            state[k, j] = kept * state[k, j] + gained * (now[j] - before[j])
+
+
+@jitted
+def carried(e, time, times, factors, state, out):
+    """Write p_water (rows, n) at points 1 ... n of elastic motions e (n + 1, m), times (n + 1,); changes the state."""
+    for i in range(out.shape[1]):
+        _relax(e[i], e[i + 1], time[i + 1] - time[i], times, state)
+        for r in range(out.shape[0]):
+            found = 0.0
+            for k in range(times.shape[0]):
+                for j in range(times.shape[1]):
+                    found += factors[r, k, j] * state[k, j]
+            out[r, i] = found
+
+
+@jitted
+def relaxed(e, time, times, out):
+    """Write z (n, k, m) at points 1 ... n of elastic motions e (n + 1, m) from rest, times (n + 1,)."""
+    state = np.zeros(times.shape)
+    for i in range(out.shape[0]):
+        _relax(e[i], e[i + 1], time[i + 1] - time[i], times, state)
+        out[i] = state
+
 
 Array = NDArray[np.float64]
 

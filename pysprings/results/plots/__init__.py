@@ -14,10 +14,10 @@ from pysprings.results.plots.draw import draw
 from pysprings.results.plots.files import save, save_all
 from pysprings.results.plots.gap import gap_map
 from pysprings.results.plots.ground import ground_profile
-from pysprings.results.plots.load import load_displacement
+from pysprings.results.plots.load import load_displacement, vertical_springs
 from pysprings.results.plots.loops import memory_loops
 from pysprings.results.plots.newton import newton_record
-from pysprings.results.plots.overview import draw_paths, lateral_paths, overview
+from pysprings.results.plots.overview import draw_paths, draw_tilt, lateral_paths, overview, tilt
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.profiles import draw_profile, profiles
@@ -26,9 +26,7 @@ from pysprings.results.plots.rose import pressure_rose, shear_rose, stress_rose
 from pysprings.results.plots.secant import draw_secant, secant_stiffness
 from pysprings.results.plots.section import mesh, section_displacement, section_pressure
 from pysprings.results.plots.steel import ovalisation
-from pysprings.results.plots.tilt import draw_tilt, tilt
 from pysprings.results.plots.two_runs import overlay
-from pysprings.results.plots.vertical import vertical_springs
 from pysprings.springs.dataset import path_names
 
 __all__ = [

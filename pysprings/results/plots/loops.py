@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pysprings.core.path_kinds import MEMORY, turns_back
-from pysprings.macro.control import Control
 from pysprings.macro.cycles import Followed, cycles
+from pysprings.macro.history import Control
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.results.plots.comparison import LOOKS
 from pysprings.results.plots.data import unit_text

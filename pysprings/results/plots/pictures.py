@@ -21,9 +21,7 @@ from pysprings.results.plots import (
     secant,
     section,
     steel,
-    tilt,
 )
-from pysprings.results.plots import vertical as vertical_springs
 from pysprings.results.plots.picture import Picture
 
 PICTURES: Registry[Picture] = Registry(
@@ -32,14 +30,14 @@ PICTURES: Registry[Picture] = Registry(
         section.MESH,
         ground.PICTURE,
         overview.PICTURE,
-        tilt.PICTURE,
+        overview.TILT,
         secant.PICTURE,
         load.PICTURE,
         comparison.PICTURE,
         loops.PICTURE,
         reactions.PICTURE,
         profiles.PICTURE,
-        vertical_springs.PICTURE,
+        load.VERTICAL,
         rose.OUTSIDE,
         rose.INSIDE,
         gap.PICTURE,

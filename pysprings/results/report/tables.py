@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from pysprings.core.registry import Registry
-from pysprings.results.report import balances, cost, inputs, load_cases, solution, springs, validity
+from pysprings.results.report import balances, inputs, load_cases, solution, springs, validity
 from pysprings.results.report.table import ReportData, ReportTable, Section, Table
 
 REPORT_TABLES: Registry[ReportTable] = Registry(
@@ -34,7 +34,7 @@ REPORT_TABLES: Registry[ReportTable] = Registry(
         balances.ENERGY,
         validity.ESTIMATE,
         solution.GAPS,
-        cost.COST,
+        balances.COST,
     ),
     group="pysprings.report_tables",
 )

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,12 +11,28 @@ from matplotlib.ticker import NullFormatter
 
 from pysprings.full_model.accuracy.settings import BRICKS, FOURIER, MESH
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
-from pysprings.studies.accuracy.pareto import front
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+def front(cost: Sequence[float], error: Sequence[float]) -> list[int]:
+    """Return the numbers of the choices that none is both cheaper and better than, by cost; NaN is never among them.
+
+    >>> front([1.0, 2.0, 3.0, 4.0], [9.0, 4.0, 5.0, 1.0])
+    [0, 1, 3]
+    """
+    costs, errors = np.asarray(cost, dtype=float), np.asarray(error, dtype=float)
+    counted = np.flatnonzero(np.isfinite(costs) & np.isfinite(errors))
+    best, best_ones = np.inf, []
+    for k in counted[np.lexsort((errors[counted], costs[counted]))]:
+        if errors[k] < best:
+            best = errors[k]
+            best_ones.append(int(k))
+    return best_ones
+
 
 # group of settings, or discretisation of a mesh -> mark, colour
 MARKS = {

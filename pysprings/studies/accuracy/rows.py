@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,8 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.core.files.storage import read_tree
-from pysprings.full_model.accuracy import measures
+from pysprings.core.path_kinds import driven
+from pysprings.full_model.accuracy import measures, quantities
 from pysprings.full_model.accuracy.curves import (
     LOAD,
     OTHER,
@@ -21,6 +22,7 @@ from pysprings.full_model.accuracy.curves import (
     Sample,
     common_grids,
     curves_of,
+    leading,
     sampled,
     samples,
 )
@@ -28,9 +30,67 @@ from pysprings.full_model.accuracy.presets import JUDGED
 from pysprings.full_model.accuracy.richardson import NEEDED, Reference, cell_size
 from pysprings.full_model.accuracy.settings import BRICKS, FOURIER, MESH, Setting
 from pysprings.full_model.run_record import RunRecord, Status
-from pysprings.studies.accuracy import macro
-from pysprings.studies.accuracy.pareto import front
+from pysprings.macro import slices
+from pysprings.macro.comparison import curves
+from pysprings.macro.sets import spring_sets
+from pysprings.springs.path import SpringPath
+from pysprings.springs.springs import Springs
+from pysprings.studies.accuracy.picture import front
 from pysprings.studies.accuracy.runs import Ended
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one spring set with so many depth slices answers along each path; seconds of a curve of 50 points.
+
+    ``paths`` are those of the lateral paths ``lateral`` along which there is an answer.
+    """
+
+    springs: str
+    slices: int
+    lateral: list[str]
+    paths: Mapping[str, Curve]
+    seconds: float
+
+
+def _answers(springs: xr.DataTree) -> Iterator[Answer]:
+    """Yield the answers of the best spring set (fan if present, else full), from one slice to all of them.
+
+    Vertical paths have springs of their own, without slices; the set answers the others.
+    """
+    given = Springs.of(springs)
+    kind = "fan" if "fan" in spring_sets(given) else "full"
+    names = [name for name, path in given.paths.items() if not path.is_vertical]
+    if not names:
+        return
+    for n in slices.slice_counts(given):
+        merged = slices.merge_slices(given, n)
+        traced = {name: _curve(merged.paths[name], trace) for name, trace in _traces(merged, names, kind)}
+        whole = {name: curve for name, curve in traced.items() if curve is not None}
+        yield Answer(kind, n, names, whole, slices.curve_seconds(merged, kind))
+
+
+def _traces(springs: Springs, names: list[str], kind: str) -> Iterator[tuple[str, xr.Dataset]]:
+    for name in names:
+        by_kind = curves(springs, name, kind)
+        if kind in by_kind:
+            yield name, by_kind[kind]
+
+
+def _curve(path: SpringPath, trace: xr.Dataset) -> Curve | None:
+    """Return the curve of a macro-model in the form of the full model's, without p(y), which belongs to the springs."""
+    n, full = trace.sizes["step"], path.dataset
+    states = full.isel(step=slice(0, n)).assign({name: ("step", trace[name].values) for name in ("H", "M", "rotation")})
+    if driven(path.attrs) == "rotation":  # what is imposed is the full model's
+        states = states.assign(rotation=("step", full["rotation"].values[:n]))
+    x = quantities.driver(states, path.length)
+    rising = leading(x) if n else np.zeros(0, dtype=int)
+    if rising.size < 2:
+        return None
+    by_x = {LOAD: quantities.load(states), OTHER: quantities.other(states)}
+    none = np.zeros((0, rising.size))
+    return Curve(x[rising], {name: v[rising] for name, v in by_x.items() if v is not None}, none, none, float("nan"))
+
 
 FULL, MACRO = "full", "macro"
 REFERENCE = "reference"  # column: the error is that of the reference itself
@@ -244,7 +304,7 @@ def _macro_rows(each: Ended, truth: Truth) -> list[dict[str, Any]]:
     """Return rows of the macro-models whose springs come from a run, by number of depth slices."""
     springs: xr.DataTree = read_tree(each.folder / "springs.nc")
     setting, unit, rows = each.setting, _record(each).solver.unit_s, []
-    for answer in macro.answers(springs):
+    for answer in _answers(springs):
         lateral, compared = [path for path in answer.lateral if path in truth.grids], {}
         for path in lateral:
             curve, x = answer.paths.get(path), truth.grids[path].x

@@ -3,12 +3,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
+from pysprings.core import version
+from pysprings.core.files.storage import write_text
+from pysprings.results.axes import axes_svg
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION, new_figure, plain, styled, zero_lines
+from pysprings.results.report.inputs import input_tables
+from pysprings.results.report.page import Picture, environment, picture_uri
+from pysprings.results.report.table import Table
+from pysprings.studies.capacity import text
 from pysprings.studies.capacity.envelope import closed
 from pysprings.studies.capacity.plan import CHARACTERISTIC
 
@@ -17,6 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pysprings.scene.model import Scene
+    from pysprings.studies.capacity.points import Capacity
 
 _WIDTH = 5.6  # inch of a panel
 
@@ -76,3 +85,29 @@ def _cases(axes: Axes, cases: pd.DataFrame) -> None:
     for row in cases.to_dict("records"):
         place = (MN * row["H_N"], MN * row["M_Nm"])
         axes.annotate(plain(row["name"]), place, textcoords="offset points", xytext=(6, 2), fontsize=8)
+
+
+def write_page(out: Path, outcome: Capacity) -> Path:
+    """Write report.html into the folder of a study; return its path."""
+    drawn = [file for file in (out / "capacity.svg", out / "capacity.png") if file.exists()][:1]
+    cases = outcome.cases
+    html = (
+        environment()
+        .get_template("capacity.html.j2")
+        .render(
+            version=version.__version__,
+            title=outcome.scene.title,
+            factors=str(outcome.request.factors),
+            sketch=picture_uri(axes_svg().encode(), ".svg"),
+            closing=text.closing(outcome.table) if len(outcome.table) else "",
+            remarks=outcome.remarks,
+            criteria=text.criteria(outcome),
+            pictures_drawn=[
+                Picture("Envelopes of H and M", picture_uri(file.read_bytes(), file.suffix), False) for file in drawn
+            ],
+            capacity=Table("", *text.cells(outcome.table), text.DIRECTIONS, wide=True),
+            cases=None if cases is None else Table("", text.CASE_HEADS, text.case_cells(cases), wide=True),
+            inputs=input_tables(outcome.scene.to_toml()),
+        )
+    )
+    return write_text(html, out / "report.html")

@@ -13,10 +13,31 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.full_model.displacement_limit import DisplacementLimit
+from pysprings.studies.capacity import plan
 
 if TYPE_CHECKING:
     from pysprings.full_model.run_record import RunRecord
     from pysprings.scene.model import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Capacity:
+    """What a study has shown.
+
+    Attributes
+    ----------
+    scene, request : what was asked for.
+    table : a row a direction, vertical load and strength (SI).
+    cases : utilisation of the load cases; None without cases.
+    remarks : sentences on runs that stopped, and on springs that are missing.
+    """
+
+    scene: Scene
+    request: plan.Request
+    table: pd.DataFrame
+    cases: pd.DataFrame | None
+    remarks: tuple[str, ...]
+
 
 Array = NDArray[np.float64]
 

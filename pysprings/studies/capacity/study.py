@@ -28,8 +28,7 @@ from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.studies.capacity import plan, runs
 from pysprings.studies.capacity.envelope import utilisation
-from pysprings.studies.capacity.outcome import Capacity
-from pysprings.studies.capacity.points import Point
+from pysprings.studies.capacity.points import Capacity, Point
 from pysprings.studies.stored_runs import RUNS
 
 if TYPE_CHECKING:
@@ -213,7 +212,7 @@ def records(table: pd.DataFrame) -> list[dict[str, Any]]:
 def write(out: str | os.PathLike[str], outcome: Capacity) -> None:
     """Write tables, picture and page of a study."""
     from pysprings.results.plots.files import save
-    from pysprings.studies.capacity import page
+    from pysprings.studies.capacity import picture
     from pysprings.studies.capacity.picture import envelopes
 
     folder = Path(out)
@@ -228,4 +227,4 @@ def write(out: str | os.PathLike[str], outcome: Capacity) -> None:
         if len(outcome.table):
             save(envelopes(outcome.table, outcome.scene, outcome.cases), folder / "capacity", dpi=110)
     with following("the page was"):
-        page.write(folder, outcome)
+        picture.write_page(folder, outcome)

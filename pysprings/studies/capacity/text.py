@@ -12,7 +12,7 @@ import pandas as pd
 from pysprings.core.text import number
 
 if TYPE_CHECKING:
-    from pysprings.studies.capacity.outcome import Capacity
+    from pysprings.studies.capacity.points import Capacity
 
 HEADS = (
     "strength", "V [MN]", "direction [deg]", "H [MN]", "M [MN m]", "criterion", "u [mm]", "rotation [deg]",

@@ -13,11 +13,10 @@ import pandas as pd
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, PyspringsError, UserInputError
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import RunRecord
-from pysprings.studies.stability.case import REACH, Case
-from pysprings.studies.stability.cases import CASES
+from pysprings.studies.stability.cases import CASES, REACH, Case
 
 CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED = "converged", "warned", "stopped", "refused", "unexplained"
 OUTCOMES = (CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED)

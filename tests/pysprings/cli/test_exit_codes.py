@@ -146,7 +146,7 @@ def test_a_file_does_not_get_the_number_of_a_closed_stream(tmp_path: Path) -> No
     if os.name == "nt":
         pytest.skip("needs a POSIX shell")
     code = (
-        "import os, sys; from pysprings.core.streams import open_missing_streams; open_missing_streams()\n"
+        "import os, sys; from pysprings.core.process import open_missing_streams; open_missing_streams()\n"
         "file = open('file', 'w'); os.write(1, b'x'); os.write(2, b'x'); print('y'); print('y', file=sys.stderr)"
     )
     line = ["sh", "-c", 'exec "$@" >&- 2>&-', "sh", sys.executable, "-c", code]

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from threadpoolctl import ThreadpoolController
 
-from pysprings.core.threads import blas_on_one_thread
+from pysprings.core.process import blas_on_one_thread
 from pysprings.full_model import compute
 from tests.support import tiny
 

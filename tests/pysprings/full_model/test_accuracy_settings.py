@@ -13,7 +13,7 @@ import pytest
 from pysprings import Scene, load_scene
 from pysprings.cli.run import with_target
 from pysprings.core.errors import ResourceError, UserInputError
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
 from pysprings.full_model.accuracy.curves import LOAD, PY, SLICES
 from pysprings.full_model.accuracy.own_estimate import (

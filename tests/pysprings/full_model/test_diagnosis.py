@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fe_engine.soil.elastic import elastic_tangent, moduli
-from pysprings.core.stop_reasons import Diagnosis, StopReason
+from pysprings.core.words import Diagnosis, StopReason
 from pysprings.full_model import diagnosis, path_run
 from pysprings.full_model.compute import compute
 from pysprings.full_model.diagnosis import during_dead_load

@@ -13,7 +13,7 @@ import xarray as xr
 
 from fe_engine.errors import NotConverged
 from pysprings.core import variables
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 from pysprings.full_model.record import (
     DEAD_LOAD,
     Meter,

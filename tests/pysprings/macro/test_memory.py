@@ -13,8 +13,8 @@ import pytest
 
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.batch import predict_batch
-from pysprings.macro.cycle_reactions import reaction_errors
 from pysprings.macro.cycles import Followed, cycles, errors, follow_path, sequences
+from pysprings.macro.cycles_text import reaction_errors
 from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.memory import build
 from pysprings.macro.memory.build import build_memory, with_memory

@@ -12,8 +12,8 @@ import xarray as xr
 
 from pysprings.core.errors import BeyondSprings
 from pysprings.core.path_kinds import PARTS
-from pysprings.macro.cycle_reactions import reaction_errors
 from pysprings.macro.cycles import follow_path
+from pysprings.macro.cycles_text import reaction_errors
 from pysprings.macro.fan import FanTable
 from pysprings.macro.memory import build
 from pysprings.macro.memory.build import CHANGE, build_memory, has_elements, with_memory

@@ -12,8 +12,8 @@ import pytest
 import xarray as xr
 
 from pysprings.macro.batch import predict_batch
-from pysprings.macro.cycle_reactions import reaction_errors
 from pysprings.macro.cycles import follow_path
+from pysprings.macro.cycles_text import reaction_errors
 from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.memory.build import build_memory, digest, has_elements, memory_dataset, with_memory
 from pysprings.macro.memory.changing import ChangingLoad

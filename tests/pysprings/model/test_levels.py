@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from pysprings.model.discretise import build
 from pysprings.model.forecast.resources import size_of
-from pysprings.model.levels import through
-from pysprings.model.mesh import graded_both
+from pysprings.model.mesh import graded_both, through
 from tests.support import tiny
 
 LEVELS = graded_both(4.0, 11, 0.24, 0.24)

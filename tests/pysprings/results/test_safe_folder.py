@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 import pysprings
 from pysprings.core.errors import UserInputError
-from pysprings.core.files.layout import CHECKPOINT, is_unfinished
+from pysprings.core.files.written import CHECKPOINT, is_unfinished
 from pysprings.full_model.accuracy import two_mesh
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute

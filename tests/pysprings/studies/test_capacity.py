@@ -16,9 +16,8 @@ from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.scene.design_strength import StrengthFactors
 from pysprings.studies.capacity import plan, runs, study, text
 from pysprings.studies.capacity.envelope import utilisation
-from pysprings.studies.capacity.outcome import Capacity
 from pysprings.studies.capacity.picture import envelopes
-from pysprings.studies.capacity.points import Criterion, assess
+from pysprings.studies.capacity.points import Capacity, Criterion, assess
 from tests.support import tiny
 from tests.support.commands import command
 

@@ -12,12 +12,11 @@ import pandas as pd
 import pytest
 
 from pysprings.core.errors import ResourceError, UserInputError
-from pysprings.core.stop_reasons import StopReason
+from pysprings.core.words import StopReason
 from pysprings.full_model.run_record import PathFigures, RunRecord, Status
 from pysprings.studies.stability import catalogue as stability
 from pysprings.studies.stability import text as stability_text
-from pysprings.studies.stability.case import Case
-from pysprings.studies.stability.cases import CASES
+from pysprings.studies.stability.cases import CASES, Case
 from tests.support.commands import command
 
 NAMES = [case.name for case in CASES]
