@@ -155,14 +155,14 @@ def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
         shutil.copytree(folder / "out", folder / name)
     for name in SCENES_OF_TUTORIALS:
         tiny.write(fan_scene(), folder / f"{name}.toml")
-    tables = blocks(ROOT / "docs/guide/own-springs.md", "text"), blocks(ROOT / "docs/guide/predict.md", "text")
-    (folder / "curves.csv").write_text(next(each for each in tables[0] if each.startswith("depth_m")))
+    tables = blocks(ROOT / "docs/guide/predict.md", "text")
+    (folder / "curves.csv").write_text(next(each for each in tables if each.startswith("depth_m")))
     cases = blocks(ROOT / "docs/guide/load-cases.md", "text")
     (folder / "cases.csv").write_text(next(each for each in cases if each.startswith("case,")))
     rows = blocks(ROOT / "docs/guide/cycles.md", "text")
     (folder / "sequence.csv").write_text(next(each for each in rows if each.startswith("H_kN")))
     save_springs(with_invented_memory(), folder / "springs.nc")
-    (folder / "loads.csv").write_text(next(each for each in tables[1] if each.startswith("H_N")))
+    (folder / "loads.csv").write_text(next(each for each in tables if each.startswith("H_N")))
     return folder
 
 
