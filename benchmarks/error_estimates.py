@@ -113,7 +113,7 @@ SCENES: dict[str, dict[str, Any]] = drawn(*DRAWN) | drawn(*LATER) | {
     "translation": caisson(8.0, 0.6) | soil(31, 70, 1.0) | {
         "path": [{"name": "shift", "kind": "translation", "lateral_displacement": 5e-3}]},
     "rotation": caisson(8.0, 0.6) | soil(33, 70, 1.0) | {
-        "path": [{"name": "turn", "kind": "rotation", "rotation": -0.1 * DEG}]},
+        "path": [{"name": "turn", "kind": "rotation", "rotation": 0.1 * DEG}]},
     "coupled": caisson(8.0, 0.5) | soil(33, 100, 1.0) | WATER | {"path": pull(5.0, rate=0.1e-3)},
     "coupled-fast": caisson(6.0, 0.8) | soil(30, 60, 1.0) | WATER | {"path": pull(5.0, arm=5.0, rate=2e-3)},
 }  # fmt: skip

@@ -32,7 +32,7 @@ CASES = 10_000
 REPEATS = 20
 
 
-ANGLES = (0.0, -20.0, -30.0, -40.0, -50.0, -60.0, 45.0, 90.0)  # degrees of (u, rotation times skirt length)
+ANGLES = (0.0, 20.0, 30.0, 40.0, 50.0, 60.0, -45.0, 90.0)  # degrees of (u, rotation times skirt length)
 LENGTH, RINGS, STEPS = 4.0, 9, 24  # m
 
 
@@ -45,12 +45,12 @@ def invented(file: Path) -> xr.DataTree:
         for step, rho in enumerate(8e-3 * np.linspace(0.0, 1.0, STEPS + 1) ** 1.5):
             u, rotation = rho * np.cos(angle), rho * np.sin(angle) / LENGTH
             for z, top, bottom in zip(depth, edges[:-1], edges[1:], strict=True):
-                y = u + rotation * z
+                y = u - rotation * z
                 size = np.sqrt(1.0 + (y**2 + (LENGTH * rotation) ** 2) / 4e-6)
                 place, motion = f"{z:.9g},{top:.9g},{bottom:.9g}", f"{rotation:.12g}"
                 lines.append(f"ray_{k},py,{step},{place},{y:.12g},{3e8 * y / size:.12g},{motion},,,")
                 lines.append(f"ray_{k},mtheta,{step},{place},,,{motion},{2e9 * rotation / size:.12g},,")
-            ends = {"base": (LENGTH, u + rotation * LENGTH), "lid": (0.0, u)}
+            ends = {"base": (LENGTH, u - rotation * LENGTH), "lid": (0.0, u)}
             lines += [f"ray_{k},{end},{step},{z:g},,,{y:.12g},,{motion},,0,0" for end, (z, y) in ends.items()]
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return open_table(file)

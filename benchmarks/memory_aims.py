@@ -75,7 +75,7 @@ def _of_path(path: SpringPath, model: MacroModel, fan: MacroModel) -> Iterable[t
         return _ten_cycles(one)
     if path.name == "climb":
         return _climb(one, model)
-    if path.name in ("swipe", "ray_minus_40_reversed"):
+    if path.name in ("swipe", "ray_40_reversed"):
         family, limit = ("swipe", _SWIPE) if path.name == "swipe" else ("reversed ray", _RAY)
         return ((family, name, _error(one, name), limit) for name in ("H", "M"))
     used = _reach_used(path, fan)

@@ -14,10 +14,10 @@ from pysprings.scene.template import template_text
 
 ROOT = Path(__file__).parents[1]
 # Factors on the load of a case: (H, M/D about the lid centre), ends of the parts of a sequence
-_ONE_WAY = [(0.5, -0.5), *[(0.1, -0.1), (0.5, -0.5)] * 5]
-_MOMENTS = [(0.4, 0.0), *[(0.4, -0.5), (0.4, -0.1)] * 4]
+_ONE_WAY = [(0.5, 0.5), *[(0.1, 0.1), (0.5, 0.5)] * 5]
+_MOMENTS = [(0.4, 0.0), *[(0.4, 0.5), (0.4, 0.1)] * 4]
 _MOORING = [(0.6, 0.2), (0.3, 0.15), (0.8, 0.16), (0.2, 0.06), (0.9, 0.3), (0.4, 0.1)]
-_STORM = [(0.25, -0.45), (0.05, -0.2), (0.4, -0.5), (-0.1, -0.1), (0.5, -0.6), (0.1, -0.35), (0.3, -0.3), (-0.2, 0.1)]
+_STORM = [(0.25, 0.45), (0.05, 0.2), (0.4, 0.5), (-0.1, 0.1), (0.5, 0.6), (0.1, 0.35), (0.3, 0.3), (-0.2, -0.1)]
 
 
 @dataclass(frozen=True)
@@ -78,17 +78,17 @@ def _sequences(case: Case) -> list[dict[str, Any]]:
     D, L, r = case.scene.caisson.outer_diameter, case.scene.caisson.skirt_length, case.reach
     loads = {"one_way": _ONE_WAY, "moment_cycles": _MOMENTS, "mooring_line": _MOORING, "wind_and_waves": _STORM}
     there = 0.4 * r
-    along, turn = there * math.cos(math.radians(-40)), there * math.sin(math.radians(-40)) / L
+    along, turn = there * math.cos(math.radians(40)), there * math.sin(math.radians(40)) / L
     pull = {"kind": "pull", "role": "held-back"}
     small = 0.15 * r
     return [
-        {"name": "ray_minus_40_reversed", "kind": "translation", "lateral_displacement": along, "rotation": turn,
+        {"name": "ray_40_reversed", "kind": "translation", "lateral_displacement": along, "rotation": turn,
          "role": "held-back", "then": [(-along, None, None), (along, None, None)]},
         *(_loop(arm, D, 0.25 * r) for arm in (0, 1)),
         {**pull, "name": "ten_cycles_1_D", "arm": D, "lateral_displacement": small,
          "then": [(sign * small, None, None) for _ in range(10) for sign in (-1.0, 1.0)]},
         {"name": "climb", "kind": "load", "lateral_force": case.force, "arm_from": 0.0, "arm": D, "role": "held-back"},
-        {"name": "swipe", "kind": "swipe", "lateral_displacement": 0.25 * r, "rotation": -0.4 * r / L,
+        {"name": "swipe", "kind": "swipe", "lateral_displacement": 0.25 * r, "rotation": 0.4 * r / L,
          "role": "held-back"},
         *(_loads(name, parts, case.force, D) for name, parts in loads.items()),
     ]  # fmt: skip
@@ -106,6 +106,6 @@ def _loads(name: str, parts: list[tuple[float, float]], force: float, D: float) 
     """Return a sequence of loads whose first part grows in proportion."""
     (H, M), *rest = parts
     return {
-        "name": name, "kind": "load", "lateral_force": H * force, "arm": -M / H * D, "role": "held-back",
+        "name": name, "kind": "load", "lateral_force": H * force, "arm": M / H * D, "role": "held-back",
         "then": [(H * force, None, None, M * D * force) for H, M in rest],
     }  # fmt: skip

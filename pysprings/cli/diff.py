@@ -50,15 +50,15 @@ def diff(
 
 
 def _run(folder: Path, name: str) -> Run:
-    from pysprings.core.files.storage import read_tree
     from pysprings.full_model.run_record import RunRecord
     from pysprings.results.analysis.two_runs import Run
+    from pysprings.results.opened import open_result
 
     record = RunRecord.read(folder) if folder.is_dir() else None
     if record is None or not (folder / "full_model.nc").exists():
         refuse(None, "is not the folder of a run (run.json and full_model.nc are needed)", folder)
     refuse_unfinished(folder)
-    return Run(name, read_tree(folder / "full_model.nc"), record)
+    return Run(name, open_result(folder), record)
 
 
 def _draw(first: Run, second: Run, names: list[str], out: Path) -> list[Path]:

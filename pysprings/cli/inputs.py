@@ -73,10 +73,11 @@ def read_springs(result: Path) -> xr.DataTree:
     if result.is_dir() and not path.exists():
         refuse(None, "no springs.nc in this folder; is it a result of `pysprings run`?", result)
     tree = read_tree(path)
-    if "schema" not in tree.attrs and "scene_toml" in tree.attrs:
+    if "section" in tree.children and "scene_toml" in tree.attrs:
+        from pysprings.results.opened import open_result
         from pysprings.springs.extract import extract_springs
 
-        return extract_springs(tree)
+        return extract_springs(open_result(path))
     validate_springs(tree, file=path)
     return tree
 

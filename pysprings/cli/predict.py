@@ -29,7 +29,7 @@ MISSING = 'missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curv
 _QUANTITIES = {
     "H": ("--H", "N", "2 MN"),
     "arm": ("--arm", "m", "8 m"),
-    "M": ("--M", "N m", "-3 MN m"),
+    "M": ("--M", "N m", "3 MN m"),
     "V": ("--V", "N", "4 MN"),
     "u_max": ("--u-max", "m", "5 mm"),
     "u": ("--u", "m", "3 mm"),
@@ -97,7 +97,7 @@ class Question:
         if motions and (other := sorted(there & {"--H", "--M", "--u-max"})):
             refuse(min(motions), f"give either this or {other[0]}: a load is the answer to a motion")
         if {"--arm", "--M"} <= there:
-            refuse("--M", "give either --arm or --M, not both (M = -H*arm)")
+            refuse("--M", "give either --arm or --M, not both (M = H*arm)")
         if "--tilt" in there and len(motions) > 1:
             refuse("--tilt", f"give either this or {min(motions - {'--tilt'})}")
         if len(motions) == 2 and "--arm" in there:
@@ -130,7 +130,7 @@ def predict(
     ] = None,
     moment: Annotated[
         str | None,
-        typer.Option("--M", metavar="MOMENT", help='moment about the lid centre, -H*arm, e.g. "-3 MN m"'),
+        typer.Option("--M", metavar="MOMENT", help='moment about the lid centre, H*arm, e.g. "3 MN m"'),
     ] = None,
     vertical: Annotated[str | None, typer.Option("--V", metavar="FORCE", help="vertical load, positive down")] = None,
     u_max: Annotated[
@@ -179,7 +179,6 @@ def predict(
         str | None,
         typer.Option("--reference-depth", metavar="LENGTH", help="point of stiffnesses on the axis, below mudline"),
     ] = None,
-    z_up: Annotated[bool, typer.Option("--z-up", help="stiffnesses in axes with z up; x stays")] = False,
     atlas: Annotated[
         str | None,
         typer.Option("--atlas", metavar="NAME|FILE", help=f"answer without a full model, by {SHIPPED_ATLASES}"),
@@ -218,7 +217,7 @@ def predict(
         springs = _at_rate(springs_or_table(result, question.skirt_length, strict), question.rate)
     choice = Choice(spring_set, path, strict, extrapolate)
     states = answer(springs, question, choice)
-    form: Form = {"secant": secant, "symmetric": symmetric, "z_up": z_up}
+    form: Form = {"secant": secant, "symmetric": symmetric}
     form["reference_depth"] = question.reference_depth or 0.0
     matrices = _matrices(springs, states, question, choice, form) if stiffness or any(form.values()) else None
     if out is not None:

@@ -110,9 +110,9 @@ def _export_options(given: list[str]) -> dict[str, str]:
 
 def _export_source(result: Path, exporter: exporters.Exporter) -> exporters.Source:
     """Return the springs, or the full model of a folder or file; refuse a run that has not ended."""
-    from pysprings.core.files.storage import read_tree
     from pysprings.full_model.accuracy.two_mesh import missing, words
     from pysprings.full_model.run_record import RunRecord
+    from pysprings.results.opened import open_result
 
     if exporter.needs == "springs":
         source = exporters.Source(springs=springs_of(result))
@@ -121,4 +121,4 @@ def _export_source(result: Path, exporter: exporters.Exporter) -> exporters.Sour
             source.mesh_error = words(record.error_estimate or missing("the run made none"))
         return source
     refuse_unfinished(result)
-    return exporters.Source(result=read_tree(result / "full_model.nc" if result.is_dir() else result))
+    return exporters.Source(result=open_result(result))

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """One table: what every variable of the result and of the springs means, its units, dimensions and sign.
 
-Axes (right-handed): x = loading direction, z = down from the mudline (depth), y = out of the symmetry plane.
-Reference point of the rigid body: lid centre at the mudline. Loads and reactions are those of the whole
-caisson. Soil reactions oppose positive displacements: their sum is the applied load. Units are UDUNITS text,
-as the CF conventions require.
+Axes: x = loading direction, z = depth, down from mudline, y = out of the symmetry plane. Rotation and M are positive
+where the caisson leans towards +x. Reference point of the rigid body: lid centre at the mudline. Loads and reactions
+are those of the whole caisson. Soil reactions oppose positive displacements: their sum is the applied load. Units are
+UDUNITS text, as the CF conventions require.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ COMPONENTS = ("normal", "shear", "water")
 DOFS = ("u", "w", "rotation")
 
 _OPPOSES = "soil reaction, positive when it opposes a positive displacement"
-_CONJUGATE = "work conjugate of the right-hand rotation about +y, about the lid centre at mudline; M = -H*arm"
+_CONJUGATE = "work conjugate of rotation, about the lid centre at mudline; a load H at height h has M = H*h"
 _FIELD = ("step", "side", "azimuth", "depth")
 
 
@@ -70,7 +70,7 @@ _BODY = _table(
       "positive along +x, the loading direction"),
     V("w", "vertical displacement of the lid centre", "m", ("step",), "positive down; heave is negative"),
     V("rotation", "rotation of the caisson (of the lid's centre where it is elastic)", "radian", ("step",),
-      "right-hand about +y: u(z) = u + rotation*z; a free-head pull u > 0 gives rotation < 0"),
+      "positive where the caisson leans towards +x: u(z) = u - rotation*z"),
     V("H", "lateral load on the caisson", "N", ("step",), "positive along +x; whole caisson"),
     V("V", "vertical load on the caisson", "N", ("step",),
       "positive down; whole caisson; constant dead load included"),
@@ -84,7 +84,7 @@ def _resultants(part: str, words: str, about: str) -> tuple[Variable, ...]:
         V(f"H_{part}", f"lateral force on {words}", "N", ("step",), _OPPOSES),
         V(f"V_{part}", f"vertical force on {words}", "N", ("step",),
           _OPPOSES + " (downwards); initial force included"),
-        V(f"M_{part}", f"moment on {words}", "N m", ("step",), f"{about}; sum of f_x*z - f_z*x"),
+        V(f"M_{part}", f"moment on {words}", "N m", ("step",), f"{about}; sum of f_z*x - f_x*z"),
     )
 
 
@@ -95,7 +95,7 @@ _SKIRT = _resultants("outer", "the outer face of the skirt", "about the lid cent
 )
 
 _Y = V("y", "lateral displacement of the mean fibre", "m", ("depth", "step"),
-       "positive along +x; u + rotation*depth of a rigid caisson, the mean around the section of an elastic one")
+       "positive along +x; u - rotation*depth of a rigid caisson, the mean around the section of an elastic one")
 
 
 def _slices(dims_p: tuple[str, ...], name: str) -> tuple[Variable, ...]:
@@ -104,7 +104,7 @@ def _slices(dims_p: tuple[str, ...], name: str) -> tuple[Variable, ...]:
         V(name, "lateral soil reaction per metre of depth", "N m-1", dims_p, _OPPOSES, mean),
         V("m", "distributed moment of the vertical shear per metre of depth", "N m m-1",
           ("depth", "side", "step"),
-          "sum of -f_z*x; opposes a positive rotation; about the axis of the caisson", mean),
+          "sum of f_z*x; opposes a positive rotation; about the axis of the caisson", mean),
         V("t", "vertical soil reaction per metre of depth", "N m-1", ("depth", "side", "step"),
           "positive when the caisson pulls the soil down; initial shear included", mean),
         _Y,

@@ -28,7 +28,7 @@ from pysprings.core.errors import ResourceError, refused
 from pysprings.core.files.storage import leftovers, replacing
 from pysprings.core.files.written import CHECKPOINT, checkpoints_in, own_folder
 
-FORMAT = "pysprings-checkpoint-1"
+FORMAT = "pysprings-checkpoint-2"
 SHARE = 0.02  # of the wall time of a run
 _GENERATIONS = ("state-a.npz", "state-b.npz")
 _START, _PATH = "start.npz", "path-{:03d}.npz"

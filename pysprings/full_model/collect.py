@@ -22,6 +22,7 @@ from pysprings.full_model.skirt_slices import slices_of_rings
 from pysprings.full_model.volume import Volume
 from pysprings.model.build import Built
 from pysprings.model.contact import SURFACE
+from pysprings.model.signs import moments
 
 SIDES = {"outside": "outer", "inside": "inner"}
 
@@ -74,7 +75,7 @@ class Collector:
         row: dict[str, Any] = {"time": time, "u": u, "w": w, "rotation": rotation, "converged": np.int8(converged)}
         row |= self._resultants(force)
         row |= self._rings(state, force, acting)
-        row |= self._shape(state, u + rotation * self.slices.depth)
+        row |= self._shape(state, u - rotation * self.slices.depth)
         row |= self._patches(state, water)
         row |= self._water(state, acting)
         if self.keep_fields:
@@ -104,14 +105,13 @@ class Collector:
 
     def _resultants(self, force: np.ndarray) -> dict[str, float]:
         """Return H, V, M of each surface and in total; the tip's moment is about the axis point at its own depth."""
-        x, z = self.position[:, 0], self.position[:, 2]
         row: dict[str, float] = {}
-        total = {"H": force[:, 0], "V": force[:, 2], "M": force[:, 0] * z - force[:, 2] * x}
+        total = {"H": force[:, 0], "V": force[:, 2], "M": moments(self.position, force)}
         for name, code in SURFACE.items():
             mine = self.surface == code
             row |= {f"{key}_{name}": float(value[mine].sum()) for key, value in total.items()}
         row |= {key: float(value.sum()) for key, value in total.items()}
-        row["M_tip"] -= self.slices.bounds[-1, 1] * row["H_tip"]
+        row["M_tip"] += self.slices.bounds[-1, 1] * row["H_tip"]
         return row
 
     def _film_pressure(self, state: Fields) -> np.ndarray:
@@ -169,7 +169,7 @@ class Collector:
             for c, name in enumerate(variables.COMPONENTS):
                 p[:, s, c] = slices[name].forces(sums[name]) / height
             turning = sum(slices[name].turning(force_x) for name, force_x in sums.items())
-            m[:, s] = (turning - self.slices.forces((force[:, 2] * x)[ring].sum(axis=0))) / height
+            m[:, s] = (self.slices.forces((force[:, 2] * x)[ring].sum(axis=0)) - turning) / height
             t[:, s] = self.slices.forces(force[:, 2][ring].sum(axis=0)) / height
         return {"p_component": p, "m": m, "t": t, "p": p.sum(axis=(1, 2))}
 

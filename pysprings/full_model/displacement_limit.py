@@ -67,4 +67,4 @@ class DisplacementLimit:
 
     def _shift(self, border: np.ndarray) -> float:
         u, w, rotation = border
-        return float(max(abs(u), abs(u + rotation * self.skirt_length), abs(w - self.rest)))
+        return float(max(abs(u), abs(u - rotation * self.skirt_length), abs(w - self.rest)))

@@ -8,12 +8,12 @@ import xarray as xr
 
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.elements import fourier as elements
-from fe_engine.elements.rigid import displacement_operator
 from fe_engine.material import history_of
 from fe_engine.soil.law import PLASTIC_STRAIN
 from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.model.fourier import BuiltFourier
+from pysprings.model.signs import body_operator
 
 
 class FourierVolume:
@@ -72,7 +72,7 @@ class Sectors:
         self.nodes = np.stack([c * r, s * r, np.broadcast_to(z, (m + 1, n))], axis=-1).reshape(-1, 3)
         self._wave = elements.waves(self.edges, built.model.harmonics)
         of_steel = np.tile(self.corner >= built.model.n_soil, m + 1)
-        self._rigid = displacement_operator(self.nodes, np.zeros(3)) * of_steel[:, None, None]
+        self._rigid = body_operator(self.nodes) * of_steel[:, None, None]
 
     def displacement(self, state: Fields) -> np.ndarray:
         """Return the displacement (nodes, 3) in global axes; steel moves with the rigid motion, too."""

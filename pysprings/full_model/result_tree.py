@@ -15,7 +15,15 @@ from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Loaded
 from pysprings.full_model.discretise import section_of, volume_of
 from pysprings.full_model.environment import environment_of
-from pysprings.full_model.run_record import CheckpointCost, Computed, MeshFigures, RunRecord, SolverFigures, Status
+from pysprings.full_model.run_record import (
+    SCHEMA,
+    CheckpointCost,
+    Computed,
+    MeshFigures,
+    RunRecord,
+    SolverFigures,
+    Status,
+)
 from pysprings.full_model.work import Work
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.fourier import BuiltFourier
@@ -34,6 +42,7 @@ def record_of(work: Work, loaded: Loaded) -> RunRecord:
         failures=work.failures,
         warnings=work.warnings,
         version=version.__version__,
+        schema=SCHEMA,
         started_utc=loaded.shared.meta["started_utc"],
         resumed=work.resumed,
         python=platform.python_version(),
@@ -108,6 +117,7 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
     scene, mesh = work.scene, work.built.model.mesh
     root.attrs = {
         "Conventions": "CF-1.11",
+        "schema": SCHEMA,
         "title": scene.title,
         "source": f"pysprings {version.__version__}",
         "history": f"{record.started_utc} pysprings run",

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ATTRIBUTE = "run_json"  # of the root of a full-model result
+SCHEMA = "pysprings-full-model-2"  # of a full-model result; 1 had no name
 FILE = "run.json"  # in the folder of a run
 
 
@@ -229,6 +230,7 @@ class RunRecord(_Part):
     ----------
     stopped_by : why the run ended before its paths did; None where it did not.
     failures, warnings : sentences on paths that stopped, and on what was computed.
+    schema : of the full-model result.
     resumed : time and place of each continuation.
     environment : versions of the libraries and numbers of threads.
     left_out : what the scene leaves out, and why.
@@ -245,6 +247,7 @@ class RunRecord(_Part):
     failures: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     version: str = ""
+    schema: str = ""
     started_utc: str = ""
     resumed: list[dict[str, str]] = field(default_factory=list)
     python: str = ""

@@ -7,12 +7,12 @@ import numpy as np
 import xarray as xr
 
 from fe_engine.assembly.system import System
-from fe_engine.elements.rigid import displacement_operator
 from fe_engine.material import history_of
 from fe_engine.soil.law import PLASTIC_STRAIN
 from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.model.build import Built
+from pysprings.model.signs import body_operator
 
 
 class Volume:
@@ -21,7 +21,7 @@ class Volume:
     def __init__(self, built: Built, system: System) -> None:
         self.built, self.system = built, system
         nodes = built.model.mesh.nodes[built.caisson.mesh.n_nodes :]
-        self.rigid = displacement_operator(nodes, np.zeros(3))  # steel moves with the rigid motion, too
+        self.rigid = body_operator(nodes)  # steel moves with the rigid motion, too
         self.n_steel = 0 if built.steel is None else len(built.steel.hexes)
 
     def fields(self, state: Fields) -> dict[str, np.ndarray]:

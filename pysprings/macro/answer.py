@@ -89,7 +89,7 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         "converged": np.ones(u.size, dtype=np.int8),
         "depth_bounds": model.origin["depth_bounds"],
         "usable": support.usable,
-        "y": u + rotation * depth[:, None],
+        "y": u - rotation * depth[:, None],
         "p": support.p,
         "range_used": support.used,
         "extrapolated": (np.fmax(support.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),

@@ -225,7 +225,7 @@ def _moved(model: MacroModel, states: Array) -> Array:
     u, rotation = states.T
     diameter = float(model.attrs.get("outer_diameter_m", np.inf))
     share, turn = _largest(model)
-    shift = np.fmax(np.abs(u), np.abs(u + rotation * model.length)) / (share * diameter)
+    shift = np.fmax(np.abs(u), np.abs(u - rotation * model.length)) / (share * diameter)
     moved: Array = np.fmax(shift, np.abs(rotation) / turn)
     return moved
 

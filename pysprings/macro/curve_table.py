@@ -2,8 +2,8 @@
 """From a spring dataset to interpolation tables: every spring of a rigid caisson as one row of the same form.
 
 A spring j reads one displacement q_j = a_j . (u, rotation) and answers with one reaction r_j(q_j), which acts
-on the body as b_j * r_j in (H, M). For p at depth z with slice height dz: a = (1, z), b = (dz, z dz); for m:
-a = (0, 1), b = (0, dz); tip force: a = (1, L), b = (1, L); base and lid moments: a = (0, 1), b = (0, 1); lid
+on the body as b_j * r_j in (H, M). For p at depth z with slice height dz: a = (1, -z), b = (dz, -z dz); for m:
+a = (0, 1), b = (0, dz); tip force: a = (1, -L), b = (1, -L); base and lid moments: a = (0, 1), b = (0, 1); lid
 force: a = b = (1, 0). The sums over all rows are the loads on the body. Only numpy here: solving and
 reporting are elsewhere.
 
@@ -162,15 +162,19 @@ class _Recorded:
     @property
     def reach(self) -> float:
         """Largest displacement of the skirt on the path [m]."""
-        return float(np.abs([self.u, self.u + self.rotation * self.length]).max())
+        return float(np.abs([self.u, self.u - self.rotation * self.length]).max())
 
-    def carriers(self, depth: float) -> dict[str, tuple[tuple[float, float], Array, float]]:
-        """Return the displacements a row may read: name -> (a, history, size that counts as full range)."""
+    def carriers(self, name: str, depth: float) -> dict[str, tuple[tuple[float, float], Array, float]]:
+        """Return the displacements a row may read: name -> (a, history, size that counts as full range).
+
+        Skirt and tip move back where the caisson leans: a force resists -rotation, and a moment -y or -u.
+        """
         reach = self.reach
+        turned, moved = (1.0, -1.0) if name.startswith(("m", "M")) else (-1.0, 1.0)
         return {
-            "y": ((1.0, depth), self.u + self.rotation * depth, reach),
-            "rotation": ((0.0, 1.0), self.rotation, reach / self.length),
-            "u": ((1.0, 0.0), self.u, reach),
+            "y": ((moved, -moved * depth), moved * (self.u - self.rotation * depth), reach),
+            "rotation": ((0.0, turned), turned * self.rotation, reach / self.length),
+            "u": ((moved, 0.0), moved * self.u, reach),
         }
 
 
@@ -204,7 +208,7 @@ def _carried(rec: _Recorded, name: str, place: Slice, r: Array, order: tuple[str
     Where r resists none of them, growth alone must do; its own displacement, the first, comes last then.
     """
     depth, b = place[0], action(name, *place, rec.length)
-    options = rec.carriers(depth)
+    options = rec.carriers(name, depth)
     for resists, carriers in ((True, order), (False, order[1:] + order[:1])):
         for carrier in carriers:
             a, q, size = options[carrier]
@@ -216,7 +220,7 @@ def _carried(rec: _Recorded, name: str, place: Slice, r: Array, order: tuple[str
 def _cut(rec: _Recorded, name: str, place: Slice, r: Array, carrier: str) -> Row | None:
     """Return the row of the first usable part of a curve (at best all of it); None without one."""
     depth, b = place[0], action(name, *place, rec.length)
-    a, q, size = rec.carriers(depth)[carrier]
+    a, q, size = rec.carriers(name, depth)[carrier]
     n = _leading(q, r, size)
     return Row(name, depth, carrier, a, b, q[:n], r[:n], cut=n < q.size) if n else None
 

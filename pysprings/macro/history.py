@@ -31,7 +31,7 @@ def equations(control: Control, targets: Array, arm: float, size: Array) -> tupl
     if control == "state":
         return Drive(one, zero, motion), targets
     row = 0 if control == "displacement" else 1
-    G, C = zero.copy(), np.array([[0.0, 0.0], [arm, 1.0]])
+    G, C = zero.copy(), np.array([[0.0, 0.0], [-arm, 1.0]])
     G[0, row] = 1.0
     aims = np.stack([targets[:, 0], np.zeros(len(targets))], axis=1)
     return Drive(G, C, np.array([motion[0], size[1] + abs(arm) * size[0]])), aims

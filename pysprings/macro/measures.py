@@ -139,8 +139,8 @@ def rotation_points(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:
 
 
 def _rotation_point(u: Array, rotation: Array, n: int, length: float) -> float:
-    """Return the depth [m] of the point of the axis at rest in state n, -u/rotation; NaN for a translation."""
+    """Return the depth [m] of the point of the axis at rest in state n, u/rotation; NaN for a translation."""
     x, turn = (float(u[n - 1]), float(rotation[n - 1])) if n else (0.0, 0.0)
     # an imposed rotation of 0 is met to rounding only
     turns = abs(turn) * length > max(1e-9 * abs(x), NO_TURN * length)
-    return -x / turn if turns else float("nan")
+    return x / turn if turns else float("nan")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Rigid caisson on nonlinear springs: load and rotation in milliseconds, from the spring file alone.
 
-Degrees of freedom: u (lateral, lid centre at mudline, +x), rotation (right-hand about +y); w follows.
-Loads: H (N) at height arm (m) above mudline, that is M = -H*arm about the lid centre.
+Degrees of freedom: u (lateral, lid centre at mudline, +x), rotation (the caisson leans towards +x); w follows.
+Loads: H (N) at height arm (m) above mudline, that is M = H*arm about the lid centre.
 
 Four spring sets. From the reactions along one path of the full model:
 
@@ -147,7 +147,7 @@ def way_to_load(
         rest = model.rest_load
         return _answered(model, trace(model, "load", np.zeros((n + 1, 2)), 0.0, rest + share * (V - rest)), care)
     force, moment = (float(value) for value in loads_of(H, arm, M))
-    height = arm if arm is not None else (-moment / force if force else 0.0)
+    height = arm if arm is not None else (moment / force if force else 0.0)
     return _answered(model, trace(model, "load", share[:, None] * np.array([force, moment]), height, V), care)
 
 
@@ -251,7 +251,7 @@ def loads_of(H: float | Array | None, arm: float | Array | None, M: float | Arra
     if H is None and M is None:
         raise refused("H", "give a load or a moment")
     force = np.asarray(0.0 if H is None else H, dtype=float)
-    moment = np.asarray(M, dtype=float) if M is not None else -force * np.asarray(0.0 if arm is None else arm)
+    moment = np.asarray(M, dtype=float) if M is not None else force * np.asarray(0.0 if arm is None else arm)
     return force, moment
 
 

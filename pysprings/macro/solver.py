@@ -9,8 +9,8 @@ State x = (u [m], rotation [rad]); loads F(x) = (H [N], M [N m]) and their tange
 
 Every way to drive the body is a pair of constant 2x2 matrices:  g(x) = G x + C F(x) - c = 0
 
-- lateral displacement, load at height arm: G = [[1, 0], [0, 0]], C = [[0, 0], [arm, 1]], c = (u, 0)
-- rotation, load at height arm:             G = [[0, 1], [0, 0]], C = [[0, 0], [arm, 1]], c = (rotation, 0)
+- lateral displacement, load at height arm: G = [[1, 0], [0, 0]], C = [[0, 0], [-arm, 1]], c = (u, 0)
+- rotation, load at height arm:             G = [[0, 1], [0, 0]], C = [[0, 0], [-arm, 1]], c = (rotation, 0)
 - loads:                                    G = 0, C = identity, c = (H, M)
 - displacement and rotation imposed:        G = identity, C = 0, c = (u, rotation)
 """

@@ -74,10 +74,10 @@ def deviations(spread: Spread, table: FanTable, control: Control, states: Array,
         changes[:, :2] = -_solved(tangents, added)
     else:
         free = 1 if control == "displacement" else 0
-        # K[:, free] d(free) + dF = dH (1, -arm): unknown are d(free) and dH
-        matrix = np.stack([tangents[:, :, free], np.broadcast_to([-1.0, arm], (len(states), 2))], axis=2)
+        # K[:, free] d(free) + dF = dH (1, arm): unknown are d(free) and dH
+        matrix = np.stack([tangents[:, :, free], np.broadcast_to([-1.0, -arm], (len(states), 2))], axis=2)
         found = -_solved(matrix, added)
-        changes[:, free], changes[:, 2], changes[:, 3] = found[:, 0], found[:, 1], -arm * found[:, 1]
+        changes[:, free], changes[:, 2], changes[:, 3] = found[:, 0], found[:, 1], arm * found[:, 1]
     answer = np.sqrt((changes**2).sum(axis=2))
     if control in ("load", "displacement"):
         turn = np.interp(table.polar(states)[0], spread.rho, spread.turn)

@@ -40,13 +40,11 @@ class Form(TypedDict, total=False):
     secant : that from rest to the state, instead of the tangent there.
     symmetric : the symmetric part alone.
     reference_depth : depth [m] below mudline of the point on the axis that the matrix belongs to; 0 is the lid centre.
-    z_up : axes x, y, z with z up, instead of down; x stays.
     """
 
     secant: bool
     symmetric: bool
     reference_depth: float
-    z_up: bool
 
 
 class Load(TypedDict, total=False):
@@ -85,8 +83,8 @@ def stiffness(springs: AnySprings | MacroModel, **question: Unpack[Question]) ->
 def stiffness_six(springs: AnySprings | MacroModel, **question: Unpack[Question]) -> xr.DataArray:
     """Return a stiffness (6, 6) for (x, y, z, rx, ry, rz): initial, or at a state in the plane of the load.
 
-    Questions are those of `stiffness`. Axes are those of the springs: x along the load, z down, y completing a
-    right-handed set; rotations right-hand. Units: N/m for displacements, N/rad = N m/m between x and ry (y and rx),
+    Questions are those of `stiffness`. Axes: x along the load, y to its left seen from above, z up;
+    rotations right-hand. Units: N/m for displacements, N/rad = N m/m between x and ry (y and rx),
     N m/rad for rotations. The caisson at rest is axisymmetric: what holds for (x, ry) holds for (y, -rx). At a state
     the block out of the plane of the load is the secant, as the response does not depend on the direction of the plane.
     Torsion is unknown and stated so: zeros.
@@ -167,14 +165,12 @@ def secant(model: MacroModel, u: float, rotation: float, V: float | None = None)
 
 
 def in_form(matrix: Array, form: Form) -> Array:
-    """Return stiffnesses (..., 3, 3) or (..., 2, 2) about another point, with other axes, or their symmetric part."""
+    """Return stiffnesses (..., 3, 3) or (..., 2, 2) about another point, or their symmetric part."""
     n, depth = matrix.shape[-1], form.get("reference_depth", 0.0)
     check_numbers(reference_depth=depth)
     motion = np.eye(n)
-    motion[0, -1] = -depth  # u at mudline from u and rotation at the point
-    sign = np.diag([1.0, -1.0, -1.0][: n - 1] + [-1.0]) if form.get("z_up") else np.eye(n)
-    back = motion @ sign
-    out: Array = back.T @ matrix @ back
+    motion[0, -1] = depth  # u at mudline from u and rotation at the point
+    out: Array = motion.T @ matrix @ motion
     return 0.5 * (out + np.swapaxes(out, -1, -2)) if form.get("symmetric") else out
 
 
@@ -188,10 +184,10 @@ def axisymmetric(plane: Array, across: Array | None = None) -> Array:
 
 
 def form_words(form: Form) -> str:
-    """Return words for the reference point and the axes of a form."""
+    """Return words for the reference point of a form."""
     depth = form.get("reference_depth", 0.0)
     point = "at the lid centre" if depth == 0.0 else f"about the axis point {depth:g} m below mudline"
-    return f"{point}, z {'up' if form.get('z_up') else 'down'}{', symmetric part' if form.get('symmetric') else ''}"
+    return f"{point}{', symmetric part' if form.get('symmetric') else ''}"
 
 
 def _state(model: MacroModel, load: Load, asking: Asking) -> xr.Dataset:

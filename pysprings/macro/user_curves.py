@@ -60,7 +60,7 @@ class CurveSet:
         turns = curve.name == "m" or curve.name.startswith("M_")
         carrier = "rotation" if turns else "u" if curve.name == "H_lid" else "y"
         b = action(curve.name, at, dz, self.length)
-        return Row(curve.name, at, carrier, (0.0, 1.0) if turns else (1.0, at), b, curve.q, curve.r)
+        return Row(curve.name, at, carrier, (0.0, 1.0) if turns else (1.0, -at), b, curve.q, curve.r)
 
 
 @dataclass(frozen=True, slots=True)

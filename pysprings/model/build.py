@@ -15,6 +15,7 @@ from fe_engine.mesh import Quality
 from fe_engine.model import Linear, Model
 from pysprings.model.contact import SURFACE, contact_of
 from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
+from pysprings.model.signs import body_operator
 from pysprings.model.soil_laws import soil_materials
 from pysprings.model.steel import SteelMesh, make_steel, with_steel
 from pysprings.model.water import beside_steel, make_water
@@ -161,7 +162,7 @@ def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
         area=area,
         nodes=near,
         weight=weight,
-        body=rigid.displacement_operator(position, np.zeros(3)),
+        body=body_operator(position),
         surface=surface,
     )
 

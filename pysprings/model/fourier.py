@@ -21,6 +21,7 @@ from pysprings.model.build import (
 )
 from pysprings.model.contact import SURFACE, contact_of
 from pysprings.model.fourier_mesh import PRESETS, CaissonSection, SectionCounts, make_section, refine_section
+from pysprings.model.signs import body_operator
 from pysprings.model.soil_laws import soil_materials
 from pysprings.model.steel_rings import SteelRings, add_steel, make_steel_rings
 from pysprings.model.water import make_series_water
@@ -145,7 +146,7 @@ def make_ring_stations(section: CaissonSection, azimuth: np.ndarray) -> RingStat
         area=np.repeat(strip, len(azimuth)) * np.pi / len(azimuth),
         nodes=node[:, None],
         weight=np.ones((len(node), 1)),
-        body=rigid.displacement_operator(position, np.zeros(3)),
+        body=body_operator(position),
         surface=surface,
         azimuth=angle,
     )

@@ -153,7 +153,7 @@ def _climbing_stages(scene: Scene, path: Path, extra_load: float, undrained_time
     """Return a load that grows at its first height, and then climbs to its last one: M grows under constant H and V."""
     grows = path.model_copy(update={"arm": path.arm_from, "arm_from": None})
     (first,) = _stages(scene, grows, extra_load, undrained_time)
-    moment = -0.5 * imposed_end(path) * (path.arm - _need(path.arm_from))
+    moment = 0.5 * imposed_end(path) * (path.arm - _need(path.arm_from))
     force = first.force + np.array([0.0, 0.0, moment])
     second = replace(first, name=f"{path.name}, then climbing", force=force, stops=(1.0,))
     return [first, second]
@@ -168,7 +168,7 @@ def _stage(
     targets = _targets(path, ends[1])
     force = np.array([0.0, extra_load, 0.0])
     if PATH_KINDS[path.kind].force:
-        force += 0.5 * ends[1] * np.array([1.0, 0.0, -path.arm])
+        force += 0.5 * ends[1] * np.array([1.0, 0.0, path.arm])
     if path.heave == "fixed":
         rows.append([0.0, 1.0, 0.0])
         targets.append(0.0)
@@ -207,7 +207,7 @@ def _imposed(scene: Scene, path: Path) -> tuple[list, list]:
         along = [math.cos(angle), 0.0, scene.caisson.outer_diameter * math.sin(angle)]
         return [along], [list(along)]
     rows = [np.eye(3)[DOFS.index(dof)].tolist() for dof in kind.holds]
-    return rows, [[1.0, 0.0, -path.arm]] if kind.free_head and rows else [list(row) for row in rows]
+    return rows, [[1.0, 0.0, path.arm]] if kind.free_head and rows else [list(row) for row in rows]
 
 
 def _targets(path: Path, end: float) -> list[float]:

@@ -11,25 +11,25 @@ import sys
 from pathlib import Path
 
 AXES_ASCII = r"""
-  section in the symmetry plane (seen from +y)          plan (seen from above)
+  section in the symmetry plane (y away from you)       plan (seen from above)
 
           H, u > 0                                            back  theta = 180 deg
-     h   ---->                                              .---------.
-     :    |   rotation > 0 : counter-clockwise             /           \
-     :    |   (tip moves towards +x)                      |             |
+     h   ---->                                              .----^----.
+     :    |   rotation, M > 0 : clockwise                  /     |     \
+     :    |   (leans towards +x)                          |      |      |
   ___:____|______________  mudline                H ----> |      o----> | ----> x
-   ====================      z = 0  o---> x               |      |      |  front
-   ||                ||             |                      \     |     /   theta = 0
-   ||  soil plug     ||  skirt      v                       '----v----'
-   ||                ||  0 < z < L  z = depth                    y   theta = 90 deg
-   ||  inside        ||  outside    (y towards
-   tip              tip             the reader)
+   ====================      z = 0  o---> x               |             |  front
+   ||                ||             |                      \           /   theta = 0
+   ||  soil plug     ||  skirt      v                       '---------'
+   ||                ||  0 < z < L  z = depth              y upwards: theta = 90 deg
+   ||  inside        ||  outside
+   tip              tip
 
-  u_x(z) = u + rotation*z = y(z)      u_z(x) = w - rotation*x      w, V positive down (heave: w < 0)
-  M about the lid centre at mudline, work conjugate of rotation; a load H at height h gives M = -H*h
+  u_x(z) = u - rotation*z = y(z)      u_z(x) = w + rotation*x      w, V positive down (heave: w < 0)
+  M about the lid centre at mudline, work conjugate of rotation; a load H at height h gives M = H*h
   p, t, m, tip and lid terms: soil reactions, positive when they oppose a positive displacement
     H = sum p dz + H_tip + H_lid        V = sum t dz + V_tip + V_lid
-    M = sum (p z + m) dz + L H_tip + M_tip + M_lid
+    M = -(sum p z dz + L H_tip) + sum m dz + M_tip + M_lid
   p'_N effective normal stress: compression positive; gap >= 0; F_in, F_out: force on the soil, down +
   all loads and reactions are those of the whole caisson
 """.strip("\n")
@@ -88,7 +88,7 @@ def _line(x1: float, y1: float, x2: float, y2: float, style: str) -> str:
 def _section() -> str:
     """Draw the caisson in the symmetry plane: mudline at y = 170, skirt 150 deep, axis at x = 270."""
     parts = [
-        _text(30, 26, "Section in the symmetry plane, seen from +y", "t b"),
+        _text(30, 26, "Section in the symmetry plane, y away from you", "t b"),
         '<rect x="40" y="170" width="470" height="205" fill="#f5efe1"/>',
         _line(40, 170, 510, 170, "dim"),
         _text(506, 163, "mudline, z = 0", "s e"),
@@ -103,7 +103,7 @@ def _section() -> str:
         _text(332, 190, "x, u", "t i"),
         _text(278, 247, "z, w, V", "t i"),
         '<circle cx="238" cy="196" r="7" fill="white" stroke="#1a1a1a" stroke-width="1.5"/>',
-        '<circle cx="238" cy="196" r="2" fill="#1a1a1a"/>',
+        '<path d="M233 191 L243 201 M243 191 L233 201" stroke="#1a1a1a" stroke-width="1.5"/>',
         _text(226, 200, "y", "t i e"),
         # load at height h
         _line(270, 150, 270, 72, "dim"),
@@ -112,10 +112,10 @@ def _section() -> str:
         '<path class="dim" d="M120 72 V170 M114 72 H126 M114 170 H126"/>',
         _line(126, 72, 270, 72, "dim"),
         _text(108, 126, "h", "t i e"),
-        # rotation: right-hand about +y = counter-clockwise as seen here
-        '<path class="axis" d="M318 128 A 52 52 0 0 0 222 128"/>',
+        # rotation: right-hand about y, which points away = clockwise as seen here
+        '<path class="axis" d="M222 128 A 52 52 0 0 1 318 128"/>',
         _text(335, 118, "rotation, M &gt; 0", "s"),
-        _text(335, 134, "(the tip moves to +x)", "s"),
+        _text(335, 134, "(it leans towards +x)", "s"),
         # reactions of the soil
         _line(470, 215, 396, 215, "soil"),
         _text(474, 211, "p(z)", "t i blue"),
@@ -133,24 +133,24 @@ def _plan() -> str:
     """Draw the plan, seen from above: centre at (700, 205), radius 95."""
     parts = [
         _text(560, 26, "Plan, seen from above", "t b"),
-        '<path d="M605 205 A 95 95 0 0 0 795 205 Z" fill="#f5efe1"/>',
+        '<path d="M605 205 A 95 95 0 0 1 795 205 Z" fill="#f5efe1"/>',
         '<circle cx="700" cy="205" r="95" fill="none" stroke="#4a4a4a" stroke-width="6"/>',
         _line(700, 205, 860, 205, "axis"),
-        _line(700, 205, 700, 345, "axis"),
+        _line(700, 205, 700, 65, "axis"),
         _text(864, 210, "x", "t i"),
-        _text(708, 345, "y", "t i"),
+        _text(708, 72, "y", "t i"),
         _line(545, 205, 596, 205, "load"),
         _text(545, 195, "H", "t b red"),
         _text(808, 195, "front", "s"),
         _text(808, 228, "θ = 0", "s"),
         _text(590, 232, "back", "s e"),
         _text(590, 248, "θ = 180°", "s e"),
-        _text(722, 330, "θ = 90°", "s"),
-        '<path class="axis" d="M750 205 A 50 50 0 0 1 735.4 240.4"/>',
-        _text(752, 240, "θ", "t i"),
-        _line(700, 205, 758, 263, "dim"),
-        _text(652, 240, "modelled", "s m"),
-        _text(652, 255, "half", "s m"),
+        _text(722, 84, "θ = 90°", "s"),
+        '<path class="axis" d="M750 205 A 50 50 0 0 0 735.4 169.6"/>',
+        _text(752, 180, "θ", "t i"),
+        _line(700, 205, 758, 147, "dim"),
+        _text(652, 170, "modelled", "s m"),
+        _text(652, 185, "half", "s m"),
     ]
     return "".join(parts)
 
@@ -158,12 +158,12 @@ def _plan() -> str:
 def _rules() -> str:
     """Write the rules that a drawing cannot show."""
     rows = [
-        "u_x(z) = u + rotation·z = y(z) &#160;&#160;&#160; "
-        "u_z(x) = w &#8722; rotation·x &#160;&#160;&#160; "
-        "w, V positive down (heave is w &lt; 0) &#160;&#160;&#160; a load H at height h gives M = &#8722;H·h",
+        "u_x(z) = u &#8722; rotation·z = y(z) &#160;&#160;&#160; "
+        "u_z(x) = w + rotation·x &#160;&#160;&#160; "
+        "w, V positive down (heave is w &lt; 0) &#160;&#160;&#160; a load H at height h gives M = H·h",
         "Soil reactions (blue) are positive when they oppose a positive displacement: &#160; "
         "H = Σ p dz + H_tip + H_lid &#160;&#160;&#160; V = Σ t dz + V_tip + V_lid",
-        "M = Σ (p z + m) dz + L·H_tip + M_tip + M_lid, about the lid centre at mudline",
+        "M = &#8722;(Σ p z dz + L·H_tip) + Σ m dz + M_tip + M_lid, about the lid centre at mudline",
         "Effective normal stress p'_N: compression positive. Gap ≥ 0. "
         "F_in, F_out: vertical force on the soil, down positive.",
         "Loads and reactions are those of the whole caisson. Units in data files: m, N, Pa, s, rad.",

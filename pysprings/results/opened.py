@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.core.errors import refused
-from pysprings.full_model.run_record import ATTRIBUTE
+from pysprings.full_model.run_record import ATTRIBUTE, SCHEMA
+from pysprings.springs.dataset import OTHER_SIGNS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,4 +30,6 @@ def open_result(path: str | os.PathLike[str]) -> xr.DataTree:
     tree = read_tree(file)
     if ATTRIBUTE not in tree.attrs:
         raise refused(None, "is no result of a full model (springs: open_springs)", file)
+    if tree.attrs.get("schema") != SCHEMA:
+        raise refused("schema", f"a result of another version, not {SCHEMA}: {OTHER_SIGNS}", file)
     return tree

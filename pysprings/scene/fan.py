@@ -12,19 +12,19 @@ from pysprings.core.path_kinds import MEMORY, PATH_KINDS, VERTICAL
 from pysprings.scene.sections import Caisson, Path, Springs
 from pysprings.scene.then import Then
 
-# Directions of (u, rotation * skirt length), degrees. Pulls with a free head lie between -10 (short skirts, load at
-# mudline) and -60 (load far above), so that the rays are dense there; +45 is a load far below mudline.
-RAYS = (0, -20, -30, -40, -50, -60, 45, 90)
+# Directions of (u, rotation * skirt length), degrees. Pulls with a free head lie between 10 (short skirts, load at
+# mudline) and 60 (load far above), so that the rays are dense there; -45 is a load far below mudline.
+RAYS = (0, 20, 30, 40, 50, 60, -45, 90)
 ARMS = (0.0, 0.5, 1.0, 2.0, 5.0)  # heights of the loads of held-back pulls, diameters
 _RAY = {kind.drives: name for name, kind in PATH_KINDS.items() if kind.straight}
 _PULL = next(name for name, kind in PATH_KINDS.items() if kind.free_head and not kind.force)
 # The part of a fan on which meshes are compared: in the default scene it has the largest differences of the whole fan.
-FEW_RAYS, FEW_ARMS = (0, -50, 90), ARMS[-1:]
+FEW_RAYS, FEW_ARMS = (0, 50, 90), ARMS[-1:]
 _SHARE = 0.5  # of the reach: vertical paths and held-back pulls
 # Rays that turn back, degrees: a translation, and the directions between which pulls with a free head lie. Ends over
 # the reach: what an unloading looks like depends on how large the motion before was. The middle one twice: what a
 # second cycle of the same size carries more than the first is hardening.
-REVERSED = (0, -30, -50)
+REVERSED = (0, 30, 50)
 CHANGING = 0.12  # over the reach: ends of rays on which V changes
 TURNS = (0.12, -0.12, 0.24, -0.24, 0.24, -0.24, 0.4, -0.4, 0.4)
 

@@ -32,7 +32,7 @@ _SHIFT = Quantity("mm", "[-1e4, 1e4]", "lateral displacement of the lid centre, 
 _TURN = Quantity(
     "deg",
     "[-30, 30]",
-    "rotation, right-hand about +y (a free-head pull turns it < 0)",
+    "rotation, positive where the caisson leans towards +x",
     "0.1 deg",
     optional=True,
 )
@@ -42,7 +42,7 @@ _PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towar
 _ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
 _ARM_FROM = Quantity("m", "[-1e3, 1e3]", "height where a load acts first; it then climbs to arm", "0 m", optional=True)
 _LOAD_ANGLE = Quantity(
-    "deg", "[-180, 180]", "direction of a probe: angle of the load in the plane of H and M/D", "-45 deg", optional=True
+    "deg", "[-180, 180]", "direction of a probe: angle of the load in the plane of H and M/D", "45 deg", optional=True
 )
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
 _TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
@@ -113,7 +113,7 @@ _FURTHER_LOADS = QuantityList(
     "further vertical loads under which the rays are computed, beside that of [caisson]",
 )  # fmt: skip
 _RAYS = QuantityList(
-    "", (("", Quantity("deg", "[-90, 90]", "direction of a ray", "-30 deg")),),
+    "", (("", Quantity("deg", "[-90, 90]", "direction of a ray", "30 deg")),),
     "directions of the rays, in place of the usual eight: angles of (u, rotation * skirt_length)",
 )  # fmt: skip
 _RATES = QuantityList(
@@ -292,7 +292,7 @@ class Path(Section):
     (or up: pull-out), u and rotation are held at zero. `vertical_load` is the dead load of this path alone. `report_at`
     lists values of the imposed quantity where a converged step must land. `then` goes on from the end value: "rest 2
     hour" holds what is imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value; a load goes on to
-    "1 MN, -4 MN m" (H and M), a swipe to "5 mm, -2 mrad" (u and rotation); "V 3 MN in 10 min" changes the vertical load
+    "1 MN, 4 MN m" (H and M), a swipe to "5 mm, 2 mrad" (u and rotation); "V 3 MN in 10 min" changes the vertical load
     and holds what is imposed. `role = "memory"` is for a translation or rotation that turns back: spring set "memory".
     """
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What follows on a load path after its first part: rests, other vertical loads, further end values with their pace.
 
-Under given loads, and after a swipe, an entry may be a pair: "1 MN, -4 MN m" are H and M about the lid centre,
-"5 mm, -2 mrad" are u and rotation. "V 3 MN" is a vertical load: the quantity that the path imposes stays meanwhile.
+Under given loads, and after a swipe, an entry may be a pair: "1 MN, 4 MN m" are H and M about the lid centre,
+"5 mm, 2 mrad" are u and rotation. "V 3 MN" is a vertical load: the quantity that the path imposes stays meanwhile.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _RATES = {name: _RATE for name, kind in PATH_KINDS.items() if kind.has_velocity}
 _LOAD = Quantity("MN", "[-1e4, 1e4]", "", "3 MN")
 _TIME = Quantity("s", "[1e-6, 1e12]", "", "2 hour")
 _SECOND = {
-    name: Quantity("MN*m", "[-1e6, 1e6]", "", "-4 MN m") if kind.force else Quantity("deg", "[-30, 30]", "", "-2 mrad")
+    name: Quantity("MN*m", "[-1e6, 1e6]", "", "4 MN m") if kind.force else Quantity("deg", "[-30, 30]", "", "2 mrad")
     for name, kind in PATH_KINDS.items()
     if kind.pairs
 }
@@ -108,7 +108,7 @@ class ThenList(QuantityList):
         """Return the end value, and the second one of a pair."""
         first, comma, rest = (part.strip() for part in text.partition(", "))
         if not comma and kind in _SECOND and not PATH_KINDS[kind].force:
-            raise refuse(f'a path of kind "{kind}" goes on with u and rotation: "5 mm, -2 mrad"')
+            raise refuse(f'a path of kind "{kind}" goes on with u and rotation: "5 mm, 2 mrad"')
         if not comma:
             return quantity.validate(text, info), None
         if kind not in _SECOND:

@@ -15,7 +15,7 @@ from pysprings.core import variables
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.path_kinds import PAIRS, PARTS, PATH_KINDS, ROLES
 from pysprings.core.units import quoted
-from pysprings.springs.dataset import FEWEST_STATES, SCHEMA, STATES, path_dataset, path_names
+from pysprings.springs.dataset import FEWEST_STATES, OTHER_SIGNS, SCHEMA, STATES, path_dataset, path_names
 from pysprings.springs.numbers import is_number, name_fault, number_faults, text_of
 from pysprings.springs.path_ends import end_faults
 from pysprings.springs.sums import balance_faults
@@ -65,10 +65,12 @@ def _is_on_one_line(*texts: object) -> bool:
 
 
 def _foreign(tree: xr.DataTree, schema: object) -> str:
-    if schema is not None:
-        return f"springs of another version: '{str(schema)[:40]}' instead of '{SCHEMA}'"
-    if "section" in tree.children or "scene_toml" in tree.attrs:
+    text, earlier = str(schema)[:40], (f"{SCHEMA[:-1]}{number}" for number in range(1, int(SCHEMA[-1])))
+    if "section" in tree.children or (schema is None and "scene_toml" in tree.attrs):
         return "a full-model result, not a spring file (extract its springs first)"
+    if schema is not None:
+        signs = f" ({OTHER_SIGNS})" if text in earlier else ""
+        return f"springs of another version: '{text}' instead of '{SCHEMA}'{signs}"
     return f"not a spring file (no attribute 'schema' = '{SCHEMA}')"
 
 
@@ -169,6 +171,6 @@ def _step_faults(dataset: xr.Dataset, rigid: bool) -> Iterator[tuple[str, str]]:
         return  # reported already
     if not rigid:
         return
-    expected = u[steps] + rotation[steps] * depth[:, None]
+    expected = u[steps] - rotation[steps] * depth[:, None]
     if np.abs(y - expected).max() > 1e-6 * np.abs(y).max():
-        yield "y", "is not u + rotation*depth (depth down, right-hand rotation about +y)"
+        yield "y", "is not u - rotation*depth (depth down; rotation is positive where the caisson leans towards +x)"

@@ -15,7 +15,8 @@ import xarray as xr
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import driven
 
-SCHEMA = "pysprings-springs-2"
+SCHEMA = "pysprings-springs-3"
+OTHER_SIGNS = "its moments and rotations have other signs; make it again with `pysprings run`"  # of earlier versions
 STATES = ("complete", "limit load", "partial", "interrupted")
 FEWEST_STATES = 2  # a curve needs the initial state and one more
 

@@ -39,7 +39,7 @@ def reslice(springs: xr.DataTree, bounds: ArrayLike | None = None) -> xr.DataTre
     """Return springs on other slices of the skirt, for programs that take p, m and t by depth.
 
     p is constant in each slice of the mesh; a new one has the mean of what it covers, and m takes the moment of p about
-    its middle. A slice that stays keeps its ring. So sum p dz, sum t dz and sum (p z + m) dz are kept: H, V and M of
+    its middle. A slice that stays keeps its ring. So sum p dz, sum t dz and sum (m - p z) dz are kept: H, V and M of
     every state. Tip and lid stay as they are. The elements of a memory set are left out: they belong to the old slices.
 
     Parameters
@@ -100,7 +100,7 @@ def on_slices(path: xr.Dataset, edges: Array | None = None) -> xr.Dataset:
     bare = path.drop_vars("depth")
     p, t = share.dot(bare["p"], dim="depth"), share.dot(bare["t"], dim="depth")
     turning = (share * arm).dot(bare["p"].sum("component") if "component" in bare["p"].dims else bare["p"], dim="depth")
-    m = share.dot(bare["m"], dim="depth") + turning
+    m = share.dot(bare["m"], dim="depth") - turning
     y = bare["y"].transpose("depth", ...)
     moved = np.stack([_line(rings, y.values.reshape(rings.size, -1), z) for z in at])
     values = {"p": p, "m": m, "t": t, "y": xr.DataArray(moved.reshape(-1, *y.shape[1:]), dims=("slice", *y.dims[1:]))}

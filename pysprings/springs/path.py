@@ -159,7 +159,7 @@ class SpringPath:
 
     @property
     def rotation(self) -> Array:
-        """Rotation (n,) [rad], right-hand about +y."""
+        """Rotation (n,) [rad], positive where the caisson leans towards +x."""
         return self["rotation"]
 
     @cached_property

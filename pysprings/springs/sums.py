@@ -19,9 +19,9 @@ def action(name: str, depth: float, height: float, length: float) -> tuple[float
     length [m].
     """
     return {
-        "p": (height, depth * height),
+        "p": (height, -depth * height),
         "m": (0.0, height),
-        "H_tip": (1.0, length),
+        "H_tip": (1.0, -length),
         "M_tip": (0.0, 1.0),
         "H_lid": (1.0, 0.0),
         "M_lid": (0.0, 1.0),
@@ -57,7 +57,7 @@ def resultants(dataset: xr.Dataset) -> dict[str, np.ndarray]:
     """Return H, V [N] and M [N m] by step that the reactions sum to.
 
     H = sum p dz + H_tip + H_lid;  V = sum t dz + V_tip + V_lid;
-    M = sum (p z + m) dz + L H_tip + M_tip + M_lid.
+    M = -(sum p z dz + L H_tip) + sum m dz + M_tip + M_lid.
     """
     return {name: np.sum(terms, axis=0) for name, terms in _terms(dataset).items()}
 
@@ -84,7 +84,7 @@ def _terms(dataset: xr.Dataset) -> dict[str, tuple[np.ndarray, ...]]:
     return {
         "H": (dz @ p, value["H_tip"], value["H_lid"]),
         "V": (dz @ t, value["V_tip"], value["V_lid"]),
-        "M": ((dz * z) @ p, dz @ m, length * value["H_tip"], value["M_tip"], value["M_lid"]),
+        "M": (-(dz * z) @ p, dz @ m, -length * value["H_tip"], value["M_tip"], value["M_lid"]),
     }
 
 

@@ -29,7 +29,7 @@ def springs_of(p, m, ends, u, rotation, stiffness=None) -> xr.DataTree:
     moment[:, 0, :] = m
     new |= {"p": (data["p"].dims, net), "m": (data["m"].dims, moment)}
     new |= {"u": ("step", u), "rotation": ("step", rotation)}
-    new |= {"y": (("depth", "step"), u + rotation * DEPTH[:, None])}
+    new |= {"y": (("depth", "step"), u - rotation * DEPTH[:, None])}
     new |= {"depth_bounds": (("depth", "bound"), np.stack([EDGES[:-1], EDGES[1:]], 1))}
     data = data.drop_vars("depth_bounds").assign_coords(depth=DEPTH).assign(new)
     tree["paths/pull"].dataset = variables.attach(data, "springs_path")
@@ -42,17 +42,18 @@ K_P, K_M, K_TIP, R_TIP, K_LID, R_LID = 3e8, 2e9, 4e8, 5e9, 2e8, 1e9
 
 def linear_springs() -> xr.DataTree:
     u = np.linspace(0.0, 5e-3, 6)
-    rotation = -0.15 * u
-    tip = u + LENGTH * rotation
+    rotation = 0.15 * u
+    tip = u - LENGTH * rotation
     ends = {"H_tip": K_TIP * tip, "M_tip": R_TIP * rotation, "H_lid": K_LID * u, "M_lid": R_LID * rotation}
-    return springs_of(K_P * (u + rotation * DEPTH[:, None]), K_M * rotation * np.ones((RINGS, 1)), ends, u, rotation)
+    return springs_of(K_P * (u - rotation * DEPTH[:, None]), K_M * rotation * np.ones((RINGS, 1)), ends, u, rotation)
 
 
 def linear_stiffness(spring_set: str) -> np.ndarray:
     """Return K of H = K_uu u + K_ur rotation, M = K_ru u + K_rr rotation, by the balance sums."""
-    k = np.array([[np.sum(HEIGHT), np.sum(HEIGHT * DEPTH)], [np.sum(HEIGHT * DEPTH), np.sum(HEIGHT * DEPTH**2)]]) * K_P
+    coupled = -np.sum(HEIGHT * DEPTH)
+    k = np.array([[np.sum(HEIGHT), coupled], [coupled, np.sum(HEIGHT * DEPTH**2)]]) * K_P
     if spring_set == "full":
-        k += K_TIP * np.array([[1.0, LENGTH], [LENGTH, LENGTH**2]])
+        k += K_TIP * np.array([[1.0, -LENGTH], [-LENGTH, LENGTH**2]])
         k += [[K_LID, 0.0], [0.0, K_M * LENGTH + R_TIP + R_LID]]
     return k
 

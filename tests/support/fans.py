@@ -13,10 +13,10 @@ from tests.support.synthetic import Caisson, Path, make_springs
 LENGTH, RINGS = 4.0, 9
 DEPTH = np.linspace(0.0, LENGTH, RINGS)
 HEIGHT = np.diff(np.concatenate([[0.0], 0.5 * (DEPTH[1:] + DEPTH[:-1]), [LENGTH]]))
-ANGLES = (0.0, -20.0, -30.0, -40.0, -50.0, -60.0, 45.0, 90.0)  # degrees of (u, rotation*L)
+ANGLES = (0.0, 20.0, 30.0, 40.0, 50.0, 60.0, -45.0, 90.0)  # degrees of (u, rotation*L)
 RHO = 8e-3 * np.linspace(0.0, 1.0, 25) ** 1.5
 # Symmetric stiffness (p to y and m to rotation coupled) at each depth: p = A y + C rotation, m = C y + B rotation.
-A, B, C = 3e8, 2e9, 1.5e8
+A, B, C = 3e8, 2e9, -1.5e8
 STIFFNESS_V = 3.5e9
 
 
@@ -33,8 +33,8 @@ def potential(z, y, rotation):
 
 
 def loads(law, u, rotation):
-    p, m = law(DEPTH, u + rotation * DEPTH, rotation)
-    return np.array([HEIGHT @ p, HEIGHT @ (p * DEPTH + m)])
+    p, m = law(DEPTH, u - rotation * DEPTH, rotation)
+    return np.array([HEIGHT @ p, HEIGHT @ (m - p * DEPTH)])
 
 
 def fan_springs(law, angles=ANGLES, rho=RHO, held_back=()) -> xr.DataTree:
@@ -61,21 +61,21 @@ def fan_springs(law, angles=ANGLES, rho=RHO, held_back=()) -> xr.DataTree:
 def pull_states(law, arm, u):
     def unbalance(rotation, x):
         force, moment = loads(law, x, rotation)
-        return moment + arm * force
+        return moment - arm * force
 
-    return u, np.array([brentq(unbalance, -2.0 * x, x, args=(x,), xtol=1e-18) if x else 0.0 for x in u])
+    return u, np.array([brentq(unbalance, -x, 2.0 * x, args=(x,), xtol=1e-18) if x else 0.0 for x in u])
 
 
 def set_path(tree, name, law, u, rotation):
     """Give a path of a tree the states (n,) = (u, rotation) and the reactions of a law."""
     data = tree[f"paths/{name}"].to_dataset(inherit=False).copy(deep=True)
-    y = u + rotation * DEPTH[:, None]
+    y = u - rotation * DEPTH[:, None]
     p, m = law(DEPTH[:, None], y, rotation + 0.0 * y)
     edges = np.concatenate([[0.0], np.cumsum(HEIGHT)])
     zero = np.zeros_like(u)
     net, moment, shear = (np.zeros(data[key].shape) for key in ("p", "m", "t"))
     net[:, 0, 0, :], moment[:, 0, :], shear[:, 0, :] = p, m, 1e5
-    force, couple = HEIGHT @ p, (HEIGHT * DEPTH) @ p + HEIGHT @ m
+    force, couple = HEIGHT @ p, HEIGHT @ m - (HEIGHT * DEPTH) @ p
     new = {key: ("step", zero) for key in ("H_tip", "M_tip", "H_lid", "M_lid", "V_lid")}
     new |= {"p": (data["p"].dims, net), "m": (data["m"].dims, moment), "t": (data["t"].dims, shear)}
     new |= {"u": ("step", u), "rotation": ("step", rotation), "y": (("depth", "step"), y)}

@@ -79,14 +79,14 @@ def fields(c: Caisson, u: float, rotation: float) -> dict[str, np.ndarray]:
     """Return the contact fields (side, azimuth, depth) at a state (m, rad): stresses in Pa, gap in m."""
     z, theta = c.depth, c.azimuth[:, None]
     confinement = c.unit_weight * z + c.surcharge
-    felt = u + rotation * z + c.coupling * rotation * c.length
+    felt = u - rotation * z - c.coupling * rotation * c.length
     names = ("normal_effective_stress", "shear_lateral", "shear_vertical", "gap")
     out: dict[str, list[np.ndarray]] = {name: [] for name in names}
     for sign, radius, share in ((1.0, c.radii[0], 1.0), (-1.0, c.radii[1], 0.25)):
         swing = hyperbola(felt, share * c.modulus, 4.0 * confinement)
         normal = confinement + sign * swing * np.cos(theta)
         lateral = hyperbola(felt, 0.5 * share * c.modulus, 0.4 * confinement) * np.sin(theta) ** 2
-        down = -rotation * radius * np.cos(theta)
+        down = rotation * radius * np.cos(theta)
         vertical = hyperbola(down, 0.35 * share * c.modulus, 0.4 * confinement * np.ones_like(theta))
         out["normal_effective_stress"].append(np.maximum(normal, 0.0))
         touching = np.clip(normal / (0.2 * confinement), 0.0, 1.0)  # friction fades out before the gap opens
@@ -105,14 +105,14 @@ def rings(c: Caisson, field: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     normal = (field["normal_effective_stress"] * outward * cos * arc).sum(axis=1)
     shear = (field["shear_lateral"] * arc).sum(axis=1)
     p = np.stack([normal, shear, np.zeros_like(normal)], axis=-1)
-    m = (-field["shear_vertical"] * x * arc).sum(axis=1)
+    m = (field["shear_vertical"] * x * arc).sum(axis=1)
     t = (field["shear_vertical"] * arc).sum(axis=1)
     return {"p": np.moveaxis(p, 0, 1), "m": m.T, "t": t.T}
 
 
 def base(c: Caisson, u: float, rotation: float) -> dict[str, float]:
     """Return the tip and lid terms (N, N m) at a state."""
-    tip = u + rotation * c.length
+    tip = u - rotation * c.length
     return {
         "H_tip": float(hyperbola(tip, 1.2e8, 1.5e5)),
         "M_tip": float(hyperbola(rotation, 4e9, 3e6)),
@@ -127,7 +127,7 @@ def loads(c: Caisson, u: float, rotation: float) -> tuple[float, float]:
     dz = np.diff(c.bounds)[:, 0]
     p, m = ring["p"].sum(axis=(1, 2)), ring["m"].sum(axis=1)
     lateral = float(p @ dz + b["H_tip"] + b["H_lid"])
-    moment = float((p * c.depth + m) @ dz + c.length * b["H_tip"] + b["M_tip"] + b["M_lid"])
+    moment = float((m - p * c.depth) @ dz - c.length * b["H_tip"] + b["M_tip"] + b["M_lid"])
     return lateral, moment
 
 
@@ -142,11 +142,11 @@ def states(c: Caisson, path: Path) -> list[tuple[float, float]]:
 
     def unbalance(rotation: float, u: float) -> float:
         lateral, moment = loads(c, u, rotation)
-        return moment + lateral * path.arm
+        return moment - lateral * path.arm
 
     solved = [(0.0, 0.0)]
     for u in ramp[1:]:
-        ends = -4.0 * u / c.length, 2.0 * u / c.length
+        ends = -2.0 * u / c.length, 4.0 * u / c.length
         solved.append((float(u), float(brentq(unbalance, *ends, args=(u,), xtol=1e-16, rtol=1e-14))))
     return solved
 

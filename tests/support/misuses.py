@@ -71,8 +71,8 @@ DIRECTIONS = (
     ),
     _m("the same, with --strict", "predict one.nc --H 300kN --arm 8m --strict", "off the path 'pull'"),
     _m("p-y springs alone", "predict one.nc --H 100kN --springs py", "they carry a fraction of the load", WARNED),
-    _m("between rays that are too far apart", "predict wide.nc --H -500kN --M 3MNm", "90 degrees apart", WARNED),
-    _m("the same, with --strict", "predict wide.nc --H -500kN --M 3MNm --strict", "90 degrees apart"),
+    _m("between rays that are too far apart", "predict wide.nc --H -500kN --M -3MNm", "90 degrees apart", WARNED),
+    _m("the same, with --strict", "predict wide.nc --H -500kN --M -3MNm --strict", "90 degrees apart"),
     _m("sequence that turns back", "predict fan.nc --sequence back.csv", "come after the sequence turned back", WARNED),
     _m("the same, with --strict", "predict fan.nc --sequence back.csv --strict", "turned back"),
     _m("sequence that turns aside", "predict fan.nc --sequence aside.csv", "left its first direction", WARNED),
@@ -184,7 +184,7 @@ CASES = (
     _m("load cases without units", "design fan.nc nounit.csv", r"no unit: write 'H \[kN\]'"),
     _m("thousands or decimals", "design fan.nc doubt.csv", "may be 1.25 or 1250"),
     _m("moment and height of one load", "design fan.nc both.csv", "give either a moment or the height of H"),
-    _m("overturning moment with the sign of H", "design fan.nc sign.csv", "H and M have the same sign", WARNED),
+    _m("righting moment against H", "design fan.nc sign.csv", "H and M have opposite signs", WARNED),
     _m("direction without a unit", "design fan.nc direction.csv", r"write 'direction \[deg\]'"),
     _m("negative partial factor", "design fan.nc negative.csv", "is negative: a partial factor is 0 or more"),
     _m("one load in two columns", "design fan.nc twice.csv", "column stands 2 times"),
@@ -243,7 +243,7 @@ def write_files(folder: Path) -> None:
     (folder / "mixed.csv").write_text("H_N,u_m\n1e5,1e-3\n")
     (folder / "gap.csv").write_text("H_N,arm_m\n1e5,2\nnan,2\n")
     (folder / "beyond.csv").write_text("H_N,arm_m\n1e5,2\n9e7,2\n")
-    (folder / "aside.csv").write_text("H_N,M_Nm\n1e5,0\n2e5,0\n2e5,-1e6\n")
+    (folder / "aside.csv").write_text("H_N,M_Nm\n1e5,0\n2e5,0\n2e5,1e6\n")
     for name, text in _CASES.items():
         (folder / f"{name}.csv").write_text(text, encoding="utf-8")
     for name, text in _SCENES.items():
@@ -305,8 +305,8 @@ _SCENES = {
 _CASES = {
     "nounit": "name,H,arm [m]\na,100,2\n",
     "doubt": "name;H [kN]\na;1,250\n",
-    "both": "name,H [kN],arm [m],M [kN m]\na,100,2,-200\n",
-    "sign": "name,H [kN],M [kN m]\na,100,200\n",
+    "both": "name,H [kN],arm [m],M [kN m]\na,100,2,200\n",
+    "sign": "name,H [kN],M [kN m]\na,100,-200\n",
     "direction": "name,H [kN],arm [m],direction\na,100,2,45\n",
     "negative": "name,H [kN],arm [m],factor\na,100,2,-1.35\n",
     "twice": "name,H [kN],H [MN],arm [m]\na,100,0.1,2\n",

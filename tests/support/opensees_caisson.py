@@ -3,7 +3,7 @@
 
 Motions along the load, and across it, and the number of nodes come out.
 
-z upwards: a moment M about +y of the springs (z down) is -M here, and so is the rotation.
+z upwards: M at the angle 0 is a moment about +y, as the rotation.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def main() -> int:
         attach(ops, task["script"], beam(ops, task["skirt"]))
         ops.timeSeries("Linear", 1)
         ops.pattern("Plain", 1, 1)
-        ops.load(1, c * H, s * H, -V, s * M, -c * M, 0.0)
+        ops.load(1, c * H, s * H, -V, -s * M, c * M, 0.0)
         if held := task["held"]:  # freedoms of the lid that a user fixes, as in a tower in a plane
             ops.fix(1, *held)
         ops.constraints(*task["constraints"])
@@ -89,7 +89,7 @@ def main() -> int:
         status = ops.analyze(task["steps"])
         x, y, z, about_x, about_y, _ = ops.nodeDisp(1)
         across = max(abs(c * y - s * x), abs(c * about_x + s * about_y))
-        out.append([status, c * x + s * y, s * about_x - c * about_y, -z, across, len(ops.getNodeTags())])
+        out.append([status, c * x + s * y, c * about_y - s * about_x, -z, across, len(ops.getNodeTags())])
     print(json.dumps(out), flush=True)
     return 0
 

@@ -34,8 +34,8 @@ GROWTH = np.linspace(0.0, 1.0, STEPS) ** 1.5
 # End of each path: u (m), w (m), rotation; kind, role.
 PATHS = {
     "slide": ((6e-3, -3e-4, 0.0), "translation", "calibration"),
-    "turn": ((0.0, 1e-4, -1.2e-3), "rotation", "calibration"),
-    "swept": ((4e-3, -2e-4, 5e-4), "translation", "held-back"),
+    "turn": ((0.0, 1e-4, 1.2e-3), "rotation", "calibration"),
+    "swept": ((4e-3, -2e-4, -5e-4), "translation", "held-back"),
     "down": ((0.0, 8e-3, 0.0), "vertical", "calibration"),
 }
 SHARE = {"outer": 1.0, "inner": 0.3, "lid": 0.5, "tip": 0.8}
@@ -128,7 +128,7 @@ def result() -> xr.DataTree:
     return xr.DataTree.from_dict(fixed | groups)
 
 
-STIFFNESS = np.array([[4.0e9, 1.0e6, 9.0e9], [2.0e6, 3.5e9, 3.0e6], [9.4e9, 5.0e6, 8.0e10]])
+STIFFNESS = np.array([[4.0e9, 1.0e6, -9.0e9], [2.0e6, 3.5e9, -3.0e6], [-9.4e9, -5.0e6, 8.0e10]])
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ class Raw:
         for name, (x, _, z), parts in self.stations():
             if name == face:
                 fx, _, fz = sum(parts.values())
-                out["H"], out["V"], out["M"] = out["H"] + fx, out["V"] + fz, out["M"] + fx * (z - about) - fz * x
+                out["H"], out["V"], out["M"] = out["H"] + fx, out["V"] + fz, out["M"] + fz * x - fx * (z - about)
         return out
 
     def total(self) -> dict[str, float]:
@@ -197,7 +197,7 @@ class Raw:
         out = {"H": 0.0, "V": 0.0, "M": 0.0}
         for _, (x, _, z), parts in self.stations():
             fx, _, fz = sum(parts.values())
-            out["H"], out["V"], out["M"] = out["H"] + fx, out["V"] + fz, out["M"] + fx * z - fz * x
+            out["H"], out["V"], out["M"] = out["H"] + fx, out["V"] + fz, out["M"] + fz * x - fx * z
         return out
 
     def ring(self, side: str, depth: float) -> dict[str, float]:
@@ -211,7 +211,7 @@ class Raw:
                 force = sum(parts.values())
                 for part, vector in parts.items():
                     out[part] += float(vector[0]) / (bottom - top)
-                out["m"] += -float(force[2]) * float(x) / (bottom - top)
+                out["m"] += float(force[2]) * float(x) / (bottom - top)
                 out["t"] += float(force[2]) / (bottom - top)
         assert count == len(built().caisson.azimuth)
         return out

@@ -9,6 +9,8 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core import variables
+from pysprings.full_model.run_record import SCHEMA as RESULT
+from pysprings.springs.dataset import SCHEMA
 from tests.support.invented_soil import Caisson, Path, base, fields, rings, states, stiffness
 
 SIDES = list(variables.SIDES)
@@ -31,7 +33,7 @@ def path_dataset(c: Caisson, path: Path) -> xr.Dataset:
     z, dz = c.depth, np.diff(c.bounds)[:, 0]
     net = p.sum(axis=(1, 2))
     side_h = np.einsum("dscn,d->sn", p, dz)
-    side_m = np.einsum("dscn,d->sn", p, dz * z) + np.einsum("dsn,d->sn", m, dz)
+    side_m = -np.einsum("dscn,d->sn", p, dz * z) + np.einsum("dsn,d->sn", m, dz)
     side_v = np.einsum("dsn,d->sn", t, dz)
     v_tip = np.full(n, 0.3 * DEAD_LOAD)
     data: dict[str, tuple] = {
@@ -41,7 +43,7 @@ def path_dataset(c: Caisson, path: Path) -> xr.Dataset:
         "rotation": ("step", rotation),
         "H": ("step", side_h.sum(0) + b["H_tip"] + b["H_lid"]),
         "V": ("step", np.full(n, DEAD_LOAD)),
-        "M": ("step", side_m.sum(0) + c.length * b["H_tip"] + b["M_tip"] + b["M_lid"]),
+        "M": ("step", side_m.sum(0) - c.length * b["H_tip"] + b["M_tip"] + b["M_lid"]),
         "H_outer": ("step", side_h[0]),
         "H_inner": ("step", side_h[1]),
         "M_outer": ("step", side_m[0]),
@@ -57,7 +59,7 @@ def path_dataset(c: Caisson, path: Path) -> xr.Dataset:
         "converged": ("step", np.ones(n, dtype=np.int8)),
         "depth_bounds": (("depth", "bound"), c.bounds),
         "p": (("depth", "step"), net),
-        "y": (("depth", "step"), u + rotation * z[:, None]),
+        "y": (("depth", "step"), u - rotation * z[:, None]),
         "p_component": (("depth", "side", "component", "step"), p),
         "m": (("depth", "side", "step"), m),
         "t": (("depth", "side", "step"), t),
@@ -68,8 +70,8 @@ def path_dataset(c: Caisson, path: Path) -> xr.Dataset:
     data |= _under("lid", c, u, rotation, 0.0) | _under("tip", c, u, rotation, c.length)
     x, depth, _ = section_mesh(c)
     fade = np.exp(-np.maximum(np.abs(x) - c.radius, 0.0) / 5.0) * np.exp(-np.maximum(depth - c.length, 0.0) / 3.0)
-    data["section_ux"] = (("step", "section_node"), (u[:, None] + rotation[:, None] * depth) * fade)
-    data["section_uz"] = (("step", "section_node"), (w[:, None] - rotation[:, None] * x) * fade)
+    data["section_ux"] = (("step", "section_node"), (u[:, None] - rotation[:, None] * depth) * fade)
+    data["section_uz"] = (("step", "section_node"), (w[:, None] + rotation[:, None] * x) * fade)
     coords = {"depth": z, "azimuth": c.azimuth, "side": SIDES, "component": COMPONENTS, "step": np.arange(n)}
     attrs = {"kind": path.kind, "arm_m": path.arm, "role": path.role, "status": "complete", "end": "reached"}
     return variables.attach(xr.Dataset(data, coords=coords, attrs=attrs), "result_path")
@@ -81,7 +83,7 @@ def _under(part: str, c: Caisson, u: np.ndarray, rotation: np.ndarray, depth: fl
     r, a = (v.ravel() for v in np.meshgrid(radius, c.azimuth))
     x, point = r * np.cos(a), f"{part}_point"
     start = c.surcharge + c.unit_weight * depth
-    normal = start - 0.05 * c.modulus * rotation[:, None] * x - 2e6 * u[:, None]
+    normal = start + 0.05 * c.modulus * rotation[:, None] * x - 2e6 * u[:, None]
     return {
         f"{part}_x": (point, x),
         f"{part}_y": (point, r * np.sin(a)),
@@ -138,6 +140,7 @@ def make_result(paths: tuple[Path, ...] = (Path(),), caisson: Caisson | None = N
     )
     attrs = {
         "Conventions": "CF-1.11",
+        "schema": RESULT,
         "title": "synthetic caisson",
         "source": "pysprings 0.0.0",
         "pysprings_version": "0.0.0",
@@ -180,7 +183,7 @@ def make_springs(paths: tuple[Path, ...] = (Path(),), caisson: Caisson | None = 
         "skirt_thickness_m": c.thickness,
         "vertical_load_N": DEAD_LOAD,
         "drainage": "drained",
-        "schema": "pysprings-springs-2",
+        "schema": SCHEMA,
     }
     root = xr.Dataset(
         {"stiffness_initial": (("dof", "dof_conjugate"), stiffness(c))},

@@ -47,7 +47,7 @@ def law(z, y, rotation):
     return P_STIFFNESS * masing(y), M_STIFFNESS * masing(LENGTH * rotation) / LENGTH
 
 
-def springs(turning=(0.0, -50.0), loops=()) -> xr.DataTree:
+def springs(turning=(0.0, 50.0), loops=()) -> xr.DataTree:
     """Return a fan with rays that turn back at these angles [deg], and held-back loops of (angle, rho [m])."""
     tree = fan_springs(law)
     paths = [(f"turning_{angle:g}", angle, 0.4 * RHO[-1], "memory") for angle in turning]

@@ -150,7 +150,7 @@ def test_the_plug_follows_by_its_share(base: xr.Dataset) -> None:
     rigid, share = 0.0, 0.0
     for k, depth in enumerate(z):
         spacing = (z[min(k + 1, len(z) - 1)] - z[max(k - 1, 0)]) / (1 if k in (0, len(z) - 1) else 2)
-        motion = u + rotation * depth
+        motion = u - rotation * depth
         rigid, share = rigid + spacing * motion**2, share + spacing * motion**2 * (1.0 - 0.1 * depth)
     falling = base.assign(section_ux=base["section_ux"] * (1.0 - 0.1 * base["section_depth"]))
     assert claims_drained.plug_motion(falling) == pytest.approx(share / rigid, rel=1e-9)

@@ -52,7 +52,7 @@ def stiffness(
     """K_H (N/m), K_C (N), K_M (N m) and K_free (N/m) of a rigid caisson bonded to elastic soil.
 
     H = K_H u + K_C rotation and M = K_C u + K_M rotation at mudline, where depth z is down and the lateral displacement
-    is u + rotation z, so that K_C > 0; K_free = K_H - K_C^2/K_M has no moment at mudline.
+    is u - rotation z, so that K_C < 0; K_free = K_H - K_C^2/K_M has no moment at mudline.
 
     Parameters
     ----------
@@ -87,8 +87,8 @@ def matrix(
     body = (r <= radius) & (z == 0.0) | (r == radius) & (z <= length)
     motion = np.zeros((len(r), 3, 2))
     motion[body, U, 0] = 1.0
-    motion[body, U, 1] = z[body]
-    motion[body, W, 1] = -r[body]
+    motion[body, U, 1] = -z[body]
+    motion[body, W, 1] = r[body]
     fixed = np.zeros((len(r), 3), bool)
     fixed[body | (z == domain_depth)] = True
     fixed[r == domain_radius, U] = True

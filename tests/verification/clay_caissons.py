@@ -150,7 +150,7 @@ def probe(clay: Clay, direction: float, vertical: float) -> tuple[float, float]:
 
 def about_tip(clay: Clay) -> tuple[float, float]:
     """Return H/(A su_0) and M/(A D su_0), M about the tip, of a caisson that rotates about its tip."""
-    control = np.array([[1.0, 0.0, clay.tip], [0.0, 0.0, 1.0]])
+    control = np.array([[1.0, 0.0, -clay.tip], [0.0, 0.0, 1.0]])
     target = np.array([0.0, REACH / (0.5 * DIAMETER)])
     stage = Stage("tip", control, target, control.T.copy(), np.zeros(3), max_fraction=0.2, first_fraction=1.0e-3)
     steps, _ = _run(clay, "rotation about the tip", stage)

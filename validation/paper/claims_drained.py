@@ -125,7 +125,7 @@ def base(paths: Paths) -> Finding:
     )
     if not np.isfinite([growing, rotation, sink, follows]).all():
         return Finding(figure, (None,))
-    moves = rotation < 0.0 and abs(sink) < 0.5 * SHOWN
+    moves = rotation > 0.0 and abs(sink) < 0.5 * SHOWN
     return Finding(figure, (growing > 0.02, 0.8 <= follows <= 1.2, bool(moves)))
 
 
@@ -136,7 +136,7 @@ def plug_motion(path: xr.Dataset, u: float = SHOWN) -> float:
     axis = np.flatnonzero((np.abs(x) < 1e-6 * np.abs(x).max()) & (depth <= length + 1e-6))
     order = axis[np.argsort(depth[axis])]
     soil = m.at(path, "section_ux", u)[order]
-    caisson = float(m.at(path, "u", u)) + float(m.at(path, "rotation", u)) * depth[order]
+    caisson = float(m.at(path, "u", u)) - float(m.at(path, "rotation", u)) * depth[order]
     weight = np.gradient(depth[order])
     return float((soil * caisson * weight).sum() / (caisson**2 * weight).sum())
 

@@ -77,7 +77,7 @@ def forget(out: Path, cases: Sequence[Case] = CASES) -> None:
 
 def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, Run]:
     """Read the runs below a folder that belong to this mesh and version and have a converged step, by name."""
-    from pysprings.core.files.storage import read_tree
+    from pysprings.results.opened import open_result
     from pysprings.springs.dataset import path_names
 
     runs = {}
@@ -86,7 +86,7 @@ def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, 
         record = record_of(folder, case.scene(mesh))
         if record is None or not (folder / "full_model.nc").exists():
             continue
-        result = read_tree(folder / "full_model.nc")
+        result = open_result(folder)
         if PATH in path_names(result) and int(result[f"paths/{PATH}"]["converged"].sum()) > 1:
             runs[case.name] = Run(case, folder, result, path_of(result), record)
     return runs

@@ -106,7 +106,7 @@ def initial_stiffness(stiffness: Array, path: xr.Dataset) -> float:
         K = K - np.outer(stiffness[[0, 2], 1], stiffness[1, [0, 2]]) / stiffness[1, 1]
     if kind.free_head:
         arm = float(path.attrs.get("arm_from_m", path.attrs["arm_m"]))
-        return float(1.0 / np.linalg.solve(K, np.array([1.0, -arm]))[0])
+        return float(1.0 / np.linalg.solve(K, np.array([1.0, arm]))[0])
     if kind.drives == "rotation":
         return float(K[1, 1])
     if kind.straight:

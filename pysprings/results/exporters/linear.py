@@ -36,17 +36,17 @@ _SECANT_COLUMNS = ("state", "|u| [mm]", "|rotation| [mrad]", "Kxx", "Kxty", "Kty
 _COLUMNS = ("path", "role", "u [mm]", "rotation [mrad]", *(f"{load} {100 * s:g} %" for load in "HM" for s in SHARES))
 
 
-def stiffness_z_up(springs: Springs, torsion: float) -> Array:
-    """Return the initial stiffness (6, 6) at the lid centre with z up [N/m, N/rad, N m/rad].
+def with_torsion(springs: Springs, torsion: float) -> Array:
+    """Return the initial stiffness (6, 6) at the lid centre [N/m, N/rad, N m/rad], symmetric.
 
-    Axes: x along the load, z up, y completing a right-handed set. `torsion` [N m/rad] is the user's own.
+    Axes are those of `stiffness_six`. `torsion` [N m/rad] is the user's own.
 
     Raises
     ------
     UserInputError
         Springs from a table without vertical stiffness.
     """
-    matrix: Array = stiffness_six(springs, z_up=True, symmetric=True).values.copy()
+    matrix: Array = stiffness_six(springs, symmetric=True).values.copy()
     matrix[5, 5] = torsion
     return matrix + 0.0
 
@@ -60,15 +60,15 @@ def secants(springs: Springs) -> list[str]:
     """Return the lines of a table: stiffness at rest, then the secants at 10 and 50 % of the range of lateral paths.
 
     The secant is that of the springs that predict, at recorded states of the paths with a free head (of all lateral
-    ones where there is none), in the frame and the words of the matrix: z up, x along the load.
+    ones where there is none), in the frame and the words of the matrix.
     """
     lateral = [path for path in springs.paths.values() if not path.is_vertical]
-    rows = [("at rest", "", "", *_entries(stiffness_z_up(springs, 0.0)[np.ix_([0, 4], [0, 4])]))]
+    rows = [("at rest", "", "", *_entries(with_torsion(springs, 0.0)[np.ix_([0, 4], [0, 4])]))]
     for path in [each for each in lateral if has_free_head(each.attrs)] or lateral:
         model = MacroModel.from_springs(springs.answering(path))
         motion = np.stack([path.u, path.rotation])
         for share, step in zip(SHARES[:2], _steps(motion, springs.length), strict=False):
-            matrix = in_form(secant(model, *motion[:, step]), Form(z_up=True, symmetric=True))
+            matrix = in_form(secant(model, *motion[:, step]), Form(symmetric=True))
             size = [f"{1e3 * value + 0.0:.3g}" for value in np.abs(motion[:, step])]
             rows.append((f"{path.name}, {100 * share:g} %", *size, *_entries(matrix[np.ix_([0, -1], [0, -1])])))
     return [_SECANTS, *plain_table(_SECANT_COLUMNS, rows).splitlines()]

@@ -73,11 +73,11 @@ def _unit(i: int, j: int) -> str:
 
 def matrix_of(source: Source, torsion: float) -> tuple[np.ndarray, list[str]]:
     """Return the initial stiffness (6, 6) with z up, and the sentences on what a matrix loses."""
-    from pysprings.results.exporters.linear import linear_words, stiffness_z_up
+    from pysprings.results.exporters.linear import linear_words, with_torsion
     from pysprings.springs.springs import Springs
 
     springs = Springs.of(source.springs)
-    stiffness = stiffness_z_up(springs, torsion)
+    stiffness = with_torsion(springs, torsion)
     lost = linear_words(springs)
     return stiffness, lost + ([] if torsion else [NO_TORSION])
 

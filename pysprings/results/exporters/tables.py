@@ -133,6 +133,6 @@ def _end_rows(path: xr.Dataset, family: str) -> pd.DataFrame:
     depth = float(path["depth_bounds"].values[-1, 1]) if family == "base" else 0.0
     step = np.arange(path.sizes["step"])
     data: dict[str, Any] = {"family": family, "depth_m": depth, "depth_top_m": depth, "depth_bottom_m": depth}
-    data |= {"step": step, "y_m": path["u"].values + path["rotation"].values * depth} | _motion(path, step)
+    data |= {"step": step, "y_m": path["u"].values - path["rotation"].values * depth} | _motion(path, step)
     forces = {"H_N": f"H_{part}", "V_N": f"V_{part}", "M_Nm": f"M_{part}"}
     return pd.DataFrame(data | {column: path[name].values for column, name in forces.items()})

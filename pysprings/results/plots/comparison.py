@@ -124,10 +124,10 @@ def _draw_point(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset]) 
 
 
 def _point(data: xr.Dataset) -> np.ndarray:
-    """Return the depth -u/rotation [m] by step; NaN where the motion is too small."""
+    """Return the depth u/rotation [m] by step; NaN where the motion is too small."""
     u, rotation = data["u"].values, data["rotation"].values
     shown = (np.abs(u) > SMALLEST * np.abs(u).max(initial=0.0)) & (rotation != 0.0)
-    return np.where(shown, -u / np.where(shown, rotation, 1.0), np.nan)
+    return np.where(shown, u / np.where(shown, rotation, 1.0), np.nan)
 
 
 def _draw(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset], driver: str, name: str, scale: float) -> None:

@@ -111,7 +111,7 @@ def _rotation(axes: Axes, path: xr.Dataset) -> None:
     axes.set_ylabel("rotation [mrad]")
     degrees = axes.secondary_yaxis("right", functions=(_degrees, _milliradians))
     degrees.set_ylabel("rotation [deg]")
-    axes.set_title("Rotation (positive moves the tip towards +x)")
+    axes.set_title("Rotation (positive leans towards +x)")
 
 
 def _degrees(mrad: ArrayLike) -> NDArray[np.float64]:

@@ -205,7 +205,7 @@ def _draw_moved_caisson(axes: Axes, section: xr.Dataset, path: xr.Dataset, step:
     """Draw the displaced outline, exaggerated; return the factor (0 when nothing moved)."""
     outline = caisson_polygon(section)
     u, w, rotation = (float(path[name][step]) for name in ("u", "w", "rotation"))
-    motion = np.column_stack([u + rotation * outline[:, 1], w - rotation * outline[:, 0]])
+    motion = np.column_stack([u - rotation * outline[:, 1], w + rotation * outline[:, 0]])
     largest = float(np.abs(motion).max())
     if not np.isfinite(largest) or largest < 1e-12:
         return 0.0

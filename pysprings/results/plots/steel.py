@@ -35,7 +35,7 @@ def ovalisation(path: xr.Dataset, step: int | None = None, displacement: float |
     left.plot(state["diameter_change_y"] * MM, depth, "--s", color=BLUE, label="across it, y")
     left.set_xlabel("change of diameter [mm], growth +")
     left.set_title("Ovalisation of the skirt")
-    rigid = float(state["u"]) + float(state["rotation"]) * depth
+    rigid = float(state["u"]) - float(state["rotation"]) * depth
     right.plot(state["y"] * MM, depth, "-o", color=INK, label="mean fibre of the skirt")
     right.plot(rigid * MM, depth, ":", color=INK, label="rigid motion of the lid's centre")
     right.set_xlabel("lateral displacement [mm], towards +x")

@@ -36,7 +36,7 @@ def equilibrium_table(tree: xr.DataTree) -> Table:
             rows.append((name, load, largest, f"{missing:.1e}"))
     note = (
         "H = sum p dz + H_tip + H_lid; V = sum t dz + V_tip + V_lid; "
-        "M = sum (p z + m) dz + L H_tip + M_tip + M_lid. Missing: reactions less load, over the largest part."
+        "M = -(sum p z dz + L H_tip) + sum m dz + M_tip + M_lid. Missing: reactions less load, over the largest part."
     )
     return Table("Equilibrium check", ("path", "load", "largest load", "missing (relative)"), rows, note)
 

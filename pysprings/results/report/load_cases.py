@@ -84,7 +84,7 @@ COLUMNS = (
     Column("remark", "remarks"),
 )
 NOTE = (
-    "M is about the lid centre at mudline, M = -H arm; loads contain their partial factors. Utilisation is the load "
+    "M is about the lid centre at mudline, M = H arm; loads contain their partial factors. Utilisation is the load "
     "over the largest known one in its direction, H and M in proportion at the V of the case; of the end of the range: "
     "the springs reach no further, the capacity is larger. V used is V over the largest vertical load of the vertical "
     "springs. A case without an answer has no motion; its mark is the "

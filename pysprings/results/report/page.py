@@ -21,6 +21,7 @@ from pysprings.full_model.run_record import RunRecord
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import picture_kind, pictures_in
+from pysprings.results.opened import open_result
 from pysprings.results.report.live import Live, live_parts
 from pysprings.results.report.load_cases import read_answers
 from pysprings.results.report.table import ReportData, Section, Table
@@ -77,7 +78,7 @@ def write_report(
     from pysprings.core.files.storage import read_tree, write_text
 
     place = Path(folder)
-    result = read_tree(place / "full_model.nc") if result is None else result
+    result = open_result(place) if result is None else result
     if springs is None and (place / "springs.nc").exists():
         springs = read_tree(place / "springs.nc")
     if compare is None and (place / "compare.csv").exists():

@@ -2,7 +2,7 @@
 """Load cases from a table: names, loads with units in the headings, directions, limit states, partial factors.
 
 A row is a load; rows of one name act together and are added. `H` acts in the vertical plane of `direction` (an angle in
-plan), `M` in that of `M direction` (that of H where not given), with M = -H arm for a load above mudline. A case is its
+plan), `M` in that of `M direction` (that of H where not given), with M = H arm for a load above mudline. A case is its
 load in the vertical plane of its force, and beside it the moment across that plane and the torsion, for the answer.
 """
 
@@ -46,7 +46,6 @@ FORMS = "H with M or arm, M alone, V alone, or Fx, Fy, Fz, Mx, My, Mz with z up"
 # A moment across the plane of the force up to this share of the moment is rounding of angles
 _ACROSS = 1e-6
 MOST_FACTOR = 10.0
-OVERTURNING = -1.0  # sign of the M of a positive H that acts above mudline
 _TURN = 2.0 * np.pi * (1.0 + 1e-9)
 
 
@@ -59,7 +58,7 @@ class LoadCases:
     file : of the table.
     name, limit_state : by case; blank where not given.
     line : of the first row of each case.
-    H, M : lateral load [N] and moment [N m] about the lid centre, in the plane of `direction`; M = -H arm.
+    H, M : lateral load [N] and moment [N m] about the lid centre, in the plane of `direction`; M = H arm.
     V : vertical load [N], positive down; NaN where not given.
     direction : of the plane [rad], in plan.
     tilt : largest rotation that is tolerated [rad]; NaN where not given.
@@ -97,7 +96,7 @@ class LoadCases:
     @property
     def opposed(self) -> NDArray[np.bool_]:
         """Which cases have an M that turns against H, as a load below mudline does."""
-        opposed: NDArray[np.bool_] = OVERTURNING * self.H * self.M < 0.0
+        opposed: NDArray[np.bool_] = self.H * self.M < 0.0
         return opposed
 
     @property
@@ -116,10 +115,10 @@ class LoadCases:
         (None: not known, T is left out): a bound in ground that is the same in all directions.
         """
         aside, way = self.aside, np.sign(self.H)
-        way = np.where(way != 0.0, way, np.where(self.M != 0.0, OVERTURNING * np.sign(self.M), 1.0))
+        way = np.where(way != 0.0, way, np.where(self.M != 0.0, np.sign(self.M), 1.0))
         added = np.zeros(len(self)) if radius is None else np.abs(self.torsion) / radius
         H = np.where(aside, way * (np.abs(self.H) + added), self.H)
-        M = np.where(aside, OVERTURNING * way * np.hypot(self.M, self.across), self.M)
+        M = np.where(aside, way * np.hypot(self.M, self.across), self.M)
         remarks = tuple(
             "; ".join(filter(None, (text, _bound_words(*each)))) if each[0] or each[1] else text
             for text, each in zip(self.remarks, zip(self.across, self.torsion, added, strict=True), strict=True)
@@ -203,7 +202,7 @@ def _check_row(table: Table, row: dict[str, float], k: int) -> None:
     if clean and not force | moment | given & {"V_N", "Fz_N", "T_Nm"}:
         table.fault(k, None, f"no load: expected {FORMS}")
     if "arm_m" in given and moment:
-        table.fault(k, "arm_m", "give either a moment or the height of H, not both (M = -H arm)")
+        table.fault(k, "arm_m", "give either a moment or the height of H, not both (M = H arm)")
     if "arm_m" in given and not force and clean:
         table.fault(k, "arm_m", "a height without H")
     for name in _FACTORS:
@@ -271,7 +270,7 @@ def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     """Return loads of each row with their factors (V: NaN where there is none), and remarks by row.
 
     H and M are signed sizes in the planes of H_plane and M_plane [rad]. The moment of a force has the factor of the
-    force: M = -H arm, and M or T beside `factor H` without `factor M`.
+    force: M = H arm, and M or T beside `factor H` without `factor M`.
     """
     by = {name: values[f"factor_{name}"] for name in "HMV"}
     given = {name: np.nan_to_num(column) for name, column in values.items()}
@@ -284,8 +283,8 @@ def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     turning = np.where(np.isnan(values["M_direction_rad"]), towards, given["M_direction_rad"])
     force = _vector(given["H_N"], towards) + np.stack([given["Fx_N"], given["Fy_N"]], axis=1)
     # in planes of bending: My bends in that of x, -Mx in that of y, as forces at a height do
-    bending = _vector(given["M_Nm"], turning) + OVERTURNING * np.stack([given["My_Nm"], -given["Mx_Nm"]], axis=1)
-    bending = bending * M[:, None] + OVERTURNING * force * (given["arm_m"] * H)[:, None]
+    bending = _vector(given["M_Nm"], turning) + np.stack([given["My_Nm"], -given["Mx_Nm"]], axis=1)
+    bending = bending * M[:, None] + force * (given["arm_m"] * H)[:, None]
     down = np.where(np.isnan(values["V_N"]), -values["Fz_N"], values["V_N"])
     loads = {"H": force * H[:, None], "M": bending, "V": down * V, "T": given["T_Nm"] * M}
     loads["plane"] = np.where(force.any(axis=1), towards, turning)
@@ -329,10 +328,10 @@ def _in_plane(rows: Sequence[int], loads: dict[str, Array]) -> tuple[float, floa
     elif np.hypot(*H) > _ACROSS * sizes["H"]:
         plane = H / np.hypot(*H)
     elif np.hypot(*M) > _ACROSS * sizes["M"]:
-        plane = OVERTURNING * M / np.hypot(*M)
+        plane = M / np.hypot(*M)
     else:
         plane = np.array([1.0, 0.0])
-    across = -OVERTURNING * float(plane[0] * M[1] - plane[1] * M[0])
+    across = float(plane[1] * M[0] - plane[0] * M[1])
     if abs(across) <= _ACROSS * sizes["M"]:
         across = 0.0
     return float(plane @ H), float(plane @ M), across, float(np.arctan2(plane[1], plane[0]))

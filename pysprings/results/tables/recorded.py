@@ -162,16 +162,20 @@ def _assembled(
 def _motion(depth: Array, py: Grid) -> tuple[Array, Array]:
     """Return u [m] and rotation [rad] by step, of a rigid body through the first ring."""
     rotation = py["rotation_rad"][0]
-    return (py["y_m"] - rotation * depth[:, None])[0], rotation
+    return (py["y_m"] + rotation * depth[:, None])[0], rotation
 
 
 def _check_motion(depth: Array, length: float, py: Grid, families: dict[str, pd.DataFrame], faults: Faults) -> None:
     """Add a fault for each row of p that does not move with the rigid body; depth and length in m."""
     u, rotation = _motion(depth, py)
     size = max(np.abs(py["y_m"]).max(), np.abs(rotation).max() * depth[-1], 1e-300)
-    wrong = np.abs(py["y_m"] - u - rotation * depth[:, None]) > ROUNDING * size
+    wrong = np.abs(py["y_m"] - u + rotation * depth[:, None]) > ROUNDING * size
     wrong |= np.abs(py["rotation_rad"] - rotation) * length > ROUNDING * size
-    text = "is not u + rotation_rad*depth_m with one u and rotation a step; for free curves leave rotation_rad out"
+    text = "is not u - rotation_rad*depth_m with one u and rotation a step; for free curves leave rotation_rad out"
+    if wrong.any() and not (np.abs(np.ptp(py["y_m"] - rotation * depth[:, None], axis=0)) > ROUNDING * size).any():
+        text = (
+            "is u + rotation_rad*depth_m, as in earlier versions: turn the signs of rotation_rad, m_Nm_per_m and M_Nm"
+        )
     file = str(families["py"]["file"].iloc[0])
     for line in py["line"][wrong]:
         faults.add((file, int(line)), "y_m", text)

@@ -79,7 +79,7 @@ def _built(columns: dict[str, Array]) -> Sequence:
     if rotation is not None:
         return Sequence("rotation", np.stack([rotation, zero], axis=1), float(arm[0]), *rest)
     force = columns.get("H_N", zero)
-    return Sequence("load", np.stack([force, columns.get("M_Nm", -force * arm)], axis=1), 0.0, *rest)
+    return Sequence("load", np.stack([force, columns.get("M_Nm", force * arm)], axis=1), 0.0, *rest)
 
 
 def _check_columns(table: Table) -> None:

@@ -33,6 +33,7 @@ from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro import slices
 from pysprings.macro.comparison import curves
 from pysprings.macro.sets import spring_sets
+from pysprings.results.opened import open_result
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.studies.accuracy.picture import front
@@ -176,7 +177,7 @@ def assess(runs: Sequence[Ended]) -> StudyResult:
     could not be extrapolated: the uncertainty stands in the place of its error, and the column `reference` names it.
     """
     complete = [each for each in runs if each.complete]
-    curves = {each.setting.name: curves_of(read_tree(each.folder / "full_model.nc")) for each in complete}
+    curves = {each.setting.name: curves_of(open_result(each.folder)) for each in complete}
     series = _series(complete)
     grids = common_grids(curves) if series else {}
     by_path = samples(curves, grids)

@@ -26,7 +26,7 @@ SUFFIX = ".nc"
 SHIPPED = Path(__file__).parent / "shipped"
 
 Array = NDArray[np.float64]
-SCHEMA = "pysprings-atlas-1"
+SCHEMA = "pysprings-atlas-2"
 
 
 def write_atlas(atlas: Atlas, file: str | os.PathLike[str]) -> Path:

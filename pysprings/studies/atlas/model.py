@@ -210,7 +210,7 @@ def sums(values: Array) -> tuple[Array, Array]:
     row = {name: ROWS.index(name) for name in ("H_tip", "H_lid")}
     p, tip, lid = values[..., :n, :], values[..., row["H_tip"], :], values[..., row["H_lid"], :]
     moments = values[..., len(FORCES) : len(FORCES) + len(MOMENTS), :]
-    M = (middle[:, None] * p).sum(axis=-2) + moments.sum(axis=-2) + tip
+    M = moments.sum(axis=-2) - (middle[:, None] * p).sum(axis=-2) - tip
     return p.sum(axis=-2) + tip + lid, M
 
 

@@ -138,7 +138,7 @@ def _path(rows: Array, rho: Array, angle: float, coords: xr.Coordinates, V: floa
         "depth_bounds": (("depth", "bound"), np.stack([edges[:-1], edges[1:]], axis=1)),
         "p": (("depth", "side", "component", "step"), p),
         "m": (("depth", "side", "step"), two["m"]), "t": (("depth", "side", "step"), two["t"]),
-        "y": (("depth", "step"), u + rotation * depth[:, None]),
+        "y": (("depth", "step"), u - rotation * depth[:, None]),
         "converged": ("step", np.ones(steps, dtype=np.int8)),
     }  # fmt: skip
     return xr.Dataset(_described(data), coords, _path_attributes(along, straight))
@@ -194,8 +194,8 @@ def _left(rest: Array, L: float) -> Array:
 def _action(L: float) -> Array:
     """Return the share (row, 2) of every row in (H, M/L)."""
     middle = (np.arange(_N) + 0.5) / _N
-    pairs = {f"p{k}": (1.0, float(middle[k])) for k in range(_N)}
-    pairs |= {"H_tip": (1.0, 1.0), "H_lid": (1.0, 0.0)} | {name: (0.0, 1.0 / L) for name in MOMENTS}
+    pairs = {f"p{k}": (1.0, -float(middle[k])) for k in range(_N)}
+    pairs |= {"H_tip": (1.0, -1.0), "H_lid": (1.0, 0.0)} | {name: (0.0, 1.0 / L) for name in MOMENTS}
     return np.array([pairs.get(name, (0.0, 0.0)) for name in ROWS])
 
 

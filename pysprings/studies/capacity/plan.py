@@ -2,7 +2,7 @@
 """The runs of a capacity study: probes in directions of the load, and rays for the springs, by V and strength (light).
 
 Directions are angles in the plane of H and M/D. Springs and full model are odd in a lateral load, so that half of the
-plane is enough: from -90 degrees (a moment as by a load above mudline) over 0 (a force at mudline) towards +90.
+plane is enough: from 90 degrees (a moment as by a load above mudline) over 0 (a force at mudline) towards -90.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ CHARACTERISTIC, DESIGN = "characteristic", "design"
 FEWEST, MOST = 2, 72
 PROBE = "probe"
 # Angles of the rays [deg] in the plane of (u, rotation * skirt length). Under a free head the caisson turns about a
-# point in the skirt or below it (-80 to -25 degrees); there a small change of the motion turns the load by much.
-RAYS = (-80.0, -70.0, -62.0, -56.0, -50.0, -44.0, -36.0, -25.0, 0.0, 25.0, 55.0, 90.0)
+# point in the skirt or below it (25 to 80 degrees); there a small change of the motion turns the load by much.
+RAYS = (-55.0, -25.0, 0.0, 25.0, 36.0, 44.0, 50.0, 56.0, 62.0, 70.0, 80.0, 90.0)
 # Rays reach further than the limit of motion in their direction, so that the states between two rays are in range
 _SPARE = 1.02
 # Directions that are compared when reaching for the limit between two rays
@@ -99,7 +99,7 @@ class Group:
         """Return rho [m] at the limit of motion in a direction of (u, rotation * skirt length)."""
         shift, turn = motion_limit(self.scene)
         u, v = math.cos(angle), math.sin(angle)
-        lateral = max(abs(u), abs(u + v)) / shift
+        lateral = max(abs(u), abs(u - v)) / shift
         return 1.0 / max(lateral, abs(v) / (turn * self.scene.caisson.skirt_length))
 
     def _with_paths(self, paths: Sequence[dict[str, Any]]) -> Scene:
@@ -114,8 +114,8 @@ def motion_limit(scene: Scene) -> tuple[float, float]:
 
 
 def angles(count: int) -> list[float]:
-    """Return directions [rad] of half the plane, -90 degrees first."""
-    return [math.pi * (k / count - 0.5) for k in range(count)]
+    """Return directions [rad] of half the plane, 90 degrees last."""
+    return [math.pi * (k / count - 0.5) for k in range(1, count + 1)]
 
 
 def groups(scene: Scene, request: Request) -> Iterator[Group]:

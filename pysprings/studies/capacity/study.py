@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from pysprings.scene.model import Scene
 
 _ENOUGH = 0.75  # share of the limit of motion to which a ray must lead
-SCHEMA = "pysprings-capacity-1"
+SCHEMA = "pysprings-capacity-2"
 FILES = {
     "report.html": "page with envelope and tables: open it in a browser",
     "capacity.csv": "capacity by direction, vertical load and strength; the macro-model's beside it",

@@ -26,7 +26,7 @@ CRITERIA = (
     "adds less than 0.02 % to the load at the end; displacement limit: the load at the limit of motion ({motion}), "
     "where it still grows; stopped before failure: the run ended earlier, the capacity is larger."
 )
-DIRECTIONS = "direction: angle in the plane of H and M/D; M is about the lid centre at mudline, M = -H arm."
+DIRECTIONS = "direction: angle in the plane of H and M/D; M is about the lid centre at mudline, M = H arm."
 
 
 def criteria(outcome: Capacity) -> str:

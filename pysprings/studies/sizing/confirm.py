@@ -64,7 +64,7 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
         raise refused("--confirm", f"full models are pulled by a lateral load, and load case {without} has none")
     paths = [
         {
-            "name": f"case_{k + 1}", "kind": "pull", "arm": float(-cases.M[k] / cases.H[k]),
+            "name": f"case_{k + 1}", "kind": "pull", "arm": float(cases.M[k] / cases.H[k]),
             "lateral_displacement": float(_FURTHER * abs(expected["u"][k])),
             "vertical_load": None if np.isnan(cases.V[k]) else float(cases.V[k]),
         }
@@ -95,7 +95,7 @@ def _row(k: int, wanted: Wanted, expected: pd.DataFrame, full: list[float]) -> d
     errors = [a / b - 1.0 for a, b in zip(own, full, strict=True)]
     inside = all(abs(a - b) <= BAND * s for a, b, s in zip(own, full, spread, strict=True))
     return {
-        "name": cases.name[k], "H_N": cases.H[k], "arm_m": -cases.M[k] / cases.H[k], "u_atlas_m": own[0],
+        "name": cases.name[k], "H_N": cases.H[k], "arm_m": cases.M[k] / cases.H[k], "u_atlas_m": own[0],
         "u_full_m": full[0], "rotation_atlas_rad": own[1], "rotation_full_rad": full[1],
         "u_error_pct": 100.0 * errors[0], "u_deviation_pct": 100.0 * spread[0] / full[0],
         "rotation_error_pct": 100.0 * errors[1], "rotation_deviation_pct": 100.0 * spread[1] / full[1],

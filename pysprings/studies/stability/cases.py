@@ -239,6 +239,6 @@ CASES = (
     Case("path", "push-down", "vertical load of 200 MN", {"caisson": {"vertical_load": 200e6}}),
     Case("path", "high-arm", "load 1,000 m above mudline", {}, {"arm": 1000.0}),
     Case("path", "rotation", "rotation of 1 deg", {}, {
-        "kind": "rotation", "lateral_displacement": None, "rotation": -1 * _DEG}),
+        "kind": "rotation", "lateral_displacement": None, "rotation": _DEG}),
     *GROUND_CASES,
 )  # fmt: skip

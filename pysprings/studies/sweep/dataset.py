@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pysprings.studies.sweep.study import Study
 
 FILE = "study.nc"
-SCHEMA = "pysprings-study-1"
+SCHEMA = "pysprings-study-2"
 _STATE_UNITS = {
     "u": "m", "w": "m", "rotation": "rad", "H": "N", "V": "N", "M": "N m", "H_tip": "N", "M_tip": "N m", "V_tip": "N",
     "H_lid": "N", "M_lid": "N m", "V_lid": "N", "p": "N/m", "m": "N m/m", "t": "N/m",

@@ -117,7 +117,7 @@ def _put_depths(path: SpringPath, share: Array, by_depth: Mapping[str, Array], r
     recorded = {name: path.by_depth(name) for name in BY_DEPTH}
     mapped = {name: weights @ values / slices for name, values in recorded.items()}
     lost = (path.depth * path.heights) @ recorded["p"] - (middle * slices) @ mapped["p"]
-    mapped["m"] = mapped["m"] + lost / path.length
+    mapped["m"] = mapped["m"] - lost / path.length
     for name, values in mapped.items():
         by_depth[name][row] = _resampled(share, values)
 

@@ -41,7 +41,7 @@ def states(*args: object) -> list[dict[str, float]]:
     ("args", "question"),
     [
         (["--H", "200 kN", "--arm", "8 m"], {"H": 2e5, "arm": 8.0}),
-        (["--H", "-0.2 MN", "--M", "-300 kN m", "--springs", "py"], {"H": -2e5, "M": -3e5, "springs_kind": "py"}),
+        (["--H", "-0.2 MN", "--M", "300 kN m", "--springs", "py"], {"H": -2e5, "M": 3e5, "springs_kind": "py"}),
         (["--H", "100 kN", "--V", "500 kN", "--path", "pull"], {"H": 1e5, "V": 5e5, "path": "pull"}),
     ],
 )
@@ -57,9 +57,9 @@ def test_a_load_is_passed_on_in_si(springs_file: Path, args: list[str], question
 def test_motions_are_passed_on_in_si(springs_file: Path) -> None:
     curve = states(springs_file.parent, "--u-max", "4 mm", "--arm", "-2 m", "--points", "5", "--extrapolate")
     assert [row["u"] for row in curve] == pytest.approx([0, 1e-3, 2e-3, 3e-3, 4e-3])
-    assert curve[-1]["M"] == pytest.approx(2.0 * curve[-1]["H"])
-    (both,) = states(springs_file, "--u", "1 mm", "--rotation", "-0.2 mrad")
-    assert (both["u"], both["rotation"]) == pytest.approx((1e-3, -2e-4))
+    assert curve[-1]["M"] == pytest.approx(-2.0 * curve[-1]["H"])
+    (both,) = states(springs_file, "--u", "1 mm", "--rotation", "0.2 mrad")
+    assert (both["u"], both["rotation"]) == pytest.approx((1e-3, 2e-4))
     units = json.loads(command("predict", springs_file, "--H", "100 kN", "--json").out)["units"]
     assert (units["u"], units["rotation"], units["M"]) == ("m", "radian", "N m")
 
@@ -97,14 +97,14 @@ def test_a_table_for_people(capsys: pytest.CaptureFixture[str]) -> None:
                 '--M: "-20 mN m" is -0.02 N m: m is milli, M is mega',
             ],
         ),
-        (["--H", "2 MN", "--M", "3 MN"], ['--M: "3 MN" is a force; expected a moment such as "-3 MN m"']),
+        (["--H", "2 MN", "--M", "3 MN"], ['--M: "3 MN" is a force; expected a moment such as "3 MN m"']),
         (
             ["--H", "2 MN", "--u-max", "5 mm"],
             ["--u-max: give either --H or --u-max: the load is an answer of the curve"],
         ),
         (
             ["--H", "2 MN", "--arm", "1 m", "--M", "1 MN m"],
-            ["--M: give either --arm or --M, not both (M = -H*arm)"],
+            ["--M: give either --arm or --M, not both (M = H*arm)"],
         ),
         (
             ["--u-max", "5 mm", "--M", "1 MN m"],

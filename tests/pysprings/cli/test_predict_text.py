@@ -32,7 +32,7 @@ QUESTIONS = (
     "predict one.nc --u-max 4mm --points 4 --stiffness --springs py --extrapolate",
     "predict fan.nc --H 1MN --arm 2m --stiffness",
     "predict fan.nc --u 1mm --rotation 1mrad",
-    "predict fan.nc --H -500kN --M 3MNm",
+    "predict fan.nc --H -500kN --M -3MNm",
     "predict down.nc --V 6MN",
     "predict down.nc --V 60MN",
     "predict down.nc --H 1MN --V 3MN --stiffness",

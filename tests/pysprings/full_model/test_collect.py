@@ -72,11 +72,11 @@ def test_totals_and_surfaces(built: Built, states: list[Fields], path: xr.Datase
         part = {
             "H": sum(f[0] for _, f in mine),
             "V": sum(f[2] for _, f in mine),
-            "M": sum(f[0] * x[2] - f[2] * x[0] for x, f in mine),
+            "M": sum(f[2] * x[0] - f[0] * x[2] for x, f in mine),
         }
         total = {key: total[key] + part[key] for key in total}
         if name == "tip":
-            part["M"] -= length * part["H"]  # about the axis point at the tip's own depth
+            part["M"] += length * part["H"]  # about the axis point at the tip's own depth
         for key, value in part.items():
             assert float(path[f"{key}_{name}"][1]) == pytest.approx(value, rel=1e-9)
     for key, value in total.items():
@@ -98,7 +98,7 @@ def test_rings(built: Built, states: list[Fields], path: xr.Dataset) -> None:
             assert normal + shear == pytest.approx(sum(f[0] for _, f, _ in ring) / heights[k], rel=1e-9)
             assert water == 0.0
             m, t = (float(path[name].sel(side=side)[k, 1]) for name in ("m", "t"))
-            assert m == pytest.approx(sum(-f[2] * x[0] for x, f, _ in ring) / heights[k], rel=1e-9)
+            assert m == pytest.approx(sum(f[2] * x[0] for x, f, _ in ring) / heights[k], rel=1e-9)
             assert t == pytest.approx(sum(f[2] for _, f, _ in ring) / heights[k], rel=1e-9)
     np.testing.assert_allclose(path["p"], path["p_component"].sum(("side", "component")))
 
@@ -122,7 +122,7 @@ def test_slices_at_a_boundary_of_layers_carry_what_the_walls_carry() -> None:
     wall = {key: float(path[f"{key}_outer"] + path[f"{key}_inner"]) for key in "HVM"}
     assert float(height @ p) == pytest.approx(wall["H"], rel=1e-9)
     assert float(height @ t) == pytest.approx(wall["V"], rel=1e-9)
-    assert float(height @ (p * depth + m)) == pytest.approx(wall["M"], rel=1e-9)
+    assert float(height @ (m - p * depth)) == pytest.approx(wall["M"], rel=1e-9)
     above = int(np.flatnonzero(bounds[:, 1] == 1.3)[0])
     fields = path["normal_effective_stress"]  # both slices are of the ring on the boundary
     np.testing.assert_array_equal(fields.isel(depth=above), fields.isel(depth=above + 1))
@@ -130,7 +130,7 @@ def test_slices_at_a_boundary_of_layers_carry_what_the_walls_carry() -> None:
 
 def test_motion_and_time(built: Built, path: xr.Dataset) -> None:
     assert [float(path[name][1]) for name in ("u", "w", "rotation")] == MOTION.tolist()
-    np.testing.assert_allclose(path["y"][:, 1], MOTION[0] + MOTION[2] * built.caisson.depth)
+    np.testing.assert_allclose(path["y"][:, 1], MOTION[0] - MOTION[2] * built.caisson.depth)
     np.testing.assert_array_equal(path["time"], TIMES)
     np.testing.assert_array_equal(path["converged"], [1, 1])
 
@@ -239,7 +239,7 @@ def test_the_mean_of_a_section_is_that_of_the_whole_ring(azimuth: int) -> None:
     for k, z in enumerate(built.caisson.depth):
         mean = sum(bent(np.cos(a), z, 2e-4)[0] for a in around) / len(around)
         assert mean == pytest.approx(2e-4 * (1.0 + z / length) * 2.5, rel=1e-12)
-        assert float(row["y"][k]) == pytest.approx(MOTION[0] + MOTION[2] * z + mean, rel=1e-9)
+        assert float(row["y"][k]) == pytest.approx(MOTION[0] - MOTION[2] * z + mean, rel=1e-9)
         front, back, across = (bent(cos, z, 2e-4) for cos in (1.0, -1.0, 0.0))
         assert float(row["diameter_change_x"][k]) == pytest.approx(front[0] - back[0], rel=1e-9)
         assert float(row["diameter_change_y"][k]) == pytest.approx(2.0 * across[1], rel=1e-9)

@@ -144,7 +144,7 @@ def test_a_rate_gives_the_time_of_each_step() -> None:
 def test_kinds_of_paths_in_one_run() -> None:
     paths = (
         {"name": "push", "kind": "translation", "lateral_displacement": 1e-4, "heave": "fixed"},
-        {"name": "turn", "kind": "rotation", "rotation": -1e-5},
+        {"name": "turn", "kind": "rotation", "rotation": 1e-5},
         {"name": "wind", "kind": "load", "lateral_force": 1e5, "arm": 10.0, "role": "held-back"},
     )
     result = run(tiny.scene(paths=paths))
@@ -378,7 +378,7 @@ def test_a_singular_start_is_a_run_that_stopped(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_a_swipe_turns_at_the_displacement_it_has_reached() -> None:
-    path = {"name": "swipe", "kind": "swipe", "lateral_displacement": 2e-4, "rotation": -5e-5, "role": "held-back"}
+    path = {"name": "swipe", "kind": "swipe", "lateral_displacement": 2e-4, "rotation": 5e-5, "role": "held-back"}
     swipe = run(tiny.scene(paths=(path,)))["paths/swipe"].to_dataset()
     turned = np.abs(swipe["rotation"].values) > 1e-12
     assert 1 < turned.sum() < turned.size - 1

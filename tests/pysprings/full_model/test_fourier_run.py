@@ -234,9 +234,9 @@ def test_the_plane_of_symmetry_moves_as_the_volume():
 @pytest.mark.parametrize("kind", ["rotation", "load", "vertical", "swipe"])
 def test_other_paths_run_as_with_bricks(kind):
     paths: dict[str, dict[str, Any]] = {
-        "rotation": {"rotation": 1e-4}, "load": {"lateral_force": 1e5, "arm": 5.0},
+        "rotation": {"rotation": -1e-4}, "load": {"lateral_force": 1e5, "arm": 5.0},
         "vertical": {"vertical_displacement": 5e-4},
-        "swipe": {"lateral_displacement": 3e-4, "rotation": -1e-4, "role": "held-back"},
+        "swipe": {"lateral_displacement": 3e-4, "rotation": 1e-4, "role": "held-back"},
     }  # fmt: skip
     path = {"name": "path", "kind": kind, **paths[kind]}
     series, bricks = (compute(each.replace(paths=(path,))).recorded() for each in (scene(), tiny.scene()))

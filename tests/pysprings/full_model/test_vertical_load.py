@@ -19,9 +19,9 @@ STICKS = {"friction_coefficient": 5.0}
 ELASTIC = {"yield_surface": "elastic", "K0": 1.0, "surcharge": 1e6}
 MOTIONS: dict[str, dict[str, Any]] = {
     "pull": {"lateral_displacement": 0.2e-3, "arm": 5.0},
-    "translation": {"lateral_displacement": 0.2e-3, "rotation": -2e-5},
-    "rotation": {"rotation": 5e-5},
-    "swipe": {"lateral_displacement": 0.2e-3, "rotation": -2e-5},
+    "translation": {"lateral_displacement": 0.2e-3, "rotation": 2e-5},
+    "rotation": {"rotation": -5e-5},
+    "swipe": {"lateral_displacement": 0.2e-3, "rotation": 2e-5},
     "load": {"lateral_force": 2e5, "arm": 5.0},
 }
 

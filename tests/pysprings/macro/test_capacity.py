@@ -28,7 +28,7 @@ def bent() -> MacroModel:
 @pytest.mark.parametrize("arm", [0.0, 3.0, 30.0, -4.0])
 def test_the_load_at_the_end_of_the_range_is_the_largest_that_is_answered(bent: MacroModel, arm: float) -> None:
     """Just below there is an answer, just above there is none; the same in the opposite direction."""
-    ends = [capacities(bent, np.array([[H, -H * arm]])) for H in (1e5, -1e5)]
+    ends = [capacities(bent, np.array([[H, H * arm]])) for H in (1e5, -1e5)]
     np.testing.assert_allclose(ends[0].H, -ends[1].H, rtol=1e-9)
     largest = float(ends[0].H[0])
     answer = predict(bent, H=0.9999 * largest, arm=arm)
@@ -39,20 +39,20 @@ def test_the_load_at_the_end_of_the_range_is_the_largest_that_is_answered(bent: 
 
 
 def test_a_perfectly_plastic_soil_has_its_collapse_load(tmp_path) -> None:
-    """p = 1e5 N/m on slices of 1 m, turning about depth z0: H = 1e5 (2 z0 - 4), M = 1e5 (z0^2 - 8), for whole z0."""
+    """p = 1e5 N/m on slices of 1 m, turning about depth z0: H = 1e5 (2 z0 - 4), M = 1e5 (8 - z0^2), for whole z0."""
     rows = [f"{z},{y},{p}" for z in (0.5, 1.5, 2.5, 3.5) for y, p in ((1e-3, 1e5), (2e-3, 1e5), (1e-2, 1e5))]
     (tmp_path / "py.csv").write_text("\n".join(["depth_m,y_m,p_N_per_m", *rows]) + "\n")
     model = MacroModel.from_springs(open_table(tmp_path / "py.csv", skirt_length=4.0))
-    flat = capacities(model, np.array([[1e3, 2e3]]))
-    assert (float(flat.H[0]), float(flat.M[0])) == pytest.approx((4e5, 8e5), rel=1e-6)
-    turning = capacities(model, np.array([[2e3, 1e3]]))  # about 3 m: H = 2e5, M = 1e5
-    assert (float(turning.H[0]), float(turning.M[0])) == pytest.approx((2e5, 1e5), rel=1e-3)
+    flat = capacities(model, np.array([[1e3, -2e3]]))
+    assert (float(flat.H[0]), float(flat.M[0])) == pytest.approx((4e5, -8e5), rel=1e-6)
+    turning = capacities(model, np.array([[2e3, -1e3]]))  # about 3 m: H = 2e5, M = -1e5
+    assert (float(turning.H[0]), float(turning.M[0])) == pytest.approx((2e5, -1e5), rel=1e-3)
     assert flat.kind[0] == turning.kind[0] == "limit load of the springs"
 
 
 def test_the_end_of_the_range_is_no_capacity() -> None:
     """A uniform p that hardens to 5e5 N/m over 4 m at 3 mm: 2 MN at half depth, and stiffness is left."""
-    answer = predict(bilinear_springs(), H=1e6, M=2e6)
+    answer = predict(bilinear_springs(), H=1e6, M=-2e6)
     assert answer.attrs["capacity_H_N"] == pytest.approx(2e6, rel=1e-5)
     assert answer.attrs["capacity_kind"] == "end of the range"
     assert "more is not known" in answer.attrs["capacity_from"]
@@ -68,7 +68,7 @@ def test_a_load_that_still_grows_is_no_limit_load(power: float, kind: str) -> No
         q = (stress[0] * y + stress[1] * rotation) / A
         return stress * (1.0 + q / 5e-6**2) ** (0.5 * (power - 1.0))
 
-    answer = capacities(MacroModel.from_springs(fan_springs(law)), np.array([[1e3, -2e3]]))
+    answer = capacities(MacroModel.from_springs(fan_springs(law)), np.array([[1e3, 2e3]]))
     assert answer.kind[0] == kind
     assert float(str(answer.source[0]).split(" % of the initial")[0].split("; ")[-1].split()[-1]) < 2.0
 
@@ -77,7 +77,7 @@ def test_the_largest_motion_ends_a_capacity() -> None:
     """The same springs on a caisson of 20 mm: a tenth of the diameter is 2 mm, where p is 4e5 N/m."""
     tree = bilinear_springs()
     tree.attrs["outer_diameter_m"] = 0.02
-    answer = predict(tree, H=1e6, M=2e6)
+    answer = predict(tree, H=1e6, M=-2e6)
     assert answer.attrs["capacity_H_N"] == pytest.approx(1.6e6, rel=1e-4)
     assert answer.attrs["capacity_kind"] == "largest motion"
 
@@ -86,7 +86,7 @@ def test_the_largest_motion_is_that_of_the_scene() -> None:
     """A twentieth of 40 mm is 2 mm, too; the words name the share."""
     tree = bilinear_springs()
     tree.attrs |= {"outer_diameter_m": 0.04, "limit_displacement_over_diameter": 0.05, "limit_rotation_rad": 0.5}
-    answer = predict(tree, H=1e6, M=2e6)
+    answer = predict(tree, H=1e6, M=-2e6)
     assert answer.attrs["capacity_H_N"] == pytest.approx(1.6e6, rel=1e-4)
     assert answer.attrs["capacity_from"].startswith("5 % of the diameter or 28.6479 deg")
 
@@ -102,11 +102,11 @@ def test_load_cases_at_several_vertical_loads_are_predict_case_by_case() -> None
     tree = vertical_springs(heavier=(6e6,))
     H = np.array([1e5, 2e5, -1e5, 3e5, 2e5])
     V = np.array([6e6, 2e6, 3e6, 2e6, 6e6])
-    cases = predict_batch(tree, H=H, M=-2.0 * H, V=V)
+    cases = predict_batch(tree, H=H, M=2.0 * H, V=V)
     assert cases["answered"].values.tolist() == [1] * 5
     for k in range(H.size):
         with pytest.warns(UserWarning):  # two rays are 90 degrees apart
-            one = predict(tree, H=H[k], M=-2.0 * H[k], V=V[k])
+            one = predict(tree, H=H[k], M=2.0 * H[k], V=V[k])
         for name in ("u", "rotation", "w", "V", "utilisation", "stiffness"):
             np.testing.assert_allclose(cases[name][k], one[name], rtol=1e-6, atol=1e-12)
 
@@ -115,7 +115,7 @@ def test_springs_at_one_depth_have_no_known_capacity(tmp_path: Path) -> None:
     """One spring has a singular stiffness: no motion balances a load, and no number looks like a utilisation."""
     file = tmp_path / "t.csv"
     file.write_text("depth_m,y_m,p_N_per_m\n0.5,0.01,400e3\n", encoding="utf-8")
-    done = command("predict", str(file), "--u", "1 mm", "--rotation", "0.1 mrad", "--skirt-length", "4 m", "--json")
+    done = command("predict", str(file), "--u", "1 mm", "--rotation", "-0.1 mrad", "--skirt-length", "4 m", "--json")
     assert done.code == 0, done.err
     assert json.loads(done.out)["attributes"]["capacity_kind"] == NOT_KNOWN
     assert "e+308" not in done.out

@@ -47,7 +47,7 @@ def test_elastic_limit_is_the_full_model_at_all_load_heights(arm):
     springs = fan_springs(potential, rho=np.linspace(0.0, 8e-3, 9))  # first step far beyond the elastic limit
     k = springs["stiffness_initial"].values[np.ix_([0, 2], [0, 2])]
     answer = predict(springs, H=10.0, arm=arm, n=2)
-    expected = np.linalg.solve(k, [10.0, -arm * 10.0])
+    expected = np.linalg.solve(k, [10.0, arm * 10.0])
     np.testing.assert_allclose([answer["u"], answer["rotation"]], expected, rtol=1e-4)
 
 
@@ -65,7 +65,7 @@ def test_recorded_states_come_back_and_the_reactions_sum_to_the_load(bent):
     z, t = DEPTH, bent.table
     p, m = rows[t.name == "p"], rows[t.name == "m"]
     np.testing.assert_allclose(HEIGHT @ p, forces[:, 0], rtol=1e-9, atol=1e-6)
-    np.testing.assert_allclose((HEIGHT * z) @ p + HEIGHT @ m, forces[:, 1], rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(HEIGHT @ m - (HEIGHT * z) @ p, forces[:, 1], rtol=1e-9, atol=1e-6)
     vertical = HEIGHT @ rows[t.name == "t"] + rows[t.name == "V_tip"] + rows[t.name == "V_lid"]
     np.testing.assert_allclose(vertical, rows[t.name == "V"], rtol=1e-9)
 
@@ -160,23 +160,23 @@ def test_beyond_the_range_is_marked_warned_and_refused():
 
 
 def test_the_shorter_ray_of_a_sector_limits_the_range():
-    springs = fan_springs(linear, (0.0, -45.0, 90.0))
+    springs = fan_springs(linear, (0.0, 45.0, 90.0))
     data = springs["paths/ray_0"].to_dataset(inherit=False)
     springs["paths/ray_0"] = xr.DataTree(data.isel(step=slice(0, 13)))
     model = MacroModel.from_springs(springs, "fan")
-    between = 0.9 * RHO[-1] * np.array([[np.cos(-0.4), np.sin(-0.4) / LENGTH]])
-    on_the_long_one = 0.9 * RHO[-1] * np.array([[1.0, -1.0 / LENGTH]]) / np.sqrt(2.0)
+    between = 0.9 * RHO[-1] * np.array([[np.cos(0.4), np.sin(0.4) / LENGTH]])
+    on_the_long_one = 0.9 * RHO[-1] * np.array([[1.0, 1.0 / LENGTH]]) / np.sqrt(2.0)
     assert trace(model, "state", between)["extrapolated"].values.tolist() == [1]
     assert trace(model, "state", on_the_long_one)["extrapolated"].values.tolist() == [0]
 
 
 def test_a_wide_sector_is_marked_and_refused_but_not_its_rays():
-    springs = fan_springs(linear, (0.0, -50.0, 90.0))  # 90 degrees between 0 and 90
+    springs = fan_springs(linear, (0.0, 50.0, 90.0))  # 90 degrees between -90 and 0
     model = MacroModel.from_springs(springs, "fan")
-    states = np.array([[1e-3, 0.0], [1e-3, 1e-4], [1e-3, -1e-4], [0.0, 1e-4], [-1e-3, -1e-4], [0.0, 0.0]])
+    states = np.array([[1e-3, 0.0], [1e-3, -1e-4], [1e-3, 1e-4], [0.0, 1e-4], [-1e-3, 1e-4], [0.0, 0.0]])
     alone = [int(trace(model, "state", state[None])["off_path"][0]) for state in states]
     assert alone == [0, 1, 0, 0, 1, 0]
-    force, moment = (float(x) for x in model.reactions(1e-3, 1e-4)[0])
+    force, moment = (float(x) for x in model.reactions(1e-3, -1e-4)[0])
     with pytest.warns(MacroWarning, match=r"between calibration paths 90 degrees apart.*limit 60"):
         predict(springs, H=force, M=moment)
     with pytest.raises(UserInputError, match=r"strict: .*90 degrees apart"):
@@ -212,7 +212,7 @@ def test_default_is_the_fan_where_there_is_one():
     assert MacroModel.from_springs(springs, path="ray_1").spring_set == "full"
     answer = way_to_load(springs, H=1e4)
     assert answer.attrs["springs"] == "fan"
-    assert "ray_1 (-20.0 deg)" in answer.attrs["rays"]
+    assert "ray_1 (20.0 deg)" in answer.attrs["rays"]
     assert list(variables.problems(answer, "prediction")) == []
     alone = make_springs()
     assert not has_fan(Springs.of(alone))

@@ -259,7 +259,7 @@ def test_a_load_at_a_height_is_followed_by_u() -> None:
     states, loads, message = springs.solve("displacement", np.array([[2e-3, 0], [-1e-3, 0], [3e-3, 0]]), arm)
     assert message == ""
     np.testing.assert_allclose(states[:, 0], [2e-3, -1e-3, 3e-3], rtol=1e-9)
-    np.testing.assert_allclose(loads[:, 1], -arm * loads[:, 0], rtol=1e-5)
+    np.testing.assert_allclose(loads[:, 1], arm * loads[:, 0], rtol=1e-5)
 
 
 def test_more_than_the_elements_carry_is_named() -> None:
@@ -397,7 +397,7 @@ def test_springs_at_several_rates_have_a_memory_at_that_of_their_rays_that_turn_
     """Coupled rays at two rates, turning ones at the slow one: any other rate is refused."""
     springs = winkler.at_two_rates((1e-5,))
     slow = springs.at(rate=1e-5)
-    assert [path.name for path in slow.remembering] == ["turning_0_0", "turning_minus_50_0"]
+    assert [path.name for path in slow.remembering] == ["turning_0_0", "turning_50_0"]
     assert "memory" in spring_sets(slow)
     for rate in (1e-4, 1e-3):
         assert "memory" not in spring_sets(springs.at(rate=rate))
@@ -408,7 +408,7 @@ def test_springs_at_several_rates_have_a_memory_at_that_of_their_rays_that_turn_
 @cache
 def outside() -> Springs:
     """Springs of Masing springs by depth, with two rays that turn back, and loops that are held back."""
-    return Springs.of(with_memory(winkler.springs(loops=((-30.0, 4e-3), (20.0, 2e-3)))))
+    return Springs.of(with_memory(winkler.springs(loops=((30.0, 4e-3), (-20.0, 2e-3)))))
 
 
 @pytest.mark.slow
@@ -427,11 +427,11 @@ def test_springs_with_memory_follow_loops_of_an_outside_law() -> None:
 @pytest.mark.slow
 def test_reactions_sum_to_the_loads_of_every_state() -> None:
     memory = build_memory(outside())
-    states = np.stack([outside().paths["loop_minus_30"].u, outside().paths["loop_minus_30"].rotation], axis=1)
+    states = np.stack([outside().paths["loop_30"].u, outside().paths["loop_30"].rotation], axis=1)
     rows = memory.reactions(states)
     _, loads, _ = memory.solve("state", states[1:])
     np.testing.assert_allclose((rows.T @ memory.table.b)[1:], loads, rtol=1e-9, atol=1.0)
-    (p,) = (outside().paths["loop_minus_30"].p,)
+    (p,) = (outside().paths["loop_30"].p,)
     own = rows[memory.table.name == "p"]
     assert np.abs(own - p).max() < 0.2 * np.abs(p).max()
 
@@ -531,7 +531,7 @@ def test_sequences_are_compared_by_cycle(tmp_path) -> None:
     assert done.code == 0
     found = json.loads(done.out)
     assert {(row["path"], row["springs"]) for row in found["errors"]} == {
-        (name, springs) for name in ("turning_0", "turning_minus_50") for springs in ("fan", "memory")
+        (name, springs) for name in ("turning_0", "turning_50") for springs in ("fan", "memory")
     }
     assert len(found["branches"]) == 4 * 3
     for row in found["reactions"]:

@@ -264,7 +264,7 @@ def test_springs_keep_what_a_changing_v_does_until_their_paths_change(tmp_path, 
     assert build_memory(Springs.of(xr.DataTree.from_dict(bare)).at(V=REST)).changing is None
     groups = bare | {"/paths/turning_0_loads": on_which_v_changes().recorded}
     tree = xr.DataTree.from_dict(groups, name="springs")
-    assert [one.name for one in Springs.of(tree).at(V=REST).remembering] == ["turning_0_1", "turning_minus_50_1"]
+    assert [one.name for one in Springs.of(tree).at(V=REST).remembering] == ["turning_0_1", "turning_50_1"]
     stored = Springs.of(open_springs(save_springs(with_memory(tree), tmp_path / "springs.nc")))
     assert made == [1] and list(stored.memory) == ["memory", "memory_load_1", CHANGE]
     found = build_memory(stored.at(V=1.5 * REST)).changing

@@ -86,7 +86,7 @@ def test_rays_that_turn_back_at_one_of_two_loads_answer_there() -> None:
     np.testing.assert_allclose(answer["H"], memory(REST).solve("state", WAY)[1][:, 0], rtol=1e-12)
     for V in (REST, 1.5 * REST, HEAVY):
         assert "memory" in spring_sets(lone.at(V=V))
-    assert {"turning_0_1", "turning_minus_50_1"} < set(MacroModel.from_springs(lone, "memory", V=HEAVY).sources)
+    assert {"turning_0_1", "turning_50_1"} < set(MacroModel.from_springs(lone, "memory", V=HEAVY).sources)
 
 
 def test_between_two_rates_loads_are_those_of_both_linear_in_the_logarithm_of_the_rate() -> None:

@@ -246,8 +246,8 @@ def test_calibrated_springs_have_the_pressure_of_a_loop_that_was_held_back() -> 
     """
     found = {}
     for rates in ((RATE, 0.1 * RATE), (RATE,)):
-        springs = Springs.of(with_memory(wet.tree(loops=((-40.0, 3e-3),), rates=rates)))
-        path, own = springs.paths["loop_minus_40"], springs.at(rate=RATE)
+        springs = Springs.of(with_memory(wet.tree(loops=((40.0, 3e-3),), rates=rates)))
+        path, own = springs.paths["loop_40"], springs.at(rate=RATE)
         for kind in ("memory", "fan"):
             followed = follow_path(path, MacroModel.from_springs(own, kind))
             found[len(rates), kind] = reaction_errors(followed)["p_water_error_pct"]

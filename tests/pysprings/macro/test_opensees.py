@@ -60,7 +60,7 @@ def test_predict_is_what_opensees_finds(spring_set: str, H: float, arm: float) -
     assert model.table.natural.all()  # each spring reads its own displacement: OpenSees can hold it
     answer = predict(model, H=H, arm=arm)
     assert float(answer["range_used"]) < 1.0
-    start = np.linalg.solve(model.reactions(0.0, 0.0)[1], [H, -arm * H])
+    start = np.linalg.solve(model.reactions(0.0, 0.0)[1], [H, arm * H])
     assert abs(float(answer["u"])) > 1.2 * abs(start[0])  # beyond the elastic range
-    found = solve_in_opensees(model.table, H, -arm * H)
+    found = solve_in_opensees(model.table, H, arm * H)
     np.testing.assert_allclose(found, [answer["u"], answer["rotation"]], rtol=1e-5)

@@ -42,12 +42,12 @@ from tests.support.synthetic import Path, make_springs
 @pytest.mark.parametrize("arm", [0.0, 8.0, -2.0])
 def test_linear_springs_closed_form(spring_set, arm):
     force = 1e5
-    expected = np.linalg.solve(linear_stiffness(spring_set), [force, -force * arm])
+    expected = np.linalg.solve(linear_stiffness(spring_set), [force, force * arm])
     model = MacroModel.from_springs(linear_springs(), spring_set)
-    states, loads, message = model.solve("load", np.array([[force, -force * arm]]))
+    states, loads, message = model.solve("load", np.array([[force, force * arm]]))
     assert message == ""
     np.testing.assert_allclose(states[0], expected, rtol=1e-10, atol=1e-18)
-    np.testing.assert_allclose(loads[0], [force, -force * arm], rtol=1e-9, atol=1e-3)
+    np.testing.assert_allclose(loads[0], [force, force * arm], rtol=1e-9, atol=1e-3)
     np.testing.assert_allclose(model.reactions(*expected)[1], linear_stiffness(spring_set), rtol=1e-12)
 
 
@@ -55,27 +55,27 @@ def test_displacement_control_is_load_control_backwards():
     springs = linear_springs()
     pulled = curve(springs, u_max=1e-3, arm=0.5, n=5)
     k = linear_stiffness("full")
-    ratio = -(k[1, 0] + 0.5 * k[0, 0]) / (k[1, 1] + 0.5 * k[0, 1])  # rotation/u from M + arm*H = 0
+    ratio = -(k[1, 0] - 0.5 * k[0, 0]) / (k[1, 1] - 0.5 * k[0, 1])  # rotation/u from M - arm*H = 0
     np.testing.assert_allclose(pulled["rotation"], ratio * pulled["u"], rtol=1e-10)
-    np.testing.assert_allclose(pulled["M"], -0.5 * pulled["H"], rtol=1e-9, atol=1e-3)
+    np.testing.assert_allclose(pulled["M"], 0.5 * pulled["H"], rtol=1e-9, atol=1e-3)
     loaded = predict(springs, H=float(pulled["H"][-1]), arm=0.5)
     assert float(loaded["u"]) == pytest.approx(1e-3, rel=1e-9)
 
 
 def test_arm_sign():
-    """A load above mudline tips the caisson over: M < 0, rotation more negative, softer than at mudline."""
+    """A load above mudline tips the caisson over: M > 0, a larger rotation, softer than at mudline."""
     springs = make_springs()
     with pytest.warns(MacroWarning):
         low, high = (predict(springs, H=5e5, arm=arm) for arm in (0.0, 4.0))
-    assert float(high["M"]) == pytest.approx(-2e6)
-    assert float(high["rotation"]) < float(low["rotation"]) < 0.0
+    assert float(high["M"]) == pytest.approx(2e6)
+    assert float(high["rotation"]) > float(low["rotation"]) > 0.0
     assert float(high["u"]) > float(low["u"]) > 0.0
 
 
 def test_moment_is_the_same_as_its_arm():
     springs = make_springs()
     with pytest.warns(MacroWarning):
-        by_arm, by_moment = predict(springs, H=5e5, arm=3.0), predict(springs, H=5e5, M=-1.5e6)
+        by_arm, by_moment = predict(springs, H=5e5, arm=3.0), predict(springs, H=5e5, M=1.5e6)
     xr.testing.assert_allclose(by_arm.drop_attrs(), by_moment.drop_attrs(), rtol=1e-12)
 
 
@@ -105,7 +105,7 @@ def test_interpolation_is_scipys_pchip():
     scipy_curve = PchipInterpolator(y, p[row] - p[row, 0])
     at = np.linspace(0.0, y[-1], 57)
     depth = float(path["depth"][row])
-    states = np.stack([at, np.zeros_like(at)], 1) if depth == 0 else np.stack([0 * at, at / depth], 1)
+    states = np.stack([at, np.zeros_like(at)], 1) if depth == 0 else np.stack([0 * at, -at / depth], 1)
     answer = trace(model, "state", states)
     np.testing.assert_allclose(answer["p"].values[row], scipy_curve(at), rtol=1e-10, atol=1e-6)
 
@@ -128,34 +128,34 @@ def test_equilibrium_by_scipy_root(arm, spring_set):
     m = path["m"].sum("side").transpose("depth", "step").values
     lateral = [odd(path["y"].values[k], p[k]) for k in range(depth.size)]
     moment = [odd(rotation, m[k]) for k in range(depth.size)]
-    tip, lid = odd(u + LENGTH * rotation, path["H_tip"].values), odd(u, path["H_lid"].values)
+    tip, lid = odd(u - LENGTH * rotation, path["H_tip"].values), odd(u, path["H_lid"].values)
     tip_moment, lid_moment = odd(rotation, path["M_tip"].values), odd(rotation, path["M_lid"].values)
 
     def loads(state):
-        force = sum(f(state[0] + state[1] * z) * dz for f, z, dz in zip(lateral, depth, height, strict=True))
-        turn = sum(f(state[0] + state[1] * z) * z * dz for f, z, dz in zip(lateral, depth, height, strict=True))
+        force = sum(f(state[0] - state[1] * z) * dz for f, z, dz in zip(lateral, depth, height, strict=True))
+        turn = -sum(f(state[0] - state[1] * z) * z * dz for f, z, dz in zip(lateral, depth, height, strict=True))
         if spring_set == "full":
-            t = tip(state[0] + LENGTH * state[1])
+            t = tip(state[0] - LENGTH * state[1])
             force += t + lid(state[0])
             turn += sum(f(state[1]) * dz for f, dz in zip(moment, height, strict=True))
-            turn += LENGTH * t + tip_moment(state[1]) + lid_moment(state[1])
+            turn += tip_moment(state[1]) - LENGTH * t + lid_moment(state[1])
         return np.array([force, turn])
 
     target = 5e4
-    answer = trace(MacroModel.from_springs(make_springs(), spring_set), "load", np.array([[target, -arm * target]]))
+    answer = trace(MacroModel.from_springs(make_springs(), spring_set), "load", np.array([[target, arm * target]]))
     start = np.array([answer["u"].values[0], answer["rotation"].values[0]]) * 0.9
     scale = np.array([1e-3, 1e-3])
-    exact = root(lambda x: (loads(x * scale) - [target, -arm * target]) / 1e6, start / scale, tol=1e-13)
+    exact = root(lambda x: (loads(x * scale) - [target, arm * target]) / 1e6, start / scale, tol=1e-13)
     assert exact.success
     assert int(answer["extrapolated"][0]) == 0
     np.testing.assert_allclose([answer["u"].values[0], answer["rotation"].values[0]], exact.x * scale, rtol=1e-8)
 
 
-@pytest.mark.parametrize("state", [(1e-3, -2e-4), (3.3e-3, -7e-4), (2e-3, 1e-4), (6e-3, -3e-3), (-1.1e-3, 3e-4)])
+@pytest.mark.parametrize("state", [(1e-3, 2e-4), (3.3e-3, 7e-4), (2e-3, -1e-4), (6e-3, 3e-3), (-1.1e-3, -3e-4)])
 def test_tangent_by_taylor_slope(state):
     """Remainder of F(x + h d) - F(x) - h K d falls with h^2: slope 2 in the log."""
     model = MacroModel.from_springs(make_springs())
-    x, d = np.array(state), np.array([1.0e-4, -2.3e-5])
+    x, d = np.array(state), np.array([1.0e-4, 2.3e-5])
     force, tangent = model.reactions(*x)
     steps = 0.1 / 2.0 ** np.arange(4)
     rest = [np.abs(model.reactions(*(x + h * d))[0] - force - h * tangent @ d) / [1.0, LENGTH] for h in steps]
@@ -218,8 +218,8 @@ def test_unusable_depths_are_named():
 
 def test_a_curve_that_turns_back_keeps_its_monotonic_part_in_the_py_set():
     u = np.linspace(0.0, 4e-3, 5)
-    rotation = -np.array([0.0, 0.1, 0.2, 0.5, 0.9]) * 1e-3  # y(tip) = 0, 0.6, 1.2, 1.0, 0.4 mm
-    p = 1e8 * (u + rotation * DEPTH[:, None])
+    rotation = np.array([0.0, 0.1, 0.2, 0.5, 0.9]) * 1e-3  # y(tip) = 0, 0.6, 1.2, 1.0, 0.4 mm
+    p = 1e8 * (u - rotation * DEPTH[:, None])
     springs = springs_of(p, np.zeros((RINGS, 5)), {}, u, rotation)
     table = MacroModel.from_springs(springs, "py").table
     tip = table.depth.tolist().index(LENGTH)
@@ -268,10 +268,10 @@ def test_load_that_cannot_be_carried_names_what_was_reached():
     springs = springs_of(p, np.zeros((RINGS, 1)), {}, u, 0.0 * u)
     expected = r"no equilibrium beyond H = 1\.9\d+e\+06 N, M = .* on the way to H = 2\.\d+e\+06 N.*last step: u = "
     with pytest.raises(PredictionNotConverged, match=expected) as caught:
-        predict(springs, H=3e6, M=6e6)  # the resultant of a uniform p: pure translation, up to 5e5 N/m * 4 m
+        predict(springs, H=3e6, M=-6e6)  # the resultant of a uniform p: pure translation, up to 5e5 N/m * 4 m
     assert isinstance(caught.value, RunIncomplete)
     model = MacroModel.from_springs(springs)
-    part = trace(model, "load", np.linspace(0, 1, 11)[:, None] * [3e6, 6e6])
+    part = trace(model, "load", np.linspace(0, 1, 11)[:, None] * [3e6, -6e6])
     assert part.attrs["status"] == "partial"
     assert part.sizes["step"] == 7
     assert np.isfinite(part["u"]).all()
@@ -335,11 +335,11 @@ def test_numbers_of_numpy_and_whole_numbers_are_numbers():
 
 
 def test_tangent_stiffness_at_mudline():
-    matrix = stiffness(linear_springs(), u=1e-3, rotation=-1.5e-4)
+    matrix = stiffness(linear_springs(), u=1e-3, rotation=1.5e-4)
     k = linear_stiffness("full")
     expected = [[k[0, 0], 0.0, k[0, 1]], [0.0, 3.5e9, 0.0], [k[1, 0], 0.0, k[1, 1]]]
     np.testing.assert_allclose(matrix, expected, rtol=1e-12)
-    assert float(matrix.sel(dof="u", dof_conjugate="rotation")) > 0.0  # K_C > 0
+    assert float(matrix.sel(dof="u", dof_conjugate="rotation")) < 0.0  # K_C < 0
 
 
 def test_prediction_agrees_with_the_table_of_variables():

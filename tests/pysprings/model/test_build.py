@@ -87,7 +87,7 @@ def test_the_body_moves_as_the_axes_say(built: Built) -> None:
     u, w, rotation = 1e-3, 2e-3, 3e-4
     moved = stations.body @ np.array([u, w, rotation])
     x, _, z = stations.position.T
-    np.testing.assert_allclose(moved, np.stack([u + rotation * z, 0.0 * x, w - rotation * x], axis=1), atol=1e-18)
+    np.testing.assert_allclose(moved, np.stack([u - rotation * z, 0.0 * x, w + rotation * x], axis=1), atol=1e-18)
 
 
 @pytest.mark.parametrize("side", ["roller", "fixed"])

@@ -28,7 +28,7 @@ def test_a_pull_imposes_u_by_a_force_at_its_height() -> None:
     found = stage("pull", lateral_displacement=0.02, arm=8.0)
     np.testing.assert_array_equal(found.control, [[1, 0, 0]])
     np.testing.assert_array_equal(found.target, [0.02])
-    np.testing.assert_array_equal(found.load, np.transpose([[1, 0, -8.0]]))  # M = -H*arm
+    np.testing.assert_array_equal(found.load, np.transpose([[1, 0, 8.0]]))  # M = H*arm
     np.testing.assert_array_equal(found.force, [0, 0, 0])
     assert found.name == "a"
 
@@ -50,7 +50,7 @@ def test_a_rotation_holds_the_lid_centre() -> None:
 def test_a_load_is_half_of_the_whole_caissons() -> None:
     found = stage("load", lateral_force=3e6, arm=5.0, extra_load=100.0)
     assert found.control.shape == (0, 3) and found.load.shape == (3, 0)
-    np.testing.assert_array_equal(found.force, [1.5e6, 100.0, -1.5e6 * 5.0])
+    np.testing.assert_array_equal(found.force, [1.5e6, 100.0, 1.5e6 * 5.0])
 
 
 @pytest.mark.parametrize("kind", ["pull", "translation"])
@@ -197,25 +197,25 @@ def test_a_load_that_climbs_grows_its_moment_under_a_constant_force() -> None:
     path = {"name": "a", "kind": "load", "lateral_force": 2e6, "arm_from": 1.0, "arm": 8.0, "role": "held-back"}
     scene = tiny.sand(paths=[path])
     grow, climb = path_stages(scene, scene.paths[0], 1e5)
-    np.testing.assert_allclose(grow.force, [1e6, 1e5, -1e6])
-    np.testing.assert_allclose(climb.force, [1e6, 1e5, -8e6])
+    np.testing.assert_allclose(grow.force, [1e6, 1e5, 1e6])
+    np.testing.assert_allclose(climb.force, [1e6, 1e5, 8e6])
     assert len(climb.target) == 0
 
 
 def test_loads_go_on_to_pairs_of_force_and_moment() -> None:
     """Half of H and M; a rest holds both; a single force goes back to the height of the path."""
     path = {"name": "a", "kind": "load", "lateral_force": 2e6, "arm": 5.0, "role": "held-back",
-            "then": ["2 MN, -4 MN*m", "rest 1 s", "-1 MN"]}  # fmt: skip
+            "then": ["2 MN, 4 MN*m", "rest 1 s", "-1 MN"]}  # fmt: skip
     scene = tiny.sand(paths=[path])
     forces = [stage.force for stage in path_stages(scene, scene.paths[0], 1e5)]
-    np.testing.assert_allclose(forces, [[1e6, 1e5, -5e6], [1e6, 1e5, -2e6], [1e6, 1e5, -2e6], [-5e5, 1e5, 2.5e6]])
+    np.testing.assert_allclose(forces, [[1e6, 1e5, 5e6], [1e6, 1e5, 2e6], [1e6, 1e5, 2e6], [-5e5, 1e5, -2.5e6]])
 
 
 def test_a_load_goes_on_after_its_climb() -> None:
     path = {"name": "a", "kind": "load", "lateral_force": 2e6, "arm_from": 0.0, "arm": 8.0, "role": "held-back",
-            "then": ["2 MN, -4 MN*m"]}  # fmt: skip
+            "then": ["2 MN, 4 MN*m"]}  # fmt: skip
     scene = tiny.sand(paths=[path])
-    assert [stage.force[2] for stage in path_stages(scene, scene.paths[0], 0.0)] == [0.0, -8e6, -2e6]
+    assert [stage.force[2] for stage in path_stages(scene, scene.paths[0], 0.0)] == [0.0, 8e6, 2e6]
 
 
 def test_a_swipe_goes_on_with_pairs_of_motions() -> None:
@@ -280,7 +280,7 @@ def test_a_fan_with_memory_has_three_rays_that_turn_back(rate: float | None) -> 
     sizes = 20e-3 * np.array([0.12, -0.12, 0.24, -0.24, 0.24, -0.24, 0.4, -0.4, 0.4])
     targets = [s.target.tolist() for s in path_stages(scene, shift, 0.0)]
     np.testing.assert_allclose(targets, [[u, 0.0] for u in sizes], rtol=1e-12)
-    for path, angle in ((middle, -30.0), (turned, -50.0)):
+    for path, angle in ((middle, 30.0), (turned, 50.0)):
         ends = [s.target for s in path_stages(scene, path, 0.0)]
         np.testing.assert_allclose([np.hypot(u, turn * L) for u, turn in ends], np.abs(sizes))
         np.testing.assert_allclose([np.degrees(np.arctan(turn * L / u)) for u, turn in ends], angle)

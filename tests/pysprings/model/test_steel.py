@@ -82,7 +82,7 @@ def test_stiff_steel_is_the_rigid_caisson() -> None:
 
 def test_the_section_is_the_rigid_one_and_what_has_bent() -> None:
     path = result()["paths/pull"].to_dataset()
-    rigid = path["u"] + path["rotation"] * path["depth"]
+    rigid = path["u"] - path["rotation"] * path["depth"]
     difference = (path["y"] - rigid).isel(step=-1)
     assert 1e-6 < float(abs(difference).max()) < 0.2 * float(path["u"][-1])
     oval = path[["diameter_change_x", "diameter_change_y"]].isel(step=-1, depth=-1)
@@ -98,7 +98,7 @@ def test_springs_of_an_elastic_caisson_are_read_back_and_predict_their_own_path(
     answer = predict(tree, H=float(path["H"][-1]), arm=0.0)
     assert float(answer["u"].values.ravel()[-1]) == pytest.approx(float(path["u"][-1]), rel=1e-3)
     made.attrs["caisson_behaviour"] = "rigid"
-    with pytest.raises(UserInputError, match=r"y.*is not u \+ rotation"):
+    with pytest.raises(UserInputError, match=r"y.*is not u - rotation"):
         checks.validate_springs(made)
 
 

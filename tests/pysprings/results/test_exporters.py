@@ -116,8 +116,8 @@ def test_the_table_alone_balances_the_load(folder):
     shear = (last["family"] == "mtheta") & (last["side"] == "net")
     ends = last["family"].isin(["base", "lid"])
     lateral = (last["p_N_per_m"] * dz)[net].sum() + last["H_N"][ends].sum()
-    moment = (last["p_N_per_m"] * dz * last["depth_m"])[net].sum() + (last["m_Nm_per_m"] * dz)[shear].sum()
-    moment += (last["H_N"] * last["depth_m"] + last["M_Nm"])[ends].sum()
+    moment = -(last["p_N_per_m"] * dz * last["depth_m"])[net].sum() + (last["m_Nm_per_m"] * dz)[shear].sum()
+    moment += (last["M_Nm"] - last["H_N"] * last["depth_m"])[ends].sum()
     vertical = (last["t_N_per_m"] * dz)[shear].sum() + last["V_N"][ends].sum()
     applied = load[(load["path"] == "high") & (load["step"] == STEPS - 1)].iloc[0]
     np.testing.assert_allclose([lateral, moment, vertical], applied[["H_N", "M_Nm", "V_N"]].astype(float), rtol=1e-7)
@@ -173,7 +173,7 @@ def test_workbook_says_what_it_is(book):
         "0" * 64,
         "kN, m, mm, mrad",
         "monotonic backbone, not cyclic",
-        "M = -H*arm",
+        "M = H*arm",
     ]
     expected += ["drained", "|u| to 5 mm", "Beyond this range every use is an extrapolation", "load -67"]
     assert [text for text in expected if text not in words] == []
@@ -330,7 +330,7 @@ def test_unconverged_steps_are_empty_in_the_macro_columns(tmp_path):
 
 def test_json(springs):
     document = json.loads(exporters.text(springs, "json"))
-    assert document["attributes"]["schema"] == "pysprings-springs-2"
+    assert document["attributes"]["schema"] == "pysprings-springs-3"
     p = document["paths"]["high"]["variables"]["p"]
     assert p["units"] == "N m-1"
     assert p["dims"] == ["depth", "side", "component", "step"]

@@ -81,7 +81,7 @@ def test_tables_have_the_columns_of_the_contract(folder: Path) -> None:
 
 
 def test_the_tables_alone_balance_force_and_moment(folder: Path) -> None:
-    """Sum of p dz + tip + lid = H, and the moments of p, m, tip and lid = M, to 1e-6."""
+    """Sum of p dz + tip + lid = H, and the moments of -p, m, tip and lid = M, to 1e-6."""
     py, load = pd.read_csv(folder / "py.csv"), pd.read_csv(folder / "load_displacement.csv")
     length = 4.0
     assert len(load) > 2
@@ -94,8 +94,8 @@ def test_the_tables_alone_balance_force_and_moment(folder: Path) -> None:
         assert dz.sum() == pytest.approx(length)
         lateral = p["p_N_per_m"] @ dz + tip["H_N"] + lid["H_N"]
         vertical = m["t_N_per_m"] @ mdz + tip["V_N"] + lid["V_N"]
-        moments = [(p["p_N_per_m"] * p["depth_m"]) @ dz, m["m_Nm_per_m"] @ mdz]
-        moments += [length * tip["H_N"], tip["M_Nm"], lid["M_Nm"]]
+        moments = [-(p["p_N_per_m"] * p["depth_m"]) @ dz, m["m_Nm_per_m"] @ mdz]
+        moments += [-length * tip["H_N"], tip["M_Nm"], lid["M_Nm"]]
         size = max(load["H_N"].abs().max(), 1.0)
         assert lateral == pytest.approx(total["H_N"], abs=1e-6 * size)
         assert vertical == pytest.approx(total["V_N"], rel=1e-6)

@@ -83,14 +83,14 @@ def states(model: MacroModel, n: int, seed: int = 2) -> np.ndarray:
 def motion(u: float, rotation: float, w: float, direction: float, twist: float = 0.0) -> np.ndarray:
     """Motion (6,) in the frame of OpenFAST (z up) of one in the plane at an angle from x, seen from above."""
     c, s = np.cos(direction), np.sin(direction)
-    return np.array([u * c, u * s, -w, rotation * s, -rotation * c, twist])
+    return np.array([u * c, u * s, -w, -rotation * s, rotation * c, twist])
 
 
 def in_plane(force: np.ndarray, direction: float) -> tuple[float, float, float, float, float]:
     """H, M, V in the plane of motion, and force and moment across it, from forces on the soil with z up."""
     c, s = np.cos(direction), np.sin(direction)
     across = force[1] * c - force[0] * s, force[3] * c + force[4] * s
-    return force[0] * c + force[1] * s, force[3] * s - force[4] * c, -force[2], *across
+    return force[0] * c + force[1] * s, force[4] * c - force[3] * s, -force[2], *across
 
 
 @pytest.mark.slow
@@ -121,10 +121,10 @@ def test_pushing_down_and_pulling_out_differ(point: Point, springs: xr.DataTree)
 
 
 def test_stiffness_at_rest_is_that_of_the_matrices(point: Point, springs: xr.DataTree) -> None:
-    from pysprings.results.exporters.linear import stiffness_z_up
+    from pysprings.results.exporters.linear import with_torsion
     from pysprings.springs.springs import Springs
 
-    K = stiffness_z_up(Springs.of(springs), TORSION)
+    K = with_torsion(Springs.of(springs), TORSION)
     np.testing.assert_allclose(point.stiffness(np.zeros(6)), K, rtol=1e-7, atol=1e-7 * K[0, 0])
 
 
@@ -253,7 +253,7 @@ def test_wrong_files_give_a_line_and_no_crash(point: Point, library: Path, capfd
         "early": (text[: len(text) // 2], "ends early|missing|expected"),
         "empty": ("", "ends early"),
         "other": ("some text\n", "another keyword"),
-        "version": (text.replace("pysprings_soildyn 5", "pysprings_soildyn 4"), "version 5"),
+        "version": (text.replace("pysprings_soildyn 6", "pysprings_soildyn 5"), "version 6"),
         "number": (text.replace("length_m ", "length_m x"), "number is missing"),
         "nan": (text.replace("length_m ", "length_m nan "), "not finite"),
         "order": (

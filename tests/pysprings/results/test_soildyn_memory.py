@@ -52,14 +52,14 @@ def sequence(seed: int = 3, n: int = 60) -> np.ndarray:
 def motion(state: np.ndarray, direction: float, w: float = 0.0) -> np.ndarray:
     """Motion (6,) in the frame of OpenFAST of (u, rotation) in the plane at an angle from x."""
     c, s = np.cos(direction), np.sin(direction)
-    return np.array([state[0] * c, state[0] * s, -w, state[1] * s, -state[1] * c, 0.0])
+    return np.array([state[0] * c, state[0] * s, -w, -state[1] * s, state[1] * c, 0.0])
 
 
 def in_plane(force: np.ndarray, direction: float) -> tuple[float, float, float, float]:
     """H and M in the plane of motion, and force and moment across it."""
     c, s = np.cos(direction), np.sin(direction)
     across = force[1] * c - force[0] * s, force[3] * c + force[4] * s
-    return force[0] * c + force[1] * s, force[3] * s - force[4] * c, *across
+    return force[0] * c + force[1] * s, force[4] * c - force[3] * s, *across
 
 
 @pytest.mark.parametrize("direction", [0.0, 0.5 * np.pi, np.pi, 0.7, 2.3])

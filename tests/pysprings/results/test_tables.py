@@ -96,13 +96,13 @@ def test_wide_table_faults_name_their_line(tmp_path):
 
 
 def test_minimal_table_and_its_closed_form(tmp_path):
-    """Slices of 1 m: H = K sum (u + rotation z), M = K sum z (u + rotation z); the answer says that it is p-y alone."""
+    """Slices of 1 m: H = K sum y, M = -K sum z y with y = u - rotation z; the answer says that it is p-y alone."""
     rows = [f"{z},{y},{K * y}" for z in (0.5, 1.5, 2.5, 3.5) for y in (0.0, 1e-3, 1e-2)]
     table = open_table(write(tmp_path / "py.csv", "depth_m,y_m,p_N_per_m", *rows), skirt_length=4.0)
     z = np.array([0.5, 1.5, 2.5, 3.5])
-    k = K * np.array([[4.0, z.sum()], [z.sum(), (z**2).sum()]])
+    k = K * np.array([[4.0, -z.sum()], [-z.sum(), (z**2).sum()]])
     answer = way_to_load(table, H=1e5, arm=2.0, extrapolate=True)
-    expected = np.linalg.solve(k, [1e5, -2e5])
+    expected = np.linalg.solve(k, [1e5, 2e5])
     np.testing.assert_allclose([answer["u"][-1], answer["rotation"][-1]], expected, rtol=1e-9)
     assert answer.attrs["springs"] == "py"
     assert answer.attrs["remarks"][0].startswith("p-y springs alone: no distributed moment, tip and lid springs")
@@ -127,7 +127,7 @@ def test_negative_y_is_the_odd_reflection(tmp_path):
     table = open_table(write(tmp_path / "py.csv", "depth_m,y_m,p_N_per_m", *curves))
     model = MacroModel.from_springs(table)
     for y, p in ((5e-3, 5e5), (-5e-3, -5e5), (-1e-2, -6e5)):
-        answer = trace(model, "state", np.array([[y, 0.0], [-y, 0.0], [2.0 * y, -y]]))
+        answer = trace(model, "state", np.array([[y, 0.0], [-y, 0.0], [2.0 * y, y]]))
         np.testing.assert_allclose(answer["p"].values[:, :2], [[p, -p], [p, -p]])
         np.testing.assert_allclose(answer["y"].values[:, 2], [y, -y])
         np.testing.assert_allclose(answer["p"].values[:, 2], [p, -p])
@@ -171,8 +171,8 @@ def companions() -> list[str]:
 
 def full_stiffness() -> np.ndarray:
     z = np.array([0.5, 1.5, 2.5, 3.5])
-    k = K * np.array([[4.0, z.sum()], [z.sum(), (z**2).sum()]])
-    k += 5e8 * np.array([[1.0, 4.0], [4.0, 16.0]]) + 5e8 * np.array([[1.0, 0.0], [0.0, 0.0]])
+    k = K * np.array([[4.0, -z.sum()], [-z.sum(), (z**2).sum()]])
+    k += 5e8 * np.array([[1.0, -4.0], [-4.0, 16.0]]) + 5e8 * np.array([[1.0, 0.0], [0.0, 0.0]])
     return k + np.array([[0.0, 0.0], [0.0, 4.0 * 3e9 + 2.0 * 7e9]])
 
 

@@ -98,7 +98,7 @@ def test_two_planes_carry_too_much_between_them_and_more_planes_less(source: Sou
 def test_springs_at_real_depths_spread_over_planes_answer_nearly_as_before(kind: str) -> None:
     springs = Springs.of(vertical_springs())
     two, eight = (uniaxial(springs, kind, planes=planes) for planes in (2, 8))
-    for u, rotation in ((2e-3, -3e-4), (-4e-3, 1e-4), (4e-4, 2e-5)):
+    for u, rotation in ((2e-3, 3e-4), (-4e-3, -1e-4), (4e-4, 2e-5)):
         exact = two.model.reactions(u, rotation)[0]
         for model in (eight.model, eight.between):
             np.testing.assert_allclose(model.reactions(u, rotation)[0], exact, rtol=0.02)
@@ -116,12 +116,12 @@ def test_sets_at_real_depths_keep_resultant_and_moment(kind: str) -> None:
     """Springs of a set whose springs read what they act against: H and M of `predict` at imposed motions."""
     springs = Springs.of(vertical_springs())
     one = uniaxial(springs, kind)
-    for u, rotation in ((2e-3, -3e-4), (-4e-3, 1e-4), (0.0, 5e-4)):
+    for u, rotation in ((2e-3, 3e-4), (-4e-3, -1e-4), (0.0, 5e-4)):
         H = M = 0.0
         for spring in one.springs:
             if spring.direction == "lateral":
-                force = float(spring.force(np.array([u + spring.depth * rotation]))[0])
-                H, M = H + force, M + force * spring.depth
+                force = float(spring.force(np.array([u - spring.depth * rotation]))[0])
+                H, M = H + force, M - force * spring.depth
             elif spring.direction == "rotation":
                 M += float(spring.force(np.array([rotation]))[0])
         np.testing.assert_allclose([H, M], one.model.reactions(u, rotation)[0], rtol=1e-12, atol=1e-6)
@@ -134,7 +134,7 @@ def test_sets_at_real_depths_answer_as_predict_does(kind: str) -> None:
     springs = Springs.of(vertical_springs())
     model = MacroModel.from_springs(springs, kind)
     rings, zone = uniaxial(springs, kind), uniaxial(springs, kind, slices="zone")
-    for u, rotation in ((2e-3, -3e-4), (-4e-3, 1e-4), (1e-3, 5e-4)):
+    for u, rotation in ((2e-3, 3e-4), (-4e-3, -1e-4), (1e-3, 5e-4)):
         wanted = model.reactions(u, rotation)[0]
         np.testing.assert_allclose(rings.model.reactions(u, rotation)[0], wanted, rtol=1e-9)
         np.testing.assert_allclose(zone.model.reactions(u, rotation)[0], wanted, rtol=0.02)
@@ -172,8 +172,8 @@ def test_straight_lines_are_those_of_the_tables(made: Uniaxial) -> None:
         H = M = 0.0
         for each, c in product(given, np.cos(np.pi / made.planes * np.arange(made.planes))):
             if each.spring.direction == "lateral":
-                force = c * float(np.interp(c * (u + each.spring.depth * rotation), each.q, each.f))
-                H, M = H + force, M + force * each.spring.depth
+                force = c * float(np.interp(c * (u - each.spring.depth * rotation), each.q, each.f))
+                H, M = H + force, M - force * each.spring.depth
             elif each.spring.direction == "rotation":
                 M += c * float(np.interp(c * rotation, each.q, each.f))
         np.testing.assert_allclose(model.reactions(u, rotation)[0], [H, M], rtol=1e-6)
@@ -206,7 +206,7 @@ def in_opensees(
     held: tuple[int, ...] = (), constraints: tuple[str | float, ...] = ("Transformation",),
 ) -> np.ndarray:  # fmt: skip
     """u, rotation, w, motion across and number of nodes of the script under the cases in a direction."""
-    cases = [(H, -H * arm, V) for H, arm, V in CASES]
+    cases = [(H, H * arm, V) for H, arm, V in CASES]
     task = {
         "script": str(folder / f"caisson_opensees.{ending}"),
         "loads": cases,
@@ -326,7 +326,7 @@ def test_calculix_finds_what_predict_finds(
     answers = np.array([in_calculix(tmp_path, *case) for case in CASES])
     check(answers, expected, error)
     straight = with_tables(made, tables(made, points))
-    loads = np.array([[H, -H * arm] for H, arm, _ in CASES])
+    loads = np.array([[H, H * arm] for H, arm, _ in CASES])
     np.testing.assert_allclose(answers[:, :2], straight.solve_cases("load", loads)[0], rtol=1e-6)
 
 

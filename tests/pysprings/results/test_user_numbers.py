@@ -76,7 +76,7 @@ def in_slice(now: dict, side: str, at: float) -> dict[str, float]:
     """Return the reactions of a side in a slice: means of its rings; m takes the moment of p about its depth."""
     rings = [(now["ring"][side, z], share, arm) for z, share, arm in slices()[at][2]]
     out = {key: sum(share * ring[key] for ring, share, _ in rings) for key in (*PARTS["total"], "m", "t")}
-    out["m"] += sum(share * arm * sum(ring[key] for key in PARTS["total"]) for ring, share, arm in rings)
+    out["m"] -= sum(share * arm * sum(ring[key] for key in PARTS["total"]) for ring, share, arm in rings)
     return out
 
 
@@ -118,7 +118,7 @@ def long_rows(path: str) -> Iterator[dict[str, Any]]:
         u, w, rotation = (now["motion"][key] for key in MOTION)
         body = {"path": path, "step": step, "rotation_rad": rotation, "w_m": w, "converged": converged(path, step)}
         for z, (top, bottom, _) in slices().items():
-            place = body | {"depth_m": z, "depth_top_m": top, "depth_bottom_m": bottom, "y_m": u + rotation * z}
+            place = body | {"depth_m": z, "depth_top_m": top, "depth_bottom_m": bottom, "y_m": u - rotation * z}
             for side, sides in WORDS.items():
                 rings = [in_slice(now, one, z) for one in sides]
                 m, t = (sum(ring[key] for ring in rings) for key in ("m", "t"))
@@ -130,7 +130,7 @@ def long_rows(path: str) -> Iterator[dict[str, Any]]:
                     p = sum(ring[part] for ring in rings for part in parts)
                     yield place | {"family": "py", "side": side, "component": component, "p_N_per_m": p}
         for family, face, z in (("base", "tip", LENGTH), ("lid", "lid", 0.0)):
-            place = body | {"depth_m": z, "depth_top_m": z, "depth_bottom_m": z, "y_m": u + rotation * z}
+            place = body | {"depth_m": z, "depth_top_m": z, "depth_bottom_m": z, "y_m": u - rotation * z}
             loads = now["on"][face]
             yield place | {"family": family, "H_N": loads["H"], "V_N": loads["V"], "M_Nm": loads["M"]}
 
@@ -169,7 +169,7 @@ def test_every_column_of_py_wide_csv(folder: Path) -> None:
             heading = f"{quantity} z={z:g} [{top:g}..{bottom:g}]"
             expected = np.array([
                 sum(in_slice(now, side, z)[part] for side in WORDS["net"] for part in parts)
-                if parts else body["u"] + body["rotation"] * z for now, body in states
+                if parts else body["u"] - body["rotation"] * z for now, body in states
             ])  # fmt: skip
             there = ~down | (quantity == "t_N_per_m")
             assert table[heading].notna().tolist() == there.tolist()
@@ -221,7 +221,7 @@ def expected_sheet(name: str) -> dict[tuple[str, Any], tuple[list[float], str]]:
 
     for k, z in enumerate(slices(), start=1):
         if name == "p-y":
-            y = by_step(lambda one, z=z: 1e3 * (one["motion"]["u"] + one["motion"]["rotation"] * z))
+            y = by_step(lambda one, z=z: 1e3 * (one["motion"]["u"] - one["motion"]["rotation"] * z))
             out["y [mm]", z] = y, f"y_{k}"
             for side in WORDS:
                 out[f"p {side} [kN/m]", z] = ring(side, z, PARTS["total"]), f"p_{k}" if side == "net" else ""
@@ -241,7 +241,7 @@ def expected_sheet(name: str) -> dict[tuple[str, Any], tuple[list[float], str]]:
             out[f"V {face} [kN]", None] = by_step(lambda one, f=face: 1e-3 * one["on"][f]["V"], paths), ""
     if name in ("base", "lid"):
         face, z = ("tip", LENGTH) if name == "base" else ("lid", 0.0)
-        y = by_step(lambda one: 1e3 * (one["motion"]["u"] + one["motion"]["rotation"] * z))
+        y = by_step(lambda one: 1e3 * (one["motion"]["u"] - one["motion"]["rotation"] * z))
         out |= {("y [mm]", z): (y, f"y_{name}"), ("w [mm]", z): (motion("w"), "")}
         out["rotation [mrad]", z] = motion("rotation"), ""
         for load, unit in (("H", "kN"), ("V", "kN"), ("M", "kN m")):
@@ -285,7 +285,7 @@ def py_alone(path: str, step: int) -> tuple[float, float]:
     for z in (z for z in rc.depths() if path != "turn" or z > 0.0):
         top, bottom = rc.slice_of(z)
         change = raw(path, step)["net"][z]["p"] - raw(path, 0)["net"][z]["p"]
-        force, moment = force + 1e-3 * change * (bottom - top), moment + 1e-3 * change * (bottom - top) * z
+        force, moment = force + 1e-3 * change * (bottom - top), moment - 1e-3 * change * (bottom - top) * z
     return force, moment
 
 
@@ -361,7 +361,7 @@ def test_every_variable_of_the_springs(springs: xr.DataTree, tmp_path: Path) -> 
             for key, value in scalars.items():
                 close(here[key], value, 1e6 if key[0] in "HVM" else 1e-3, key)
             for k, z in enumerate(rc.depths()):
-                close(here["y"][k], now["motion"]["u"] + now["motion"]["rotation"] * z, 1e-3)
+                close(here["y"][k], now["motion"]["u"] - now["motion"]["rotation"] * z, 1e-3)
                 for side in ("outside", "inside"):
                     ring, at = now["ring"][side, z], here.isel(depth=k).sel(side=side)
                     close(at["p"].sel(component=list(PARTS)[:3]), [ring[part] for part in list(PARTS)[:3]], 1e6)
@@ -424,7 +424,7 @@ def test_columns_of_compare_csv(folder: Path) -> None:
     assert table.loc["turn", "full"]["rotation_point_full_m"] == 0.0
     close(table.loc["turn", "full"]["small_at"], small / LENGTH)
     swept = table.loc["swept", "fan"]
-    close(swept["rotation_point_full_m"], -PATHS["swept"][0][0] / PATHS["swept"][0][2])
+    close(swept["rotation_point_full_m"], PATHS["swept"][0][0] / PATHS["swept"][0][2])
     down, last = table.loc["down", "vertical"], [raw("down", step)["total"]["V"] for step in (0, STEPS - 1)]
     close([down["V_end_full_N"], down["V_end_macro_N"], down["V_N"]], [last[1], last[1], last[0]], 1e6)
     close([down["w_end_full_m"], down["w_end_macro_m"]], [8e-3, 8e-3], 1e-3)

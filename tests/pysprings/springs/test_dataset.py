@@ -96,7 +96,7 @@ def _nan_stiffness(tree):
         (_kind, "paths/pull/kind", "must be one of pull, translation, rotation, swipe, load"),
         (_values("H", _one_nan), "paths/pull/H", "not finite at a converged step"),
         (_values("converged", lambda v: 0 * v), "paths/pull/converged", "at least one converged step"),
-        (_values("y", lambda v: -v), "paths/pull/y", "is not u + rotation*depth"),
+        (_values("y", lambda v: -v), "paths/pull/y", "is not u - rotation*depth"),
         (_values("depth_bounds", lambda v: 0.9 * v), "paths/pull/depth_bounds", "must cover 0 to 4 m"),
         (
             _values("depth_bounds", lambda v: v[:, ::-1]),

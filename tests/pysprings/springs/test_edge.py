@@ -53,7 +53,7 @@ def test_other_slices_keep_the_loads_of_every_state(bounds: list[float] | None) 
         old, path = get_path(before, name), get_path(new, name)
         for load, values in resultants(old).items():
             assert np.allclose(resultants(path)[load], values, rtol=1e-12, atol=1e-9 * np.abs(values).max())
-        expected = path["u"] + path["rotation"] * path["depth"]
+        expected = path["u"] - path["rotation"] * path["depth"]
         assert np.allclose(path["y"], expected.transpose(*path["y"].dims), atol=1e-12)
         assert path["depth_bounds"].values[[0, -1], [0, -1]].tolist() == [0.0, 4.0]
         for part in ("H_tip", "M_lid"):

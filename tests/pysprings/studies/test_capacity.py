@@ -30,7 +30,7 @@ def group(load: float | str = 1e6) -> plan.Group:
 
 
 def test_directions_fill_half_the_plane() -> None:
-    np.testing.assert_allclose(np.degrees(plan.angles(8)), [-90, -67.5, -45, -22.5, 0, 22.5, 45, 67.5])
+    np.testing.assert_allclose(np.degrees(plan.angles(8)), [-67.5, -45, -22.5, 0, 22.5, 45, 67.5, 90])
     with pytest.raises(UserInputError, match=r"--directions: 1 is not in \[2, 72\]"):
         plan.Request((1e6,), directions=1)
 
@@ -60,7 +60,7 @@ def test_rays_cover_the_limit_of_motion() -> None:
     np.testing.assert_allclose(np.degrees(angle), plan.RAYS)
     for degrees in np.linspace(-89.9, 89.9, 181):
         u, v = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-        at_limit = 1.0 / max(abs(u) / (0.1 * D), abs(u + v) / (0.1 * D), abs(v) / L / math.radians(5.0))
+        at_limit = 1.0 / max(abs(u) / (0.1 * D), abs(u - v) / (0.1 * D), abs(v) / L / math.radians(5.0))
         above = int(np.searchsorted(angle, math.radians(degrees)))
         beside = [rho[above - 1], rho[above % len(rho)]]  # above the last ray is the mirror image of the first
         assert min(beside) > at_limit, degrees
@@ -180,7 +180,7 @@ def test_runs_have_names_and_springs() -> None:
     request = plan.Request((1e6,), directions=2)
     every = runs.planned(plan.groups(SCENE, request), request)
     assert [each.name for each in every] == [
-        "characteristic-V1000kN--90deg", "characteristic-V1000kN-+0deg", "characteristic-V1000kN-rays"
+        "characteristic-V1000kN-+0deg", "characteristic-V1000kN-+90deg", "characteristic-V1000kN-rays"
     ]  # fmt: skip
     assert [each.angle is None for each in every] == [False, False, True]
 

@@ -15,7 +15,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.macro.predict import predict
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report import load_cases as text
-from pysprings.results.tables.load_cases import OVERTURNING, read_load_cases
+from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.springs.file import save_springs
 from pysprings.studies.design import files
 from pysprings.studies.design.answers import answer_cases
@@ -92,7 +92,7 @@ def test_rows_aside_of_one_plane_are_answered_and_marked(springs, tmp_path: Path
     file = tmp_path / "cases.csv"
     lines = ("name,H [kN],arm [m],M [kN m],M direction [deg],Mz [kN m]", "plain,300,6,,,", "across,300,,{0},30,",
              "twist,300,6,,,90", "twist alone,0,,0,,90", "below,300,,{1},,")  # fmt: skip
-    signed = OVERTURNING * 1800.0
+    signed = 1800.0
     file.write_text("\n".join(lines).format(signed, -signed) + "\n", encoding="utf-8")
     table = answer_cases(springs, read_load_cases(file)).set_index("name")
     assert list(table["verdict"]) == ["ok", *["supported in part"] * 3, "ok"]

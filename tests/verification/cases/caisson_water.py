@@ -32,7 +32,7 @@ from tests.verification.cases.undrained_column import checkerboard
 from tests.verification.rows import Row
 
 # K_H, K_C, K_M, K_free in MN and m at nu = 0.5, G = 200 MPa/2.6, 24 x 12 m, roller
-UNDRAINED = {"K_H": 4747.4, "K_C": 10968.6, "K_M": 99721.0, "K_free": 3541.0}
+UNDRAINED = {"K_H": 4747.4, "K_C": -10968.6, "K_M": 99721.0, "K_free": 3541.0}
 UNITS = {"K_H": "MN/m", "K_C": "MN", "K_M": "MN m", "K_free": "MN/m"}
 _SOURCE = "axisymmetric FE, mixed, nu = 0.5, thickness 0"
 _NEVER = 1.0e12  # s: everything has flowed

@@ -294,10 +294,10 @@ def preset_case(embedment: float, kappa: float, preset: str) -> tuple[Row, ...]:
 
 
 # about the tip: H/(A su_0) and M/(A D su_0) of a rotation about it, V = 0; M of a caisson that turns is positive here
-ABOUT_TIP = (-4.75, 2.41)
+ABOUT_TIP = (4.75, 2.41)
 # (d/D, kappa) of the envelope, V_ult/(A su_0), and directions atan(M/(H D)) in degrees, M about the lid centre
 ENVELOPE, V_ULT = (0.5, 0.0), CAISSONS[0.5, 0.0]["NcV"]
-DIRECTIONS = (-90.0, -67.5, -45.0, -22.5, 0.0, 22.5, 45.0, 67.5)
+DIRECTIONS = (90.0, 67.5, 45.0, 22.5, 0.0, -22.5, -45.0, -67.5)
 _FORMULA = "fitted formula (Vulpe, Gourvenec & Power 2014)"
 _A, _B = 1.6090, -0.5989
 
@@ -307,7 +307,7 @@ def formula_load(direction: float, share: float) -> float:
     limits, (c, s) = CAISSONS[ENVELOPE], (np.cos(np.radians(direction)), np.sin(np.radians(direction)))
     load = np.linspace(0.0, 8.0, 80001)
     h = load * c / (limits["NcH"] * (1.0 - share**4.69))
-    m = load * (ENVELOPE[0] * c - s) / (limits["NcM"] * (1.0 - share**2.12))  # about the tip
+    m = load * (ENVELOPE[0] * c + s) / (limits["NcM"] * (1.0 - share**2.12))  # about the tip
     beyond = np.abs(h) ** _A + np.abs(m) ** _A + 2.0 * _B * h * m >= 1.0
     return float(load[np.argmax(beyond)])
 

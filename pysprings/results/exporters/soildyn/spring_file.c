@@ -119,7 +119,7 @@ int pysprings_read(Reader *r, double *P) {
   size_t k;
   char *p;
   if (!numbers(r, "pysprings_soildyn", P + P_VERSION, 1)) return 0;
-  if (P[P_VERSION] != VERSION) return refuse(r, "this library reads version 5 of the spring file");
+  if (P[P_VERSION] != VERSION) return refuse(r, "this library reads version 6 of the spring file");
   for (k = 0; k < sizeof heads / sizeof heads[0]; k++)
     if (!numbers(r, heads[k].word, P + heads[k].at, heads[k].n)) return 0;
   if (!(P[P_LENGTH] > 0.0) || !(P[P_VERTICAL] > 0.0)) return refuse(r, "length and vertical stiffness are positive");

@@ -18,7 +18,7 @@ from pysprings.macro.vertical import Branch
 
 Array = NDArray[np.float64]
 
-VERSION = 5
+VERSION = 6
 PROPS, STATES = 20000, 1200  # numbers that SoilDyn keeps for a point, and of its state
 _SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 23, 3, 9, 2, 3  # of `springs.h`
 _STATE_HEAD = 9

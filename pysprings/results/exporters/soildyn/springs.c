@@ -2,8 +2,8 @@
  *
  * Reactions of a caisson on a fan of load paths, in six degrees of freedom.
  *
- * Frame of SoilDyn: z up, forces on the soil. Frame of the springs: x as in SoilDyn, z down; half a turn about x leads
- * from one to the other. In a plane of motion the reactions are those of `pysprings.macro` (solver.fan_loads,
+ * Frame of SoilDyn: z up, forces on the soil. The springs have a rotation of each vertical plane, positive where the
+ * caisson leans towards x (that about y), or towards y (less that about x). In a plane of motion the reactions are those of `pysprings.macro` (solver.fan_loads,
  * vertical.VerticalTable):
  *
  *   H, M = loads of the fan at (u, rotation);   V = vertical springs at w - w_lateral(u, rotation).
@@ -251,8 +251,8 @@ void pysprings_forces(const double *P, double *state, const double d[6], Answer 
   int i;
   memset(out, 0, sizeof *out);
   a[0] = d[0];
-  a[1] = -d[1];
-  b[0] = -L * d[4];
+  a[1] = d[1];
+  b[0] = L * d[4];
   b[1] = -L * d[3];
   secant(P, a, b, S, &lateral);
   for (i = 0; i < 2; i++) {
@@ -271,10 +271,10 @@ void pysprings_forces(const double *P, double *state, const double d[6], Answer 
   out->used = lateral.used;
   if (lateral.failed) out->beyond = "a load path of the full model stopped, or met a limit load, before this displacement";
   out->force[0] = Ha[0];
-  out->force[1] = -Ha[1];
+  out->force[1] = Ha[1];
   out->force[2] = P[P_OFFSET] - vertical(P, w, &lateral, out);
   out->force[3] = -Mb[1];
-  out->force[4] = -Mb[0];
+  out->force[4] = Mb[0];
   out->force[5] = P[P_TORSION] * d[5];
   if (P[P_STOP] != 0.0 && (out->used > 1.0 + SLACK || out->used_vertical > 1.0 + SLACK))
     out->beyond = "the displacement is beyond the calibrated range of the springs";
@@ -300,10 +300,10 @@ void pysprings_stiffness(const double *P, const double *state, const double d[6]
     else secant(P, zero, zero, S, &lateral);
     D[0] = D[7] = S[0][0];
     D[21] = D[28] = L * L * S[1][1];
-    D[24] = -L * S[0][1];
-    D[19] = L * S[0][1];
-    D[4] = -L * S[1][0];
-    D[9] = L * S[1][0];
+    D[24] = L * S[0][1];
+    D[19] = -L * S[0][1];
+    D[4] = L * S[1][0];
+    D[9] = -L * S[1][0];
     D[14] = P[P_VERTICAL];
     D[35] = P[P_TORSION];
     return;

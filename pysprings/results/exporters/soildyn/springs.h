@@ -12,7 +12,7 @@
 #define LINE 512         /* characters of a line of the spring file */
 #define MAGIC 20611.0    /* Props were filled by this library */
 #define STATES 1200      /* numbers in StVar */
-#define VERSION 5        /* of the spring file */
+#define VERSION 6        /* of the spring file */
 #define SLACK 1e-6       /* share by which a range may be exceeded (rounding) */
 #define PI 3.14159265358979323846
 

@@ -96,7 +96,7 @@ def read_by(spring: Spring, angle: float) -> Terms:
     if spring.direction == "vertical":
         terms = {"uz": -1.0}
     elif spring.direction == "rotation":
-        terms = {"ry": -c, "rx": s}
+        terms = {"ry": c, "rx": -s}
     else:
         terms = {"ux": c, "uy": s, "ry": -spring.depth * c, "rx": spring.depth * s}
     return {name: factor for name, factor in terms.items() if abs(factor) > 1e-12}

@@ -54,8 +54,8 @@ def loads(made: Uniaxial, tables: list[Table], u: Array, rotation: Array) -> tup
             continue
         q, f = each.q[each.q >= 0.0], each.f[each.q >= 0.0]
         lateral = each.spring.direction == "lateral"
-        read = u + each.spring.depth * rotation if lateral else rotation
+        read = u - each.spring.depth * rotation if lateral else rotation
         force = sum(n * c * masing(q, f, c * read) for c, n in zip(*cosines(made.planes), strict=True))
         H += force if lateral else 0.0
-        M += force * each.spring.depth if lateral else force
+        M += -force * each.spring.depth if lateral else force
     return H, M

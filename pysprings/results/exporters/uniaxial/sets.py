@@ -147,7 +147,7 @@ def _lateral(rows: SpringTable, model: MacroModel) -> Iterator[Spring]:
     for j, name in enumerate(rows.name):
         sideways = bool(rows.a[j, 0] != 0.0)
         k = 0 if sideways else 1
-        depth = float(rows.a[j, 1] / rows.a[j, 0]) if sideways else float(rows.depth[j])
+        depth = float(-rows.a[j, 1] / rows.a[j, 0]) if sideways else float(rows.depth[j])
         end, factor = float(rows.range[j] / abs(rows.a[j, k])), float(rows.b[j, k])
 
         def force(x: Array, j: int = j, k: int = k, factor: float = factor) -> Array:
@@ -209,7 +209,7 @@ def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
         q[j, : x.size], r[j, : x.size], slope[j, : x.size] = x, y, s
     sideways = np.array([each.spring.direction == "lateral" for each in lateral])
     depth = np.array([each.spring.depth for each in lateral])
-    a = np.where(sideways[:, None], np.stack([np.ones(depth.size), depth], axis=1), [0.0, 1.0])
+    a = np.where(sideways[:, None], np.stack([np.ones(depth.size), -depth], axis=1), [0.0, 1.0])
     names = [each.spring.name for each in lateral]
     carriers = ["y" if each else "rotation" for each in sideways]
     whole = np.ones(count.size, dtype=bool)

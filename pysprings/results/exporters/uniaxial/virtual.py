@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """A fan as uniaxial springs at virtual depths: the coupling of u and rotation for programs with uncoupled springs.
 
-A lateral spring at depth z of a rigid body reads u + z rotation. With z = L tan(angle) it reads the component of
-(u, rotation L) in a direction; a rotational spring reads 90 deg. The springs stand at depths where there may be no
+A lateral spring at depth z of a rigid body reads u - z rotation. With z = -L tan(angle) it reads the component of
+(u, rotation L) in a direction; a rotational spring reads -90 deg. The springs stand at depths where there may be no
 skirt: they represent the foundation as a whole, not its parts.
 
 Each direction has a sum of curves k q/(1 + (|q|/d)^4)^(1/4), k >= 0, and a straight line, in several planes
@@ -22,7 +22,7 @@ from pysprings.results.exporters.uniaxial.planes import KNOTS, SCALES, SIZES, cu
 
 Array = NDArray[np.float64]
 
-DIRECTIONS = np.radians(np.arange(-80.0, 91.0, 10.0))
+DIRECTIONS = np.radians(np.arange(80.0, -91.0, -10.0))  # from the highest to the deepest
 STEP = np.radians(5.0)  # between the states of the fit
 HEAVY = 3.0  # weight of the initial stiffness, of which there are few rows
 LEAST = 1e-6  # springs with less than this share of the stiffness are left out
@@ -63,7 +63,7 @@ def _fit(model: MacroModel, table: FanTable, reach: float, planes: int) -> Array
 
 def _states(table: FanTable) -> Array:
     """Return states (n, 2) = (u, rotation L) [m] in half the plane, each up to the range of the fan there."""
-    angles = np.arange(-0.5 * np.pi, 0.5 * np.pi, STEP) + STEP
+    angles = -np.arange(-0.5 * np.pi, 0.5 * np.pi, STEP) - STEP
     ends = np.array([[np.cos(a), np.sin(a) / table.length] for a in angles])
     used = table.support(ends, table.rows(ends)[1])[0]
     states: Array = (ends * [1.0, table.length] / used[:, None])[:, None, :] * SIZES[:, None]
@@ -71,10 +71,10 @@ def _states(table: FanTable) -> Array:
 
 
 def _row(angle: float, weights: Array, reach: float, length: float) -> Row:
-    """Return the spring of a direction: lateral at depth L tan(angle), or rotational at 90 deg."""
+    """Return the spring of a direction: lateral at depth -L tan(angle), or rotational at -90 deg."""
     q = KNOTS * reach  # component of (u, rotation L) in the direction
     r = curves(q, reach) @ weights
     if abs(np.cos(angle)) < 1e-6:
         return Row("virtual", 0.0, "rotation", (0.0, 1.0), (0.0, 1.0), q / length, r * length)
-    depth = float(length * np.tan(angle))
-    return Row("virtual", depth, "y", (1.0, depth), (1.0, depth), q / np.cos(angle), r * np.cos(angle))
+    depth = float(-length * np.tan(angle))
+    return Row("virtual", depth, "y", (1.0, -depth), (1.0, -depth), q / np.cos(angle), r * np.cos(angle))

@@ -29,15 +29,15 @@ _ORIGIN = {
 }
 
 _SKETCH = (
-    "            H --->          acts at height arm above mudline: M = -H*arm",
+    "            H --->          acts at height arm above mudline: M = H*arm",
     "               |",
     "   +-----------O-----------+   lid, mudline, depth 0      O ----> x, u, y, H",
     "   |                       |                              |",
     "   |  p(z) on the caisson  |   skirt                      v   z = depth, w, V (down)",
     "   |  <---                 |",
-    "   |                       |   depth L, tip               y axis: towards the reader",
+    "   |                       |   depth L, tip               y axis: away from the reader",
     "",
-    "   rotation and M: right-hand about the y axis (counter-clockwise here); a pull H > 0 rotates < 0",
+    "   rotation and M: positive where it leans towards x (clockwise here); a load above mudline has M > 0",
 )
 
 _MEANING = (
@@ -48,7 +48,7 @@ _MEANING = (
     ),
     (
         "signs",
-        "Reactions are positive when they oppose a positive displacement. y = u + rotation*depth (of a rigid caisson). "
+        "Reactions are positive when they oppose a positive displacement. y = u - rotation*depth (of a rigid caisson). "
         "w and V are positive down.",
     ),
     (
@@ -57,7 +57,7 @@ _MEANING = (
         "the tip depends on the mesh.",
     ),
     ("base, lid", "tip: H, V and M about the axis point at the depth of the tip; lid: about O."),
-    ("balance", "H = sum p*dz + H_tip + H_lid;  M = sum (p*z + m)*dz + L*H_tip + M_tip + M_lid"),
+    ("balance", "H = sum p*dz + H_tip + H_lid;  M = -(sum p*z*dz + L*H_tip) + sum m*dz + M_tip + M_lid"),
     (
         "curves",
         "monotonic backbone, not cyclic. Each holds for the path it was read from: p(y) from one load height "

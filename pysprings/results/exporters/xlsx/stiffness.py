@@ -23,10 +23,10 @@ _SIX = (("Fx [kN]", "Fy [kN]", "Fz [kN]", "Mx [kN m]", "My [kN m]", "Mz [kN m]")
 _THREE = (("H [kN]", "V [kN]", "M [kN m]"), ("per u [m]", "per w [m]", "per rotation [rad]"))
 
 _NOTES = (
-    "Axes: x along the load, z down, y completing a right-handed set; rotations right-hand. The caisson at rest is "
+    "Axes: x along the load, y to its left seen from above, z up; rotations right-hand. The caisson at rest is "
     "axisymmetric: what holds for (x, ry) holds for (y, -rx).",
     TORSION[0].upper() + TORSION[1:] + ".",
-    "For other axes (z up) or another point: `pysprings predict ... --stiffness --z-up --reference-depth LENGTH`.",
+    "About another point: `pysprings predict ... --stiffness --reference-depth LENGTH`.",
     "Springs of one path at rest: slope of the first recorded step, below the full model's initial one; w is the full "
     "model's elastic stiffness.",
 )

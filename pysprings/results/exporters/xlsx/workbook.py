@@ -158,7 +158,7 @@ def _end(book: Book, sheet: Any, springs: xr.DataTree, part: str) -> None:
     paths = datasets(springs)
     depth = float(springs.attrs["skirt_length_m"]) if part == "tip" else 0.0
     sheet_name = sheet.name
-    y = [(path["u"].values + path["rotation"].values * depth) * MM for path in paths]
+    y = [(path["u"].values - path["rotation"].values * depth) * MM for path in paths]
     columns = [
         Column("y [mm]", y, name=f"y_{sheet_name}"),
         series(paths, "rotation [mrad]", "rotation", MRAD),

@@ -112,8 +112,8 @@
       Plotly.react(stress, traces, layout("azimuth [deg]: 0 front, 180 back", "normal effective stress [kPa]", { yaxis: { title: { text: "normal effective stress [kPa]" }, range: [-0.03 * most, 1.05 * most] } }), config);
       if (!(D > 0 && L > 0)) return;
       const x = [-D / 2, -D / 2, D / 2, D / 2], z = [L, 0, 0, L], last = path.u.length - 1, turn = Math.PI / 180;
-      const across = (k) => x.map((_, i) => path.u[k] / 1e3 + path.rotation[k] * turn * z[i]);
-      const along = (k) => x.map((at) => path.w[k] / 1e3 - path.rotation[k] * turn * at);
+      const across = (k) => x.map((_, i) => path.u[k] / 1e3 - path.rotation[k] * turn * z[i]);
+      const along = (k) => x.map((at) => path.w[k] / 1e3 + path.rotation[k] * turn * at);
       const largest = Math.max(...[...across(last), ...along(last)].map(Math.abs)) || 1;
       const factor = Number((0.1 * D / largest).toPrecision(1));
       const shift = (from, by) => from.map((at, i) => at + factor * by[i]);

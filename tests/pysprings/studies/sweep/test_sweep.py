@@ -114,7 +114,7 @@ def test_springs_of_the_common_grid_sum_to_the_load(ended):
         length = ended.plan.scene_of(ended.plan.cases[1]).caisson.skirt_length
         height, depth = length / DEPTHS, case["depth_share"] * length
         H = height * case["p"].sum("depth_share") + case["H_tip"] + case["H_lid"]
-        M = (height * (case["p"] * depth + case["m"]).sum("depth_share") + length * case["H_tip"]
+        M = (height * (case["m"] - case["p"] * depth).sum("depth_share") - length * case["H_tip"]
              + case["M_tip"] + case["M_lid"])  # fmt: skip
         assert np.abs(H - case["H"]).max() < 1e-5 * case["H"].max()
         assert np.abs(M - case["M"]).max() < 1e-5 * length * case["H"].max()
