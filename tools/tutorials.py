@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Run the commands of the tutorials and of the first-run page, and store what they print: ``python -m tools.tutorials``.
+"""Run the commands of the tutorials and the first-run page, store what they print: ``python -m tools.tutorials``.
 
 Each page is run in a folder of its own, its scenes (blocks that begin with ``title``) under the name that its commands
-have. What the commands print goes to ``data/tutorials/PAGE.txt``; `tests/docs/test_numbers.py` compares the numbers that
-the pages show with it. Four minutes; ``--only PAGE`` runs one.
+have. What the commands print goes to ``data/tutorials/PAGE.txt``; `tests/docs/test_numbers.py` compares the numbers of
+the pages with it. Four minutes; ``--only PAGE`` runs one.
 """
 
 from __future__ import annotations
