@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -50,13 +51,19 @@ def is_formula(text: str) -> bool:
     return len(bare) > 1 and bare.startswith(tuple("=+-@")) and not _QUANTITY.fullmatch(bare)
 
 
-def commented(mark: str, lines: Iterable[str]) -> list[str]:
-    """Return lines behind the comment mark of a program, each on one line whatever text it holds.
+def commented(mark: str, lines: Iterable[str], width: int = 400) -> list[str]:
+    """Return lines behind the comment mark of a program, whatever text they hold; long ones go on behind the mark, too.
 
     All text of a scene or a spring file enters the files for other programs through this function alone: a line end in
-    it would be a command there, a backslash at its end would take the next line into the comment (Tcl, C).
+    it would be a command there, a backslash at its end would take the next line into the comment (Tcl, C), and programs
+    cut long lines into several (CalculiX at 1,320 letters).
     """
-    return [f"{mark} {one_line(line)}" for line in lines]
+    parts = (part for line in map(one_line, lines) for part in _pieces(line, width))
+    return [f"{mark} {one_line(part)}" for part in parts]
+
+
+def _pieces(line: str, width: int) -> list[str]:
+    return [line] if len(line) <= width else textwrap.wrap(line, width, subsequent_indent="  ")
 
 
 def percent(value: float) -> str:

@@ -8,13 +8,12 @@ Forces of tip and lid join the slices beside them.
 from __future__ import annotations
 
 import math
-import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pysprings.core.errors import refused
-from pysprings.core.text import commented, one_line
+from pysprings.core.text import commented
 from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
 from pysprings.results.exporters.uniaxial.options import table_options
 
@@ -181,17 +180,12 @@ def _axial(made: Uniaxial, area: float) -> Iterator[str]:
             yield f"no vertical path of a caisson that is {words}: T-Z and Q-Z carry nothing there"
 
 
-def _comments(lines: Sequence[str]) -> Iterator[str]:
-    for line in lines:
-        yield from commented("*", textwrap.wrap(one_line(line), 76, subsequent_indent="  "))
-
-
 def _write(source: Source, target: Target, options: Options) -> Exported:
     from pysprings.results.exporters.header import header
 
     lines, lost = _texts(source, options)
     head = [*header(source, "SACS PSI soil cards (not run in SACS)", _FRAME, _UNITS), *lost]
-    text = "\n".join([*_comments(head), *lines]) + "\n"
+    text = "\n".join([*commented("*", head, 76), *lines]) + "\n"
     return Exported([target.write("caisson_sacs.inp", text)], lost)
 
 

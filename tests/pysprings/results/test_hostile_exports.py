@@ -48,6 +48,8 @@ def test_a_text_is_one_line_behind_its_mark() -> None:
         (line,) = commented("#", [f"a{end}b\\"])
         assert line.startswith("# a") and line.endswith("b") and len(line.splitlines()) == 1
     assert one_line("a  b") == "a  b"  # columns stay
+    long = commented("**", ["A" * 1317 + "*BOUNDARY " + "x\\ " * 600 + "end"])  # CalculiX cuts a line at 1,320 letters
+    assert len(long) > 4 and all(line.startswith("** ") and len(line) < 410 and line[-1] != "\\" for line in long)
 
 
 @pytest.mark.parametrize("end", LINE_ENDS[:-1], ids=ascii)
@@ -88,6 +90,7 @@ def test_every_exporter_of_text_is_tested() -> None:
 def test_hostile_texts_do_nothing_in_the_programs(tmp_path: Path) -> None:
     """Python, Tcl, CalculiX and SoilDyn's driver, where they are, read the files, and nothing of the texts acts."""
     springs = hostile("\n")
+    springs.attrs["title"] += "A" * 1317 + "*BOUNDARY " * 500
     for name in ("opensees", "calculix", "openfast"):
         export(springs, name, tmp_path, **({} if name == "openfast" else {"points": 20}))
     subprocess.run([sys.executable, "-c", "import caisson_opensees"], cwd=tmp_path, check=True)
