@@ -162,9 +162,9 @@ def test_the_first_secant_is_less_than_the_stiffness_where_the_ground_yields_at_
 def test_w_follows_in_the_stiffness_where_it_is_free() -> None:
     coupled = np.array([[4.0, 1.0, 0.5], [1.0, 2.0, 0.2], [0.5, 0.2, 3.0]])
     path = xr.Dataset(attrs={"kind": "pull", "arm_m": 2.0, "heave": "free"})
-    u = np.linalg.solve(coupled, np.array([1.0, 0.0, -2.0]))[0]
+    u = np.linalg.solve(coupled, np.array([1.0, 0.0, 2.0]))[0]
     assert quantities.initial_stiffness(coupled, path) == pytest.approx(1.0 / u)
-    held = np.linalg.solve(coupled[np.ix_([0, 2], [0, 2])], np.array([1.0, -2.0]))[0]
+    held = np.linalg.solve(coupled[np.ix_([0, 2], [0, 2])], np.array([1.0, 2.0]))[0]
     assert quantities.initial_stiffness(coupled, path.assign_attrs(heave="fixed")) == pytest.approx(1.0 / held)
     vertical = path.assign_attrs(kind="vertical")
     assert quantities.initial_stiffness(coupled, vertical) == 2.0

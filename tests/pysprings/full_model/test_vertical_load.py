@@ -20,7 +20,7 @@ ELASTIC = {"yield_surface": "elastic", "K0": 1.0, "surcharge": 1e6}
 MOTIONS: dict[str, dict[str, Any]] = {
     "pull": {"lateral_displacement": 0.2e-3, "arm": 5.0},
     "translation": {"lateral_displacement": 0.2e-3, "rotation": 2e-5},
-    "rotation": {"rotation": -5e-5},
+    "rotation": {"rotation": 5e-5},
     "swipe": {"lateral_displacement": 0.2e-3, "rotation": 2e-5},
     "load": {"lateral_force": 2e5, "arm": 5.0},
 }
@@ -60,7 +60,7 @@ def test_v_is_the_one_given_and_the_lateral_motion_stays(kind: str) -> None:
         scale = float(np.abs(path[name]).max())
         np.testing.assert_allclose(path[name][first:], path[name][first], rtol=1e-4, atol=1e-4 * scale)
     if kind == "pull":
-        np.testing.assert_allclose(path["M"][first:], -5.0 * path["H"][first:], rtol=1e-3)
+        np.testing.assert_allclose(path["M"][first:], 5.0 * path["H"][first:], rtol=1e-3)
     assert float(path["w"][-1]) > float(path["w"][first]) + 1e-5
     assert figures["energy"]["imbalance_over_largest_term"] < 1e-6
 
