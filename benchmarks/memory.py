@@ -32,8 +32,8 @@ from pysprings.macro.memory.elements import REVERSIBLE, STATES
 from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import samples
 from pysprings.macro.model import MacroModel
+from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.extract import extract_springs
-from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from tools.evidence_store import store, to_csv

@@ -16,7 +16,7 @@ from typing import Annotated
 import typer
 
 from pysprings.cli.guard import DEBUG, guarded
-from pysprings.cli.once import Once
+from pysprings.cli.support import Once
 from pysprings.core.jit import choose_for_command
 from pysprings.core.process import open_missing_streams
 from pysprings.core.version import __version__
@@ -32,10 +32,10 @@ COMMANDS = {
     "run": "run",
     "springs": "springs",
     "export": "springs",
-    "soildyn": "soildyn",
+    "soildyn": "springs",
     "predict": "predict",
     "compare": "compare",
-    "diff": "diff",
+    "diff": "compare",
     "design": "design",
     "capacity": "capacity",
     "sweep": "sweep",
@@ -56,12 +56,10 @@ def _load_all() -> None:
         capacity,
         compare,
         design,
-        diff,
         predict,
         run,
         scene,
         size,
-        soildyn,
         springs,
         studies,
         sweep,

@@ -45,7 +45,7 @@ def springs_of_atlas(asked: Asked, strict: bool = False, extrapolate: bool = Fal
     Raises UserInputError for scenes that the atlas does not cover; with ``strict`` also at the edge of its full models.
     """
     from pysprings.scene.changes import VERTICAL_LOAD, read_changes, vertical_load
-    from pysprings.springs.file import save_springs
+    from pysprings.springs.checks import save_springs
     from pysprings.studies.atlas.file import open_atlas
 
     if asked.save is not None and asked.save.suffix != ".nc":

@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""`pysprings compare`: the prediction with the springs beside the full model."""
+"""`pysprings compare`: the prediction with the springs beside the full model; `pysprings diff`: two runs."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pysprings.cli.inputs import springs_of
+from pysprings.cli.folders import refuse_no_folder
+from pysprings.cli.inputs import refuse_unfinished, springs_of
 from pysprings.cli.options import Json, OneSpringSet, Result
-from pysprings.cli.support import print_json, refuse
+from pysprings.cli.support import print_json, print_table, refuse
+
+if TYPE_CHECKING:
+    from pysprings.results.analysis.two_runs import Run
 
 
 def compare(
@@ -52,3 +58,60 @@ def compare(
         print_json(to_dict(frame))
     else:
         print(to_text(frame), end="")
+
+
+WIDTHS = (16, 26, 20, 20, 10)  # of the table: a terminal of 100 characters
+
+
+def diff(
+    first: Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")],
+    second: Annotated[Path, typer.Argument(metavar="RUN", help="folder of another run")],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="also draw both over each other, a picture a path"),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Set two runs beside each other: scenes, initial stiffness, loads at equal motion, limit loads."""
+    from pysprings.results.analysis.two_runs import common_paths, differences
+
+    if out is not None:
+        refuse_no_folder(out)
+    runs = _run(first, str(first)), _run(second, str(second))
+    rows = differences(*runs)
+    pictures = [] if out is None else _draw(*runs, common_paths(*runs), out)
+    if as_json:
+        files = [str(file) for file in pictures]
+        print_json({"runs": [str(first), str(second)], "rows": [asdict(row) for row in rows], "pictures": files})
+        return
+    change = ["" if row.change is None else f"{row.change + 0.0:+.2f}" for row in rows]
+    cells = [(row.part, row.quantity, row.first, row.second, each) for row, each in zip(rows, change, strict=True)]
+    print_table(("", "quantity", str(first), str(second), "change [%]"), cells, (True, True, True, True), WIDTHS)
+    for file in pictures:
+        print(file)
+
+
+def _run(folder: Path, name: str) -> Run:
+    from pysprings.full_model.run_record import RunRecord
+    from pysprings.results.analysis.two_runs import Run
+    from pysprings.results.opened import open_result
+
+    record = RunRecord.read(folder) if folder.is_dir() else None
+    if record is None or not (folder / "full_model.nc").exists():
+        refuse(None, "is not the folder of a run (run.json and full_model.nc are needed)", folder)
+    refuse_unfinished(folder)
+    return Run(name, open_result(folder), record)
+
+
+def _draw(first: Run, second: Run, names: list[str], out: Path) -> list[Path]:
+    from pysprings.core.files.storage import replacing
+    from pysprings.results.plots.two_runs import overlay
+
+    out.mkdir(parents=True, exist_ok=True)
+    files, runs = [], {each.name: each.result for each in (first, second)}
+    for name in names:
+        file = out / f"{name}.png"
+        with replacing(file) as temporary:
+            overlay(runs, name).savefig(temporary, dpi=110, format="png")
+        files.append(file)
+    return files

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`pysprings springs` and `pysprings export`: springs and results as files for people and programs."""
+"""`pysprings springs`, `export` and `soildyn`: springs and results as files for people and programs."""
 
 from __future__ import annotations
 
@@ -122,3 +122,16 @@ def _export_source(result: Path, exporter: exporters.Exporter) -> exporters.Sour
         return source
     refuse_unfinished(result)
     return exporters.Source(result=open_result(result))
+
+
+def soildyn(
+    out: Annotated[Path, typer.Argument(metavar="DIR", help="folder for the library")],
+    compiler: Annotated[
+        str | None, typer.Option("--compiler", metavar="COMMAND", help="C compiler \\[default: CC, cc, gcc or clang]")
+    ] = None,
+) -> None:
+    """Build the library that SoilDyn (OpenFAST) loads for springs of `export --to openfast`."""
+    from pysprings.results.exporters.soildyn.library import build
+
+    refuse_no_folder(out)
+    print(build(out, compiler))

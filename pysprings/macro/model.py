@@ -94,7 +94,7 @@ class MacroModel:
 
         springs_kind is a name of `SPRING_SETS`; path selects the path of a set of one path ("full", "py"). p-y curves
         without companions give "py" with a remark. V [N] selects among springs at several vertical loads
-        (`pysprings.springs.dead_loads`; None: the load of the scene).
+        (`pysprings.springs.between`; None: the load of the scene).
         """
         given = typed(springs)
         if isinstance(given, CurveSprings):

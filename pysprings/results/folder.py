@@ -31,9 +31,9 @@ from pysprings.results.exporters.csv import write_frame, write_load_displacement
 from pysprings.results.layout import FIGURES, PARAVIEW, own_folders, refuse_linked_folders, remove_results
 from pysprings.results.report.page import write_report
 from pysprings.results.summary import summary
+from pysprings.springs.checks import save_springs
 from pysprings.springs.dataset import get_path, path_names
 from pysprings.springs.extract import extract_springs
-from pysprings.springs.file import save_springs
 from pysprings.springs.sums import balance
 
 if TYPE_CHECKING:

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""What a spring file must hold: every fault of a tree that is no complete spring set, with its place."""
+"""Spring files, and what they must hold: every fault of a tree that is no complete spring set, with its place."""
 
 from __future__ import annotations
 
 import os
 import unicodedata
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.errors import Problem, UserInputError, refused
+from pysprings.core.files.storage import read_tree, write_tree
 from pysprings.core.path_kinds import PAIRS, PARTS, PATH_KINDS, ROLES
 from pysprings.core.units import quoted
 from pysprings.springs.dataset import FEWEST_STATES, OTHER_SIGNS, SCHEMA, STATES, path_dataset, path_names
@@ -174,3 +176,22 @@ def _step_faults(dataset: xr.Dataset, rigid: bool) -> Iterator[tuple[str, str]]:
     expected = u[steps] - rotation[steps] * depth[:, None]
     if np.abs(y - expected).max() > 1e-6 * np.abs(y).max():
         yield "y", "is not u - rotation*depth (depth down; rotation is positive where the caisson leans towards +x)"
+
+
+def open_springs(path: str | os.PathLike[str]) -> xr.DataTree:
+    """Read and validate a spring file.
+
+    Raises
+    ------
+    UserInputError
+        The file is missing, broken, of another kind or version, or lacks something; every fault is listed.
+    """
+    tree = read_tree(path)
+    validate_springs(tree, file=path)
+    return tree
+
+
+def save_springs(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
+    """Validate a spring set and write it as NetCDF, atomically; return its path."""
+    validate_springs(tree)
+    return write_tree(tree, path)

@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
-from pysprings.springs import dead_loads, directions, rates
+from pysprings.springs import between, directions
 from pysprings.springs.alike import is_rate, same_load
+from pysprings.springs.between import Between, LoadSet, RateSet
 from pysprings.springs.checks import validate_springs
-from pysprings.springs.dead_loads import LoadSet
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import PathEnd
-from pysprings.springs.rates import Between, RateSet
 from pysprings.springs.spread import GROUP as SPREAD
 from pysprings.springs.spread import check_spread
 
@@ -208,17 +207,17 @@ class Springs:
     @cached_property
     def load_sets(self) -> tuple[LoadSet, ...]:
         """Lateral calibration paths by vertical load, lightest first."""
-        return dead_loads.load_sets(self.lateral)
+        return between.load_sets(self.lateral)
 
     @cached_property
     def main_paths(self) -> tuple[str, ...]:
         """Lateral calibration paths at the vertical load at rest."""
-        return dead_loads.nearest(self.load_sets, self.rest_load).paths if self.load_sets else ()
+        return between.nearest(self.load_sets, self.rest_load).paths if self.load_sets else ()
 
     @cached_property
     def rate_sets(self) -> tuple[RateSet, ...]:
         """Lateral calibration paths by rate, slowest first; none where the springs do not depend on a rate."""
-        return rates.rate_sets(self.lateral) if "coupled" in self.drainage.split(", ") else ()
+        return between.rate_sets(self.lateral) if "coupled" in self.drainage.split(", ") else ()
 
     @cached_property
     def rays(self) -> Mapping[str, float]:
@@ -288,26 +287,26 @@ class Springs:
         return self.at_rate(own[0].rate if own else min(max(rate, sets[0].rate), sets[-1].rate))
 
     def _made_at_rate(self, rate: float) -> Springs:
-        lateral, between = rates.at_rate(self.paths, self.rate_sets, rate)
+        lateral, mix = between.at_rate(self.paths, self.rate_sets, rate)
         vertical = [path for path in self.vertical if path.name not in lateral]  # at the rate of their own
         turning = [path for path in self.paths.values() if path.remembers and path.rate and is_rate(path.rate, rate)]
         springs = self.with_paths([*lateral.values(), *vertical, *turning], rate_m_per_s=rate)
         validate_springs(springs.tree, balanced=False)  # as balanced as what they are made of
-        parts = () if between is None else self._parts_at(between)
+        parts = () if mix is None else self._parts_at(mix)
         return replace(springs, every_rate=self.every_rate or self, parts=parts)
 
     def _made_at_load(self, V: float) -> Springs:
-        main = dead_loads.nearest(self.load_sets, self.rest_load)
-        lateral, between = dead_loads.at_load(self.paths, self.load_sets, main, V)
+        main = between.nearest(self.load_sets, self.rest_load)
+        lateral, mix = between.at_load(self.paths, self.load_sets, main, V)
         dropped = {path.name for path in self.lateral} - set(lateral)
         paths = [lateral.get(name, path) for name, path in self.paths.items() if name not in dropped]
-        attrs = {} if between is None else {"blended_loads_N": [between.first, between.second], "vertical_load_N": V}
+        attrs = {} if mix is None else {"blended_loads_N": [mix.first, mix.second], "vertical_load_N": V}
         parts = tuple((each.at_load(V), share) for each, share in self.parts)
         return replace(self.with_paths(paths, **attrs), whole=self, every_rate=self.every_rate, parts=parts)
 
-    def _parts_at(self, between: Between) -> tuple[tuple[Springs, float], ...]:
+    def _parts_at(self, mix: Between) -> tuple[tuple[Springs, float], ...]:
         """Return the springs at two rates, each with its share."""
-        return (self.at_rate(between.first), 1.0 - between.share), (self.at_rate(between.second), between.share)
+        return (self.at_rate(mix.first), 1.0 - mix.share), (self.at_rate(mix.second), mix.share)
 
     def _cached(self, key: Hashable, make: Callable[[], Springs]) -> Springs:
         """Return derived springs, made at the first call; the last `KEPT` ones are kept."""

@@ -21,7 +21,7 @@ from pysprings import Scene
 from pysprings.cli.app import application
 from pysprings.macro.predict import MacroWarning
 from pysprings.scene.load import parse_scene
-from pysprings.springs.file import save_springs
+from pysprings.springs.checks import save_springs
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.place import ROOT

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from pysprings.springs.file import save_springs
+from pysprings.springs.checks import save_springs
 from tests.support.fans import fan_springs
 from tests.support.place import ROOT
 

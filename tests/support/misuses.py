@@ -9,7 +9,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from pysprings.springs.file import save_springs
+from pysprings.springs.checks import save_springs
 from tests.support import synthetic
 from tests.support.fans import fan_springs, potential
 from tests.support.vertical import vertical_springs

@@ -69,7 +69,7 @@ def _sections(name: str, u: float) -> Callable[[Runs], Figure]:
 
 def _macro(runs: Runs) -> Figure:
     from pysprings.macro.comparison import curves
-    from pysprings.springs.file import open_springs
+    from pysprings.springs.checks import open_springs
 
     springs = open_springs(runs["drained"].folder / "springs.nc")
     return plots.macro_against_full(_path(runs, "drained"), curves(springs, PATH))

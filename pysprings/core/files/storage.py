@@ -2,6 +2,8 @@
 """Files that are whole or absent: atomic writing of any file, NetCDF-4 writing and reading of DataTrees, their heads.
 
 A NetCDF file carries a checksum of its content (`pysprings.core.files.seal`), which is compared when it is opened.
+Content that is too large by the file's header is rejected before a number is loaded: arrays that were never written
+take no room on a disk, whatever their size, and a file of 100 kB can ask for any memory.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ Each set follows the whole motion and carries a share of its loads,
 
     F = sum_i s_i F_i(q),   s_i >= 0,   sum_i s_i = 1,
 
-as a fan is interpolated: linear in V, or in the logarithm of the rate (`pysprings.springs.dead_loads`,
-`pysprings.springs.rates`). This is a set of elements in parallel like each of them: no closed way gives work.
+as a fan is interpolated: linear in V, or in the logarithm of the rate (`pysprings.springs.between`,
+`pysprings.springs.between`). This is a set of elements in parallel like each of them: no closed way gives work.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ def ridge_fit(X: Array, Y: Array, weights: Array, ridge: float) -> Array:
 
 @jitted
 def _relax(before, now, step, times, state):
-    """Change the state (k, m) by a step [s] from elastic motions (m,) to others."""
+    """Change the state (k, m) by a step [s] from elastic motions (m,) to others, exact where they grow evenly in it."""
     for k in range(times.shape[0]):
         for j in range(times.shape[1]):
             lost = step / times[k, j]

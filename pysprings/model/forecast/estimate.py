@@ -6,14 +6,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.memory import left as memory_available
 from pysprings.model.build import Built
 from pysprings.model.discretise import build
-from pysprings.model.forecast.direct_solver import superlu_bytes, uses_superlu
 from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect
 from pysprings.model.forecast.omissions import left_out, symmetric_factors
-from pysprings.model.forecast.profile import profile
 from pysprings.model.forecast.resources import (
     gigabytes,
     model_bytes,
@@ -21,14 +21,30 @@ from pysprings.model.forecast.resources import (
     size_of,
     steps_bytes,
 )
-from pysprings.model.forecast.run_time import seconds
+from pysprings.model.forecast.run_time import seconds, superlu_bytes, uses_superlu
 from pysprings.model.forecast.small_strain import scene_warnings
 from pysprings.model.fourier import BuiltFourier
 from pysprings.model.penalty import defaults_of, penalty_of
 from pysprings.scene.defaults import remarks
+from pysprings.scene.ground import ground_of
+from pysprings.scene.interface import adhesion_factor, uses_adhesion
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
+
+
+def profile(scene: Scene) -> list[dict[str, Any]]:
+    """Return a row for top and bottom of each layer, in SI; adhesion factors where the interface has adhesion."""
+    rows, ground = [], ground_of(scene)
+    for stratum in ground.strata:
+        for depth in (stratum.top, stratum.bottom):
+            row = stratum.row(depth)
+            if uses_adhesion(scene) and stratum.top <= scene.caisson.skirt_length:
+                for side in ("outside", "inside"):
+                    factor = adhesion_factor(scene.interface, stratum, side, np.array(depth))
+                    row[f"adhesion_factor_{side}"] = float(factor)
+            rows.append(row)
+    return rows
 
 
 def describe(scene: Scene) -> dict[str, Any]:

@@ -23,8 +23,7 @@ from fe_engine.memory import address_space
 from fe_engine.memory import limit as memory_limit
 from pysprings.core.errors import ResourceError, refused
 from pysprings.model.build import counts_of, geometry_of
-from pysprings.model.forecast.direct_solver import superlu_bytes, uses_superlu
-from pysprings.model.forecast.run_time import least_increments, likely_increments
+from pysprings.model.forecast.run_time import least_increments, likely_increments, superlu_bytes, uses_superlu
 from pysprings.model.fourier import fixed_directions, section_counts_of, section_of
 from pysprings.model.fourier_mesh import CaissonSection, counted_section
 from pysprings.model.mesh import Counts, core_square, counted

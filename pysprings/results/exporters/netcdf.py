@@ -8,7 +8,7 @@ from pysprings.results.exporters.base import Exported, Exporter, Options, Source
 
 def _write(source: Source, target: Target, _options: Options) -> Exported:
     from pysprings.macro.memory.build import with_memory
-    from pysprings.springs.file import save_springs
+    from pysprings.springs.checks import save_springs
 
     return Exported([save_springs(with_memory(source.springs), target.path)])
 

@@ -17,13 +17,20 @@ from pysprings.results.plots.ground import ground_profile
 from pysprings.results.plots.load import load_displacement, vertical_springs
 from pysprings.results.plots.loops import memory_loops
 from pysprings.results.plots.newton import newton_record
-from pysprings.results.plots.overview import draw_paths, draw_tilt, lateral_paths, overview, tilt
+from pysprings.results.plots.overview import (
+    draw_paths,
+    draw_secant,
+    draw_tilt,
+    lateral_paths,
+    overview,
+    secant_stiffness,
+    tilt,
+)
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.profiles import draw_profile, profiles
 from pysprings.results.plots.reactions import draw_py, py_curves
 from pysprings.results.plots.rose import pressure_rose, shear_rose, stress_rose
-from pysprings.results.plots.secant import draw_secant, secant_stiffness
 from pysprings.results.plots.section import mesh, section_displacement, section_pressure
 from pysprings.results.plots.steel import ovalisation
 from pysprings.results.plots.two_runs import overlay

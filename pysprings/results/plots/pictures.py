@@ -18,7 +18,6 @@ from pysprings.results.plots import (
     profiles,
     reactions,
     rose,
-    secant,
     section,
     steel,
 )
@@ -31,7 +30,7 @@ PICTURES: Registry[Picture] = Registry(
         ground.PICTURE,
         overview.PICTURE,
         overview.TILT,
-        secant.PICTURE,
+        overview.SECANT,
         load.PICTURE,
         comparison.PICTURE,
         loops.PICTURE,

@@ -20,7 +20,7 @@ from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.fan import secant_slopes
 from pysprings.scene.model import Scene
 from pysprings.scene.sections import Path
-from pysprings.springs.file import open_springs
+from pysprings.springs.checks import open_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 

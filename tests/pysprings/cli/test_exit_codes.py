@@ -18,7 +18,7 @@ import pytest
 
 from fe_engine.errors import SettingError
 from fe_engine.settings import MOST_THREADS, refuse_bad_settings
-from pysprings.springs.file import save_springs
+from pysprings.springs.checks import save_springs
 from tests.support import synthetic
 from tests.support.commands import environment
 

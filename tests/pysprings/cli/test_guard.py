@@ -15,7 +15,7 @@ import typer
 from fe_engine.errors import MeshError, NotConverged
 from pysprings.cli.guard import DEBUG, guarded
 from pysprings.core.errors import Problem, ResourceError, RunIncomplete, UserInputError
-from pysprings.springs.file import save_springs
+from pysprings.springs.checks import save_springs
 from tests.support import synthetic
 from tests.support.commands import environment
 

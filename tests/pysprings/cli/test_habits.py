@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 from pysprings.scene.load import load_scene
-from pysprings.springs.file import save_springs
+from pysprings.springs.checks import save_springs
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential

@@ -22,7 +22,7 @@ from pysprings.core.tables import files as reader
 from pysprings.results.exporters.tables import PY_COLUMNS
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report.page import render
-from pysprings.springs.file import open_springs
+from pysprings.springs.checks import open_springs
 from pysprings.springs.numbers import name_fault
 from tests.fuzz.tables import MINIMAL
 from tests.support import synthetic, tiny, written

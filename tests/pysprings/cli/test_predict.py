@@ -12,7 +12,7 @@ import pytest
 
 from pysprings.cli.predictions import print_prediction
 from pysprings.macro import predict
-from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.checks import open_springs, save_springs
 from tests.support import synthetic
 from tests.support.commands import command
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from pysprings.springs.file import save_springs
+from pysprings.springs.checks import save_springs
 from tests.support import stored, synthetic, vertical
 from tests.support.commands import command
 

@@ -16,7 +16,7 @@ from pysprings.core.errors import RunIncomplete
 from pysprings.core.files import storage
 from pysprings.macro.comparison import compare
 from pysprings.scene.load import load_scene
-from pysprings.springs.file import open_springs
+from pysprings.springs.checks import open_springs
 from tests.support import tiny
 from tests.support.commands import Result, command
 from tests.support.files import contents, read_record

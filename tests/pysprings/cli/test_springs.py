@@ -10,8 +10,8 @@ import pytest
 
 from pysprings.core.files.storage import write_tree
 from pysprings.macro.comparison import compare
+from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.extract import extract_springs
-from pysprings.springs.file import open_springs, save_springs
 from tests.support import synthetic, tiny
 from tests.support.commands import command
 

@@ -14,7 +14,7 @@ import pytest
 from pysprings.core import jit
 from pysprings.macro import solver
 from pysprings.macro.predict import MacroModel
-from pysprings.springs.file import save_springs
+from pysprings.springs.checks import save_springs
 from tests.support.commands import environment
 from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import make_springs

@@ -26,7 +26,7 @@ from pysprings.macro.predict import (
 )
 from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.results.tables.sequence import read_sequence
-from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.checks import open_springs, save_springs
 from tests.support import written
 from tests.support.closed_forms import bilinear_springs, linear_springs, linear_stiffness
 from tests.support.commands import command

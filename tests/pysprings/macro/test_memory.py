@@ -29,7 +29,7 @@ from pysprings.macro.predict import MacroWarning, predict, sequence
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.stiffness import stiffness
 from pysprings.results.exporters import export
-from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from tests.support import winkler

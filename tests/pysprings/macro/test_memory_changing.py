@@ -24,7 +24,7 @@ from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.stepper import MemoryStepper
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, sequence
-from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from tests.support import loaded

@@ -10,9 +10,8 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.macro.slices import merge_slices, slice_convergence, slice_counts, to_text
-from pysprings.springs.checks import validate_springs
+from pysprings.springs.checks import save_springs, validate_springs
 from pysprings.springs.dataset import get_path
-from pysprings.springs.file import save_springs
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance, net_p, slice_heights
 from tests.support.commands import command

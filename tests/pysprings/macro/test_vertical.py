@@ -31,9 +31,9 @@ from pysprings.macro.predict import (
 from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.macro.vertical import build_vertical
 from pysprings.macro.vertical_capacity import largest_vertical
+from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.dataset import get_path
 from pysprings.springs.extract import extract_springs
-from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.springs import Springs
 from tests.support import tiny, written
 from tests.support.commands import command

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pysprings.model.forecast.direct_solver import superlu_bytes, superlu_time, uses_superlu
 from pysprings.model.forecast.resources import memory_bytes
+from pysprings.model.forecast.run_time import superlu_bytes, superlu_time, uses_superlu
 from tests.support import tiny
 from tests.support.commands import command
 

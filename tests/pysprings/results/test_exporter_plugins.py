@@ -18,8 +18,8 @@ from pysprings.core.files.written import listed
 from pysprings.results import exporters
 from pysprings.results.exporters import EXPORTERS, Exported, Exporter, Option, Source, Target
 from pysprings.results.layout import own_folders, remove_results, run_files
+from pysprings.springs.checks import save_springs
 from pysprings.springs.dataset import path_names
-from pysprings.springs.file import save_springs
 from tests.support import synthetic
 
 

@@ -32,7 +32,7 @@ from pysprings.results.folder import run_to_folder
 from pysprings.results.layout import run_files
 from pysprings.scene.load import load_scene
 from pysprings.scene.template import template_names, template_text
-from pysprings.springs.file import open_springs
+from pysprings.springs.checks import open_springs
 from pysprings.springs.path import SpringPath
 from tests.support import tiny
 from tests.support.commands import command, environment

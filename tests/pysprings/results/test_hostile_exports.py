@@ -19,7 +19,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
 from pysprings.core.text import commented, is_formula, one_line
 from pysprings.results.exporters import EXPORTERS, export
-from pysprings.springs.file import open_springs, save_springs
+from pysprings.springs.checks import open_springs, save_springs
 from tests.support import vertical
 from tests.support.openfast import drive
 

@@ -11,7 +11,7 @@ import pytest
 from pysprings.macro.comparison import curves
 from pysprings.results.plots.loops import PICTURE
 from pysprings.results.plots.picture import View
-from pysprings.springs.file import open_springs
+from pysprings.springs.checks import open_springs
 from pysprings.springs.springs import Springs
 from tests.support import tiny, winkler
 from tests.support.commands import command

@@ -423,7 +423,7 @@ def test_contact_around_the_rings_is_stated_by_path(result: xr.DataTree) -> None
 
 def test_write_report_reads_the_folder_of_a_run(result: xr.DataTree, springs: xr.DataTree, tmp_path: Path) -> None:
     from pysprings.core.files.storage import write_tree
-    from pysprings.springs.file import save_springs
+    from pysprings.springs.checks import save_springs
 
     own = result.copy()
     own.attrs["run_json"] = RUN.as_json()

@@ -10,7 +10,7 @@ import pytest
 
 from fe_engine.soil import anisotropic, iwan_clay
 from pysprings.core.errors import UserInputError
-from pysprings.model.forecast.profile import profile
+from pysprings.model.forecast.estimate import profile
 from pysprings.model.soil_laws import soil_materials
 from pysprings.scene.ground import drainage_of, ground_of
 from pysprings.scene.interface import api_factor

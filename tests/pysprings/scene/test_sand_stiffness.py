@@ -10,7 +10,7 @@ import pytest
 
 from fe_engine.soil import following, plasol
 from pysprings.core.errors import UserInputError
-from pysprings.model.forecast.profile import profile
+from pysprings.model.forecast.estimate import profile
 from pysprings.model.soil_laws import engine_laws, soil_materials
 from tests.support import tiny
 

@@ -8,9 +8,8 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
-from pysprings.springs.checks import validate_springs
+from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.springs.dataset import get_path, path_load, path_names
-from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.sums import balance, net_m, net_p, slice_heights
 from tests.support.synthetic import DEAD_LOAD, Path, make_result, make_springs
 

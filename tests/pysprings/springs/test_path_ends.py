@@ -26,9 +26,8 @@ from pysprings.macro.predict import (
 )
 from pysprings.macro.stiffness import stiffness
 from pysprings.macro.trace import trace
-from pysprings.springs.checks import validate_springs
+from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.springs.dataset import get_path
-from pysprings.springs.file import open_springs, save_springs
 from pysprings.springs.path_ends import end_of
 from pysprings.springs.springs import Springs
 from tests.support import tiny

@@ -12,9 +12,9 @@ from pysprings.macro.comparison import compare
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.slices import merge_slices
+from pysprings.springs.between import blend
 from pysprings.springs.dataset import get_path, path_names
 from pysprings.springs.path import SpringPath
-from pysprings.springs.rates import blend
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 from tests.support import synthetic, wet

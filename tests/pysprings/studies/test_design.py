@@ -16,7 +16,7 @@ from pysprings.macro.predict import predict
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report import load_cases as text
 from pysprings.results.tables.load_cases import read_load_cases
-from pysprings.springs.file import save_springs
+from pysprings.springs.checks import save_springs
 from pysprings.studies.design import files
 from pysprings.studies.design.answers import answer_cases
 from tests.support import tiny

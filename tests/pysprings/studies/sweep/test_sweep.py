@@ -19,7 +19,7 @@ import psutil
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.springs.file import open_springs
+from pysprings.springs.checks import open_springs
 from pysprings.springs.springs import Springs
 from pysprings.studies.sweep import dataset, study, worker
 from pysprings.studies.sweep.cases_file import AGAIN, DONE, SKIP, State, write_cases
