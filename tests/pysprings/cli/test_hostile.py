@@ -401,7 +401,7 @@ def test_names_like_those_of_devices_are_welcome(name: str) -> None:
 
 TOO_LONG = [
     ("run", "FILE", "--out", "LONG"), ("predict", "LONG", "--H", "1 MN"), ("check", "LONG"), ("init", "LONG"),
-    ("export", "LONG"),
+    ("export", "LONG", "--to", "csv"),
 ]  # fmt: skip
 
 
