@@ -62,7 +62,7 @@ def _text_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
 
 
 def _is_on_one_line(*texts: object) -> bool:
-    parts = (str(part) for text in texts for part in (text if isinstance(text, list | tuple) else (text,)))
+    parts = (str(part) for text in texts for part in (text if isinstance(text, list | tuple | np.ndarray) else (text,)))
     return not any(unicodedata.category(c) in _CONTROL for part in parts for c in part)
 
 

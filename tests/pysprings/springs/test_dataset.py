@@ -174,3 +174,10 @@ def test_all_faults_come_at_once_and_nothing_is_written(tmp_path):
         save_springs(tree, tmp_path / "springs.nc")
     assert {problem.key for problem in caught.value.problems} == {"drainage", "paths/pull/H"}
     assert list(tmp_path.iterdir()) == []
+
+
+def test_many_numbers_in_an_attribute_are_no_text_on_several_lines() -> None:
+    """As the errors of stored elements are: NumPy prints them over several lines."""
+    springs = make_springs()
+    springs.attrs["H_errors"] = np.linspace(0.0, 1.0, 100)
+    validate_springs(springs)
