@@ -67,8 +67,8 @@ def test_files_hold_the_model(tmp_path: Path) -> None:
     # the patch of the lid moves with u, w, rotation; the soil's far side not across it
     held = built.steel.held
     u, w, turn = (float(path[name][-1]) for name in ("u", "w", "rotation"))
-    np.testing.assert_allclose(move[held, 0], u + turn * nodes[held, 2], rtol=1e-5)
-    np.testing.assert_allclose(move[held, 2], w - turn * nodes[held, 0], rtol=1e-4, atol=1e-9)
+    np.testing.assert_allclose(move[held, 0], u - turn * nodes[held, 2], rtol=1e-5)
+    np.testing.assert_allclose(move[held, 2], w + turn * nodes[held, 0], rtol=1e-4, atol=1e-9)
     side = built.caisson.mesh.node_sets["side"]
     radial = (move[side, :2] * nodes[side, :2]).sum(axis=1)
     assert np.abs(radial).max() < 1e-6 * np.abs(move[side]).max() * np.abs(nodes[side]).max()

@@ -181,7 +181,7 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
          'then = ["-8 mm", "8 mm"]'),
         ('[[path]]\nname = "a"\nkind = "swipe"\nlateral_displacement = "5 mm"\nrotation = "1 mrad"\n'
          'role = "held-back"\nthen = ["2 mm"]\n',
-         '7:9: path[0].then[0]: a path of kind "swipe" goes on with u and rotation: "5 mm, -2 mrad"'),
+         '7:9: path[0].then[0]: a path of kind "swipe" goes on with u and rotation: "5 mm, 2 mrad"'),
         (PULL + 'then = "rest 1 s"\n',
          """5:8: path[0].then: expected a list such as ["rest 2 hour", "20 mm at 0.5 mm/s"], got "rest 1 s\""""),
         ('[[path]]\nname = "a"\nkind = "rotation"\nrotation = "1 deg"\nrole = "held-back"\nthen = ["2 deg at 1 mm/s"]\n',
