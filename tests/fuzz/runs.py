@@ -41,6 +41,7 @@ def scene(seed: int) -> str:
     if draw.random() < 0.6:
         lines.append(f"vertical_load = {_q(own * draw.choice([1.0, 1.0, -0.1]), 'N')}")
     lines += ["[soil]", *_soil(draw, clay)]
+    lines += ['hydraulic_conductivity = "1e-4 m/s"'] if mode == "coupled" and not clay else []
     opening = draw.choice(["bonded", "vented", "sealed"])
     lines += ["[interface]", f'opening = "{opening}"']
     lines += [f"adhesion_factor = {draw.uniform(0.2, 1.0):.3g}"] if clay else []

@@ -121,9 +121,9 @@ FILES = (
         "table beyond a peak of its curves", "predict soft.csv --u 3mm --rotation 0mrad", "a curve that softens", WARNED
     ),
     _m("rate of a table", "predict py.csv --H 10kN --rate 1mm/s", "a table has no rates"),
-    _m("table in another format", "predict py.ods --H 10kN", "tables in the format .ods cannot be read"),
+    _m("table in another format", "predict py.ods --H 10kN", "is a spreadsheet of another program"),
     _m("column in another unit", "predict stress.csv --H 10kN", "wrong unit|wrong name or unit"),
-    _m("sequence in another unit", "predict one.nc --sequence tons.csv", "907, 1000 or 1016 kg|wrong name or unit"),
+    _m("sequence in another unit", "predict one.nc --sequence tons.csv", "unknown column"),
     _m("sequence of loads and motions", "predict one.nc --sequence mixed.csv", "expected either loads or motions"),
     _m("sequence with a gap", "predict one.nc --sequence gap.csv", "gap.csv:3: H_N"),
     _m("sequence that leaves the range", "predict one.nc --sequence beyond.csv", "beyond the range of path 'pull'"),
@@ -166,7 +166,7 @@ SCENES = (
     _m("caisson that does not fit into the domain", "check domain.toml", "domain"),
     _m("domain that is tight around the caisson", "check tight.toml", "domain", WARNED),
     _m("motion beyond small displacements", "check large.toml", "small", WARNED),
-    _m("unusual stiffness", "check weak.toml", "shear modulus .*outside the common range", WARNED),
+    _m("unusual stiffness", "check weak.toml", "shear_modulus.*outside the common range", WARNED),
     _m("empty scene", "check zero.toml", "the file is empty"),
     _m("changed value without a unit", "check tight.toml --set soil.young_modulus=80", "expected a quantity with unit"),
     _m("two paths of one name", "check twice.toml", "twice|already|unique|same name"),
@@ -184,7 +184,6 @@ CASES = (
     _m("load cases without units", "design fan.nc nounit.csv", r"no unit: write 'H \[kN\]'"),
     _m("thousands or decimals", "design fan.nc doubt.csv", "may be 1.25 or 1250"),
     _m("moment and height of one load", "design fan.nc both.csv", "give either a moment or the height of H"),
-    _m("righting moment against H", "design fan.nc sign.csv", "H and M have opposite signs", WARNED),
     _m("direction without a unit", "design fan.nc direction.csv", r"write 'direction \[deg\]'"),
     _m("negative partial factor", "design fan.nc negative.csv", "is negative: a partial factor is 0 or more"),
     _m("one load in two columns", "design fan.nc twice.csv", "column stands 2 times"),
@@ -283,15 +282,19 @@ def _write_broken(folder: Path) -> None:
 
 
 _STUDY = 'scene = "tight.toml"\n[[axis]]\nkey = "{}"\nvalues = [{}]\n'
+_GROUND = (
+    'young_modulus = "200 MPa"\nfriction_angle_final = "30 deg"\neffective_unit_weight = "10 kN/m^3"\nK0 = 1.0\n'
+    'surcharge = "10 kPa"\n'
+)
 _SCENES = {
     "key": "[interface]\nfriction_coeficient = 0.5\n",
     "bare": "[caisson]\nouter_diameter = 7.8\n",
     "range": "[soil]\npoisson_ratio = 0.6\n",
     "unit": '[soil]\nyoung_modulus = "200 m"\n',
     "domain": '[caisson]\nouter_diameter = "20 m"\n[domain]\nradius = "9 m"\ndepth = "12 m"\n',
-    "tight": '[domain]\nradius = "6 m"\ndepth = "7 m"\n[mesh]\nrefinement = 0.4\n' + _PULL,
-    "large": "[mesh]\nrefinement = 0.4\n" + _PULL.replace("5 mm", "3 m"),
-    "weak": '[soil]\nyoung_modulus = "200 kPa"\n[mesh]\nrefinement = 0.4\n' + _PULL,
+    "tight": f'[domain]\nradius = "6 m"\ndepth = "7 m"\n[soil]\n{_GROUND}[mesh]\nrefinement = 0.4\n{_PULL}',
+    "large": f"[soil]\n{_GROUND}[mesh]\nrefinement = 0.4\n{_PULL}".replace("5 mm", "3 m"),
+    "weak": f"[soil]\n{_GROUND}[mesh]\nrefinement = 0.4\n{_PULL}".replace("200 MPa", "200 kPa"),
     "twice": _PULL + _PULL,
     "zero": "",
     "design": '[design]\nlateral_force = "2.5 MN"\narm = "20 kN"\n',
@@ -306,7 +309,6 @@ _CASES = {
     "nounit": "name,H,arm [m]\na,100,2\n",
     "doubt": "name;H [kN]\na;1,250\n",
     "both": "name,H [kN],arm [m],M [kN m]\na,100,2,200\n",
-    "sign": "name,H [kN],M [kN m]\na,100,-200\n",
     "direction": "name,H [kN],arm [m],direction\na,100,2,45\n",
     "negative": "name,H [kN],arm [m],factor\na,100,2,-1.35\n",
     "twice": "name,H [kN],H [MN],arm [m]\na,100,0.1,2\n",
