@@ -24,6 +24,14 @@ mesh = { preset = "coarse", harmonics = 3, refinement = 0.7 }
 solver = { tolerance = 1e-3 }
 output = { figures = false }
 
+[soil]
+young_modulus = "200 MPa"
+friction_angle_initial = "5 deg"
+friction_angle_final = "30 deg"
+effective_unit_weight = "10.56 kN/m^3"
+surcharge = "10.56 kPa"
+K0 = 1.0
+
 [[path]]
 name = "check"
 kind = "pull"

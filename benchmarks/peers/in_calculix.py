@@ -98,7 +98,7 @@ def main() -> None:
     x = np.array([places[int(k)] for k in rows[:, 0]])
     moment = rows[:, 1] @ x[:, 2] - rows[:, 3] @ x[:, 0]
     print(
-        json.dumps({"H": 2.0 * rows[:, 1].sum(), "M": 2.0 * moment, "iterations": done.stdout.count("\n iteration ")})
+        json.dumps({"H": 2.0 * rows[:, 1].sum(), "M": -2.0 * moment, "iterations": done.stdout.count("\n iteration ")})
     )
 
 

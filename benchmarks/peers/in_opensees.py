@@ -65,7 +65,7 @@ def main() -> None:
     ops.reactions()
     force = np.array([ops.nodeReaction(tag) for tag in tags])
     depth = np.array([ops.nodeCoord(tag, 3) for tag in tags])
-    print(json.dumps({"H": 2.0 * force[:, 0].sum(), "M": 2.0 * (force[:, 0] @ depth - force[:, 2] @ xs(tags))}))
+    print(json.dumps({"H": 2.0 * force[:, 0].sum(), "M": 2.0 * (force[:, 2] @ xs(tags) - force[:, 0] @ depth)}))
 
 
 def xs(tags: list[int]) -> np.ndarray:

@@ -53,7 +53,7 @@ ELSEWHERE = {
     'pysprings predict rates --u-max "20 mm" --rate "0.5 mm/s"': "springs at two rates: springs/test_rates.py",
 }
 MM = 1.0e-3
-RAYS = {"ray_0": (4.0, 0.0), "ray_40": (3.0, -0.63), "ray_60": (2.0, -0.87)}  # u [mm], rotation [mrad]
+RAYS = {"ray_0": (4.0, 0.0), "ray_40": (3.0, 0.63), "ray_60": (2.0, 0.87)}  # u [mm], rotation [mrad]
 
 
 # --- what the documents hold ---

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from pysprings.springs.checks import save_springs
+from tests.support import tiny
 from tests.support.fans import fan_springs
 from tests.support.place import ROOT
 
@@ -64,7 +65,7 @@ def springs_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("light")
     save_springs(fan_springs(lambda z, y, rotation: (3e8 * y, 2e9 * rotation + 0.0 * y)), folder / "springs.nc")
     (folder / "cases.csv").write_text("case,H [kN],arm [m]\nstorm,300,2\n", encoding="utf-8")
-    (folder / "scene.toml").write_text('[springs]\nreach = "1 mm"\n', encoding="utf-8")
+    tiny.write(tiny.scene(), folder / "scene.toml")
     return folder
 
 

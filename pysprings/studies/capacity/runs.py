@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.core.errors import RunIncomplete
+from pysprings.core.words import StopReason
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.forecast.run_time import seconds
 from pysprings.studies.capacity.plan import PROBE, Group, Request, angles
@@ -65,7 +66,9 @@ class Ended:
         """Whether a probe stopped under its vertical load, before the push: no direction has a capacity there."""
         record = record_of(self.folder, self.planned.scene)
         path = None if record is None else record.paths.get(PROBE)
-        return self.failed and path is not None and path.increments == (path.increments_of_dead_load or -1)
+        if path is None or not self.failed:
+            return False
+        return path.reason is StopReason.DEAD_LOAD or path.increments == (path.increments_of_dead_load or -1)
 
 
 def planned(groups: Iterable[Group], request: Request) -> list[Planned]:

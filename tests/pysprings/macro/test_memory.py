@@ -463,7 +463,7 @@ def test_of_too_many_elements_those_that_carry_most_are_fitted_again() -> None:
 @pytest.mark.slow
 def test_a_cycle_has_its_stiffness_work_and_damping() -> None:
     """The full model's own columns: a Masing loop of amplitude U under the load F dissipates what its area is."""
-    path = outside().paths["loop_20"]
+    path = outside().paths["loop_minus_20"]
     table = cycles(follow_path(path, MacroModel.from_springs(outside(), "memory")))
     assert list(table["branch"]) == [1, 2, 3]
     last = table.iloc[-1]

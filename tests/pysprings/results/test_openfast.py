@@ -245,7 +245,7 @@ def random_motions(n: int, seed: int) -> np.ndarray:
     down, twist = random.uniform(-9e-3, 9e-3, n), random.uniform(-1e-4, 1e-4, n)
     # SoilDyn makes a rotation matrix of the angles and angles of the matrix: a twist besides would turn the others
     twist[n // 10 :], rotation[: n // 10] = 0.0, 0.0
-    return np.stack([u * c, u * s, -down, rotation * s, -rotation * c, twist], axis=1)
+    return np.stack([u * c, u * s, -down, -rotation * s, rotation * c, twist], axis=1)
 
 
 def soil_action(model: MacroModel, motions: np.ndarray) -> np.ndarray:
@@ -253,10 +253,10 @@ def soil_action(model: MacroModel, motions: np.ndarray) -> np.ndarray:
     out = np.zeros_like(motions)
     for row, (x, y, z, rx, ry, rz) in zip(out, motions, strict=True):
         c, s = (x, y) / np.hypot(x, y)
-        u, rotation = x * c + y * s, rx * s - ry * c
+        u, rotation = x * c + y * s, ry * c - rx * s
         H, M = model.reactions(u, rotation)[0]
         V = brentq(lambda V, z=z, u=u, rotation=rotation: vertical_of(model, u, rotation, V) + z, -3e6, 1e8, xtol=1e-3)
-        row[:] = -H * c, -H * s, V, -M * s, M * c, -TORSION * rz
+        row[:] = -H * c, -H * s, V, M * s, -M * c, -TORSION * rz
     return out
 
 

@@ -309,7 +309,7 @@ def in_calculix(folder: Path, H: float, arm: float, V: float) -> np.ndarray:
     lid, rotations = (
         [float(x) for x in line.split()[1:]] for line in (folder / "case.dat").read_text().splitlines()[-2:]
     )
-    return np.array([lid[0], -rotations[1], -lid[2]])
+    return np.array([lid[0], rotations[1], -lid[2]])
 
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="ccx is not installed (Debian: calculix-ccx)")

@@ -116,7 +116,7 @@ def test_run_and_export_write_them_and_a_new_run_clears_them(tmp_path: Path) -> 
     folder = run_to_folder(scene, tmp_path / "out")
     files = {file.name for file in (folder / "paraview").iterdir()}
     assert {"pull.pvd", "pull_0000.vtu"} <= files
-    done = command("export", str(folder), "--out", str(tmp_path / "again"))
+    done = command("export", str(folder), "--to", "paraview", "--out", str(tmp_path / "again"))
     assert done.code == 0, done.err
     for name in files:
         assert (tmp_path / "again" / name).read_bytes() == (folder / "paraview" / name).read_bytes()

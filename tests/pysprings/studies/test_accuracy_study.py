@@ -21,6 +21,7 @@ from pysprings.full_model.accuracy import presets
 from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import settings
 from pysprings.full_model.compute import run
+from pysprings.full_model.run_record import SCHEMA
 from pysprings.model.forecast.resources import size_of
 from pysprings.springs.dataset import get_path
 from pysprings.studies.accuracy import child, rows, runs, study, text
@@ -58,7 +59,7 @@ def invented(scene: Scene, folder: Path, progress: Any) -> None:
     write_tree(result, folder / "full_model.nc")
     write_tree(springs, folder / "springs.nc")
     record = {
-        "status": "complete", "version": pysprings.__version__, "scene_sha256": scene.sha256,
+        "schema": SCHEMA, "status": "complete", "version": pysprings.__version__, "scene_sha256": scene.sha256,
         "mesh": {"unknowns": unknowns, "harmonics": harmonics},
         "solver": {"linear": "none", "factorisations": 20, "unit_s": 0.01},
         "paths": {"pull": {"increments": 9, "iterations": 18, "iterations_in_cut_backs": 0}},

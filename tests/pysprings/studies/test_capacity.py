@@ -145,7 +145,7 @@ def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
     done = command(*arguments, "--directions", "2", "--json")
     assert done.code == 0, done.err
     rows = json.loads(done.out)["rows"]
-    assert [row["direction_deg"] for row in rows] == pytest.approx([-90.0, 0.0])
+    assert [row["direction_deg"] for row in rows] == pytest.approx([0.0, 90.0])
     assert all(row["criterion"] == "displacement limit" and row["V_N"] == 1e6 for row in rows)
     records = sorted((tmp_path / "out/runs").glob("*/run.json"))
     stamps = [record.stat().st_mtime_ns for record in records]
