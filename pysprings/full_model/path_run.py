@@ -224,6 +224,7 @@ class PathRun:
         for name in FIELDS:
             getattr(self.state.committed, name)[...] = standing.fields[name]
         self.stage, self.time, self._position = standing.stage, standing.time, standing.position
+        self.driver.position = standing.position
         self.driver.stiffness, self.driver.force = standing.stiffness, standing.force
         if self.water is not None:
             self.water.totals = standing.water

@@ -28,8 +28,8 @@ def open_result(path: str | os.PathLike[str]) -> xr.DataTree:
     file = Path(path)
     file = file / "full_model.nc" if file.is_dir() else file
     tree = read_tree(file)
-    if ATTRIBUTE not in tree.attrs:
-        raise refused(None, "is no result of a full model (springs: open_springs)", file)
     if tree.attrs.get("schema") != SCHEMA:
+        if ATTRIBUTE not in tree.attrs:
+            raise refused(None, "is no result of a full model (springs: open_springs)", file)
         raise refused("schema", f"a result of another version, not {SCHEMA}: {OTHER_SIGNS}", file)
     return tree

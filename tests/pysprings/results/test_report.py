@@ -20,7 +20,7 @@ import xarray as xr
 
 from pysprings.core.files.storage import write_tree
 from pysprings.core.text import number
-from pysprings.full_model.run_record import SCHEMA, CutBack, PathFigures, RunRecord, Status
+from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 from pysprings.macro.comparison import compare
 from pysprings.results import axes
 from pysprings.results.report import balances, inputs, solution, validity
@@ -554,7 +554,7 @@ def test_the_table_of_springs_shows_the_path_that_a_beam_takes() -> None:
 
 @pytest.mark.slow
 def test_without_pictures_it_loads_no_matplotlib(result: xr.DataTree, tmp_path: Path) -> None:
-    write_tree(result.assign_attrs(schema=SCHEMA), tmp_path / "full_model.nc")
+    write_tree(result, tmp_path / "full_model.nc")
     code = (
         "import sys; from pysprings.results.report.page import write_report\n"
         f"write_report({str(tmp_path)!r})\n"
