@@ -171,7 +171,7 @@ def test_a_vertical_load_that_is_not_carried_is_named_once(tmp_path: Path) -> No
     file = tiny.write(SCENE, tmp_path / "tiny.toml")
     done = command("capacity", file, "--V", "-500 MN", "--out", tmp_path / "out")
     assert done.code == 3
-    assert "does not carry this vertical load: path 'probe' stopped on its way to" in done.err
+    assert "does not carry this vertical load: path 'probe' stopped during its dead load" in done.err
     assert len(list((tmp_path / "out/runs").iterdir())) == 2  # the first probe, and again with small steps
     assert not (tmp_path / "out/capacity.csv").exists()
 

@@ -84,8 +84,8 @@ def from_springs(data: xr.Dataset) -> np.ndarray:
     length = float(depth[-1])
     lateral = (data["p"] * height).sum("depth") + data["H_tip"] + data["H_lid"]
     vertical = (each["t"] * height).sum("depth") + data["V_tip"] + data["V_lid"]
-    moment = ((data["p"] * depth + each["m"]) * height).sum("depth")
-    moment = moment + length * data["H_tip"] + data["M_tip"] + data["M_lid"]
+    moment = ((each["m"] - data["p"] * depth) * height).sum("depth")
+    moment = moment - length * data["H_tip"] + data["M_tip"] + data["M_lid"]
     return np.stack([lateral.values, vertical.values, moment.values], axis=1)
 
 
