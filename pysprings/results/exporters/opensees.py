@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _FRAME = (
     "3D (ndm 3, ndf 6), z up; springs in vertical planes at depths below the lid node, which is at mudline, at the "
-    "ends of stiff beams: any constraint handler serves, and fix() may hold any freedom of the lid"
+    "ends of stiff beams: any constraint handler works, and fix() may hold any freedom of the lid"
 )
 _MASING = (
     "MultiLinear unloads and reloads by Masing's rule, symmetric; on the paper's caisson in sand its load was off by "

@@ -141,7 +141,7 @@ def test_cells_and_columns_in_doubt_are_refused(tmp_path: Path, lines: tuple[str
 
 
 def test_the_order_and_the_parts_of_loads_change_no_case(tmp_path: Path) -> None:
-    """100 random tables: shuffled, and with a load in two halves; a repeated row counts twice, and a remark says so."""
+    """100 random tables: shuffled, and with a load in two halves; a repeated row counts twice and has a remark."""
     random = np.random.default_rng(40)
     head = "name,H [kN],arm [m],V [kN],direction [deg],T [kN m],factor"
     for _ in range(100):

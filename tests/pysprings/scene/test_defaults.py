@@ -114,7 +114,7 @@ SLIPS = [
 
 @pytest.mark.parametrize(("old", "new", "key", "words"), SLIPS)
 def test_a_slip_by_a_factor_is_named_with_what_was_meant(old: str, new: str, key: str, words: str) -> None:
-    """By a scene, whose check says so too, and by a row of a profile."""
+    """By a scene, whose check has the same remark, and by a row of a profile."""
     text = SAND + 'surcharge = "5 kPa"\n[caisson]\n'
     assert remarks(parse_scene(text)) == []
     found = remarks(parse_scene(text.replace(old, new, 1)))
