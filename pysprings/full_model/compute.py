@@ -53,7 +53,7 @@ from pysprings.model.forecast.domain_effect import domain_effect
 from pysprings.model.forecast.resources import refuse_what_cannot_fit
 from pysprings.model.forecast.small_strain import large_motion
 from pysprings.model.penalty import penalty_of
-from pysprings.model.stages import viscous_displacement
+from pysprings.model.stages import fast_paths, viscous_displacement
 from pysprings.model.water import undrained_time
 from pysprings.springs.path_ends import end_attrs
 
@@ -263,7 +263,7 @@ def _prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
             raise ResourceError(str(error)) from error
     unknowns = engine.system.pattern.n_unknowns + built.model.n_border
     progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {unknowns} unknowns")
-    remarks = [*domain_effect(scene).remarks, *penalty_of(scene).remarks]
+    remarks = [*domain_effect(scene).remarks, *penalty_of(scene).remarks, *fast_paths(scene, built.model.mesh)]
     return Work(scene, built, engine.system, engine.newton, clock, progress, warnings=remarks)
 
 

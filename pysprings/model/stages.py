@@ -14,10 +14,13 @@ from fe_engine.model import Stage
 from pysprings.core.path_kinds import MEMORY, PATH_KINDS
 from pysprings.core.variables import DOFS
 from pysprings.model.build import extra_load as extra_load_of
+from pysprings.model.water import mudline_time
 from pysprings.scene.ground import ground_of
 from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:
+    from fe_engine.fourier_model import SectionMesh
+    from fe_engine.mesh import Mesh
     from pysprings.scene.load import Path, Scene
 
 # The first step is this fraction of the diameter (0.02 mm for 7.8 m): well inside first yield and first slip,
@@ -64,6 +67,24 @@ def path_stages(
     further = _further(scene, path, first[-1], undrained_time, balanced)
     stages = _viscous(scene, path, [*first, *further])
     return [replace(stage, target=stage.target + rest * stage.control[:, 1]) for stage in stages] if rest else stages
+
+
+def fast_paths(scene: Scene, mesh: Mesh | SectionMesh) -> list[str]:
+    """Return a sentence on coupled paths that end before water crosses the first element below mudline; none if none.
+
+    Zero pressure at mudline drains this element however short the time, since pressures are linear in it.
+    """
+    if scene.drainage.mode != "coupled":
+        return []
+    crossing = mudline_time(scene, mesh)
+    lasting = {path.name: sum(stage.duration for stage in path_stages(scene, path, 0.0)) for path in scene.load_paths}
+    fast = [f"'{name}' ({time:.2g} s)" for name, time in lasting.items() if 0.0 < time < crossing]
+    if not fast:
+        return []
+    return [
+        f"{', '.join(fast)}: faster than water crosses the element below mudline ({crossing:.2g} s), which drains "
+        'all the same: H and M are off by up to 1 % at small motions; drainage.mode = "undrained" is the fast limit'
+    ]
 
 
 def viscous_displacement(scene: Scene, path: Path) -> float | None:

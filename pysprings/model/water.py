@@ -242,6 +242,17 @@ def undrained_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
     return _UNDRAINED * mesh.shortest_edge() ** 2 / consolidation
 
 
+def mudline_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
+    """Return the time in which water crosses the first element below mudline, s: h2/c_v with its height h; 0 if dry."""
+    corner = mesh.quads[:, :4] if isinstance(mesh, SectionMesh) else mesh.hexes
+    depth = mesh.nodes[corner, -1]
+    top = np.array(0.5 * depth[depth > 0.0].min())
+    if not ground_of(scene).holds_water(top, scene.drainage.mode):
+        return 0.0
+    bulk, shear = _moduli(scene, top)
+    return float((2.0 * top) ** 2 / (mobility(scene, top) * (bulk + 4.0 * shear / 3.0)))
+
+
 def _cell_size(mesh: Mesh) -> float:
     """Return the typical edge of the cells, m: most of them are near the caisson."""
     return float(np.median(np.linalg.norm(mesh.nodes[mesh.hexes[:, 6]] - mesh.nodes[mesh.hexes[:, 0]], axis=1)))

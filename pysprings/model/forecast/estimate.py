@@ -25,6 +25,7 @@ from pysprings.model.forecast.run_time import seconds, superlu_bytes, uses_super
 from pysprings.model.forecast.small_strain import scene_warnings
 from pysprings.model.fourier import BuiltFourier
 from pysprings.model.penalty import defaults_of, penalty_of
+from pysprings.model.stages import fast_paths
 from pysprings.scene.defaults import remarks
 from pysprings.scene.ground import ground_of
 from pysprings.scene.interface import adhesion_factor, uses_adhesion
@@ -61,7 +62,7 @@ def describe(scene: Scene) -> dict[str, Any]:
     memory = model_bytes(scene, symmetric) + steps
     effect = domain_effect(scene)
     warnings = [*_memory_warning(memory), *effect.remarks, *scene_warnings(scene), *penalty_of(scene).remarks]
-    warnings += remarks(scene)
+    warnings += [*fast_paths(scene, mesh), *remarks(scene)]
     V = 2.0 * (built.balanced_load + built.extra_load)
     return {
         "mesh": {

@@ -18,9 +18,11 @@ from pysprings.core import variables
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute, run
 from pysprings.full_model.discretise import make_engine
+from pysprings.model import water
 from pysprings.model.contact import SURFACE
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.fourier import build_fourier
+from pysprings.model.stages import fast_paths
 from pysprings.model.water import undrained_time
 from pysprings.scene.extent import PAPER
 from pysprings.scene.load import Scene
@@ -151,6 +153,27 @@ def test_a_slow_push_is_drained_and_a_fast_one_undrained() -> None:
     assert load(run(wet(rate=1e-10))) == pytest.approx(drained, rel=1e-4)
     assert load(run(wet(rate=10.0))) == pytest.approx(undrained, rel=0.03)
     assert drained < load(coupled()) < undrained
+
+
+def test_undrained_is_the_fast_limit_but_for_the_element_that_mudline_drains(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Translation in a microsecond: what zero pressure at mudline takes falls with the height of the first element."""
+
+    def translated(mode: str, refinement: float) -> Scene:
+        path = {"name": "pull", "kind": "translation", "lateral_displacement": 1e-5}
+        timed = path | ({"duration": 1e-6} if mode == "coupled" else {})
+        return wet(mode).replace(mesh=SERIES | {"refinement": refinement}, paths=(timed,))
+
+    def both(mode: str, refinement: float) -> np.ndarray:
+        path = compute(translated(mode, refinement)).recorded()["paths/pull"]
+        return np.array([path["H"][-1], path["M"][-1]])
+
+    off = {each: np.abs(both("coupled", each) / both("undrained", each) - 1.0) for each in (0.7, 1.4)}
+    assert np.all(off[0.7] > 1e-3) and np.all(off[1.4] < 0.7 * off[0.7])
+    (remark,) = fast_paths(translated("coupled", 0.7), build_fourier(wet()).section.mesh)
+    assert "'pull'" in remark and fast_paths(wet(), build_fourier(wet()).section.mesh) == []
+    dry_corners = lambda scene, section: np.zeros(len(section.mesh.corners), dtype=bool)  # noqa: E731
+    monkeypatch.setattr(water, "drained_corners", dry_corners)
+    np.testing.assert_allclose(both("coupled", 0.7), both("undrained", 0.7), rtol=1e-5)
 
 
 def test_each_layer_has_its_own_conductivity() -> None:
