@@ -24,7 +24,6 @@ from pysprings.full_model.fourier_volume import fourier_volume_dataset
 from pysprings.full_model.volume import volume_dataset
 from pysprings.model.build import Built
 from pysprings.model.fourier import BuiltFourier
-from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -59,7 +58,7 @@ def make_collector(
     """Make what gathers the rows of a path."""
     output = scene.output
     requested = output.interface_fields, output.section
-    wet = partial(ground_of(scene).holds_water, mode=scene.drainage.mode)
+    wet = partial(scene.ground.holds_water, mode=scene.drainage.mode)
     if isinstance(built, BuiltFourier):
         assert isinstance(system, FourierSystem)
         return FourierCollector(built, system, *requested, balance, sea, output.paraview, wet)

@@ -29,7 +29,6 @@ from pysprings.model.forecast.omissions import left_out
 from pysprings.model.fourier import BuiltFourier
 from pysprings.model.penalty import defaults_of
 from pysprings.scene.defaults import defaulted_text, remarks
-from pysprings.scene.ground import drainage_of
 
 
 def record_of(work: Work, loaded: Loaded) -> RunRecord:
@@ -133,7 +132,7 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
         "n_elements": mesh.n_elements,
         "n_unknowns": record.mesh.unknowns,
         "status": str(record.status),
-        "drainage": drainage_of(scene),
+        "drainage": scene.layer_drainage,
         "outer_diameter_m": scene.caisson.outer_diameter,
         "skirt_length_m": scene.caisson.skirt_length,
         "skirt_thickness_m": scene.caisson.skirt_thickness,

@@ -19,8 +19,6 @@ from pysprings.model.signs import body_operator
 from pysprings.model.soil_laws import soil_materials
 from pysprings.model.steel import SteelMesh, make_steel, with_steel
 from pysprings.model.water import beside_steel, make_water
-from pysprings.scene.extent import extent_of
-from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -49,14 +47,14 @@ class Built:
 
 def geometry_of(scene: Scene) -> Geometry:
     """Return the radii and depths of the scene, in m."""
-    outer, extent = 0.5 * scene.caisson.outer_diameter, extent_of(scene)
+    outer, extent = 0.5 * scene.caisson.outer_diameter, scene.extent
     return Geometry(
         inner_radius=outer - scene.caisson.skirt_thickness,
         outer_radius=outer,
         skirt_length=scene.caisson.skirt_length,
         domain_radius=extent.radius,
         domain_depth=extent.depth,
-        lines=ground_of(scene).lines,
+        lines=scene.ground.lines,
     )
 
 
@@ -188,7 +186,7 @@ def _exact_normals(nodes: np.ndarray, surface: str) -> np.ndarray:
 
 def initial_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
     """Return the geostatic stress (..., 6), tension positive."""
-    ground = ground_of(scene)
+    ground = scene.ground
     vertical = ground.vertical_stress(depth)
     stress = np.zeros((*depth.shape, 6))
     stress[..., 0] = stress[..., 1] = -ground.value("K0", depth) * vertical
@@ -198,7 +196,7 @@ def initial_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
 
 def initial_pressure(scene: Scene, stations: Stations) -> np.ndarray:
     """Return the contact pressure (ns,) that the geostatic stress puts on each station, in Pa."""
-    ground, depth = ground_of(scene), stations.position[:, 2]
+    ground, depth = scene.ground, stations.position[:, 2]
     upright = stations.frame[:, 0, 2] ** 2
     return ground.vertical_stress(depth) * (upright + ground.value("K0", depth) * (1.0 - upright))
 

@@ -22,7 +22,6 @@ from pysprings.core.magnitudes import ATMOSPHERE, VAPOUR
 from pysprings.model.mesh import SURFACES
 from pysprings.model.penalty import penalty_at
 from pysprings.scene.by_surface import of_surface
-from pysprings.scene.ground import ground_of
 from pysprings.scene.interface import adhesion_factor, uses_adhesion
 
 if TYPE_CHECKING:
@@ -52,7 +51,7 @@ def contact_of(scene: Scene, stations: Stations, wall: np.ndarray) -> tuple[Cont
         rows[shared, coulomb.MU] = 0.0
         return coulomb.LAW, rows
     limit, tension = _limits(scene, stations)
-    friction = np.where(ground_of(scene).in_total_stress(_beside(stations)), 0.0, mu)
+    friction = np.where(scene.ground.in_total_stress(_beside(stations)), 0.0, mu)
     rows = adhesion.pack(kn, kt, friction, limit, tension)
     rows[shared, adhesion.MU] = rows[shared, adhesion.ADHESION] = 0.0
     return adhesion.LAW, rows
@@ -75,7 +74,7 @@ def _beside(stations: Stations) -> np.ndarray:
 
 def _limits(scene: Scene, stations: Stations) -> tuple[np.ndarray, np.ndarray]:
     """Return the adhesion and largest tension (ns,) of the stations, Pa."""
-    ground, drainage = ground_of(scene), scene.drainage
+    ground, drainage = scene.ground, scene.drainage
     limit, tension = np.zeros(len(stations)), np.zeros(len(stations))
     number = ground.number(_beside(stations))
     for surface, name in _NAMES.items():

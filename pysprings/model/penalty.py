@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pysprings.scene.defaults import defaulted
-from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -86,13 +85,13 @@ def penalty_at(scene: Scene, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def _young(scene: Scene, depth: np.ndarray) -> np.ndarray:
-    return ground_of(scene).value("young_modulus", depth)
+    return scene.ground.value("young_modulus", depth)
 
 
 def _along_skirt(scene: Scene) -> np.ndarray:
     """Return the depths (n,) m from mudline to tip, one just below each boundary of layers among them."""
     length = scene.caisson.skirt_length
-    below = [line + 1e-6 * length for line in ground_of(scene).lines if line < length]
+    below = [line + 1e-6 * length for line in scene.ground.lines if line < length]
     return np.concatenate([np.linspace(0.0, length, 33), below])
 
 
@@ -102,5 +101,5 @@ def _loss(ratio: float) -> float:
 
 def _pressure(scene: Scene) -> float:
     """Return the largest initial contact pressure in Pa, at the tip."""
-    ground, depth = ground_of(scene), np.array(scene.caisson.skirt_length)
+    ground, depth = scene.ground, np.array(scene.caisson.skirt_length)
     return float(np.maximum(ground.value("K0", depth), 1.0) * ground.vertical_stress(depth))

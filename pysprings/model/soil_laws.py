@@ -25,7 +25,7 @@ from fe_engine.soil import (
 )
 from fe_engine.soil.law import SoilLaw
 from pysprings.scene.clay_laws import TRESCA, VON_MISES
-from pysprings.scene.ground import Stratum, ground_of
+from pysprings.scene.ground import Stratum
 from pysprings.scene.reduction import KEY as REDUCTION
 from pysprings.scene.soil_laws import DEGRADATION_KEYS
 
@@ -114,7 +114,7 @@ ENGINE_LAWS = {
 
 def engine_laws(scene: Scene) -> list[SoilLaw]:
     """Return the engine's laws of a scene's layers."""
-    return [_engine_law(each) for each in ground_of(scene).strata]
+    return [_engine_law(each) for each in scene.ground.strata]
 
 
 def _engine_law(stratum: Stratum) -> SoilLaw:
@@ -129,8 +129,8 @@ def soil_materials(scene: Scene, depth: np.ndarray) -> tuple[list[Material], np.
 
     Values are constant in a layer, or those of each point where one of them varies with depth.
     """
-    strata = ground_of(scene).strata
-    number = ground_of(scene).number(depth.mean(axis=1))
+    strata = scene.ground.strata
+    number = scene.ground.number(depth.mean(axis=1))
     materials = []
     for k, stratum in enumerate(strata):
         materials.append(Material(_engine_law(stratum), _packed(stratum, depth[number == k])))

@@ -15,7 +15,6 @@ from pysprings.core.path_kinds import MEMORY, PATH_KINDS
 from pysprings.core.variables import DOFS
 from pysprings.model.build import extra_load as extra_load_of
 from pysprings.model.water import mudline_time
-from pysprings.scene.ground import ground_of
 from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:
@@ -92,7 +91,7 @@ def viscous_displacement(scene: Scene, path: Path) -> float | None:
 
     Without one in the scene, paths of the role "memory" in soil with friction have a small one.
     """
-    given, strata = scene.solver.viscous_displacement, ground_of(scene).strata
+    given, strata = scene.solver.viscous_displacement, scene.ground.strata
     if given is not None or path.role != MEMORY or any(each.stiffness_changes for each in strata):
         return given
     localises = any(SOIL_LAWS[each.law].yields and not each.total_stress for each in strata)
@@ -259,7 +258,7 @@ def _first_strain(scene: Scene) -> float:
 
     Soil without stress and strength gives no measure.
     """
-    ground, depth = ground_of(scene), np.array(scene.caisson.skirt_length)
+    ground, depth = scene.ground, np.array(scene.caisson.skirt_length)
     strength = float(ground.strength(depth))
     stress = strength if bool(ground.in_total_stress(depth)) else float(ground.vertical_stress(depth)) + strength
     reduced = _FIRST_STRAIN * stress / float(ground.value("young_modulus", depth))

@@ -16,7 +16,6 @@ from fe_engine.model import Water
 from fe_engine.soil.elastic import moduli
 from pysprings.model.fourier_mesh import CaissonSection
 from pysprings.model.mesh import SURFACES, CaissonMesh
-from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -121,7 +120,7 @@ def _wet_pieces(scene: Scene, section: CaissonSection) -> dict[str, np.ndarray]:
 
 def _section_depths(scene: Scene, section: CaissonSection) -> np.ndarray:
     """Return depths (ne,) m of the centres of the elements; one depth, (), where the ground is the same everywhere."""
-    if ground_of(scene).is_uniform:
+    if scene.ground.is_uniform:
         return np.array(0.0)
     return np.asarray(section.mesh.nodes[section.mesh.quads[:, :4]].mean(axis=1)[:, 1])
 
@@ -212,19 +211,19 @@ def _flow_points(
 
 def mobility(scene: Scene, depth: np.ndarray) -> np.ndarray:
     """Return the hydraulic conductivity over the unit weight of water, m2/(Pa s), at depths (...,) in m."""
-    return ground_of(scene).value("hydraulic_conductivity", depth) / scene.drainage.water_unit_weight
+    return scene.ground.value("hydraulic_conductivity", depth) / scene.drainage.water_unit_weight
 
 
 def _depths(scene: Scene, mesh: Mesh) -> np.ndarray:
     """Return depths (ne,) m of the centres of the elements; one depth, (), where the ground is the same everywhere."""
-    if ground_of(scene).is_uniform:
+    if scene.ground.is_uniform:
         return np.array(0.0)
     return np.asarray(mesh.nodes[mesh.hexes].mean(axis=1)[:, 2])
 
 
 def _moduli(scene: Scene, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return K and G in Pa at depths (...,) in m."""
-    ground = ground_of(scene)
+    ground = scene.ground
     bulk, shear = moduli(ground.value("young_modulus", depth), ground.value("poisson_ratio", depth))
     return np.asarray(bulk), np.asarray(shear)
 
@@ -235,7 +234,7 @@ def undrained_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
     c_v = k M/gamma_w, M = K + 4 G/3.
     """
     depth = np.unique(mesh.nodes[:, -1])
-    wet = ground_of(scene).holds_water(depth, scene.drainage.mode)
+    wet = scene.ground.holds_water(depth, scene.drainage.mode)
     depth = depth[wet] if wet.any() else depth  # a drained scene does not use it
     bulk, shear = _moduli(scene, depth)
     consolidation = float(np.max(mobility(scene, depth) * (bulk + 4.0 * shear / 3.0)))
@@ -247,7 +246,7 @@ def mudline_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
     corner = mesh.quads[:, :4] if isinstance(mesh, SectionMesh) else mesh.hexes
     depth = mesh.nodes[corner, -1]
     top = np.array(0.5 * depth[depth > 0.0].min())
-    if not ground_of(scene).holds_water(top, scene.drainage.mode):
+    if not scene.ground.holds_water(top, scene.drainage.mode):
         return 0.0
     bulk, shear = _moduli(scene, top)
     return float((2.0 * top) ** 2 / (mobility(scene, top) * (bulk + 4.0 * shear / 3.0)))
@@ -280,20 +279,20 @@ def _without_pressure(scene: Scene, elements: np.ndarray, depth: np.ndarray, n: 
     fixed[:] = True
     fixed[elements[wet]] = False
     if scene.drainage.mode == "coupled":
-        fixed[elements[~wet & ~ground_of(scene).in_total_stress(depth)]] = True
+        fixed[elements[~wet & ~scene.ground.in_total_stress(depth)]] = True
     return fixed
 
 
 def _wet(scene: Scene, depth: np.ndarray) -> np.ndarray | None:
     """Return whether elements with centres at depths (ne,) m hold water; None where all do."""
-    wet = ground_of(scene).holds_water(depth, scene.drainage.mode)
+    wet = scene.ground.holds_water(depth, scene.drainage.mode)
     return None if np.all(wet) else wet
 
 
 def _beside_water(scene: Scene, surface: str, depth: np.ndarray) -> np.ndarray:
     """Return whether the soil beside pieces of a surface at depths (k,) m holds water; that below lid and tip."""
     below = _BELOW if surface in ("lid", "tip") else 0.0
-    return ground_of(scene).holds_water(depth + below, scene.drainage.mode)
+    return scene.ground.holds_water(depth + below, scene.drainage.mode)
 
 
 def _film(scene: Scene, mesh: Mesh, stations: Stations) -> tuple[np.ndarray, Film]:

@@ -30,12 +30,11 @@ def caisson_text(scene: SceneSections, vertical_load: float | None = None) -> st
 
 def ground_text(scene: SceneSections) -> str:
     """Return the layers with their laws, and the drainage."""
-    from pysprings.scene.ground import drainage_of, ground_of
 
-    layers = [each for each in ground_of(scene).strata if not each.like]
+    layers = [each for each in scene.ground.strata if not each.like]
     names = ", ".join(f"{each.name} ({each.law}) from {each.top:g} m" for each in layers[:MOST_LAYERS])
     more = f" and {len(layers) - MOST_LAYERS} more layers" if len(layers) > MOST_LAYERS else ""
-    return f"{names}{more}; {drainage_of(scene)}"
+    return f"{names}{more}; {scene.layer_drainage}"
 
 
 def paths_text(scene: SceneSections) -> str:
@@ -48,9 +47,8 @@ def paths_text(scene: SceneSections) -> str:
 
 def scene_card(scene: SceneSections) -> str:
     """Return a scene as HTML of a few kB."""
-    from pysprings.scene.ground import ground_of
 
-    layers = [(each.top, each.name) for each in ground_of(scene).strata if not each.like]
+    layers = [(each.top, each.name) for each in scene.ground.strata if not each.like]
     size = scene.caisson.outer_diameter, scene.caisson.skirt_length
     lines = {
         "caisson": caisson_text(scene),

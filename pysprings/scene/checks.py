@@ -11,7 +11,7 @@ from pysprings.core.units import show
 from pysprings.scene.by_depth import follows_stress
 from pysprings.scene.clash import Clash
 from pysprings.scene.design_load import design_clashes
-from pysprings.scene.extent import Extent, extent_of
+from pysprings.scene.extent import Extent
 from pysprings.scene.interface import drainage_clashes, interface_clashes
 from pysprings.scene.law_keys import key_clashes, missing, with_stand_ins
 from pysprings.scene.layers import in_layer, layer_order, open_ends, uniform_soils, values_inside
@@ -30,7 +30,7 @@ _MOST_VISCOUS = 1.0e-5  # viscous displacement over outer diameter
 def clashes(scene: SceneSections) -> Iterator[Clash]:
     """Give everything that does not go together in a scene whose single values are valid."""
     yield from _caisson(scene.caisson)
-    extent = extent_of(scene)
+    extent = scene.extent
     yield from _domain(extent, scene.caisson)
     lacking = [*missing(scene.soil, scene.drainage.mode)]
     yield from _ground(scene.soil, extent, lacking)

@@ -15,9 +15,8 @@ from pydantic import BaseModel
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.units import read, show, si_of
 from pysprings.scene.by_depth import ByDepth, Profile
-from pysprings.scene.extent import extent_of
 from pysprings.scene.fields import Number, Quantity
-from pysprings.scene.ground import Stratum, given_values, ground_of, moved_layers
+from pysprings.scene.ground import Stratum, given_values, moved_layers
 from pysprings.scene.plausible import implausible
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import SoilValues
@@ -36,7 +35,7 @@ def defaulted(scene: SceneSections, known: Mapping[str, float] | None = None) ->
     ``known`` are numbers in SI, by dotted key, for what stands as a word: the vertical load in N behind "balanced", the
     penalty stiffnesses in N/m3 behind "auto".
     """
-    extent = extent_of(scene)
+    extent = scene.extent
     numbers = {"domain.radius": extent.radius, "domain.depth": extent.depth, **(known or {})}
     rows = []
     for name in _SECTIONS:
@@ -63,7 +62,7 @@ def value_text(row: Row) -> str:
 
 def remarks(scene: SceneSections) -> list[str]:
     """Return a sentence on each value beyond its common range, and on what the ground is made to be."""
-    return [*moved_layers(scene.soil, extent_of(scene)), *_without_strength(scene), *implausible(scene)]
+    return [*moved_layers(scene.soil, scene.extent), *_without_strength(scene), *implausible(scene)]
 
 
 def row_of(key: str, value: Any, model: type[BaseModel], name: str) -> Row:
@@ -80,7 +79,7 @@ def row_of(key: str, value: Any, model: type[BaseModel], name: str) -> Row:
 
 def _unused(scene: SceneSections, name: str) -> tuple[str, ...]:
     """Return the keys of a section that the scene makes no use of."""
-    strata, mode = ground_of(scene).strata, scene.drainage.mode
+    strata, mode = scene.ground.strata, scene.drainage.mode
     wet = any(each.drainage_in(mode) in ("coupled", "undrained") for each in strata)
     flows = any(each.drainage_in(mode) == "coupled" for each in strata)
     if name == "caisson":
@@ -105,7 +104,7 @@ def _of_soil(scene: SceneSections) -> Iterator[Row]:
         yield row_of("soil.surcharge", soil.surcharge, SoilValues, "surcharge")
     if "yield_surface" not in soil.model_fields_set and not all(layer.law for layer in soil.layers or (None,) if layer):
         yield row_of("soil.yield_surface", soil.yield_surface, SoilValues, "yield_surface")
-    strata = [each for each in ground_of(scene).strata if not each.like]
+    strata = [each for each in scene.ground.strata if not each.like]
     by_key: dict[str, dict[int, Any]] = {}
     for stratum in strata:
         for key, value in _defaults_in(scene, stratum):
@@ -139,7 +138,7 @@ def _of_paths(scene: SceneSections) -> Iterator[Row]:
 
 def _without_strength(scene: SceneSections) -> Iterator[str]:
     """Yield a remark on ground that has no strength at mudline."""
-    first = ground_of(scene).strata[0]
+    first = scene.ground.strata[0]
     at = np.array(0.0)
     if first.above > 0.0 or not SOIL_LAWS[first.law].yields or float(first.strength(at)) > 0.0:
         return

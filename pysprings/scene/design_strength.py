@@ -17,7 +17,6 @@ from typing import Any
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
-from pysprings.scene.extent import extent_of
 from pysprings.scene.ground import at_rest
 from pysprings.scene.model import Scene
 
@@ -60,7 +59,7 @@ class StrengthFactors:
 def with_design_strength(scene: Scene, factors: StrengthFactors) -> Scene:
     """Return a scene with its strength divided by partial factors."""
     soil = scene.model_dump()["soil"]
-    ground = extent_of(scene).ground
+    ground = scene.extent.ground
     tops = [layer["top"] for layer in soil["layers"]]
     _keep_initial_stress(soil)
     _reduce(soil, factors, 0.0, ground)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from pysprings.core.words import AUTO
 
 if TYPE_CHECKING:
-    from pysprings.scene.scene_sections import SceneSections
+    from pysprings.scene.sections import Caisson, Domain, Soil
 
 PAPER = {"radius": 24.0, "depth": 12.0}  # m, the domain of Cerfontaine, Charlier & Collin (2018)
 # diameters between the axis and the side, and between the tip and the bottom: see `model.forecast.domain_effect`
@@ -28,11 +28,10 @@ class Extent:
     tip: float
 
 
-def extent_of(scene: SceneSections) -> Extent:
-    """Return the size of the domain of a scene; what is "auto" follows from caisson and layers."""
-    domain, caisson = scene.domain, scene.caisson
+def make_extent(domain: Domain, caisson: Caisson, soil: Soil) -> Extent:
+    """Return the size of the domain; what is "auto" follows from caisson and layers."""
     diameter, tip = caisson.outer_diameter, caisson.skirt_length
-    last = max((layer.top for layer in scene.soil.layers), default=0.0)
+    last = max((layer.top for layer in soil.layers), default=0.0)
     radius = RADIUS * diameter if domain.radius == AUTO else float(domain.radius)
     if domain.depth != AUTO:
         return Extent(radius, float(domain.depth), float(domain.depth), tip)

@@ -15,10 +15,9 @@ import numpy as np
 from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth, Value, follows_stress
 from pysprings.scene.clay_laws import factors_of, small_strain_modulus
-from pysprings.scene.extent import Extent, extent_of
+from pysprings.scene.extent import Extent
 from pysprings.scene.reduction import KEY as REDUCTION
 from pysprings.scene.reduction import Pairs
-from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import BY_LAYER, Layer, Soil
 from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS, STIFFNESSES
 
@@ -205,14 +204,9 @@ class Ground:
         return [stratum.row(depth) for stratum in self.strata for depth in (stratum.top, stratum.bottom)]
 
 
-def ground_of(scene: SceneSections) -> Ground:
-    """Return the ground of a scene; a soil without layers is one."""
-    return make_ground(scene.soil, extent_of(scene))
-
-
-def in_layers(scene: SceneSections) -> Soil:
-    """Return the soil of a scene in one form: a surcharge, and layers, one at the least, that have all their values."""
-    soil, layers = scene.soil, []
+def in_layers(soil: Soil) -> Soil:
+    """Return a soil in one form: a surcharge, and layers, one at the least, that have all their values."""
+    layers = []
     for layer in soil.layers or (None,):
         law = (layer.law if layer else None) or soil.yield_surface
         given: dict[str, Any] = {"top": 0.0} if layer is None else {
@@ -221,12 +215,6 @@ def in_layers(scene: SceneSections) -> Soil:
         given |= {"law": law, **dict.fromkeys(BY_LAYER), **values_of(soil, layer)}
         layers.append(Layer.model_construct(**given | {REDUCTION: _reduction(soil, layer, law)}))
     return Soil.model_construct(surcharge=soil.surcharge, layers=tuple(layers))
-
-
-def drainage_of(scene: SceneSections) -> str:
-    """Return how the water takes part: the mode of the scene, "total-stress" for undrained clay, or several of them."""
-    kinds = {each.drainage_in(scene.drainage.mode) for each in ground_of(scene).strata}
-    return ", ".join(sorted(kinds))
 
 
 def make_ground(soil: Soil, extent: Extent) -> Ground:

@@ -9,7 +9,7 @@ import numpy as np
 
 from pysprings.scene.by_surface import SURFACES, of_surface
 from pysprings.scene.clash import Clash
-from pysprings.scene.ground import Ground, Stratum, ground_of
+from pysprings.scene.ground import Ground, Stratum
 from pysprings.scene.law_keys import laws_of
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Interface
@@ -41,14 +41,14 @@ def adhesion_factor(interface: Interface, stratum: Stratum, surface: str, depth:
 
 def uses_adhesion(scene: SceneSections) -> bool:
     """Return whether the contact has more than friction and free opening: adhesion, tension, or clay beside it."""
-    interface, ground = scene.interface, ground_of(scene)
+    interface, ground = scene.interface, scene.ground
     opens = all(of_surface(interface.opening, each) == "vented" for each in SURFACES)
     return interface.adhesion_factor is not None or not opens or any(each.total_stress for each in ground.strata)
 
 
 def interface_clashes(scene: SceneSections) -> Iterator[Clash]:
     """Check what adhesion and opening need of the ground beside the caisson."""
-    interface, ground = scene.interface, ground_of(scene)
+    interface, ground = scene.interface, scene.ground
     beside = [each for each in ground.strata if each.top <= scene.caisson.skirt_length]
     clay = any(each.total_stress for each in beside)
     key = ("interface", "adhesion_factor")

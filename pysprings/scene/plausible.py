@@ -17,7 +17,7 @@ import numpy as np
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.scene.by_surface import of_surface
-from pysprings.scene.ground import Stratum, ground_of
+from pysprings.scene.ground import Stratum
 from pysprings.scene.interface import adhesion_factor
 from pysprings.scene.soil_laws import SOIL_LAWS
 
@@ -101,7 +101,7 @@ _ALPHA = Range(0.2, 1.0)
 def implausible(scene: SceneSections) -> list[str]:
     """Return a sentence for each number of a scene that is beyond its common range."""
     found = [*_of_sections(scene), *_of_paths(scene)]
-    for stratum in (each for each in ground_of(scene).strata if not each.like):
+    for stratum in (each for each in scene.ground.strata if not each.like):
         found += [*_of_stratum(stratum, scene.drainage.mode)]
         found += _of_clay(scene, stratum) if stratum.total_stress else ()
     return found

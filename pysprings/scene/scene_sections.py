@@ -3,14 +3,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, cast
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Annotated, Any, Self, cast
 
 from pydantic import Field as Key
 
 from pysprings.core.words import AUTO, Discretisation
 from pysprings.scene.design_load import Design
+from pysprings.scene.extent import Extent, make_extent
 from pysprings.scene.fan import fan_paths
 from pysprings.scene.fields import Text
+from pysprings.scene.ground import Ground, make_ground
 from pysprings.scene.sections import (
     PAPER_PATH,
     Caisson,
@@ -29,7 +33,7 @@ from pysprings.scene.sections import (
 
 
 class SceneSections(Section):
-    """The values of a scene, each valid for itself."""
+    """The values of a scene, each valid for itself, and what follows from them, found once."""
 
     title: Annotated[str, Text("title of tables and pictures")] = "Suction caisson in sand, drained"
     caisson: Caisson = Caisson()
@@ -54,11 +58,33 @@ class SceneSections(Section):
         needs_bricks = self.drainage.stabilisation != 1.0 or self.mesh.azimuth is not None
         return "hex8" if needs_bricks else "fourier"
 
+    @cached_property
+    def extent(self) -> Extent:
+        """Radius and depth of the domain."""
+        return make_extent(self.domain, self.caisson, self.soil)
+
+    @cached_property
+    def ground(self) -> Ground:
+        """The ground by depth; a soil without layers is one."""
+        return make_ground(self.soil, self.extent)
+
     @property
+    def layer_drainage(self) -> str:
+        """How the water takes part: drainage.mode, "total-stress" for undrained clay, or several of them."""
+        return ", ".join(sorted({each.drainage_in(self.drainage.mode) for each in self.ground.strata}))
+
+    @cached_property
     def load_paths(self) -> tuple[Path, ...]:
-        """Return the paths of a run: those of the scene, then those of its fan; a pull where there are none."""
+        """The paths of a run: those of the scene, then those of its fan; a pull where there are none."""
         return (*self.paths, *fan_paths(self.springs, self.caisson)) or (PAPER_PATH,)
 
     def vertical_load_of(self, path: Path) -> float | str:
         """Return the vertical load of a path: its own, or the caisson's (N, positive down, or "balanced")."""
         return self.caisson.vertical_load if path.vertical_load is None else path.vertical_load
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy with some sections replaced, unchecked; what follows from them is found anew."""
+        copied = super().model_copy(update=update, deep=deep)
+        for name in set(copied.__dict__) - set(type(self).model_fields):
+            del copied.__dict__[name]
+        return copied

@@ -75,9 +75,8 @@ def refuse_outside(target: str, scene: Scene) -> None:
     UserInputError
         One problem with everything that is outside.
     """
-    from pysprings.scene.ground import drainage_of, ground_of
 
-    ground, caisson = ground_of(scene), scene.caisson
+    ground, caisson = scene.ground, scene.caisson
     moved = (
         max((_motion(path, caisson.skirt_length) for path in scene.load_paths), default=0.0) / caisson.outer_diameter
     )
@@ -85,7 +84,7 @@ def refuse_outside(target: str, scene: Scene) -> None:
     outside = {
         "clay": ground.total_stress,
         "layers, or values that change with depth": not (ground.total_stress or ground.is_uniform),
-        f"{drainage_of(scene)} water": drainage_of(scene) not in ("drained", "total-stress"),
+        f"{scene.layer_drainage} water": scene.layer_drainage not in ("drained", "total-stress"),
         f"L/D {ratio * STUDIED['slenderness']:.2g}": not 1.0 / SLENDER <= ratio <= SLENDER,
         f"a motion of {100.0 * moved:.2g} % of D": moved > FARTHEST * STUDIED["motion"],
     }

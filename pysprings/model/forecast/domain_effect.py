@@ -19,8 +19,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pysprings.core.units import show
-from pysprings.scene.extent import extent_of
-from pysprings.scene.ground import ground_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -56,7 +54,7 @@ class DomainEffect:
 
 def domain_effect(scene: Scene) -> DomainEffect:
     """Return bounds of how much the domain of a scene stiffens its caisson."""
-    caisson, extent = scene.caisson, extent_of(scene)
+    caisson, extent = scene.caisson, scene.extent
     diameter, below = caisson.outer_diameter, extent.depth - caisson.skirt_length
     radius, tip = extent.radius / diameter, below / diameter
     at = (caisson.skirt_length / diameter, _poisson(scene), radius - 0.5, tip)
@@ -80,7 +78,7 @@ def _shown(percent: float) -> str:
 def _poisson(scene: Scene) -> float:
     """Return Poisson's ratio of the soil as it answers at once: water that has no time to flow holds its volume."""
     tip = np.array(scene.caisson.skirt_length)
-    return 0.5 if scene.drainage.mode != "drained" else float(ground_of(scene).value("poisson_ratio", tip))
+    return 0.5 if scene.drainage.mode != "drained" else float(scene.ground.value("poisson_ratio", tip))
 
 
 def _bounds(at: tuple[float, float, float, float], side: str) -> np.ndarray:

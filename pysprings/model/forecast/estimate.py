@@ -27,7 +27,6 @@ from pysprings.model.fourier import BuiltFourier
 from pysprings.model.penalty import defaults_of, penalty_of
 from pysprings.model.stages import fast_paths
 from pysprings.scene.defaults import remarks
-from pysprings.scene.ground import ground_of
 from pysprings.scene.interface import adhesion_factor, uses_adhesion
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
 
 def profile(scene: Scene) -> list[dict[str, Any]]:
     """Return a row for top and bottom of each layer, in SI; adhesion factors where the interface has adhesion."""
-    rows, ground = [], ground_of(scene)
+    rows, ground = [], scene.ground
     for stratum in ground.strata:
         for depth in (stratum.top, stratum.bottom):
             row = stratum.row(depth)

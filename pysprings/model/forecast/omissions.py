@@ -17,7 +17,6 @@ from pysprings.core.words import MOST_DRAWN
 from pysprings.model.forecast.resources import memory_bytes, size_of, steps_bytes
 from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
 from pysprings.model.soil_laws import ENGINE_LAWS, engine_laws
-from pysprings.scene.ground import drainage_of, ground_of
 from pysprings.scene.interface import uses_adhesion
 from pysprings.scene.sections import Soil
 from pysprings.scene.soil_laws import SOIL_LAWS
@@ -164,7 +163,7 @@ def _all_water(scene: Scene) -> list[Omission]:
         "drained": "drained: no excess pressure",
         "total-stress": "undrained clay in total stress: its strength does not depend on the pore pressure",
     }
-    why = "; ".join(kinds[each] for each in drainage_of(scene).split(", "))
+    why = "; ".join(kinds[each] for each in scene.layer_drainage.split(", "))
     return [
         Omission(f"pore pressure of the soil ({', '.join(_PORE_KEYS)})", why, dry.saves(scene, pores)),
         Omission(f"film of water in the interface ({', '.join(_FILM_KEYS)})", why, pores.saves(scene, both)),
@@ -172,7 +171,7 @@ def _all_water(scene: Scene) -> list[Omission]:
 
 
 def _soil(scene: Scene) -> list[Omission]:
-    if any(SOIL_LAWS[each.law].yields for each in ground_of(scene).strata):
+    if any(SOIL_LAWS[each.law].yields for each in scene.ground.strata):
         return []
     default = SOIL_LAWS[Soil().yield_surface]  # what would be there instead
     variables = len(ENGINE_LAWS[default.name].law.history)

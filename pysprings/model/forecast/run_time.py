@@ -10,7 +10,6 @@ from fe_engine.solve.stepping import fewest_increments
 from pysprings.core.words import MOST_DRAWN
 from pysprings.model.forecast.small_strain import imposed_motion
 from pysprings.model.stages import path_stages
-from pysprings.scene.ground import ground_of
 from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:
@@ -122,5 +121,5 @@ def _lifted(scene: Scene, path: Path) -> float:
     displacement, rotation = imposed_motion(path)
     reach = max(displacement, rotation * scene.caisson.skirt_length)
     limit = _LIFT_OFF * scene.caisson.outer_diameter
-    stiff = not any(SOIL_LAWS[each.law].yields for each in ground_of(scene).strata)
+    stiff = not any(SOIL_LAWS[each.law].yields for each in scene.ground.strata)
     return 0.0 if stiff or reach <= limit else 1.0 - limit / reach

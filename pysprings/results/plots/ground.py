@@ -26,7 +26,6 @@ from pysprings.results.plots.style import (
     set_title,
     styled,
 )
-from pysprings.scene.extent import extent_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,10 +58,9 @@ def _scene(text: str) -> Scene | None:
 
 def _applies(view: View) -> bool:
     """Return whether the ground of the run differs from depth to depth, or is undrained clay."""
-    from pysprings.scene.ground import ground_of
 
     scene = _scene(str(view.result.attrs.get("scene_toml", "")))
-    return scene is not None and not (ground_of(scene).is_uniform and not ground_of(scene).total_stress)
+    return scene is not None and not (scene.ground.is_uniform and not scene.ground.total_stress)
 
 
 @styled
@@ -71,17 +69,16 @@ def ground_profile(view: View) -> Figure:
 
     Raises ValueError where the result does not hold its scene.
     """
-    from pysprings.scene.ground import ground_of
 
     scene = _scene(str(view.result.attrs.get("scene_toml", "")))
     if scene is None:
         raise ValueError("the result does not hold its scene")
-    ground = ground_of(scene)
+    ground = scene.ground
     columns = [each for each in _COLUMNS if any(each[0] in stratum.values for stratum in ground.strata)]
     figure = new_figure(9.0, 5.2)
     widths = [1.6, *(2 + len(columns)) * [1.0]]
     panels = figure.subplots(1, len(widths), sharey=True, width_ratios=widths)
-    deepest = min(_DEEPEST * scene.caisson.skirt_length, extent_of(scene).ground)
+    deepest = min(_DEEPEST * scene.caisson.skirt_length, scene.extent.ground)
     _draw_section(panels[0], view, scene, ground, deepest)
     _draw_curves(panels[1], ground, deepest, "vertical", KPA, BLUE, "vertical effective\nstress [kPa]")
     _draw_curves(panels[2], ground, deepest, "shear", MPA, GREEN, "shear modulus\nG [MPa]")

@@ -10,7 +10,6 @@ from benchmarks.domain_table import DIAMETER, stiffness
 from pysprings.full_model.compute import compute, run
 from pysprings.model.forecast.domain_effect import MOST_SHOWN, DomainEffect, domain_effect
 from pysprings.model.forecast.estimate import describe
-from pysprings.scene.extent import extent_of
 from pysprings.studies.stability.cases import CASES
 from pysprings.studies.stability.catalogue import run_case
 from tests.support import tiny
@@ -57,7 +56,7 @@ def test_the_domain_by_default_is_as_good_as_unbounded_soil(length: float, mode:
 def test_the_domain_by_default_is_within_five_per_cent_of_the_half_space(length: float) -> None:
     """The half-space: domains of 80 and of 160 diameters, extrapolated. The bound that `check` prints is above it."""
     scene = tiny.sand(caisson={"outer_diameter": DIAMETER, "skirt_length": length * DIAMETER})
-    extent = extent_of(scene)
+    extent = scene.extent
     near, far = (stiffness(length, size, size, scene.soil.poisson_ratio) for size in (80.0, 160.0))
     own = stiffness(length, extent.radius / DIAMETER - 0.5, extent.depth / DIAMETER - length, scene.soil.poisson_ratio)
     true = 100.0 * (own / (2.0 * far - near) - 1.0)

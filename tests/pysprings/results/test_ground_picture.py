@@ -11,7 +11,6 @@ from pysprings import Scene
 from pysprings.results.plots.ground import PICTURE
 from pysprings.results.plots.picture import View
 from pysprings.scene.extent import PAPER
-from pysprings.scene.ground import ground_of
 from tests.support import tiny
 
 LAYERS = [
@@ -36,7 +35,7 @@ def test_it_is_drawn_where_the_ground_varies_or_is_clay():
 
 def test_its_lines_are_the_values_of_the_layers():
     figure = PICTURE.draw(view(SCENE))
-    ground, lines = ground_of(SCENE), {}
+    ground, lines = SCENE.ground, {}
     for axes in figure.axes:
         for line in axes.lines:
             lines.setdefault(line.get_gid(), []).append(line.get_xydata())

@@ -12,7 +12,6 @@ from fe_engine.soil import anisotropic, iwan_clay
 from pysprings.core.errors import UserInputError
 from pysprings.model.forecast.estimate import profile
 from pysprings.model.soil_laws import soil_materials
-from pysprings.scene.ground import drainage_of, ground_of
 from pysprings.scene.interface import api_factor
 from pysprings.scene.plausible import implausible
 from tests.support import tiny
@@ -62,7 +61,7 @@ def messages(text: str) -> list[str]:
 
 
 def test_strength_and_stiffness_follow_the_depth():
-    ground, depth = ground_of(tiny.parsed(CLAY)), np.array([0.0, 3.0, 12.0])
+    ground, depth = tiny.parsed(CLAY).ground, np.array([0.0, 3.0, 12.0])
     assert ground.strength(depth) == pytest.approx(5e3 + 2e3 * depth)
     wanted = 2.0 * 1.495 * 200.0 * (5e3 + 2e3 * depth)
     assert ground.value("young_modulus", depth) == pytest.approx(wanted, rel=1e-12)
@@ -79,16 +78,16 @@ def test_strength_and_stiffness_follow_the_depth():
     ],
 )
 def test_one_of_three_keys_gives_the_stiffness(given, young):
-    ground = ground_of(tiny.parsed(CLAY.replace("rigidity_ratio = 200", given)))
+    ground = tiny.parsed(CLAY.replace("rigidity_ratio = 200", given)).ground
     assert float(ground.value("young_modulus", np.array(2.0))) == pytest.approx(young, rel=1e-12)
 
 
 def test_clay_holds_its_volume_unless_a_ratio_is_given():
     scene = tiny.parsed(SAND_OVER_CLAY)
-    ground = ground_of(scene)
+    ground = scene.ground
     assert ground.value("poisson_ratio", np.array([1.0, 3.0])).tolist() == [0.3, 0.495]
     one = tiny.parsed(SAND_OVER_CLAY.replace("[soil]", "[soil]\npoisson_ratio = 0.4"))
-    assert ground_of(one).value("poisson_ratio", np.array([1.0, 3.0])).tolist() == [0.4, 0.4]
+    assert one.ground.value("poisson_ratio", np.array([1.0, 3.0])).tolist() == [0.4, 0.4]
 
 
 @pytest.mark.parametrize("text", [CLAY, SAND_OVER_CLAY])
@@ -111,8 +110,8 @@ def test_every_new_key_counts_in_the_number_of_a_scene():
 
 
 def test_water_of_a_layer_is_that_of_its_law():
-    assert drainage_of(tiny.parsed(CLAY)) == "total-stress"
-    assert drainage_of(tiny.parsed(SAND_OVER_CLAY)) == "drained, total-stress"
+    assert tiny.parsed(CLAY).layer_drainage == "total-stress"
+    assert tiny.parsed(SAND_OVER_CLAY).layer_drainage == "drained, total-stress"
 
 
 @pytest.mark.parametrize(
@@ -165,15 +164,15 @@ def test_sand_over_clay_that_cannot_be_is_refused(old, new, message):
 
 def test_water_may_stand_beside_clay_and_in_some_layers_of_sand():
     wet = tiny.parsed(SAND_OVER_CLAY + '[drainage]\nmode = "undrained"\n')
-    assert drainage_of(wet) == "total-stress, undrained"
+    assert wet.layer_drainage == "total-stress, undrained"
     depth = np.array([1.0, 2.0, 2.1])
-    assert list(ground_of(wet).holds_water(depth, "undrained")) == [True, True, False]
-    assert not ground_of(wet).holds_water(depth, "drained").any()
+    assert list(wet.ground.holds_water(depth, "undrained")) == [True, True, False]
+    assert not wet.ground.holds_water(depth, "drained").any()
     text = SAND_OVER_CLAY.replace('name = "sand"', 'drainage = "drained"')
     text = text.replace('[[soil.layer]]\ntop = "2 m"', '[[soil.layer]]\ntop = "1 m"\n[[soil.layer]]\ntop = "2 m"')
     mixed = tiny.parsed(text + '[drainage]\nmode = "undrained"\n')
-    assert list(ground_of(mixed).holds_water(depth, "undrained")) == [False, True, False]
-    assert drainage_of(mixed) == "drained, total-stress, undrained"
+    assert list(mixed.ground.holds_water(depth, "undrained")) == [False, True, False]
+    assert mixed.layer_drainage == "drained, total-stress, undrained"
     (message,) = messages(text.replace('drainage = "drained"', 'drainage = "total-stress"'))
     assert 'soil.layer[0].drainage: must be "drained"' in message
 

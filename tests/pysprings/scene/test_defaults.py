@@ -10,7 +10,6 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.scene.defaults import defaulted, defaulted_text, remarks
-from pysprings.scene.ground import ground_of
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.plausible import OF_LAYER, RANGES
 from tests.support import tiny
@@ -61,7 +60,7 @@ def test_missing_keys_name_their_layers() -> None:
 def test_sand_without_a_surcharge_runs_and_is_remarked_on() -> None:
     """The stress at mudline is 0, not that of a metre of soil; every value by default is in the list."""
     scene = parse_scene(SAND)
-    assert float(ground_of(scene).vertical_stress(np.array(2.0))) == pytest.approx(19e3)
+    assert float(scene.ground.vertical_stress(np.array(2.0))) == pytest.approx(19e3)
     (remark,) = remarks(scene)
     assert remark.startswith("layer 'soil' has no strength at mudline: soil.surcharge is 0")
     rows = {row["key"]: (row["value"], row["unit"]) for row in defaulted(scene, {"caisson.vertical_load": 1.5e6})}

@@ -10,7 +10,6 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.scene.design_strength import StrengthFactors, with_design_strength
-from pysprings.scene.ground import ground_of
 from pysprings.scene.template import template_text
 from tests.support import tiny
 
@@ -72,8 +71,8 @@ def test_the_initial_stress_stays_that_of_the_friction_angle_before() -> None:
         scene = tiny.sand(soil=soil | {"K0": "auto"})
         reduced = with_design_strength(scene, StrengthFactors(tan_phi=1.25))
         for depth, k0 in zip([1.0, 3.0], expected, strict=False):
-            assert ground_of(reduced).value("K0", np.array(depth)) == pytest.approx(k0)
-        angles = (float(ground_of(each).value("friction_angle_final", np.array(1.0))) for each in (scene, reduced))
+            assert reduced.ground.value("K0", np.array(depth)) == pytest.approx(k0)
+        angles = (float(each.ground.value("friction_angle_final", np.array(1.0))) for each in (scene, reduced))
         assert np.divide(*np.tan([*angles])) == pytest.approx(1.25)
 
 

@@ -14,7 +14,6 @@ from pysprings.core.errors import UserInputError
 from pysprings.model.discretise import build
 from pysprings.scene.defaults import remarks
 from pysprings.scene.extent import PAPER
-from pysprings.scene.ground import ground_of
 from pysprings.scene.plausible import implausible
 from tests.support import tiny
 
@@ -55,7 +54,7 @@ def messages(text: str) -> list[str]:
 
 
 def test_values_follow_their_layers():
-    ground = ground_of(tiny.parsed(LAYERS))
+    ground = tiny.parsed(LAYERS).ground
     depth = np.array([1.0, 3.0, 8.0])
     stress = np.array([5e3 + quad(weight, 0, z, points=[2, 6])[0] for z in depth])
     assert ground.vertical_stress(depth) == pytest.approx(stress, rel=1e-9)
@@ -68,7 +67,7 @@ def test_values_follow_their_layers():
 
 
 def test_a_boundary_belongs_to_the_layer_above_and_stress_passes_it_smoothly():
-    ground = ground_of(tiny.parsed(LAYERS))
+    ground = tiny.parsed(LAYERS).ground
     assert ground.number(np.array([0.0, 2.0, 2.001, 6.0, 12.0])).tolist() == [0, 0, 1, 1, 2]
     above, below = ground.vertical_stress(np.array([2.0, 2.0 + 1e-7]))
     assert below - above == pytest.approx(11e3 * 1e-7, rel=1e-3)
@@ -76,7 +75,7 @@ def test_a_boundary_belongs_to_the_layer_above_and_stress_passes_it_smoothly():
 
 def test_a_soil_without_layers_is_one():
     scene = tiny.sand(domain=PAPER)
-    ground, depth = ground_of(scene), np.linspace(0.0, 12.0, 7)
+    ground, depth = scene.ground, np.linspace(0.0, 12.0, 7)
     assert ground.lines == ()
     wanted = scene.soil.surcharge + scene.soil.effective_unit_weight * depth
     assert np.array_equal(ground.vertical_stress(depth), wanted)  # bit by bit: scenes of before give the same results
@@ -163,7 +162,7 @@ depth = "12 m"
 def test_pure_numbers_are_linear_in_a_layer_too():
     scene = tiny.parsed(ENDS)
     assert tiny.parsed(scene.to_toml()) == scene
-    ground, depth = ground_of(scene), np.array([0.5, 1.5, 7.0])
+    ground, depth = scene.ground, np.array([0.5, 1.5, 7.0])
     sand, clay = ground.strata
     assert ground.value("K0", depth) == pytest.approx([0.675, 0.825, 1.0])
     assert ground.value("poisson_ratio", depth) == pytest.approx([0.25, 0.3, 0.495])
@@ -173,7 +172,7 @@ def test_pure_numbers_are_linear_in_a_layer_too():
     wanted = 100e3 * stress**0.9 * (30.0 + 75.0 / 0.33) * np.sqrt(6.5)
     assert clay.shear_modulus(depth[2:]) == pytest.approx([wanted])
     least = tiny.parsed(ENDS.replace("{ top = 0.6, bottom = 0.9 }", "0.6"))
-    assert sand.values["friction_angle_initial"] == ground_of(least).strata[0].values["friction_angle_initial"]
+    assert sand.values["friction_angle_initial"] == least.ground.strata[0].values["friction_angle_initial"]
 
 
 @pytest.mark.parametrize(
@@ -196,7 +195,7 @@ def test_pure_numbers_by_depth_that_cannot_be_are_refused(old, new, message):
 def test_the_automatic_initial_friction_is_the_least_that_holds_the_initial_stress(surface, K0):
     soil = {"yield_surface": surface, "K0": K0, "friction_angle_initial": "auto"}
     scene = tiny.sand(soil=soil)
-    angle = float(ground_of(scene).value("friction_angle_initial", np.array(0.0)))
+    angle = float(scene.ground.value("friction_angle_initial", np.array(0.0)))
     assert tiny.sand(soil={**soil, "friction_angle_initial": angle + 1e-6})
     if K0 == 1.0:
         assert angle < 1e-6
@@ -226,7 +225,7 @@ friction_angle_final = "42 deg"
 def test_K0_of_the_friction_angle_needs_no_other_value(law):
     scene = tiny.parsed(at_rest(law))
     depth = np.array([1.0, 3.0])
-    ground = ground_of(scene)
+    ground = scene.ground
     np.testing.assert_allclose(ground.value("K0", depth), 1.0 - np.sin(np.radians([30.0, 42.0])))
     first = np.degrees(ground.value("friction_angle_initial", depth))
     least = np.degrees(np.arcsin((1.0 - 0.5) / (1.0 + 0.5)))  # the cone fits triaxial compression
@@ -304,7 +303,7 @@ def boundaries(*tops):
 def test_boundaries_near_the_tip_and_each_other_leave_no_slivers(tops, kept, words):
     """A boundary 1 um below the tip gave cells of 1 um, an aspect ratio of 1.8e8, and runs that stopped."""
     scene = boundaries(*tops)
-    ground = ground_of(scene)
+    ground = scene.ground
     assert [each.top for each in ground.strata] == kept and ground.strata[-1].bottom == 12.0
     said = [text for text in remarks(scene) if "is moved" in text or "not modelled" in text]
     assert any(words in text for text in said) if words else said == []

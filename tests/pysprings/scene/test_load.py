@@ -20,10 +20,9 @@ from pysprings.scene.by_depth import Profile
 from pysprings.scene.by_surface import BySurface
 from pysprings.scene.defaults import defaulted
 from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity
-from pysprings.scene.ground import ground_of
 from pysprings.scene.load import SECTIONS, Scene, load_scene, parse_scene
 from pysprings.scene.schema import scene_schema
-from pysprings.scene.sections import PAPER_SOIL, Layer
+from pysprings.scene.sections import PAPER_SOIL, Domain, Layer
 from pysprings.scene.template import template_names, template_text
 from pysprings.scene.toml import field_of
 from tests.support import tiny
@@ -63,7 +62,7 @@ def test_template_holds_every_default() -> None:
     text = template_text("caisson")
     scene, paper = parse_scene(text), tiny.sand(springs={"reach": 0.02}, solver={"tolerance": 1e-4})
     assert scene.model_dump(exclude={"soil"}) == paper.model_dump(exclude={"soil"})
-    assert ground_of(scene) == ground_of(paper)
+    assert scene.ground == paper.ground
     assert defaulted(scene) == []
     for name, model in SECTIONS.items():
         if name == "path":
@@ -158,6 +157,14 @@ def test_copies_keep_everything() -> None:
         assert twin.source_text == 'title = "mine"\n'
     # a copy that pydantic changes without validation does not pass off the old text as its own
     assert scene.model_copy(update={"title": "other"}).source_text.startswith('title = "other"')
+
+
+def test_ground_and_paths_are_found_once_and_anew_in_copies() -> None:
+    scene = Scene(soil=PAPER_SOIL)
+    assert scene.ground is scene.ground and "ground" not in scene.model_dump()
+    softer = scene.model_copy(update={"soil": scene.soil.model_copy(update={"young_modulus": 1e6})})
+    assert softer.ground.value("young_modulus", np.array(1.0)) == 1e6
+    assert scene.model_copy(update={"domain": Domain(depth=20.0)}).ground.strata[-1].bottom == 20.0
 
 
 def test_byte_order_mark_and_windows_line_ends(tmp_path: Path) -> None:

@@ -11,7 +11,6 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.core.units import read, si_of
-from pysprings.scene.ground import ground_of
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.profile_table import read_layers
 from tests.support import tiny
@@ -33,7 +32,7 @@ def write(folder, table=SITE, name="site.csv"):
 
 
 def check(scene):
-    ground, depth = ground_of(scene), np.array([1.0, 7.0])
+    ground, depth = scene.ground, np.array([1.0, 7.0])
     assert [each.name for each in ground.strata] == ["Loose sand", "Dense sand"]
     assert [each.law for each in ground.strata] == ["drucker-prager", "van-eekelen"]
     assert ground.value("young_modulus", depth) == pytest.approx([40e6, 120e6])
@@ -144,7 +143,7 @@ def test_openpiles_columns_become_layers(tmp_path):
     """Elevations that fall, total unit weight, a pair of strengths, no units in the headings."""
     file = write(tmp_path, OPENPILE)
     file.write_text(CLAY)
-    ground, depth = ground_of(load_scene(file)), np.array([3.0, 9.0])
+    ground, depth = load_scene(file).ground, np.array([3.0, 9.0])
     assert [each.name for each in ground.strata] == ["Soft clay", "Stiff clay"]
     assert ground.lines == (6.0,)
     assert ground.strength(depth) == pytest.approx([11e3, 70e3])
@@ -154,7 +153,7 @@ def test_openpiles_columns_become_layers(tmp_path):
 def test_elevations_count_from_the_first_top(tmp_path):
     file = write(tmp_path, OPENPILE.replace("-12.0", "-42").replace("-6.0", "-36").replace(",0.0,", ",-30,"))
     file.write_text(CLAY)
-    assert ground_of(load_scene(file)).lines == (6.0,)
+    assert load_scene(file).ground.lines == (6.0,)
 
 
 @pytest.mark.parametrize(
@@ -209,16 +208,16 @@ def test_rows_with_su_alone_are_clay_and_eps50_is_an_axial_strain(tmp_path):
     table = "name,top,bottom,weight,Su,G0,eps50,phi\nclay,0,-6,16,20,4000,0.01,\nsand,-6,-12,19,,30000,,35\n"
     file = write(tmp_path, table)
     file.write_text(CLAY.replace("rigidity_ratio = 200\n", "K0 = 1.0\n"))
-    clay, sand = ground_of(load_scene(file)).strata
+    clay, sand = load_scene(file).ground.strata
     assert (clay.law, sand.law) == ("tresca", "drucker-prager")
     assert clay.values["strain_at_half_strength"] == pytest.approx(0.015)
     assert sand.shear_modulus(np.array(8.0)) == pytest.approx(30e6)
     file.with_name("site.csv").write_text(table.replace("0.01", '"[0.01, 0.02]"'))
-    pair = ground_of(load_scene(file)).strata[0]
+    pair = load_scene(file).ground.strata[0]
     assert pair.value("strain_at_half_strength", np.array([0.0, 6.0])) == pytest.approx([0.015, 0.03])
     file.write_text(file.read_text().replace("[soil]", '[soil]\nyield_surface = "von-mises"'))
     file.with_name("site.csv").write_text(table.rsplit("sand", 1)[0])
-    assert ground_of(load_scene(file)).strata[0].law == "von-mises"
+    assert load_scene(file).ground.strata[0].law == "von-mises"
 
 
 LAYER = {"name": "S", "effective_unit_weight": "9 kN/m^3", "friction_angle_final": "30 deg", "young_modulus": "40 MPa"}

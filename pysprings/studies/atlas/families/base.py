@@ -85,7 +85,7 @@ class Family:
 
     def check(self, scene: Scene, base: Scene) -> None:
         """Raise UserInputError for every value of a scene that an atlas with this base scene does not follow."""
-        mine, theirs = ([str(each.law) for each in in_layers(one).layers] for one in (scene, base))
+        mine, theirs = ([str(each.law) for each in in_layers(one.soil).layers] for one in (scene, base))
         if mine != theirs:
             text = f"the ground of the atlas is {', '.join(theirs)}, that of the scene {', '.join(mine)}"
             raise UserInputError([Problem(key="soil", message=text)])
@@ -105,7 +105,7 @@ class Family:
 
 def _differing(scene: Scene, base: Scene, family: Family) -> Iterator[Problem]:
     """Yield a problem for every value that differs from the base scene and is not free; the laws are the same."""
-    mine, theirs = in_layers(scene), in_layers(base)
+    mine, theirs = in_layers(scene.soil), in_layers(base.soil)
     names = ("caisson", "domain", "interface", "drainage")
     tables: list[tuple[str, Any, Any]] = [(name, getattr(scene, name), getattr(base, name)) for name in names]
     layers = zip(mine.layers, theirs.layers, strict=True)
@@ -129,7 +129,7 @@ def _shown(value: Any, model: Any, key: str) -> str:
 
 def first_layer(scene: Scene) -> Any:
     """Return the first layer of a scene with all its values, whether or not the scene has layers."""
-    return in_layers(scene).layers[0]
+    return in_layers(scene.soil).layers[0]
 
 
 def diameter(scene: Scene) -> float:
