@@ -51,7 +51,7 @@ from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.trace import trace
 from pysprings.macro.vertical import build_vertical
 from pysprings.macro.vertical_answer import along_vertical
-from pysprings.springs.dataset import SCHEMA
+from pysprings.springs.checks import SCHEMA
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 

@@ -32,8 +32,8 @@ from pysprings.results.layout import FIGURES, PARAVIEW, own_folders, refuse_link
 from pysprings.results.report.page import write_report
 from pysprings.results.summary import summary
 from pysprings.springs.checks import save_springs
-from pysprings.springs.dataset import get_path, path_names
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance
 
 if TYPE_CHECKING:
@@ -182,12 +182,11 @@ class _Files:
         if whole:
             write_tree(computed.recorded(), folder / "full_model.nc")
             _write_record(folder, record.as_dict() | {"status": WRITING})
-            if path_names(source.result):
+            if paths_of(source.result):
                 write_load_displacement(source.result, folder / "load_displacement.csv")
         if self.has_springs:
             self._made(record, "springs.nc", lambda: save_springs(source.springs, folder / "springs.nc"))
-            springs = source.springs
-            record.balance = {name: balance(get_path(springs, name)) for name in path_names(springs)}
+            record.balance = {name: balance(path.dataset) for name, path in paths_of(source.springs).items()}
         if self.has_springs and whole:
             self._made(record, "compare.csv", lambda: write_frame(source.comparison, folder / "compare.csv"))
             self._made(record, "summary", lambda: self._summarise(record))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from pysprings.core.errors import refused
 from pysprings.full_model.run_record import ATTRIBUTE, SCHEMA
-from pysprings.springs.dataset import OTHER_SIGNS
+from pysprings.springs.checks import OTHER_SIGNS
 
 if TYPE_CHECKING:
     import xarray as xr

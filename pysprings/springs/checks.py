@@ -1,5 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Spring files, and what they must hold: every fault of a tree that is no complete spring set, with its place."""
+"""Spring files, and what they must hold: every fault of a tree that is no complete spring set, with its place.
+
+A spring set is an `xarray.DataTree`: the root has the caisson and where the springs come from, and one group
+`/paths/<name>` per load path has the reactions of the soil by depth, side and component along that path
+(`pysprings.core.variables` lists every variable). The forces are monotonic backbones, not cyclic laws. `Springs`
+(`pysprings.springs.springs`) is the same set with typed attributes.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +23,15 @@ from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.files.storage import read_tree, write_tree
 from pysprings.core.path_kinds import PAIRS, PARTS, PATH_KINDS, ROLES
 from pysprings.core.units import quoted
-from pysprings.springs.dataset import FEWEST_STATES, OTHER_SIGNS, SCHEMA, STATES, path_dataset, path_names
 from pysprings.springs.numbers import is_number, name_fault, number_faults, text_of
+from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.path_ends import end_faults
 from pysprings.springs.sums import balance_faults
 
+SCHEMA = "pysprings-springs-3"
+OTHER_SIGNS = "its moments and rotations have other signs; make it again with `pysprings run`"  # of earlier versions
+STATES = ("complete", "limit load", "partial", "interrupted")
+FEWEST_STATES = 2  # a curve needs the initial state and one more
 _ROOT_NUMBERS = ("outer_diameter_m", "skirt_length_m", "skirt_thickness_m", "vertical_load_N")
 _CONTROL = ("Cc", "Zl", "Zp")  # Unicode categories: control characters, line and paragraph separators
 _ROOT_TEXTS = ("drainage", "pysprings_version", "scene_sha256")
@@ -38,12 +48,10 @@ def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = No
     problems = [*_text_faults(tree), *_root_faults(tree), *variables.tree_problems(tree, "springs")] or list(
         _type_faults(tree)
     )
-    problems = problems or [fault for name in path_names(tree) for fault in _path_faults(tree, name)]
+    paths = [] if problems else list(paths_of(tree).values())
+    problems = problems or [fault for path in paths for fault in _path_faults(tree, path)]
     problems = problems or [
-        (f"paths/{name}/{key}", text)
-        for name in path_names(tree)
-        if balanced
-        for key, text in balance_faults(path_dataset(tree, name))
+        (f"paths/{path.name}/{key}", text) for path in paths if balanced for key, text in balance_faults(path.recorded)
     ]
     if problems:
         name = None if file is None else str(file)
@@ -86,7 +94,7 @@ def _root_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
     for name in _ROOT_TEXTS:
         if not isinstance(tree.attrs.get(name), str):
             yield name, "missing attribute"
-    if not path_names(tree):
+    if "paths" not in tree.children or not tree.children["paths"].children:
         yield "paths", "no path in the file"
 
 
@@ -103,10 +111,10 @@ def _type_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
     for key in ("dof", "dof_conjugate"):
         if tuple(tree.dataset[key].values) != variables.DOFS:
             yield key, f"labels must be {', '.join(variables.DOFS)}"
-    for name in path_names(tree):
+    for name, path in paths_of(tree).items():
         if wrong := name_fault(name):
             yield f"paths/{quoted(name)}", wrong
-        problems = number_faults(path_dataset(tree, name), "springs_path")
+        problems = number_faults(path.recorded, "springs_path")
         yield from ((f"paths/{name}/{key}", text) for key, text in problems)
 
 
@@ -119,9 +127,8 @@ def _resists(stiffness: np.ndarray) -> bool:
     return bool(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T) * scale * scale[:, None]).min() > 0.0)
 
 
-def _path_faults(tree: xr.DataTree, name: str) -> Iterator[tuple[str, str]]:
-    dataset = path_dataset(tree, name)
-    place = f"paths/{name}"
+def _path_faults(tree: xr.DataTree, path: RecordedPath) -> Iterator[tuple[str, str]]:
+    dataset, place = path.recorded, f"paths/{path.name}"
     for key, allowed in (("kind", tuple(PATH_KINDS)), ("role", ROLES), ("status", STATES)):
         if text_of(dataset.attrs.get(key)) not in allowed:
             yield f"{place}/{key}", f"attribute must be one of {', '.join(allowed)}"

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from pysprings.core.errors import refused
-from pysprings.springs.dataset import path_dataset, path_names
+from pysprings.springs.path import paths_of
 from pysprings.springs.springs import memory_groups
 
 Array = NDArray[np.float64]
@@ -58,10 +58,9 @@ def reslice(springs: xr.DataTree, bounds: ArrayLike | None = None) -> xr.DataTre
     tree = springs.copy(deep=True)
     for name in memory_groups(tree):
         del tree[name]
-    for name in path_names(tree):
-        path = path_dataset(tree, name)
-        edges = None if bounds is None else _checked(bounds, path)
-        tree.children["paths"].children[name].dataset = on_slices(path, edges)
+    for name, path in paths_of(tree).items():
+        edges = None if bounds is None else _checked(bounds, path.recorded)
+        tree.children["paths"].children[name].dataset = on_slices(path.recorded, edges)
     return tree
 
 

@@ -7,8 +7,8 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.errors import refused
-from pysprings.springs.checks import validate_springs
-from pysprings.springs.dataset import FEWEST_STATES, SCHEMA, path_dataset, path_names
+from pysprings.springs.checks import FEWEST_STATES, SCHEMA, validate_springs
+from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import MARGIN
 
 _ROOT_ATTRS = (
@@ -30,21 +30,17 @@ def extract_springs(result: xr.DataTree) -> xr.DataTree:
     height of its slice, so that p dz + tip + lid is the applied load exactly. Paths without a converged step after
     the initial state are left out; UserInputError when none remains.
     """
-    names = [name for name in path_names(result) if _n_converged(path_dataset(result, name)) >= FEWEST_STATES]
-    if not names:
+    paths = [path for path in paths_of(result).values() if path.n >= FEWEST_STATES]
+    if not paths:
         raise refused("paths", "no path has a converged step: no springs can be made")
     root = result.to_dataset(inherit=False)[["stiffness_initial"]]
     root.attrs = {key: result.attrs[key] for key in _ROOT_ATTRS if key in result.attrs} | {"schema": SCHEMA}
     groups: dict[str, xr.Dataset] = {"/": root}
-    for name in names:
-        path = path_dataset(result, name)
+    for each in paths:
+        path = each.recorded
         springs = path[[*_KEPT, *(name for name in (MARGIN,) if name in path)]].assign(p=path["p_component"])
         springs.attrs = path.attrs
-        groups[f"/paths/{name}"] = variables.attach(springs, "springs_path")
+        groups[f"/paths/{each.name}"] = variables.attach(springs, "springs_path")
     tree = xr.DataTree.from_dict(groups, name="springs")
     validate_springs(tree)
     return tree
-
-
-def _n_converged(path: xr.Dataset) -> int:
-    return int((path["converged"].values == 1).sum())

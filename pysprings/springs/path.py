@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One load path of a set of springs, with typed attributes and its arrays at the converged steps."""
+"""One load path of a full model or of a set of springs, with typed attributes and its arrays at the converged steps."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class SpringPath:
+class RecordedPath:
     """A load path: what the full model recorded along it. Nothing of it may be changed.
 
     Attributes
     ----------
     name : of the path.
-    recorded : all steps, as the file holds them (`pysprings.core.variables`, group ``springs_path``).
+    recorded : all steps, as the file holds them (`pysprings.core.variables`, groups ``result_path``, ``springs_path``).
     length : skirt length [m].
     """
 
@@ -37,14 +37,15 @@ class SpringPath:
 
     @cached_property
     def dataset(self) -> xr.Dataset:
-        """The converged steps, with the name as attribute ``path``; where springs are made, those before cavitation."""
+        """The converged steps, with the name as attribute ``path``."""
+        return self._converged()
+
+    def _converged(self) -> xr.Dataset:
         if "converged" not in self.recorded.variables:
             return self.recorded
         good = np.flatnonzero(self.recorded.variables["converged"].values == 1)
         whole = good.size == self.recorded.sizes["step"]
-        found = self.recorded if whole else self.recorded.isel(step=good)
-        known = before_cavitation(found) if self.calibrates else found.drop_vars(MARGIN, errors="ignore")
-        return known.assign_attrs(path=self.name)
+        return (self.recorded if whole else self.recorded.isel(step=good)).assign_attrs(path=self.name)
 
     # --- attributes ---
 
@@ -219,6 +220,26 @@ class SpringPath:
             return float((ways[moved] ** 2 / times[moved]).sum() / ways.sum()) if moved.any() else None
         return rho / float(self["time"][-1]) if rho > 0.0 else None
 
+
+@dataclass(frozen=True, eq=False)
+class SpringPath(RecordedPath):
+    """A load path of a set of springs."""
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        """The converged steps, with the name as attribute ``path``; where springs are made, those before cavitation."""
+        found = self._converged()
+        if MARGIN not in found.variables:
+            return found
+        return before_cavitation(found) if self.calibrates else found.drop_vars(MARGIN)
+
     def at_steps(self, steps: Sequence[int]) -> SpringPath:
         """Return the path with some of its converged steps alone, by number."""
         return SpringPath(self.name, self.dataset.isel(step=list(steps)), self.length)
+
+
+def paths_of(tree: xr.DataTree) -> dict[str, RecordedPath]:
+    """Return the paths of a result or of a spring file by name, in order, as they were recorded."""
+    nodes = tree.children["paths"].children if "paths" in tree.children else {}
+    length = float(tree.attrs.get("skirt_length_m", np.nan))
+    return {name: RecordedPath(name, node.to_dataset(inherit=False), length) for name, node in nodes.items()}

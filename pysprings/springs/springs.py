@@ -22,7 +22,7 @@ from pysprings.springs import between, directions
 from pysprings.springs.alike import is_rate, same_load
 from pysprings.springs.between import Between, LoadSet, RateSet
 from pysprings.springs.checks import validate_springs
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.spread import GROUP as SPREAD
 from pysprings.springs.spread import check_spread
@@ -72,9 +72,7 @@ class Springs:
         if isinstance(source, Springs):
             return source
         root = source.to_dataset(inherit=False)
-        nodes = source.children["paths"].children if "paths" in source.children else {}
-        length = float(root.attrs["skirt_length_m"])
-        paths = {name: SpringPath(name, node.to_dataset(inherit=False), length) for name, node in nodes.items()}
+        paths = {each.name: SpringPath(each.name, each.recorded, each.length) for each in paths_of(source).values()}
         stored = {name: source.children[name].to_dataset(inherit=False) for name in memory_groups(source)}
         spread = check_spread(source.children[SPREAD].to_dataset(inherit=False)) if SPREAD in source.children else None
         return cls(root, paths, stored, spread)

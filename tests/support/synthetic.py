@@ -10,7 +10,7 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.full_model.run_record import SCHEMA as RESULT
-from pysprings.springs.dataset import SCHEMA
+from pysprings.springs.checks import SCHEMA
 from tests.support.invented_soil import Caisson, Path, base, fields, rings, states, stiffness
 
 SIDES = list(variables.SIDES)

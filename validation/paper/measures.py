@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Numbers read from a run: stresses over initial, gaps, slopes of the load curve and where it bends most.
 
-A path is the Dataset of `pysprings.springs.dataset.get_path` (converged steps only), SI. Displacements are those of
+A path is the `dataset` of a `pysprings.springs.path.RecordedPath` (converged steps), SI. Displacements are those of
 the lid centre. Where a run has stopped before a displacement, its measures there are NaN.
 """
 

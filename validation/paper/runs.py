@@ -78,7 +78,7 @@ def forget(out: Path, cases: Sequence[Case] = CASES) -> None:
 def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, Run]:
     """Read the runs below a folder that belong to this mesh and version and have a converged step, by name."""
     from pysprings.results.opened import open_result
-    from pysprings.springs.dataset import path_names
+    from pysprings.springs.path import paths_of
 
     runs = {}
     for case in cases:
@@ -87,7 +87,8 @@ def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, 
         if record is None or not (folder / "full_model.nc").exists():
             continue
         result = open_result(folder)
-        if PATH in path_names(result) and int(result[f"paths/{PATH}"]["converged"].sum()) > 1:
+        known = paths_of(result)
+        if PATH in known and known[PATH].n > 1:
             runs[case.name] = Run(case, folder, result, path_of(result), record)
     return runs
 
@@ -95,9 +96,9 @@ def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, 
 def path_of(result: xr.DataTree) -> xr.Dataset:
     """Return the path of a run (converged steps) with the nodes of the symmetry plane and the size of the caisson."""
     from pysprings.results.analysis.parts import section_data, settings
-    from pysprings.springs.dataset import get_path
+    from pysprings.springs.path import paths_of
 
-    path = get_path(result, PATH)
+    path = paths_of(result)[PATH].dataset
     plane = section_data(result)
     if plane is not None and "section_ux" in path:
         path = path.assign({name: plane[name] for name in ("section_x", "section_depth")})

@@ -167,7 +167,7 @@ def _figures_of(
 def run_scene(scene: Scene) -> dict[str, Any]:
     """Run a scene; return how it ended, with the figures of the converged steps."""
     from pysprings.full_model.compute import compute
-    from pysprings.springs.dataset import get_path
+    from pysprings.springs.path import paths_of
 
     try:
         with warnings.catch_warnings():
@@ -178,7 +178,8 @@ def run_scene(scene: Scene) -> dict[str, Any]:
     record, tree = result.record, result.tree
     if record.stopped_by is StopReason.INTERRUPTED:
         raise KeyboardInterrupt
-    figures = figures_of_path(get_path(tree)) if tree["paths/pull"].sizes["step"] > 1 else {}
+    path = paths_of(tree)["pull"]
+    figures = figures_of_path(path.dataset) if path.recorded.sizes["step"] > 1 else {}
     detail = "; ".join(record.short).split(" (")[0]
     return {"status": str(record.status), "detail": detail} | figures
 

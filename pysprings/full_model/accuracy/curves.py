@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from pysprings.full_model.accuracy import quantities
-from pysprings.springs.dataset import get_path, path_names
+from pysprings.springs.path import paths_of
 
 Array = NDArray[np.float64]
 
@@ -62,8 +62,8 @@ Sample = dict[str, Array]
 def curves_of(result: xr.DataTree) -> dict[str, Curve]:
     """Return the curves of a full-model result, by path; paths without two states that move on are left out."""
     curves = {}
-    for name in path_names(result):
-        path = get_path(result, name)
+    for name, recorded in paths_of(result).items():
+        path = recorded.dataset
         if path.sizes["step"] < 2:  # stopped during its dead load or in its first step
             continue
         length = float(result.attrs["skirt_length_m"])

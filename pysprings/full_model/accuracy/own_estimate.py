@@ -18,7 +18,7 @@ from pysprings.full_model.accuracy import presets, two_mesh
 from pysprings.full_model.accuracy.settings import FOURIER
 from pysprings.full_model.record import Meter
 from pysprings.full_model.run_record import Computed
-from pysprings.springs.dataset import path_names
+from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -186,5 +186,5 @@ def _estimate(scene: Scene, result: Computed, companions: Companions) -> dict[st
     ratio = two_mesh.cell_ratio(scene, two_mesh.coarser(scene))
     estimate = two_mesh.estimate(result.tree, companions.trees[n], orders, richer, ratio)
     if companions.stopped and estimate["estimate_pct"]:
-        estimate |= {"companion_stopped": companions.stopped, "companion_paths": len(path_names(companions.trees[n]))}
+        estimate |= {"companion_stopped": companions.stopped, "companion_paths": len(paths_of(companions.trees[n]))}
     return estimate

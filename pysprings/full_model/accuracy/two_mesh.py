@@ -25,7 +25,7 @@ from pysprings.full_model.accuracy import measures, quantities
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, STIFFNESS, curves_of, samples
 from pysprings.full_model.accuracy.richardson import cell_size
 from pysprings.full_model.accuracy.settings import BRICKS, COARSEST_FACTOR, FOURIER
-from pysprings.springs.dataset import get_path, path_names
+from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -166,7 +166,7 @@ def starts_elastic(tree: xr.DataTree) -> bool:
     Paths that bend have no secant to compare.
     """
     matrix = tree.dataset["stiffness_initial"].values
-    ratios = [quantities.first_secant(matrix, get_path(tree, name)) for name in path_names(tree)]
+    ratios = [quantities.first_secant(matrix, path.dataset) for path in paths_of(tree).values()]
     return all(abs(ratio - 1.0) <= AT_REST for ratio in ratios if ratio is not None)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.full_model.run_record import RunRecord
-from pysprings.springs.dataset import path_dataset
+from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,6 +22,11 @@ def node(tree: xr.DataTree, path: str) -> xr.DataTree:
     if not isinstance(part, xr.DataTree):
         raise KeyError(f"{path} is not a group")
     return part
+
+
+def path_names(tree: xr.DataTree, role: str | None = None) -> list[str]:
+    """Return the load paths of a tree, in order; only those of a role when it is given."""
+    return [name for name, path in paths_of(tree).items() if role in (None, path.attrs.get("role"))]
 
 
 def path_data(tree: xr.DataTree, name: str) -> xr.Dataset:
@@ -40,7 +45,7 @@ def path_data(tree: xr.DataTree, name: str) -> xr.Dataset:
         The path's variables (SI); attrs ``path``, ``drainage``, ``outer_diameter_m``, ``skirt_length_m`` are
         added when the tree holds them, so that a figure needs nothing else.
     """
-    path = path_dataset(tree, name)
+    path = paths_of(tree)[name].recorded
     return path.assign_attrs({**settings(tree), **path.attrs, "path": name})
 
 

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from pysprings.core.path_kinds import kind_of
 from pysprings.core.text import number
 from pysprings.full_model.run_record import RunRecord
-from pysprings.springs.dataset import get_path, path_names
-from pysprings.springs.path_ends import end_of
+from pysprings.springs.path import paths_of
 
 Array = NDArray[np.float64]
 
@@ -49,12 +48,10 @@ def differences(first: Run, second: Run) -> list[Row]:
 
 def common_paths(first: Run, second: Run) -> list[str]:
     """Return the names of the paths that both runs have, of the same kind, with more than the initial state."""
-    known = set(path_names(second.result))
+    others = paths_of(second.result)
     return [
-        name for name in path_names(first.result)
-        if name in known
-        and get_path(first.result, name).attrs["kind"] == get_path(second.result, name).attrs["kind"]
-        and min(get_path(each.result, name).sizes["step"] for each in (first, second)) > 1
+        name for name, path in paths_of(first.result).items()
+        if name in others and path.kind == others[name].kind and min(path.n, others[name].n) > 1
     ]  # fmt: skip
 
 
@@ -107,11 +104,10 @@ def _stiffness(first: Run, second: Run) -> Iterator[Row]:
 
 def _paths(first: Run, second: Run) -> Iterator[Row]:
     for name in common_paths(first, second):
-        a, b = (get_path(each.result, name) for each in (first, second))
-        yield from _along(f"path {name}", a, b)
-        ends = [end_of(name, each) for each in (a, b)]
-        if any(each.failed for each in ends):
-            yield Row(f"path {name}", "end", ends[0].words, ends[1].words)
+        a, b = (paths_of(each.result)[name] for each in (first, second))
+        yield from _along(f"path {name}", a.dataset, b.dataset)
+        if a.end.failed or b.end.failed:
+            yield Row(f"path {name}", "end", a.end.words, b.end.words)
 
 
 def _along(part: str, a: xr.Dataset, b: xr.Dataset) -> Iterator[Row]:

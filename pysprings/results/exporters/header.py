@@ -7,13 +7,11 @@ from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from pysprings.core.path_kinds import HELD_BACK, VERTICAL
 from pysprings.core.version import __version__
 from pysprings.results.exporters.base import Source
-from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
-from pysprings.springs.path_ends import end_of
+from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 
@@ -56,34 +54,31 @@ def header(source: Source, target: str, frame: str, units: str, use: str = BACKB
         f"vertical load at rest: {given.rest_load / 1e3:.6g} kN",
         *(f"{words}: {attrs[name]}" for name, words in _OF_SCENE.items() if attrs.get(name)),
         use,
-        *_ranges(springs),
+        *_ranges(given),
         *_errors(source.comparison),
         source.mesh_error,
     ]
 
 
-def _ranges(springs: xr.DataTree) -> Iterator[str]:
+def _ranges(springs: Springs) -> Iterator[str]:
     """Yield the largest motions and loads of the lateral paths together, of each vertical one, and what failed."""
-    lateral = [name for name in path_names(springs) if not is_vertical(springs, name)]
+    paths = list(springs.paths.values())
+    lateral = [path for path in paths if not path.is_vertical]
     if lateral:
-        most = {
-            key: max(float(np.abs(get_path(springs, name)[key].values).max()) for name in lateral)
-            for key in ("u", "rotation", "H")
-        }
+        most = {key: max(float(np.abs(path[key]).max()) for path in lateral) for key in ("u", "rotation", "H")}
         yield (
             f"range of {len(lateral)} lateral paths: |u| to {1e3 * most['u']:.4g} mm, |rotation| to "
             f"{1e3 * most['rotation']:.4g} mrad, |H| to {1e-3 * most['H']:.5g} kN; beyond it every use is an "
             "extrapolation"
         )
-    down = [get_path(springs, name) for name in path_names(springs) if is_vertical(springs, name)]
+    down = [path for path in paths if path.is_vertical]
     if down:
-        w, V = (np.concatenate([path[key].values for path in down]) for key in ("w", "V"))
+        w, V = (np.concatenate([path[key] for path in down]) for key in ("w", "V"))
         yield (
             f"range of {len(down)} vertical paths: w from {1e3 * w.min():.4g} to {1e3 * w.max():.4g} mm, "
             f"V from {1e-3 * V.min():.5g} to {1e-3 * V.max():.5g} kN"
         )
-    ends = ((name, end_of(name, get_path(springs, name))) for name in path_names(springs))
-    yield from (f"path {name} {end.words}" for name, end in ends if end.failed)
+    yield from (f"path {path.name} {path.end.words}" for path in paths if path.end.failed)
 
 
 def _errors(comparison: pd.DataFrame) -> Iterator[str]:
@@ -107,24 +102,23 @@ def _errors(comparison: pd.DataFrame) -> Iterator[str]:
             yield f"{head}: {', '.join(parts)}"
 
 
-def range_of_path(springs: xr.DataTree, name: str) -> str:
+def range_of_path(drainage: str, path: SpringPath) -> str:
     """Return a sentence on the calibrated range of a path, its load, and its balance."""
-    path = get_path(springs, name)
-    missing, end = balance(path), end_of(name, path)
-    ended = f" The path {end.words}." if end.failed else ""
-    u, rotation, load = (float(np.abs(path[key].values).max()) for key in ("u", "rotation", "H"))
-    if is_vertical(springs, name):
-        w, V = path["w"].values, path["V"].values
+    missing = balance(path.dataset)
+    ended = f" The path {path.end.words}." if path.end.failed else ""
+    u, rotation, load = (float(np.abs(path[key]).max()) for key in ("u", "rotation", "H"))
+    if path.is_vertical:
+        w, V = path.w, path["V"]
         return (
-            f"{springs.attrs['drainage']} vertical, {path.attrs['role']}, {path.attrs['status']}: "
+            f"{drainage} vertical, {path.attrs['role']}, {path.attrs['status']}: "
             f"w from {1e3 * w[0]:.4g} to {1e3 * w[-1]:.4g} mm, "
             f"V from {1e-3 * V[0]:.5g} to {1e-3 * V[-1]:.5g} kN; out of balance by "
             f"{missing['V']:.1e} (V). Beyond this range every use is an extrapolation.{ended}"
         )
     return (
-        f"{springs.attrs['drainage']} {path.attrs['kind']}, load {path.attrs['arm_m']:g} m above mudline, "
+        f"{drainage} {path.kind}, load {path.attrs['arm_m']:g} m above mudline, "
         f"{path.attrs['role']}, {path.attrs['status']}: |u| to {1e3 * u:.4g} mm, "
-        f"|rotation| to {1e3 * rotation:.4g} mrad, |H| to {1e-3 * load:.5g} kN, V {1e-3 * path_load(path):.5g} kN; "
+        f"|rotation| to {1e3 * rotation:.4g} mrad, |H| to {1e-3 * load:.5g} kN, V {1e-3 * path.load:.5g} kN; "
         f"out of balance by {missing['H']:.1e} (H), {missing['M']:.1e} (M). "
         f"Beyond this range every use is an extrapolation.{ended}"
     )

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 def springs_text(source: Source, _options: Options) -> str:
     """Return the spring set as strict JSON text (SI)."""
     from pysprings.core.text import json_text
-    from pysprings.springs.dataset import path_dataset, path_names
+    from pysprings.springs.path import paths_of
 
     springs = source.springs
     document = {
         "attributes": {str(name): value for name, value in springs.attrs.items()},
         "stiffness_initial": _variable(springs.dataset["stiffness_initial"]),
-        "paths": {name: _path(path_dataset(springs, name)) for name in path_names(springs)},
+        "paths": {name: _path(path.recorded) for name, path in paths_of(springs).items()},
     }
     return json_text(document) + "\n"
 

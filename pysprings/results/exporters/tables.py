@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.springs.dataset import is_vertical, path_dataset, path_names
+from pysprings.springs.path import paths_of
 
 # Column -> variable of a result path. The order is part of the public contract.
 LOAD_DISPLACEMENT = {
@@ -55,8 +55,8 @@ _COMPONENTS = ("normal", "shear", "water", "total")
 def load_displacement(result: xr.DataTree) -> pd.DataFrame:
     """Return loads and displacements of the whole caisson by path and step (SI), unconverged steps marked."""
     frames = []
-    for name in path_names(result):
-        path = path_dataset(result, name)
+    for name, recorded in paths_of(result).items():
+        path = recorded.recorded
         n = path.sizes["step"]
         head = {"path": [name] * n, "step": np.arange(n)}
         frames.append(pd.DataFrame(head | {column: path[key].values for column, key in LOAD_DISPLACEMENT.items()}))
@@ -72,10 +72,9 @@ def py_long(springs: xr.DataTree) -> pd.DataFrame:
     of its place (y, rotation, w); what a family does not have is blank.
     """
     frames = []
-    for name in path_names(springs):
-        path = path_dataset(springs, name)
-        down = is_vertical(springs, name)
-        by_depth = [_tz_rows(path)] if down else [_py_rows(path), _mtheta_rows(path)]
+    for name, recorded in paths_of(springs).items():
+        path = recorded.recorded
+        by_depth = [_tz_rows(path)] if recorded.is_vertical else [_py_rows(path), _mtheta_rows(path)]
         for family in (*by_depth, _end_rows(path, "base"), _end_rows(path, "lid")):
             family.insert(0, "path", name)
             frames.append(family)

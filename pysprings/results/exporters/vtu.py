@@ -21,7 +21,7 @@ import numpy as np
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.files.storage import write_text
 from pysprings.core.variables import STRESSES
-from pysprings.springs.dataset import path_dataset, path_names
+from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +42,7 @@ def write_paraview(result: xr.DataTree, folder: Path, note: Callable[[Path], obj
     mesh = result.children["volume"].to_dataset(inherit=False)
     folder.mkdir(parents=True, exist_ok=True)
     done = note or (lambda _: None)
-    return [_write_path(mesh, path_dataset(result, name), name, folder, done) for name in path_names(result)]
+    return [_write_path(mesh, path.recorded, name, folder, done) for name, path in paths_of(result).items()]
 
 
 def _write_path(mesh: xr.Dataset, path: xr.Dataset, name: str, folder: Path, note: Callable[[Path], object]) -> Path:

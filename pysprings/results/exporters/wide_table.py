@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.springs.dataset import is_vertical, path_dataset, path_names
+from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.sums import net_m, net_p
 
 # Quantities by depth: pairs that belong beside each other.
@@ -46,14 +46,14 @@ def py_wide(springs: xr.DataTree) -> pd.DataFrame:
     Columns: path, step, converged, rotation_rad, w_m; for each depth the pair y_m, p_N_per_m; for each depth the pair
     m_Nm_per_m, t_N_per_m; H, V, M of tip and lid. A vertical path has no y, p and m.
     """
-    frames = [_path(name, path_dataset(springs, name), is_vertical(springs, name)) for name in path_names(springs)]
-    return pd.concat(frames, ignore_index=True)
+    return pd.concat([_path(path) for path in paths_of(springs).values()], ignore_index=True)
 
 
-def _path(name: str, path: xr.Dataset, vertical: bool) -> pd.DataFrame:
+def _path(recorded: RecordedPath) -> pd.DataFrame:
+    path = recorded.recorded
     n = path.sizes["step"]
     columns = {
-        "path": np.full(n, name),
+        "path": np.full(n, recorded.name),
         "step": np.arange(n),
         "converged": path["converged"].values,
         "rotation_rad": path["rotation"].values,
@@ -65,7 +65,7 @@ def _path(name: str, path: xr.Dataset, vertical: bool) -> pd.DataFrame:
         "m_Nm_per_m": net_m(path).values,
         "t_N_per_m": path["t"].sum("side").transpose("depth", "step").values,
     }
-    if vertical:
+    if recorded.is_vertical:
         values |= {quantity: np.full_like(values["y_m"], np.nan) for quantity in ("y_m", "p_N_per_m", "m_Nm_per_m")}
     depth, bounds = path["depth"].values, path["depth_bounds"].values
     for pair in PAIRS:

@@ -8,7 +8,7 @@ the data of its path. Those on given axes are `draw_paths`, `draw_py`, `draw_pro
 >>> plots.draw(springs, "py", "pull", depths=[1, 2]).savefig("py.png")    # doctest: +SKIP
 """
 
-from pysprings.results.analysis.parts import convergence_data, path_data, section_data
+from pysprings.results.analysis.parts import convergence_data, path_data, path_names, section_data
 from pysprings.results.plots.comparison import macro_against_full
 from pysprings.results.plots.draw import draw
 from pysprings.results.plots.files import save, save_all
@@ -34,7 +34,6 @@ from pysprings.results.plots.rose import pressure_rose, shear_rose, stress_rose
 from pysprings.results.plots.section import mesh, section_displacement, section_pressure
 from pysprings.results.plots.steel import ovalisation
 from pysprings.results.plots.two_runs import overlay
-from pysprings.springs.dataset import path_names
 
 __all__ = [
     "PICTURES",

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from pysprings.core.errors import refused
-from pysprings.results.analysis.parts import path_data, pick_step, section_data
+from pysprings.results.analysis.parts import path_data, path_names, pick_step, section_data
 from pysprings.results.exporters.base import Source
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.style import drawn_on
-from pysprings.springs.dataset import path_dataset, path_names
+from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class _Predictions(Mapping[str, xr.Dataset]):
 
 def is_result(tree: xr.DataTree) -> bool:
     """Return whether a tree is the result of a full model, not a set of springs."""
-    return any("p_component" in path_dataset(tree, name) for name in path_names(tree)) or "run_json" in tree.attrs
+    return any("p_component" in path for path in paths_of(tree).values()) or "run_json" in tree.attrs
 
 
 def draw(

@@ -19,7 +19,7 @@ from pysprings.results.analysis.parts import path_data, pick_step, section_data
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.style import STYLE, CompressedLayout
-from pysprings.springs.dataset import path_names
+from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -89,13 +89,12 @@ def drawn_paths(result: xr.DataTree) -> list[str]:
 
     A fan has fifteen paths and more: pictures of each would take longer than the run.
     """
-    names = path_names(result)
-    if len(names) <= MOST_DRAWN:
-        return list(names)
+    paths = paths_of(result)
+    if len(paths) <= MOST_DRAWN:
+        return list(paths)
     first: dict[tuple[object, object], str] = {}
-    for name in names:
-        attrs = result[f"paths/{name}"].attrs
-        first.setdefault((attrs.get("kind"), attrs.get("role")), name)
+    for name, path in paths.items():
+        first.setdefault((path.attrs.get("kind"), path.attrs.get("role")), name)
     return list(first.values())
 
 

@@ -28,7 +28,7 @@ from pysprings.results.plots.style import (
     styled,
     zero_lines,
 )
-from pysprings.springs.dataset import path_dataset, path_names
+from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,11 +46,9 @@ class LateralPath(NamedTuple):
 def lateral_paths(tree: xr.DataTree, free_head: bool = False) -> list[LateralPath]:
     """Return the paths that move the caisson sideways; of those with a free head alone."""
     found = []
-    for name in path_names(tree):
-        path = path_dataset(tree, name)
-        kind = PATH_KINDS[str(path.attrs["kind"])]
-        if kind.drives != "w" and converged(path).sum() > 1:
-            found.append((name, path, kind.free_head))
+    for name, path in paths_of(tree).items():
+        if not path.is_vertical and path.n > 1:
+            found.append((name, path.recorded, PATH_KINDS[path.kind].free_head))
     colours = mpl.colormaps[PATH_COLOURS](np.linspace(0.05, 0.92, len(found)))
     paths = [LateralPath(name, path, colour) for (name, path, _), colour in zip(found, colours, strict=True)]
     return [path for path, (*_, free) in zip(paths, found, strict=True) if free or not free_head]

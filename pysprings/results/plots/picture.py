@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import xarray as xr
 
 from pysprings.core.path_kinds import driven
-from pysprings.results.analysis.parts import convergence_data, path_data, settings
-from pysprings.springs.dataset import path_names
+from pysprings.results.analysis.parts import convergence_data, path_data, path_names, settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

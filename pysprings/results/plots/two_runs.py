@@ -23,7 +23,7 @@ from pysprings.results.plots.style import (
     styled,
     zero_lines,
 )
-from pysprings.springs.dataset import get_path
+from pysprings.springs.path import paths_of
 from pysprings.springs.sums import net_p
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def overlay(runs: Mapping[str, xr.DataTree], name: str) -> Figure:
     figure = new_figure(9.6, 4.2)
     left, middle, right = figure.subplots(1, 3)
     for (run, tree), (colour, line) in zip(runs.items(), cycle(LOOKS), strict=False):
-        path = get_path(tree, name)
+        path = paths_of(tree)[name].dataset
         x, label = abscissa(path)
         load = {"u": "H", "w": "V", "rotation": "M"}[driven(path.attrs)]
         left.plot(x, 1e-3 * path[load].values, line, color=colour, label=plain(run))

@@ -23,12 +23,12 @@ def equilibrium_table(tree: xr.DataTree) -> Table:
 
     Missing: the sum of the soil reactions less the applied load (`pysprings.springs.sums.balance`).
     """
-    from pysprings.springs.dataset import get_path, path_names
+    from pysprings.springs.path import paths_of
     from pysprings.springs.sums import balance
 
     rows = []
-    for name in path_names(tree):
-        path = get_path(tree, name)
+    for name, recorded in paths_of(tree).items():
+        path = recorded.dataset
         path = path.assign(p=path["p_component"]) if "p_component" in path else path
         for load, missing in balance(path).items() if path.sizes["step"] else ():
             unit = "kN m" if load == "M" else "kN"

@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import driven, has_free_head
 from pysprings.results.analysis.parts import converged
-from pysprings.springs.dataset import path_dataset, path_names
 from pysprings.springs.edge import edge_rings
+from pysprings.springs.path import paths_of
 from pysprings.springs.sums import by_depth
 
 MOST_STEPS = 25  # of a path that the sliders show
@@ -50,7 +50,7 @@ class Live:
 def live_parts(result: xr.DataTree) -> Live | None:
     """Return the interactive parts of the report of a result; None without plotly or without a path to draw."""
     library = _library()
-    paths = [_path(name, path_dataset(result, name)) for name in path_names(result)[:MOST_PATHS]]
+    paths = [_path(name, path.recorded) for name, path in [*paths_of(result).items()][:MOST_PATHS]]
     drawn = [path for path in paths if len(path["u"]) > 1]
     if library is None or not drawn:
         return None

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pysprings.core.path_kinds import CALIBRATION, beam_order
+from pysprings.core.path_kinds import beam_order
 from pysprings.core.text import number
 from pysprings.results.report.table import ReportTable, Table
-from pysprings.springs.dataset import get_path, is_vertical, path_load, path_names
 from pysprings.springs.edge import on_slices
+from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.sums import net_m, net_p
 
 if TYPE_CHECKING:
@@ -36,11 +36,12 @@ def spring_tables(springs: xr.DataTree | None, comparison: pd.DataFrame | None =
     if springs is None:
         return []
     at_rest = float(springs.attrs.get("vertical_load_N", 0.0))
-    lateral = [
-        (name, get_path(springs, name)) for name in path_names(springs, CALIBRATION) if not is_vertical(springs, name)
-    ]
-    order = sorted(lateral, key=lambda each: (*beam_order(each[1].attrs), round(abs(path_load(each[1]) - at_rest), -3)))
-    return [_table(name, on_slices(path), comparison) for name, path in order[:1]]
+    lateral = [path for path in paths_of(springs).values() if path.calibrates and not path.is_vertical]
+
+    def use(path: RecordedPath) -> tuple[float, ...]:
+        return *beam_order(path.attrs), round(abs(path.load - at_rest), -3)
+
+    return [_table(path.name, on_slices(path.dataset), comparison) for path in sorted(lateral, key=use)[:1]]
 
 
 def _table(name: str, path: xr.Dataset, comparison: pd.DataFrame | None) -> Table:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.version import __version__
-from pysprings.springs.dataset import SCHEMA
+from pysprings.springs.checks import SCHEMA
 from pysprings.springs.spread import GROUP
 from pysprings.studies.atlas.between import between
 from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share

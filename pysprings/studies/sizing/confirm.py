@@ -53,7 +53,7 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
     """
     from pysprings.full_model.compute import run
     from pysprings.full_model.run_record import Status
-    from pysprings.springs.dataset import path_dataset
+    from pysprings.springs.path import paths_of
 
     wanted = replace(wanted, cases=wanted.cases.bounded(0.5 * candidate.D))
     cases, expected = wanted.cases, answered(atlas, wanted, candidate.D, candidate.L)
@@ -77,7 +77,7 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
         raise KeyboardInterrupt
     rows = []
     for k in chosen:
-        path = path_dataset(result, f"case_{k + 1}")
+        path = paths_of(result)[f"case_{k + 1}"].recorded
         good = path["converged"].values == 1
         H, u, turn = (np.abs(path[name].values[good]) for name in ("H", "u", "rotation"))
         load = abs(float(cases.H[k]))

@@ -24,7 +24,7 @@ from pysprings.full_model.accuracy.curves import (
     samples,
 )
 from pysprings.full_model.accuracy.measures import errors
-from pysprings.springs.dataset import get_path
+from pysprings.springs.path import paths_of
 from tests.support.measured import LENGTH, PATHS, measured_result
 from tests.support.synthetic import Caisson
 
@@ -50,7 +50,7 @@ def test_the_same_soil_at_other_steps_gives_the_same_curves() -> None:
 
 def test_other_depths_of_the_same_soil_hand_the_same_force_to_the_slices() -> None:
     curves = {n: curves_of(measured_result(Caisson(rings=n)))["shift"] for n in (13, 41)}
-    by_ring = get_path(measured_result(), "shift")
+    by_ring = paths_of(measured_result())["shift"].dataset
     heights = np.diff(by_ring["depth_bounds"].values, axis=1)[:, 0]
     np.testing.assert_allclose(curves[13].p.mean(axis=0) * LENGTH, heights @ by_ring["p"].values, rtol=1e-12, atol=1e-6)
     grid = common_grid(list(curves.values()))
@@ -83,7 +83,7 @@ def test_slices_that_end_inside_rings_carry_the_force_of_a_smooth_reaction() -> 
 
 def test_motion_counts_from_the_first_state() -> None:
     """The dead load may have moved the caisson before the path begins."""
-    path = get_path(measured_result(), "shift")
+    path = paths_of(measured_result())["shift"].dataset
     moved = path.assign(y=path["y"] + 1e-3)
     np.testing.assert_allclose(
         quantities.slice_curves(moved, LENGTH, 4)[0], quantities.slice_curves(path, LENGTH, 4)[0], atol=1e-15
@@ -100,7 +100,7 @@ def test_grid_ends_where_the_shorter_run_does() -> None:
     assert grid.x[-1] == pytest.approx(3e-3)
     assert grid.x[0] == pytest.approx(3e-3 / POINTS)
     found = sampled(long, grid)
-    path = get_path(measured_result(), "pull")
+    path = paths_of(measured_result())["pull"].dataset
     assert found[LOAD][-1] == pytest.approx(np.interp(3e-3, path["u"], path["H"]), rel=1e-3)
 
 
@@ -117,17 +117,17 @@ def test_slices_near_the_point_of_rotation_are_left_out() -> None:
 
 def test_quantities_by_kind_of_path() -> None:
     curves = curves_of(measured_result())
-    pull, turn = get_path(measured_result(), "pull"), get_path(measured_result(), "turn")
+    pull, turn = paths_of(measured_result())["pull"].dataset, paths_of(measured_result())["turn"].dataset
     np.testing.assert_array_equal(curves["pull"].by_x[OTHER], pull["rotation"])
     np.testing.assert_array_equal(curves["turn"].x, np.abs(turn["rotation"]))
     np.testing.assert_array_equal(curves["turn"].by_x[LOAD], turn["M"])
     np.testing.assert_array_equal(curves["turn"].by_x[OTHER], turn["H"])
-    bare = get_path(measured_result(), "pull").drop_vars("normal_effective_stress")
+    bare = paths_of(measured_result())["pull"].dataset.drop_vars("normal_effective_stress")
     assert quantities.pressure(bare, LENGTH) is None
 
 
 def test_pressure_is_the_largest_down_to_nine_tenths() -> None:
-    path = get_path(measured_result(), "shift")
+    path = paths_of(measured_result())["shift"].dataset
     stress = path["normal_effective_stress"]
     at = stress.interp(depth=np.linspace(0.0, 0.9 * LENGTH, 19))
     np.testing.assert_allclose(
@@ -143,7 +143,7 @@ def test_initial_stiffness_is_the_slope_at_rest() -> None:
     curves = curves_of(tree)
     assert set(curves) == {path.name for path in PATHS}
     for name, curve in curves.items():
-        path = get_path(tree, name)
+        path = paths_of(tree)[name].dataset
         driven = path["rotation"] if name == "turn" else path["u"]
         load = path["M"] if name == "turn" else path["H"]
         assert sampled(curve, common_grid([curve]))[STIFFNESS][0] == pytest.approx(float(load[1] / driven[1]), rel=1e-5)

@@ -21,8 +21,8 @@ from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.comparison import compare
 from pysprings.results.analysis.parts import settings
-from pysprings.springs.dataset import get_path
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
 from tests.support.files import record_of
@@ -53,7 +53,7 @@ def test_the_path_ends_where_the_scene_says() -> None:
 
 def test_reactions_balance_forces_and_moments() -> None:
     result = tiny.result()
-    missing = balance(get_path(extract_springs(result)))
+    missing = balance(Springs.of(extract_springs(result)).path().dataset)
     assert max(missing.values()) < 1e-6
     path = result["paths/pull"].to_dataset(inherit=False)
     for load in "HVM":

@@ -13,8 +13,7 @@ from pysprings.macro.comparison import compare, curves, states
 from pysprings.macro.comparison_text import to_dict, to_text
 from pysprings.macro.measures import abscissa, errors, eta
 from pysprings.macro.predict import MacroModel, MacroWarning, predict
-from pysprings.springs.dataset import get_path
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import SpringPath, paths_of
 from tests.support.synthetic import Path, make_springs
 
 PATHS = (
@@ -69,7 +68,7 @@ def test_own_path_full_set_within_two_percent(frame, path):
 
 
 def test_errors_are_those_of_the_states(springs, frame):
-    full, macro = get_path(springs, "pull"), curves(springs, "pull")["py"]
+    full, macro = paths_of(springs)["pull"].dataset, curves(springs, "pull")["py"]
     error = 100 * (macro["H"].values[1:] / full["H"].values[1:] - 1)
     counted = error[np.abs(full["u"].values[1:]) >= 0.01 * 5e-3]
     found = row(frame, "pull", "py")
@@ -158,7 +157,7 @@ def test_a_translation_has_no_point_of_rotation_though_its_zero_is_rounded():
 
 def test_displacement_at_equal_load(springs, frame):
     """u of the macro-model under the recorded H and M, found again by `predict`; none where u is 0."""
-    full, model = get_path(springs, "high"), MacroModel.from_springs(springs, "fan")
+    full, model = paths_of(springs)["high"].dataset, MacroModel.from_springs(springs, "fan")
     trace = curves(springs, "high")["fan"]
     with pytest.warns(MacroWarning):
         asked = predict(model, H=float(full["H"][-1]), M=float(full["M"][-1]), extrapolate=True)
@@ -187,7 +186,7 @@ def test_load_that_the_springs_cannot_carry_is_counted_not_invented():
 
 
 def test_depth_of_the_rotation_point(springs, frame):
-    full, trace = get_path(springs, "high"), curves(springs, "high")["fan"]
+    full, trace = paths_of(springs)["high"].dataset, curves(springs, "high")["fan"]
     u = full["u"].values
     counted = u >= 0.01 * u[-1]
     depths = [-data["u"].values[counted] / data["rotation"].values[counted] for data in (full, trace)]

@@ -17,7 +17,7 @@ from pysprings.macro.fan import build_fan, has_fan, last_slopes, secant_slopes
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, predict, way_to_load
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.trace import trace
-from pysprings.springs.dataset import get_path
+from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 from tests.support.fans import ANGLES, DEPTH, HEIGHT, LENGTH, RHO, fan_springs, linear, loads, potential, scattered
@@ -54,7 +54,7 @@ def test_elastic_limit_is_the_full_model_at_all_load_heights(arm):
 def test_recorded_states_come_back_and_the_reactions_sum_to_the_load(bent):
     springs = fan_springs(potential)
     for name in Springs.of(springs).rays:
-        path = get_path(springs, name)
+        path = paths_of(springs)[name].dataset
         states = np.stack([path["u"].values, path["rotation"].values], axis=1)
         found = np.array([bent.reactions(*state)[0] for state in states])
         np.testing.assert_allclose(found, np.stack([path["H"], path["M"]], axis=1), rtol=1e-9, atol=1e-3)
@@ -124,7 +124,7 @@ def test_error_falls_with_the_third_power_of_the_angle_between_rays():
 def test_pulls_that_the_fan_was_not_made_from():
     """Coupled nonlinear soil: load and rotation within 1 % at every state of pulls at five load heights."""
     springs = fan_springs(potential, held_back=(0.0, 2.0, 8.0, 40.0, -2.0))
-    assert max(balance(get_path(springs, "pull_8")).values()) < 1e-9
+    assert max(balance(paths_of(springs)["pull_8"].dataset).values()) < 1e-9
     frame = compare(springs)
     held = frame[frame["role"] == "held-back"]
     fan = held[held["springs"] == "fan"]
@@ -259,7 +259,7 @@ def test_rays_calibrated_towards_minus_x_make_the_same_fan(turned):
     """A path and its mirror image hold the same springs: every row, w, V and t too, at states all over the plane."""
     mirrored = tuple(a + 180.0 * (k in turned) for k, a in enumerate(ANGLES))
     one, other = (fan_springs(potential, angles) for angles in (ANGLES, mirrored))
-    assert [get_path(other, f"ray_{k}")["u"].values[-1] < -1e-6 for k in range(7)] == [k in turned for k in range(7)]
+    assert [paths_of(other)[f"ray_{k}"].u[-1] < -1e-6 for k in range(7)] == [k in turned for k in range(7)]
     for name in Springs.of(other).rays:  # shear and tip that change along the way, evenly in the mirror image
         for tree in (one, other):
             path = tree[f"paths/{name}"].to_dataset(inherit=False)

@@ -10,7 +10,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.solver import ROWS, SpringArrays, reactions
-from pysprings.springs.dataset import get_path
+from pysprings.springs.path import paths_of
 from tests.support import synthetic
 
 SLIDE = synthetic.Path("slide", "translation", size=1e-2, steps=16)
@@ -22,7 +22,7 @@ def test_each_family_comes_from_its_path() -> None:
     model = MacroModel.from_springs(springs, "pisa")
     assert set(model.table.name) == {"p", "H_tip", "H_lid", "m", "M_tip", "M_lid"}
     assert set(model.table.carrier) <= {"y", "u", "rotation"}
-    slide, turn = get_path(springs, "slide"), get_path(springs, "turn")
+    slide, turn = paths_of(springs)["slide"].dataset, paths_of(springs)["turn"].dataset
     # under the pure translation: its own lateral load, and the moment of its lateral reactions alone
     force, _ = model.reactions(float(slide["u"][-1]), 0.0)
     assert force[0] == pytest.approx(float(slide["H"][-1]), rel=1e-9)

@@ -11,7 +11,7 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.macro.slices import merge_slices, slice_convergence, slice_counts, to_text
 from pysprings.springs.checks import save_springs, validate_springs
-from pysprings.springs.dataset import get_path
+from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance, net_p, slice_heights
 from tests.support.commands import command
@@ -32,7 +32,7 @@ def springs():
 def test_merged_springs_are_springs_with_the_same_forces(springs):
     merged = merge_slices(springs, 4)
     validate_springs(merged.tree, balanced=False)
-    fine, coarse = get_path(springs, "pull"), merged.path("pull").dataset
+    fine, coarse = paths_of(springs)["pull"].dataset, merged.path("pull").dataset
     assert coarse.sizes["depth"] == 4
     for path in (fine, coarse):
         assert (
@@ -48,8 +48,8 @@ def test_merged_springs_are_springs_with_the_same_forces(springs):
 
 def test_all_slices_are_the_springs_themselves(springs):
     same = merge_slices(springs, 33).path("high").dataset
-    np.testing.assert_allclose(same["p"], get_path(springs, "high")["p"])
-    np.testing.assert_allclose(same["depth"], get_path(springs, "high")["depth"], atol=1e-12)
+    np.testing.assert_allclose(same["p"], paths_of(springs)["high"].dataset["p"])
+    np.testing.assert_allclose(same["depth"], paths_of(springs)["high"].dataset["depth"], atol=1e-12)
     assert slice_counts(Springs.of(springs)) == [1, 2, 4, 8, 16, 32, 33]
     for n in (0, 34):
         with pytest.raises(UserInputError, match=r"slices: .* the springs have 1 to 33"):

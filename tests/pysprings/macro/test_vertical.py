@@ -32,8 +32,8 @@ from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.macro.vertical import build_vertical
 from pysprings.macro.vertical_capacity import largest_vertical
 from pysprings.springs.checks import open_springs, save_springs
-from pysprings.springs.dataset import get_path
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 from tests.support import tiny, written
 from tests.support.commands import command
@@ -44,7 +44,7 @@ from tests.support.vertical import REST, K, down_curve, fan_with_vertical, press
 def test_pure_vertical_load_is_met_on_the_path(name):
     """Under the V of every recorded state w is the recorded one, exactly, and no warning is given (an error here)."""
     tree = vertical_springs()
-    path = get_path(tree, name)
+    path = paths_of(tree)[name].dataset
     for step in (1, 7, 24):
         answer = way_to_load(tree, V=float(path["V"][step]))
         assert float(answer["w"][-1]) == pytest.approx(float(path["w"][step]), rel=1e-12)
@@ -140,7 +140,7 @@ def test_vertical_paths_take_no_part_in_the_lateral_springs():
     first = xr.DataTree.from_dict({"/": with_vertical.to_dataset(inherit=False)} | {
         f"/paths/{name}": with_vertical[f"paths/{name}"].to_dataset(inherit=False) for name in ("down", "slide", "turn")
     })  # fmt: skip
-    assert get_path(first).attrs["path"] == "slide"
+    assert Springs.of(first).path().dataset.attrs["path"] == "slide"
 
 
 # --- several vertical loads ---
@@ -176,7 +176,7 @@ def test_at_and_beyond_the_loads_of_the_sets():
 
 def test_a_lonely_path_at_another_load_is_no_set():
     tree = vertical_springs(heavier=(6e6,))
-    kept = {f"/paths/{name}": get_path(tree, name).copy() for name in tree["paths"].children if name != "turn_6"}
+    kept = {f"/paths/{name}": path.dataset.copy() for name, path in paths_of(tree).items() if name != "turn_6"}
     lonely = xr.DataTree.from_dict({"/": tree.to_dataset(inherit=False)} | kept)
     assert "slide_6" not in Springs.of(lonely).at(V=6e6).paths
     frame = compare(lonely)
@@ -290,7 +290,7 @@ def test_workbook_has_a_sheet_of_the_vertical_springs(tmp_path):
     assert head[:7] == ["path", "step", "w [mm]", "V [kN]", "V tip [kN]", "V lid [kN]", "t net [kN/m]"]
     rows = [[cell.value for cell in row] for row in sheet.iter_rows(min_row=4)]
     assert [row[0] for row in rows] == ["down"] * 25 + ["up"] * 25
-    path = get_path(tree, "up")
+    path = paths_of(tree)["up"].dataset
     np.testing.assert_allclose([row[2] for row in rows[25:]], path["w"] * 1e3, atol=1e-12)
     np.testing.assert_allclose([row[6] for row in rows[25:]], path["t"].sum("side")[0] * 1e-3, rtol=1e-9)
     assert {"w_tz.up", "V_tz.up", "tz_1.up"} <= set(book.defined_names)
@@ -377,7 +377,7 @@ def test_the_vertical_springs_predict_dead_loads_of_the_full_model():
     """The settlement under a load put on in steps of its own, which the springs have not seen, within 2 %."""
     tree = extract_springs(pushed())
     for name in ("heavy", "light_up"):
-        path = get_path(tree, name)
+        path = paths_of(tree)[name].dataset
         answer = predict(tree, V=float(path["V"][0]), strict=True)
         assert float(answer["w"]) == pytest.approx(float(path["w"][0]), rel=0.02)
 
@@ -422,7 +422,7 @@ def test_fixed_heave_holds_the_caisson_where_its_dead_load_has_put_it():
 def test_the_curve_goes_on_from_its_last_point_along_its_last_step(name):
     """Continuous there for every reaction, then straight; V -> w is the inverse. Line through two recorded points."""
     tree = vertical_springs(ends=(2e-3, -1e-4))  # upwards short of the limit, which carries no more
-    path, table = get_path(tree, name), build_vertical(Springs.of(tree))
+    path, table = paths_of(tree)[name].dataset, build_vertical(Springs.of(tree))
     w, V = path["w"].values, path["V"].values
     last, beyond = w[-1], w[-1] + 0.5 * (w[-1] - w[-2])
     inside, outside = table.reactions(np.array([last * (1.0 - 1e-12), last * (1.0 + 1e-12)])).T

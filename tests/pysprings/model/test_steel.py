@@ -17,8 +17,8 @@ from pysprings.macro.predict import predict
 from pysprings.model.build import build_model
 from pysprings.springs import checks
 from pysprings.springs.checks import open_springs, save_springs
-from pysprings.springs.dataset import path_dataset
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance
 from tests.support import tiny
 
@@ -65,7 +65,7 @@ def test_loads_balance_and_energy_is_kept() -> None:
     record = json.loads(tree.attrs["run_json"])
     assert record["mesh"]["steel_elements"] == 26
     assert record["paths"]["pull"]["energy"]["imbalance_over_largest_term"] < 1e-6
-    found = balance(path_dataset(extract_springs(tree), "pull"))
+    found = balance(paths_of(extract_springs(tree))["pull"].recorded)
     assert max(found.values()) < 1e-12
 
 
@@ -94,7 +94,7 @@ def test_springs_of_an_elastic_caisson_are_read_back_and_predict_their_own_path(
     made = extract_springs(result())
     save_springs(made, tmp_path / "springs.nc")
     tree = open_springs(tmp_path / "springs.nc")
-    path = path_dataset(tree, "pull")
+    path = paths_of(tree)["pull"].recorded
     answer = predict(tree, H=float(path["H"][-1]), arm=0.0)
     assert float(answer["u"].values.ravel()[-1]) == pytest.approx(float(path["u"][-1]), rel=1e-3)
     made.attrs["caisson_behaviour"] = "rigid"

@@ -23,8 +23,8 @@ from pysprings.model.forecast import resources
 from pysprings.model.forecast.estimate import describe
 from pysprings.model.fourier import build_fourier
 from pysprings.model.stages import path_stages
-from pysprings.springs.dataset import path_dataset
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance
 from tests.support import tiny
 
@@ -80,7 +80,7 @@ def test_loads_balance_and_energy_and_water_are_kept(mode):
     assert tree.attrs["status"] == "complete"
     record = json.loads(tree.attrs["run_json"])
     assert record["paths"]["pull"]["energy"]["imbalance_over_largest_term"] < 1e-5
-    found = balance(path_dataset(extract_springs(tree), "pull"))
+    found = balance(paths_of(extract_springs(tree))["pull"].recorded)
     assert max(found.values()) < 1e-9
     path = tree["paths/pull"].to_dataset()
     if mode == "coupled":

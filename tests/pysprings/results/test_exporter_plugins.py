@@ -19,7 +19,7 @@ from pysprings.results import exporters
 from pysprings.results.exporters import EXPORTERS, Exported, Exporter, Option, Source, Target
 from pysprings.results.layout import own_folders, remove_results, run_files
 from pysprings.springs.checks import save_springs
-from pysprings.springs.dataset import path_names
+from pysprings.springs.path import paths_of
 from tests.support import synthetic
 
 
@@ -27,7 +27,7 @@ def write(source: Source, target: Target, options: exporters.base.Options) -> Ex
     """Write the largest load of each path, and an index of the files."""
     files = [
         target.write(f"{name}.txt", f"{options['factor'] * abs(source.springs[f'paths/{name}/H']).max():.10g}\n")
-        for name in path_names(source.springs)
+        for name in paths_of(source.springs)
     ]
     index = target.write("index.json", json.dumps({key: options[key] for key in ("V", "form", "signed")}))
     return Exported([*files, index], ["the toy has no moments"])

@@ -9,7 +9,8 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
-from pysprings.springs.dataset import get_path, path_load, path_names
+from pysprings.springs.path import SpringPath, paths_of
+from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance, net_m, net_p, slice_heights
 from tests.support.synthetic import DEAD_LOAD, Path, make_result, make_springs
 
@@ -23,21 +24,20 @@ def test_round_trip(tmp_path):
 
 def test_paths_by_role_and_default():
     tree = make_springs(PATHS)
-    assert path_names(tree) == ["held", "pull", "push"]
-    assert path_names(tree, "held-back") == ["held"]
-    assert get_path(tree).attrs["path"] == "pull"
+    assert list(paths_of(tree)) == ["held", "pull", "push"]
+    assert Springs.of(tree).path().dataset.attrs["path"] == "pull"
     with pytest.raises(UserInputError, match="no path 'x'; the springs have: held, pull, push"):
-        get_path(tree, "x")
+        Springs.of(tree).path("x")
 
 
 def test_only_converged_steps_are_given():
     tree = make_springs()
     tree["paths/pull/converged"][-2:] = 0
-    assert get_path(tree).sizes["step"] == 19
+    assert Springs.of(tree).path().dataset.sizes["step"] == 19
 
 
 def test_sums_over_depth():
-    path = get_path(make_springs())
+    path = Springs.of(make_springs()).path().dataset
     assert slice_heights(path).sum() == pytest.approx(4.0)
     lateral = slice_heights(path) @ net_p(path).values + path["H_tip"].values + path["H_lid"].values
     np.testing.assert_allclose(lateral, path["H"].values, atol=1e-8 * np.abs(path["H"].values).max())
@@ -45,7 +45,7 @@ def test_sums_over_depth():
 
 
 def test_balance_sees_a_missing_reaction():
-    path = get_path(make_springs())
+    path = Springs.of(make_springs()).path().dataset
     assert max(balance(path).values()) < 1e-14
     assert balance(path.assign(H_lid=0.0 * path["H_lid"]))["H"] > 1e-3
     assert balance(path.assign(M_tip=0.0 * path["M_tip"]))["M"] > 1e-3
@@ -146,10 +146,10 @@ def test_single_precision_and_steps_that_did_not_converge_are_accepted(tmp_path)
 
 
 def test_the_vertical_load_of_a_path_is_that_of_its_first_state():
-    path = get_path(make_springs(PATHS))
-    path["V"] = path["V"] + 3e5 * path["u"]
-    assert path_load(path) == float(path["V"][0]) == DEAD_LOAD
-    assert path_load(path.drop_vars("V")) == 0.0  # a table need not have it
+    data = Springs.of(make_springs(PATHS)).path().dataset
+    data["V"] = data["V"] + 3e5 * data["u"]
+    assert SpringPath("pull", data, 4.0).load == float(data["V"][0]) == DEAD_LOAD
+    assert SpringPath("pull", data.drop_vars("V"), 4.0).load == 0.0  # a table need not have it
 
 
 def test_wrong_depth_order_is_refused():

@@ -9,8 +9,8 @@ import xarray as xr
 
 from pysprings.core.errors import UserInputError
 from pysprings.springs.checks import validate_springs
-from pysprings.springs.dataset import get_path
 from pysprings.springs.edge import edge_rings, reslice
+from pysprings.springs.path import paths_of
 from pysprings.springs.sums import net_p, resultants
 from tests.support import synthetic
 
@@ -50,7 +50,7 @@ def test_other_slices_keep_the_loads_of_every_state(bounds: list[float] | None) 
     validate_springs(new)
     assert springs.identical(before)
     for name in ("pull", "turn"):
-        old, path = get_path(before, name), get_path(new, name)
+        old, path = paths_of(before)[name].dataset, paths_of(new)[name].dataset
         for load, values in resultants(old).items():
             assert np.allclose(resultants(path)[load], values, rtol=1e-12, atol=1e-9 * np.abs(values).max())
         expected = path["u"] - path["rotation"] * path["depth"]
@@ -62,7 +62,7 @@ def test_other_slices_keep_the_loads_of_every_state(bounds: list[float] | None) 
 
 def test_the_zone_at_the_tip_has_the_mean_of_what_it_covers() -> None:
     springs = springs_with_a_peak()
-    old, new = get_path(springs, "pull"), get_path(reslice(springs), "pull")
+    old, new = paths_of(springs)["pull"].dataset, paths_of(reslice(springs))["pull"].dataset
     bounds = new["depth_bounds"].values
     assert bounds[-1] == pytest.approx([3.2, 4.0])
     covered = np.clip(old["depth_bounds"].values[:, 1] - np.maximum(old["depth_bounds"].values[:, 0], 3.2), 0.0, None)
@@ -72,9 +72,9 @@ def test_the_zone_at_the_tip_has_the_mean_of_what_it_covers() -> None:
 
 def test_slices_as_they_are_change_nothing() -> None:
     springs = springs_with_a_peak()
-    path = get_path(springs, "pull")
+    path = paths_of(springs)["pull"].dataset
     edges = [*path["depth_bounds"].values[:, 0], 4.0]
-    same = get_path(reslice(springs, edges), "pull")
+    same = paths_of(reslice(springs, edges))["pull"].dataset
     for name in ("p", "m", "t", "y"):
         assert np.allclose(same[name], path[name], rtol=1e-12, atol=1e-9)
     assert same["depth"].values.tolist() == path["depth"].values.tolist()

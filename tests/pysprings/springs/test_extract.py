@@ -9,8 +9,10 @@ import xarray as xr
 
 from pysprings.core.errors import UserInputError
 from pysprings.macro.predict import predict
-from pysprings.springs.dataset import SCHEMA, get_path, path_names
+from pysprings.springs.checks import SCHEMA
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.path import paths_of
+from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
 
@@ -39,14 +41,14 @@ def test_springs_hold_the_reactions_of_the_result() -> None:
 
 
 def test_reactions_balance_the_load_of_a_real_run() -> None:
-    missing = balance(get_path(extract_springs(tiny.result())))
+    missing = balance(Springs.of(extract_springs(tiny.result())).path().dataset)
     assert max(missing.values()) < 1e-6
     assert missing["H"] < 1e-12  # not by tolerance: the load is the sum of the same tractions
 
 
 def test_a_path_without_a_converged_step_has_no_springs(result: xr.DataTree) -> None:
     result["paths/again"]["converged"][1:] = 0
-    assert path_names(extract_springs(result)) == ["pull"]
+    assert list(paths_of(extract_springs(result))) == ["pull"]
     result["paths/pull"].dataset = result["paths/pull"].to_dataset(inherit=False).isel(step=[0])
     with pytest.raises(UserInputError, match="no path has a converged step: no springs can be made"):
         extract_springs(result)
@@ -56,7 +58,7 @@ def test_one_converged_step_makes_a_straight_spring(result: xr.DataTree) -> None
     """An elastic path of one step says all there is to say."""
     result["paths/pull"].dataset = result["paths/pull"].to_dataset(inherit=False).isel(step=[0, 1])
     springs = extract_springs(result)
-    end = get_path(springs, "pull").isel(step=-1)
+    end = paths_of(springs)["pull"].dataset.isel(step=-1)
     half = predict(springs, H=0.5 * float(end["H"]), arm=0.0)
     assert float(half["u"]) == pytest.approx(0.5 * float(end["u"]), rel=1e-6)
 

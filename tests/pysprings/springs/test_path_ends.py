@@ -27,7 +27,7 @@ from pysprings.macro.predict import (
 from pysprings.macro.stiffness import stiffness
 from pysprings.macro.trace import trace
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
-from pysprings.springs.dataset import get_path
+from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import end_of
 from pysprings.springs.springs import Springs
 from tests.support import tiny
@@ -194,7 +194,7 @@ def test_a_vertical_load_without_vertical_springs_is_known_from_0_to_twice_that_
 
 def test_a_vertical_path_that_stopped_ends_its_direction_only():
     tree = vertical_springs(ends=(5e-3, -1e-2))
-    path = get_path(tree, "down")
+    path = paths_of(tree)["down"].dataset
     end = float(path["V"][-1])
     ended(tree, "down", "stopped", "apex: no confining stress")
     assert predict(tree, V=end - 1e4)["beyond_end"].values.sum() == 0
@@ -225,7 +225,7 @@ def storm() -> xr.DataTree:
 
 def test_a_limit_load_of_the_full_model_is_kept_and_bounds_the_command(storm, tmp_path):
     file = save_springs(storm, tmp_path / "springs.nc")
-    attrs, path = open_springs(file)["paths/storm"].attrs, get_path(storm, "storm")
+    attrs, path = open_springs(file)["paths/storm"].attrs, paths_of(storm)["storm"].dataset
     assert attrs["end"] == "limit load"
     assert attrs["end_reason"].startswith("limit load")
     assert attrs["end_H_N"] == float(path["H"][-1])

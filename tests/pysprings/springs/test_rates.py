@@ -13,8 +13,7 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.sets import spring_sets
 from pysprings.macro.slices import merge_slices
 from pysprings.springs.between import blend
-from pysprings.springs.dataset import get_path, path_names
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 from tests.support import synthetic, wet
@@ -32,7 +31,7 @@ def at_two_rates(stronger: float = 1.2, speeds: tuple[float, ...] = (1e-5, 1e-3)
     groups: dict[str, xr.Dataset] = {"/": base.to_dataset(inherit=False)}
     groups["/"].attrs = {**base.attrs, "drainage": "coupled"}
     for number, speed in enumerate(speeds):
-        for name in path_names(base):
+        for name in paths_of(base):
             path = base[f"paths/{name}"].to_dataset(inherit=False).copy(deep=True)
             rho = np.hypot(path["u"], path["rotation"] * LENGTH)
             path["time"] = ("step", (rho / speed).values, base[f"paths/{name}/V"].attrs | {"units": "s"})
@@ -64,7 +63,7 @@ def test_half_way_in_the_logarithm_is_the_mean() -> None:
     assert list(found.paths) == ["slide0", "turn0"]
     assert found.attrs["rate_m_per_s"] == 1e-4
     for name in ("slide", "turn"):
-        new, slow = found.path(f"{name}0").dataset, get_path(springs, f"{name}0")
+        new, slow = found.path(f"{name}0").dataset, paths_of(springs)[f"{name}0"].dataset
         for variable in ("p", "m", "H", "M_lid"):
             np.testing.assert_allclose(new[variable], 1.1 * slow[variable], rtol=1e-12, atol=1e-9)
         np.testing.assert_array_equal(new["y"], slow["y"])
@@ -75,7 +74,7 @@ def test_half_way_in_the_logarithm_is_the_mean() -> None:
 def test_at_the_rate_of_a_set_its_own_springs_are_given() -> None:
     springs = at_two_rates()
     found = Springs.of(springs).at_rate(1.02e-3)
-    np.testing.assert_array_equal(found.path("slide1").dataset["p"], get_path(springs, "slide1")["p"])
+    np.testing.assert_array_equal(found.path("slide1").dataset["p"], paths_of(springs)["slide1"].dataset["p"])
 
 
 @pytest.mark.parametrize("rate", [0.9e-5, 1.1e-3])
@@ -138,7 +137,7 @@ def test_compare_answers_every_path_at_its_own_rate() -> None:
 
 def test_a_path_beyond_the_sets_is_answered_by_the_nearest_one() -> None:
     springs = at_two_rates()
-    fast = get_path(springs, "slide1").assign_attrs(role="held-back")
+    fast = paths_of(springs)["slide1"].dataset.assign_attrs(role="held-back")
     fast["time"] = fast["time"] / 100.0
     springs["paths/faster"] = xr.DataTree(fast)
     given = Springs.of(springs)

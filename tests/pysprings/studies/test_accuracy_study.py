@@ -23,7 +23,7 @@ from pysprings.full_model.accuracy.settings import settings
 from pysprings.full_model.compute import run
 from pysprings.full_model.run_record import SCHEMA
 from pysprings.model.forecast.resources import size_of
-from pysprings.springs.dataset import get_path
+from pysprings.springs.path import paths_of
 from pysprings.studies.accuracy import child, rows, runs, study, text
 from pysprings.studies.accuracy.picture import error_against_time
 from pysprings.studies.stored_runs import RUNS, Whole
@@ -316,7 +316,7 @@ def test_estimate_in_python_covers_the_difference_to_a_finer_mesh() -> None:
     own = run(elastic(), estimate_error=True)
     fine = run(elastic().replace(mesh={"refinement": 0.9}))
     record = json.loads(own.attrs["run_json"])["error_estimate"]
-    load = [float(get_path(tree, "pull")["H"][-1]) for tree in (own, fine)]
+    load = [float(paths_of(tree)["pull"].dataset["H"][-1]) for tree in (own, fine)]
     assert record["estimate_pct"]["load_max"] > 100.0 * abs(load[0] / load[1] - 1.0) > 0.0
     assert "unit_s" not in json.loads(own.attrs["run_json"])["solver"]
 

@@ -12,7 +12,6 @@ import xarray as xr
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.results.exporters.header import error_of_row, range_of_path
 from pysprings.results.exporters.xlsx.names import MEANING
-from pysprings.springs.dataset import path_names
 from pysprings.springs.springs import Springs
 
 _ORIGIN = {
@@ -89,19 +88,19 @@ def about_lines(
     yield from (("text", "", f"{pattern}: {words}") for pattern, words in MEANING.items())
     yield "text", "", ""
     yield "title", "Range of validity", ""
-    yield from (("text", "fan", words) for words in _fan(springs))
-    yield from (("text", f"path {name}", range_of_path(springs, name)) for name in path_names(springs))
+    given = Springs.of(springs)
+    yield from (("text", "fan", words) for words in _fan(given))
+    yield from (("text", f"path {name}", range_of_path(given.drainage, path)) for name, path in given.paths.items())
     yield "text", "", ""
     yield "title", "Error of a rigid body on these springs", ""
     yield from (("text", f"{row['path']}, {row['springs']}", error_of_row(row)) for _, row in comparison.iterrows())
 
 
-def _fan(springs: xr.DataTree) -> Iterator[str]:
+def _fan(springs: Springs) -> Iterator[str]:
     """Yield a sentence on the range of the fan, and on its use beyond a spreadsheet; nothing without a fan."""
-    given = Springs.of(springs)
-    if not has_fan(given):
+    if not has_fan(springs):
         return
-    table = build_fan(given)
+    table = build_fan(springs)
     rays = zip(table.path, np.degrees(table.angle), 1e3 * table.range, strict=True)
     shown = ", ".join(f"{name} ({angle:.1f} deg, to {reach:.4g} mm)" for name, angle, reach in rays)
     yield (

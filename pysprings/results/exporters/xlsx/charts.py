@@ -8,8 +8,8 @@ from typing import Any
 
 import xarray as xr
 
-from pysprings.results.exporters.xlsx.sheet import HEAD_ROWS, Book
-from pysprings.springs.dataset import is_vertical, path_dataset
+from pysprings.results.exporters.xlsx.sheet import HEAD_ROWS, Book, datasets
+from pysprings.springs.path import paths_of
 
 ROWS, COLUMNS = 20, 9  # cells from a row of charts to the next, from a chart to the next one beside it
 ACROSS = 3  # charts beside each other
@@ -18,12 +18,13 @@ ON_A_PAGE = 2  # rows of charts
 
 def add_charts(book: Book, sheet: Any, springs: xr.DataTree, sets: Sequence[str]) -> None:
     """Insert charts of each lateral path: load-displacement, p-y by depth, m by depth, tip and lid; a page each."""
-    depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
+    depths = datasets(springs, book.rows)[0]["depth"].values
     shown = range(depths.size)
     load = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(sets)]
     py = [(f"{depths[k]:.2f} m", 2 + 4 * k, 3 + 4 * k) for k in shown]
     mtheta = [(f"{depths[k]:.2f} m", 2, 4 + 4 * k) for k in shown]
-    lateral = [(name, rows) for name, rows in book.rows.items() if not is_vertical(springs, name)]
+    paths = paths_of(springs)
+    lateral = [(name, rows) for name, rows in book.rows.items() if not paths[name].is_vertical]
     sheet.set_h_pagebreaks([ON_A_PAGE * ROWS * k for k in range(1, 1 + len(book.rows))])
     for place, (name, rows) in enumerate(lateral):
         charts = (
@@ -40,7 +41,7 @@ def add_charts(book: Book, sheet: Any, springs: xr.DataTree, sets: Sequence[str]
 
 def add_vertical_charts(book: Book, sheet: Any, springs: xr.DataTree, above: int) -> None:
     """Insert a row of charts for each vertical path below those of `above` lateral paths: V, and t by depth, over w."""
-    depths = path_dataset(springs, next(iter(book.rows)))["depth"].values
+    depths = datasets(springs, book.rows)[0]["depth"].values
     shown = range(depths.size)
     V = [("V", 2, 3), ("tip", 2, 4), ("lid", 2, 5)]
     t = [(f"{depths[k]:.2f} m", 2, 6 + 3 * k) for k in shown]

@@ -13,7 +13,7 @@ import xlsxwriter
 from numpy.typing import NDArray
 
 from pysprings.results.exporters.xlsx.names import Names
-from pysprings.springs.dataset import path_dataset, path_names
+from pysprings.springs.path import RecordedPath, paths_of
 
 KN, MM, MRAD = 1e-3, 1e3, 1e3
 HEAD_ROWS = 3  # depth, slice, heading with unit
@@ -47,19 +47,19 @@ class Column:
     name: str = ""
 
 
-def rows_of(springs: xr.DataTree, names: Iterable[str]) -> dict[str, tuple[int, int]]:
+def rows_of(paths: Iterable[RecordedPath]) -> dict[str, tuple[int, int]]:
     """Return the first and last row of each path, counted from the first row of data."""
     rows, first = {}, 0
-    for name in names:
-        n = path_dataset(springs, name).sizes["step"]
-        rows[name] = (first, first + n - 1)
+    for path in paths:
+        n = path.recorded.sizes["step"]
+        rows[path.name] = (first, first + n - 1)
         first += n
     return rows
 
 
 def fill(book: Book, sheet: Any, springs: xr.DataTree, columns: Sequence[Column]) -> None:
     """Write path, step, the columns and the converged mark below three heading rows; freeze them."""
-    marks = [Column("converged (1 = yes)", [path_dataset(springs, name)["converged"].values for name in book.rows])]
+    marks = [Column("converged (1 = yes)", [path["converged"].values for path in datasets(springs, book.rows)])]
     for col, label in enumerate(("path", "step")):
         sheet.write_string(HEAD_ROWS - 1, col, label, book.head)
     sheet.write_string(0, 0, "depth [m]", book.head)
@@ -109,9 +109,10 @@ def print_a_look(sheet: Any, head: int, rows: int, columns: int) -> None:
     sheet.set_footer(f"&L&A{cut}&RPage &P of &N")
 
 
-def datasets(springs: xr.DataTree) -> list[xr.Dataset]:
-    """Return all paths, unconverged steps included."""
-    return [path_dataset(springs, name) for name in path_names(springs)]
+def datasets(springs: xr.DataTree, names: Iterable[str] | None = None) -> list[xr.Dataset]:
+    """Return all paths, or those of some names, unconverged steps included."""
+    paths = paths_of(springs)
+    return [paths[name].recorded for name in (paths if names is None else names)]
 
 
 def by_depth(springs: xr.DataTree, headings: Mapping[str, str], values: Sequence[list[Any]]) -> list[Column]:

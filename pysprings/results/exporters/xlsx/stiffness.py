@@ -14,7 +14,7 @@ from pysprings.macro.sets import spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.stiffness import FULL_MODEL, TORSION, stiffness_six
 from pysprings.results.exporters.xlsx.sheet import Book
-from pysprings.springs.dataset import is_vertical, path_names
+from pysprings.springs.path import paths_of
 
 KN = 1e-3
 ON_A_PAGE = 31  # rows of a printed page
@@ -61,7 +61,7 @@ def _sets(springs: xr.DataTree) -> list[tuple[str, NDArray[np.float64]]]:
         for each in reversed(sets)
         if each.several
     ]
-    for name in (name for name in path_names(springs) if not is_vertical(springs, name)):
+    for name in (name for name, path in paths_of(springs).items() if not path.is_vertical):
         for each in (each for each in sets if not each.several):
             matrix = MacroModel.from_springs(springs, each.name, name).tangent_stiffness().values
             blocks.append((f"{each.name} springs of path {name}", matrix))

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings.results.exporters.xlsx.sheet import KN, MM, MRAD, Book, print_a_look
-from pysprings.springs.dataset import path_dataset
+from pysprings.results.exporters.xlsx.sheet import KN, MM, MRAD, Book, datasets, print_a_look
 from pysprings.springs.sums import by_depth
 
 HEADINGS = (
@@ -23,8 +22,7 @@ def write_tidy(book: Book, sheet: Any, springs: xr.DataTree) -> None:
     """Write the net reactions of all paths below each other, with a filter over the headings."""
     sheet.write_row(0, 0, HEADINGS, book.head)
     row = 0
-    for name in book.rows:
-        path = path_dataset(springs, name)
+    for name, path in zip(book.rows, datasets(springs, book.rows), strict=True):
         steps, depths = path.sizes["step"], path.sizes["depth"]
         step, depth = (index.ravel() for index in np.indices((steps, depths)))
         bounds = path["depth_bounds"].values

@@ -43,7 +43,7 @@ from pysprings.results.exporters.xlsx.sheet import (
 )
 from pysprings.results.exporters.xlsx.stiffness import write_stiffness
 from pysprings.results.exporters.xlsx.tidy import write_tidy
-from pysprings.springs.dataset import is_vertical, path_dataset, path_names
+from pysprings.springs.path import paths_of
 
 # no temporary file is left elsewhere
 PLAIN = {**PLAIN_CELLS, "in_memory": True}
@@ -57,7 +57,7 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
         xlsxwriter.Workbook(str(temporary), PLAIN) as file,
     ):
         book = _open(file, springs)
-        down = [name for name in book.rows if is_vertical(springs, name)]
+        down = [path for path in paths_of(springs).values() if path.is_vertical]
         before = ("About", "charts", "p-y", "m-theta")
         behind = ("base", "lid", "load-displacement", "stiffness 6x6", "tidy")
         names = (*before, *(["t-z"] if down else []), *behind)
@@ -68,7 +68,7 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
         _py(book, sheets["p-y"], springs)
         _mtheta(book, sheets["m-theta"], springs)
         if down:
-            vertical = replace(book, rows=rows_of(springs, down))
+            vertical = replace(book, rows=rows_of(down))
             _tz(vertical, sheets["t-z"], springs)
             add_vertical_charts(vertical, sheets["charts"], springs, len(book.rows) - len(down))
         for part, name in (("tip", "base"), ("lid", "lid")):
@@ -84,7 +84,7 @@ def _open(file: xlsxwriter.Workbook, springs: xr.DataTree) -> Book:
     file.set_properties(
         {"title": str(springs.attrs.get("title", "")), "comments": str(springs.attrs.get("source", ""))}
     )
-    rows = rows_of(springs, path_names(springs))
+    rows = rows_of(paths_of(springs).values())
     return Book(
         file=file,
         head=file.add_format({"bold": True, "bg_color": "#DDE6EE", "border": 1, "text_wrap": True, "valign": "top"}),
@@ -142,7 +142,7 @@ T_HEADINGS = {"t net [kN/m]": "tz", "t outside [kN/m]": "", "t inside [kN/m]": "
 
 def _tz(book: Book, sheet: Any, springs: xr.DataTree) -> None:
     """Write V, its part on tip and lid, and t by depth, over w; vertical paths only."""
-    paths = [path_dataset(springs, name) for name in book.rows]
+    paths = datasets(springs, book.rows)
     t = [with_net(path["t"].transpose("side", "depth", "step").values * KN, 0) for path in paths]
     columns = [
         series(paths, "w [mm]", "w", MM, "w_tz"),
