@@ -39,7 +39,7 @@ SOLVERS = ("coarse:0.6", "coarse:0.7", "coarse:0.8", "coarse", "medium", "paper"
 def scene(mesh: str, end: float, mode: str = "drained") -> Any:
     """Return the paper's pull to an end (m) on a preset, with an optional factor ("medium:1.4"); no pictures."""
     from pysprings import Scene
-    from pysprings.full_model.accuracy.settings import read_mesh
+    from pysprings.full_model.accuracy.presets import read_mesh
     from pysprings.scene.extent import PAPER
     from pysprings.scene.sections import PAPER_SOIL
 

@@ -18,7 +18,7 @@ from pysprings.core.files.storage import write_text
 from pysprings.core.text import markdown_table
 from pysprings.core.variables import GROUPS
 from pysprings.core.version import __version__
-from pysprings.scene.schema import scene_schema
+from pysprings.scene.template import scene_schema
 
 PAGES = Path(__file__).resolve().parents[1] / "docs" / "reference"
 MARK = f"<!-- Made by `make pages` from version {__version__} of the program. Do not edit. -->\n\n"

@@ -12,7 +12,7 @@ from pysprings.cli.support import interruptible, print_json, print_table, refuse
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.progress import reporter
 from pysprings.full_model.accuracy import presets
-from pysprings.full_model.accuracy.settings import settings
+from pysprings.full_model.accuracy.presets import settings
 from pysprings.scene.load import Scene
 from pysprings.studies.accuracy import child, rows, study, text
 from pysprings.studies.accuracy.rows import StudyResult

@@ -13,7 +13,7 @@ from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series, Target
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
 from pysprings.core.errors import printable
 from pysprings.core.text import number
-from pysprings.scene.template_names import template_names
+from pysprings.scene.template import template_names
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -129,7 +129,7 @@ def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
 
 def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
     """Print the description of a scene that `pysprings check` has made."""
-    from pysprings.model.forecast.omission_text import saved_text
+    from pysprings.model.forecast.omissions import saved_text
     from pysprings.scene.defaults import value_text
 
     print(printable(f"{file}: {scene.title}"))

@@ -35,7 +35,6 @@ from pysprings.full_model.accuracy.own_estimate import (
 from pysprings.full_model.cavitation import warning as cavitation_warning
 from pysprings.full_model.checkpoint import Checkpoints, Loaded, Saved, scene_identity
 from pysprings.full_model.discretise import make_engine
-from pysprings.full_model.environment import differences, environment_of
 from pysprings.full_model.path_run import PathRun
 from pysprings.full_model.record import (
     Meter,
@@ -44,16 +43,14 @@ from pysprings.full_model.record import (
     energy_summary,
     summarise,
 )
-from pysprings.full_model.result_tree import record_of, tree_of
+from pysprings.full_model.result_tree import differences, environment_of, record_of, tree_of
 from pysprings.full_model.run_record import Computed, LimitLoad, Status
-from pysprings.full_model.unit_time import factorise_and_solve_seconds
-from pysprings.full_model.work import Work
-from pysprings.model.discretise import build
+from pysprings.full_model.work import Work, factorise_and_solve_seconds
 from pysprings.model.forecast.domain_effect import domain_effect
 from pysprings.model.forecast.resources import refuse_what_cannot_fit
-from pysprings.model.forecast.small_strain import large_motion
+from pysprings.model.fourier import build
 from pysprings.model.penalty import penalty_of
-from pysprings.model.stages import fast_paths, viscous_displacement
+from pysprings.model.stages import fast_paths, large_motion, viscous_displacement
 from pysprings.model.water import undrained_time
 from pysprings.springs.path_ends import end_attrs
 

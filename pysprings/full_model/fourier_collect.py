@@ -16,9 +16,8 @@ from fe_engine.balance.water import WaterBalance
 from fe_engine.elements import fourier as elements
 from fe_engine.state import Fields
 from pysprings.core import variables
-from pysprings.full_model.collect import Collector
-from pysprings.full_model.fourier_volume import FourierVolume
-from pysprings.full_model.skirt_slices import slices_of_elements
+from pysprings.full_model.collect import Collector, slices_of_elements
+from pysprings.full_model.volume import FourierVolume
 from pysprings.model.contact import SURFACE, largest_tension
 from pysprings.model.fourier import SIDES, BuiltFourier
 

@@ -5,16 +5,20 @@ from __future__ import annotations
 
 import os
 import platform
+from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numba
+import numpy as np
+import scipy
 import xarray as xr
 
+from fe_engine.linear.backends import Backend, Pardiso
 from pysprings.core import variables, version
 from pysprings.core.errors import ResourceError, RunIncomplete
 from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Loaded
 from pysprings.full_model.discretise import section_of, volume_of
-from pysprings.full_model.environment import environment_of
 from pysprings.full_model.run_record import (
     SCHEMA,
     CheckpointCost,
@@ -29,6 +33,32 @@ from pysprings.model.forecast.omissions import left_out
 from pysprings.model.fourier import BuiltFourier
 from pysprings.model.penalty import defaults_of
 from pysprings.scene.defaults import defaulted_text, remarks
+
+Environment = dict[str, str]
+
+
+def environment_of(backend: Backend) -> Environment:
+    """Return versions and numbers of threads by name, as run.json and checkpoints hold them."""
+    versions = {
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "numba": numba.__version__,
+        "threads of numba": str(numba.get_num_threads()),
+    }
+    if isinstance(backend, Pardiso):
+        versions |= {"MKL": backend.version(), "threads of MKL": str(backend.threads())}
+    return versions
+
+
+def differences(before: Iterable[Mapping[str, str]], now: Mapping[str, str]) -> list[str]:
+    """Return a sentence on each environment, of parts of a run, that was another than that of ``now``."""
+    texts = []
+    for other in before:
+        names = [name for name in {**other, **now} if other.get(name) != now.get(name)]
+        if names:
+            changes = ", ".join(f"{name} {other.get(name, 'unknown')} (here {now.get(name, 'none')})" for name in names)
+            texts.append(f"a part of this run was computed with {changes}: last digits may differ from a run in one go")
+    return list(dict.fromkeys(texts))
 
 
 def record_of(work: Work, loaded: Loaded) -> RunRecord:

@@ -11,7 +11,7 @@ import pandas as pd
 
 from pysprings.core.path_kinds import ROLES, VERTICAL
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
-from pysprings.springs.alike import same_load
+from pysprings.springs.path import same_load
 from pysprings.springs.path_ends import LIMIT_LOAD, STOPPED
 
 _TEXT_COLUMNS = {

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.fan import RANGE_SLACK, FanTable
-from pysprings.springs.alike import SAME_DIRECTION, same_load
+from pysprings.springs.path import SAME_DIRECTION, same_load
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
 if TYPE_CHECKING:

@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.macro.solver import fan_rows
-from pysprings.springs.alike import STRAIGHT
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import STRAIGHT, SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import action
 

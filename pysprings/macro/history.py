@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.solver import Drive
-from pysprings.springs.alike import SAME_DIRECTION, same_load
+from pysprings.springs.path import SAME_DIRECTION, same_load
 
 Control = Literal["displacement", "rotation", "load", "state"]
 

@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 
 from pysprings.macro.fan import initial_slopes, secant_slopes
 from pysprings.macro.solver import spring_row
-from pysprings.springs.alike import same_load
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import SpringPath, same_load
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]

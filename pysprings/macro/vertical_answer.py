@@ -14,8 +14,7 @@ from pysprings.core import variables
 from pysprings.core.errors import refused
 from pysprings.macro.ends import past_elastic
 from pysprings.macro.vertical import VerticalTable
-from pysprings.springs.alike import same_load
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import SpringPath, same_load
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel

@@ -1,5 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Scene -> engine model: the only place that renames, and that decides what is carried (`omissions` lists the rest)."""
+"""Scene -> engine model: the only place that renames, and that decides what is carried (`omissions` lists the rest).
+
+The engine has z down and y to the right of x, seen from above: its rotation about +y is positive where the tip of a
+skirt moves towards +x. Everywhere else in pysprings rotation and M are positive where the caisson leans in the
+direction of a positive H: about y to the left of x, with z up. Here the sign turns, and nowhere else: the third border
+dof of a model is the rotation of the field, so its force is the M of the field.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +13,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fe_engine.conventions import ROTATION
 from fe_engine.elements import hex8, interface, rigid, solid_shell
 from fe_engine.elements.interface import Stations
 from fe_engine.errors import MeshError
@@ -15,7 +23,6 @@ from fe_engine.mesh import Quality
 from fe_engine.model import Linear, Model
 from pysprings.model.contact import SURFACE, contact_of
 from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
-from pysprings.model.signs import body_operator
 from pysprings.model.soil_laws import soil_materials
 from pysprings.model.steel import SteelMesh, make_steel, with_steel
 from pysprings.model.water import beside_steel, make_water
@@ -218,3 +225,23 @@ def _constraints(scene: Scene, caisson: CaissonMesh) -> tuple[np.ndarray, dict[i
         fixed[side] = True
     fixed[mesh.node_sets["bottom"]] = True
     return fixed, frames
+
+
+# --- signs of the field in a model of the engine ---
+
+Array = NDArray[np.float64]
+
+
+def body_operator(position: Array) -> Array:
+    """Return R (n, 3, 3) with displacement = R @ (u, w, rotation) at positions (n, 3) [m], about the lid centre.
+
+    u_x = u - rotation z and u_z = w + rotation x, z down.
+    """
+    operator = rigid.displacement_operator(position, np.zeros(3))
+    operator[:, :, ROTATION] *= -1.0
+    return operator
+
+
+def moments(position: Array, force: Array) -> Array:
+    """Return the moments (n,) [N m] about the lid centre of forces (n, 3) [N] at positions (n, 3) [m]."""
+    return np.asarray(force[:, 2] * position[:, 0] - force[:, 0] * position[:, 2])

@@ -21,7 +21,7 @@ from fe_engine.contact.law import ContactLaw
 from pysprings.core.magnitudes import ATMOSPHERE, VAPOUR
 from pysprings.model.mesh import SURFACES
 from pysprings.model.penalty import penalty_at
-from pysprings.scene.by_surface import of_surface
+from pysprings.scene.by_depth import of_surface
 from pysprings.scene.interface import adhesion_factor, uses_adhesion
 
 if TYPE_CHECKING:

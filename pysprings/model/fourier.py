@@ -14,6 +14,9 @@ from fe_engine.errors import MeshError
 from fe_engine.fourier_model import FourierModel, RingStations, SectionMesh
 from fe_engine.mesh import Quality
 from pysprings.model.build import (
+    Built,
+    body_operator,
+    build_model,
     extra_load,
     geometry_of,
     initial_pressure,
@@ -21,9 +24,8 @@ from pysprings.model.build import (
 )
 from pysprings.model.contact import SURFACE, contact_of
 from pysprings.model.fourier_mesh import PRESETS, CaissonSection, SectionCounts, make_section, refine_section
-from pysprings.model.signs import body_operator
 from pysprings.model.soil_laws import soil_materials
-from pysprings.model.steel_rings import SteelRings, add_steel, make_steel_rings
+from pysprings.model.steel import SteelRings, add_steel, make_steel_rings
 from pysprings.model.water import make_series_water
 
 if TYPE_CHECKING:
@@ -177,3 +179,11 @@ def fixed_directions(scene: Scene, mesh: SectionMesh) -> np.ndarray:
         fixed[side] = True
     fixed[mesh.node_sets["bottom"]] = True
     return fixed
+
+
+# --- scene -> model in the scene's discretisation ---
+
+
+def build(scene: Scene) -> Built | BuiltFourier:
+    """Build the model of a scene in its discretisation. Raises FEError."""
+    return build_fourier(scene) if scene.discretisation == "fourier" else build_model(scene)

@@ -24,9 +24,9 @@ from fe_engine.soil import (
     von_mises,
 )
 from fe_engine.soil.law import SoilLaw
+from pysprings.scene.clay_laws import KEY as REDUCTION
 from pysprings.scene.clay_laws import TRESCA, VON_MISES
 from pysprings.scene.ground import Stratum
-from pysprings.scene.reduction import KEY as REDUCTION
 from pysprings.scene.soil_laws import DEGRADATION_KEYS
 
 if TYPE_CHECKING:

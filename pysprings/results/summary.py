@@ -15,9 +15,9 @@ from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import percent
 from pysprings.core.words import MeshPreset
 from pysprings.results.analysis.parts import load_sizes
-from pysprings.scene.card import caisson_text, ground_text
 from pysprings.scene.defaults import defaulted_text
 from pysprings.scene.design_load import USUAL_TILT
+from pysprings.scene.model import caisson_text, ground_text
 
 if TYPE_CHECKING:
     import pandas as pd

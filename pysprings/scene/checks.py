@@ -9,13 +9,20 @@ from typing import Any
 from pysprings.core.path_kinds import CALIBRATION, MEMORY, PATH_KINDS, UNITS
 from pysprings.core.units import show
 from pysprings.scene.by_depth import follows_stress
-from pysprings.scene.clash import Clash
 from pysprings.scene.design_load import design_clashes
 from pysprings.scene.extent import Extent
 from pysprings.scene.interface import drainage_clashes, interface_clashes
-from pysprings.scene.law_keys import key_clashes, missing, with_stand_ins
-from pysprings.scene.layers import in_layer, layer_order, open_ends, uniform_soils, values_inside
-from pysprings.scene.positions import KeyPath
+from pysprings.scene.layers import (
+    in_layer,
+    key_clashes,
+    layer_order,
+    missing,
+    open_ends,
+    uniform_soils,
+    values_inside,
+    with_stand_ins,
+)
+from pysprings.scene.positions import Clash, KeyPath
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Caisson, Path, Soil, Solver, Springs
 from pysprings.scene.soil_laws import SOIL_LAWS

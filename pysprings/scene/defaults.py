@@ -2,25 +2,33 @@
 """What a scene does not give, with the values in its place, and what is unlikely in what it gives.
 
 `pysprings check`, the summary of a run, its report and the heads of exported files take both from here.
+A value that comes into its range when it is divided by 1000 or multiplied by it (by 10 else) is probably a slip of a
+unit or a digit, and the sentence shows the value that was probably meant. 0 is a deliberate simplification.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import BaseModel
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.units import read, show, si_of
-from pysprings.scene.by_depth import ByDepth, Profile
+from pysprings.scene.by_depth import ByDepth, Profile, of_surface
 from pysprings.scene.fields import Number, Quantity
 from pysprings.scene.ground import Stratum, given_values, moved_layers
-from pysprings.scene.plausible import implausible
+from pysprings.scene.interface import adhesion_factor
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import SoilValues
 from pysprings.scene.soil_laws import SOIL_LAWS
+
+if TYPE_CHECKING:
+    from pysprings.scene.scene_sections import SceneSections
 
 Row = dict[str, Any]  # of a value by default: key, value (a number in `unit`, or a word), unit ("" of a word)
 _SECTIONS = ("caisson", "domain", "interface", "drainage", "mesh", "solver", "limit")
@@ -144,3 +152,182 @@ def _without_strength(scene: SceneSections) -> Iterator[str]:
         return
     why = "su is 0 there" if first.total_stress else "soil.surcharge is 0, and it has no cohesion"
     yield f"layer '{first.name}' has no strength at mudline: {why}; a soil.surcharge stands for what lies on it"
+
+
+# --- common ranges of every number of a scene, and a sentence on each value beyond its own ---
+
+_STATIONS = 9
+_SLIPS = (1e3, 1e-3, 10.0, 0.1)  # value over the one that was meant
+_POISSON = 0.48
+
+
+@dataclass(frozen=True)
+class Range:
+    """Common range of a number in ``unit``; ``scale`` is the unit in SI, ``what`` follows the name of the key."""
+
+    low: float
+    high: float
+    unit: str = ""
+    scale: float = 1.0
+    what: str = ""
+
+
+_DEG = math.radians(1.0)
+# By dotted key. "/D", "/D2": over the diameter (-), over the area of the caisson (kPa).
+RANGES = {
+    "caisson.outer_diameter": Range(1.0, 40.0, "m"),
+    "caisson.skirt_length": Range(0.1, 8.0, "diameters", what="/D"),
+    "caisson.skirt_thickness": Range(0.0015, 0.02, "diameters", what="/D"),
+    "caisson.lid_thickness": Range(0.01, 3.0, "m"),
+    "caisson.young_modulus": Range(20.0, 220.0, "GPa", 1e9),
+    "caisson.poisson_ratio": Range(0.1, 0.35),
+    "caisson.vertical_load": Range(2.0, 1000.0, "kPa", 1e3, "/D2"),
+    "domain.radius": Range(0.5, 200.0, "diameters", what="/D"),
+    "domain.depth": Range(0.01, 400.0, "diameters", what="/D"),
+    "soil.surcharge": Range(0.1, 100.0, "kPa", 1e3),
+    "interface.friction_coefficient": Range(0.1, 0.8),
+    "drainage.porosity": Range(0.2, 0.8),
+    "drainage.water_bulk_modulus": Range(1e-3, 2.5, "GPa", 1e9),
+    "drainage.water_unit_weight": Range(9.7, 10.4, "kN/m3", 1e3),
+    "drainage.water_viscosity": Range(5e-4, 2e-3, "Pa s"),
+    "drainage.water_depth": Range(0.5, 3000.0, "m"),
+    "interface.transversal_conductivity": Range(1e-14, 1e-4, "m/(Pa s)"),
+    "interface.residual_aperture": Range(1e-4, 1.0, "mm", 1e-3),
+    "path.arm": Range(0.02, 20.0, "diameters", what="/D"),
+    "path.lateral_displacement": Range(1e-5, 0.5, "diameters", what="/D"),
+    "path.vertical_displacement": Range(1e-5, 0.5, "diameters", what="/D"),
+    "path.rotation": Range(1e-4, 15.0, "deg", _DEG),
+    "path.lateral_force": Range(0.1, 2000.0, "kPa", 1e3, "/D2"),
+    "path.vertical_load": Range(2.0, 1000.0, "kPa", 1e3, "/D2"),
+    "path.rate": Range(1e-6, 1e3, "mm/s", 1e-3),
+    "springs.reach": Range(1e-4, 0.3, "diameters", what="/D"),
+    "design.lateral_force": Range(0.1, 2000.0, "kPa", 1e3, "/D2"),
+    "design.arm": Range(0.02, 20.0, "diameters", what="/D"),
+}
+# Of a layer, at depths inside it. G: peat to very dense sand at depth, short of rock; G/su: Eu/su of 200 to 1000
+# (Duncan & Buchignani 1976) is 65 to 350, small strains up to 2000; su/s'_v0: from normally consolidated clay
+# (Jamiolkowski et al. 1985: 0.23 +- 0.04) to stiff clay; su beyond 300 kPa is rock; phi: plastic silt to dense sand.
+OF_LAYER = {
+    "effective_unit_weight": Range(3.0, 14.0, "kN/m3", 1e3),
+    "K0": Range(0.25, 3.0),
+    "shear_modulus": Range(0.1, 1500.0, "MPa", 1e6),
+    "poisson_ratio": Range(0.05, 0.4999),
+    "friction_angle_final": Range(20.0, 46.0, "deg", _DEG),
+    "dilation_angle": Range(-10.0, 20.0, "deg", _DEG),
+    "hardening_parameter": Range(1e-5, 0.1),
+    "cohesion": Range(0.05, 100.0, "kPa", 1e3),
+    "hydraulic_conductivity": Range(1e-13, 0.1, "m/s"),
+    "degradation_strain": Range(3e-5, 2e-3),
+    "undrained_shear_strength": Range(0.5, 300.0, "kPa", 1e3),
+    "plasticity_index": Range(5.0, 130.0, "%"),
+    "strain_at_half_strength": Range(1e-3, 0.06),
+    "compression_factor": Range(0.7, 1.8),
+    "direct_shear_factor": Range(0.6, 1.4),
+    "extension_factor": Range(0.3, 1.2),
+}
+_RIGIDITY = Range(20.0, 2000.0)
+_NORMALISED = Range(0.15, 10.0)
+_ALPHA = Range(0.2, 1.0)
+
+
+def implausible(scene: SceneSections) -> list[str]:
+    """Return a sentence for each number of a scene that is beyond its common range."""
+    found = [*_of_sections(scene), *_odd_paths(scene)]
+    for stratum in (each for each in scene.ground.strata if not each.like):
+        found += [*_of_stratum(stratum, scene.drainage.mode)]
+        found += _of_clay(scene, stratum) if stratum.total_stress else ()
+    return found
+
+
+def _of_sections(scene: SceneSections) -> Iterator[str]:
+    for key, common in RANGES.items():
+        section, _, name = key.partition(".")
+        if section == "path" or name not in getattr(scene, section).model_fields_set:
+            continue
+        yield from _number(scene, key, getattr(getattr(scene, section), name), common)
+    given = scene.springs.vertical_loads
+    yield from (text for V in given for text in _number(scene, "springs.vertical_loads", V, _V))
+    yield from (text for v in scene.springs.rates for text in _number(scene, "springs.rates", v, RANGES["path.rate"]))
+
+
+_V = RANGES["caisson.vertical_load"]
+
+
+def _odd_paths(scene: SceneSections) -> Iterator[str]:
+    for path in scene.paths:
+        kind = PATH_KINDS[path.kind]
+        for key, common in RANGES.items():
+            name = key.removeprefix("path.")
+            if name != key and (name == kind.imposed or name not in ("lateral_displacement", "rotation")):
+                yield from _number(scene, f"path.{path.name}.{name}", getattr(path, name), common)
+
+
+def _number(scene: SceneSections, key: str, value: object, common: Range) -> Iterator[str]:
+    """Yield a sentence on a number in SI; words and what is not given have none."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return
+    diameter = scene.caisson.outer_diameter
+    over = {"": 1.0, "/D": diameter, "/D2": 0.25 * math.pi * diameter**2}[common.what]
+    size = abs(value) / over / common.scale
+    if text := _beyond(size, common):
+        yield f"{key}: {text}{' (over the area of the caisson)' if common.what == '/D2' else ''}"
+
+
+def _beyond(value: float, common: Range) -> str:
+    """Return the words on a number beyond its range, with what was probably meant; empty for others."""
+    if value == 0.0 or common.low * (1.0 - 1e-9) <= value <= common.high * (1.0 + 1e-9):
+        return ""
+    unit = f" {common.unit}" if common.unit else ""
+    text = f"{value:.3g}{unit} is outside the common range {common.low:g} to {common.high:g}{unit}"
+    meant = next((slip for slip in _SLIPS if common.low <= value / slip <= common.high), None)
+    if meant is None:
+        return text
+    way = f"{meant:g} times too large" if meant > 1.0 else f"{1.0 / meant:g} times too small"
+    return f"{text}: {way}? {value / meant:.3g}{unit} is inside"
+
+
+def _of_stratum(stratum: Stratum, mode: str) -> Iterator[str]:
+    """Yield sentences on the values of a layer that its law uses."""
+    law, depth = SOIL_LAWS[stratum.law], _depths(stratum)
+    always = ("effective_unit_weight", "K0", "poisson_ratio")
+    for name, common in OF_LAYER.items():
+        if name == "shear_modulus":
+            yield from _worst(stratum, name, stratum.shear_modulus, depth, common)
+        elif name == "hydraulic_conductivity" and stratum.drainage_in(mode) != "coupled":
+            continue
+        elif stratum.values.get(name) is not None and (name in always or name in law.keys or name[0] == "h"):
+            yield from _worst(stratum, name, partial(stratum.value, name), depth, common)
+
+
+def _of_clay(scene: SceneSections, stratum: Stratum) -> Iterator[str]:
+    """Yield sentences on what goes together in a layer of undrained clay."""
+    depth = _depths(stratum)
+    yield from _worst(stratum, "G/su", lambda z: stratum.shear_modulus(z) / stratum.strength(z), depth, _RIGIDITY)
+    if float(stratum.vertical_stress(depth).min()) > 0.0:
+        ratio = "su over the vertical effective stress"
+        yield from _worst(
+            stratum, ratio, lambda z: stratum.strength(z) / stratum.vertical_stress(z), depth, _NORMALISED
+        )
+    if float(stratum.value("poisson_ratio", depth).min()) < _POISSON:
+        yield f"layer '{stratum.name}': poisson_ratio below {_POISSON:g} lets undrained clay change its volume"
+    beside = depth[depth <= scene.caisson.skirt_length]
+    for side in ("outside", "inside") if len(beside) else ():
+        if of_surface(scene.interface.adhesion_factor, side) is not None:
+            factor = partial(adhesion_factor, scene.interface, stratum, side)
+            yield from _worst(stratum, f"adhesion factor {side}", factor, beside, _ALPHA)
+
+
+def _depths(stratum: Stratum) -> np.ndarray:
+    """Return depths (m) inside a layer: at its ends some values are 0."""
+    return stratum.top + (np.arange(_STATIONS) + 0.5) / _STATIONS * (stratum.bottom - stratum.top)
+
+
+def _worst(
+    stratum: Stratum, what: str, of: Callable[[np.ndarray], np.ndarray], depth: np.ndarray, common: Range
+) -> Iterator[str]:
+    """Yield a sentence on the least and the largest value in a layer where they are beyond the range."""
+    value = np.asarray(of(depth)) / common.scale
+    ends = {int(np.argmin(value)), int(np.argmax(value))}
+    for k in sorted(ends):
+        if text := _beyond(float(value[k]), common):
+            yield f"layer '{stratum.name}': {what} at {depth[k]:.3g} m: {text}"

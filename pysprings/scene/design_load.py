@@ -7,8 +7,8 @@ import math
 from collections.abc import Iterator
 from typing import Annotated
 
-from pysprings.scene.clash import Clash
 from pysprings.scene.fields import Quantity
+from pysprings.scene.positions import Clash
 from pysprings.scene.sections import Section
 
 USUAL_TILT = math.radians(0.25)  # the usual tolerance of offshore wind turbines over their life

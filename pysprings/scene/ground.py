@@ -14,10 +14,9 @@ import numpy as np
 
 from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth, Value, follows_stress
-from pysprings.scene.clay_laws import factors_of, small_strain_modulus
+from pysprings.scene.clay_laws import KEY as REDUCTION
+from pysprings.scene.clay_laws import Pairs, factors_of, small_strain_modulus
 from pysprings.scene.extent import Extent
-from pysprings.scene.reduction import KEY as REDUCTION
-from pysprings.scene.reduction import Pairs
 from pysprings.scene.sections import BY_LAYER, Layer, Soil
 from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS, STIFFNESSES
 

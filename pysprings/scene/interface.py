@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pysprings.scene.by_surface import SURFACES, of_surface
-from pysprings.scene.clash import Clash
+from pysprings.scene.by_depth import SURFACES, of_surface
 from pysprings.scene.ground import Ground, Stratum
-from pysprings.scene.law_keys import laws_of
+from pysprings.scene.layers import laws_of
+from pysprings.scene.positions import Clash
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Interface
 from pysprings.scene.soil_laws import SOIL_LAWS

@@ -13,6 +13,7 @@ import tomllib
 from bisect import bisect_right
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import NamedTuple
 
 KeyPath = tuple[str | int, ...]
 
@@ -202,3 +203,13 @@ class _Scanner:
             self.skip(_BLANK)
             self.take(",")
             self.skip(_BLANK)
+
+
+# --- a clash of values that are valid one by one ---
+
+
+class Clash(NamedTuple):
+    """Keys (as in TOML) whose values do not go together, the one to blame first, and why."""
+
+    keys: tuple[KeyPath, ...]
+    message: str

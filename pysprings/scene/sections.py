@@ -17,11 +17,9 @@ from pydantic import Field as Key
 from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
 from pysprings.core.path_kinds import PATH_KINDS, ROLES
 from pysprings.core.words import AUTO, Discretisation, MeshPreset
-from pysprings.scene.by_depth import ByDepth, Profile
-from pysprings.scene.by_surface import BySurface
-from pysprings.scene.clay_laws import ANISOTROPY_KEYS
+from pysprings.scene.by_depth import ByDepth, BySurface, Profile
+from pysprings.scene.clay_laws import ANISOTROPY_KEYS, Reduction
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
-from pysprings.scene.reduction import Reduction
 from pysprings.scene.soil_laws import DEGRADATION_KEYS, SOIL_LAWS
 from pysprings.scene.then import Then, ThenList
 

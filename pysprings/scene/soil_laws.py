@@ -13,8 +13,8 @@ from typing import Any, Protocol
 
 from fe_engine.soil import formulas
 from pysprings.core.units import show
-from pysprings.scene.clash import Clash
 from pysprings.scene.clay_laws import ANISOTROPY_KEYS, TRESCA, VON_MISES, initial_shear, strength_clashes
+from pysprings.scene.positions import Clash
 
 MOST_FRICTION = math.radians(60.0)
 MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at constant volume

@@ -27,9 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
-from pysprings.springs.alike import TOGETHER, is_rate, same_load
 from pysprings.springs.directions import same_way
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import TOGETHER, SpringPath, is_rate, same_load
 from pysprings.springs.path_ends import KEYS, earlier_end
 
 Array = NDArray[np.float64]

@@ -12,8 +12,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.springs.alike import SAME_DIRECTION, STRAIGHT
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import SAME_DIRECTION, STRAIGHT, SpringPath
 
 Array = NDArray[np.float64]
 

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""One load path of a full model or of a set of springs, with typed attributes and its arrays at the converged steps."""
+"""One load path of a full model or of a set of springs, with typed attributes and its arrays at the converged steps.
+
+Two loads, directions or rates count as the same within the tolerances here.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,9 +17,26 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import MEMORY, PathKind, bends, driven, is_straight, kind_of, turns_back
-from pysprings.springs.alike import same_load
 from pysprings.springs.path_ends import MARGIN, PathEnd, before_cavitation, end_of
 from pysprings.springs.sums import by_depth, slice_heights
+
+SAME_LOAD = 1e-3  # vertical loads that differ by less than this share are one
+NO_LOAD = 1.0  # or by this [N]
+SAME_DIRECTION = math.radians(1.0)  # directions within this angle [rad] are one
+STRAIGHT = 1e-3  # a path keeps its direction when all its states are within this angle [rad]
+TOGETHER = 10.0**0.5  # paths whose rates differ by less than this factor belong to one set
+CLOSE = 1.05  # a rate within this factor of a set's is that of the set
+
+
+def same_load(a: float, b: float) -> bool:
+    """Return whether two vertical loads [N] are one: they may differ by solver tolerances."""
+    return abs(a - b) <= max(SAME_LOAD * max(abs(a), abs(b)), NO_LOAD)
+
+
+def is_rate(a: float, b: float) -> bool:
+    """Return whether two rates [m/s] are one."""
+    return max(a / b, b / a) <= CLOSE
+
 
 Array = NDArray[np.float64]
 

@@ -19,13 +19,35 @@ from numpy.typing import NDArray
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
 from pysprings.springs import between, directions
-from pysprings.springs.alike import is_rate, same_load
 from pysprings.springs.between import Between, LoadSet, RateSet
 from pysprings.springs.checks import validate_springs
-from pysprings.springs.path import SpringPath, paths_of
+from pysprings.springs.path import SpringPath, is_rate, paths_of, same_load
 from pysprings.springs.path_ends import PathEnd
-from pysprings.springs.spread import GROUP as SPREAD
-from pysprings.springs.spread import check_spread
+
+SPREAD = "atlas"  # group of the standard deviation that springs of an atlas have
+_DIMS = ("mode", "ray", "knot")
+
+
+def check_spread(data: xr.Dataset) -> xr.Dataset:
+    """Return the group of the standard deviation as it is.
+
+    `H_mode` [N] and `M_mode` [N m] (mode, ray, knot): loads along each ray of independent modes of one standard
+    deviation; `rho` [m] (knot): the motions, which are those of the paths. `turn` (knot): standard deviation over the
+    rotation of what straight rays do not say of the rotation under a load.
+
+    Raises UserInputError where something is missing or not finite.
+    """
+    for name in ("H_mode", "M_mode"):
+        if name not in data or data[name].dims != _DIMS:
+            raise refused(f"{SPREAD}/{name}", f"missing, or not by {', '.join(_DIMS)}")
+    for name in ("rho", "turn"):
+        if name not in data or data[name].dims != ("knot",) or "ray" not in data.coords:
+            raise refused(f"{SPREAD}/{name}", "missing, or not by knot")
+    for name in ("H_mode", "M_mode", "rho", "turn"):
+        if not np.isfinite(data[name].values).all():
+            raise refused(f"{SPREAD}/{name}", "not finite")
+    return data
+
 
 Array = NDArray[np.float64]
 
@@ -48,7 +70,7 @@ class Springs:
     paths : load paths by name, in the order of the file.
     memory : calibrated elements of springs with memory (`pysprings.macro.memory`) by name of their group, one for each
         vertical load and rate; empty where none are stored.
-    spread : standard deviation of springs of an atlas (`pysprings.springs.spread`); None for those of a full model.
+    spread : standard deviation of springs of an atlas (`check_spread`); None for those of a full model.
     whole : springs at all vertical loads, of springs at one of several; else None.
     every_rate : springs at all rates, of springs at one; else None.
     parts : springs at the two rates that springs at a rate lie between, each with its share; else empty.

@@ -7,7 +7,7 @@ from functools import cache
 
 import xarray as xr
 
-from pysprings.full_model.accuracy.richardson import cell_size
+from pysprings.full_model.accuracy.measures import cell_size
 from tests.support.synthetic import Caisson, Path, make_result, stiffness
 
 PATHS = (Path("pull", arm=8.0), Path("shift", kind="translation"), Path("turn", kind="rotation", size=-1e-3))

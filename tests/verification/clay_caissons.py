@@ -22,8 +22,7 @@ from fe_engine.solve.stepping import Driver, Step
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.model.contact import SURFACE
-from pysprings.model.discretise import build
-from pysprings.model.fourier import build_on_section
+from pysprings.model.fourier import build, build_on_section
 from pysprings.model.fourier_mesh import SectionCounts
 from tests.support import tiny
 

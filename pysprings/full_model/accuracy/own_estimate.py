@@ -15,7 +15,7 @@ from fe_engine.clock import Clock
 from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
 from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
-from pysprings.full_model.accuracy.settings import FOURIER
+from pysprings.full_model.accuracy.presets import FOURIER
 from pysprings.full_model.record import Meter
 from pysprings.full_model.run_record import Computed
 from pysprings.springs.path import paths_of

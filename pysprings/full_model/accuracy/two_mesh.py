@@ -23,8 +23,8 @@ import xarray as xr
 from pysprings.core.text import percent
 from pysprings.full_model.accuracy import measures, quantities
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, STIFFNESS, curves_of, samples
-from pysprings.full_model.accuracy.richardson import cell_size
-from pysprings.full_model.accuracy.settings import BRICKS, COARSEST_FACTOR, FOURIER
+from pysprings.full_model.accuracy.measures import cell_size
+from pysprings.full_model.accuracy.presets import BRICKS, COARSEST_FACTOR, FOURIER
 from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:

@@ -22,8 +22,7 @@ from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.memory.samples import Sample, samples
 from pysprings.macro.memory.shares import Shares
 from pysprings.macro.memory.water import Water
-from pysprings.springs.alike import same_load
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import SpringPath, same_load
 from pysprings.springs.springs import Springs, memory_groups
 
 Array = NDArray[np.float64]

@@ -31,7 +31,7 @@ from pysprings.macro.memory.elements import STATES, advance, follow, relax
 from pysprings.macro.memory.mixture import scaled, shares_at
 from pysprings.macro.memory.shares import elastic_of, ways_of
 from pysprings.macro.solver import Drive
-from pysprings.springs.alike import same_load
+from pysprings.springs.path import same_load
 
 Array = NDArray[np.float64]
 

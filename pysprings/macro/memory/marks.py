@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from pysprings.macro.fan import RANGE_SLACK, WIDEST, FanTable
-from pysprings.springs.alike import TOGETHER, same_load
+from pysprings.springs.path import TOGETHER, same_load
 
 
 @dataclass(frozen=True, slots=True)

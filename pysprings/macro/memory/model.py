@@ -17,7 +17,7 @@ from pysprings.macro.memory.elements import STATES, follow, tangents
 from pysprings.macro.memory.marks import off_rate
 from pysprings.macro.memory.shares import elastic_motions
 from pysprings.macro.solver import Drive
-from pysprings.springs.alike import same_load
+from pysprings.springs.path import same_load
 
 Array = NDArray[np.float64]
 

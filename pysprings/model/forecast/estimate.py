@@ -11,7 +11,6 @@ import numpy as np
 from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.memory import left as memory_available
 from pysprings.model.build import Built
-from pysprings.model.discretise import build
 from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect
 from pysprings.model.forecast.omissions import left_out, symmetric_factors
 from pysprings.model.forecast.resources import (
@@ -22,10 +21,9 @@ from pysprings.model.forecast.resources import (
     steps_bytes,
 )
 from pysprings.model.forecast.run_time import seconds, superlu_bytes, uses_superlu
-from pysprings.model.forecast.small_strain import scene_warnings
-from pysprings.model.fourier import BuiltFourier
+from pysprings.model.fourier import BuiltFourier, build
 from pysprings.model.penalty import defaults_of, penalty_of
-from pysprings.model.stages import fast_paths
+from pysprings.model.stages import fast_paths, scene_warnings
 from pysprings.scene.defaults import remarks
 from pysprings.scene.interface import adhesion_factor, uses_adhesion
 

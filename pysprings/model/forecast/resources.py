@@ -27,8 +27,7 @@ from pysprings.model.forecast.run_time import least_increments, likely_increment
 from pysprings.model.fourier import fixed_directions, section_counts_of, section_of
 from pysprings.model.fourier_mesh import CaissonSection, counted_section
 from pysprings.model.mesh import Counts, core_square, counted
-from pysprings.model.steel import patch
-from pysprings.model.steel_rings import make_steel_rings, with_rings
+from pysprings.model.steel import make_steel_rings, patch, with_rings
 from pysprings.model.water import drained_corners, film_corners, fixed_film
 
 if TYPE_CHECKING:

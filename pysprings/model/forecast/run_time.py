@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from fe_engine.linear.backends import available_backends
 from fe_engine.solve.stepping import fewest_increments
 from pysprings.core.words import MOST_DRAWN
-from pysprings.model.forecast.small_strain import imposed_motion
-from pysprings.model.stages import path_stages
+from pysprings.model.stages import imposed_motion, path_stages
 from pysprings.scene.soil_laws import SOIL_LAWS
 
 if TYPE_CHECKING:

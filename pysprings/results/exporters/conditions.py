@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from pysprings.core.errors import refused
 from pysprings.results.exporters.base import Options, Source
-from pysprings.springs.alike import same_load
+from pysprings.springs.path import same_load
 from pysprings.springs.springs import Springs
 
 

@@ -12,7 +12,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.full_model.run_record import MeshFigures, RunRecord
-from pysprings.model.forecast.omission_text import saved_text
+from pysprings.model.forecast.omissions import saved_text
 from pysprings.results.report.table import ReportTable, Table
 from pysprings.scene.defaults import value_text
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
-from pysprings.full_model.accuracy.settings import BRICKS, FOURIER, MESH
+from pysprings.full_model.accuracy.presets import BRICKS, FOURIER, MESH
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
 
 if TYPE_CHECKING:

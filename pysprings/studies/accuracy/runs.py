@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
-from pysprings.full_model.accuracy.settings import Setting
+from pysprings.full_model.accuracy.presets import Setting
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.forecast.run_time import seconds
 from pysprings.studies.accuracy.child import Run

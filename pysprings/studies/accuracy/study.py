@@ -18,8 +18,7 @@ from pysprings.core.files.storage import remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
 from pysprings.core.text import json_text
 from pysprings.full_model.accuracy.measures import MEASURES
-from pysprings.full_model.accuracy.presets import JUDGED, SCHEMA, TARGETS
-from pysprings.full_model.accuracy.settings import Setting
+from pysprings.full_model.accuracy.presets import JUDGED, SCHEMA, TARGETS, Setting
 from pysprings.studies.accuracy import rows, runs, text
 from pysprings.studies.accuracy.child import Run, run_in_child
 from pysprings.studies.accuracy.rows import StudyResult

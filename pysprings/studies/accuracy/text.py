@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from pysprings.core.text import markdown_table
 from pysprings.full_model.accuracy.measures import MEASURES
-from pysprings.full_model.accuracy.presets import TARGETS, cheapest_within
-from pysprings.full_model.accuracy.settings import FOURIER
+from pysprings.full_model.accuracy.presets import FOURIER, TARGETS, cheapest_within
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult, records
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.core.version import __version__
 from pysprings.springs.checks import SCHEMA
-from pysprings.springs.spread import GROUP
+from pysprings.springs.springs import SPREAD
 from pysprings.studies.atlas.between import between
 from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share
 
@@ -62,7 +62,7 @@ def spring_tree(atlas: Atlas, scene: Scene, estimate: Estimate) -> xr.DataTree:
     }
     root = _root(atlas, scene, estimate, V)
     spread = _spread(names, modes, rho, atlas.fan[1] * part, L)
-    return xr.DataTree.from_dict({"/": root, **paths, f"/{GROUP}": spread}, name="springs")
+    return xr.DataTree.from_dict({"/": root, **paths, f"/{SPREAD}": spread}, name="springs")
 
 
 def mesh_words(atlas: Atlas) -> str:

@@ -14,7 +14,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.results.tables.load_cases import LoadCases
-from pysprings.springs.alike import same_load
+from pysprings.springs.path import same_load
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from pysprings.full_model.accuracy import presets
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.results.exporters import EXPORTERS
 from pysprings.scene.load import SECTIONS
-from pysprings.scene.template_names import template_names
+from pysprings.scene.template import template_names
 from pysprings.scene.toml import field_of
 from pysprings.studies.atlas.families import FAMILIES
 from pysprings.studies.atlas.file import shipped

@@ -11,8 +11,7 @@ import pytest
 from pysprings.core.text import number
 from pysprings.model.forecast.estimate import describe
 from pysprings.scene.load import load_scene, parse_scene
-from pysprings.scene.template import template_text
-from pysprings.scene.template_names import template_names
+from pysprings.scene.template import template_names, template_text
 from tests.support import tiny
 from tests.support.commands import command
 

@@ -8,7 +8,7 @@ import pytest
 
 from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PRESSURE, PY, STIFFNESS, Sample
-from pysprings.full_model.accuracy.richardson import cell_size, extrapolate, order_from
+from pysprings.full_model.accuracy.measures import cell_size, extrapolate, order_from
 from pysprings.studies.accuracy.picture import front
 
 H = (1.0, 0.71, 0.42)  # ratios that are not equal

@@ -16,13 +16,13 @@ from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import presets, two_mesh
 from pysprings.full_model.accuracy.curves import LOAD, PY, SLICES
+from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.own_estimate import (
     companions_of,
     estimates_by_default,
     with_estimate,
 )
-from pysprings.full_model.accuracy.richardson import cell_size
-from pysprings.full_model.accuracy.settings import BETWEEN, PRESETS, VARIED, read_mesh, settings
+from pysprings.full_model.accuracy.presets import BETWEEN, PRESETS, VARIED, read_mesh, settings
 from pysprings.full_model.compute import scene_to_run
 from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, RunRecord, Status
 from pysprings.model.build import counts_of

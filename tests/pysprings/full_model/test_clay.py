@@ -12,8 +12,8 @@ from pysprings import Scene
 from pysprings.full_model.compute import compute
 from pysprings.macro.comparison import compare
 from pysprings.model.contact import SURFACE
-from pysprings.model.discretise import build
 from pysprings.model.forecast.omissions import left_out
+from pysprings.model.fourier import build
 from pysprings.scene.template import template_text
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance

@@ -14,7 +14,7 @@ from fe_engine.state import State
 from pysprings import Scene
 from pysprings.full_model.compute import compute
 from pysprings.full_model.discretise import make_engine
-from pysprings.model.discretise import build
+from pysprings.model.fourier import build
 from pysprings.scene.extent import PAPER
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance

@@ -31,7 +31,7 @@ from pysprings.full_model import cavitation, checkpoint, discretise
 from pysprings.full_model import compute as full_model
 from pysprings.full_model.checkpoint import Checkpoints, Saved
 from pysprings.full_model.compute import compute
-from pysprings.full_model.environment import differences
+from pysprings.full_model.result_tree import differences
 from pysprings.results.folder import run_to_folder
 from pysprings.results.layout import run_files
 from tests.support import tiny

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pysprings.full_model.skirt_slices import SkirtSlices, slices_of_elements, slices_of_rings
+from pysprings.full_model.collect import SkirtSlices, slices_of_elements, slices_of_rings
 
 RINGS = np.array([0.0, 0.4, 1.0, 1.2, 3.0])
 

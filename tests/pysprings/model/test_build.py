@@ -16,7 +16,7 @@ from fe_engine.settings import Settings
 from fe_engine.soil import plasol
 from fe_engine.state import State
 from pysprings import Scene
-from pysprings.model import build, discretise
+from pysprings.model import build, fourier
 from pysprings.model.build import Built, build_model
 from pysprings.model.contact import SURFACE
 from pysprings.model.forecast.omissions import left_out
@@ -234,7 +234,7 @@ PATHS: dict[str, dict[str, Any]] = {
 
 def outputs(scene: Scene) -> dict[str, Any]:
     """Everything that a run computes from, and what it writes about the scene, without solving anything."""
-    built = discretise.build(scene)
+    built = fourier.build(scene)
     path = scene.paths[0]
     return {
         "model": flat(built.model),

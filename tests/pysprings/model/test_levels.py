@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pysprings.model.discretise import build
 from pysprings.model.forecast.resources import size_of
+from pysprings.model.fourier import build
 from pysprings.model.mesh import graded_both, through
 from tests.support import tiny
 

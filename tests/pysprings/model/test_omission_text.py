@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pysprings.model.forecast.omission_text import saved_text
+from pysprings.model.forecast.omissions import saved_text
 
 
 @pytest.mark.parametrize(

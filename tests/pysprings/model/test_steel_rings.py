@@ -18,10 +18,9 @@ from fe_engine.state import State, initial_fields
 from pysprings.full_model.compute import compute
 from pysprings.full_model.discretise import make_engine
 from pysprings.full_model.fourier_collect import FourierCollector
-from pysprings.model.discretise import build
 from pysprings.model.forecast import resources
 from pysprings.model.forecast.estimate import describe
-from pysprings.model.fourier import build_fourier
+from pysprings.model.fourier import build, build_fourier
 from pysprings.model.stages import path_stages
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.path import paths_of

@@ -30,8 +30,7 @@ from pysprings.results.report.springs import spring_tables
 from pysprings.results.report.table import ReportData, ReportTable, Table
 from pysprings.results.report.tables import REPORT_TABLES
 from pysprings.scene.load import parse_scene
-from pysprings.scene.template import template_text
-from pysprings.scene.template_names import template_names
+from pysprings.scene.template import template_names, template_text
 from pysprings.springs.edge import on_slices
 from tests.support import fans, synthetic, tiny
 from tests.support.commands import run_python

@@ -133,7 +133,7 @@ def test_studies_refuse_links_in_their_folders(tmp_path: Path, elsewhere: Path) 
 
 
 def accuracy_settings() -> Any:
-    from pysprings.full_model.accuracy.settings import settings
+    from pysprings.full_model.accuracy.presets import settings
 
     return settings(["coarse"], True, ["superlu"], "superlu")
 

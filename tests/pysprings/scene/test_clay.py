@@ -12,8 +12,8 @@ from fe_engine.soil import anisotropic, iwan_clay
 from pysprings.core.errors import UserInputError
 from pysprings.model.forecast.estimate import profile
 from pysprings.model.soil_laws import soil_materials
+from pysprings.scene.defaults import implausible
 from pysprings.scene.interface import api_factor
-from pysprings.scene.plausible import implausible
 from tests.support import tiny
 
 CLAY = """\

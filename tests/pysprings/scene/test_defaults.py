@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.scene.defaults import defaulted, defaulted_text, remarks
+from pysprings.scene.defaults import OF_LAYER, RANGES, defaulted, defaulted_text, remarks
 from pysprings.scene.load import load_scene, parse_scene
-from pysprings.scene.plausible import OF_LAYER, RANGES
 from tests.support import tiny
 from tests.support.commands import command
 

@@ -14,8 +14,7 @@ from fe_engine.soil import formulas, lode, plasol, van_eekelen
 from fe_engine.soil.law import Point
 from pysprings.core.errors import UserInputError
 from pysprings.model.build import build_model
-from pysprings.model.forecast.small_strain import scene_warnings
-from pysprings.model.stages import path_stages
+from pysprings.model.stages import path_stages, scene_warnings
 from pysprings.scene.soil_laws import MOST_CONTRACTION, VAN_EEKELEN
 from tests.support import tiny
 
@@ -252,9 +251,9 @@ def test_small_motions_are_not() -> None:
 
 def test_a_run_records_the_motion_that_it_reached(monkeypatch: pytest.MonkeyPatch) -> None:
     from pysprings.full_model import compute
-    from pysprings.model.forecast import small_strain
+    from pysprings.model import stages
 
-    monkeypatch.setattr(small_strain, "LARGEST_SHARE", 1e-5)
+    monkeypatch.setattr(stages, "LARGEST_SHARE", 1e-5)
     result = compute.compute(tiny.scene()).recorded()
     (text,) = json.loads(result.attrs["run_json"])["warnings"]
     assert "path 'pull': a displacement of 0.0005 m" in text

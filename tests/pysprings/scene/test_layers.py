@@ -11,10 +11,9 @@ import pytest
 from scipy.integrate import quad
 
 from pysprings.core.errors import UserInputError
-from pysprings.model.discretise import build
-from pysprings.scene.defaults import remarks
+from pysprings.model.fourier import build
+from pysprings.scene.defaults import implausible, remarks
 from pysprings.scene.extent import PAPER
-from pysprings.scene.plausible import implausible
 from tests.support import tiny
 
 LAYERS = """\

@@ -16,14 +16,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from pysprings.scene.by_depth import Profile
-from pysprings.scene.by_surface import BySurface
+from pysprings.scene.by_depth import BySurface, Profile
 from pysprings.scene.defaults import defaulted
 from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity
 from pysprings.scene.load import SECTIONS, Scene, load_scene, parse_scene
-from pysprings.scene.schema import scene_schema
 from pysprings.scene.sections import PAPER_SOIL, Domain, Layer
-from pysprings.scene.template import template_names, template_text
+from pysprings.scene.template import scene_schema, template_names, template_text
 from pysprings.scene.toml import field_of
 from tests.support import tiny
 from tests.support.place import SCENES

@@ -18,8 +18,8 @@ from pysprings import Scene
 from pysprings.core.errors import Problem, ResourceError, RunIncomplete, UserInputError
 from pysprings.core.files.storage import read_tree, write_text, write_tree
 from pysprings.full_model.accuracy import presets
-from pysprings.full_model.accuracy.richardson import cell_size
-from pysprings.full_model.accuracy.settings import settings
+from pysprings.full_model.accuracy.measures import cell_size
+from pysprings.full_model.accuracy.presets import settings
 from pysprings.full_model.compute import run
 from pysprings.full_model.run_record import SCHEMA
 from pysprings.model.forecast.resources import size_of

@@ -15,9 +15,8 @@ import xarray as xr
 
 from pysprings.cli import accuracy
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY
-from pysprings.full_model.accuracy.measures import MEASURES
-from pysprings.full_model.accuracy.richardson import Reference
-from pysprings.full_model.accuracy.settings import settings
+from pysprings.full_model.accuracy.measures import MEASURES, Reference
+from pysprings.full_model.accuracy.presets import settings
 from pysprings.full_model.run_record import RunRecord
 from pysprings.scene.sections import PAPER_PATH
 from pysprings.studies.accuracy import study

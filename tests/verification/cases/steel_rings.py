@@ -15,7 +15,7 @@ from fe_engine.soil.elastic import elastic_matrix
 from pysprings.model.fourier import nodal_rings
 from pysprings.model.fourier_mesh import PRESETS, make_section
 from pysprings.model.mesh import Geometry
-from pysprings.model.steel_rings import make_steel_rings
+from pysprings.model.steel import make_steel_rings
 from tests.verification.cases.steel_shell import LID, RADIUS, WALL, YOUNG
 from tests.verification.rows import Row
 

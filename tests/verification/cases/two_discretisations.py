@@ -14,8 +14,8 @@ import numpy as np
 
 from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, curves_of, samples
-from pysprings.full_model.accuracy.richardson import Reference, cell_size
-from pysprings.full_model.accuracy.settings import QUICK_SERIES, read_mesh
+from pysprings.full_model.accuracy.measures import Reference, cell_size
+from pysprings.full_model.accuracy.presets import QUICK_SERIES, read_mesh
 from pysprings.full_model.compute import compute
 from pysprings.scene.extent import PAPER
 from tests.support import tiny
