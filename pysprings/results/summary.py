@@ -96,10 +96,9 @@ def _loads(run: Run) -> str:
         best = max(_lateral(run), key=lambda item: float(np.abs(item[1][load]).max()), default=None)
         if best is not None:
             at = int(np.abs(best[1][load].values).argmax())
-            u, turn = float(best[1]["u"][at]), float(best[1]["rotation"][at])
-            value = 1e-6 * abs(float(best[1][load][at]))
+            u, turn, value = (float(best[1][name][at]) for name in ("u", "rotation", load))
             parts.append(
-                f"{load} {value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, {math.degrees(turn):.3g} deg)"
+                f"{load} {1e-6 * value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, {math.degrees(turn):.3g} deg)"
             )
     return f"largest reached, no limit load: {', '.join(parts)}" if parts else ""
 

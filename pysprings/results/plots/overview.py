@@ -190,11 +190,12 @@ def secant_stiffness(tree: xr.DataTree) -> Figure:
 def draw_secant(axes: Axes, tree: xr.DataTree, load: str, motion: str, over: float, least: float = 0.0) -> None:
     """Draw load over motion against motion / `over` on given axes, for the states where the load drives the motion.
 
-    Loads up to `least` (N or N m) are zero.
+    Loads up to `least` (N or N m) are zero; a path that turns back shows the states of its largest motion so far.
     """
     for name, path, colour in lateral_paths(tree):
         x, y = path[motion].values, path[load].values
-        shown = converged(path) & (np.abs(x) > SMALLEST) & (x * y > 0.0) & (np.abs(y) > least)
+        farthest = np.abs(x) >= np.maximum.accumulate(np.abs(x))
+        shown = converged(path) & farthest & (np.abs(x) > SMALLEST) & (x * y > 0.0) & (np.abs(y) > least)
         if shown.sum() > 1:
             line = "--" if path.attrs.get("role") == "held-back" else "-"
             size, secant = np.abs(x[shown]) / over, MN * y[shown] / x[shown]

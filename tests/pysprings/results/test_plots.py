@@ -716,3 +716,11 @@ def test_a_moment_that_is_rounding_has_no_secant() -> None:
     left, right = (axes.get_lines() for axes in plots.secant_stiffness(tree).axes)
     assert {str(line.get_label()) for line in left} >= {"pull"}
     assert {str(line.get_label()) for line in right} & {"pull", "turn"} == {"turn"}
+
+
+def test_a_path_that_turns_back_has_the_secants_of_its_largest_motion_so_far() -> None:
+    tree = synthetic.make_result((synthetic.Path("pull", steps=4),))
+    path = tree["paths/pull"]
+    path["u"][:], path["H"][:] = [0.0, 2e-3, -1e-3, -2.5e-3, 1e-3], [0.0, 4e5, -3e5, -5e5, 4e5]
+    (line, *_) = plots.secant_stiffness(tree).axes[0].get_lines()
+    assert line.get_ydata().tolist() == pytest.approx([200.0, 200.0])
