@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 A caisson in one minute
 =======================
 
 The caisson of the paper in drained sand is pulled at 5 m above mudline. The picture shows which part of the
 caisson carries the load.
+
+The load is the sum of the reactions of skirt, tip and lid:
+
+.. math:: H = \sum p\,\Delta z + H_\mathrm{tip} + H_\mathrm{lid}
 """
 
 import pysprings

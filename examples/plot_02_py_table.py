@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 A p-y table for a colleague
 ===========================
 
 p-y curves of one load path as a table: what a structural engineer asks for first. The table alone is not a
 foundation: the last lines compute what share of the load it carries.
+
+The table has :math:`p(y)` at each depth z, with
+
+.. math:: y(z) = u - \theta z, \qquad H = \sum p\,\Delta z + H_\mathrm{tip} + H_\mathrm{lid}
 """
 
 import tempfile

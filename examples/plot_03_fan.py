@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 A fan of load paths, and a prediction
 =====================================
 
 Springs of one path hold on that path. A fan of paths holds between them. A pull that was held back measures how
 well.
+
+Reactions are functions of the motion (u, rotation), in polar coordinates with the skirt length L:
+
+.. math:: \rho = \sqrt{u^2 + (\theta L)^2}, \quad \varphi = \operatorname{atan2}(\theta L, u), \qquad
+          p(z) = p(\rho, \varphi; z)
 """
 
 import matplotlib.pyplot as plt

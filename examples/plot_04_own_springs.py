@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 Springs of your own
 ===================
 
 p-y curves of another source, in a table with units in its headings, answer a load without any finite-element
 run.
+
+Equilibrium of the rigid body on p-y springs alone, for a load H at height h:
+
+.. math:: H = \sum p(u - \theta z)\,\Delta z, \qquad H h = -\sum p(u - \theta z)\,z\,\Delta z
 """
 
 import tempfile

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 Ten load cases of a monobucket in clay
 ======================================
 
 A bucket in soft clay, a fan of load paths, and ten load cases with a tolerance on the tilt. A case is answered,
 answered with a mark, or refused with the reason.
+
+Each case is an equilibrium of the springs; its utilisation is beside the largest load in its direction:
+
+.. math:: Q = \sqrt{H^2 + (M/L)^2}, \qquad \text{utilisation} = Q / Q_\max(H : M/L)
 """
 
 import subprocess

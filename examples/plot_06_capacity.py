@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 Capacity in horizontal load and moment
 ======================================
 
 The full model is pushed to failure in eight directions of H and M under the dead load: an envelope with nothing
 fitted. The mesh of this example is far too coarse for the number; the way is that of a finer one.
+
+A probe imposes the motion s, conjugate to a load Q of constant direction; the envelope has the largest Q:
+
+.. math:: s = u\cos\alpha + D\theta\sin\alpha, \qquad H = Q\cos\alpha, \quad M = Q D\sin\alpha
 """
 
 import subprocess

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 Clay whose strength grows with depth
 ====================================
 
 Undrained clay in total stress, su = 10 kPa + 2 kPa/m z. The lateral reaction over su D by depth shows where the
 skirt has reached what the clay can carry: values of 9 to 12 are those of flow around a pile, values near
 mudline are lower.
+
+The bearing factor of a depth is
+
+.. math:: N_p(z) = p(z) / (s_u(z)\,D), \qquad s_u = 10 + 2 z \;\text{kPa}
 """
 
 import tempfile

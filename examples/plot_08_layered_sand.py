@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 Loose sand over dense sand
 ==========================
 
 Two layers whose stiffness follows the initial stress. Slices of the springs end at the boundary, where the
 reaction jumps.
+
+Young's modulus follows the initial vertical stress:
+
+.. math:: E = E_\mathrm{ref}\,(\sigma'_v / \sigma_\mathrm{ref})^{n}
 """
 
 import tempfile

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 How fast the load comes
 =======================
 
 Partially drained sand: the same pull at two rates, between the drained and the undrained caisson. Suction under
 the lid carries part of the load that is applied fast.
+
+Water flows by Darcy's law, and the soil gives what it loses in volume (Biot 1941):
+
+.. math:: \dot\varepsilon_v + \frac{n}{K_w}\dot p_w = \nabla\cdot\left(\frac{k}{\gamma_w}\nabla p_w\right)
 """
 
 import matplotlib.pyplot as plt

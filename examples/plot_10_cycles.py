@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 Cycles: springs with memory
 ===========================
 
 Springs of a fan go back on the curve that they came on. Three rays that turn back calibrate springs that
 remember. A pull that was held back and reverses shows both beside the full model.
+
+Springs with memory are elements with a stiffness and a limit each, whose loads sum:
+
+.. math:: (H, M) = \sum_i f_i, \qquad \dot f_i = k_i\,\dot q \;\text{ while }\; \phi_i(f_i) < 1
 """
 
 import subprocess

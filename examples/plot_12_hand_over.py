@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""
+r"""
 Hand-over to OpenSees and OpenFAST
 ==================================
 
 The springs of a fan as files for other programs. The head of each file has the frame, the range of validity and
 the measured error of what the format cannot hold.
+
+A linear foundation of another program has the stiffness of the caisson about one point,
+
+.. math:: (H, M)^T = K\,(u, \theta)^T, \qquad K = \partial(H, M)/\partial(u, \theta)
 """
 
 import subprocess
