@@ -49,8 +49,9 @@ def raise_or_warn(answer: xr.Dataset, strict: bool = False, extrapolate: bool = 
     if answer.attrs["status"] != "complete":
         raise PredictionNotConverged(answer.attrs["message"])
     notes = [*beyond, *answer.attrs["warnings"]]
-    if strict and notes:
-        raise refused("strict", "; ".join(notes))
+    marks = [*notes, *filter(None, [str(answer.attrs.get("atlas_mesh", ""))])]
+    if strict and marks:
+        raise refused("strict", "; ".join(marks))
     for note in notes:
         warnings.warn(note, MacroWarning, stacklevel=4)
     return answer.assign_attrs(warnings=notes)

@@ -93,7 +93,7 @@ def load_scene(path: str | os.PathLike[str], changes: Sequence[str] = ()) -> Sce
     UserInputError
         One problem per thing that is wrong with the file, in the order of the file.
     """
-    return parse_scene(_read_text(FilePath(path)), str(path), changes)
+    return parse_scene(read_text(FilePath(path)), str(path), changes)
 
 
 def parse_scene(text: str, file: str | None = None, changes: Sequence[str] = ()) -> Scene:
@@ -109,20 +109,13 @@ class SceneText:
 
     def __init__(self, text: str, file: str | None = None) -> None:
         self.text, self.file = text, file
-        try:
-            refuse_depth(text)
-            self._data = _parse_toml(text, file)
-            self._places = locate(text)
-        except TooDeep as error:
-            _refuse(file, str(error), *error.place)
-        except RecursionError:
-            _refuse(file, "lists or tables are nested too deeply")
+        self._data, self._places = toml_of(text, file)
         self._profile, self._in_table = _read_profile(self._data, self._places, file)
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> SceneText:
         """Return the text of a scene file."""
-        return cls(_read_text(FilePath(path)), str(path))
+        return cls(read_text(FilePath(path)), str(path))
 
     def scene(self, changes: Sequence[Change] = ()) -> Scene:
         """Return the scene with values changed. Raises UserInputError with every problem."""
@@ -171,19 +164,30 @@ def _refuse(file: str | None, message: str, line: int | None = None, col: int | 
     raise UserInputError([Problem(file, line, col, message=message)]) from None
 
 
-def _read_text(path: FilePath) -> str:
-    """Read a small regular UTF-8 file; raise UserInputError for any other."""
+def toml_of(text: str, file: str | None) -> tuple[dict[str, Any], dict[KeyPath, Place]]:
+    """Return the data of TOML text, and the places of its keys. Raises UserInputError."""
+    try:
+        refuse_depth(text)
+        return _parse_toml(text, file), locate(text)
+    except TooDeep as error:
+        _refuse(file, str(error), *error.place)
+    except RecursionError:
+        _refuse(file, "lists or tables are nested too deeply")
+
+
+def read_text(path: FilePath, what: str = "scene") -> str:
+    """Read a small regular UTF-8 file, a scene or ``what``; raise UserInputError for any other."""
     name = str(path)
     try:
         status = path.stat()
         if path.is_dir():
-            _refuse(name, "is a folder, not a scene file")
+            _refuse(name, f"is a folder, not a {what} file")
         if not S_ISREG(status.st_mode):
             _refuse(name, "is not a regular file")
         if status.st_size > MAX_BYTES:
             _refuse(
                 name,
-                f"is too large for a scene (more than {MAX_BYTES // 1024} KiB)",
+                f"is too large for a {what} (more than {MAX_BYTES // 1024} KiB)",
             )
         return path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:

@@ -28,9 +28,10 @@ Array = NDArray[np.float64]
 
 TEXTS = ("name", "limit_state")
 _NAMES = {
-    "name": ("case", "load case", "lc", "id"), "limit_state": ("state", "limit state"),
-    "H_N": ("horizontal",), "M_Nm": ("moment",), "V_N": ("vertical",), "arm_m": ("height", "lever arm"),
-    "direction_rad": ("h direction", "azimuth"), "M_direction_rad": (), "tilt_rad": ("tolerance",),
+    "name": ("case", "load case", "lc", "id", "lastfall"), "limit_state": ("state", "limit state", "grenzzustand"),
+    "H_N": ("horizontal", "horizontalkraft"), "M_Nm": ("moment", "biegemoment"), "V_N": ("vertical", "vertikalkraft"),
+    "arm_m": ("height", "lever arm", "hebelarm"),
+    "direction_rad": ("h direction", "azimuth", "richtung"), "M_direction_rad": (), "tilt_rad": ("tolerance",),
     "factor": (), "factor_H": (), "factor_M": (), "factor_V": (), "T_Nm": ("torsion", "m z", "mz"),
     "Fx_N": ("f x", "h x", "hx"), "Fy_N": ("f y", "h y", "hy"), "Fz_N": ("f z",),
     "Mx_Nm": ("m x",), "My_Nm": ("m y",),

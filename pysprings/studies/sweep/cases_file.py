@@ -82,7 +82,7 @@ def read_cases(folder: Path, plan: Plan) -> tuple[Plan, dict[int, str]]:
                 k, "id", f"'{text}' is no number of a case" if number is None else f"case {text} stands here twice"
             )
             continue
-        cases.append(Case(number, tuple(column[k] for column in columns)))
+        cases.append(Case(number, tuple(column[k] for column in columns), int(table.lines[k])))
         asked[number] = status[k]
     table.faults.stop()
     if not cases:
@@ -100,8 +100,8 @@ def read_table(file: Path) -> tuple[tuple[Axis, ...], tuple[Case, ...]]:
     columns = [_values(table, key) for key in keys]
     table.faults.stop()
     axes = tuple(Axis(key.replace(".", "_"), (key,)) for key in keys)
-    cases = zip(*columns, strict=True)
-    return axes, tuple(Case(k, values) for k, values in enumerate(cases, start=1))
+    rows = zip(zip(*columns, strict=True), table.lines.tolist(), strict=True)
+    return axes, tuple(Case(k, values, line) for k, (values, line) in enumerate(rows, start=1))
 
 
 def _values(table: Table, key: str) -> list[Value]:

@@ -56,10 +56,11 @@ class Axis:
 
 @dataclass(frozen=True)
 class Case:
-    """A row of a study: its number from 1, and a value for each axis."""
+    """A row of a study: its number from 1, a value for each axis, and its line in the table that it comes from."""
 
     number: int
     values: tuple[Value, ...]
+    line: int | None = None
 
     @property
     def id(self) -> str:
@@ -145,7 +146,7 @@ class Plan:
         axis = next((each for each in self.axes if any(_same(key, own) for own in each.keys)), None)
         text = f"case {case.id}: {problem.message}"
         if self.from_file:
-            return Problem(self.from_file, case.number + 1, None, key, text)
+            return Problem(self.from_file, case.line, None, key, text)
         line, col = (axis.place if axis else None) or (None, None)
         return Problem(self.file, line, col, key, text if axis is None else problem.message)
 

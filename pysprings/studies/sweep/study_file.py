@@ -21,72 +21,73 @@ to = "8 m"
 
 from __future__ import annotations
 
+import math
 import re
-import tomllib
-from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from pysprings.core.errors import Problem, UserInputError, refused
+from pydantic import Field as Named
+from pydantic import ValidationError
+
+from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import QuantityError, quoted, unit_of
-from pysprings.scene.fields import suggestion
-from pysprings.scene.load import SceneText
-from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
+from pysprings.scene.fields import Choice, Count, Text, suggestion
+from pysprings.scene.load import SceneText, read_text, toml_of
+from pysprings.scene.positions import KeyPath, nearest
+from pysprings.scene.sections import Section
 from pysprings.studies.sweep import plan as plans
-from pysprings.studies.sweep.plan import Axis, Plan
+from pysprings.studies.sweep.cases_file import read_table
+from pysprings.studies.sweep.plan import Axis, Keep, Plan
 
 MOST_CASES = 1_000_000
-MAX_BYTES = 256 * 1024
-METHOD = "latin-hypercube"
-_TOP = ("title", "scene", "keep", "cases", "sampling", "axis")
-_AXIS = ("key", "keys", "name", "values", "from", "to", "count", "spacing")
-_SAMPLING = ("method", "cases", "seed")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 # columns of cases.csv and variables of study.nc
 TAKEN = ("id", "status", "reason", "seconds", "hash", "case", "ray", "reach", "depth", "dof", "dof_conjugate")
+# Sections of a study file; what must not be missing is noted by the checks, so that all comes at once
+_Word = Annotated[str, Text("a name")]
+_Cases = Annotated[int | None, Count(1, MOST_CASES, "number of cases", optional=True)]
+_Seed = Annotated[int | None, Count(0, 2**32 - 1, "seed", optional=True)]
+_Values = Annotated[int | None, Count(2, MOST_CASES, "number of values", optional=True)]
 
 
-class _Reader:
-    """Reads the tables of a study and gathers what is wrong with them."""
+class Sampling(Section):
+    """The section [sampling]."""
 
-    def __init__(self, file: Path, data: dict[str, Any], places: dict[KeyPath, Place]) -> None:
-        self.file, self.data, self.places = file, data, places
-        self.problems: list[Problem] = []
+    method: Annotated[str, Choice(("latin-hypercube",), "how cases are chosen")] = ""
+    cases: _Cases = None
+    seed: _Seed = None
 
-    def fault(self, path: KeyPath, message: str, key: bool = False) -> None:
-        """Note a problem at a key path."""
-        place = nearest(self.places, path)
-        line, col = place.key if key else place.value
-        name = ".".join(str(part + 1 if isinstance(part, int) else part) for part in path)
-        self.problems.append(Problem(str(self.file), line, col, name, message))
 
-    def known(self, table: Any, path: KeyPath, words: Sequence[str]) -> bool:
-        """Note unknown keys of a table; return whether it is a table."""
-        if not isinstance(table, dict):
-            self.fault(path, "expected a table")
-            return False
-        for key in [each for each in table if each not in words]:
-            self.fault((*path, key), f"unknown key{suggestion(key, words)}", key=True)
-        return True
+class AxisTable(Section):
+    """A section [[axis]]."""
 
-    def text(self, table: dict[str, Any], path: KeyPath, default: str = "") -> str:
-        """Return a text of a table."""
-        value = table.get(str(path[-1]), default)
-        if not isinstance(value, str):
-            self.fault(path, f"expected a text in quotes, got {quoted(value)}")
-            return default
-        return value
+    key: _Word = ""
+    keys: tuple[_Word, ...] = ()
+    name: _Word = ""
+    values: list[Any] | None = None
+    low: Annotated[Any, Named(alias="from")] = None
+    to: Any = None
+    count: _Values = None
+    spacing: Annotated[str, Choice(("linear", "log"), "how values are spaced")] = "linear"
 
-    def whole(self, table: dict[str, Any], path: KeyPath, low: int, high: int, default: int) -> int:
-        """Return a whole number of a table."""
-        value = table.get(str(path[-1]), default)
-        if isinstance(value, bool) or not isinstance(value, int):
-            self.fault(path, f"expected a whole number such as {low}, got {quoted(value)}")
-            return default
-        if not low <= value <= high:
-            self.fault(path, f"{value} is not in [{low}, {high}]")
-            return default
-        return value
+
+class StudyFile(Section):
+    """A whole study file."""
+
+    title: _Word = ""
+    scene: _Word = ""
+    keep: Annotated[Keep, Choice(("springs", "all"), "files of a case that are kept")] = "springs"
+    cases: _Word = ""
+    sampling: Sampling | None = None
+    axis: tuple[AxisTable, ...] = ()
+
+
+_TABLES: dict[Any, type[Section]] = {"axis": AxisTable, "sampling": Sampling}
+_EXPECTED: dict[Any, str] = {
+    "axis": "[[axis]] sections (double brackets): what the study varies", "sampling": "a table [sampling]",
+    "values": 'a list such as ["4 m", "6 m"]', "keys": "a list of keys of the scene",
+}  # fmt: skip
 
 
 def read_study(path: Path) -> Plan:
@@ -97,182 +98,153 @@ def read_study(path: Path) -> Plan:
     UserInputError
         One problem per thing that is wrong with the study; those of its base scene come first.
     """
-    reader = _open(path)
-    reader.known(reader.data, (), _TOP)
-    name = reader.text(reader.data, ("scene",))
-    if not name:
+    reader = _Reader(path)
+    if not reader.study.scene:
         reader.fault(("scene",), "missing: the file of the base scene")
-        raise UserInputError(reader.problems)
-    scene = SceneText.read(path.parent / name)
+        reader.stop()
+    scene = SceneText.read(path.parent / reader.study.scene)
     scene.scene()
-    title = reader.text(reader.data, ("title",), path.stem)
-    keep = reader.text(reader.data, ("keep",), "springs")
-    if keep not in ("springs", "all"):
-        reader.fault(("keep",), f'{quoted(keep)} is not one of "springs", "all"')
+    title, keep = reader.study.title or path.stem, reader.study.keep
     if "cases" in reader.data:
-        return _tabled(reader, path, title, scene, keep)
-    sampled = "sampling" in reader.data
-    axes = _axes(reader, sampled)
-    method = _sampling(reader) if sampled else (0, 0)
-    if not reader.problems and not sampled:
-        _few(reader, axes)
-    if reader.problems:
-        raise UserInputError(reader.problems)
-    cases = plans.latin_hypercube(axes, *method) if sampled else plans.grid(axes)
-    return Plan(str(path), title, scene, axes, cases, "all" if keep == "all" else "springs", not sampled)
+        table = path.parent / reader.table_of_cases()
+        return Plan(str(path), title, scene, *read_table(table), keep, False, str(table))
+    sample = reader.study.sampling
+    axes = reader.axes()
+    if sample is None:
+        number = math.prod(len(axis.values) for axis in axes)
+        if not reader.problems and number > MOST_CASES:
+            reader.fault(("axis",), f"{number:,} combinations; a study has {MOST_CASES:,} cases at most")
+        reader.stop()
+        return Plan(str(path), title, scene, axes, plans.grid(axes), keep)
+    for key in ("method", "cases", "seed"):
+        if key not in reader.data["sampling"]:
+            reader.fault(("sampling", key), "missing: the same sample needs its method, number of cases and seed")
+    reader.stop()
+    cases = plans.latin_hypercube(axes, sample.cases or 1, sample.seed or 0)
+    return Plan(str(path), title, scene, axes, cases, keep, False)
 
 
-def _open(path: Path) -> _Reader:
-    """Return the reader of a study file."""
-    try:
-        raw = path.read_bytes()
-    except OSError as error:
-        raise refused(None, f"cannot be read ({error.strerror})", path) from None
-    if len(raw) > MAX_BYTES:
-        raise refused(None, f"is too large for a study (more than {MAX_BYTES // 1024} KiB)", path)
-    try:
-        text = raw.decode("utf-8-sig")
-        refuse_depth(text)
-        return _Reader(path, tomllib.loads(text), locate(text))
-    except UnicodeDecodeError:
-        raise refused(None, "is not UTF-8 text", path) from None
-    except TooDeep as error:
-        raise UserInputError([Problem(str(path), *error.place, message=str(error))]) from None
-    except (ValueError, RecursionError) as error:
-        raise refused(None, f"not valid TOML: {error}", path) from None
+class _Reader:
+    """The tables of a study file, as far as they are right, and what is wrong with them."""
 
+    def __init__(self, file: Path) -> None:
+        self.file, self.problems = file, list[Problem]()
+        self.data, self.places = toml_of(read_text(file, "study"), str(file))
+        try:
+            self.study = StudyFile.model_validate(self.data)
+        except ValidationError as error:
+            right = toml_of(read_text(file, "study"), str(file))[0]
+            for item in reversed(error.errors(include_url=False)):
+                self._refuse(item, right)
+            self.study = StudyFile.model_validate(right)
 
-def _few(reader: _Reader, axes: Sequence[Axis]) -> None:
-    number = 1
-    for axis in axes:
-        number *= len(axis.values)
-    if number > MOST_CASES:
-        reader.fault(("axis",), f"{number:,} combinations; a study has {MOST_CASES:,} cases at most")
+    def _refuse(self, item: Any, right: dict[str, Any]) -> None:
+        """Note an error of pydantic, and leave its key out of what is right."""
+        path: KeyPath = item["loc"]
+        section = _TABLES.get(path[0], StudyFile) if len(path) > 1 else StudyFile
+        if item["type"] == "extra_forbidden":
+            known = [str(info.alias or name) for name, info in section.model_fields.items()]
+            self.fault(path, f"unknown key{suggestion(str(path[-1]), known)}", key=True)
+        elif item["type"] == "scene":
+            self.fault(path, item["ctx"]["message"])
+        else:
+            self.fault(path, f"expected {_EXPECTED.get(path[-1], 'a table')}, got {quoted(item['input'])}")
+        own = path[:3] if path[0] == "axis" and len(path) > 2 else path[: 2 if path[0] == "sampling" else 1]
+        table: Any = right
+        for part in own[:-1]:
+            table = table[part]
+        table.pop(own[-1], None)
 
+    def fault(self, path: KeyPath, message: str, key: bool = False) -> None:
+        """Note a problem at a key path."""
+        place = nearest(self.places, path)
+        line, col = place.key if key else place.value
+        name = ".".join(str(part + 1 if isinstance(part, int) else part) for part in path)
+        self.problems.append(Problem(str(self.file), line, col, name, message))
 
-def _sampling(reader: _Reader) -> tuple[int, int]:
-    """Return number of cases and seed of a sample."""
-    table = reader.data["sampling"]
-    if not reader.known(table, ("sampling",), _SAMPLING):
-        return 1, 0
-    if (method := table.get("method")) != METHOD:
-        reader.fault(("sampling", "method"), f'expected "{METHOD}", got {quoted(method)}')
-    for key in ("cases", "seed"):
-        if key not in table:
-            reader.fault(("sampling", key), "missing: the same sample needs its number of cases and its seed")
-    cases = reader.whole(table, ("sampling", "cases"), 1, MOST_CASES, 1)
-    return cases, reader.whole(table, ("sampling", "seed"), 0, 2**32 - 1, 0)
+    def stop(self) -> None:
+        """Raise UserInputError where there is any problem."""
+        if self.problems:
+            raise UserInputError(sorted(self.problems, key=lambda each: (each.line or 0, each.col or 0)))
 
+    def table_of_cases(self) -> str:
+        """Return the name of the table of cases."""
+        for key in ("axis", "sampling"):
+            if key in self.data:
+                self.fault((key,), "give either cases = FILE or [[axis]] sections", key=True)
+        self.stop()
+        return self.study.cases
 
-def _axes(reader: _Reader, sampled: bool) -> tuple[Axis, ...]:
-    tables = reader.data.get("axis", [])
-    if not isinstance(tables, list) or not tables:
-        reader.fault(("axis",), "expected [[axis]] sections (double brackets): what the study varies")
-        return ()
-    axes = [axis for number, table in enumerate(tables) if (axis := _axis(reader, table, number, sampled))]
-    for number, axis in enumerate(axes):
-        if axis.name in [each.name for each in axes[:number]]:
-            reader.fault(("axis", number), f"the name '{axis.name}' is that of another axis; give name = \"...\"")
-    return tuple(axes)
+    def axes(self) -> tuple[Axis, ...]:
+        """Return the axes that are right; note what is wrong with the others."""
+        if "axis" not in self.data:
+            self.fault(("axis",), f"expected {_EXPECTED['axis']}")
+        axes: list[Axis] = []
+        for number, table in enumerate(self.study.axis):
+            axis = self._axis(table, ("axis", number))
+            if axis.name in [each.name for each in axes if axis.name]:
+                self.fault(("axis", number), f"the name '{axis.name}' is that of another axis; give name = \"...\"")
+            axes.append(axis)
+        return tuple(axes)
 
+    def _axis(self, table: AxisTable, at: KeyPath) -> Axis:
+        keys = table.keys or tuple(filter(None, [table.key]))
+        if not keys:
+            self.fault((*at, "key"), 'expected a key of the scene such as "caisson.skirt_length"')
+            return Axis("", ())
+        name = table.name or keys[0].split(".")[-1]
+        if not _NAME.fullmatch(name) or name in TAKEN:
+            self.fault((*at, "name"), f"{quoted(name)} is no name of an axis (a letter, then letters, digits or _)")
+        listed, sampled = table.values is not None, self.study.sampling is not None
+        axis = Axis(name, keys, place=nearest(self.places, (*at, "values" if listed else "from")).key)
+        odd = dict.fromkeys(("from", "to", "count", "spacing"), "give either values, or from and to") if listed else {}
+        if sampled:
+            odd |= {"count": "a sample has its number of cases in [sampling]", "values": "a sample needs from and to"}
+        for key in odd.keys() & self.data["axis"][at[1]].keys():
+            self.fault((*at, key), odd[key], key=True)
+        return self._listed(table.values or [], at, axis) if listed else self._ranged(table, at, axis)
 
-def _axis(reader: _Reader, table: Any, number: int, sampled: bool) -> Axis | None:
-    """Return an axis; None where something is wrong with it."""
-    at: KeyPath = ("axis", number)
-    before = len(reader.problems)
-    if not reader.known(table, at, _AXIS):
-        return None
-    keys = table.get("keys", [table["key"]] if "key" in table else [])
-    if not keys or not isinstance(keys, list) or not all(isinstance(key, str) and key for key in keys):
-        reader.fault((*at, "key"), 'expected a key of the scene such as "caisson.skirt_length"')
-        return None
-    name = reader.text(table, (*at, "name"), keys[0].split(".")[-1])
-    if not _NAME.fullmatch(name) or name in TAKEN:
-        reader.fault((*at, "name"), f"{quoted(name)} is no name of an axis (a letter, then letters, digits or _)")
-    place = nearest(reader.places, (*at, "values" if "values" in table else "from")).key
-    if "values" in table:
-        axis = _listed(reader, table, at, sampled, Axis(name, tuple(keys), place=place))
-    else:
-        axis = _ranged(reader, table, at, sampled, Axis(name, tuple(keys), place=place))
-    return axis if len(reader.problems) == before else None
+    def _listed(self, values: list[Any], at: KeyPath, axis: Axis) -> Axis:
+        """Return an axis with a list of values."""
+        if not values:
+            self.fault((*at, "values"), f"expected {_EXPECTED['values']}")
+        for number, value in enumerate(values):
+            if not isinstance(value, str | int | float | bool):
+                self.fault((*at, "values", number), f"expected a text or a number, got {quoted(value)}")
+            elif value in values[:number]:
+                self.fault((*at, "values", number), f"{quoted(value)} stands in the list already")
+        return replace(axis, values=tuple(values))
 
+    def _ranged(self, table: AxisTable, at: KeyPath, axis: Axis) -> Axis:
+        """Return an axis from one end to the other."""
+        if table.low is None or table.to is None:
+            self.fault(at, "an axis needs values, or from and to")
+            return axis
+        (low, unit), (high, other) = (plans.split(each) for each in (table.low, table.to))
+        if not isinstance(low, float | int) or not isinstance(high, float | int):
+            self.fault((*at, "from"), "expected a number, with its unit in quotes, at both ends")
+            return axis
+        before, log = len(self.problems), table.spacing == "log"
+        high = self._in_unit((*at, "to"), high, other, unit)
+        if len(self.problems) == before and not low < high:
+            self.fault((*at, "to"), f"must be above from ({low:g} {unit})".replace(" )", ")"))
+        if log and low <= 0.0:
+            self.fault((*at, "from"), 'must be positive where spacing is "log"')
+        axis = replace(axis, low=low, high=high, unit=unit, log=log)
+        if self.study.sampling is None and "count" not in self.data["axis"][at[1]]:
+            self.fault(at, "a range needs count, its number of values")
+        return replace(axis, values=plans.span(axis, table.count)) if table.count and not self.problems else axis
 
-def _listed(reader: _Reader, table: dict[str, Any], at: KeyPath, sampled: bool, axis: Axis) -> Axis:
-    """Return an axis with a list of values."""
-    values = table["values"]
-    for key in ("from", "to", "count", "spacing"):
-        if key in table:
-            reader.fault((*at, key), "give either values, or from and to", key=True)
-    if sampled:
-        reader.fault((*at, "values"), "a sample needs from and to", key=True)
-    if not isinstance(values, list) or not values:
-        reader.fault((*at, "values"), 'expected a list such as ["4 m", "6 m"]')
-        return axis
-    for number, value in enumerate(values):
-        if not isinstance(value, str | int | float | bool):
-            reader.fault((*at, "values", number), f"expected a text or a number, got {quoted(value)}")
-        elif value in values[:number]:
-            reader.fault((*at, "values", number), f"{quoted(value)} stands in the list already")
-    return Axis(axis.name, axis.keys, tuple(values), place=axis.place)
-
-
-def _ranged(reader: _Reader, table: dict[str, Any], at: KeyPath, sampled: bool, axis: Axis) -> Axis:
-    """Return an axis from one end to the other."""
-    if not {"from", "to"} <= set(table):
-        reader.fault(at, "an axis needs values, or from and to")
-        return axis
-    (low, unit), (high, other) = (plans.split(table[key]) for key in ("from", "to"))
-    if isinstance(low, str) or isinstance(high, str):
-        reader.fault((*at, "from"), "expected a number, with its unit in quotes, at both ends")
-        return axis
-    known = len(reader.problems)
-    high = _in_unit(reader, (*at, "to"), high, other, unit)
-    if len(reader.problems) == known and not low < high:
-        reader.fault((*at, "to"), f"must be above from ({low:g} {unit})".replace(" )", ")"))
-    spacing = reader.text(table, (*at, "spacing"), "linear")
-    if spacing not in ("linear", "log"):
-        reader.fault((*at, "spacing"), f'{quoted(spacing)} is not one of "linear", "log"')
-    if spacing == "log" and low <= 0.0:
-        reader.fault((*at, "from"), 'must be positive where spacing is "log"')
-    ends = Axis(axis.name, axis.keys, (), low, high, unit, spacing == "log", axis.place)
-    if sampled:
-        if "count" in table:
-            reader.fault((*at, "count"), "a sample has its number of cases in [sampling]", key=True)
-        return ends
-    if "count" not in table:
-        reader.fault(at, "a range needs count, its number of values")
-        return ends
-    count = reader.whole(table, (*at, "count"), 2, MOST_CASES, 2)
-    if reader.problems:
-        return ends
-    return Axis(axis.name, axis.keys, plans.span(ends, count), low, high, unit, ends.log, axis.place)
-
-
-def _in_unit(reader: _Reader, path: KeyPath, number: float, unit: str, wanted: str) -> float:
-    """Return a number in another unit of the same dimension."""
-    if unit == wanted:
-        return number
-    try:
-        (scale, dimension), (other, same) = (unit_of(each) for each in (unit, wanted))
-    except QuantityError as error:
-        reader.fault(path, str(error))
-        return number
-    if dimension != same:
-        reader.fault(path, f"{quoted(unit)} and {quoted(wanted)} are units of different quantities")
-        return number
-    return float(f"{number * scale / other:.15g}")
-
-
-def _tabled(reader: _Reader, path: Path, title: str, scene: SceneText, keep: str) -> Plan:
-    """Return the plan of a study whose cases stand in a table."""
-    from pysprings.studies.sweep.cases_file import read_table
-
-    for key in ("axis", "sampling"):
-        if key in reader.data:
-            reader.fault((key,), "give either cases = FILE or [[axis]] sections", key=True)
-    name = reader.text(reader.data, ("cases",))
-    if reader.problems:
-        raise UserInputError(reader.problems)
-    axes, cases = read_table(path.parent / name)
-    kept: plans.Keep = "all" if keep == "all" else "springs"
-    return Plan(str(path), title, scene, axes, cases, kept, False, str(path.parent / name))
+    def _in_unit(self, path: KeyPath, number: float, unit: str, wanted: str) -> float:
+        """Return a number in another unit of the same dimension."""
+        if unit == wanted:
+            return number
+        try:
+            (scale, dimension), (other, same) = (unit_of(each) for each in (unit, wanted))
+        except QuantityError as error:
+            self.fault(path, str(error))
+            return number
+        if dimension != same:
+            self.fault(path, f"{quoted(unit)} and {quoted(wanted)} are units of different quantities")
+            return number
+        return float(f"{number * scale / other:.15g}")

@@ -28,9 +28,13 @@ def problems(folder: Path, *lines: str) -> list[str]:
 
 def test_a_european_table_reads_as_a_plain_one(tmp_path: Path) -> None:
     plain = table(tmp_path, "name,limit_state,H_N,arm_m,V_N,tilt_rad", "storm,ULS,2.5e6,20,3e6,0.0043633231299858239")
-    european = table(tmp_path, "case;limit state;H [MN];height [m];V [MN];tilt [deg]", "storm;ULS;2,5;20;3;0,25")
-    for name in ("H", "M", "V", "direction", "tilt"):
-        np.testing.assert_allclose(getattr(european, name), getattr(plain, name), rtol=1e-14)
+    for head in (
+        "case;limit state;H [MN];height [m];V [MN];tilt [deg]",
+        "Lastfall;Grenzzustand;Horizontalkraft [MN];Hebelarm [m];Vertikalkraft [MN];tilt [deg]",
+    ):
+        european = table(tmp_path, head, "storm;ULS;2,5;20;3;0,25")
+        for name in ("H", "M", "V", "direction", "tilt"):
+            np.testing.assert_allclose(getattr(european, name), getattr(plain, name), rtol=1e-14)
     assert (plain.name, plain.limit_state, plain.line.tolist()) == (("storm",), ("ULS",), [2])
     assert (plain.H[0], plain.M[0], plain.V[0]) == (2.5e6, 50e6, 3e6)
 

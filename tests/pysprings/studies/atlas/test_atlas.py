@@ -85,6 +85,8 @@ def test_a_vertical_load_of_the_command_is_that_of_the_caisson(atlas):
     given = json.loads(command("predict", "--atlas", "clay", *asked).out)
     own = pysprings.predict(springs(atlas, 8.0, 4.0, "alpha=0.65", "V=2 MN"), H=5e5, V=2e6)
     assert given["states"][-1]["u"] == pytest.approx(float(own["u"]), rel=1e-9)
+    strict = command("predict", "--atlas", "clay", *asked, "--strict")
+    assert (strict.code, strict.out) == (2, "") and "strict: made on mesh 'coarse'" in strict.err
 
 
 CLAY_SCENE = """[caisson]

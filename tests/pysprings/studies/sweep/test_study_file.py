@@ -111,6 +111,9 @@ def test_values_that_the_scene_refuses_stand_at_their_axis(study):
 def test_values_of_a_table_that_the_scene_refuses_stand_at_their_row(study):
     found = refusals(study, 'scene = "base.toml"\ncases = "mine.csv"\n', mine="soil.poisson_ratio\n0.3\n0.7\n")
     assert found == [(3, "soil.poisson_ratio", "case 00002: 0.7 is not in [0, 0.5)")]
+    titled = "Site A,\n\nid,soil.poisson_ratio\n1,0.3\n\n2,0.7\n"
+    (below,) = refusals(study, 'scene = "base.toml"\ncases = "mine.csv"\n', mine=titled)
+    assert below[0] == 6
 
 
 def test_unknown_keys_of_the_scene_are_refused(study):
@@ -121,7 +124,7 @@ def test_unknown_keys_of_the_scene_are_refused(study):
 @pytest.mark.parametrize(
     "change, words",
     [
-        (('method = "latin-hypercube"', 'method = "sobol"'), 'expected "latin-hypercube"'),
+        (('method = "latin-hypercube"', 'method = "sobol"'), '"sobol" is not one of "latin-hypercube"'),
         (("seed = 3\n", ""), "missing"),
         (('to = "0.2 GPa"', 'to = "2 m"'), "units of different quantities"),
         (('from = "50 MPa"', 'from = "-1 MPa"'), "must be positive"),
