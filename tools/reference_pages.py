@@ -107,7 +107,7 @@ def outputs_page() -> str:
     """Return the page of the exporters, with their options, of pictures and of tables of the report."""
     from pysprings.results.exporters import EXPORTERS
     from pysprings.results.plots import PICTURES
-    from pysprings.results.report.tables import REPORT_TABLES
+    from pysprings.results.report.page import REPORT_TABLES
 
     rows = [
         [f"`{each.name}`", _words(each.description), f"`{each.file}`" if each.file else "several",

@@ -66,9 +66,9 @@ def _linear_solvers(scene: Scene) -> tuple[list[str], str]:
 
 def _print(out: Path, outcome: StudyResult) -> None:
     for model in (rows.FULL, rows.MACRO):
-        heads, lines = text.cells(outcome.table, model)
-        if lines:
-            print_table(heads, lines)
+        table = text.table_of(outcome.table, model)
+        if table.rows:
+            print_table(table)
             print()
     print(f"reference: meshes {', '.join(outcome.series)}; h = {text.cell_size_of(outcome)}")
     for line in [*text.reference_lines(outcome), *text.target_lines(outcome.table)]:

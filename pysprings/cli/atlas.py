@@ -4,15 +4,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 from pysprings.cli.options import Json
 from pysprings.cli.support import print_json, print_table, refuse
-
-if TYPE_CHECKING:
-    import pandas as pd
+from pysprings.core.columns import Column, Table
 
 
 def atlas(
@@ -59,7 +57,7 @@ def atlas(
         return
     for name, frame in frames.items():
         print(f"{name}:")
-        print_table([str(each) for each in frame.columns], _cells(frame))
+        print_table(Table.of([Column(str(name), str(name), 3) for name in frame], frame.to_dict("records")))
         print()
     print(f"{file} ({file.stat().st_size / 1e6:.2f} MB)")
     print(f"pysprings predict --atlas {target} --D ... --L ...")
@@ -77,10 +75,3 @@ def _shares(text: str | None) -> tuple[float, ...]:
     if not shares or any(not 0.0 < share < 0.2 for share in shares):
         refuse("--at", f"'{text}' is no list of displacements over the diameter, such as 0.001,0.01")
     return shares
-
-
-def _cells(frame: pd.DataFrame) -> list[list[str]]:
-    def cell(value: Any) -> str:
-        return f"{value:.3g}" if isinstance(value, float) else str(value)
-
-    return [[cell(value) for value in row] for row in frame.itertuples(index=False)]

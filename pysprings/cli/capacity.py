@@ -108,13 +108,11 @@ def _model(springs: Path) -> MacroModel:
 def _print(folder: Path, outcome: Capacity) -> None:
     from pysprings.studies.capacity import study, text
 
-    heads, cells = text.cells(outcome.table)
-    print_table(heads, cells, [head in ("strength", "criterion") for head in heads])
+    print_table(text.table_of(outcome))
     print(f"\n{text.criteria(outcome)}")
     if outcome.cases is not None:
         print()
-        left = [head in ("case", "limit state", "strength", "") for head in text.CASE_HEADS]
-        print_table(text.CASE_HEADS, text.case_cells(outcome.cases), left)
+        print_table(text.table_of_cases(outcome.cases))
     if closing := text.closing(outcome.table):
         print(f"\n{closing}")
     print()

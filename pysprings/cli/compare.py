@@ -13,6 +13,7 @@ from pysprings.cli.folders import refuse_no_folder
 from pysprings.cli.inputs import refuse_unfinished, springs_of
 from pysprings.cli.options import Json, OneSpringSet, Result
 from pysprings.cli.support import print_json, print_table, refuse
+from pysprings.core.columns import Table
 
 if TYPE_CHECKING:
     from pysprings.results.analysis.two_runs import Run
@@ -86,7 +87,8 @@ def diff(
         return
     change = ["" if row.change is None else f"{row.change + 0.0:+.2f}" for row in rows]
     cells = [(row.part, row.quantity, row.first, row.second, each) for row, each in zip(rows, change, strict=True)]
-    print_table(("", "quantity", str(first), str(second), "change [%]"), cells, (True, True, True, True), WIDTHS)
+    heads = ("", "quantity", str(first), str(second), "change [%]")
+    print_table(Table("", heads, cells, left=(True, True, True, True)), WIDTHS)
     for file in pictures:
         print(file)
 

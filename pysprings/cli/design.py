@@ -70,8 +70,7 @@ def design(
     if as_json:
         print_json({"about": about, "cases": table.to_dict("records")})
     else:
-        columns = text.columns_of(table, brief=True)
-        print_table([each.head for each in columns], text.cells(table, columns), [each.is_text for each in columns])
+        print_table(text.table_of(table, brief=True))
         print(f"\n{text.closing(table)}")
         for file in out or ():
             print(f"{file}: the answers")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.cli.support import print_table, refuse, to_stderr
+from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import printable
 from pysprings.core.files.storage import replacing, write_text
 from pysprings.core.text import json_text
@@ -19,15 +20,17 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
 
-# columns of a prediction: name, unit, factor from SI
+MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak")
 COLUMNS = (
-    ("u", "mm", 1e3),
-    ("w", "mm", 1e3),
-    ("rotation", "deg", 180.0 / math.pi),
-    ("H", "kN", 1e-3),
-    ("V", "kN", 1e-3),
-    ("M", "kN m", 1e-3),
+    Column("u [mm]", "u", ".5g", 1e3),
+    Column("w [mm]", "w", ".5g", 1e3),
+    Column("rotation [deg]", "rotation", ".5g", 180.0 / math.pi),
+    Column("H [kN]", "H", ".5g", 1e-3),
+    Column("V [kN]", "V", ".5g", 1e-3),
+    Column("M [kN m]", "M", ".5g", 1e-3),
+    Column("marks", lambda row: ", ".join(name for name in MARKS if row.get(name)), words=True),
 )
+LOADS = ("H", "V", "M")
 
 
 def prediction(states: xr.Dataset) -> dict[str, Any]:
@@ -67,16 +70,11 @@ def _csv(states: xr.Dataset) -> str:
 
 
 def print_prediction(states: xr.Dataset) -> None:
-    """Print states (dimension step) as a table in mm, deg, kN and kN m, with their marks."""
-    columns = [column for column in COLUMNS if column[0] in states]
-    headers = [f"{name} [{unit}]" for name, unit, _ in columns]
-    largest = max(abs(float(value)) for name in ("H", "V", "M") if name in states for value in states[name].values)
-    noise = {name: ROUNDING * largest if name in ("H", "V", "M") else 0.0 for name, *_ in columns}
-    cells = [[_figures(value, factor, noise[name]) for value in states[name].values] for name, _, factor in columns]
-    if any(marks := [_marks(states, step) for step in range(states.sizes["step"])]):
-        headers, cells = [*headers, "marks"], [*cells, marks]
-    left = [head == "marks" for head in headers]
-    print_table(headers, [list(row) for row in zip(*cells, strict=True)], left)
+    """Print states (dimension step) as a table in mm, deg, kN and kN m, with their marks; rounding errors are 0."""
+    rows = prediction(states)["states"]
+    noise = ROUNDING * max(abs(row[name]) for name in LOADS if name in states for row in rows)
+    clean = [row | {name: 0.0 for name in LOADS if name in row and abs(row[name]) <= noise} for row in rows]
+    print_table(Table.of(filled(COLUMNS, clean), clean))
     if text := deviations(states):
         print(text)
     if states.attrs.get("question") != "sequence":
@@ -87,12 +85,13 @@ def print_prediction(states: xr.Dataset) -> None:
 def deviations(states: xr.Dataset) -> str:
     """Return a line with the standard deviations of the last state on springs of an atlas; empty on other springs."""
     parts = []
-    for name, unit, factor in COLUMNS:
-        known = f"{name}_deviation"
+    for column in COLUMNS:
+        known = f"{column.source}_deviation"
         if known in states and (value := float(states[known].values[-1])) > 0.0:
-            size = abs(float(states[name].values[-1]))
+            size = abs(float(states[column.source].values[-1]))
             share = f" ({100.0 * value / size:.2g} %)" if size > 0.0 else ""
-            parts.append(f"{name} {factor * value:.3g} {unit}{share}")
+            name, unit = column.head.rstrip("]").split(" [")
+            parts.append(f"{name} {column.factor * value:.3g} {unit}{share}")
     return f"standard deviation of the last state: {', '.join(parts)}" if parts else ""
 
 
@@ -125,22 +124,9 @@ def vertical_capacity(states: xr.Dataset) -> str:
     )
 
 
-MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak")
-
-
-def _marks(states: xr.Dataset, step: int) -> str:
-    """Return the marks of one state that are set, by name."""
-    return ", ".join(name for name in MARKS if name in states and states[name].values[step])
-
-
 def remarks_of(states: xr.Dataset) -> str:
     """Return the remarks on the springs of an answer, one on each line."""
     return "\n".join(f"note: {remark}" for remark in states.attrs.get("remarks", ()))
-
-
-def _figures(value: float, factor: float, noise: float) -> str:
-    """Return a value in its unit with five figures; 0 for rounding errors."""
-    return "0" if abs(value) <= noise else f"{value * factor:.5g}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,26 +161,26 @@ def print_stiffness(matrices: Matrices) -> None:
     dofs = [str(name) for name in given["dof"].values]
     print(f"\n{given.attrs['long_name']} (MN, m, rad):")
     if given.sizes["step"] <= MOST_MATRICES:
-        print_table(["", *(f"per {name}" for name in dofs)], _lines(given.isel(step=-1), dofs))
+        _print_matrix(given.isel(step=-1))
     else:
         n = len(dofs)
         coupled = [(i, j) for i in range(n) for j in range(n) if i == j or "w" not in (dofs[i], dofs[j])]
         lines = [
             [str(step), *(f"{matrix[i, j] * 1e-6:.5g}" for i, j in coupled)] for step, matrix in enumerate(given.values)
         ]
-        print_table(["step", *(f"{dofs[i]},{dofs[j]}" for i, j in coupled)], lines)
+        print_table(Table("", ["step", *(f"{dofs[i]},{dofs[j]}" for i, j in coupled)], lines))
     if six is None:
         to_stderr("note: no 6x6 stiffness: a table without a vertical path has no vertical stiffness")
         return
     for matrix in (matrices.six_at_state, six):
         if matrix is not None:
             print(f"\n{matrix.attrs['long_name']}, 6x6 (MN, m, rad):")
-            names = [str(name) for name in matrix["dof"].values]
-            print_table(["", *(f"per {name}" for name in names)], _lines(matrix, names))
+            _print_matrix(matrix)
     to_stderr(f"note: {six.attrs['torsion']}")
 
 
-def _lines(matrix: xr.DataArray, names: list[str]) -> list[list[str]]:
-    return [
-        [name, *(f"{value * 1e-6 + 0.0:.5g}" for value in row)] for name, row in zip(names, matrix.values, strict=True)
-    ]
+def _print_matrix(matrix: xr.DataArray) -> None:
+    names = [str(name) for name in matrix["dof"].values]
+    entries = [Column(f"per {name}", name, ".5g", 1e-6) for name in names]
+    rows = [{"": name, **dict(zip(names, line, strict=True))} for name, line in zip(names, matrix.values, strict=True)]
+    print_table(Table.of([Column("", "", words=True), *entries], rows))

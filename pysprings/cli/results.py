@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.cli.inputs import read_springs
 from pysprings.cli.support import print_table, refuse
+from pysprings.core.columns import Column, Table
 from pysprings.core.errors import printable
 from pysprings.core.files.written import WRITING
 from pysprings.core.text import number
@@ -67,8 +69,7 @@ def print_results(folder: Path, verbose: bool = False) -> None:
     if verbose or not record.complete:
         print_paths(record)
     if verbose:
-        print_water(record)
-        print_energy(record)
+        print_balances(record)
         print_phases(record)
     print_cost(record)
     print_estimate(record)
@@ -120,17 +121,18 @@ def _number_of_pictures(folder: Path) -> list[tuple[str, str]]:
     return [(str(folder / FIGURES), f"pictures: {len(pictures)}")] if pictures else []
 
 
-_NEWTON = {
-    "status": "status",
-    "increments": "increments",
-    "iterations": "iterations",
-    "median_iterations": "median",
-    "max_iterations": "max",
-    "cut_backs": "cut-backs",
-    "worst_residual": "worst residual",
-    "last_residual_ratio": "last ratio",
-    "order_of_last_iterations": "order",
-}
+_NEWTON = (
+    Column("path", "path", words=True),
+    Column("status", "status", words=True),
+    Column("increments", "increments"),
+    Column("iterations", "iterations"),
+    Column("median", "median_iterations"),
+    Column("max", "max_iterations"),
+    Column("cut-backs", "cut_backs"),
+    Column("worst residual", "worst_residual"),
+    Column("last ratio", "last_residual_ratio"),
+    Column("order", "order_of_last_iterations"),
+)
 MOST_LINES = 12
 
 
@@ -140,8 +142,7 @@ def print_paths(record: RunRecord) -> None:
     if not paths:
         return
     print()
-    rows = [(name, *(number(getattr(path, key)) for key in _NEWTON)) for name, path in paths.items()]
-    print_table(("path", *_NEWTON.values()), rows)
+    print_table(Table.of(_NEWTON, ({"path": name, **asdict(path)} for name, path in paths.items())))
     print("iterations: of accepted increments; median, max: per increment; last ratio: residual of the last iteration")
     print("over the one before; order: of the last three residuals (2 is quadratic); both are medians over increments")
     _print_cut_backs(paths)
@@ -179,39 +180,20 @@ def ring_text(rings: Mapping[str, Any] | None) -> str:
     return f"{', '.join(parts)} of the ring's mean; open stations between two loaded ones: {rings['isolated_open']}"
 
 
-_WATER = {
-    "expelled_m3": "expelled",
-    "compressed_m3": "compressed",
-    "film_m3": "in gaps",
-    "outflow_m3": "outflow",
-    "imbalance_m3": "imbalance",
-    "worst_imbalance_over_exchanged": "worst over exchanged",
-    "pressure_min_Pa": "lowest p [Pa]",
-    "pressure_max_Pa": "highest p [Pa]",
-}
+def print_balances(record: RunRecord) -> None:
+    """Print the balances of water and energy at the end of each path, as the report has them."""
+    from pysprings.results.report.balances import energy_table, water_table
+
+    for table in (water_table(record.paths), energy_table(record.paths)):
+        if table is not None:
+            print(f"\n{table.title}:")
+            print_table(table)
+            print(table.note)
 
 
-def print_water(record: RunRecord) -> None:
-    """Print the balance of the water at the end of each path, and the range of its pressures."""
-    paths = {name: path.water for name, path in record.paths.items() if path.water}
-    if not paths:
-        return
-    print("\nwater, m3 since the initial state (expelled = compressed + in gaps + outflow):")
-    rows = [(name, *(number(water[key]) for key in _WATER)) for name, water in paths.items()]
-    print_table(("path", *_WATER.values()), rows)
-
-
-_ENERGY = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water", "imbalance")
-
-
-def print_energy(record: RunRecord) -> None:
-    """Print the balance of energy at the end of each path."""
-    paths = {name: path.energy for name, path in record.paths.items() if path.energy}
-    if not paths:
-        return
-    print("\nenergy, kJ since the initial state (work + initial = elastic + plastic + penalty + friction + water):")
-    rows = [(name, *(number(1e-3 * energy[f"{key}_J"]) for key in _ENERGY)) for name, energy in paths.items()]
-    print_table(("path", *_ENERGY), rows)
+_PHASES = (
+    Column("phase", "phase", words=True), Column("wall [s]", "wall_s", ".2f"), Column("CPU [s]", "cpu_s", ".2f"),
+)  # fmt: skip
 
 
 def print_phases(record: RunRecord) -> None:
@@ -219,10 +201,10 @@ def print_phases(record: RunRecord) -> None:
     phases = record.phases
     if not phases:
         return
-    rows = [(name, _seconds(time.get("wall_s")), _seconds(time.get("cpu_s"))) for name, time in phases.items()]
-    rows.append(("total", _seconds(record.wall_s or None), _seconds(record.cpu_s or None)))  # 0: not recorded
+    rows: list[dict[str, Any]] = [{"phase": name, **time} for name, time in phases.items()]
+    rows.append({"phase": "total", "wall_s": record.wall_s or None, "cpu_s": record.cpu_s or None})  # 0: not recorded
     print()
-    print_table(("phase", "wall [s]", "CPU [s]"), rows)
+    print_table(Table.of(_PHASES, rows))
 
 
 def print_cost(record: RunRecord) -> None:
@@ -262,7 +244,3 @@ def print_estimate(record: RunRecord) -> None:
         from pysprings.full_model.accuracy.two_mesh import words
 
         print(words(estimate))
-
-
-def _seconds(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"

@@ -11,6 +11,7 @@ import typer
 
 from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series, Target
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
+from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import printable
 from pysprings.core.text import number
 from pysprings.scene.template import template_names
@@ -105,26 +106,30 @@ def description(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[str,
     return {**head, "left_out": [], **about}
 
 
-_GROUND = {
-    "depth_m": ("z [m]", 1.0), "effective_unit_weight_N_per_m3": ("unit weight [kN/m3]", 1e-3),
-    "vertical_effective_stress_Pa": ("vertical stress [kPa]", 1e-3), "K0": ("K0", 1.0),
-    "shear_modulus_Pa": ("G [MPa]", 1e-6), "friction_angle_deg": ("phi [deg]", 1.0), "cohesion_Pa": ("c [kPa]", 1e-3),
-    "undrained_shear_strength_Pa": ("su [kPa]", 1e-3), "su_compression_Pa": ("su compression [kPa]", 1e-3),
-    "su_direct_shear_Pa": ("su direct shear [kPa]", 1e-3), "su_extension_Pa": ("su extension [kPa]", 1e-3),
-    "adhesion_factor_outside": ("alpha outside", 1.0),
-    "adhesion_factor_inside": ("alpha inside", 1.0),
-}  # fmt: skip
+_GROUND = (
+    Column("layer", "layer", words=True),
+    Column("law", "law", words=True),
+    Column("z [m]", "depth_m"),
+    Column("unit weight [kN/m3]", "effective_unit_weight_N_per_m3", factor=1e-3),
+    Column("vertical stress [kPa]", "vertical_effective_stress_Pa", factor=1e-3),
+    Column("K0", "K0"),
+    Column("G [MPa]", "shear_modulus_Pa", factor=1e-6),
+    Column("phi [deg]", "friction_angle_deg"),
+    Column("c [kPa]", "cohesion_Pa", factor=1e-3),
+    Column("su [kPa]", "undrained_shear_strength_Pa", factor=1e-3),
+    Column("su compression [kPa]", "su_compression_Pa", factor=1e-3),
+    Column("su direct shear [kPa]", "su_direct_shear_Pa", factor=1e-3),
+    Column("su extension [kPa]", "su_extension_Pa", factor=1e-3),
+    Column("alpha outside", "adhesion_factor_outside"),
+    Column("alpha inside", "adhesion_factor_inside"),
+)
 
 
 def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
     """Print the ground by depth: a row for top and bottom of each layer."""
-    if not rows:
-        return
-    shown = {key: each for key, each in _GROUND.items() if any(key in row for row in rows)}
-    heads = ("layer", "law", *(head for head, _ in shown.values()))
-    print("\nground:")
-    cells = [[number(row[key] * factor) if key in row else "" for key, (_, factor) in shown.items()] for row in rows]
-    print_table(heads, [(row["layer"], row["law"], *each) for row, each in zip(rows, cells, strict=True)])
+    if rows:
+        print("\nground:")
+        print_table(Table.of(filled(_GROUND, rows), rows))
 
 
 def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
@@ -138,11 +143,11 @@ def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> Non
     print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
     apart = ("ground", "left_out", "warnings", "defaulted")
     rows = [row for key, value in about.items() if key not in apart for row in _rows(key, value)]
-    print_table(("quantity", "value"), rows)
+    print_table(Table("", ("quantity", "value"), rows))
     print_ground(about.get("ground", ()))
     if rows := about.get("defaulted", ()):
         print("\ndefaults, which this scene does not give:")
-        print_table(("key", "value"), [(row["key"], value_text(row)) for row in rows])
+        print_table(Table("", ("key", "value"), [(row["key"], value_text(row)) for row in rows]))
     print("\nleft out by this scene:")
     for omission in about.get("left_out", ()):
         print(f"- {omission['what']}: {omission['why']}")

@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pysprings.cli.atlas_springs import SHIPPED_ATLASES
 from pysprings.cli.options import Changes, Json
 from pysprings.cli.support import print_json, print_table, quantities, refuse
+from pysprings.core.columns import Column, Table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -108,10 +109,7 @@ def _remarks(search: Search, best: Candidate, confirmed: bool) -> list[str]:
 
 
 def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> None:
-    rows: list[list[Any]] = [
-        [f"{best.D:.3f}", f"{best.L:.3f}", f"{1e-3 * best.mass:.4g}", f"{best.use:.3f}", best.governs]
-    ]
-    print_table(["D [m]", "L [m]", "steel [t]", "use", "governs"], rows)
+    print_table(Table.of(_LEAST, [vars(best)]))
     print(f"{len(search.tried)} caissons tried on {search.atlas.source}; correction {search.correction:.4g}")
     for text in _remarks(search, best, checked is not None):
         print(f"note: {text}")
@@ -119,17 +117,18 @@ def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> Non
         print("not confirmed: --confirm runs the full model")
         return
     print("\nFull model:")
-    names = (
-        "name",
-        "tilt_used",
-        "u_error_pct",
-        "u_deviation_pct",
-        "rotation_error_pct",
-        "rotation_deviation_pct",
-        "inside",
-    )
-    cells = [
-        [f"{v:.3g}" if isinstance(v, float) else str(v) for v in row]
-        for row in checked[list(names)].to_numpy().tolist()
-    ]
-    print_table(list(names), cells)
+    print_table(Table.of(_CONFIRMED, checked.to_dict("records")))
+
+
+_LEAST = (
+    Column("D [m]", "D", ".3f"), Column("L [m]", "L", ".3f"), Column("steel [t]", "mass", ".4g", 1e-3),
+    Column("use", "use", ".3f"), Column("governs", "governs", words=True),
+)  # fmt: skip
+_CONFIRMED = (
+    Column("name", "name", words=True),
+    *(
+        Column(name, name, ".3g")
+        for name in ("tilt_used", "u_error_pct", "u_deviation_pct", "rotation_error_pct", "rotation_deviation_pct")
+    ),
+    Column("inside", "inside"),
+)

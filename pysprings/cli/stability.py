@@ -11,7 +11,6 @@ from pysprings.cli.support import interruptible, print_json, to_stderr
 from pysprings.core.errors import following
 from pysprings.core.files.storage import replacing, write_text
 from pysprings.studies.stability import catalogue as stability
-from pysprings.studies.stability import text as stability_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,14 +24,14 @@ def run(names: list[str], mesh: str, refinement: float, reach: float, out: Path 
 
     def report(outcome: stability.Outcome) -> None:
         ended.append(outcome)
-        text = stability_text.line(asdict(outcome))
+        text = stability.line(asdict(outcome))
         if as_json:
             to_stderr(text)
         else:
             print(text, flush=True)
 
     if not as_json:
-        print(stability_text.heading(), flush=True)
+        print(stability.heading(), flush=True)
     try:
         with interruptible():
             table = stability.run_cases(cases, mesh, refinement, report, reach)
@@ -48,7 +47,7 @@ def run(names: list[str], mesh: str, refinement: float, reach: float, out: Path 
         rows = table.astype(object).where(table.notna(), None).to_dict(orient="records")
         print_json({"mesh": mesh, "refinement": refinement, "reach_m": reach, "summary": total, "cases": rows})
     else:
-        print(f"\n{stability_text.closing(total)}")
+        print(f"\n{stability.closing(total)}")
     return int(total[stability.UNEXPLAINED])
 
 
@@ -57,6 +56,6 @@ def _write(table: pd.DataFrame, out: Path) -> None:
     from pysprings.studies.stability.picture import catalogue
 
     write_text(table.to_csv(index=False, lineterminator="\n"), out / "stability.csv")
-    write_text(stability_text.to_markdown(table), out / "stability.md")
+    write_text(stability.to_markdown(table), out / "stability.md")
     with following("the picture was"), replacing(out / "stability.png") as temporary:
         catalogue(table).savefig(temporary, dpi=110, format="png")

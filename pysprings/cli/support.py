@@ -19,6 +19,7 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperCommand
 
+from pysprings.core.columns import Table
 from pysprings.core.errors import Problem, UserInputError, printable, refused
 from pysprings.core.progress import PlainLines, Progress
 from pysprings.core.text import json_text, plain_table
@@ -86,12 +87,10 @@ def print_json(data: Any) -> None:
     print(json_text(data, indent=2))
 
 
-def print_table(
-    headers: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[bool] = (True,), most: Sequence[int] = ()
-) -> None:
-    """Print a table in plain text; `left` and `most` are those of `pysprings.core.text.plain_table`."""
-    cells = [[printable(cell) for cell in row] for row in rows]
-    print(plain_table([printable(head) for head in headers], cells, left, most))
+def print_table(table: Table, most: Sequence[int] = ()) -> None:
+    """Print a table in plain text; `most` are the largest widths of the first columns."""
+    cells = [[printable(cell) for cell in row] for row in table.rows]
+    print(plain_table([printable(head) for head in table.columns], cells, table.left, most))
 
 
 def refuse(key: str | None, message: str, file: str | os.PathLike[str] | None = None) -> NoReturn:

@@ -12,6 +12,7 @@ import typer
 
 from pysprings.cli.options import Json
 from pysprings.cli.support import interruptible, print_json, print_table, refuse, to_stderr
+from pysprings.core.columns import Table
 from pysprings.core.errors import RunIncomplete
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ def sweep(
 
 def _outputs(study: Study, tables: list[Path], pictures: list[str], over: str | None) -> dict[Path, str]:
     """Write dataset, tables and pictures; return the files with their meaning."""
-    from pysprings.studies.sweep import dataset, picture, table
+    from pysprings.studies.sweep import dataset, picture
 
     written = {study.out / "cases.csv": "the cases: values, status, reason, seconds, hash"}
     file = dataset.write_study(study)
@@ -94,8 +95,8 @@ def _outputs(study: Study, tables: list[Path], pictures: list[str], over: str | 
         return written
     written[file] = "all cases as one dataset (pysprings.open_study, xarray)"
     with dataset.open_study(file) as data:
-        for each in tables or [study.out / table.CSV]:
-            written[table.write_table(data, each)] = "a row a case, for spreadsheets"
+        for each in tables or [study.out / dataset.CSV]:
+            written[dataset.write_table(data, each)] = "a row a case, for spreadsheets"
         for name in pictures:
             from pysprings.results.plots.files import save
 
@@ -113,12 +114,12 @@ def _summary(study: Study, folder: Path) -> dict[str, Any]:
 
 def _print(study: Study, folder: Path, written: dict[Path, str]) -> None:
     counts = Counter(state.status for state in study.states.values())
-    print_table(["status", "cases"], [[name, f"{number:,}"] for name, number in counts.items()])
+    print_table(Table("", ["status", "cases"], [[name, f"{number:,}"] for name, number in counts.items()]))
     odd = [(case, study.states[case.number]) for case in study.plan.cases if study.states[case.number].reason]
     if odd:
         print()
         rows = [[case.id, state.status, state.reason[:100]] for case, state in odd[:20]]
-        print_table(["case", "status", "reason"], rows, [True, True, True])
+        print_table(Table("", ["case", "status", "reason"], rows, left=[True, True, True]))
         if len(odd) > 20:
             print(f"and {len(odd) - 20:,} more in {folder / 'cases.csv'}")
     print()

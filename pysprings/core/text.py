@@ -8,10 +8,9 @@ import math
 import re
 import textwrap
 from collections.abc import Iterable, Sequence
+from itertools import zip_longest
 from typing import Any
 
-# xlsxwriter: a text stays a text (a name may begin with =, or be an address)
-PLAIN_CELLS = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
 # a number with a unit, such as "-5 kN m^-1": nothing that calls, joins or calculates
 _QUANTITY = re.compile(r"[+-]?\.?\d[\d.,]*(e[+-]?\d+)?\s*[^\W\d_]*[\w /^·²³%-]*", re.IGNORECASE)
 
@@ -78,24 +77,24 @@ def plain_table(
 
     ``most`` are the largest widths of the first columns: longer texts go on in a line below.
     """
-    from tabulate import tabulate
+    grid = [_broken(row, most) for row in (heads, *rows)]
+    widths = [max(len(line) for cell in column for line in cell) for column in zip(*grid, strict=True)]
+    sides = [str.ljust if side else str.rjust for side in (*left, *[False] * (len(heads) - len(left)))]
 
-    heads, *rows = [_wrapped(row, most) for row in (heads, *rows)]
-    sides = [*left, *[False] * (len(heads) - len(left))]
-    text = tabulate(
-        rows, heads, tablefmt="simple", disable_numparse=True, colalign=["left" if side else "right" for side in sides],
-        preserve_whitespace=True,
-    )  # fmt: skip
-    return "\n".join(line.rstrip() for line in text.splitlines())
+    def joined(cells: Iterable[str]) -> str:
+        return "  ".join(side(cell, w) for side, cell, w in zip(sides, cells, widths, strict=True)).rstrip()
+
+    texts = [[joined(line) for line in zip_longest(*row, fillvalue="")] for row in grid]
+    return "\n".join(
+        [*texts[0], "  ".join("-" * width for width in widths), *(line for row in texts[1:] for line in row)]
+    )
 
 
-def _wrapped(row: Sequence[str], most: Sequence[int]) -> list[str]:
-    """Return cells with line breaks where they are wider than allowed."""
-    from textwrap import wrap
-
-    widths = [*most, *[None] * (len(row) - len(most))]
+def _broken(row: Sequence[str], most: Sequence[int]) -> list[list[str]]:
+    """Return the lines of each cell, broken where they are wider than allowed."""
+    widths = [*most, *[10_000] * (len(row) - len(most))]
     return [
-        cell if width is None or len(cell) <= width else "\n".join(wrap(cell, width))
+        textwrap.wrap(cell, width) or [""] if len(cell) > width else [cell]
         for cell, width in zip(row, widths, strict=True)
     ]
 

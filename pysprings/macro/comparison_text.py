@@ -6,50 +6,59 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
+from pysprings.core.columns import Column, Table, filled
 from pysprings.core.path_kinds import ROLES, VERTICAL
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
 from pysprings.springs.path import same_load
 from pysprings.springs.path_ends import LIMIT_LOAD, STOPPED
 
-_TEXT_COLUMNS = {
-    "path": "path",
-    "arm_m": "arm [m]",
-    "springs": "springs",
-    "springs_from": "from",
-    "eta_small": "eta small",
-    "eta_large": "eta large",
-    "H_error_max_pct": "H max [%]",
-    "H_error_end_pct": "H end [%]",
-    "H_error_between_pct": "H between [%]",
-    "rotation_error_max_pct": "rot max [%]",
-    "rotation_error_end_pct": "rot end [%]",
-    "M_error_max_pct": "M max [%]",
-    "u_error_max_pct": "u max [%]",
-    "rotation_point_full_m": "z_rot full [m]",
-    "rotation_point_macro_m": "z_rot macro [m]",
-    "rotation_point_error_max_m": "z_rot max [m]",
+# every column of the comparison for people; terminal and report choose theirs
+COLUMNS = {
+    str(column.source): column
+    for column in (
+        Column("path", "path", words=True),
+        Column("role", "role", words=True),
+        Column("arm [m]", "arm_m", ".2f"),
+        Column("V [MN]", "V_N", ".2f", 1e-6),
+        Column("springs", "springs", words=True),
+        Column("from", "springs_from", words=True),
+        Column("eta small", "eta_small", ".4f"),
+        Column("eta large", "eta_large", ".4f"),
+        Column("H max [%]", "H_error_max_pct", ".2f"),
+        Column("H end [%]", "H_error_end_pct", ".2f"),
+        Column("H between [%]", "H_error_between_pct", ".2f"),
+        Column("rot max [%]", "rotation_error_max_pct", ".2f"),
+        Column("rot end [%]", "rotation_error_end_pct", ".2f"),
+        Column("rot between [%]", "rotation_error_between_pct", ".2f"),
+        Column("M max [%]", "M_error_max_pct", ".2f"),
+        Column("M between [%]", "M_error_between_pct", ".2f"),
+        Column("u max [%]", "u_error_max_pct", ".2f"),
+        Column("z_rot full [m]", "rotation_point_full_m", ".3f"),
+        Column("z_rot macro [m]", "rotation_point_macro_m", ".3f"),
+        Column("z_rot max [m]", "rotation_point_error_max_m", ".3f"),
+        Column("w max [mm]", "w_error_max_m", ".2f", 1e3),
+        Column("V max [%]", "V_error_max_pct", ".2f"),
+        Column("V between [%]", "V_error_between_pct", ".2f"),
+        Column("extra\u00adpolated", "extrapolated_states"),
+        Column("off path", "off_path_states"),
+        Column("other V", "off_load_states"),
+    )
 }
-# Columns of runs that have vertical paths, or paths at several vertical loads: name, factor from SI
-_VERTICAL_COLUMNS = {
-    "V_N": ("V [MN]", 1e-6),
-    "w_error_max_m": ("w max [mm]", 1e3),
-    "V_error_max_pct": ("V max [%]", 1.0),
-    "V_error_between_pct": ("V between [%]", 1.0),
-}
-
-
+_OF_THE_REPORT = ("role", "rotation_error_between_pct", "M_error_between_pct", "extrapolated_states", "off_path_states",
+                  "off_load_states")  # fmt: skip
+# of runs that have vertical paths, or paths at several vertical loads
+_VERTICAL = ("V_N", "w_error_max_m", "V_error_max_pct", "V_error_between_pct")
+_BRIEF = ("path", "arm_m", "V_N", "springs", "eta_large", "H_error_max_pct", "rotation_error_max_pct",
+          "M_error_max_pct", "w_error_max_m")  # fmt: skip
 _ROLE_TITLES = {
     "calibration": "calibration paths: springs are made from them",
     "memory": "memory paths: springs with memory are made from them, too",
     "held-back": "held-back paths: springs are checked on them",
 }
 
-
-# Columns of the short table, and the spring sets that predict
-_BRIEF = ("path", "arm [m]", "V [MN]", "springs", "eta large", "H max [%]", "rot max [%]", "M max [%]", "w max [mm]")
+# spring sets that predict
 _PREDICTING = ("fan", "vertical")
 
 
@@ -68,25 +77,15 @@ def to_text(frame: pd.DataFrame, brief: bool = False) -> str:
         return (
             "nothing to compare: no springs of this run answer on its paths (none was calibrated in their direction)\n"
         )
-    shown = frame[list(_TEXT_COLUMNS)].rename(columns=_TEXT_COLUMNS)
     vertical = several_loads(frame)
-    for place, (name, (title, factor)) in enumerate(_VERTICAL_COLUMNS.items() if vertical else ()):
-        shown.insert(2 if place == 0 else shown.shape[1], title, frame[name] * factor)
-    shown = shown.dropna(axis=1, how="all")
-    shown = shown[[name for name in shown.columns if not brief or name in _BRIEF]]
-    head = [str(name) for name in shown.columns]
-    cells = [[_cell(value, str(name)) for name, value in row.items()] for _, row in shown.iterrows()]
-    widths = [max(len(row[j]) for row in [head, *cells]) for j in range(len(head))]
-    adjust = [str.rjust if shown[name].dtype.kind == "f" else str.ljust for name in shown.columns]
-
-    def line(texts: list[str]) -> str:
-        return "  ".join(f(text, w) for text, w, f in zip(texts, widths, adjust, strict=True)).rstrip()
-
+    left_out = {*_OF_THE_REPORT, *(() if vertical else _VERTICAL)}
+    rows = frame.to_dict("records")
+    columns = [each for name, each in COLUMNS.items() if name not in left_out and (not brief or name in _BRIEF)]
+    columns = filled(columns, rows)
     lines: list[str] = []
     for role in ROLES:
-        rows = [line(row) for row, own in zip(cells, frame["role"] == role, strict=True) if own]
-        if rows:
-            lines += [_ROLE_TITLES[role], line(head), "  ".join("-" * w for w in widths), *rows, ""]
+        if own := [row for row in rows if row["role"] == role]:
+            lines += [_ROLE_TITLES[role], Table.of(columns, own).text(), ""]
     ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
     ended += [f"path {name}: {how}" for name, how in _ends(frame).items()]
     notes = _NOTES[:1] if brief else _NOTES + (_VERTICAL_NOTES if vertical else [])
@@ -154,14 +153,6 @@ _VERTICAL_NOTES = [
     "V max: error of V at equal w, over its change from rest",
     "vertical = vertical springs t(w), V_tip(w), V_lid(w) of the vertical calibration paths",
 ]
-
-
-def _cell(value: Any, column: str) -> str:
-    if isinstance(value, float):
-        digits = 4 if column.startswith("eta") else 2
-        # + 0.0 turns a rounded -0.00 into 0.00
-        return "-" if np.isnan(value) else f"{round(value, digits) + 0.0:.{digits}f}"
-    return str(value)
 
 
 def to_dict(frame: pd.DataFrame) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from pysprings.core.columns import Column, Table
 from pysprings.core.errors import refused
 from pysprings.macro.cycles import SETS, Followed, cycles, errors, sequences
 from pysprings.macro.fan import WATER, FanTable, reaction_rows
@@ -96,11 +98,19 @@ def compare_cycles(source: Springs | xr.DataTree, springs_kind: str | None = Non
     )
 
 
-_COLUMNS = {
-    "path": "path", "springs": "springs", "branch": "branch", "secant_full": "secant full", "secant_macro": "macro",
-    "F_end_full": "peak full", "F_end_macro": "macro ", "work_full_J": "work full [kJ]", "work_macro_J": "macro [kJ]",
-    "damping_full": "damping full", "damping_macro": "macro  ",
-}  # fmt: skip
+_COLUMNS = (
+    Column("path", "path", words=True),
+    Column("springs", "springs", words=True),
+    Column("branch", "branch"),
+    Column("secant full", "secant_full", factor=1e-6),
+    Column("macro", "secant_macro", factor=1e-6),
+    Column("peak full", "F_end_full", factor=1e-3),
+    Column("macro", "F_end_macro", factor=1e-3),
+    Column("work full [kJ]", "work_full_J", factor=1e-3),
+    Column("macro [kJ]", "work_macro_J", factor=1e-3),
+    Column("damping full", "damping_full"),
+    Column("macro", "damping_macro"),
+)
 _NOTES = (
     "errors: largest distance along the path over the largest value of the full model, of what answers",
     "a branch goes from turn to turn; peak: H [kN] at its end, secant stiffness dH/du [MN/m]; M [kN m] and [MN m/rad] "
@@ -112,37 +122,28 @@ _NOTES = (
 
 def to_text(found: Cycles) -> str:
     """Return the tables for a terminal."""
-    from tabulate import tabulate
-
-    shown = found.errors.rename(columns={name: str(name).replace("_error_pct", " [%]") for name in found.errors})
-    branches = found.branches[list(_COLUMNS)].copy()
-    for name in _COLUMNS:
-        factor = 1e-6 if name.startswith("secant") else 1e-3 if name.startswith(("work", "F_")) else None
-        branches[name] = branches[name] * factor if factor else branches[name]
-    tables = [
-        tabulate(frame.to_numpy().tolist(), headers=[str(name) for name in frame], floatfmt=".4g", missingval="-")
-        for frame in (
-            shown.astype(object).where(shown.notna(), None),
-            branches.rename(columns=_COLUMNS),
-            _reactions_shown(found.reactions),
-            *_depths_shown(found.depths),
-        )
-    ]
-    return "\n\n".join([*tables, "\n".join(_NOTES)]) + "\n"
+    tables = [_errors(found.errors), _table(_COLUMNS, found.branches), _errors(found.reactions), *_depths(found.depths)]
+    return "\n\n".join([*(each.text() for each in tables), "\n".join(_NOTES)]) + "\n"
 
 
-def _reactions_shown(frame: pd.DataFrame) -> pd.DataFrame:
-    shown = frame.rename(columns={name: str(name).replace("_error_pct", " [%]") for name in frame})
-    return shown.astype(object).where(shown.notna(), None)
+def _table(columns: Iterable[Column], frame: pd.DataFrame) -> Table:
+    return Table.of(list(columns), frame.to_dict("records"))
 
 
-def _depths_shown(frame: pd.DataFrame) -> list[pd.DataFrame]:
+def _errors(frame: pd.DataFrame) -> Table:
+    """Return the table of errors, a column of each in percent."""
+    heads = {str(name): str(name).replace("_error_pct", " [%]") for name in frame}
+    return _table((Column(head, name, words=head == name) for name, head in heads.items()), frame)
+
+
+def _depths(frame: pd.DataFrame) -> list[Table]:
     """Return a table for each spring set: error of p [%], a row a depth and a column a path."""
     tables = []
     for springs, own in frame.groupby("springs", sort=False):
         paths = list(dict.fromkeys(own["path"]))
         wide = own.pivot_table(index="depth_m", columns="path", values="p_error_pct")[paths].reset_index()
-        tables.append(wide.rename(columns={"depth_m": f"p error [%], {springs}: depth [m]"}))
+        depth = Column(f"p error [%], {springs}: depth [m]", "depth_m")
+        tables.append(_table([depth, *(Column(name, name) for name in paths)], wide))
     return tables
 
 

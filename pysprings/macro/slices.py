@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import refused
 from pysprings.macro.comparison import compare
 from pysprings.macro.model import MacroModel
@@ -103,23 +104,23 @@ def curve_seconds(springs: Springs | xr.DataTree, spring_set: str) -> float:
     return float(np.median(times[1:]))
 
 
-_COLUMNS = {
-    "slices": "slices",
-    "springs": "springs",
-    "H_error_max_pct": "H max [%]",
-    "u_error_max_pct": "u max [%]",
-    "rotation_error_max_pct": "rot max [%]",
-    "M_error_max_pct": "M max [%]",
-    "eta_large": "eta large",
-    "curve_ms": "50 points [ms]",
-}
+_COLUMNS = (
+    Column("slices", "slices"),
+    Column("springs", "springs", words=True),
+    Column("H max [%]", "H_error_max_pct"),
+    Column("u max [%]", "u_error_max_pct"),
+    Column("rot max [%]", "rotation_error_max_pct"),
+    Column("M max [%]", "M_error_max_pct"),
+    Column("eta large", "eta_large"),
+    Column("50 points [ms]", "curve_ms"),
+)
 
 
 def to_text(frame: pd.DataFrame) -> str:
     """Return the convergence as tables for a terminal, one a role."""
     lines = []
     for role, part in frame.groupby("role", sort=False):
-        shown = part[[name for name in _COLUMNS if name in part]].dropna(axis=1, how="all").rename(columns=_COLUMNS)
-        text = shown.to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")
+        rows = part.to_dict("records")
+        text = Table.of(filled(_COLUMNS, rows), rows).text()
         lines += [f"{role} paths, largest errors by number of depth slices", text, ""]
     return "\n".join(lines)

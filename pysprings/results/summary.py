@@ -62,7 +62,7 @@ def summary(
     lines = [
         ("caisson", caisson_text(run.scene, run.result.attrs.get("vertical_load_N"))),
         ("ground", ground_text(run.scene)),
-        ("defaults", defaulted_text(record.defaulted, numerical=False)), ("unlikely", "; ".join(record.remarks)),
+        ("defaults", defaulted_text(record.defaulted, numerical=False)), ("remarks", "; ".join(record.remarks)),
         ("initial stiffness", _stiffness(run)),
         ("loads", _loads(run)), ("vertical", _vertical(run)),
         ("tilt", _tilt(run)), ("range", _range(run)), ("mesh error", _mesh(run)),

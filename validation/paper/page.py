@@ -7,16 +7,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jinja2 import ChoiceLoader, FileSystemLoader
-
-from pysprings.core import version
+from pysprings.core.columns import Table
 from pysprings.core.files.storage import write_text
 from pysprings.core.text import number
-from pysprings.results.axes import axes_svg
 from pysprings.results.report.balances import energy_table, water_table
 from pysprings.results.report.inputs import input_tables, mesh_table
-from pysprings.results.report.page import Picture, environment, picture_uri
-from pysprings.results.report.table import Table
+from pysprings.results.report.page import Picture, page_html, picture_uri
 from validation.paper import idealisations
 from validation.paper.cases import END, SHOWN
 from validation.paper.measures import load
@@ -37,19 +33,15 @@ def write(
     """Write report.html into the folder of a study; return its path."""
     first = next(iter(runs.values()), None)
     attrs: Mapping[Any, Any] = first.result.attrs if first else {}
-    engine = environment()
-    assert engine.loader
-    engine.loader = ChoiceLoader([engine.loader, FileSystemLoader(Path(__file__).parent)])
-    page = engine.get_template("paper.html.j2")
-    text = page.render(
-        version=version.__version__,
+    text = page_html(
+        "paper.html.j2",
+        Path(__file__).parent,
         mesh=mesh,
         stopped=[run.remark for run in runs.values() if not run.complete],
         runs=run_table(runs),
         balances=[table for table in _balances(runs) if table is not None],
         inputs=input_tables(str(attrs.get("scene_toml", ""))),
         mesh_table=mesh_table(attrs, first.record.mesh if first else None),
-        sketch=picture_uri(axes_svg().encode(), ".svg"),
         claims=claims.to_dict(orient="records"),
         counts={str(name): int(n) for name, n in claims["verdict"].value_counts().items()},
         idealised=Table("", *idealisations.rows_for_people(idealised), idealisations.NOTE, wide=True),

@@ -22,7 +22,7 @@ _ERRORS = {
 
 _PREDICT = ("fan", "full", "py")  # spring sets in the order in which `predict` takes them
 # attributes of springs on their scene, and the words before them
-_OF_SCENE = {"defaulted": "by default, not given in the scene", "remarks": "unlikely in the scene"}
+_OF_SCENE = {"defaulted": "by default, not given in the scene", "remarks": "remarks on the scene"}
 BACKBONE = "monotonic backbone of a nonlinear response, not cyclic"
 
 

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pysprings.core.columns import Column, Table
 from pysprings.core.text import number
 from pysprings.full_model.run_record import RunRecord
-from pysprings.results.report.table import ReportTable, Table
+from pysprings.results.report.table import ReportTable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,23 +47,13 @@ def water_table(figures: Mapping[str, PathFigures]) -> Table | None:
     paths = {name: path.water for name, path in figures.items() if path.water}
     if not paths:
         return None
-    columns = ("path", "expelled [m\u00b3]", "compressed [m\u00b3]", "in gaps [m\u00b3]", "outflow [m\u00b3]",
-               "imbalance / exchanged", "pressure [kPa]")  # fmt: skip
-    rows = [
-        (
-            name,
-            *(number(water[f"{key}_m3"]) for key in ("expelled", "compressed", "film", "outflow")),
-            f"{water['worst_imbalance_over_exchanged']:.1e}",
-            f"{water['pressure_min_Pa'] / 1e3:.3g} to {water['pressure_max_Pa'] / 1e3:.3g}",
-        )
-        for name, water in paths.items()
-    ]
+    rows = [{"path": name, **water} for name, water in paths.items()]
     note = (
         "Since the initial state, whole caisson: expelled = compressed + in gaps + outflow. Expelled is the pore "
         "volume that the soil has lost, from the displacements of its boundary; the outflow is Darcy flow over the "
         "drained boundary. The largest imbalance of all steps is shown. Pressure: the range of the excess on the path."
     )
-    return Table("Balance of the water", columns, rows, note, wide=True)
+    return Table.of(_WATER, rows, "Balance of the water", note, wide=True)
 
 
 def energy_table(figures: Mapping[str, PathFigures]) -> Table | None:
@@ -70,24 +61,31 @@ def energy_table(figures: Mapping[str, PathFigures]) -> Table | None:
     paths = {name: path.energy for name, path in figures.items() if path.energy}
     if not paths:
         return None
-    terms = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water")
-    rows = [
-        (
-            name,
-            *(number(1e-3 * energy[f"{term}_J"]) for term in terms),
-            f"{energy['imbalance_over_largest_term']:.1e}",
-        )
-        for name, energy in paths.items()
-    ]
+    rows = [{"path": name, **energy} for name, energy in paths.items()]
     note = (
         "Since the initial state, whole caisson: work + initial = elastic + plastic + penalty + friction + water. "
         "Initial is the work of weight, surcharge and initial contact pressure, penalty what contact springs store, "
         "water what is done against pore pressures. The imbalance is the residual of Newton, over the largest term."
     )
-    columns = ("path", *(f"{term} [kJ]" for term in terms), "imbalance / largest")
-    return Table("Balance of energy", columns, rows, note, wide=True)
+    return Table.of(_ENERGY, rows, "Balance of energy", note, wide=True)
 
 
+_PATH = Column("path", "path", words=True)
+_WATER = (
+    _PATH,
+    Column("expelled [m\u00b3]", "expelled_m3"),
+    Column("compressed [m\u00b3]", "compressed_m3"),
+    Column("in gaps [m\u00b3]", "film_m3"),
+    Column("outflow [m\u00b3]", "outflow_m3"),
+    Column("imbalance / exchanged", "worst_imbalance_over_exchanged", ".1e"),
+    Column("pressure [kPa]", lambda row: f"{row['pressure_min_Pa'] / 1e3:.3g} to {row['pressure_max_Pa'] / 1e3:.3g}"),
+)
+_TERMS = ("work", "initial", "elastic", "plastic", "penalty", "friction", "water")
+_ENERGY = (
+    _PATH,
+    *(Column(f"{term} [kJ]", f"{term}_J", factor=1e-3) for term in _TERMS),
+    Column("imbalance / largest", "imbalance_over_largest_term", ".1e"),
+)
 EQUILIBRIUM = ReportTable(
     "equilibrium", "checks", lambda data: [equilibrium_table(data.result if data.springs is None else data.springs)]
 )

@@ -8,12 +8,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
+from pysprings.core.columns import Table
 from pysprings.core.errors import UserInputError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.full_model.run_record import MeshFigures, RunRecord
 from pysprings.model.forecast.omissions import saved_text
-from pysprings.results.report.table import ReportTable, Table
+from pysprings.results.report.table import ReportTable
 from pysprings.scene.defaults import value_text
 
 
@@ -92,7 +93,7 @@ def omission_table(left_out: Any) -> Table | None:
 def defaults_table(run: RunRecord | None) -> Table | None:
     """Return the table of what a scene does not give, with the values in its place; None where nothing is recorded."""
     rows = [(str(row["key"]), value_text(row)) for row in (run.defaulted if run else [])]
-    remarks = f"Unlikely in the scene: {'; '.join(run.remarks)}." if run and run.remarks else ""
+    remarks = f"Remarks on the scene: {'; '.join(run.remarks)}." if run and run.remarks else ""
     return (
         Table("Defaults, which the scene does not give", ("key", "value"), rows, remarks) if rows or remarks else None
     )

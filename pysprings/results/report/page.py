@@ -12,26 +12,27 @@ import base64
 import os
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
+from pysprings.core import version
+from pysprings.core.columns import Table
 from pysprings.core.path_kinds import beam_order, has_free_head
+from pysprings.core.registry import Registry
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import picture_kind, pictures_in
 from pysprings.results.opened import open_result
+from pysprings.results.report import balances, inputs, load_cases, solution, springs, validity
 from pysprings.results.report.live import Live, live_parts
 from pysprings.results.report.load_cases import read_answers
-from pysprings.results.report.table import ReportData, Section, Table
-from pysprings.results.report.tables import tables_of
-from pysprings.results.report.validity import validity
+from pysprings.results.report.table import ReportData, ReportTable, Section
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from jinja2 import Environment
 
 # parts of the page that hold tables, and pictures that have an interactive twin there
 SECTIONS: tuple[Section, ...] = (
@@ -119,38 +120,39 @@ def render(
     """
     data = ReportData(result, springs, compare, run, cases)
     kinds = {name: path.attrs for name, path in data.paths.items()}
-    return (
-        environment()
-        .get_template("report.html.j2")
-        .render(
-            attrs={key: result.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")},
-            summary=(run.summary or {}) if run else {},
-            status=str(run.status if run else result.attrs.get("status", "")),
-            started=run.started_utc if run else "",
-            failures=run.failures if run else [],
-            limits=[f"{name}: {at}" for name, at in run.limit_loads.items()] if run else [],
-            warnings=run.warnings if run else [],
-            sketch=picture_uri(axes_svg().encode(), ".svg"),
-            validity=validity(result, springs),
-            tables={section: tables_of(section, data) for section in SECTIONS},
-            pictures_of=pictures_by_part(figures, kinds, live is not None),
-            live=live,
-            paths=[
-                PathPart(name, str(path.attrs.get("status", "")), tables_of("path", data, name))
-                for name, path in data.paths.items()
-            ],
-        )
+    return page_html(
+        "report.html.j2",
+        attrs={key: result.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")},
+        summary=(run.summary or {}) if run else {},
+        status=str(run.status if run else result.attrs.get("status", "")),
+        started=run.started_utc if run else "",
+        failures=run.failures if run else [],
+        limits=[f"{name}: {at}" for name, at in run.limit_loads.items()] if run else [],
+        warnings=run.warnings if run else [],
+        validity=validity.validity(result, springs),
+        tables={section: tables_of(section, data) for section in SECTIONS},
+        pictures_of=pictures_by_part(figures, kinds, live is not None),
+        live=live,
+        paths=[
+            PathPart(name, str(path.attrs.get("status", "")), tables_of("path", data, name))
+            for name, path in data.paths.items()
+        ],
     )
 
 
-def environment() -> Environment:
-    """Return the template engine of all reports: it escapes all text from outside, and undefined names are errors."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+def page_html(template: str, folder: Path | None = None, **values: Any) -> str:
+    """Return a page from a template of this folder, or of another one; all have the version and a sketch of the axes.
 
-    return Environment(
-        loader=PackageLoader("pysprings.results.report", "templates"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
+    All text from outside is escaped, and undefined names are errors.
+    """
+    from jinja2 import ChoiceLoader, Environment, FileSystemLoader, PackageLoader, StrictUndefined
+
+    places = [PackageLoader("pysprings.results.report", "templates"), *([FileSystemLoader(folder)] if folder else [])]
+    engine = Environment(
+        loader=ChoiceLoader(places), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    sketch = picture_uri(axes_svg().encode(), ".svg")
+    return engine.get_template(template).render(version=version.__version__, sketch=sketch, **values)
 
 
 def pictures_by_part(files: Iterable[Path], paths: Paths, live: bool = False) -> dict[str, list[Picture]]:
@@ -212,3 +214,39 @@ def _caption(caption: str, state: str) -> str:
 def picture_uri(content: bytes, suffix: str) -> str:
     """Return a picture's bytes as a data URI."""
     return f"data:{MEDIA[suffix]};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+REPORT_TABLES: Registry[ReportTable] = Registry(
+    "report table",
+    (
+        load_cases.CASES,
+        springs.STIFFNESS,
+        springs.SPRINGS,
+        solution.END,
+        solution.TILT,
+        validity.COMPARISON,
+        inputs.INPUTS,
+        inputs.DEFAULTS,
+        inputs.OMISSIONS,
+        inputs.SETTINGS,
+        inputs.MESH,
+        solution.CONVERGENCE,
+        solution.CUT_BACKS,
+        balances.EQUILIBRIUM,
+        solution.RINGS,
+        balances.WATER,
+        balances.ENERGY,
+        validity.ESTIMATE,
+        solution.GAPS,
+        balances.COST,
+    ),
+    group="pysprings.report_tables",
+)
+
+
+def tables_of(section: Section, data: ReportData, path: str = "") -> list[Table]:
+    """Return the tables of one section of the report, for the section "path" those of a path."""
+    own = replace(data, path=path)
+    return [
+        table for each in REPORT_TABLES if each.section == section for table in each.build(own) if table is not None
+    ]

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pysprings.core.columns import Table
 from pysprings.core.path_kinds import beam_order
 from pysprings.core.text import number
-from pysprings.results.report.table import ReportTable, Table
+from pysprings.results.report.table import ReportTable
 from pysprings.springs.edge import on_slices
 from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.sums import net_m, net_p

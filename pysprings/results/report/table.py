@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""A table of the report, what a kind of table declares, and the data that it reads."""
+"""What a kind of table of the report declares, and the data that it reads."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
+
+from pysprings.core.columns import Table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,45 +19,6 @@ if TYPE_CHECKING:
 Section = Literal[
     "cases", "springs", "capacity", "tilt", "comparison", "inputs", "limits", "mesh", "checks", "path", "cost"
 ]
-# a number, with the letter of a quantity before it and its unit behind it; "-" and blank: there is none
-_NUMBER = re.compile(r"([A-Z] )?[-+]?[\d,]*\.?\d+(e[-+]?\d+)?( [A-Za-z%/]+)*|-|")
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table of the report.
-
-    Attributes
-    ----------
-    title
-        Caption; blank for none.
-    columns
-        Headings with units.
-    rows
-        Cells by row, as text.
-    note
-        Remark below the table.
-    head
-        Show the headings.
-    wide
-        The table scrolls where the page is narrow, and has small type in print.
-    """
-
-    title: str
-    columns: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    note: str = ""
-    head: bool = True
-    wide: bool = False
-
-    @cached_property
-    def numeric(self) -> list[bool]:
-        """Whether each column holds numbers alone, which are set to the right; none in a table without headings."""
-        columns = [[str(row[k]) for row in self.rows] for k in range(len(self.columns))]
-        return [
-            self.head and any(cell.strip("-") for cell in cells) and all(_NUMBER.fullmatch(cell) for cell in cells)
-            for cells in columns
-        ]
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pysprings.core.columns import Table, filled
 from pysprings.core.path_kinds import driven
 from pysprings.core.text import number
-from pysprings.results.report.table import ReportTable, Table
+from pysprings.macro.comparison_text import COLUMNS
+from pysprings.results.report.table import ReportTable
 from pysprings.springs.path_ends import end_of
 
 if TYPE_CHECKING:
@@ -60,27 +62,11 @@ def _range_sentence(name: str, path: Any, length: float) -> str:
     return text + "."
 
 
-# column of the comparison -> (heading, decimals of a number)
-COMPARED: dict[str, tuple[str, int]] = {
-    "path": ("path", 0),
-    "role": ("role", 0),
-    "springs": ("springs", 0),
-    "springs_from": ("springs from", 0),
-    "eta_small": ("eta small", 4),
-    "eta_large": ("eta large", 4),
-    "H_error_max_pct": ("H max [%]", 2),
-    "rotation_error_max_pct": ("rotation max [%]", 2),
-    "M_error_max_pct": ("M max [%]", 2),
-    "V_error_max_pct": ("V max [%]", 2),
-    "u_error_max_pct": ("u max [%]", 2),
-    "rotation_point_error_max_m": ("z_rot max [m]", 3),
-    "H_error_between_pct": ("H between [%]", 2),
-    "rotation_error_between_pct": ("rotation between [%]", 2),
-    "M_error_between_pct": ("M between [%]", 2),
-    "extrapolated_states": ("extra\u00adpolated", 0),
-    "off_path_states": ("off path", 0),
-    "off_load_states": ("other V", 0),
-}
+_COMPARED = (
+    "path", "role", "springs", "springs_from", "eta_small", "eta_large", "H_error_max_pct", "rotation_error_max_pct",
+    "M_error_max_pct", "V_error_max_pct", "u_error_max_pct", "rotation_point_error_max_m", "H_error_between_pct",
+    "rotation_error_between_pct", "M_error_between_pct", "extrapolated_states", "off_path_states", "off_load_states",
+)  # fmt: skip
 
 
 def compare_table(compare: pd.DataFrame | None) -> Table | None:
@@ -89,9 +75,8 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
         return None
     best = "fan" if (compare["springs"] == "fan").any() else None
     kept = compare if best is None else compare[compare["springs"].isin([best, "vertical", "memory"])]
-    shown = kept[[name for name in COMPARED if name in compare.columns]].dropna(axis=1, how="all")
-    decimals = [COMPARED[str(name)][1] for name in shown.columns]
-    rows = [[_fixed(v, n) for v, n in zip(row, decimals, strict=True)] for row in shown.itertuples(index=False)]
+    rows = kept.to_dict("records")
+    columns = filled((COLUMNS[name] for name in _COMPARED), rows)
     note = (
         "max: largest error, macro-model over full model minus 1, at equal displacement; u: displacement "
         "at equal load; z_rot: depth of the point of rotation. between: the same "
@@ -106,14 +91,7 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
         for row in compare.to_dict("records")
         if row.get("status", "complete") != "complete"
     ]
-    return Table("", [COMPARED[str(name)][0] for name in shown.columns], rows, note + "".join(ended), wide=True)
-
-
-def _fixed(value: Any, decimals: int) -> str:
-    """Write a number with fixed decimals (never -0.00); anything else as it is."""
-    if isinstance(value, float) and np.isfinite(value):
-        return f"{round(value, decimals) + 0.0:.{decimals}f}"
-    return number(value)
+    return Table.of(columns, rows, note=note + "".join(ended), wide=True)
 
 
 def estimate_table(run: RunRecord | None) -> Table | None:

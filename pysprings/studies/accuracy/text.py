@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from pysprings.core.text import markdown_table
+from pysprings.core.columns import Column, Table
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.presets import FOURIER, TARGETS, cheapest_within
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult, records
@@ -15,34 +15,40 @@ from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult, records
 if TYPE_CHECKING:
     import pandas as pd
 
-_COSTS = {
-    "name": ("setting", "s"),
-    "unknowns": ("unknowns", ",.0f"),
-    "increments": ("increments", ".0f"),
-    "factorisations": ("factorisations", ".0f"),
-    "wall_s": ("wall [s]", ".3g"),
-    "cpu_s": ("CPU [s]", ".3g"),
-    "units": ("wall [units]", ".3g"),
-    "memory_MB": ("memory [MB]", ".0f"),
-}
-_MACRO_COSTS = {"name": ("springs from", "s"), "wall_s": ("50 points [ms]", ".3g"), "units": ("[units]", ".2g")}
+_COSTS = (
+    Column("setting", "name", words=True),
+    Column("unknowns", "unknowns", ",.0f"),
+    Column("increments", "increments", ".0f"),
+    Column("factorisations", "factorisations", ".0f"),
+    Column("wall [s]", "wall_s", ".3g"),
+    Column("CPU [s]", "cpu_s", ".3g"),
+    Column("wall [units]", "units", ".3g"),
+    Column("memory [MB]", "memory_MB", ".0f"),
+)
+_MACRO_COSTS = (
+    Column("springs from", "name", words=True), Column("50 points [ms]", "wall_s", ".3g", 1e3),
+    Column("[units]", "units", ".2g"),
+)  # fmt: skip
 _MACRO_ERRORS = ("load_max", "load_area", "rotation_max")
 
 
-def columns(model: str) -> dict[str, tuple[str, str]]:
-    """Return column -> (head, format) of the table of a model, FULL or MACRO."""
-    costs = _COSTS if model == FULL else _MACRO_COSTS
-    measured = tuple(MEASURES) if model == FULL else _MACRO_ERRORS
-    headings = costs | {f"{name}_pct": (f"{MEASURES[name].head} [%]", ".2g") for name in measured}
-    return headings | ({"from_mesh_pct": ("alone [%]", ".2g")} if model == FULL else {}) | {"mark": ("", "s")}
+def _mark(row: Mapping[str, Any]) -> str:
+    return ("*" if row["pareto"] else "") + ("" if row["status"] == "complete" else " stopped")
 
 
-def cells(table: pd.DataFrame, model: str) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of the settings of a model as text."""
-    shown = columns(model)
-    part = table[table["model"] == model]
-    rows = [[_cell(_value(row, name, model), form) for name, (_, form) in shown.items()] for row in records(part)]
-    return [head for head, _ in shown.values()], rows
+def columns(model: str) -> tuple[Column, ...]:
+    """Return the columns of the table of a model, FULL or MACRO."""
+    errors = (
+        Column(f"{MEASURES[name].head} [%]", f"{name}_pct", ".2g")
+        for name in (MEASURES if model == FULL else _MACRO_ERRORS)
+    )
+    alone = (Column("alone [%]", "from_mesh_pct", ".2g"),) if model == FULL else ()
+    return (*(_COSTS if model == FULL else _MACRO_COSTS), *errors, *alone, Column("", _mark))
+
+
+def table_of(table: pd.DataFrame, model: str) -> Table:
+    """Return the settings of a model as a table for people."""
+    return Table.of(columns(model), records(table[table["model"] == model]))
 
 
 def reference_lines(outcome: StudyResult) -> Iterator[str]:
@@ -108,17 +114,4 @@ def to_markdown(outcome: StudyResult, head: Mapping[str, Any], picture: str) -> 
 
 
 def _table(outcome: StudyResult, model: str) -> list[str]:
-    heads, rows = cells(outcome.table, model)
-    return markdown_table(heads, rows, numbers=True).splitlines()
-
-
-def _value(row: Mapping[str, Any], name: str, model: str) -> Any:
-    if name == "mark":
-        return ("*" if row["pareto"] else "") + ("" if row["status"] == "complete" else " stopped")
-    if name == "wall_s" and model == MACRO:
-        return 1e3 * row[name]
-    return row[name]
-
-
-def _cell(value: Any, form: str) -> str:
-    return "-" if value is None else format(value, form)
+    return table_of(outcome.table, model).markdown(numbers=True).splitlines()

@@ -9,13 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from pysprings.core import version
 from pysprings.core.files.storage import write_text
-from pysprings.results.axes import axes_svg
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION, new_figure, plain, styled, zero_lines
 from pysprings.results.report.inputs import input_tables
-from pysprings.results.report.page import Picture, environment, picture_uri
-from pysprings.results.report.table import Table
+from pysprings.results.report.page import Picture, page_html, picture_uri
 from pysprings.studies.capacity import text
 from pysprings.studies.capacity.envelope import closed
 from pysprings.studies.capacity.plan import CHARACTERISTIC
@@ -91,23 +88,16 @@ def write_page(out: Path, outcome: Capacity) -> Path:
     """Write report.html into the folder of a study; return its path."""
     drawn = [file for file in (out / "capacity.svg", out / "capacity.png") if file.exists()][:1]
     cases = outcome.cases
-    html = (
-        environment()
-        .get_template("capacity.html.j2")
-        .render(
-            version=version.__version__,
-            title=outcome.scene.title,
-            factors=str(outcome.request.factors),
-            sketch=picture_uri(axes_svg().encode(), ".svg"),
-            closing=text.closing(outcome.table) if len(outcome.table) else "",
-            remarks=outcome.remarks,
-            criteria=text.criteria(outcome),
-            pictures_drawn=[
-                Picture("Envelopes of H and M", picture_uri(file.read_bytes(), file.suffix), False) for file in drawn
-            ],
-            capacity=Table("", *text.cells(outcome.table), text.DIRECTIONS, wide=True),
-            cases=None if cases is None else Table("", text.CASE_HEADS, text.case_cells(cases), wide=True),
-            inputs=input_tables(outcome.scene.to_toml()),
-        )
+    html = page_html(
+        "capacity.html.j2",
+        title=outcome.scene.title,
+        factors=str(outcome.request.factors),
+        closing=text.closing(outcome.table) if len(outcome.table) else "",
+        remarks=outcome.remarks,
+        criteria=text.criteria(outcome),
+        pictures_drawn=[Picture("Envelopes of H and M", picture_uri(file.read_bytes(), file.suffix)) for file in drawn],
+        capacity=text.table_of(outcome),
+        cases=None if cases is None else text.table_of_cases(cases),
+        inputs=input_tables(outcome.scene.to_toml()),
     )
     return write_text(html, out / "report.html")

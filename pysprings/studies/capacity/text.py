@@ -4,23 +4,62 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-import pandas as pd
-
-from pysprings.core.text import number
+from pysprings.core.columns import Column, Row, Table
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from pysprings.studies.capacity.points import Capacity
 
-HEADS = (
-    "strength", "V [MN]", "direction [deg]", "H [MN]", "M [MN m]", "criterion", "u [mm]", "rotation [deg]",
-    "macro-model H [MN]", "M [MN m]", "criterion", "difference [%]",
-)  # fmt: skip
-FULL = 8  # columns of the full model
-NOISE = 1e-4  # share of the load
-CASE_HEADS = ("case", "limit state", "strength", "H [MN]", "M [MN m]", "V [MN]", "utilisation", "")
+NOISE = 1e-4  # share of the load: what the tolerance of the solver leaves of zero
+
+
+def _mega(source: str) -> Callable[[Row], float]:
+    """Return the reading of a load in mega-units; what the tolerance of the solver has left of zero is 0."""
+
+    def value(row: Row) -> float:
+        noise = NOISE * abs(row["size_N"]) if "size_N" in row and source != "V_N" else 1.0
+        return 0.0 if abs(row[source]) <= noise else float(1e-6 * row[source])
+
+    return value
+
+
+FULL = (
+    Column("strength", "strength", words=True),
+    Column("V [MN]", _mega("V_N")),
+    Column("direction [deg]", "direction_deg"),
+    Column("H [MN]", _mega("H_N")),
+    Column("M [MN m]", _mega("M_Nm")),
+    Column("criterion", "criterion", words=True),
+    Column("u [mm]", "u_m", factor=1e3),
+    Column("rotation [deg]", "rotation_rad", 3, math.degrees(1.0)),
+)
+MACRO = (
+    Column("macro-model H [MN]", _mega("H_macro_N")),
+    Column("M [MN m]", _mega("M_macro_Nm")),
+    Column("criterion", lambda row: row["criterion_macro"] or "-", words=True),
+    Column("difference [%]", "difference_pct", "+.1f"),
+)
+
+
+def _remark(row: Row) -> str:
+    texts = ("no envelope at this V" * bool(row["off_load"]), "upper bound" * bool(row["upper_bound"]), row["remarks"])
+    return ", ".join(filter(None, texts))
+
+
+CASES = (
+    Column("case", "name", words=True),
+    Column("limit state", "limit_state", words=True),
+    Column("strength", "strength", words=True),
+    Column("H [MN]", _mega("H_N")),
+    Column("M [MN m]", _mega("M_Nm")),
+    Column("V [MN]", _mega("V_N")),
+    Column("utilisation", "utilisation", 3),
+    Column("", _remark, words=True),
+)
 CRITERIA = (
     "Capacity is the largest load along its direction. peak: the load falls behind it; plateau: 1 % more displacement "
     "adds less than 0.02 % to the load at the end; displacement limit: the load at the limit of motion ({motion}), "
@@ -36,31 +75,16 @@ def criteria(outcome: Capacity) -> str:
     return CRITERIA.format(motion=f"{share} or {math.degrees(limit.rotation):g} deg")
 
 
-def cells(table: pd.DataFrame) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of the capacities; without the columns of a macro-model where there is none."""
-    shown = len(HEADS) if (table["criterion_macro"] != "").any() else FULL
-    return list(HEADS[:shown]), [_cells(row)[:shown] for row in table.to_dict("records")]
+def table_of(outcome: Capacity) -> Table:
+    """Return the capacities as a table; without the columns of a macro-model where there is none."""
+    rows = outcome.table.to_dict("records")
+    both = any(row["criterion_macro"] for row in rows)
+    return Table.of(FULL + MACRO if both else FULL, rows, note=DIRECTIONS, wide=True)
 
 
-def _cells(row: dict[Any, Any]) -> list[str]:
-    noise = NOISE * abs(row["size_N"])
-    return [
-        str(row["strength"]), _mega(row["V_N"]), number(row["direction_deg"]), _mega(row["H_N"], noise),
-        _mega(row["M_Nm"], noise), str(row["criterion"]), number(1e3 * row["u_m"]),
-        number(math.degrees(row["rotation_rad"]), 3), _mega(row["H_macro_N"], noise), _mega(row["M_macro_Nm"], noise),
-        str(row["criterion_macro"]) or "-", _signed(row["difference_pct"]),
-    ]  # fmt: skip
-
-
-def case_cells(cases: pd.DataFrame) -> list[list[str]]:
-    """Return the load cases as cells below `CASE_HEADS`."""
-    return [
-        [
-            str(row["name"]), str(row["limit_state"]), str(row["strength"]), _mega(row["H_N"]), _mega(row["M_Nm"]),
-            _mega(row["V_N"]), number(row["utilisation"], 3), _remark(row),
-        ]
-        for row in cases.to_dict("records")
-    ]  # fmt: skip
+def table_of_cases(cases: pd.DataFrame) -> Table:
+    """Return the load cases as a table."""
+    return Table.of(CASES, cases.to_dict("records"), wide=True)
 
 
 def closing(table: pd.DataFrame) -> str:
@@ -72,19 +96,3 @@ def closing(table: pd.DataFrame) -> str:
         f"macro-model against full model in {len(known)} of {len(table)} directions: "
         f"{known.min():+.1f} to {known.max():+.1f} %"
     )
-
-
-def _remark(row: dict[Any, Any]) -> str:
-    texts: Sequence[str] = [
-        "no envelope at this V" if row["off_load"] else "", "upper bound" if row["upper_bound"] else "", row["remarks"],
-    ]  # fmt: skip
-    return ", ".join(filter(None, texts))
-
-
-def _mega(value: float, noise: float = 1.0) -> str:
-    """Return a load in mega-units; 0 where it is what the tolerance of the solver has left of zero."""
-    return number(0.0 if abs(value) <= noise else 1e-6 * value)
-
-
-def _signed(value: float) -> str:
-    return "-" if math.isnan(value) else f"{value:+.1f}"

@@ -6,15 +6,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from pysprings.core import version
+from pysprings.core.columns import filled
 from pysprings.core.errors import refused
-from pysprings.core.files.storage import replacing, write_text
-from pysprings.core.text import PLAIN_CELLS
+from pysprings.core.files.storage import write_text
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import LOAD_CASES
 from pysprings.results.report import load_cases as text
+from pysprings.results.sheets import write_sheet
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,56 +54,15 @@ def into_report(folder: Path, table: pd.DataFrame) -> Path:
 
 
 def _workbook(file: Path, table: pd.DataFrame, about: Mapping[str, str]) -> Path:
-    import xlsxwriter
-
-    columns = text.columns_of(table, brief=False)
-    with (
-        replacing(file) as temporary,
-        xlsxwriter.Workbook(temporary, PLAIN_CELLS) as book,
-    ):
-        head = book.add_format({"bold": True, "text_wrap": True, "bottom": 1, "valign": "top"})
-        wrong = book.add_format({"bg_color": "#fbe3d3"})
-        sheet = book.add_worksheet("cases")
-        for col, column in enumerate(columns):
-            sheet.write_string(0, col, column.head, head)
-        for row, values in enumerate(table.to_dict("records"), start=1):
-            form = None if values["verdict"] == text.OK else wrong
-            for col, column in enumerate(columns):
-                _write_cell(sheet, row, col, column.value(values), form)
-        sheet.set_row(0, 45)
-        sheet.set_column(0, len(columns) - 1, 13)
-        sheet.freeze_panes(1, 1)
-        sheet.autofilter(0, 0, len(table), len(columns) - 1)
-        notes = book.add_worksheet("about")
-        for row, (name, words) in enumerate({**about, "result": text.closing(table), "columns": text.NOTE}.items()):
-            notes.write_string(row, 0, name, head)
-            notes.write_string(row, 1, words)
-        notes.set_column(0, 0, 18)
-    return file
-
-
-def _write_cell(sheet: Any, row: int, col: int, value: Any, form: Any) -> None:
-    if value is None:
-        sheet.write_blank(row, col, None, form)
-    elif isinstance(value, str):
-        sheet.write_string(row, col, value, form)
-    else:
-        sheet.write_number(row, col, value, form)
+    rows = table.to_dict("records")
+    columns = filled(text.COLUMNS, rows)
+    cells = (([column.value(row) for column in columns], row["verdict"] != text.OK) for row in rows)
+    notes = {**about, "result": text.closing(table), "columns": text.NOTE}
+    return write_sheet(file, [column.head for column in columns], cells, notes)
 
 
 def _page(file: Path, table: pd.DataFrame, about: Mapping[str, str]) -> Path:
-    from pysprings.results.axes import axes_svg
-    from pysprings.results.report.page import environment, picture_uri
+    from pysprings.results.report.page import page_html
 
-    html = (
-        environment()
-        .get_template("design.html.j2")
-        .render(
-            version=version.__version__,
-            about=about,
-            closing=text.closing(table),
-            cases=replace(text.table_of(table), title=""),
-            sketch=picture_uri(axes_svg().encode(), ".svg"),
-        )
-    )
-    return write_text(html, file)
+    cases = replace(text.table_of(table), title="")
+    return write_text(page_html("design.html.j2", about=about, closing=text.closing(table), cases=cases), file)

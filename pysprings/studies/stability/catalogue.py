@@ -7,16 +7,20 @@ import time
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 from pydantic import ValidationError
 
+from pysprings.core.columns import Column, Table
 from pysprings.core.errors import Problem, PyspringsError, UserInputError
 from pysprings.core.words import StopReason
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import RunRecord
 from pysprings.studies.stability.cases import CASES, REACH, Case
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED = "converged", "warned", "stopped", "refused", "unexplained"
 OUTCOMES = (CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED)
@@ -150,3 +154,58 @@ def _figures(record: RunRecord) -> dict[str, Any]:
             "water_imbalance": (path.water or {}).get("worst_imbalance_over_exchanged"),
         }
     return figures
+
+
+COLUMNS = (
+    Column("case", "case", words=True),
+    Column("outcome", "outcome", words=True),
+    Column("u [mm]", "u_mm", ".2f"),
+    Column("H [kN]", "H_kN", ",.0f"),
+    Column("increments", "increments", "d"),
+    Column("cut", "cut_backs", "d"),
+    Column("median", "median_iterations", ".0f"),
+    Column("most", "max_iterations", ".0f"),
+    Column("residual", "worst_residual", ".0e"),
+    Column("energy", "energy_imbalance", ".0e"),
+    Column("water", "water_imbalance", ".0e"),
+    Column("condition", "condition", ".0e"),
+    Column("wall [s]", "wall_s", ".0f"),
+)
+_DETAIL = Column("warning or reason", "detail", words=True)
+_WIDTHS = (22, 11, *(max(9, len(column.head)) for column in COLUMNS[2:]))  # lines are printed one by one
+
+
+def heading() -> str:
+    """Return the two head lines."""
+    return _padded([column.head for column in COLUMNS]) + "\n" + "  ".join("-" * width for width in _WIDTHS)
+
+
+def line(row: dict[str, Any]) -> str:
+    """Return one case, with its warning or reason below, if any."""
+    text = _padded([column.cell(row) for column in COLUMNS])
+    return f"{text}\n    {row['detail']}" if row["detail"] else text
+
+
+def closing(summary: dict[str, Any]) -> str:
+    """Return the counts, and two measures of the difficulty of the cases."""
+    counts = ", ".join(
+        f"{summary[name]} {name}" for name in ("converged", "warned", "stopped", "refused", "unexplained")
+    )
+    if not summary["increments"]:
+        return counts
+    share = 100.0 * summary["cut_backs_over_increments"]
+    return (
+        f"{counts}\nover the cases that reached their end: median of iterations {summary['median_iterations']:.0f}, "
+        f"{summary['cut_backs']} steps cut in {summary['increments']} increments ({share:.0f} %), "
+        f"energy imbalance at most {summary['worst_energy_imbalance']:.0e}"
+    )
+
+
+def to_markdown(table: pd.DataFrame) -> str:
+    """Return the table for a document, one line a case."""
+    return Table.of((*COLUMNS, _DETAIL), table.to_dict("records")).markdown()
+
+
+def _padded(cells: list[str]) -> str:
+    sides = [str.ljust if column.words else str.rjust for column in COLUMNS]
+    return "  ".join(side(cell, width) for side, cell, width in zip(sides, cells, _WIDTHS, strict=True)).rstrip()

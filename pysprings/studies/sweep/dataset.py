@@ -6,8 +6,9 @@
 
 from __future__ import annotations
 
+import csv
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from pysprings.core.files.storage import replacing
 from pysprings.core.units import unit_of
 from pysprings.core.variables import DOFS
 from pysprings.core.version import __version__
+from pysprings.results.sheets import write_sheet
 from pysprings.studies.sweep import measures
 from pysprings.studies.sweep.cases_file import DONE, SHORT
 from pysprings.studies.sweep.measures import DEPTHS, SHARES, Measured, measure
@@ -217,3 +219,54 @@ def scalars(data: xr.Dataset) -> Mapping[str, xr.DataArray]:
         elif set(variable.dims) == dims | {"path"}:
             found |= {f"{name}:{path}": variable.sel(path=path) for path in data["path"].values}
     return found
+
+
+CSV, XLSX = "study.csv", "study.xlsx"
+SUFFIXES = (".csv", ".xlsx")
+
+
+def heads_and_rows(data: xr.Dataset) -> tuple[list[str], Iterator[list[Any]]]:
+    """Return headings with units, and the rows one after the other (numbers, texts, None)."""
+    dims = data["case_number"].dims
+    axes = str(data.attrs["axes"]).split(", ")
+    columns = [*(data[name] for name in axes), data["status"], *scalars(data).values()]
+    names = [*axes, "status", *scalars(data)]
+    heads = [f"{name} [{unit}]" if (unit := _unit(each)) else name for name, each in zip(names, columns, strict=True)]
+    shape = tuple(data.sizes[dim] for dim in dims)
+    loaded = [each.broadcast_like(data["case_number"]).transpose(*dims).values.reshape(-1) for each in columns]
+    numbers = data["case_number"].values.reshape(-1)
+
+    def rows() -> Iterator[list[Any]]:
+        for k in range(int(np.prod(shape))):
+            yield [int(numbers[k]), *(_plain(each[k]) for each in loaded)]
+
+    return ["id", *heads], rows()
+
+
+def _unit(variable: xr.DataArray) -> str:
+    unit = str(variable.attrs.get("units", ""))
+    return "" if unit in ("1", "") else unit
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, str):
+        return value
+    number = float(value)
+    return number if np.isfinite(number) else None
+
+
+def write_table(data: xr.Dataset, file: Path) -> Path:
+    """Write the table of a study as .csv or .xlsx, whole or not at all."""
+    if file.suffix not in SUFFIXES:
+        raise refused("--table", f"ends in {' or '.join(SUFFIXES)}", file)
+    heads, rows = heads_and_rows(data)
+    if file.suffix == ".xlsx":
+        return write_sheet(file, heads, ((row, False) for row in rows), {})
+    with replacing(file) as temporary, temporary.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(heads)
+        for row in rows:
+            writer.writerow(
+                ["" if each is None else f"{each:.10g}" if isinstance(each, float) else each for each in row]
+            )
+    return file

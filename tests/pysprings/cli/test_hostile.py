@@ -15,6 +15,7 @@ import pytest
 
 from pysprings import open_table
 from pysprings.cli import support
+from pysprings.core.columns import Table
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
 from pysprings.core.magnitudes import LARGEST, fault, unit_of_column
@@ -85,7 +86,7 @@ def test_a_title_does_not_steer_the_terminal(tmp_path: Path) -> None:
 
 def test_messages_and_tables_do_not_steer_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     support.to_stderr("a\x1b[31mb\nc")
-    support.print_table(["x"], [["\x1b[2J"]])
+    support.print_table(Table("", ["x"], [["\x1b[2J"]]))
     captured = capsys.readouterr()
     assert captured.err == "a\\x1b[31mb\nc\n"
     assert captured.out.splitlines()[-1] == "\\x1b[2J"

@@ -71,10 +71,10 @@ def test_a_table_for_people(capsys: pytest.CaptureFixture[str]) -> None:
     values |= {"M": [1e-4, -16e6], "extrapolated": [0, 1]}
     print_prediction(xr.Dataset({name: ("step", np.array(value)) for name, value in values.items()}))
     assert capsys.readouterr().out == (
-        "  u [mm]    w [mm]    rotation [deg]    H [kN]    V [kN]    M [kN m]  marks\n"
-        "--------  --------  ----------------  --------  --------  ----------  ------------\n"
-        "       0         0                 0         0      1000           0\n"
-        "       1     -0.01        -0.0057296      2000      1000      -16000  extrapolated\n"
+        "u [mm]  w [mm]  rotation [deg]  H [kN]  V [kN]  M [kN m]  marks\n"
+        "------  ------  --------------  ------  ------  --------  ------------\n"
+        "     0       0               0       0    1000         0\n"
+        "     1   -0.01      -0.0057296    2000    1000    -16000  extrapolated\n"
     )
 
 

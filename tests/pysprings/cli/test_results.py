@@ -27,7 +27,7 @@ PATHS: dict[str, Any] = {
         },
         "energy": {
             "work_J": 1000.0, "initial_J": 2000.0, "elastic_J": 3000.0, "plastic_J": 4000.0, "penalty_J": 5000.0,
-            "friction_J": 6000.0, "water_J": 7000.0, "imbalance_J": 8.0,
+            "friction_J": 6000.0, "water_J": 7000.0, "imbalance_J": 8.0, "imbalance_over_largest_term": 8e-6,
         },
         "water": {
             "expelled_m3": 0.1, "compressed_m3": 0.2, "film_m3": 0.3, "outflow_m3": 0.4, "imbalance_m3": 5e-9,
@@ -82,22 +82,21 @@ def test_many_cut_backs_are_cut_short(capsys: pytest.CaptureFixture[str]) -> Non
 
 
 def test_water_and_energy(capsys: pytest.CaptureFixture[str]) -> None:
-    results.print_water(RunRecord.from_dict(RECORD))
+    results.print_balances(RunRecord.from_dict(RECORD))
     found = lines(capsys)
     assert found[:3] == [
         "",
-        "water, m3 since the initial state (expelled = compressed + in gaps + outflow):",
-        "path expelled compressed in gaps outflow imbalance worst over exchanged lowest p [Pa] highest p [Pa]",
+        "Balance of the water:",
+        "path expelled [m³] compressed [m³] in gaps [m³] outflow [m³] imbalance / exchanged pressure [kPa]",
     ]
-    assert found[4:] == ["pull 0.1 0.2 0.3 0.4 5e-09 6e-09 -7000 80,000", ""]
-    results.print_energy(RunRecord.from_dict(RECORD))
-    found = lines(capsys)
-    assert found[:3] == [
+    assert found[4] == "pull 0.1 0.2 0.3 0.4 6.0e-09 -7 to 80" and "expelled = compressed + in gaps" in found[5]
+    assert found[6:9] == [
         "",
-        "energy, kJ since the initial state (work + initial = elastic + plastic + penalty + friction + water):",
-        "path work initial elastic plastic penalty friction water imbalance",
+        "Balance of energy:",
+        "path work [kJ] initial [kJ] elastic [kJ] plastic [kJ] penalty [kJ] friction [kJ] water [kJ] "
+        "imbalance / largest",
     ]
-    assert found[4:] == ["pull 1 2 3 4 5 6 7 0.008", ""]
+    assert found[10] == "pull 1 2 3 4 5 6 7 8.0e-06" and "work + initial = elastic" in found[11]
 
 
 def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
@@ -139,7 +138,7 @@ def test_target_and_estimate(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == "no estimate of the discretisation error: no path in common\n"
 
 
-@pytest.mark.parametrize("show", ["paths", "water", "energy", "cost", "estimate"])
+@pytest.mark.parametrize("show", ["paths", "balances", "cost", "estimate"])
 def test_nothing_is_printed_of_what_is_not_there(show: str, capsys: pytest.CaptureFixture[str]) -> None:
     getattr(results, f"print_{show}")(RunRecord())
     assert capsys.readouterr().out == ""

@@ -14,7 +14,7 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.results import exporters
-from pysprings.results.exporters.xlsx.names import Names
+from pysprings.results.exporters.xlsx.book import plain_names
 from pysprings.results.report.springs import spring_tables
 from pysprings.springs.edge import reslice
 from tests.support import written
@@ -278,17 +278,7 @@ def test_defined_names_point_at_the_data(book, springs):
 
 
 def test_names_are_unique_and_legal():
-    defined = []
-
-    class File:
-        def define_name(self, name, formula):
-            defined.append((name, formula))
-
-    names = Names(File(), ["a-b", "a b", "A_B"])
-    for path in names.path:
-        names.define("p_1", "p-y", (3, 2), (5, 2), path)
-    assert [name for name, _ in defined] == ["p_1.a_b", "p_1.a_b_", "p_1.A_B__"]
-    assert defined[0][1] == "='p-y'!$C$4:$C$6"
+    assert list(plain_names(["a-b", "a b", "A_B"]).values()) == ["a_b", "a_b_", "A_B__"]
 
 
 @pytest.mark.slow

@@ -18,6 +18,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from pysprings.core.columns import Table
 from pysprings.core.files.storage import write_tree
 from pysprings.core.text import number
 from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
@@ -26,9 +27,9 @@ from pysprings.results import axes
 from pysprings.results.report import balances, inputs, solution, validity
 from pysprings.results.report import page as report
 from pysprings.results.report.live import live_parts
+from pysprings.results.report.page import REPORT_TABLES
 from pysprings.results.report.springs import spring_tables
-from pysprings.results.report.table import ReportData, ReportTable, Table
-from pysprings.results.report.tables import REPORT_TABLES
+from pysprings.results.report.table import ReportData, ReportTable
 from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_names, template_text
 from pysprings.springs.edge import on_slices

@@ -15,7 +15,6 @@ from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.words import StopReason
 from pysprings.full_model.run_record import PathFigures, RunRecord, Status
 from pysprings.studies.stability import catalogue as stability
-from pysprings.studies.stability import text as stability_text
 from pysprings.studies.stability.cases import CASES, Case
 from tests.support.commands import command
 
@@ -150,7 +149,7 @@ def test_the_share_of_cut_backs_counts_cases_that_reached_their_end() -> None:
     assert total["cut_backs_over_increments"] == pytest.approx(0.1)
     assert total["median_iterations"] == 3.0
     assert total["worst_energy_imbalance"] == 1e-7
-    assert "4 steps cut in 40 increments (10 %)" in stability_text.closing(total)
+    assert "4 steps cut in 40 increments (10 %)" in stability.closing(total)
 
 
 def test_the_picture_has_a_row_for_each_case() -> None:

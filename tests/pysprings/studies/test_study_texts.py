@@ -14,6 +14,7 @@ import pytest
 import xarray as xr
 
 from pysprings.cli import accuracy
+from pysprings.core import version
 from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY
 from pysprings.full_model.accuracy.measures import MEASURES, Reference
 from pysprings.full_model.accuracy.presets import settings
@@ -25,7 +26,6 @@ from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
 from pysprings.studies.accuracy.text import to_markdown
 from pysprings.studies.stability import cases as stability
 from pysprings.studies.stability import catalogue as stability_catalogue
-from pysprings.studies.stability import text as stability_text
 from pysprings.studies.stability.catalogue import OUTCOMES, Outcome, summary
 from pysprings.studies.stability.picture import catalogue
 from tests.support import stored, synthetic, tiny
@@ -146,7 +146,7 @@ def test_claims_and_report_of_the_paper(runs: dict[str, paper_runs.Run], tmp_pat
     ]
     lines += [
         "--- report.html",
-        *Outline(file.read_text(encoding="utf-8").replace(page.version.__version__, "0")).lines,
+        *Outline(file.read_text(encoding="utf-8").replace(version.__version__, "0")).lines,
     ]
     stored.compare(lines, TEXTS / "paper.txt", "the paper's study on the soil of tests/support/invented_soil.py")
 
@@ -179,10 +179,10 @@ def test_table_and_picture_of_the_stiff_cases(capsys: pytest.CaptureFixture[str]
         for k, outcome in enumerate(OUTCOMES)
     ]  # fmt: skip
     table = pd.DataFrame([asdict(each) for each in outcomes])
-    lines = [stability_text.heading(), *(stability_text.line(asdict(each)) for each in outcomes)]
+    lines = [stability_catalogue.heading(), *(stability_catalogue.line(asdict(each)) for each in outcomes)]
     lines += [f"{key}: {value}" for key, value in summary(table).items()]
-    lines += [stability_text.closing(summary(table)), stability_text.closing(summary(table.iloc[3:]))]
-    lines += [stability_text.to_markdown(table), *describe(catalogue(table))]
+    lines += [stability_catalogue.closing(summary(table)), stability_catalogue.closing(summary(table.iloc[3:]))]
+    lines += [stability_catalogue.to_markdown(table), *describe(catalogue(table))]
     stored.compare(lines, TEXTS / "stability.txt", "table and picture of stiff cases that were made up")
 
 

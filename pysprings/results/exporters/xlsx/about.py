@@ -11,8 +11,27 @@ import xarray as xr
 
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.results.exporters.header import error_of_row, range_of_path
-from pysprings.results.exporters.xlsx.names import MEANING
 from pysprings.springs.springs import Springs
+
+# Line of the About sheet -> defined name of its number.
+LENGTHS = {
+    "outer diameter [m]": "outer_diameter",
+    "skirt length [m]": "skirt_length",
+    "skirt thickness [m]": "skirt_thickness",
+}
+
+# Pattern -> what it holds; PATH is the name of a load path, K the number of a depth from the top.
+MEANING = {
+    "y_K.PATH, p_K.PATH": "p-y curve of the K-th depth from the top (mm, kN/m)",
+    "theta.PATH, m_K.PATH, t_K.PATH": "rotation (mrad), distributed moment and vertical reaction of the K-th depth",
+    "y_base.PATH, H_base.PATH, V_base.PATH, M_base.PATH": "tip (mm, kN, kN m)",
+    "y_lid.PATH, H_lid.PATH, V_lid.PATH, M_lid.PATH": "lid (mm, kN, kN m)",
+    "u.PATH, w.PATH, rotation.PATH, H.PATH, V.PATH, M.PATH": "motion and load of the full model (mm, mrad, kN, kN m)",
+    "w_tz.PATH, V_tz.PATH, tz_K.PATH": "vertical paths: w (mm), V (kN), vertical reaction of the K-th depth (kN/m)",
+    "K_3x3, K_6x6": "initial stiffness of the full model at mudline (kN, m, rad)",
+    "outer_diameter, skirt_length, skirt_thickness": "lengths (m)",
+    "all curves": "one row a step, the rows of unconverged steps included",
+}
 
 _ORIGIN = {
     "title": "scene",
@@ -39,7 +58,7 @@ _SKETCH = (
     "   rotation and M: positive where it leans towards x (clockwise here); a load above mudline has M > 0",
 )
 
-_MEANING = (
+_TERMS = (
     (
         "units",
         "kN, m, mm, mrad; the unit is in every heading. p, m and t are per metre of depth: multiply by the "
@@ -82,7 +101,7 @@ def about_lines(
     yield from (("mono", "", line) for line in _SKETCH)
     yield "text", "", ""
     yield "title", "What the numbers are", ""
-    yield from (("text", name, words) for name, words in _MEANING)
+    yield from (("text", name, words) for name, words in _TERMS)
     yield "text", "", ""
     yield "title", "Names for formulas (PATH: a load path; K: number of a depth from the top)", ""
     yield from (("text", "", f"{pattern}: {words}") for pattern, words in MEANING.items())

@@ -23,10 +23,10 @@ from pysprings.springs.checks import open_springs
 from pysprings.springs.springs import Springs
 from pysprings.studies.sweep import dataset, study, worker
 from pysprings.studies.sweep.cases_file import AGAIN, DONE, SKIP, State, write_cases
+from pysprings.studies.sweep.dataset import heads_and_rows, write_table
 from pysprings.studies.sweep.measures import DEPTHS, SHARES, remap
 from pysprings.studies.sweep.picture import draw
 from pysprings.studies.sweep.study_file import read_study
-from pysprings.studies.sweep.table import heads_and_rows, write_table
 from tests.support import tiny
 
 TEXT = """
