@@ -124,10 +124,16 @@ def outputs_page() -> str:
         if each.options:
             own = [[f"`{option.name}`", _words(option.help), _preset(option.default)] for option in each.options]
             parts.append(f"\n### Options of {each.name}\n\n{markdown_table(['option', 'meaning', 'default'], own)}")
-    pictures = [[f"`{each.name}`", each.caption, _SCOPES[each.scope]] for each in PICTURES.built_in]
+    pictures = [
+        [f"`{each.name}`", each.caption, _SCOPES[each.scope], "`report`" if each.section else "`all`"]
+        for each in PICTURES.built_in
+    ]
     parts.append(
         "\n## Pictures\n\nFiles in `figures/`, drawn where the data are there. STATE is `last`, or `2.5mm` for the "
-        f"step at u = 2.5 mm.\n\n{markdown_table(['name', 'caption', 'file'], pictures)}"
+        "step at u = 2.5 mm. `--figures report`, the default, draws those that the report shows, of the path that "
+        "stands for all and its last state; `all` draws every path of a few, of many the first of each kind and role. "
+        f"PNG, 100 dots an inch; `--figure-format` has others.\n\n"
+        f"{markdown_table(['name', 'caption', 'file', 'from'], pictures)}"
     )
     tables = [[f"`{each.name}`", each.section] for each in REPORT_TABLES.built_in]
     parts.append(f"\n## Tables of the report\n\n{markdown_table(['name', 'section'], tables)}")

@@ -19,8 +19,9 @@ from pysprings.studies.accuracy.rows import StudyResult
 
 
 def run(
-    scene: Scene, out: Path, meshes: Sequence[str], quick: bool, force: bool, file: Path | None, as_json: bool
-) -> None:
+    scene: Scene, out: Path, meshes: Sequence[str], quick: bool, force: bool, file: Path | None,
+    formats: Sequence[str], as_json: bool,
+) -> None:  # fmt: skip
     """Run or go on; raise RunIncomplete at the end where a run has not reached its end."""
     refuse_no_folder(out)
     if file is not None and file.is_dir():
@@ -28,7 +29,7 @@ def run(
     chosen = settings(meshes, quick, *_linear_solvers(scene), fourier=presets.carries_series(scene))
     try:
         with interruptible(), reporter(sys.stderr) as progress:
-            outcome = study.study(scene, out, chosen, progress, force, child.run_in_child)
+            outcome = study.study(scene, out, chosen, progress, force, child.run_in_child, formats)
     except KeyboardInterrupt:
         to_stderr(f"what has run is kept in {out}; the same command goes on")
         raise

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series
+from pysprings.cli.options import Changes, DrawnFigures, Format, Json, Mesh, NoFigures, SceneFile, Series, formats_of
 from pysprings.cli.support import interruptible, print_json, print_table, quantities, refuse, to_stderr
 
 if TYPE_CHECKING:
@@ -48,6 +48,9 @@ def capacity(
     discretisation: Series = None,
     changes: Changes = None,
     force: Annotated[bool, typer.Option("--force", help="repeat every run")] = False,
+    figures: DrawnFigures = None,
+    no_figures: NoFigures = False,
+    figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:
     """Push the full model to failure in directions of H and M at given V: the envelope, with nothing fitted.
@@ -71,7 +74,9 @@ def capacity(
     chosen = study.scene_of(read, mesh, discretisation)
     try:
         with interruptible(), reporter(sys.stderr) as progress:
-            outcome = study.study(chosen, folder, request, progress, model, given, force)
+            outcome = study.study(
+                chosen, folder, request, progress, model, given, force, formats_of(figures, no_figures, figure_format)
+            )  # fmt: skip
     except KeyboardInterrupt:
         to_stderr(f"what has run is kept in {folder}; the same command goes on")
         raise

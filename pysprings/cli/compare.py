@@ -11,7 +11,7 @@ import typer
 
 from pysprings.cli.folders import refuse_no_folder
 from pysprings.cli.inputs import refuse_unfinished, springs_of
-from pysprings.cli.options import Json, OneSpringSet, Result
+from pysprings.cli.options import Format, Json, OneSpringSet, Result
 from pysprings.cli.support import print_json, print_table, refuse
 from pysprings.core.columns import Table
 
@@ -71,6 +71,7 @@ def diff(
         Path | None,
         typer.Option("--out", metavar="DIR", help="also draw both over each other, a picture a path"),
     ] = None,
+    figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:
     """Set two runs beside each other: scenes, initial stiffness, loads at equal motion, limit loads."""
@@ -80,7 +81,7 @@ def diff(
         refuse_no_folder(out)
     runs = _run(first, str(first)), _run(second, str(second))
     rows = differences(*runs)
-    pictures = [] if out is None else _draw(*runs, common_paths(*runs), out)
+    pictures = [] if out is None else _draw(*runs, common_paths(*runs), out, figure_format)
     if as_json:
         files = [str(file) for file in pictures]
         print_json({"runs": [str(first), str(second)], "rows": [asdict(row) for row in rows], "pictures": files})
@@ -105,15 +106,10 @@ def _run(folder: Path, name: str) -> Run:
     return Run(name, open_result(folder), record)
 
 
-def _draw(first: Run, second: Run, names: list[str], out: Path) -> list[Path]:
-    from pysprings.core.files.storage import replacing
+def _draw(first: Run, second: Run, names: list[str], out: Path, figure_format: str) -> list[Path]:
+    from pysprings.results.plots.files import save
     from pysprings.results.plots.two_runs import overlay
 
     out.mkdir(parents=True, exist_ok=True)
-    files, runs = [], {each.name: each.result for each in (first, second)}
-    for name in names:
-        file = out / f"{name}.png"
-        with replacing(file) as temporary:
-            overlay(runs, name).savefig(temporary, dpi=110, format="png")
-        files.append(file)
-    return files
+    runs = {each.name: each.result for each in (first, second)}
+    return [file for name in names for file in save(overlay(runs, name), out / name, figure_format.split(","))]

@@ -8,8 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
+from pysprings.cli.support import refuse
 from pysprings.core.registry import Item, Registry
-from pysprings.core.words import Discretisation, MeshPreset, TargetError
+from pysprings.core.words import Discretisation, FigureFormat, Figures, MeshPreset, TargetError
 from pysprings.macro.spring_sets import SPRING_SETS
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (TOML)")]
@@ -27,7 +28,22 @@ Changes = Annotated[
         "--set", metavar="KEY=VALUE", help='value instead of the scene\'s, e.g. soil.young_modulus="80 MPa"; repeated'
     ),
 ]
+DrawnFigures = Annotated[Figures | None, typer.Option("--figures", help="none: no picture")]
+NoFigures = Annotated[bool, typer.Option("--no-figures", help="draw no pictures: --figures none")]
+Format = Annotated[FigureFormat, typer.Option("--figure-format", help="format of the pictures")]
 Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
+
+
+def formats_of(figures: Figures | None, none: bool, wanted: FigureFormat) -> tuple[str, ...]:
+    """Return the formats of the only picture that a command draws; none where no picture is asked for."""
+    return () if drawn(figures, none) == "none" else tuple(wanted.split(","))
+
+
+def drawn(figures: Figures | None, none: bool) -> Figures | None:
+    """Return which pictures are asked for; refuse `--no-figures` beside another `--figures`."""
+    if none and figures not in (None, "none"):
+        refuse("--no-figures", f"give either this or --figures {figures}")
+    return "none" if none else figures
 
 
 def named(flag: str, registry: Registry[Item], words: str, cases: list[Item] | None = None) -> Any:

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pysprings.cli.folders import record_stamp, refuse_other_run, result_folder
-from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series, Target
+from pysprings.cli.options import Changes, Format, Json, Mesh, NoFigures, SceneFile, Series, Target, drawn
 from pysprings.cli.scene import load, on_mesh
 from pysprings.cli.support import interruptible, logged, print_json, refuse, to_stderr, write_log
 from pysprings.core.errors import ResourceError, RunIncomplete
 from pysprings.core.files.written import is_unfinished
+from pysprings.core.words import FigureFormat, Figures
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -26,7 +27,7 @@ Stopped = RunIncomplete | ResourceError | KeyboardInterrupt | None
 
 @dataclass(frozen=True)
 class RunOptions:
-    """Options of a run: mesh preset or target error, discretisation, error estimate, resumption, changed values."""
+    """Options of a run: mesh preset or target error, discretisation, error estimate, resumption, values, pictures."""
 
     mesh: str | None = None
     discretisation: str | None = None
@@ -34,17 +35,20 @@ class RunOptions:
     estimate: bool | None = None
     resume: bool = False
     changes: tuple[str, ...] = ()
-    figures: bool = True
+    figures: Figures | None = None
+    format: FigureFormat = "png"
     quiet: bool = False
 
     def command(self, scene: Path, folder: Path) -> str:
         """Return the command that resumes the run."""
-        given = {"--mesh": self.mesh, "--target-error": self.target, "--discretisation": self.discretisation}
+        given = {
+            "--mesh": self.mesh, "--target-error": self.target, "--discretisation": self.discretisation,
+            "--figures": self.figures, "--figure-format": self.format if self.format != "png" else None,
+        }  # fmt: skip
         options = "".join(f" {flag} {value}" for flag, value in given.items() if value)
         if self.estimate is not None:
             options += " --estimate-error" if self.estimate else " --no-estimate-error"
         options += "".join(f" --set {shlex.quote(change)}" for change in self.changes)
-        options += "" if self.figures else " --no-figures"
         return f"pysprings run {scene} --out {folder}{options} --resume"
 
 
@@ -66,7 +70,12 @@ def run(
     resume: Annotated[bool, typer.Option("--resume", help="go on with the interrupted run in the folder")] = False,
     force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
     changes: Changes = None,
-    no_figures: Annotated[bool, typer.Option("--no-figures", help="draw no pictures")] = False,
+    figures: Annotated[
+        Figures | None,
+        typer.Option("--figures", help="pictures: none, those that the report shows, or all \\[default: as the scene]"),
+    ] = None,
+    no_figures: NoFigures = False,
+    figure_format: Format = "png",
     verbose: Annotated[
         bool, typer.Option("--verbose", help="also iterations, balances and cost by phase at the end")
     ] = False,
@@ -83,7 +92,10 @@ def run(
     if verbose and quiet:
         refuse("--quiet", "give either this or --verbose")
     write_log(log)
-    options = RunOptions(mesh, discretisation, target, estimate, resume, tuple(changes or ()), not no_figures, quiet)
+    options = RunOptions(
+        mesh, discretisation, target, estimate, resume, tuple(changes or ()), drawn(figures, no_figures),
+        figure_format, quiet,
+    )  # fmt: skip
     loaded, extra = _chosen(load(scene, discretisation, changes), options)
     folder = out or Path("out") / scene.stem
     with result_folder(folder, force, resume):
@@ -136,7 +148,7 @@ def _run(scene: Scene, folder: Path, options: RunOptions, extra: dict[str, Any])
         with interruptible(), reporter(None if options.quiet else sys.stderr) as progress:
             run_to_folder(
                 scene, folder, mesh=options.mesh, progress=logged(progress), resume=options.resume,
-                writing=Writing(target_error=target_error, figures=options.figures), **extra,
+                writing=Writing(target_error, options.figures, tuple(options.format.split(","))), **extra,
             )  # fmt: skip
     except (RunIncomplete, ResourceError, KeyboardInterrupt) as error:
         if record_stamp(folder) in (None, before):

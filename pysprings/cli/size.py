@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pysprings.cli.atlas_springs import SHIPPED_ATLASES
-from pysprings.cli.options import Changes, Json
+from pysprings.cli.options import Changes, DrawnFigures, Format, Json, NoFigures, formats_of
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 from pysprings.core.columns import Column, Table
 
@@ -37,6 +38,9 @@ def size(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="folder for the table and picture of candidates")
     ] = None,
+    figures: DrawnFigures = None,
+    no_figures: NoFigures = False,
+    figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:
     """Find the diameter and skirt length of the least steel that meets load cases in tilt and utilisation.
@@ -66,7 +70,7 @@ def size(
     )  # fmt: skip
     search = Search(model, wanted)
     best, checked = least_confirmed(search) if confirm else (search.least(), None)
-    files = _files(search, best, out) if out else []
+    files = _files(search, best, out, formats_of(figures, no_figures, figure_format)) if out else []
     if as_json:
         full = [] if checked is None else checked.to_dict("records")
         about = {"remarks": _remarks(search, best, confirm), "correction": search.correction}
@@ -77,17 +81,17 @@ def size(
         print(file)
 
 
-def _files(search: Search, best: Candidate, out: Path) -> list[Path]:
+def _files(search: Search, best: Candidate, out: Path, formats: Sequence[str]) -> list[Path]:
     from pysprings.core.errors import following
     from pysprings.results.exporters.csv import write_frame
-    from pysprings.results.plots.files import save
+    from pysprings.results.plots.files import redraw
     from pysprings.studies.sizing.picture import candidates
     from pysprings.studies.sizing.search import table_of
 
     table = table_of(search.tried)
     files = [write_frame(table, out / "candidates.csv")]
     with following("the picture was"):
-        files += save(candidates(table, table_of([best]).iloc[0]), out / "candidates", dpi=150)
+        files += redraw(lambda: candidates(table, table_of([best]).iloc[0]), out / "candidates", formats)
     return files
 
 

@@ -3,20 +3,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.cli.support import interruptible, print_json, to_stderr
 from pysprings.core.errors import following
-from pysprings.core.files.storage import replacing, write_text
+from pysprings.core.files.storage import write_text
 from pysprings.studies.stability import catalogue as stability
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-def run(names: list[str], mesh: str, refinement: float, reach: float, out: Path | None, as_json: bool) -> int:
+def run(
+    names: list[str], mesh: str, refinement: float, reach: float, out: Path | None, formats: Sequence[str],
+    as_json: bool,
+) -> int:  # fmt: skip
     """Run the cases of these names (all: none given) as far as ``reach`` (m); return how many ended unexplained."""
     cases = stability.cases_named(names)
 
@@ -37,12 +41,12 @@ def run(names: list[str], mesh: str, refinement: float, reach: float, out: Path 
             table = stability.run_cases(cases, mesh, refinement, report, reach)
     except KeyboardInterrupt:
         if out is not None and ended:
-            _write(stability.table_of(ended), out)
+            _write(stability.table_of(ended), out, formats)
             to_stderr(f"the cases that have ended are in {out}")
         raise
     total = stability.summary(table)
     if out is not None:
-        _write(table, out)
+        _write(table, out, formats)
     if as_json:
         rows = table.astype(object).where(table.notna(), None).to_dict(orient="records")
         print_json({"mesh": mesh, "refinement": refinement, "reach_m": reach, "summary": total, "cases": rows})
@@ -51,11 +55,12 @@ def run(names: list[str], mesh: str, refinement: float, reach: float, out: Path 
     return int(total[stability.UNEXPLAINED])
 
 
-def _write(table: pd.DataFrame, out: Path) -> None:
-    """Write stability.csv, stability.md and stability.png."""
+def _write(table: pd.DataFrame, out: Path, formats: Sequence[str]) -> None:
+    """Write stability.csv, stability.md and stability.png or stability.svg."""
+    from pysprings.results.plots.files import redraw
     from pysprings.studies.stability.picture import catalogue
 
     write_text(table.to_csv(index=False, lineterminator="\n"), out / "stability.csv")
     write_text(stability.to_markdown(table), out / "stability.md")
-    with following("the picture was"), replacing(out / "stability.png") as temporary:
-        catalogue(table).savefig(temporary, dpi=110, format="png")
+    with following("the picture was"):
+        redraw(lambda: catalogue(table), out / "stability", formats)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pysprings.cli.options import Json, Mesh, SceneFile
+from pysprings.cli.options import DrawnFigures, Format, Json, Mesh, NoFigures, SceneFile, formats_of
 from pysprings.cli.support import quantities
 from pysprings.core.errors import RunIncomplete
 
@@ -27,6 +27,9 @@ def accuracy(
         Path | None, typer.Option("--write-presets", metavar="FILE", help="also write what --target-error chooses from")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="repeat every run")] = False,
+    figures: DrawnFigures = None,
+    no_figures: NoFigures = False,
+    figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:
     """Measure error against run time over meshes, steps, tolerances and linear solvers: table, picture, Pareto front.
@@ -37,7 +40,8 @@ def accuracy(
     from pysprings.scene.load import load_scene
 
     folder = out or Path("out") / f"accuracy-{scene.stem}"
-    cli_accuracy.run(load_scene(scene), folder, mesh or [], quick, force, presets, as_json)
+    formats = formats_of(figures, no_figures, figure_format)
+    cli_accuracy.run(load_scene(scene), folder, mesh or [], quick, force, presets, formats, as_json)
 
 
 def stability(
@@ -52,6 +56,9 @@ def stability(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="folder for the table and its picture")
     ] = None,
+    figures: DrawnFigures = None,
+    no_figures: NoFigures = False,
+    figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:
     """Run the stiff and extreme cases: how each ends, steps, cut-backs, residuals, balances.
@@ -62,6 +69,7 @@ def stability(
 
     far = quantities({"--reach": (reach, "m", "20 mm")})["--reach"]
     assert far is not None
-    unexplained = cli_stability.run(case or [], mesh or "coarse", refinement, far, out, as_json)
+    formats = formats_of(figures, no_figures, figure_format)
+    unexplained = cli_stability.run(case or [], mesh or "coarse", refinement, far, out, formats, as_json)
     if unexplained:
         raise RunIncomplete(f"{unexplained} cases ended without a named reason")

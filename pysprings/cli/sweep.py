@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pysprings.cli.options import Json
+from pysprings.cli.options import Format, Json
 from pysprings.cli.support import interruptible, print_json, print_table, refuse, to_stderr
 from pysprings.core.columns import Table
 from pysprings.core.errors import RunIncomplete
@@ -48,6 +48,7 @@ def sweep(
         str | None,
         typer.Option("--over", metavar="AXIS[,AXIS]", help="axes of the pictures \\[default: the first two]"),
     ] = None,
+    figure_format: Format = "png",
     quiet: Annotated[bool, typer.Option("--quiet", help="errors and warnings alone")] = False,
     as_json: Json = False,
 ) -> None:
@@ -77,7 +78,7 @@ def sweep(
         except KeyboardInterrupt:
             to_stderr(f"what has run is kept in {folder}; the same command goes on")
             raise
-    written = _outputs(ended, table or [], picture or [], over)
+    written = _outputs(ended, table or [], picture or [], over, figure_format)
     if as_json:
         print_json(_summary(ended, folder))
     elif not quiet:
@@ -85,7 +86,9 @@ def sweep(
     _end(ended, plan_only)
 
 
-def _outputs(study: Study, tables: list[Path], pictures: list[str], over: str | None) -> dict[Path, str]:
+def _outputs(
+    study: Study, tables: list[Path], pictures: list[str], over: str | None, figure_format: str
+) -> dict[Path, str]:  # fmt: skip
     """Write dataset, tables and pictures; return the files with their meaning."""
     from pysprings.studies.sweep import dataset, picture
 
@@ -103,7 +106,7 @@ def _outputs(study: Study, tables: list[Path], pictures: list[str], over: str | 
             axes = [axis.strip() for axis in over.split(",")] if over else []
             stem = study.out / name.replace(":", "-")
             figure = picture.draw(data, name, axes)
-            written |= dict.fromkeys(save(figure, stem, dpi=150), name)
+            written |= dict.fromkeys(save(figure, stem, figure_format.split(",")), name)
     return written
 
 

@@ -14,6 +14,8 @@ MeshPreset = Literal["coarse", "medium", "paper", "fine"]
 Discretisation = Literal["hex8", "fourier"]
 # largest error of a run in its load and p-y curves: see `pysprings.full_model.accuracy.presets`
 TargetError = Literal["5%", "2%", "1%", "0.5%"]
+Figures = Literal["none", "report", "all"]  # pictures of a run: none, those that its report shows, all
+FigureFormat = Literal["png", "svg", "png,svg"]
 
 RANGE_END = "end of the range"  # kind of the largest known load of an answer that is no capacity: more is not known
 

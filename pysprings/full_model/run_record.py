@@ -286,7 +286,7 @@ class RunRecord(_Part):
     def read(cls, folder: Path) -> RunRecord | None:
         """Return the record of `run.json` in a folder; None if there is none or it is broken."""
         try:
-            return cls.from_dict(json.loads((folder / FILE).read_text(encoding="utf-8")))
+            return cls.from_text((folder / FILE).read_text(encoding="utf-8"))
         except (OSError, ValueError, TypeError, AttributeError):
             return None
 
@@ -300,7 +300,12 @@ class RunRecord(_Part):
     def of(cls, result: xr.DataTree) -> RunRecord | None:
         """Return the record that a full-model result carries; None without one."""
         text = result.root.attrs.get(ATTRIBUTE)
-        return None if text is None else cls.from_dict(json.loads(text))
+        return None if text is None else cls.from_text(text)
+
+    @classmethod
+    def from_text(cls, text: str) -> RunRecord:
+        """Return the record of a JSON text."""
+        return cls.from_dict(json.loads(text))
 
     @property
     def complete(self) -> bool:

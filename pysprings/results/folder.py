@@ -16,7 +16,7 @@ from pysprings.core.files.storage import remove_leftovers, write_text, write_tre
 from pysprings.core.files.written import LIST, WRITING, is_unfinished, note, noted, own_folder
 from pysprings.core.progress import Progress
 from pysprings.core.text import json_text
-from pysprings.core.words import StopReason
+from pysprings.core.words import Figures, StopReason
 from pysprings.full_model.accuracy import presets
 from pysprings.full_model.accuracy.own_estimate import PHASE
 from pysprings.full_model.checkpoint import Checkpoints
@@ -52,12 +52,14 @@ class Writing:
     Attributes
     ----------
     target_error : note of the setting that a target chose (`accuracy.presets.note`); its error is judged at the end.
-    figures : False draws no pictures, whatever the scene says.
+    figures : pictures that are drawn, whatever the scene says; None: those that it asks for.
+    formats : formats of the pictures: "png", "svg".
     springs_alone : True writes springs.nc and run.json and no other file.
     """
 
     target_error: Mapping[str, Any] | None = None
-    figures: bool = True
+    figures: Figures | None = None
+    formats: tuple[str, ...] = ("png",)
     springs_alone: bool = False
 
 
@@ -81,7 +83,7 @@ def run_to_folder(
         refuse_linked_folders(folder)
         checkpoints = Checkpoints(folder)
         options = RunOptions(mesh, None, progress, checkpoints, resume, time_unit)
-        files = _Files(folder, more, drawn=more.figures and scene.output.figures)
+        files = _Files(folder, more, more.figures or scene.output.pictures)
         result = run_and_estimate(scene, options, estimate_error, files.keep)
         files.finish(result)
         if not result.unfinished:
@@ -114,8 +116,8 @@ def run_or_go_on(
 class _Files:
     """The files of a run: those with its results first, then those that follow from them."""
 
-    def __init__(self, folder: Path, writing: Writing, drawn: bool) -> None:
-        self.folder, self.writing, self.drawn = folder, writing, drawn
+    def __init__(self, folder: Path, writing: Writing, figures: Figures) -> None:
+        self.folder, self.writing, self.figures = folder, writing, figures
         self.kept: xr.DataTree | None = None  # result whose springs `source` has
         self.source = Source()
         self.has_springs = False
@@ -150,7 +152,7 @@ class _Files:
     @property
     def _shown(self) -> list[str]:
         """Names of what shows the results."""
-        return [] if self.writing.springs_alone else [*(["pictures"] if self.drawn else []), "report"]
+        return [] if self.writing.springs_alone else [*(["pictures"] if self.figures != "none" else []), "report"]
 
     def _write_record(self, record: RunRecord, still: Sequence[str]) -> None:
         """Write run.json while parts are still to be made."""
@@ -160,12 +162,22 @@ class _Files:
     def _show(self, computed: Computed, meter: Meter) -> None:
         """Draw the pictures and write the report."""
         record, figures = computed.record, None
-        if self.drawn:
+        if self.figures != "none":
             with meter.clock.phase("output: pictures"):
-                figures = _made(record, "pictures", lambda: _draw(self.folder, self.source, self.has_springs))
+                figures = _made(record, "pictures", lambda: self._draw(self.figures))
         meter.charge(record)  # the report shows the cost of everything but itself
         with meter.clock.phase("output: report"):
             _made(record, "report", lambda: self._report(computed, figures or []))
+
+    def _draw(self, which: Figures) -> list[Path]:
+        """Draw the pictures of the report, or all."""
+        from pysprings.results import plots
+
+        source, known = self.source, self.has_springs
+        return plots.save_all(
+            source.result, source.springs if known else None, self.folder / FIGURES,
+            source.predictions if known else None, partial(note, self.folder), which, self.writing.formats,
+        )  # fmt: skip
 
     def _report(self, computed: Computed, figures: list[Path]) -> None:
         compared = "compare.csv" not in computed.record.not_made and self.has_springs
@@ -237,13 +249,6 @@ def _springs(result: xr.DataTree) -> xr.DataTree | None:
         if result.attrs["status"] == "complete":
             raise
         return None
-
-
-def _draw(folder: Path, source: Source, has_springs: bool) -> list[Path]:
-    from pysprings.results import plots
-
-    springs, predicted = (source.springs, source.predictions) if has_springs else (None, {})
-    return plots.save_all(source.result, springs, folder / FIGURES, predicted, partial(note, folder))
 
 
 def _write_record(folder: Path, record: dict[str, Any]) -> None:

@@ -4,9 +4,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from pysprings.core.files.written import CHECKPOINT, LIST, listed, refuse_links
+from pysprings.core.path_kinds import beam_order, has_free_head
 from pysprings.results.exporters import EXPORTERS
 
 FIGURES = "figures"  # folder of the pictures
@@ -25,6 +28,7 @@ _AFTER = {
 
 LOAD_CASES = "design.csv"  # answers to load cases, which `pysprings design --report` puts there
 
+OF_FREE_HEADS = ("macro_against_full", "stress_outside", "section", "gap")  # pictures about loads and states
 _STATE = re.compile(r"last|[0-9.]+mm")
 
 
@@ -62,6 +66,33 @@ def picture_kind(stem: str, path: str) -> tuple[str, str] | None:
         return rest, ""
     kind, _, state = rest.rpartition("_")
     return (kind, state) if kind in PICTURES and _STATE.fullmatch(state) else None
+
+
+class Drawn(NamedTuple):
+    """A picture of a run by its kind, path (blank for the whole run) and state (blank for none)."""
+
+    kind: str
+    path: str
+    state: str
+
+    @property
+    def stem(self) -> str:
+        """Name of its files, without suffix."""
+        return "_".join(filter(None, (self.path, self.kind, self.state)))
+
+
+def stands_for(kind: str, known: Iterable[Drawn], paths: Mapping[str, Mapping[Any, Any]]) -> Drawn | None:
+    """Return the picture of a kind that the report shows, of those that are known; None where there is none.
+
+    The first path that has one: of those with a free head before others in the parts about loads and states, of that
+    whose springs a beam would take (`beam_order`) elsewhere. Of several states the last. `paths` has the attributes of
+    each path by its name.
+    """
+    free = kind in OF_FREE_HEADS
+    order = sorted(paths, key=lambda name: (not has_free_head(paths[name]),) if free else beam_order(paths[name]))
+    rank = {name: number for number, name in enumerate(("", *order))}
+    found = [each for each in known if each.kind == kind]
+    return min(found, key=lambda each: (each.state != "last", rank[each.path]), default=None)
 
 
 def pictures_in(folder: Path) -> list[Path]:

@@ -242,17 +242,25 @@ class Choice(Field):
 
 @dataclass(frozen=True)
 class Flag(Field):
-    """true or false."""
+    """true or false; `words` are accepted in their place: pairs of a word and the value that it stands for."""
 
     text: str
+    words: tuple[tuple[str, bool | str], ...] = ()
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if not isinstance(value, bool):
-            raise refuse(f"expected true or false, got {quoted(value)}")
-        return value
+        if isinstance(value, bool):
+            return value
+        if isinstance(value, str) and value in dict(self.words):
+            return dict(self.words)[value]
+        known = ", ".join(("true", "false", *(quoted(word) for word, _ in self.words)))
+        raise refuse(f"expected {' or '.join(known.rsplit(', ', 1))}, got {quoted(value)}")
 
     def schema(self) -> dict[str, Any]:
-        return {"description": self.text, "type": "boolean"}
+        flag = {"description": self.text, "type": "boolean"}
+        if not self.words:
+            return flag
+        words = {"enum": [word for word, _ in self.words]}
+        return {"description": self.text, "anyOf": [{"type": "boolean"}, words]}
 
 
 @dataclass(frozen=True)

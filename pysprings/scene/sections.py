@@ -16,7 +16,7 @@ from pydantic import Field as Key
 
 from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
 from pysprings.core.path_kinds import PATH_KINDS, ROLES
-from pysprings.core.words import AUTO, Discretisation, MeshPreset
+from pysprings.core.words import AUTO, Discretisation, Figures, MeshPreset
 from pysprings.scene.by_depth import ByDepth, BySurface, Profile
 from pysprings.scene.clay_laws import ANISOTROPY_KEYS, Reduction
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
@@ -373,8 +373,19 @@ class Output(Section):
 
     interface_fields: Annotated[bool, Flag("keep contact stresses and gaps by azimuth and depth at every step")] = True
     section: Annotated[bool, Flag("keep displacements of the symmetry plane at every step")] = True
-    figures: Annotated[bool, Flag("draw the pictures")] = True
+    figures: Annotated[
+        bool | str,
+        Flag(
+            "draw the pictures that the report shows (true), or all",
+            (("none", False), ("report", True), ("all", "all")),
+        ),
+    ] = True
     paraview: Annotated[bool, Flag("keep the whole model at every step, and write ParaView files of it")] = False
+
+    @property
+    def pictures(self) -> Figures:
+        """Which pictures of a run are drawn."""
+        return "all" if self.figures == "all" else "report" if self.figures else "none"
 
 
 class Springs(Section):

@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from pysprings.full_model.run_record import RunRecord
+from pysprings.full_model.run_record import ATTRIBUTE, RunRecord
 from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
@@ -85,9 +86,15 @@ def settings(tree: xr.DataTree) -> dict[str, Any]:
     """Collect drainage, caisson size [m], mesh counts and solver tolerance of a run from its attrs."""
     attrs = tree.root.attrs
     values: dict[str, Any] = {key: attrs[key] for key in SETTINGS if key in attrs}
-    record = RunRecord.of(tree)
-    tolerance = record.solver.tolerance if record else None
-    return values if tolerance is None else {**values, "tolerance": float(tolerance)}
+    tolerance = _tolerance(str(attrs.get(ATTRIBUTE, "")))
+    return values if tolerance is None else {**values, "tolerance": tolerance}
+
+
+@lru_cache(maxsize=8)
+def _tolerance(run_json: str) -> float | None:
+    """Return the tolerance of the solver in the record of a run; None without one. The text is parsed once."""
+    record = RunRecord.from_text(run_json) if run_json else None
+    return None if record is None or record.solver.tolerance is None else float(record.solver.tolerance)
 
 
 def converged(path: xr.Dataset) -> NDArray[np.bool_]:

@@ -4,18 +4,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib as mpl
 
 from pysprings.core.files.storage import replacing
 from pysprings.core.registry import Registry
-from pysprings.core.words import MOST_DRAWN
+from pysprings.core.words import MOST_DRAWN, Figures
 from pysprings.results.analysis.parts import path_data, pick_step, section_data
+from pysprings.results.layout import Drawn, stands_for
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.style import STYLE, CompressedLayout
@@ -26,8 +27,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PAPER_DISPLACEMENT = 2.5e-3  # m: the state that the paper's figures show
-DPI = 150
+DPI = 100  # the widest figures, 9.6 inch, fill the report, whose text is 960 pixels wide
+FORMATS = ("png", "svg")
+PNG_LEVEL = 1  # of compression: a tenth larger than by default, in a third of the time
 LARGEST_SVG = 400_000  # bytes; a larger drawing is kept as PNG alone
+
+
+class Planned(NamedTuple):
+    """A picture that the data allow, by its place, and what it reads."""
+
+    place: Drawn
+    picture: Picture
+    view: View
 
 
 def save_all(
@@ -36,9 +47,11 @@ def save_all(
     folder: str | os.PathLike[str],
     curves: Mapping[str, Mapping[str, xr.Dataset]] | None = None,
     note: Callable[[Path], object] | None = None,
+    which: Figures = "all",
+    formats: Sequence[str] = ("png",),
     pictures: Registry[Picture] = PICTURES,
 ) -> list[Path]:
-    """Write every picture that the result allows, as PNG and, where small, SVG; return the files in order.
+    """Write the pictures that the result allows; return the files in order.
 
     Parameters
     ----------
@@ -52,14 +65,18 @@ def save_all(
         Predictions of the rigid body on springs: path name -> spring set (``"full"``, ``"py"``) -> Dataset.
     note
         Called with each file when it is written.
+    which
+        "report": those that the report shows; "none": none.
+    formats
+        "png" and "svg": see `save`.
     pictures
-        Pictures to draw.
+        Kinds of pictures.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
-    for name, figure in figures(result, springs, curves or {}, pictures):
-        for file in save(figure, target / name):
+    for name, figure in figures(result, springs, curves or {}, which, pictures):
+        for file in save(figure, target / name, formats):
             written.append(file)
             if note is not None:
                 note(file)
@@ -70,18 +87,36 @@ def figures(
     result: xr.DataTree,
     springs: xr.DataTree | None,
     curves: Mapping[str, Mapping[str, xr.Dataset]],
+    which: Figures = "all",
     pictures: Registry[Picture] = PICTURES,
 ) -> Iterator[tuple[str, Figure]]:
-    """Yield (file name without suffix, figure) for every picture that the result allows, in reading order."""
+    """Yield (file name without suffix, figure) of the pictures that the result allows, in reading order."""
+    planned = [] if which == "none" else list(plan(result, springs, curves, pictures))
+    if which == "report":
+        paths = {name: path.attrs for name, path in paths_of(result).items()}
+        known = [each.place for each in planned]
+        shown = {stands_for(picture.name, known, paths) for picture in pictures if picture.section}
+        planned = [each for each in planned if each.place in shown]
+    for each in planned:
+        yield each.place.stem, each.picture.draw(each.view)
+
+
+def plan(
+    result: xr.DataTree,
+    springs: xr.DataTree | None,
+    curves: Mapping[str, Mapping[str, xr.Dataset]],
+    pictures: Registry[Picture] = PICTURES,
+) -> Iterator[Planned]:
+    """Yield every picture that the result allows, in reading order; draw none."""
     view = View(result, springs)
     plane = section_data(result)
     view = replace(view, section=None if plane is None else view.with_settings(plane))
     for picture in pictures:
         if picture.scope == "run" and picture.applies(view):
-            yield picture.name, picture.draw(view)
+            yield Planned(Drawn(picture.name, "", ""), picture, view)
     for name in drawn_paths(result):
         path = view.with_settings(path_data(result, name))
-        yield from path_figures(replace(view, path=path, predictions=curves.get(name, {})), pictures)
+        yield from path_plan(replace(view, path=path, predictions=curves.get(name, {})), pictures)
 
 
 def drawn_paths(result: xr.DataTree) -> list[str]:
@@ -98,8 +133,8 @@ def drawn_paths(result: xr.DataTree) -> list[str]:
     return list(first.values())
 
 
-def path_figures(view: View, pictures: Registry[Picture] = PICTURES) -> Iterator[tuple[str, Figure]]:
-    """Yield (file name without suffix, figure) of one path; those of its states one state after the other."""
+def path_plan(view: View, pictures: Registry[Picture] = PICTURES) -> Iterator[Planned]:
+    """Yield the pictures of one path; those of its states one state after the other."""
     name, steps = view.path.attrs["path"], shown_steps(view.path)
     for scope, group in groupby(pictures, key=lambda picture: picture.scope):
         members = list(group)
@@ -108,7 +143,7 @@ def path_figures(view: View, pictures: Registry[Picture] = PICTURES) -> Iterator
             shown = replace(view, step=step)
             for picture in members:
                 if picture.applies(shown):
-                    yield f"{name}_{picture.name}" + (f"_{state}" if state else ""), picture.draw(shown)
+                    yield Planned(Drawn(picture.name, name, state), picture, shown)
 
 
 def shown_steps(path: xr.Dataset) -> dict[str, int]:
@@ -121,38 +156,59 @@ def shown_steps(path: xr.Dataset) -> dict[str, int]:
     return {**steps, "last": last}
 
 
-def save(figure: Figure, stem: Path, dpi: int = DPI) -> list[Path]:
-    """Write a figure as ``stem.png`` and, when small, ``stem.svg``, each by a rename; return the files."""
+def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png",), dpi: int = DPI) -> list[Path]:
+    """Write a figure as ``stem.png``, ``stem.svg`` or both, each by a rename; return the files.
+
+    A large drawing is written as PNG in the place of SVG. Files of the same stem in other formats are removed.
+    """
     with mpl.rc_context(STYLE):
         _settle(figure, dpi)
-        png = _write(figure, stem.with_name(stem.name + ".png"), dpi)
-        figure.set_layout_engine(None)
-        svg = _write(figure, stem.with_name(stem.name + ".svg"), dpi, most=LARGEST_SVG)
-    return [file for file in (png, svg) if file is not None]
+        files = {each: stem.with_name(f"{stem.name}.{each}") for each in FORMATS}
+        if "svg" in formats and not _write(figure, files["svg"], dpi, most=LARGEST_SVG):
+            formats = ("png",)
+        if "png" in formats:
+            _write(figure, files["png"], dpi)
+    for each in set(FORMATS) - set(formats):
+        files[each].unlink(missing_ok=True)
+    return [file for each, file in files.items() if each in formats]
+
+
+def redraw(
+    draw: Callable[[], Figure], stem: Path, formats: Sequence[str] = ("png",), dpi: int = DPI
+) -> list[Path]:  # fmt: skip
+    """Save the figure that `draw` returns; with no format draw nothing, and remove the files of the stem."""
+    if formats:
+        return save(draw(), stem, formats, dpi)
+    for each in FORMATS:
+        stem.with_name(f"{stem.name}.{each}").unlink(missing_ok=True)
+    return []
 
 
 def _settle(figure: Figure, dpi: int) -> None:
     """Lay a figure out once, for all files: with a layout engine matplotlib draws it twice for each of them.
 
-    A compressed layout depends on the drawing, and is settled by the first file.
+    A compressed layout depends on the drawing: the figure is drawn once for it.
     """
     engine = figure.get_layout_engine()
-    if engine is None or isinstance(engine, CompressedLayout):
+    if engine is None:
         return
     before, figure.dpi = figure.dpi, dpi
-    engine.execute(figure)  # a second time moves no panel by more than 4e-5 of the page
+    if isinstance(engine, CompressedLayout):
+        figure.draw_without_rendering()
+    else:
+        engine.execute(figure)  # a second time moves no panel by more than 4e-5 of the page
     figure.dpi = before
     figure.set_layout_engine(None)
 
 
-def _write(figure: Figure, file: Path, dpi: int, most: int | None = None) -> Path | None:
+def _write(figure: Figure, file: Path, dpi: int, most: int | None = None) -> bool:
     """Write one file by a rename; a file above `most` bytes is not kept, nor is an older one of its name."""
     # Dates would make two equal runs differ.
-    metadata = {"Date": None} if file.suffix == ".svg" else None
+    svg = file.suffix == ".svg"
+    more: dict[str, Any] = {"metadata": {"Date": None}} if svg else {"pil_kwargs": {"compress_level": PNG_LEVEL}}
     with replacing(file) as temporary:
-        figure.savefig(temporary, dpi=dpi, metadata=metadata)
+        figure.savefig(temporary, dpi=dpi, **more)
         small = most is None or temporary.stat().st_size <= most
-    if small:
-        return file
-    file.unlink()
-    return None
+    if not small:
+        file.unlink()
+    return small

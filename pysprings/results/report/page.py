@@ -18,12 +18,11 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from pysprings.core import version
 from pysprings.core.columns import Table
-from pysprings.core.path_kinds import beam_order, has_free_head
 from pysprings.core.registry import Registry
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
-from pysprings.results.layout import picture_kind, pictures_in
+from pysprings.results.layout import Drawn, picture_kind, pictures_in, stands_for
 from pysprings.results.opened import open_result
 from pysprings.results.report import balances, inputs, load_cases, solution, springs, validity
 from pysprings.results.report.live import Live, live_parts
@@ -39,7 +38,6 @@ SECTIONS: tuple[Section, ...] = (
     "cases", "springs", "capacity", "tilt", "comparison", "inputs", "limits", "mesh", "checks", "cost",
 )  # fmt: skip
 TWINS = ("py", "profiles", "overview", "tilt", "stress_outside")
-OF_FREE_HEADS = ("macro_against_full", "stress_outside", "section", "gap")
 Paths = Mapping[str, Mapping[Any, Any]]
 MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
@@ -170,38 +168,22 @@ def pictures_by_part(files: Iterable[Path], paths: Paths, live: bool = False) ->
     from pysprings.results.plots.picture import Part
     from pysprings.results.plots.pictures import PICTURES
 
+    known = [
+        Drawn(found[0], path, found[1]) for path in ("", *paths) for stem in best if (found := picture_kind(stem, path))
+    ]
     parts: dict[str, list[Picture]] = {name: [] for name in get_args(Part) if name}
     for kind in PICTURES:
-        stem, state = _stands_for(kind.name, best, paths)
-        if not kind.section or not stem:
+        drawn = stands_for(kind.name, known, paths)
+        if not kind.section or drawn is None:
             continue
-        own = stem.removesuffix(f"_{state}" if state else "").removesuffix(f"_{kind.name}")
-        of = "" if kind.scope == "run" else f", path {own}"
-        file = best[stem]
+        of = f", path {drawn.path}" if drawn.path else ""
+        file = best[drawn.stem]
         shown = Picture(
-            _caption(kind.caption, state) + of,
+            _caption(kind.caption, drawn.state) + of,
             picture_uri(file.read_bytes(), file.suffix), kind.tall, live and kind.name in TWINS,
         )  # fmt: skip
         parts.setdefault(kind.section, []).append(shown)
     return parts
-
-
-def _stands_for(kind: str, stems: Iterable[str], paths: Paths) -> tuple[str, str]:
-    """Return stem and state of the picture of a kind that the report shows; blank where there is none.
-
-    The first path that has one: of those with a free head before others in the parts about loads and states, of that
-    whose springs a beam would take (`beam_order`) elsewhere.
-    """
-    known = list(stems)
-    free = kind in OF_FREE_HEADS
-    order = sorted(paths, key=lambda name: (not has_free_head(paths[name]),) if free else beam_order(paths[name]))
-    candidates = [
-        (found[1] != "last", stem, found[1])
-        for path in ("", *order)
-        for stem in known
-        if (found := picture_kind(stem, path)) and found[0] == kind
-    ]
-    return min(candidates, key=lambda each: each[0])[1:] if candidates else ("", "")
 
 
 def _caption(caption: str, state: str) -> str:

@@ -41,11 +41,12 @@ FILES = {
 
 def study(
     scene: Scene, out: Path, settings: Sequence[Setting], report: Progress, force: bool = False,
-    run: Run = run_in_child,
+    run: Run = run_in_child, formats: Sequence[str] = ("png",),
 ) -> StudyResult:  # fmt: skip
     """Run what has not ended yet, assess it and write everything; return what was found.
 
-    force : have every run made again. run : how one is run (in a process of its own).
+    force : have every run made again. run : how one is run (in a process of its own). formats : those of the picture,
+    "png" and "svg"; none: no picture.
     """
     with new_folder(out), exclusive(out):
         remove_leftovers(out, own_folder(out, RUNS))
@@ -53,7 +54,7 @@ def study(
             runs.forget_all(settings, out)
         ended = runs.run_all(scene, settings, out, report, run)
         outcome = rows.assess(ended)
-        _write(out, scene, outcome)
+        _write(out, scene, outcome, formats)
     return outcome
 
 
@@ -125,8 +126,8 @@ def _machine() -> str:
     return f"{platform.machine()}, {sys.platform}, {os.cpu_count()} processors, Python {platform.python_version()}"
 
 
-def _write(out: Path, scene: Scene, outcome: StudyResult) -> None:
-    from pysprings.results.plots.files import save
+def _write(out: Path, scene: Scene, outcome: StudyResult, formats: Sequence[str]) -> None:
+    from pysprings.results.plots.files import redraw
     from pysprings.studies.accuracy.picture import error_against_time
 
     write_text(outcome.table.to_csv(index=False, lineterminator="\n"), out / "accuracy.csv")
@@ -137,6 +138,7 @@ def _write(out: Path, scene: Scene, outcome: StudyResult) -> None:
         "made by": f"`pysprings accuracy`, version {version.__version__}",
         "seconds on": _machine(),
     }
-    write_text(text.to_markdown(outcome, head, "accuracy.png"), out / "accuracy.md")
+    picture = f"accuracy.{formats[0]}" if formats else ""
+    write_text(text.to_markdown(outcome, head, picture), out / "accuracy.md")
     with following("the picture was"):
-        save(error_against_time(outcome.table, scene.title, TARGETS.values()), out / "accuracy", dpi=110)
+        redraw(lambda: error_against_time(outcome.table, scene.title, TARGETS.values()), out / "accuracy", formats)

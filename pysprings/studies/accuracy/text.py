@@ -98,9 +98,10 @@ NOTES = (
 
 
 def to_markdown(outcome: StudyResult, head: Mapping[str, Any], picture: str) -> str:
-    """Return the study as a document; ``head`` names scene, command and version."""
+    """Return the study as a document; ``head`` names scene, command and version, ``picture`` its file (or none)."""
     lines = ["# Error against time", "", *(f"- {name}: {value}" for name, value in head.items()), ""]
-    lines += [f"![Error against time]({picture})", "", "## Full model", "", *_table(outcome, FULL)]
+    lines += [f"![Error against time]({picture})", ""] if picture else []
+    lines += ["## Full model", "", *_table(outcome, FULL)]
     lines += ["", *(text for note in NOTES for text in (note, "")), "## Reference", ""]
     lines += [f"Meshes {', '.join(outcome.series)}; h = {cell_size_of(outcome)}.", ""]
     lines += [f"- {line}" for line in reference_lines(outcome)]

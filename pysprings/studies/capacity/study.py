@@ -44,7 +44,7 @@ FILES = {
     "cases.csv": "utilisation of the load cases",
     "capacity.json": "everything as JSON",
     "capacity.png": "envelopes of both models, with the load cases",
-    "capacity.svg": "the same",
+    "capacity.svg": "the same as SVG",
     RUNS: "the runs, each with its own report",
 }
 
@@ -63,12 +63,12 @@ def scene_of(scene: Scene, mesh: str | None = None, discretisation: str | None =
 
 def study(
     scene: Scene, out: Path, request: plan.Request, report: Progress, springs: MacroModel | None = None,
-    cases: LoadCases | None = None, force: bool = False,
+    cases: LoadCases | None = None, force: bool = False, formats: Sequence[str] = ("png",),
 ) -> Capacity:  # fmt: skip
     """Run what has not ended yet, assess it and write everything; return the capacities.
 
     springs : a model whose envelope stands beside that of the full model, instead of one from rays. force : have every
-    run made again.
+    run made again. formats : those of the picture, "png" and "svg"; none: no picture.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def study(
         outcome = assess(scene, request, runs.run_all(every, out, report), springs, cases)
         if outcome.table.empty:
             raise RunIncomplete(f"no capacity was found: {'; '.join(outcome.remarks)}", out)
-        write(out, outcome)
+        write(out, outcome, formats)
     return outcome
 
 
@@ -209,9 +209,9 @@ def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     ]
 
 
-def write(out: str | os.PathLike[str], outcome: Capacity) -> None:
+def write(out: str | os.PathLike[str], outcome: Capacity, formats: Sequence[str] = ("png",)) -> None:
     """Write tables, picture and page of a study."""
-    from pysprings.results.plots.files import save
+    from pysprings.results.plots.files import redraw
     from pysprings.studies.capacity import picture
     from pysprings.studies.capacity.picture import envelopes
 
@@ -225,6 +225,6 @@ def write(out: str | os.PathLike[str], outcome: Capacity) -> None:
     with following("the picture was"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         if len(outcome.table):
-            save(envelopes(outcome.table, outcome.scene, outcome.cases), folder / "capacity", dpi=110)
+            redraw(lambda: envelopes(outcome.table, outcome.scene, outcome.cases), folder / "capacity", formats)
     with following("the page was"):
         picture.write_page(folder, outcome)

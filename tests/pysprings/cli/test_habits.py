@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from pysprings.cli.run import RunOptions
 from pysprings.scene.load import load_scene
 from pysprings.springs.checks import save_springs
 from tests.support import tiny
@@ -26,7 +27,9 @@ SET = {
     'limit.rotation="2 deg"': lambda scene: scene.limit.rotation == pytest.approx(np.radians(2.0)),
     'path.pull.arm="5 m"': lambda scene: scene.paths[0].arm == 5.0,
     "title=Another": lambda scene: scene.title == "Another",
-    "output.figures=true": lambda scene: scene.output.figures,
+    "output.figures=true": lambda scene: scene.output.pictures == "report",
+    'output.figures="report"': lambda scene: scene.output.pictures == "report",
+    'output.figures="all"': lambda scene: scene.output.pictures == "all",
 }
 
 
@@ -114,3 +117,21 @@ def test_answers_go_into_a_file(fan_file: Path, tmp_path: Path, ending: str) -> 
     assert made == pytest.approx([state["H"] for state in states], rel=1e-12)
     refused = command(*asked, "--out", tmp_path / "answer.docx")
     assert (refused.code, "csv, json or nc" in refused.err) == (2, True)
+
+
+def test_pictures_by_word_flag_and_format(tmp_path: Path) -> None:
+    """The flag counts, not the scene; the other words are refused together, and a resumed run has the same flags."""
+    file = tiny.write(tiny.scene(output={"figures": False}), tmp_path / "caisson.toml")
+    out = tmp_path / "out"
+    assert command("run", file, "--out", out, "--figures", "report", "--figure-format", "svg", "--quiet").code == 0
+    drawn = {path.name for path in (out / "figures").iterdir()}
+    assert {"pull_py.svg", "pull_profiles.svg"} < drawn and "pull_newton.png" not in drawn
+    assert all(name.endswith(".svg") or f"{name[:-4]}.svg" not in drawn for name in drawn)
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert page.count("<figure") == len(drawn) + 1  # the sketch of the axes
+    both = command("run", file, "--out", out, "--figures", "all", "--no-figures", "--force")
+    assert (both.code, both.out) == (2, "")
+    assert both.err == "fatal: user input: --no-figures: give either this or --figures all\n"
+    assert RunOptions(figures="all", format="png,svg").command(file, out) == (
+        f"pysprings run {file} --out {out} --figures all --figure-format png,svg --resume"
+    )

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import struct
 import subprocess
 import sys
 from dataclasses import replace
@@ -26,6 +27,7 @@ from pysprings.results.plots.picture import View
 from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.reactions import PANELS
 from pysprings.results.plots.style import new_figure
+from pysprings.results.report.page import pictures_by_part
 from tests.support import synthetic
 
 PULL = synthetic.Path("pull", size=2e-2, steps=24)
@@ -203,10 +205,11 @@ def test_default_state_is_the_last_converged_one(pull: xr.Dataset) -> None:
 def test_a_path_that_never_converged_still_draws(trees: tuple[xr.DataTree, xr.DataTree]) -> None:
     result = trees[0].copy(deep=True)
     result["paths/pull"]["converged"][1:] = 0
-    drawn = dict(files.path_figures(View(result, path=parts.path_data(result, "pull"))))
-    assert "pull_load_displacement" in drawn
-    assert "pull_macro_against_full" not in drawn
-    for figure in drawn.values():
+    planned = {each.place.stem: each for each in files.path_plan(View(result, path=parts.path_data(result, "pull")))}
+    assert "pull_load_displacement" in planned
+    assert "pull_macro_against_full" not in planned
+    for each in planned.values():
+        figure = each.picture.draw(each.view)
         figure.set_layout_engine("none")  # it takes most of the time
         figure.draw_without_rendering()
 
@@ -524,7 +527,9 @@ BLANK = Registry("picture", [replace(each, function=lambda *_: Figure(figsize=(1
 def test_every_figure_that_a_result_allows_is_written(trees: tuple[xr.DataTree, xr.DataTree], tmp_path: Path) -> None:
     result, springs = trees
     curves = {"pull": {"full": plots.path_data(result, "pull")}}
-    written = plots.save_all(result, springs, tmp_path / "figures", curves=curves, pictures=BLANK)
+    written = plots.save_all(
+        result, springs, tmp_path / "figures", curves=curves, formats=files.FORMATS, pictures=BLANK
+    )
     of_pull = [file for file in written if not file.name.startswith("turn")]
     assert [file.name for file in of_pull] == [f"{stem}.{form}" for stem in STEMS for form in ("png", "svg")]
     assert {file.name for file in (tmp_path / "figures").iterdir()} == {file.name for file in written}
@@ -532,6 +537,25 @@ def test_every_figure_that_a_result_allows_is_written(trees: tuple[xr.DataTree, 
     kinds = [layout.picture_kind(stem, "pull" if stem.startswith("pull") else "") for stem in STEMS]
     others = {"pressure", "section_pressure", "vertical", "ovalisation", "ground", "loops"}  # drained, lateral, one way
     assert {kind[0] for kind in kinds if kind} == set(PICTURES.names()) - others
+
+
+def test_a_report_has_the_pictures_that_were_drawn_for_it_and_no_fewer(
+    trees: tuple[xr.DataTree, xr.DataTree], tmp_path: Path
+) -> None:
+    """Drawn for the report: every file is in the page, and the page is the one that all pictures make."""
+    result, springs = trees
+    curves = {"pull": {"full": plots.path_data(result, "pull")}}
+    paths = {name: result[f"paths/{name}"].attrs for name in ("pull", "turn")}
+    pages = {}
+    for which in ("report", "all"):
+        written = plots.save_all(result, springs, tmp_path / which, curves, which=which, pictures=BLANK)
+        parts_of = pictures_by_part(written, paths)
+        pages[which] = {part: [each.caption for each in shown] for part, shown in parts_of.items()}
+    assert pages["report"] == pages["all"]
+    drawn = [file.stem for file in (tmp_path / "report").iterdir()]
+    assert len(drawn) == sum(map(len, pages["report"].values())) < len(list((tmp_path / "all").iterdir()))
+    assert {"overview", "pull_macro_against_full", "pull_stress_outside_last"} <= set(drawn)
+    assert plots.save_all(result, springs, tmp_path / "none", curves, which="none", pictures=BLANK) == []
 
 
 @pytest.mark.parametrize(
@@ -546,7 +570,7 @@ def test_figures_of_what_was_not_kept_are_left_out(
 ) -> None:
     result = trees[0].copy()
     result["paths/pull"].dataset = result["paths/pull"].to_dataset(inherit=False).drop_vars(left_out)
-    names = [name for name, _ in files.figures(result, None, {}, BLANK) if not name.startswith("turn")]
+    names = [name for name, _ in files.figures(result, None, {}, pictures=BLANK) if not name.startswith("turn")]
     wanted = [stem for stem in STEMS if not any(kind in stem for kind in (*gone, "macro"))]
     assert names == wanted
 
@@ -555,7 +579,7 @@ def test_figures_of_what_was_not_kept_are_left_out(
 def test_save_all_writes_readable_pictures_whole(trees: tuple[xr.DataTree, xr.DataTree], tmp_path: Path) -> None:
     result, springs = trees
     curves = {"pull": {"full": plots.path_data(result, "pull")}}
-    written = plots.save_all(result, springs, tmp_path / "figures", curves=curves)
+    written = plots.save_all(result, springs, tmp_path / "figures", curves=curves, formats=files.FORMATS)
     assert {f"{stem}.png" for stem in STEMS} <= {file.name for file in written}
     assert {file for file in (tmp_path / "figures").iterdir()} == set(written)  # nothing half-written is left
     assert all(f.read_bytes().startswith(b"\x89PNG") for f in written if f.suffix == ".png")
@@ -604,11 +628,26 @@ def simple_figure() -> Figure:
 def test_a_picture_is_whole_and_a_large_drawing_is_kept_as_png_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    png, svg = plots.save(simple_figure(), tmp_path / "small")
+    png, svg = plots.save(simple_figure(), tmp_path / "small", files.FORMATS)
     assert png.read_bytes().startswith(b"\x89PNG") and b"</svg>" in svg.read_bytes()
     monkeypatch.setattr(files, "LARGEST_SVG", 100)
-    assert plots.save(simple_figure(), tmp_path / "small") == [png]
-    assert list(tmp_path.iterdir()) == [png]
+    for formats in (("png", "svg"), ("svg",)):
+        assert plots.save(simple_figure(), tmp_path / "small", formats) == [png]
+        assert list(tmp_path.iterdir()) == [png]
+
+
+def test_files_of_other_formats_go(tmp_path: Path) -> None:
+    for formats in (("png", "svg"), ("svg",), ("png",), ()):
+        written = files.redraw(simple_figure, tmp_path / "small", formats)
+        assert [file.suffix for file in written] == [f".{each}" for each in formats]
+        assert sorted(tmp_path.iterdir()) == sorted(written)
+
+
+def test_a_picture_is_as_wide_as_the_text_of_the_report(tmp_path: Path) -> None:
+    figure = simple_figure()
+    figure.set_size_inches(9.6, 2.0)
+    (png,) = plots.save(figure, tmp_path / "wide")
+    assert struct.unpack(">I", png.read_bytes()[16:20]) == (960,)
 
 
 def test_a_failed_write_keeps_the_old_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -628,7 +667,7 @@ def test_a_failed_write_keeps_the_old_picture(tmp_path: Path, monkeypatch: pytes
 
 
 def test_svg_is_the_same_twice(tmp_path: Path) -> None:
-    first, second = (plots.save(simple_figure(), tmp_path / name)[1].read_text() for name in ("a", "b"))
+    first, second = (plots.save(simple_figure(), tmp_path / name, ("svg",))[0].read_text() for name in ("a", "b"))
     assert first == second
 
 

@@ -177,7 +177,7 @@ def test_a_run_removes_what_it_wrote_and_nothing_else(tmp_path: Path, one_pictur
         (out / name).write_text("mine")
     run_to_folder(tiny.scene(output={"figures": True, "paraview": True}), out)
     first = set(contents(out))
-    pictures = {f"{FIGURES}/pull_py.png", f"{FIGURES}/pull_py.svg"}
+    pictures = {f"{FIGURES}/pull_py.png"}
     record = json.loads((out / "run.json").read_text())
     assert first == {*run_files(), *mine, *record["files"]}
     assert pictures | {f"{PARAVIEW}/pull.pvd", f"{PARAVIEW}/pull_0000.vtu"} <= set(record["files"])
@@ -302,7 +302,7 @@ def test_what_follows_the_results_costs_none_of_them(
         assert answer.code == 0 and f"warning: {out}: not made: " in answer.err
     done = command(*args, "--resume")
     assert done.code == 0, done.err
-    assert set(contents(out)) == {*run_files(), "figures/pull_newton.png", "figures/pull_newton.svg"}  # not pull_py
+    assert set(contents(out)) == {*run_files(), "figures/pull_newton.png"}  # not pull_py
     record = json.loads((out / "run.json").read_text())
     assert record["not_made"] == {} and "not made" not in record["summary"]
     assert record["error_estimate"]["by_path"]["pull"]["load_pct"] > 0.0

@@ -124,7 +124,7 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
         ('[mesh]\npreset = "papers"\n',
          '2:10: mesh.preset: "papers" is not one of "coarse", "medium", "paper", "fine" (did you mean \'paper\'?)'),
         ("[mesh]\npreset = 3\n", '2:10: mesh.preset: expected one of "coarse", "medium", "paper", "fine", got 3'),
-        ('[output]\nfigures = "yes"\n', '2:11: output.figures: expected true or false, got "yes"'),
+        ('[output]\nfigures = "yes"\n', '2:11: output.figures: expected true, false, "none", "report" or "all", got "yes"'),
         ("title = 3\n", "1:9: title: expected a text in quotes, got 3"),
         ('title = ""\n', '1:9: title: "" is not 1 to 200 characters on one line'),
         ('title = "a\\nb"\n', '1:9: title: "a\\nb" is not 1 to 200 characters on one line'),
