@@ -31,6 +31,10 @@ Changes = Annotated[
 DrawnFigures = Annotated[Figures | None, typer.Option("--figures", help="none: no picture")]
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="draw no pictures: --figures none")]
 Format = Annotated[FigureFormat, typer.Option("--figure-format", help="format of the pictures")]
+Jobs = Annotated[
+    int | None,
+    typer.Option("--jobs", metavar="N", min=1, help="worker processes; 1: none \\[default: the cores of the machine]"),
+]
 Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
 
 

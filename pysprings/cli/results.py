@@ -221,7 +221,7 @@ def print_cost(record: RunRecord) -> None:
     print(f"peak memory {number(record.peak_memory_bytes / 1e6)} MB")
     if saved := record.checkpoints:
         share = 100.0 * saved.share_of_wall
-        print(f"checkpoints: {saved.written} of steps, {saved.wall_s:.2f} s, {share:.1f} % of the time of the paths")
+        print(f"checkpoints: {saved.written} of paths, {saved.wall_s:.2f} s, {share:.1f} % of the time of the paths")
     for part in record.resumed:
         print(f"resumed {part['at_utc']} from {part['from']}")
 

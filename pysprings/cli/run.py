@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pysprings.cli.folders import record_stamp, refuse_other_run, result_folder
-from pysprings.cli.options import Changes, Format, Json, Mesh, NoFigures, SceneFile, Series, Target, drawn
+from pysprings.cli.options import Changes, Format, Jobs, Json, Mesh, NoFigures, SceneFile, Series, Target, drawn
 from pysprings.cli.scene import load, on_mesh
 from pysprings.cli.support import interruptible, logged, print_json, refuse, to_stderr, write_log
 from pysprings.core.errors import ResourceError, RunIncomplete
@@ -38,6 +38,7 @@ class RunOptions:
     figures: Figures | None = None
     format: FigureFormat = "png"
     quiet: bool = False
+    jobs: int | None = None
 
     def command(self, scene: Path, folder: Path) -> str:
         """Return the command that resumes the run."""
@@ -49,6 +50,7 @@ class RunOptions:
         if self.estimate is not None:
             options += " --estimate-error" if self.estimate else " --no-estimate-error"
         options += "".join(f" --set {shlex.quote(change)}" for change in self.changes)
+        options += "" if self.jobs is None else f" --jobs {self.jobs}"
         return f"pysprings run {scene} --out {folder}{options} --resume"
 
 
@@ -76,6 +78,7 @@ def run(
     ] = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",
+    jobs: Jobs = None,
     verbose: Annotated[
         bool, typer.Option("--verbose", help="also iterations, balances and cost by phase at the end")
     ] = False,
@@ -94,7 +97,7 @@ def run(
     write_log(log)
     options = RunOptions(
         mesh, discretisation, target, estimate, resume, tuple(changes or ()), drawn(figures, no_figures),
-        figure_format, quiet,
+        figure_format, quiet, jobs,
     )  # fmt: skip
     loaded, extra = _chosen(load(scene, discretisation, changes), options)
     folder = out or Path("out") / scene.stem
@@ -148,7 +151,8 @@ def _run(scene: Scene, folder: Path, options: RunOptions, extra: dict[str, Any])
         with interruptible(), reporter(None if options.quiet else sys.stderr) as progress:
             run_to_folder(
                 scene, folder, mesh=options.mesh, progress=logged(progress), resume=options.resume,
-                writing=Writing(target_error, options.figures, tuple(options.format.split(","))), **extra,
+                writing=Writing(target_error, options.figures, tuple(options.format.split(","))), jobs=options.jobs,
+                **extra,
             )  # fmt: skip
     except (RunIncomplete, ResourceError, KeyboardInterrupt) as error:
         if record_stamp(folder) in (None, before):

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TextIO
 
@@ -28,7 +28,7 @@ def reporter(stream: TextIO | None) -> Iterator[Progress]:
 
 @contextmanager
 def _bars(stream: TextIO) -> Iterator[Progress]:
-    """Give a function that draws one bar per path, with the time that has passed and the time that is left."""
+    """Give a function that draws a bar for each path on its way, with its times; its message has those of all."""
     from rich.console import Console
     from rich.markup import escape
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -42,7 +42,8 @@ def _bars(stream: TextIO) -> Iterator[Progress]:
         def progress(path: str, fraction: float, message: str) -> None:
             if path not in tasks:
                 tasks[path] = bars.add_task("", total=1.0, path=escape(path))
-            bars.update(tasks[path], completed=fraction, description=escape(message))  # type: ignore[arg-type]
+            done = {"completed": fraction, "description": escape(message), "visible": fraction < 1.0}
+            bars.update(tasks[path], **done)  # type: ignore[arg-type]
 
         yield progress
 
@@ -62,20 +63,40 @@ class PlainLines:
             self.written_at = self.clock()
 
 
-def counted(progress: Progress, names: Sequence[str]) -> Progress:
-    """Return a progress function that puts the place of a path among ``names``, and the share of all, into the message.
+class Total:
+    """Puts the place of a path among all, the share of all that is done, and the time that is left into the message.
 
-    Other names (of the model, of what follows the paths) are passed on as they are.
+    ``weights`` are the costs of the paths, in any unit. Other names (of the model, of what follows the paths) are
+    passed on as they are.
     """
-    place = {name: number for number, name in enumerate(names)}
 
-    def report(path: str, fraction: float, message: str) -> None:
-        if path in place and len(place) > 1:
-            total = 100.0 * (place[path] + fraction) / len(place)
-            message = f"path {place[path] + 1} of {len(place)}, {total:.0f} % of all; {message}"
-        progress(path, fraction, message)
+    def __init__(
+        self, progress: Progress, weights: Mapping[str, float], clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.progress, self.weights, self.clock = progress, weights, clock
+        self.done = dict.fromkeys(weights, 0.0)
+        self.places = {name: number + 1 for number, name in enumerate(weights)}
+        self.began: tuple[float, float] | None = None  # when, and the share that was done before
 
-    return report
+    def __call__(self, path: str, fraction: float, message: str) -> None:
+        """Report; see `Progress`."""
+        if path in self.done and len(self.done) > 1:
+            self.done[path] = fraction
+            whole = sum(self.done[name] * weight for name, weight in self.weights.items()) / sum(self.weights.values())
+            self.began = self.began or (self.clock(), whole)
+            left = self._left(whole)
+            message = f"path {self.places[path]} of {len(self.done)}, {100 * whole:.0f} % of all{left}; {message}"
+        self.progress(path, fraction, message)
+
+    def _left(self, whole: float) -> str:
+        assert self.began is not None
+        passed, share = self.clock() - self.began[0], whole - self.began[1]
+        if passed < _TOO_SOON or share < _TOO_LITTLE or whole >= 1.0:
+            return ""
+        return f", about {duration(passed / share * (1.0 - whole))} left"
+
+
+_TOO_SOON, _TOO_LITTLE = 2.0, 0.02  # s and share of all, before which the time left is a guess
 
 
 def duration(seconds: float) -> str:

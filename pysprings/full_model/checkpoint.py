@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Checkpoints of a run: the data that a stopped run needs to go on, in checksummed files.
 
-A folder holds a file for what all paths share, one for each path that has ended, and two for the path on its way, which
-are written in turn: a checkpoint never replaces the one before it. Each file is a line of JSON (format, SHA-256 of the
-rest) and NumPy's npz archive without pickled objects. Each holds which run it belongs to.
-
-Checkpoints of the path on its way may cost SHARE of the time that the run has taken: where a step takes longer than
-1/SHARE checkpoints there is one at every step, elsewhere as often as that allows. What has been computed since is
-computed again.
+A folder holds a file for what all paths share and one a path, which is written when the path ends, and after EVERY
+seconds on its way: what has been computed since is computed again. The runs on a coarser mesh (`accuracy.own_estimate`)
+have files of the same kinds, with a prefix. Each file replaces the one before it at once; it is a line of JSON (format,
+SHA-256 of the rest) and NumPy's npz archive without pickled objects, and holds which run it belongs to.
 """
 
 from __future__ import annotations
@@ -18,7 +15,7 @@ import json
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,11 +23,10 @@ import numpy as np
 
 from pysprings.core.errors import ResourceError, refused
 from pysprings.core.files.storage import leftovers, replacing
-from pysprings.core.files.written import CHECKPOINT, checkpoints_in, own_folder
+from pysprings.core.files.written import CHECKPOINT, COMPANION, checkpoints_in, own_folder
 
-FORMAT = "pysprings-checkpoint-2"
-SHARE = 0.02  # of the wall time of a run
-_GENERATIONS = ("state-a.npz", "state-b.npz")
+FORMAT = "pysprings-checkpoint-3"
+EVERY = 60.0  # s between two checkpoints of a path on its way
 _START, _PATH = "start.npz", "path-{:03d}.npz"
 _META = "meta"
 
@@ -43,36 +39,74 @@ class Saved:
     arrays: dict[str, np.ndarray]
 
 
+@dataclass(frozen=True)
+class Cost:
+    """What a part of a run has cost: a path, what comes before the first one, or all of it so far.
+
+    Attributes
+    ----------
+    wall, cpu : seconds by phase; ``cpu_s`` are CPU seconds of everything, phases or not.
+    factorisations, solves : of the linear solver; ``worst`` is its largest residual until then.
+    checkpoints, spent : number of checkpoints of paths, and their wall seconds.
+    condition : estimate of the condition of the last matrix of a run.
+    """
+
+    wall: dict[str, float]
+    cpu: dict[str, float]
+    cpu_s: float
+    factorisations: int
+    solves: int
+    worst: float
+    checkpoints: int
+    spent: float
+    condition: float | None
+
+    def since(self, before: Cost) -> Cost:
+        """Return the part that came after ``before``."""
+        sums = ("cpu_s", "factorisations", "solves", "checkpoints", "spent")
+        changes: dict[str, Any] = {name: getattr(self, name) - getattr(before, name) for name in sums}
+        for name in ("wall", "cpu"):
+            old = getattr(before, name)
+            changes[name] = {phase: value - old.get(phase, 0.0) for phase, value in getattr(self, name).items()}
+        return replace(self, **changes)
+
+
 class Damaged(Exception):
     """A checkpoint file that is not what was written."""
 
 
 @dataclass
 class Loaded:
-    """Content of a folder of checkpoints: shared data, ended paths by name, the path on its way, damaged files."""
+    """Content of a folder of checkpoints: shared data, paths by name, whole or on their way, damaged files.
+
+    Attributes
+    ----------
+    environments : in which the files were written.
+    resumed : earlier continuations (`Checkpoints.resumed`); ``elapsed`` the wall seconds of the run until then.
+    """
 
     shared: Saved | None = None
     paths: dict[str, Saved] = field(default_factory=dict)
-    state: Saved | None = None
     damaged: list[str] = field(default_factory=list)
-    environments: list[dict[str, str]] = field(default_factory=list)  # in which the files were written
+    environments: list[dict[str, str]] = field(default_factory=list)
+    resumed: list[dict[str, str]] = field(default_factory=list)
+    elapsed: float = 0.0
 
     @property
-    def newest(self) -> Saved | None:
-        """The checkpoint that was written last."""
-        saved_states = [*self.paths.values(), *([] if self.state is None else [self.state])]
-        return max(saved_states, key=lambda saved: saved.meta["cost"]["wall_s"], default=None)
+    def any(self) -> bool:
+        """Whether there was anything to read."""
+        return self.shared is not None or bool(self.paths)
 
     @property
     def place(self) -> str:
         """Words for the place from which the run goes on."""
-        newest = self.newest
-        if newest is None:
+        on_their_way = [saved.meta for saved in self.paths.values() if "stage" in saved.meta]
+        if not self.paths:
             return "the initial state"
-        name, step = newest.meta["path"], newest.meta["n_rows"] - 1
-        if name in self.paths:
-            return f"the end of path '{name}'"
-        return f"path '{name}', {f'step {step}' if step >= 0 else 'its dead load'}"
+        if not on_their_way:
+            return f"the end of path '{list(self.paths)[-1]}'"
+        steps = [(meta["path"], meta["n_rows"] - 1) for meta in on_their_way]
+        return "; ".join(f"path '{name}', {f'step {step}' if step >= 0 else 'its dead load'}" for name, step in steps)
 
 
 @dataclass
@@ -81,44 +115,54 @@ class Checkpoints:
 
     Attributes
     ----------
+    prefix : of the names of the files; empty for those of the run itself.
     identity : what has to be the same for a run to go on, by name: scene, mesh, version, engine, linear solver.
-    environment : what the run is computed with (`full_model.environment`); another one is noted, not refused.
-    spent : wall seconds that checkpoints have cost; ``written`` how many of the path on its way there were.
+    environment : what the run is computed with (`full_model.work`); another one is noted, not refused.
+    resumed : time and place of each continuation.
+    written, spent : number of checkpoints of paths, and the wall seconds that they have cost.
+    began : when the run began, on the monotonic clock that all processes share; earlier when parts of it came before.
     """
 
     folder: Path
+    prefix: str = ""
     identity: dict[str, str] = field(default_factory=dict)
     environment: dict[str, str] = field(default_factory=dict)
-    spent: float = 0.0
+    resumed: list[dict[str, str]] = field(default_factory=list)
     written: int = 0
-    _last_cost: float = 0.0
-    _sequence: int = 0
-    _since: tuple[float, float] = field(default_factory=lambda: (time.perf_counter(), time.process_time()))
+    spent: float = 0.0
+    began: float = field(default_factory=time.monotonic)
 
     @property
     def place(self) -> Path:
         """The folder of the files; UserInputError where a link is in its place."""
         return own_folder(self.folder, CHECKPOINT)
 
+    def companion(self, name: str) -> Checkpoints:
+        """Return the checkpoints of a run beside this one."""
+        return Checkpoints(self.folder, f"{COMPANION}{name}-")
+
+    @property
+    def elapsed(self) -> float:
+        """Wall seconds of the run, its earlier parts included."""
+        return time.monotonic() - self.began
+
     def begin(self, shared: Saved, anew: bool = True) -> None:
         """Write what the paths of a run share; throw away the checkpoints of an earlier run where it begins anew."""
-        if anew:
-            self.remove()
+        for file in self._files() if anew else []:
+            file.unlink(missing_ok=True)
         self._write(_START, shared)
 
-    def is_due(self) -> bool:
-        """Return whether one more checkpoint of the path on its way keeps their cost within its share."""
-        return self.spent + self._last_cost <= SHARE * self.elapsed()["wall_s"]
+    def save_path(self, number: int, saved: Saved) -> None:
+        """Write a path that has ended, or where it stands on its way, in the place of what there is of it."""
+        self.written += 1
+        self._write(_PATH.format(number), saved)
 
-    def elapsed(self) -> dict[str, float]:
-        """Return the wall and CPU seconds of the run, its earlier parts included."""
-        return {"wall_s": time.perf_counter() - self._since[0], "cpu_s": time.process_time() - self._since[1]}
-
-    def go_on_from(self, wall: float, cpu: float, written: int, spent: float) -> None:
-        """Count on from earlier parts of the run: their wall and CPU seconds, checkpoints, and what these cost."""
-        self._since = self._since[0] - wall, self._since[1] - cpu
-        self.written += written
-        self.spent += spent
+    def path(self, number: int) -> Saved | None:
+        """Return what there is of a path; None where there is nothing, or nothing whole."""
+        try:
+            return read(self.place / (self.prefix + _PATH.format(number)))
+        except (OSError, Damaged):
+            return None
 
     @contextmanager
     def charged(self) -> Iterator[None]:
@@ -129,24 +173,13 @@ class Checkpoints:
         finally:
             self.spent += time.perf_counter() - began
 
-    def save_state(self, saved: Saved) -> None:
-        """Write where the path on its way stands, over the older of the two generations."""
-        self._sequence += 1
-        name = _GENERATIONS[self._sequence % 2]
-        before = self.spent
-        self._write(name, Saved(saved.meta | {"sequence": self._sequence}, saved.arrays))
-        self._last_cost = self.spent - before
-        self.written += 1
-
-    def save_path(self, number: int, saved: Saved) -> None:
-        """Write a path that has ended."""
-        self._write(_PATH.format(number), saved)
-
     def _write(self, name: str, saved: Saved) -> None:
-        file = self.place / name
+        file = self.place / (self.prefix + name)
+        about = {
+            "identity": self.identity, "environment": self.environment, "resumed": self.resumed, "elapsed": self.elapsed
+        }  # fmt: skip
         try:
             with self.charged():
-                about = {"identity": self.identity, "environment": self.environment}
                 write(file, Saved(about | saved.meta, saved.arrays))
         except OSError as error:
             raise ResourceError(
@@ -159,30 +192,34 @@ class Checkpoints:
         loaded = Loaded()
         if not self.place.is_dir():
             raise refused(None, "nothing to resume: no interrupted run in this folder", self.folder)
-        loaded.shared = self._read(_START, loaded)
-        for file in [file for file in checkpoints_in(self.place) if file.name.startswith("path-")]:
-            if (saved := self._read(file.name, loaded)) is not None:
+        for file in self._files():
+            saved = self._read(file, loaded)
+            if saved is not None and file.name == self.prefix + _START:
+                loaded.shared = saved
+            elif saved is not None:
                 loaded.paths[saved.meta["path"]] = saved
-        states = [saved for name in _GENERATIONS if (saved := self._read(name, loaded)) is not None]
-        loaded.state = max(states, key=lambda saved: saved.meta["sequence"], default=None)
-        self._sequence = 0 if loaded.state is None else loaded.state.meta["sequence"]
-        if loaded.shared is None and not loaded.paths and loaded.state is None:
+        if not loaded.any:
             what = f"every checkpoint is damaged ({'; '.join(loaded.damaged)})" if loaded.damaged else "no checkpoint"
             raise refused(None, f"nothing to resume: {what}; --force begins anew", self.folder)
+        self.resumed, self.began = loaded.resumed, self.began - loaded.elapsed
         return loaded
 
-    def _read(self, name: str, loaded: Loaded) -> Saved | None:
-        """Read a file; None where it is not there or damaged, which is noted."""
-        file = self.place / name
-        if not file.exists():
-            return None
+    def _files(self) -> list[Path]:
+        """Return the files of this run that are there."""
+        own = self.prefix or (_START[:5], _PATH[:5])
+        return [file for file in checkpoints_in(self.place) if file.name.startswith(own)]
+
+    def _read(self, file: Path, loaded: Loaded) -> Saved | None:
+        """Read a file; None where it is damaged, which is noted."""
         try:
             saved = read(file)
         except Damaged as error:
-            loaded.damaged.append(f"{name}: {error}")
+            loaded.damaged.append(f"{file.name}: {error}")
             return None
         self._refuse_another_run(saved.meta["identity"])
         loaded.environments.append(saved.meta["environment"])
+        loaded.resumed = max(loaded.resumed, saved.meta["resumed"], key=len)
+        loaded.elapsed = max(loaded.elapsed, saved.meta["elapsed"])
         return saved
 
     def _refuse_another_run(self, other: Mapping[str, str]) -> None:
@@ -193,7 +230,7 @@ class Checkpoints:
                 raise refused(None, message, self.folder)
 
     def remove(self) -> None:
-        """Remove the checkpoints, by their names; the folder stays where it holds something else."""
+        """Remove all checkpoints, by their names; the folder stays where it holds something else."""
         place = self.place
         if place.is_dir():
             for file in [*checkpoints_in(place), *leftovers(place)]:

@@ -15,7 +15,7 @@ from fe_engine.solve.step_size import StepSize
 from fe_engine.solve.stepping import Position
 from pysprings.core.words import StopReason
 from pysprings.full_model.cavitation import Margin
-from pysprings.full_model.checkpoint import Saved
+from pysprings.full_model.checkpoint import Cost, Saved
 from pysprings.full_model.run_record import Ending, Status
 
 Row = dict[str, Any]
@@ -34,7 +34,7 @@ class Gathered:
     record : one entry per iteration; ``given_up`` the failed attempts; ``limits`` what limited each step.
     cavitation : margin of the first step whose water would cavitate.
     energy : totals of the energy balance.
-    cost : of the run until then (`Work.cost`).
+    cost : of the path until then.
     """
 
     path: str
@@ -46,7 +46,7 @@ class Gathered:
     cavitation: Margin | None
     energy: Any
     n_steps: int
-    cost: Mapping[str, Any]
+    cost: Cost
 
     def saved(self) -> Saved:
         """Return the content of a checkpoint file."""
@@ -60,7 +60,7 @@ class Gathered:
             "cavitation": None if self.cavitation is None else asdict(self.cavitation),
             "energy": self.energy,
             "n_steps": self.n_steps,
-            "cost": self.cost,
+            "cost": asdict(self.cost),
         }
         names = self.rows[0] if self.rows else {}
         return Saved(meta, {_ROW + name: np.array([row[name] for row in self.rows]) for name in names})
@@ -81,7 +81,7 @@ class Gathered:
             cavitation=None if meta["cavitation"] is None else _margin(meta["cavitation"]),
             energy=meta["energy"],
             n_steps=meta["n_steps"],
-            cost=meta["cost"],
+            cost=Cost(**meta["cost"]),
         )
 
 

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
+import time
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path as FilePath
 from traceback import extract_tb
 from typing import TYPE_CHECKING
@@ -18,6 +18,7 @@ from fe_engine.state import FIELDS, State, initial_fields
 from pysprings.core.errors import PyspringsError, reason_of
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.words import Diagnosis, StopReason
+from pysprings.full_model import checkpoint
 from pysprings.full_model.checkpoint import Saved
 from pysprings.full_model.diagnosis import diagnose, during_dead_load, too_far
 from pysprings.full_model.discretise import make_collector
@@ -54,7 +55,9 @@ class PathRun:
         self.reach: DisplacementLimit | None = None  # of a path that leads to failure
         self.ending = Ending()
         self._position: Position | None = None  # where to go on in the stage
-        self._unsaved: tuple[Standing, Gathered] | None = None  # after the last step, unless it is in a checkpoint
+        self._last: tuple[Standing, Gathered] | None = None  # after the last step, unless it is in a checkpoint
+        self._number = [each.name for each in scene.load_paths].index(path.name)
+        self._saved_at, self._before = time.monotonic(), work.cost()
 
     def run(self) -> None:
         """Run to the end, or up to where a step does not converge: see `ending`.
@@ -77,7 +80,7 @@ class PathRun:
             raise
         except (KeyboardInterrupt, MemoryError):
             with suppress(MemoryError):  # no room to pack it: the checkpoint before it stays
-                self._save_standing()
+                self._save_last()
             raise
         except Exception as error:  # it costs no other path
             last = extract_tb(error.__traceback__)[-1]
@@ -172,9 +175,9 @@ class PathRun:
         if checkpoints is None:
             return
         with checkpoints.charged(), self.work.clock.phase("checkpoint"):
-            self._unsaved = self._standing(), self._gathered()
-        if checkpoints.is_due():
-            self._save_standing()
+            self._last = self._standing(), self.gathered()
+        if time.monotonic() - self._saved_at >= checkpoint.EVERY:
+            self._save_last()
 
     def _standing(self) -> Standing:
         driver, fields = self.driver, self.state.committed
@@ -184,35 +187,39 @@ class PathRun:
             driver.force, driver.stiffness, self.work.newton.origin, None if self.water is None else self.water.totals,
         )  # fmt: skip
 
-    def _gathered(self) -> Gathered:
+    def gathered(self) -> Gathered:
+        """Return what the path has gathered until now, with what that has cost."""
         driver = self.driver
         return Gathered(
             self.path.name, self.ending, list(self.collector.rows), list(driver.record), list(driver.given_up),
-            list(self.limits), self.collector.cavitation, self.energy.totals, driver.n_steps, {},
+            list(self.limits), self.collector.cavitation, self.energy.totals, driver.n_steps,
+            self.work.cost().since(self._before),
         )  # fmt: skip
 
-    def _save_standing(self) -> None:
-        """Write the last step that is not in a checkpoint yet."""
-        checkpoints = self.work.checkpoints
-        if checkpoints is None or self._unsaved is None:
-            return
-        standing, gathered = self._unsaved
-        with self.work.clock.phase("checkpoint"):
-            checkpoints.save_state(standing.saved(replace(gathered, cost=self.work.cost())))
-        self._unsaved = None
+    def _save_last(self) -> None:
+        """Write the last step, unless it is in a checkpoint."""
+        if self._last is not None:
+            standing, gathered = self._last
+            self._save(standing.saved(gathered))
 
-    def save_end(self, number: int) -> None:
-        """Write a path that has ended, as the one of that number."""
+    def save_end(self) -> None:
+        """Write the path, which has ended."""
         if self.work.checkpoints is not None:
-            with self.work.clock.phase("checkpoint"):
-                gathered = replace(self._gathered(), cost=self.work.cost())
-                self.work.checkpoints.save_path(number, gathered.saved())
+            self._save(self.gathered().saved())
+
+    def _save(self, saved: Saved) -> None:
+        checkpoints = self.work.checkpoints
+        assert checkpoints is not None
+        with self.work.clock.phase("checkpoint"):
+            checkpoints.save_path(self._number, saved)
+        self._last, self._saved_at = None, time.monotonic()
 
     # --- going on ---
 
     def restore(self, saved: Saved) -> None:
         """Take up what a checkpoint holds: a path that has ended, or where one stood."""
         gathered, standing, driver = Gathered.of(saved), Standing.of(saved), self.driver
+        self.work.add(gathered.cost)
         self.collector.rows, self.collector.cavitation = gathered.rows, gathered.cavitation
         self.ending, self.limits = gathered.ending, gathered.limits
         driver.record, driver.given_up, driver.n_steps = gathered.record, gathered.given_up, gathered.n_steps

@@ -5,15 +5,10 @@ from __future__ import annotations
 
 import os
 import platform
-from collections.abc import Iterable, Mapping
 from typing import Any
 
-import numba
-import numpy as np
-import scipy
 import xarray as xr
 
-from fe_engine.linear.backends import Backend, Pardiso
 from pysprings.core import variables, version
 from pysprings.core.errors import ResourceError, RunIncomplete
 from pysprings.core.words import StopReason
@@ -28,43 +23,16 @@ from pysprings.full_model.run_record import (
     SolverFigures,
     Status,
 )
-from pysprings.full_model.work import Work
+from pysprings.full_model.work import Work, environment_of
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.fourier import BuiltFourier
 from pysprings.model.penalty import defaults_of
 from pysprings.scene.defaults import defaulted_text, remarks
 
-Environment = dict[str, str]
-
-
-def environment_of(backend: Backend) -> Environment:
-    """Return versions and numbers of threads by name, as run.json and checkpoints hold them."""
-    versions = {
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "numba": numba.__version__,
-        "threads of numba": str(numba.get_num_threads()),
-    }
-    if isinstance(backend, Pardiso):
-        versions |= {"MKL": backend.version(), "threads of MKL": str(backend.threads())}
-    return versions
-
-
-def differences(before: Iterable[Mapping[str, str]], now: Mapping[str, str]) -> list[str]:
-    """Return a sentence on each environment, of parts of a run, that was another than that of ``now``."""
-    texts = []
-    for other in before:
-        names = [name for name in {**other, **now} if other.get(name) != now.get(name)]
-        if names:
-            changes = ", ".join(f"{name} {other.get(name, 'unknown')} (here {now.get(name, 'none')})" for name in names)
-            texts.append(f"a part of this run was computed with {changes}: last digits may differ from a run in one go")
-    return list(dict.fromkeys(texts))
-
 
 def record_of(work: Work, loaded: Loaded) -> RunRecord:
     """Return everything that goes into run.json but the cost of this part of the run."""
     assert loaded.shared is not None
-    before = {} if loaded.newest is None else {key: loaded.newest.meta["cost"][key] for key in ("wall_s", "cpu_s")}
     return RunRecord(
         status=Status.INTERRUPTED if work.stopped else Status.PARTIAL if work.failures else Status.COMPLETE,
         stopped_by=work.stopped,
@@ -73,7 +41,7 @@ def record_of(work: Work, loaded: Loaded) -> RunRecord:
         version=version.__version__,
         schema=SCHEMA,
         started_utc=loaded.shared.meta["started_utc"],
-        resumed=work.resumed,
+        resumed=[] if work.checkpoints is None else work.checkpoints.resumed,
         python=platform.python_version(),
         platform=platform.platform(),
         environment=environment_of(work.newton.solver.backend),
@@ -87,7 +55,8 @@ def record_of(work: Work, loaded: Loaded) -> RunRecord:
         remarks=remarks(work.scene),
         checkpoints=_checkpoints(work),
         stiffness_initial={"dofs": list(variables.DOFS), "matrix": (2.0 * work.stiffness).tolist()},
-        **before,
+        wall_s=loaded.elapsed,
+        cpu_s=work.cpu_elsewhere,
     )
 
 
@@ -132,7 +101,7 @@ def _checkpoints(work: Work) -> CheckpointCost | None:
     """Return the cost of the checkpoints of all parts of the run; None where there are none."""
     if work.checkpoints is None:
         return None
-    spent, wall = work.checkpoints.spent, work.checkpoints.elapsed()["wall_s"]
+    spent, wall = work.checkpoints.spent, work.checkpoints.elapsed
     return CheckpointCost(work.checkpoints.written, round(spent, 3), round(spent / wall, 4))
 
 

@@ -215,7 +215,7 @@ class PathFigures(_Part):
 
 @dataclass(frozen=True, slots=True)
 class CheckpointCost(_Part):
-    """Checkpoints of the path on its way: how many, wall seconds, share of the wall time of the paths."""
+    """Checkpoints of paths, at their ends and once a minute: how many, wall seconds, share of the time of the paths."""
 
     written: int
     wall_s: float

@@ -1,33 +1,48 @@
 # SPDX-License-Identifier: MIT
-"""What the paths of one run share, and what has been computed so far."""
+"""What the paths of one run share: mesh, engine, stiffness at rest, checkpoints; and what has been computed so far."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import nullcontext, suppress
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numba
 import numpy as np
+import scipy
 import xarray as xr
 
 from fe_engine.assembly.bordered import Residual
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.assembly.system import System
 from fe_engine.clock import Clock
+from fe_engine.compiled import engine_digest
+from fe_engine.errors import FEError, LinearSolverError
+from fe_engine.linear.backends import Backend, Pardiso
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stage import Balance, FactorStage
 from fe_engine.state import State
+from pysprings.core import version
+from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError, refused
 from pysprings.core.progress import Progress
 from pysprings.core.words import StopReason
-from pysprings.full_model.checkpoint import Checkpoints
+from pysprings.full_model.checkpoint import Checkpoints, Cost, Loaded, Saved, scene_identity
+from pysprings.full_model.discretise import make_engine
 from pysprings.full_model.run_record import PathFigures
 from pysprings.model.build import Built
-from pysprings.model.fourier import BuiltFourier
+from pysprings.model.forecast.domain_effect import domain_effect
+from pysprings.model.fourier import BuiltFourier, build
+from pysprings.model.penalty import penalty_of
+from pysprings.model.stages import fast_paths
+from pysprings.model.water import undrained_time
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
+
+_ROUNDING = 1e-5  # share of the stiffness by which a linear solver may leave it unsymmetric
 
 
 @dataclass
@@ -41,8 +56,9 @@ class Work:
     stopped : why the run ended before its paths did.
     condition : estimate of the condition of the last matrix.
     stiffness : (3, 3) of half the caisson at the initial state.
-    resumed : time and place of each continuation.
     state : of the path that ran last.
+    cpu_elsewhere : CPU seconds of earlier parts of the run, and of other processes; ``cpu_began`` those of this process
+        before the run.
     """
 
     scene: Scene
@@ -59,39 +75,139 @@ class Work:
     stopped: StopReason | None = None
     condition: float | None = None
     stiffness: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
-    resumed: list[dict[str, str]] = field(default_factory=list)
     state: State | None = None
+    cpu_elsewhere: float = 0.0
+    cpu_began: float = field(default_factory=time.process_time)
 
     @property
     def vertical_load(self) -> float:
         """Vertical load of the whole caisson in N, positive down; the number behind "balanced"."""
         return 2.0 * (self.built.balanced_load + self.built.extra_load)
 
-    def cost(self) -> dict[str, Any]:
-        """Return the cost of the run so far, as a checkpoint keeps it."""
-        assert self.checkpoints is not None
-        solver = self.newton.solver
-        return {
-            "phases": {"wall": self.clock.wall, "cpu": self.clock.cpu},
-            "solver": [solver.n_factorisations, solver.n_solves, solver.worst_residual],
-            "condition": self.condition,
-            "checkpoints": [self.checkpoints.written, self.checkpoints.spent],
-            "resumed": self.resumed,
-        } | self.checkpoints.elapsed()
+    def cost(self) -> Cost:
+        """Return the cost of all that this run has counted so far."""
+        solver, saved = self.newton.solver, self.checkpoints
+        written, spent = (0, 0.0) if saved is None else (saved.written, saved.spent)
+        return Cost(
+            dict(self.clock.wall), dict(self.clock.cpu), self.cpu_elsewhere + time.process_time() - self.cpu_began,
+            solver.n_factorisations, solver.n_solves, solver.worst_residual, written, spent, self.condition,
+        )  # fmt: skip
 
-    def go_on_from(self, cost: dict[str, Any]) -> None:
-        """Count on from the cost of the parts of a run before this one."""
-        assert self.checkpoints is not None
+    def add(self, cost: Cost) -> None:
+        """Count what was computed before this part of the run, or in another process."""
+        for total, part in ((self.clock.wall, cost.wall), (self.clock.cpu, cost.cpu)):
+            for phase, seconds in part.items():
+                total[phase] = total.get(phase, 0.0) + seconds
         solver = self.newton.solver
-        for name, before in cost["phases"].items():
-            mine: dict[str, float] = getattr(self.clock, name)
-            for phase, seconds in before.items():
-                mine[phase] = mine.get(phase, 0.0) + seconds
-        solver.n_factorisations += cost["solver"][0]
-        solver.n_solves += cost["solver"][1]
-        solver.worst_residual = max(solver.worst_residual, cost["solver"][2])
-        self.checkpoints.go_on_from(cost["wall_s"], cost["cpu_s"], *cost["checkpoints"])
-        self.condition, self.resumed = cost["condition"], cost["resumed"]
+        solver.n_factorisations += cost.factorisations
+        solver.n_solves += cost.solves
+        solver.worst_residual = max(solver.worst_residual, cost.worst)
+        self.cpu_elsewhere += cost.cpu_s
+        if self.checkpoints is not None:
+            self.checkpoints.written += cost.checkpoints
+            self.checkpoints.spent += cost.spent
+
+    def take_up(self, resume: bool | None, started: str) -> Loaded:
+        """Return what is known before the first path: the initial stiffness, and what checkpoints hold."""
+        checkpoints, loaded = self.checkpoints, Loaded()
+        if checkpoints is not None:
+            checkpoints.identity, checkpoints.environment = self._identity(), environment_of(self.newton.solver.backend)
+            with nullcontext() if resume else suppress(UserInputError):
+                loaded = checkpoints.load() if resume is not False else loaded
+            self.warnings += differences(loaded.environments, checkpoints.environment)
+            self.warnings += [f"checkpoint {text}; what it held is computed again" for text in loaded.damaged]
+            if loaded.any:
+                checkpoints.resumed.append({"at_utc": started, "from": loaded.place})
+        if loaded.shared is None:
+            stiffness = self._initial_stiffness()
+            about = {"started_utc": started, "harmonics": self.scene.mesh.harmonics, "cost": asdict(self.cost())}
+            loaded.shared = Saved(about, {"stiffness": stiffness})
+            if checkpoints is not None:
+                with self.clock.phase("checkpoint"):
+                    checkpoints.begin(loaded.shared, anew=not loaded.paths)
+        else:
+            self.add(Cost(**loaded.shared.meta["cost"]))
+        self.stiffness = loaded.shared.arrays["stiffness"]
+        return loaded
+
+    def _identity(self) -> dict[str, str]:
+        """Return the properties, by name, that must be the same for an interrupted run to go on."""
+        return {
+            "mesh": self.scene.mesh.preset,
+            "linear solver": self.newton.solver.backend.name,
+            "version of pysprings": version.__version__,
+            "engine": f"sha256 {engine_digest()}",
+            "scene": scene_identity(self.scene.sha256),
+        }
+
+    def _initial_stiffness(self) -> np.ndarray:
+        """Return the tangent stiffness (3, 3) of half the caisson at rest; undrained where there is water."""
+        self.system.time_step, self.system.sealed = undrained_time(self.scene, self.built.model.mesh), True
+        try:
+            return symmetric_but_for_rounding(self.newton.border_stiffness(State(self.built.model)))
+        except FEError as error:
+            raise RunIncomplete(f"the stiffness of the initial state cannot be computed: {error}") from error
+        finally:
+            self.system.sealed = False
+
+
+def prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
+    """Return the work of a scene before its first path: mesh and engine."""
+    progress("model", 0.0, "mesh")
+    with clock.phase("mesh"):
+        try:
+            built = build(scene)
+        except FEError as error:
+            raise refused("mesh", str(error)) from error
+    with clock.phase("set-up"):
+        try:
+            engine = make_engine(scene, built, clock)
+        except LinearSolverError as error:
+            raise ResourceError(str(error)) from error
+    unknowns = engine.system.pattern.n_unknowns + built.model.n_border
+    progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {unknowns} unknowns")
+    remarks = [*domain_effect(scene).remarks, *penalty_of(scene).remarks, *fast_paths(scene, built.model.mesh)]
+    return Work(scene, built, engine.system, engine.newton, clock, progress, warnings=remarks)
+
+
+def symmetric_but_for_rounding(stiffness: np.ndarray) -> np.ndarray:
+    """Return the symmetric part of a stiffness (3, 3) that differs from it by rounding alone; others as they are.
+
+    At rest contact sticks and the soil is elastic: what is not symmetric is what the linear solver leaves.
+    """
+    mean: np.ndarray = 0.5 * (stiffness + stiffness.T)
+    size = np.sqrt(np.abs(np.diag(mean)))
+    rounding = bool((np.abs(stiffness - mean) <= _ROUNDING * np.outer(size, size)).all())
+    return mean if rounding else stiffness
+
+
+# --- what computes ---
+
+Environment = dict[str, str]
+
+
+def environment_of(backend: Backend) -> Environment:
+    """Return versions and numbers of threads by name, as run.json and checkpoints hold them."""
+    versions = {
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "numba": numba.__version__,
+        "threads of numba": str(numba.get_num_threads()),
+    }
+    if isinstance(backend, Pardiso):
+        versions |= {"MKL": backend.version(), "threads of MKL": str(backend.threads())}
+    return versions
+
+
+def differences(before: Iterable[Mapping[str, str]], now: Mapping[str, str]) -> list[str]:
+    """Return a sentence on each environment, of parts of a run, that was another than that of ``now``."""
+    texts = []
+    for other in before:
+        names = [name for name in {**other, **now} if other.get(name) != now.get(name)]
+        if names:
+            changes = ", ".join(f"{name} {other.get(name, 'unknown')} (here {now.get(name, 'none')})" for name in names)
+            texts.append(f"a part of this run was computed with {changes}: last digits may differ from a run in one go")
+    return list(dict.fromkeys(texts))
 
 
 # --- one factorisation and solve, timed ---

@@ -11,16 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pysprings.core.errors import UserInputError, reason_of
-from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text, write_tree
-from pysprings.core.files.written import LIST, WRITING, is_unfinished, note, noted, own_folder
+from pysprings.core.files.written import LIST, WRITING, note, noted, own_folder
 from pysprings.core.progress import Progress
 from pysprings.core.text import json_text
 from pysprings.core.words import Figures, StopReason
 from pysprings.full_model.accuracy import presets
 from pysprings.full_model.accuracy.own_estimate import PHASE
-from pysprings.full_model.checkpoint import Checkpoints
-from pysprings.full_model.compute import RunOptions, run_and_estimate, scene_to_run
+from pysprings.full_model.compute import RunOptions, Sink, run_into, scene_to_run
 from pysprings.full_model.record import Meter
 from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.full_model.run_record import Computed, RunRecord
@@ -65,30 +63,24 @@ class Writing:
 
 def run_to_folder(
     scene: Scene, out: str | os.PathLike[str], mesh: str | None = None, progress: Progress | None = None,
-    resume: bool = False, estimate_error: bool | None = None, time_unit: bool = False,
-    writing: Writing | None = None,
+    resume: bool | None = False, estimate_error: bool | None = None, time_unit: bool = False,
+    writing: Writing | None = None, jobs: int | None = 1,
 ) -> Path:  # fmt: skip
     """Run a scene and write full model, springs, tables, comparison, pictures, report and run.json; return the folder.
 
     Results of an earlier run in the folder are removed once the new ones are there to be written; a scene that is
     refused does not change them. A run that stops early writes what converged, marked as partial, and then
     raises RunIncomplete (or KeyboardInterrupt, or ResourceError). The error estimate, pictures and report follow the
-    results: where they fail the record names them (`not_made`). One run at a time holds the folder. Checkpoints are
-    in it until everything is made; ``resume`` goes on from them. ``estimate_error`` is that of `full_model.run`,
-    ``time_unit`` that of `full_model.compute`; ``writing`` is what else decides the files.
+    results: where they fail the record names them (`not_made`). One run at a time holds the folder, which has
+    checkpoints until everything is made. `full_model.compute.RunOptions` has the arguments; ``writing`` is what else
+    decides the files.
     """
     folder, more = Path(out), writing or Writing()
     refuse_full_disk(scene_to_run(scene, mesh), folder)
-    with new_folder(folder), exclusive(folder):
-        refuse_linked_folders(folder)
-        checkpoints = Checkpoints(folder)
-        options = RunOptions(mesh, None, progress, checkpoints, resume, time_unit)
-        files = _Files(folder, more, more.figures or scene.output.pictures)
-        result = run_and_estimate(scene, options, estimate_error, files.keep)
-        files.finish(result)
-        if not result.unfinished:
-            checkpoints.remove()
-        raise_if_incomplete(result, folder)
+    refuse_linked_folders(folder)
+    options = RunOptions(mesh, None, progress, None, resume, time_unit, None, estimate_error, jobs)
+    result = run_into(folder, scene, options, _Files(folder, more, more.figures or scene.output.pictures))
+    raise_if_incomplete(result, folder)
     return folder
 
 
@@ -102,18 +94,10 @@ def run_or_go_on(
     a link is refused.
     """
     own_folder(folder.parent, folder.name)
-    resume = is_unfinished(folder)
-    again = partial(run_to_folder, scene, folder, None, progress, estimate_error=False, time_unit=time_unit,
-                    writing=writing)  # fmt: skip
-    try:
-        return again(resume=resume)
-    except UserInputError:
-        if not resume:
-            raise
-        return again()
+    return run_to_folder(scene, folder, None, progress, None, False, time_unit, writing)
 
 
-class _Files:
+class _Files(Sink):
     """The files of a run: those with its results first, then those that follow from them."""
 
     def __init__(self, folder: Path, writing: Writing, figures: Figures) -> None:

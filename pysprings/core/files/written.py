@@ -79,7 +79,8 @@ def _recorded(folder: Path) -> list[object]:
 
 
 CHECKPOINT = "checkpoint"  # folder of the data from which an unfinished run continues
-_CHECKPOINT_FILE = re.compile(r"(start|path-\d{3,}|state-[ab])\.npz")
+COMPANION = "coarser-"  # begins the names of checkpoints of the runs that estimate the error
+_CHECKPOINT_FILE = re.compile(rf"({COMPANION}[a-z0-9]+-)?(start|path-\d{{3,}})\.npz")
 WRITING = "writing"  # status in run.json until every file of the run is written
 
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.core.progress import Progress
+    from pysprings.full_model.checkpoint import Checkpoints
     from pysprings.scene.load import Scene
 
 Compute = Callable[..., Computed]
@@ -44,6 +45,7 @@ class Companions:
     harmonics : the number that was chosen.
     stopped : by path why it stopped on the coarser mesh.
     again : True where the reason passes, and another attempt may succeed.
+    checkpoints : of the run that they stand beside.
     """
 
     trees: dict[int | None, xr.DataTree] = field(default_factory=dict)
@@ -52,6 +54,7 @@ class Companions:
     stopped: dict[str, str] = field(default_factory=dict)
     again: bool = False
     clock: Clock = field(default_factory=Clock)
+    checkpoints: Checkpoints | None = None
 
     def failed(self, error: BaseException) -> None:
         """Note the error that ended the companions or what was made of them."""
@@ -68,14 +71,19 @@ def estimates_by_default(scene: Scene) -> bool:
 
 
 def companions_of(
-    scene: Scene, compute: Compute, progress: Progress | None = None, chosen: int | None = None
+    scene: Scene,
+    compute: Compute,
+    progress: Progress | None = None,
+    chosen: int | None = None,
+    checkpoints: Checkpoints | None = None,
 ) -> Companions:
     """Run a scene on its coarser mesh; of a Fourier series, choose the number of harmonics that it needs.
 
-    ``compute`` runs a scene (`full_model.compute`). A run that goes on keeps the number that was ``chosen`` when it
-    began. Nothing is raised: without a run the companions have the reason.
+    ``compute`` runs a scene (`full_model.compute`), and goes on from ``checkpoints`` beside those of the scene's own
+    run. A run that goes on keeps the number that was ``chosen`` when it began. Nothing is raised: without a run the
+    companions have the reason.
     """
-    companions = Companions()
+    companions = Companions(checkpoints=checkpoints)
     with companions.clock.phase(PHASE):
         try:
             coarse = two_mesh.coarser(scene)
@@ -117,7 +125,9 @@ def _run(scene: Scene, key: int | None, companions: Companions, compute: Compute
     report = (
         None if progress is None else (lambda at, share, text: progress(f"coarser mesh{beside}, {at}", share, text))
     )
-    coarse = compute(scene, progress=report)
+    saved = companions.checkpoints
+    kept = {} if saved is None else {"checkpoints": saved.companion(str(key or "bricks")), "resume": None}
+    coarse = compute(scene, progress=report, **kept)
     if coarse.record.stopped_by is not None:
         companions.why_not, companions.again = str(coarse.record.stopped_by), True
         return False

@@ -20,10 +20,18 @@ from fe_engine.assembly.fourier_pattern import held_coefficients, held_pressures
 from fe_engine.assembly.harmonic_factors import LANES
 from fe_engine.errors import MeshError
 from fe_engine.memory import address_space
+from fe_engine.memory import left as memory_left
 from fe_engine.memory import limit as memory_limit
 from pysprings.core.errors import ResourceError, refused
+from pysprings.core.workers import cores, in_worker
 from pysprings.model.build import counts_of, geometry_of
-from pysprings.model.forecast.run_time import least_increments, likely_increments, superlu_bytes, uses_superlu
+from pysprings.model.forecast.run_time import (
+    least_increments,
+    likely_increments,
+    path_seconds,
+    superlu_bytes,
+    uses_superlu,
+)
 from pysprings.model.fourier import fixed_directions, section_counts_of, section_of
 from pysprings.model.fourier_mesh import CaissonSection, counted_section
 from pysprings.model.mesh import Counts, core_square, counted
@@ -216,6 +224,25 @@ def refuse_what_cannot_fit(scene: Scene) -> None:
             f"{_increments(scene)}, which need {gigabytes(needed)} of memory beside {gigabytes(model)} of the model, "
             f"{gigabytes(limit)} are there: {_FEWER}"
         )
+
+
+def jobs_for(scene: Scene, asked: int | None) -> int:
+    """Return the number of worker processes for the paths of a scene; 1: none, the paths run in this process.
+
+    None: the cores of the machine, where the paths take long enough, and each of them has no use for more than one
+    core. No more than there are paths, and no more than fit into the memory.
+    """
+    if asked is None:
+        seconds = sum(path_seconds(scene, size_of(scene).unknowns))
+        asked = cores() if scene.discretisation == "fourier" and seconds > _WORTH_WORKERS else 1
+    if asked < 2 or in_worker():
+        return 1
+    fitting = int(_SHARE_OF_WORKERS * memory_left() / model_bytes(scene))
+    return max(1, min(asked, len(scene.load_paths), fitting))
+
+
+_WORTH_WORKERS = 10.0  # s of all paths in this process; workers take about two to start
+_SHARE_OF_WORKERS = 0.8  # of the memory that is left
 
 
 def _refuse_small_address_space(model: float) -> None:

@@ -108,11 +108,24 @@ def _pictures(scene: Scene) -> float:
 
 def _of_paths(scene: Scene, each: float, lift_off: float = _LIFT_OFF_TIME) -> float:
     """Return the time of all paths, for that of an increment before lift-off (s) and the factor beyond it."""
-    total = 0.0
-    for path, number in zip(scene.load_paths, least_increments(scene), strict=True):
-        lifted = _lifted(scene, path)
-        total += number * (1.0 - lifted + lift_off * lifted) * each
-    return total
+    return each * sum(_path_costs(scene, lift_off))
+
+
+def _path_costs(scene: Scene, lift_off: float) -> list[float]:
+    """Return the cost of each path, in increments before lift-off."""
+    lifted = [_lifted(scene, path) for path in scene.load_paths]
+    least = least_increments(scene)
+    return [n * (1.0 - share + lift_off * share) for n, share in zip(least, lifted, strict=True)]
+
+
+def path_seconds(scene: Scene, unknowns: int) -> list[float]:
+    """Return the likely time of each path, in s, by the law of `seconds`; their ratios decide the order of work."""
+    each, lift_off = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2, _LIFT_OFF_TIME
+    if scene.discretisation == "fourier":
+        each = _SERIES_PER_UNKNOWN * unknowns**_SERIES_EXPONENT
+        lift_off = _SERIES_LIFT_OFF * unknowns**_SERIES_LIFT_OFF_EXPONENT
+    each *= _WATER if scene.drainage.mode != "drained" else 1.0
+    return [each * cost for cost in _path_costs(scene, lift_off)]
 
 
 def _lifted(scene: Scene, path: Path) -> float:

@@ -112,7 +112,7 @@ def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
         "3.46 s wall, 6.50 s CPU, 2,000 nodes, 15,000 unknowns; "
         "75 Newton iterations, those in cut-backs included; 9 factorisations (superlu); "
         "peak memory 250 MB",
-        "checkpoints: 4 of steps, 0.50 s, 1.2 % of the time of the paths",
+        "checkpoints: 4 of paths, 0.50 s, 1.2 % of the time of the paths",
         "resumed 2026-01-31T00:00:00Z from path 'pull', step 3",
         "",
     ]

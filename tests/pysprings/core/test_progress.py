@@ -6,7 +6,7 @@ from __future__ import annotations
 import io
 
 from pysprings.core.errors import Problem
-from pysprings.core.progress import PlainLines, counted, reporter
+from pysprings.core.progress import PlainLines, Total, reporter
 from pysprings.core.text import plain_table
 
 
@@ -17,14 +17,14 @@ class Terminal(io.StringIO):
 
 def test_plain_lines_are_at_most_one_in_ten_seconds() -> None:
     stream, time = io.StringIO(), [100.0]
-    lines = counted(PlainLines(stream, clock=lambda: time[0]), ["pull", "turn"])
+    lines = Total(PlainLines(stream, clock=lambda: time[0]), {"pull": 1.0, "turn": 3.0}, clock=lambda: time[0])
     lines("model", 0.0, "mesh")
     for step in range(200):
         time[0] += 0.3
         lines("pull" if step < 100 else "turn", step % 100 / 100, f"step {step % 100}")
     written = stream.getvalue().splitlines()
     assert written[0] == "model   0 % mesh"
-    assert written[1] == "pull  33 % path 1 of 2, 16 % of all; step 33"
+    assert written[1] == "pull  33 % path 1 of 2, 8 % of all, about 2 min left; step 33"
     assert written[-1].startswith("turn  ") and "path 2 of 2" in written[-1]
     assert len(written) == 6
 

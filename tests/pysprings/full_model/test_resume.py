@@ -14,6 +14,7 @@ import sys
 import time
 from functools import cache, partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -27,11 +28,10 @@ from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
 from pysprings.cli.support import interruptible
 from pysprings.core.errors import ResourceError, UserInputError
-from pysprings.full_model import cavitation, checkpoint, discretise
-from pysprings.full_model import compute as full_model
-from pysprings.full_model.checkpoint import Checkpoints, Saved
+from pysprings.full_model import cavitation, checkpoint, discretise, path_run, work
+from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
-from pysprings.full_model.result_tree import differences
+from pysprings.full_model.work import differences
 from pysprings.results.folder import run_to_folder
 from pysprings.results.layout import run_files
 from tests.support import tiny
@@ -105,7 +105,7 @@ def _plain(node: xr.DataTree) -> xr.Dataset:
 @pytest.fixture
 def every_step(monkeypatch: pytest.MonkeyPatch) -> None:
     """Checkpoints at every step, whatever they cost."""
-    monkeypatch.setattr(checkpoint, "SHARE", 1e9)
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
 
 
 # --- equal to the straight run ---
@@ -157,22 +157,31 @@ def test_factors_of_earlier_tangents_go_on_too(
     assert_same(compute(drained(), checkpoints=Checkpoints(tmp_path), resume=True).recorded(), whole)
 
 
-@pytest.mark.slow
-def test_what_is_not_in_a_checkpoint_is_computed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Killed without a word, with checkpoints so rare that there is one of the first step only."""
-    monkeypatch.setattr(checkpoint.Checkpoints, "is_due", lambda self: self.written == 0)
+class Killed(BaseException):
+    pass
 
-    class Killed(BaseException):
-        pass
+
+def test_there_is_one_checkpoint_a_minute_and_what_came_after_it_is_computed_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of steps of 25 s every third is kept; a path that has ended is kept as a whole."""
+    now, written, save = [0.0], [], Checkpoints.save_path
+    monkeypatch.setattr(path_run, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(Checkpoints, "save_path", lambda *args: (written.append(now[0]), save(*args)))
+    stop = Stop(9, Killed)
+
+    def step(*report: Any) -> None:
+        now[0] += 25.0
+        stop(*report)
 
     with pytest.raises(Killed):
-        compute(drained(), progress=Stop(9, Killed), checkpoints=Checkpoints(tmp_path))
+        compute(drained(), progress=step, checkpoints=Checkpoints(tmp_path))
+    assert written == [125.0, 200.0]  # from 50 s on: two calls are about the model
     result = compute(drained(), checkpoints=Checkpoints(tmp_path), resume=True).recorded()
-    assert record_of(result)["resumed"][0]["from"] == "path 'pull', its dead load"
-    xr.testing.assert_identical(
-        result["paths/second"].to_dataset(inherit=False), straight("drained")["paths/second"].to_dataset(inherit=False)
-    )
-    np.testing.assert_array_equal(result["paths/pull/H"], straight("drained")["paths/pull/H"])
+    assert re.fullmatch("path 'pull', step [1-9]", record_of(result)["resumed"][0]["from"])
+    ours, theirs = (tree["paths/pull"].to_dataset(inherit=False) for tree in (result, straight("drained")))
+    xr.testing.assert_identical(ours, theirs)
+    xr.testing.assert_identical(_plain(result["paths/second"]), _plain(straight("drained")["paths/second"]))
 
 
 @pytest.mark.slow
@@ -215,25 +224,6 @@ def test_the_python_call_goes_on_by_itself(tmp_path: Path) -> None:
 # --- cost ---
 
 
-def test_checkpoints_keep_to_their_share(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    now = [0.0]
-    monkeypatch.setattr(checkpoint.time, "perf_counter", lambda: now[0])
-    monkeypatch.setattr(checkpoint, "write", lambda *_: now.__setitem__(0, now[0] + 1.0))
-    checkpoints, written = Checkpoints(tmp_path), []
-    for _ in range(400):
-        now[0] += 1.0
-        if checkpoints.is_due():
-            checkpoints.save_state(checkpoint.Saved({}, {}))
-            written.append(now[0])
-        assert checkpoints.spent <= 0.02 * now[0] + 1.0
-    assert 7 <= len(written) <= 9
-    slow = Checkpoints(tmp_path)
-    for _ in range(10):  # steps of 60 checkpoints each: every one is saved
-        now[0] += 60.0
-        assert slow.is_due()
-        slow.save_state(checkpoint.Saved({}, {}))
-
-
 def test_the_record_has_the_cost(tmp_path: Path, every_step: None) -> None:
     """One checkpoint at every step; their seconds, and these as a share of the run's."""
     kept = compute(drained(), checkpoints=Checkpoints(tmp_path)).recorded()
@@ -253,9 +243,9 @@ def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with checkpoints of a run that was stopped on its second path."""
     folder = tmp_path_factory.mktemp("stopped")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(checkpoint, "SHARE", 1e9)
+        patch.setattr(checkpoint, "EVERY", 0.0)
         compute(drained(), progress=Stop(14), checkpoints=Checkpoints(folder))
-    assert set(contents(folder / "checkpoint")) == {"start.npz", "path-000.npz", "state-a.npz", "state-b.npz"}
+    assert set(contents(folder / "checkpoint")) == {"start.npz", "path-000.npz", "path-001.npz"}
     return folder
 
 
@@ -282,8 +272,8 @@ def _head(file: Path) -> None:
     [
         pytest.param("start.npz", _flip, marks=pytest.mark.slow),
         pytest.param("path-000.npz", _cut, marks=pytest.mark.slow),
-        pytest.param("state-a.npz", _empty, marks=pytest.mark.slow),
-        ("state-b.npz", _head),
+        pytest.param("path-001.npz", _empty, marks=pytest.mark.slow),
+        ("path-001.npz", _head),
     ],
 )
 def test_a_damaged_file_is_told_and_what_it_held_computed_again(
@@ -298,29 +288,11 @@ def test_a_damaged_file_is_told_and_what_it_held_computed_again(
         xr.testing.assert_identical(*(_plain(tree[group]) for tree in (result, straight("drained"))))
 
 
-@pytest.mark.parametrize("written", [1, 2, 3, 4])
-def test_of_two_generations_the_newer_one_is_gone_on_from(tmp_path: Path, written: int) -> None:
-    """Whichever of both files it stands in; the next one replaces the older."""
-    made = Checkpoints(tmp_path, {"scene": "a"})
-    made.begin(Saved({}, {}))
-    for step in range(written):
-        meta = {"path": "pull", "n_rows": step + 1, "cost": {"wall_s": float(step)}}
-        made.save_state(Saved(meta, {"u": np.array([1e-3 * step])}))
-    again = Checkpoints(tmp_path, {"scene": "a"})
-    loaded = again.load()
-    assert loaded.state is not None and loaded.newest is not None
-    assert (loaded.state.meta["n_rows"], loaded.state.arrays["u"][0]) == (written, 1e-3 * (written - 1))
-    assert loaded.place == f"path 'pull', step {written - 1}"
-    again.save_state(Saved({"path": "pull", "n_rows": 99, "cost": {"wall_s": 99.0}}, {}))
-    kept = sorted(checkpoint.read(file).meta["n_rows"] for file in (tmp_path / "checkpoint").glob("state-*.npz"))
-    assert kept == [written, 99]
-
-
 def test_checkpoints_that_are_all_damaged_are_refused(stopped: Path, tmp_path: Path) -> None:
     folder = shutil.copytree(stopped, tmp_path / "copy")
     for file in (folder / "checkpoint").iterdir():
         _cut(file)
-    with pytest.raises(UserInputError, match=r"nothing to resume: every checkpoint is damaged \(start\.npz: .*--force"):
+    with pytest.raises(UserInputError, match=r"every checkpoint is damaged \(.*; start\.npz: .*--force"):
         compute(drained(), checkpoints=Checkpoints(folder), resume=True)
 
 
@@ -342,7 +314,7 @@ def test_another_run_is_refused(
         pytest.importorskip("pypardiso")
     monkeypatch.setattr("pysprings.core.version.__version__", changed.pop("version", pysprings.__version__))
     digest = changed.pop("engine", engine_digest())
-    monkeypatch.setattr(full_model, "engine_digest", lambda: digest)
+    monkeypatch.setattr(work, "engine_digest", lambda: digest)
     before = contents(stopped)
     scene = drained().replace(**changed.pop("scene", {}))
     with pytest.raises(UserInputError, match=f"another run was interrupted here: {words}"):
@@ -454,7 +426,43 @@ def test_a_new_run_throws_old_checkpoints_away_once_it_has_its_own(stopped: Path
         compute(tiny.scene(), progress=Stop(1, of="model"), checkpoints=Checkpoints(folder))
     assert contents(folder) == before
     compute(tiny.scene(), progress=Stop(1), checkpoints=Checkpoints(folder))
-    assert set(contents(folder / "checkpoint")) == {"start.npz", "state-b.npz"}
+    assert set(contents(folder / "checkpoint")) == {"start.npz", "path-000.npz"}
+
+
+def test_a_run_killed_while_it_estimates_its_error_repeats_no_path(tmp_path: Path, whole_series: Path) -> None:
+    """Neither one of its own nor one on the coarser mesh."""
+    out, seen = tmp_path / "out", []
+
+    def kill(path: str, *_: object) -> None:
+        seen.append(path)
+        if path == "coarser mesh, 5 harmonics, second":
+            raise Killed
+
+    with pytest.raises(Killed):
+        run_to_folder(series(), out, progress=kill)
+    left = ["path-000.npz", "path-001.npz", "start.npz"]
+    kept = [*(f"coarser-3-{name}" for name in left), "coarser-5-path-000.npz", "coarser-5-start.npz", *left]
+    assert sorted(contents(out / "checkpoint")) == kept
+    again: list[str] = []
+    run_to_folder(series(), out, progress=lambda path, *_: again.append(path), resume=True)
+    assert {name for name in again if not name.endswith("model")} == {"coarser mesh, 5 harmonics, second"}
+    assert set(contents(out)) == set(contents(whole_series))
+    ours, theirs = (json.loads((each / "run.json").read_text()) for each in (out, whole_series))
+    assert ours["error_estimate"] == theirs["error_estimate"] and ours["error_estimate"]["estimate_pct"]
+    with xr.open_datatree(out / "full_model.nc", engine="netcdf4", decode_timedelta=False) as tree:
+        reference = xr.open_datatree(whole_series / "full_model.nc", engine="netcdf4", decode_timedelta=False)
+        for path in ("pull", "second"):
+            np.testing.assert_array_equal(tree[f"paths/{path}/H"], reference[f"paths/{path}/H"])
+        reference.close()
+
+
+def series() -> pysprings.Scene:
+    return drained().replace(mesh={"discretisation": "fourier", "harmonics": 3})
+
+
+@pytest.fixture(scope="module")
+def whole_series(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return run_to_folder(series(), tmp_path_factory.mktemp("series") / "out")
 
 
 def test_nothing_to_resume(tmp_path: Path, scene_file: Path) -> None:
@@ -483,9 +491,6 @@ def test_a_run_that_did_not_converge_cannot_end_otherwise(tmp_path: Path) -> Non
 def test_results_of_an_earlier_run_stay_until_there_are_new_ones(tmp_path: Path) -> None:
     run_to_folder(tiny.scene(), tmp_path)
     before = contents(tmp_path)
-
-    class Killed(BaseException):
-        pass
 
     with pytest.raises(Killed):
         run_to_folder(drained(), tmp_path, progress=Stop(8, Killed))
@@ -555,9 +560,9 @@ def test_a_full_disk_stops_the_run_and_spoils_nothing(
     done = command("run", scene_file, "--out", out)
     assert (done.code, done.out) == (4, "")
     line = done.err.splitlines()[-1]
-    assert line.startswith(f"fatal: resources: {out / 'checkpoint'}{os.sep}state-")
+    assert line.startswith(f"fatal: resources: {out / 'checkpoint'}{os.sep}path-000.npz")
     assert "the checkpoint cannot be written (No space left on device)" in line and "--resume" in line
-    assert set(contents(out)) == {"checkpoint/start.npz", "checkpoint/state-a.npz", "checkpoint/state-b.npz"}
+    assert set(contents(out)) == {"checkpoint/start.npz", "checkpoint/path-000.npz"}
     monkeypatch.setattr(os, "fsync", sync)
     assert_same(compute(drained(), checkpoints=Checkpoints(out), resume=True).recorded(), straight("drained"))
 
@@ -609,10 +614,11 @@ def test_a_request_to_end_is_an_interrupt(name: str) -> None:
 def test_a_killed_process_goes_on(tmp_path: Path, kind: str, code: int) -> None:
     scene = tiny.scene(solver={"first_step_fraction": 0.002, "max_step_fraction": 0.002})
     file, out = tiny.write(scene, tmp_path / "caisson.toml"), tmp_path / "out"
-    args = [sys.executable, "-m", "pysprings", "run", str(file), "--out", str(out)]
+    often = "from pysprings.full_model import checkpoint as c; c.EVERY = 0; from pysprings.cli.app import main; main()"
+    args = [sys.executable, "-c", often, "run", str(file), "--out", str(out)]
     env = environment()
     with subprocess.Popen(args, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env) as run:
-        while run.poll() is None and not list(out.glob("checkpoint/state-*.npz")):
+        while run.poll() is None and not list(out.glob("checkpoint/path-*.npz")):
             time.sleep(0.01)
         run.send_signal(getattr(signal, kind))
         _, err = run.communicate(timeout=60)

@@ -55,7 +55,7 @@ def elsewhere(tmp_path: Path) -> Path:
     for name in (
         "a.npz",
         "start.npz",
-        "state-a.npz",
+        "coarser-3-path-000.npz",
         "pull_py.png",
         "pull.pvd",
         "pull_0000.vtu",
