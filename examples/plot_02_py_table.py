@@ -40,7 +40,6 @@ pull = plots.path_data(springs, "pull")
 # as ``py.csv``.
 table = (
     pull[["y", "p"]]
-    .sum([name for name in pull["p"].dims if name not in ("depth", "step")])
     .to_dataframe()
     .reset_index()[["depth", "y", "p"]]
     .rename(columns={"depth": "depth_m", "y": "y_m", "p": "p_N_per_m"})

@@ -55,7 +55,7 @@ push = plots.path_data(springs, "push")
 
 # %%
 # Slices that end at the tip carry an edge effect of the mesh and are left out of the picture.
-p = push["p"].sum(["side", "component"])
+p = push["p"]
 z = push["depth"].values
 factor = p.values / (6.0 * (10e3 + 2e3 * z))[:, None]
 skirt = z < 5.0

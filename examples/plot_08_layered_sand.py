@@ -60,7 +60,7 @@ springs = pysprings.extract_springs(pysprings.run(scene, estimate_error=False))
 push = plots.path_data(springs, "push")
 
 # %%
-p = push["p"].sum(["side", "component"])
+p = push["p"]
 top, bottom = push["depth_bounds"].values.T
 assert np.any(np.isclose(bottom, 3.0))  # a slice ends at the boundary
 figure, axes = plt.subplots(figsize=(5.0, 4.5), layout="constrained")

@@ -98,10 +98,13 @@ _Y = V("y", "lateral displacement of the mean fibre", "m", ("depth", "step"),
        "positive along +x; u - rotation*depth of a rigid caisson, the mean around the section of an elastic one")
 
 
-def _slices(dims_p: tuple[str, ...], name: str) -> tuple[Variable, ...]:
+def _slices() -> tuple[Variable, ...]:
     mean = {"cell_methods": "depth: mean"}
     return (
-        V(name, "lateral soil reaction per metre of depth", "N m-1", dims_p, _OPPOSES, mean),
+        V("p", "lateral soil reaction per metre of depth, both sides together", "N m-1", ("depth", "step"), _OPPOSES,
+          mean),
+        V("p_component", "lateral soil reaction per metre of depth", "N m-1", ("depth", "side", "component", "step"),
+          _OPPOSES, mean),
         V("m", "distributed moment of the vertical shear per metre of depth", "N m m-1",
           ("depth", "side", "step"),
           "sum of f_z*x; opposes a positive rotation; about the axis of the caisson", mean),
@@ -186,9 +189,7 @@ _RESULT_PATH = (
           "force of the caisson on the soil from the initial state, positive down"),
         V("F_out", "change of the vertical shear force on the outer face", "N", ("step",),
           "force of the caisson on the soil from the initial state, positive down"),
-        V("p", "lateral soil reaction per metre of depth, both sides together", "N m-1", ("depth", "step"),
-          _OPPOSES, {"cell_methods": "depth: mean"}),
-        *_slices(("depth", "side", "component", "step"), "p_component"),
+        *_slices(),
         V("normal_effective_stress", "effective normal stress on the skirt", "Pa", _FIELD,
           "compression positive; undrained clay: total stress over hydrostatic, suction < 0", required=False),
         V("shear_lateral", "lateral (x) traction of the caisson on the soil", "Pa", _FIELD,
@@ -251,7 +252,7 @@ _SPRINGS_PATH = (
     _AXES
     | _BODY
     | _table(
-        *_slices(("depth", "side", "component", "step"), "p"),
+        *_slices(),
         *_TIP,
         *_LID,
         V("time", "time", "s", ("step",), required=False),

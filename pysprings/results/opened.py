@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 
 from pysprings.core.errors import refused
 from pysprings.full_model.run_record import ATTRIBUTE, SCHEMA
-from pysprings.springs.checks import OTHER_SIGNS
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+OTHER_SIGNS = "its moments and rotations have other signs; make it again with `pysprings run`"  # of earlier versions
 
 
 def open_result(path: str | os.PathLike[str]) -> xr.DataTree:

@@ -26,10 +26,9 @@ from pysprings.core.units import quoted
 from pysprings.springs.numbers import is_number, name_fault, number_faults, text_of
 from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.path_ends import end_faults
-from pysprings.springs.sums import balance_faults
+from pysprings.springs.sums import BALANCED, balance_faults, by_depth
 
-SCHEMA = "pysprings-springs-3"
-OTHER_SIGNS = "its moments and rotations have other signs; make it again with `pysprings run`"  # of earlier versions
+SCHEMA = "pysprings-springs-4"
 STATES = ("complete", "limit load", "partial", "interrupted")
 FEWEST_STATES = 2  # a curve needs the initial state and one more
 _ROOT_NUMBERS = ("outer_diameter_m", "skirt_length_m", "skirt_thickness_m", "vertical_load_N")
@@ -79,8 +78,8 @@ def _foreign(tree: xr.DataTree, schema: object) -> str:
     if "section" in tree.children or (schema is None and "scene_toml" in tree.attrs):
         return "a full-model result, not a spring file (extract its springs first)"
     if schema is not None:
-        signs = f" ({OTHER_SIGNS})" if text in earlier else ""
-        return f"springs of another version: '{text}' instead of '{SCHEMA}'{signs}"
+        again = " (make it again with `pysprings run`)" if text in earlier else ""
+        return f"springs of another version: '{text}' instead of '{SCHEMA}'{again}"
     return f"not a spring file (no attribute 'schema' = '{SCHEMA}')"
 
 
@@ -174,6 +173,9 @@ def _step_faults(dataset: xr.Dataset, rigid: bool) -> Iterator[tuple[str, str]]:
         data = dataset.variables[name]  # not data arrays: dozens of paths are checked in a moment
         if "step" in data.dims and not np.isfinite(data.isel(step=steps).values).all():
             yield str(name), "not finite at a converged step"
+    p, parts = (by_depth(dataset, name)[:, steps] for name in ("p", "p_component"))
+    if np.abs(parts - p).max(initial=0.0) > BALANCED * np.abs(p).max(initial=0.0):
+        yield "p", "is not the sum of p_component over sides and components"
     u, rotation, depth = (dataset.variables[name].values for name in ("u", "rotation", "depth"))
     y = dataset.variables["y"].transpose("depth", "step").values[:, steps]
     if not y.size or not all(np.isfinite(values).all() for values in (u[steps], rotation[steps], depth, y)):

@@ -97,12 +97,12 @@ def on_slices(path: xr.Dataset, edges: Array | None = None) -> xr.Dataset:
     arms = 0.5 * (low + high) + rings - old.mean(axis=1) - at[:, None]
     arm = xr.DataArray(np.where(whole, 0.0, arms), dims=("slice", "depth"))
     bare = path.drop_vars("depth")
-    p, t = share.dot(bare["p"], dim="depth"), share.dot(bare["t"], dim="depth")
-    turning = (share * arm).dot(bare["p"].sum("component") if "component" in bare["p"].dims else bare["p"], dim="depth")
-    m = share.dot(bare["m"], dim="depth") - turning
+    values = {name: share.dot(bare[name], dim="depth") for name in ("p", "p_component", "m", "t") if name in bare}
+    by_side = bare["p_component"].sum("component") if "p_component" in bare else bare["p"]
+    values["m"] = values["m"] - (share * arm).dot(by_side, dim="depth")
     y = bare["y"].transpose("depth", ...)
     moved = np.stack([_line(rings, y.values.reshape(rings.size, -1), z) for z in at])
-    values = {"p": p, "m": m, "t": t, "y": xr.DataArray(moved.reshape(-1, *y.shape[1:]), dims=("slice", *y.dims[1:]))}
+    values["y"] = xr.DataArray(moved.reshape(-1, *y.shape[1:]), dims=("slice", *y.dims[1:]))
     new = path.drop_dims("depth")
     for name, each in values.items():
         kept = each.rename(slice="depth").transpose(*path[name].dims)

@@ -18,7 +18,7 @@ _ROOT_ATTRS = (
     "limit_rotation_rad", "defaulted", "remarks",
 )  # fmt: skip
 _KEPT = (
-    "depth_bounds", "m", "t", "y", "u", "w", "rotation", "H", "V", "M", "converged", "time",
+    "depth_bounds", "p", "p_component", "m", "t", "y", "u", "w", "rotation", "H", "V", "M", "converged", "time",
     "H_tip", "V_tip", "M_tip", "H_lid", "V_lid", "M_lid",
 )  # fmt: skip
 
@@ -38,7 +38,7 @@ def extract_springs(result: xr.DataTree) -> xr.DataTree:
     groups: dict[str, xr.Dataset] = {"/": root}
     for each in paths:
         path = each.recorded
-        springs = path[[*_KEPT, *(name for name in (MARGIN,) if name in path)]].assign(p=path["p_component"])
+        springs = path[[*_KEPT, *(name for name in (MARGIN,) if name in path)]]
         springs.attrs = path.attrs
         groups[f"/paths/{each.name}"] = variables.attach(springs, "springs_path")
     tree = xr.DataTree.from_dict(groups, name="springs")

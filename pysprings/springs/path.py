@@ -201,7 +201,9 @@ class RecordedPath:
         parts = known["component"].values.tolist() if "component" in known else []
         if "water" not in parts:
             return np.zeros((0, self.depth.size, self.n))
-        values: Array = known["p"].isel(component=parts.index("water")).transpose("side", "depth", "step").values
+        values: Array = (
+            known["p_component"].isel(component=parts.index("water")).transpose("side", "depth", "step").values
+        )
         return values
 
     @cached_property

@@ -34,18 +34,13 @@ def slice_heights(dataset: xr.Dataset) -> np.ndarray:
     return bounds[:, 1] - bounds[:, 0]
 
 
-def net_p(dataset: xr.Dataset) -> xr.DataArray:
-    """Return p of both sides and all components together [N/m], (depth, step)."""
-    return dataset["p"].sum(("side", "component"), keep_attrs=True).transpose("depth", "step")
-
-
 def net_m(dataset: xr.Dataset) -> xr.DataArray:
     """Return the distributed moment of both sides [N m/m], (depth, step)."""
     return dataset["m"].sum("side", keep_attrs=True).transpose("depth", "step")
 
 
 def by_depth(dataset: xr.Dataset, name: str) -> np.ndarray:
-    """Return a reaction per depth, all sides and components together, (depth, step): "p", "t" [N/m], "m" [N m/m]."""
+    """Return a reaction per depth, both sides together, (depth, step): "p", "t" [N/m], "m" [N m/m]."""
     variable = dataset.variables[name]
     others = tuple(k for k, dim in enumerate(variable.dims) if dim not in ("depth", "step"))
     left = [dim for dim in variable.dims if dim in ("depth", "step")]

@@ -22,7 +22,7 @@ from tests.support import synthetic
 SAFE = [text for text in TEXTS if "\x00" not in text and "\ud7ff" not in text]
 ATTRIBUTES: list[Any] = [
     *SAFE, 0, 1, -1, 1e308, float("nan"), float("inf"), np.arange(3), np.arange(3.0), np.int8(3), "5 m", [], ["a", "b"],
-    "pysprings-springs-3", "pull", "held-back", "m", "Pa",
+    "pysprings-springs-4", "pull", "held-back", "m", "Pa",
 ]  # fmt: skip
 LINES = [float(text) for text in ("nan", "inf", "-inf", "0", "-1", "1e-320", "1e308", "-1e308", "1e12", "1e-12")]
 NAMES = ["=1+1", "a b", "..", "@x", "+1", "-x", "x" * 200, "é", "<b>", "path\u202e", "0", "section"]

@@ -23,11 +23,15 @@ def springs_of(p, m, ends, u, rotation, stiffness=None) -> xr.DataTree:
     new = {
         name: ("step", np.asarray(ends.get(name, zero), dtype=float)) for name in ("H_tip", "M_tip", "H_lid", "M_lid")
     }
-    net = np.zeros(data["p"].shape)
-    net[:, 0, 0, :] = p
+    parts = np.zeros(data["p_component"].shape)
+    parts[:, 0, 0, :] = p
     moment = np.zeros(data["m"].shape)
     moment[:, 0, :] = m
-    new |= {"p": (data["p"].dims, net), "m": (data["m"].dims, moment)}
+    new |= {
+        "p": (("depth", "step"), p),
+        "p_component": (data["p_component"].dims, parts),
+        "m": (data["m"].dims, moment),
+    }
     new |= {"u": ("step", u), "rotation": ("step", rotation)}
     new |= {"y": (("depth", "step"), u - rotation * DEPTH[:, None])}
     new |= {"depth_bounds": (("depth", "bound"), np.stack([EDGES[:-1], EDGES[1:]], 1))}

@@ -73,11 +73,12 @@ def set_path(tree, name, law, u, rotation):
     p, m = law(DEPTH[:, None], y, rotation + 0.0 * y)
     edges = np.concatenate([[0.0], np.cumsum(HEIGHT)])
     zero = np.zeros_like(u)
-    net, moment, shear = (np.zeros(data[key].shape) for key in ("p", "m", "t"))
-    net[:, 0, 0, :], moment[:, 0, :], shear[:, 0, :] = p, m, 1e5
+    parts, moment, shear = (np.zeros(data[key].shape) for key in ("p_component", "m", "t"))
+    parts[:, 0, 0, :], moment[:, 0, :], shear[:, 0, :] = p, m, 1e5
     force, couple = HEIGHT @ p, HEIGHT @ m - (HEIGHT * DEPTH) @ p
     new = {key: ("step", zero) for key in ("H_tip", "M_tip", "H_lid", "M_lid", "V_lid")}
-    new |= {"p": (data["p"].dims, net), "m": (data["m"].dims, moment), "t": (data["t"].dims, shear)}
+    new |= {"p": (("depth", "step"), p), "p_component": (data["p_component"].dims, parts)}
+    new |= {"m": (data["m"].dims, moment), "t": (data["t"].dims, shear)}
     new |= {"u": ("step", u), "rotation": ("step", rotation), "y": (("depth", "step"), y)}
     new |= {"H": ("step", force), "M": ("step", couple), "V_tip": ("step", data["V"].values - 1e5 * LENGTH)}
     new |= {"w": ("step", -0.2 * np.hypot(u, LENGTH * rotation))}

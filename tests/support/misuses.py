@@ -272,7 +272,8 @@ def _write_broken(folder: Path) -> None:
     whole = (folder / "one.nc").read_bytes()
     (folder / "short.nc").write_bytes(whole[: len(whole) // 2])
     doubled = synthetic.make_springs()
-    doubled["paths/pull/p"].values = 2.0 * doubled["paths/pull/p"].values
+    for name in ("p", "p_component"):
+        doubled[f"paths/pull/{name}"].values = 2.0 * doubled[f"paths/pull/{name}"].values
     doubled.to_netcdf(folder / "doubled.nc")
     (folder / "empty").mkdir()
     for name, status in (("killed", "writing"), ("broken", "interrupted")):

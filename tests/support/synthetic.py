@@ -165,8 +165,8 @@ def make_result(paths: tuple[Path, ...] = (Path(),), caisson: Caisson | None = N
 
 
 SPRING_VARIABLES = (
-    "m", "t", "y", "depth_bounds", "u", "w", "rotation", "H", "V", "M", "H_tip", "V_tip", "M_tip", "H_lid", "V_lid",
-    "M_lid", "converged",
+    "p", "p_component", "m", "t", "y", "depth_bounds", "u", "w", "rotation", "H", "V", "M",
+    "H_tip", "V_tip", "M_tip", "H_lid", "V_lid", "M_lid", "converged",
 )  # fmt: skip
 
 
@@ -194,6 +194,5 @@ def make_springs(paths: tuple[Path, ...] = (Path(),), caisson: Caisson | None = 
     for path in paths:
         full = result[f"/paths/{path.name}"].to_dataset(inherit=False)
         springs = full[list(SPRING_VARIABLES)].drop_vars("azimuth", errors="ignore")
-        springs["p"] = full["p_component"]
         groups[f"/paths/{path.name}"] = variables.attach(springs, "springs_path")
     return xr.DataTree.from_dict(groups)

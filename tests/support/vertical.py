@@ -57,7 +57,7 @@ def vertical_springs(ends: tuple[float, ...] = (1e-2, -1e-2), heavier: tuple[flo
 def pressed(path: xr.Dataset, V: float) -> xr.Dataset:
     """Return the path under a vertical load V: the lid carries the rest, lateral reactions are proportional to V."""
     out = path.copy(deep=True)
-    for name in ("p", "m", "H", "M", "H_tip", "M_tip", "H_lid", "M_lid"):
+    for name in ("p", "p_component", "m", "H", "M", "H_tip", "M_tip", "H_lid", "M_lid"):
         start = path[name].isel(step=0)
         out[name] = (start + (path[name] - start) * V / REST).transpose(*path[name].dims)
     out["V"], out["V_lid"] = out["V"] + V - REST, out["V_lid"] + V - REST

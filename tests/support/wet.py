@@ -51,11 +51,11 @@ def _timed(node: xr.DataTree, rate: float) -> xr.Dataset:
     time = np.append(0.0, np.cumsum(ways)) / rate
     path["time"] = ("step", time, {"long_name": "time", "units": "s"})
     relaxed = maxwell(path["u"].values + path["rotation"].values * DEPTH[:, None], time)
-    p = path["p"].transpose("side", "component", "depth", "step").values.copy()
+    p = path["p_component"].transpose("side", "component", "depth", "step").values.copy()
     water, normal = (list(path["component"].values).index(name) for name in ("water", "normal"))
     p[:, water] = STIFFNESS[:, :, None] * relaxed + AT_REST
     p[:, normal] -= p[:, water]
-    return path.assign(p=path["p"].copy(data=np.moveaxis(p, 2, 0)))
+    return path.assign(p_component=path["p_component"].copy(data=np.moveaxis(p, 2, 0)))
 
 
 def coupled(**paths: object) -> Springs:

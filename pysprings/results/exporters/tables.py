@@ -88,7 +88,7 @@ def with_net(array: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
 
 
 def _py_rows(path: xr.Dataset) -> pd.DataFrame:
-    p = path["p"].transpose("depth", "side", "component", "step").values
+    p = path["p_component"].transpose("depth", "side", "component", "step").values
     p = with_net(with_net(p, 1), 2)
     labels = {"side": _SIDES, "component": _COMPONENTS}
     return _rows(path, "py", labels, {"p_N_per_m": p})

@@ -16,7 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.springs.path import RecordedPath, paths_of
-from pysprings.springs.sums import net_m, net_p
+from pysprings.springs.sums import by_depth, net_m
 
 # Quantities by depth: pairs that belong beside each other.
 PAIRS = (("y_m", "p_N_per_m"), ("m_Nm_per_m", "t_N_per_m"))
@@ -61,7 +61,7 @@ def _path(recorded: RecordedPath) -> pd.DataFrame:
     }
     values = {
         "y_m": path["y"].transpose("depth", "step").values,
-        "p_N_per_m": net_p(path).values,
+        "p_N_per_m": by_depth(path, "p"),
         "m_Nm_per_m": net_m(path).values,
         "t_N_per_m": path["t"].sum("side").transpose("depth", "step").values,
     }

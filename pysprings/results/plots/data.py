@@ -87,11 +87,9 @@ def abscissa(path: xr.Dataset) -> tuple[NDArray[np.float64], str]:
 def lateral_reaction(path: xr.Dataset) -> dict[str, NDArray[np.float64]]:
     """Return p [N/m] by side, ``{"net", "outside", "inside"}``, each of shape (depth, step).
 
-    A result holds the components in ``p_component`` and the net in ``p``; a spring set holds the components
-    in ``p`` itself. Components are summed: normal effective stress, shear, water.
+    Components are summed: normal effective stress, shear, water.
     """
-    parts = path["p_component"] if "p_component" in path else path["p"]
-    by_side = parts.sum("component", skipna=False).transpose("side", "depth", "step")
+    by_side = path["p_component"].sum("component", skipna=False).transpose("side", "depth", "step")
     sides = {str(name): by_side.values[k] for k, name in enumerate(by_side["side"].values)}
     return {"net": by_side.sum("side", skipna=False).values, **sides}
 

@@ -24,7 +24,6 @@ from pysprings.results.plots.style import (
     zero_lines,
 )
 from pysprings.springs.path import paths_of
-from pysprings.springs.sums import net_p
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,7 +59,7 @@ def overlay(runs: Mapping[str, xr.DataTree], name: str) -> Figure:
 
 def _springs(axes: Axes, path: xr.Dataset, colour: str, line: str) -> None:
     depth = path["depth"].values
-    p = net_p(path.assign(p=path["p_component"]) if "p_component" in path else path).values
+    p = path["p"].transpose("depth", "step").values
     y = path["y"].transpose("depth", "step").values
     for share in DEPTHS:
         k = int(np.argmin(np.abs(depth - share * float(path["depth_bounds"].values[-1, 1]))))

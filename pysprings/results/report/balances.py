@@ -30,7 +30,6 @@ def equilibrium_table(tree: xr.DataTree) -> Table:
     rows = []
     for name, recorded in paths_of(tree).items():
         path = recorded.dataset
-        path = path.assign(p=path["p_component"]) if "p_component" in path else path
         for load, missing in balance(path).items() if path.sizes["step"] else ():
             unit = "kN m" if load == "M" else "kN"
             largest = f"{float(np.abs(path[load]).max()) / 1e3 + 0.0:.4g} {unit}"

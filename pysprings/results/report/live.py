@@ -91,10 +91,9 @@ def _path(name: str, path: xr.Dataset) -> dict[str, Any]:
     data |= {"arm": float(path.attrs["arm_m"])} if free else {}
     data |= {key: _round(factor * chosen[key].values) for key, factor in _SCALES.items()}
     if chosen.sizes["step"]:
-        given = chosen.assign(p=chosen["p_component"]) if "p_component" in chosen else chosen
         data |= {"depth": _round(path["depth"].values), "edge": edge_rings(path).tolist()}
         data |= {"y": _round(1e3 * chosen["y"].transpose("step", "depth").values)}
-        data |= {key: _round(1e-3 * by_depth(given, key).T) for key in ("p", "m", "t")}
+        data |= {key: _round(1e-3 * by_depth(chosen, key).T) for key in ("p", "m", "t")}
         data |= _stress(chosen)
     return data
 

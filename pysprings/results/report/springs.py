@@ -13,7 +13,7 @@ from pysprings.core.text import number
 from pysprings.results.report.table import ReportTable
 from pysprings.springs.edge import on_slices
 from pysprings.springs.path import RecordedPath, paths_of
-from pysprings.springs.sums import net_m, net_p
+from pysprings.springs.sums import by_depth, net_m
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,8 +46,8 @@ def spring_tables(springs: xr.DataTree | None, comparison: pd.DataFrame | None =
 
 
 def _table(name: str, path: xr.Dataset, comparison: pd.DataFrame | None) -> Table:
-    p, m, y = net_p(path).values * 1e-3, net_m(path).values * 1e-3, path["y"].transpose("depth", "step").values * 1e3
-    sides = path["p"].sum("component").transpose("side", "depth", "step").values * 1e-3
+    p, m, y = by_depth(path, "p") * 1e-3, net_m(path).values * 1e-3, path["y"].transpose("depth", "step").values * 1e3
+    sides = path["p_component"].sum("component").transpose("side", "depth", "step").values * 1e-3
     order = [str(side) for side in path["side"].values]
     rows = [
         (
@@ -71,7 +71,7 @@ def _table(name: str, path: xr.Dataset, comparison: pd.DataFrame | None) -> Tabl
 
 def _missed(path: xr.Dataset, comparison: pd.DataFrame | None) -> str:
     """Return sentences on the share of H that p carries, and on the largest error of p-y curves alone."""
-    carried = float(net_p(path).values[:, -1] @ np.diff(path["depth_bounds"].values, axis=1)[:, 0])
+    carried = float(by_depth(path, "p")[:, -1] @ np.diff(path["depth_bounds"].values, axis=1)[:, 0])
     load = float(path["H"].values[-1])
     text = f"p carries {100.0 * carried / load:.0f} % of H of this path, tip and lid the rest. " if load else ""
     if comparison is None or "H_error_max_pct" not in comparison:

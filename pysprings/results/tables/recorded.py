@@ -201,7 +201,7 @@ def _dataset(depth: Array, bounds: Array, grids: dict[str, Grid]) -> xr.Dataset:
         "u": (("step",), u),
         "rotation": (("step",), rotation),
         "depth_bounds": (("depth", "bound"), bounds),
-        "p": (("depth", "side", "component", "step"), py["p_N_per_m"][:, None, None, :]),
+        "p": (("depth", "step"), py["p_N_per_m"]),
         "converged": (("step",), np.ones(n)),
     }
     down = False
@@ -214,7 +214,7 @@ def _dataset(depth: Array, bounds: Array, grids: dict[str, Grid]) -> xr.Dataset:
         data |= vertical
     attrs = {"role": "calibration", "kind": "table", "arm_m": np.nan, "down": down}
     attrs["straight"] = keeps_direction(u, rotation * bounds[-1, 1])
-    coords = {"depth": depth, "side": ["net"], "component": ["total"], "step": np.arange(n)}
+    coords = {"depth": depth, "side": ["net"], "step": np.arange(n)}
     return xr.Dataset(data, coords, attrs)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What an atlas expects -> a spring set like that of a full model, with the group `atlas` for its standard deviation.
 
-Reactions by depth are net ones: they stand at the side "outside" and the component "normal" (p), and the vertical load
-at rest stands at the tip. Loads are the sums of the reactions.
+Reactions by depth are net ones: they stand at the side "outside" and the component "normal", and the vertical load at
+rest stands at the tip. Loads are the sums of the reactions.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ def _path(rows: Array, rho: Array, angle: float, coords: xr.Coordinates, V: floa
     data: dict[str, Any] = {name: ("step", values) for name, values in along.items()}
     data |= {
         "depth_bounds": (("depth", "bound"), np.stack([edges[:-1], edges[1:]], axis=1)),
-        "p": (("depth", "side", "component", "step"), p),
+        "p": (("depth", "step"), p[:, 0, 0]), "p_component": (("depth", "side", "component", "step"), p),
         "m": (("depth", "side", "step"), two["m"]), "t": (("depth", "side", "step"), two["t"]),
         "y": (("depth", "step"), u - rotation * depth[:, None]),
         "converged": ("step", np.ones(steps, dtype=np.int8)),

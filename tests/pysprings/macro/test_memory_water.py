@@ -220,8 +220,9 @@ def test_a_spring_file_keeps_the_water() -> None:
     stored = Springs.of(xr.DataTree.from_dict(groups, name="springs"))
     read = build_memory(stored)
     assert has_elements(stored) and has_elements(stored.at(rate=RATE))
-    p = groups["/paths/ray_3"]["p"]
-    other = groups | {"/paths/ray_3": groups["/paths/ray_3"].assign(p=p * xr.where(p.component == "water", 1.1, 1.0))}
+    p = groups["/paths/ray_3"]["p_component"]
+    wetter = groups["/paths/ray_3"].assign(p_component=p * xr.where(p.component == "water", 1.1, 1.0))
+    other = groups | {"/paths/ray_3": wetter}
     assert not has_elements(Springs.of(xr.DataTree.from_dict(other, name="springs")))
     assert read.rate == pytest.approx(RATE)
     np.testing.assert_allclose(read.reactions(way)[table().wet], model().reactions(way)[table().wet], rtol=1e-9)
@@ -234,7 +235,9 @@ def test_elements_depend_on_the_water_at_all_rates() -> None:
     assert own == digest(springs.at(rate=RATE).at_rate(RATE))
     groups = {node.path: node.to_dataset(inherit=False) for node in springs.tree.subtree}
     path = groups["/paths/ray_3_rate_1"]
-    groups["/paths/ray_3_rate_1"] = path.assign(p=path["p"] * xr.where(path.component == "water", 3.0, 1.0))
+    parts = path["p_component"] * xr.where(path.component == "water", 3.0, 1.0)
+    net = parts.sum(("side", "component")).transpose("depth", "step").assign_attrs(path["p"].attrs)
+    groups["/paths/ray_3_rate_1"] = path.assign(p_component=parts.assign_attrs(path["p_component"].attrs), p=net)
     assert own != digest(Springs.of(xr.DataTree.from_dict(groups, name="springs")).at(rate=RATE))
 
 

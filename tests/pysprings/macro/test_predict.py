@@ -99,7 +99,7 @@ def test_a_softening_curve_is_held_flat():
 def test_interpolation_is_scipys_pchip():
     path = make_springs()["paths/pull"].to_dataset(inherit=False)
     model = MacroModel.from_springs(make_springs())
-    p = path["p"].sum(("side", "component")).transpose("depth", "step").values
+    p = path["p"].values
     row = 3
     y = path["y"].values[row]
     scipy_curve = PchipInterpolator(y, p[row] - p[row, 0])
@@ -124,7 +124,7 @@ def test_equilibrium_by_scipy_root(arm, spring_set):
         return lambda q: np.sign(q) * inside(abs(q))
 
     u, rotation = path["u"].values, path["rotation"].values
-    p = path["p"].sum(("side", "component")).transpose("depth", "step").values
+    p = path["p"].values
     m = path["m"].sum("side").transpose("depth", "step").values
     lateral = [odd(path["y"].values[k], p[k]) for k in range(depth.size)]
     moment = [odd(rotation, m[k]) for k in range(depth.size)]

@@ -13,7 +13,7 @@ from pysprings.macro.slices import merge_slices, slice_convergence, slice_counts
 from pysprings.springs.checks import save_springs, validate_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
-from pysprings.springs.sums import balance, net_p, slice_heights
+from pysprings.springs.sums import balance, by_depth, slice_heights
 from tests.support.commands import command
 from tests.support.synthetic import Caisson, Path, make_springs
 
@@ -36,7 +36,7 @@ def test_merged_springs_are_springs_with_the_same_forces(springs):
     assert coarse.sizes["depth"] == 4
     for path in (fine, coarse):
         assert (
-            float(np.abs(slice_heights(path) @ net_p(path).values - (path["H"] - path["H_tip"] - path["H_lid"])).max())
+            float(np.abs(slice_heights(path) @ by_depth(path, "p") - (path["H"] - path["H_tip"] - path["H_lid"])).max())
             < 1.0
         )
     missing = balance(coarse)

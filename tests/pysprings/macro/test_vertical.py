@@ -306,7 +306,7 @@ def test_predict_with_a_vertical_load_alone(tmp_path):
     done = command("predict", str(file), "--V", f"{wanted} N", "--strict", "--json")
     assert done.code == 0, done.err
     assert '"w": 0.0020' in done.out.replace("0.00199", "0.0020")
-    assert open_springs(file).attrs["schema"] == "pysprings-springs-3"
+    assert open_springs(file).attrs["schema"] == "pysprings-springs-4"
 
 
 # --- scenes ---

@@ -14,7 +14,7 @@ from fe_engine.state import State, initial_fields
 from pysprings import Scene
 from pysprings.full_model.compute import run
 from pysprings.model.build import build_model
-from pysprings.model.forecast.omissions import left_out, symmetric_factors
+from pysprings.model.forecast.omissions import left_out, saved_text, symmetric_factors
 from pysprings.model.forecast.resources import memory_bytes, size_of
 from tests.support import carried, tiny
 from tests.support.carried import SMOOTH, difference, push
@@ -250,3 +250,23 @@ def test_what_is_not_kept_changes_no_number() -> None:
     for name in less.data_vars:
         np.testing.assert_array_equal(less[name].values, more[name].values, err_msg=str(name))
     assert less.to_dataset().nbytes < more.to_dataset().nbytes
+
+
+# --- savings in words; what is no saving says nothing ---
+
+
+@pytest.mark.parametrize(
+    ("saved", "text"),
+    [
+        ({"basis": "laws", "unknowns": 1234, "time_share": 0.616}, "1,234 unknowns, 62 % of the time (laws)"),
+        ({"basis": "b", "memory_bytes": 1.1e9, "disk_bytes": 32.4e6}, "1.1 GB of memory, 32 MB on disk (b)"),
+        ({"basis": "b", "memory_bytes": 5e3, "disk_bytes": 12}, "5 kB of memory, 12 bytes on disk (b)"),
+        ({"basis": "b", "unknowns": 0, "memory_bytes": 0, "time_share": None}, ""),
+        (None, ""),
+        ("much", ""),
+        ({"unknowns": "many", "memory_bytes": float("nan"), "disk_bytes": True, "time_share": -1.0}, ""),
+        ({"basis": "b", "unknowns": 10**400, "memory_bytes": float("inf")}, ""),
+    ],
+)
+def test_savings_in_words(saved: Any, text: str) -> None:
+    assert saved_text(saved) == text

@@ -98,7 +98,7 @@ def test_py_values_and_sums(folder, springs):
     path = reslice(springs)["paths/pull"]
     py = table[(table["path"] == "pull") & (table["family"] == "py")]
     picked = py[(py["side"] == "inside") & (py["component"] == "shear") & (py["step"] == 7)]
-    np.testing.assert_allclose(picked["p_N_per_m"], path["p"].values[:, 1, 1, 7], rtol=1e-9)
+    np.testing.assert_allclose(picked["p_N_per_m"], path["p_component"].values[:, 1, 1, 7], rtol=1e-9)
     np.testing.assert_allclose(picked["y_m"], path["y"].values[:, 7], rtol=1e-9)
     np.testing.assert_allclose(picked[["depth_top_m", "depth_bottom_m"]], path["depth_bounds"].values, rtol=1e-9)
     wide = py.pivot_table(index=["depth_m", "step"], columns=["side", "component"], values="p_N_per_m")
@@ -191,7 +191,7 @@ def test_workbook_values_with_their_units(book, springs):
     sheet = book["p-y"]
     assert sheet.max_row == 3 + 2 * STEPS
     depth = round(float(path["depth"][4]), 4)
-    p = path["p"].sum(("side", "component")).transpose("depth", "step").values
+    p = path["p"].values
     np.testing.assert_allclose(_column(sheet, "p net [kN/m]", depth)[:STEPS], p[4] / 1e3, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(_column(sheet, "y [mm]", depth)[:STEPS], path["y"].values[4] * 1e3, rtol=1e-9)
     rotation = _column(book["m-theta"], "rotation [mrad]")[:STEPS]
@@ -222,7 +222,7 @@ def test_tidy_sheet_has_a_row_for_each_path_step_and_depth(book, springs):
     last = dict(zip(heads, rows[sizes[0] - 1], strict=True))
     assert last["path"] == name and last["slice top [m]"] == pytest.approx(0.8 * last["slice bottom [m]"])
     assert last["y [mm]"] == pytest.approx(1e3 * float(path["y"].transpose("step", "depth")[-1, -1]))
-    net = path["p"].sum(("side", "component")).transpose("step", "depth")
+    net = path["p"].transpose("step", "depth")
     assert last["p net [kN/m]"] == pytest.approx(1e-3 * float(net[-1, -1]))
 
 
@@ -258,7 +258,7 @@ def test_defined_names_point_at_the_data(book, springs):
     path = springs["paths/high"]
     for name, values in (
         ("y_5.high", path["y"].values[4] * 1e3),
-        ("p_5.high", path["p"].sum(("side", "component")).values[4] / 1e3),
+        ("p_5.high", path["p"].values[4] / 1e3),
         ("theta.high", path["rotation"].values * 1e3),
         ("m_1.high", path["m"].sum("side").values[0] / 1e3),
         ("M_base.high", path["M_tip"].values / 1e3),
@@ -320,11 +320,11 @@ def test_unconverged_steps_are_empty_in_the_macro_columns(tmp_path):
 
 def test_json(springs):
     document = json.loads(exporters.text(springs, "json"))
-    assert document["attributes"]["schema"] == "pysprings-springs-3"
-    p = document["paths"]["high"]["variables"]["p"]
+    assert document["attributes"]["schema"] == "pysprings-springs-4"
+    p = document["paths"]["high"]["variables"]["p_component"]
     assert p["units"] == "N m-1"
     assert p["dims"] == ["depth", "side", "component", "step"]
-    np.testing.assert_array_equal(p["values"], springs["paths/high/p"].values)
+    np.testing.assert_array_equal(p["values"], springs["paths/high/p_component"].values)
 
 
 def test_export_by_form(springs, tmp_path):

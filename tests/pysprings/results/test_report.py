@@ -523,7 +523,7 @@ def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.Data
     assert table.title == "Path pull: pull, calibration"
     assert len(table.rows) == path.sizes["depth"] + 2
     bounds = np.diff(path["depth_bounds"].values, axis=1)[:, 0]
-    p = path["p"].sum(("side", "component")).transpose("depth", "step").values[:, -1]
+    p = path["p"].values[:, -1]
     assert f"p carries {100.0 * (p @ bounds) / float(path['H'][-1]):.0f} % of H" in table.note
     net = p[3] * 1e-3
     outside, inside, total = (float(cell) for cell in table.rows[3][3:6])

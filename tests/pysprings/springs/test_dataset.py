@@ -11,7 +11,7 @@ from pysprings.core.files.storage import write_tree
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.springs import Springs
-from pysprings.springs.sums import balance, net_m, net_p, slice_heights
+from pysprings.springs.sums import balance, by_depth, net_m, slice_heights
 from tests.support.synthetic import DEAD_LOAD, Path, make_result, make_springs
 
 PATHS = (Path("held", arm=8.0, role="held-back"), Path("pull"), Path("push", kind="translation"))
@@ -39,7 +39,7 @@ def test_only_converged_steps_are_given():
 def test_sums_over_depth():
     path = Springs.of(make_springs()).path().dataset
     assert slice_heights(path).sum() == pytest.approx(4.0)
-    lateral = slice_heights(path) @ net_p(path).values + path["H_tip"].values + path["H_lid"].values
+    lateral = slice_heights(path) @ by_depth(path, "p") + path["H_tip"].values + path["H_lid"].values
     np.testing.assert_allclose(lateral, path["H"].values, atol=1e-8 * np.abs(path["H"].values).max())
     assert net_m(path).dims == ("depth", "step")
 
@@ -114,6 +114,13 @@ def test_refusals(tmp_path, spoil, key, words):
     assert {problem.file for problem in caught.value.problems} == {str(file)}
 
 
+def test_p_that_is_not_the_sum_of_its_parts_is_refused():
+    tree = make_springs()
+    tree["paths/pull/p_component"].values[2, 1, 0, 5] += 1.0
+    with pytest.raises(UserInputError, match="paths/pull/p: is not the sum of p_component"):
+        validate_springs(tree)
+
+
 @pytest.mark.parametrize(
     ("name", "factor", "load"),
     [("p", 2.0, "H"), ("p", -1.0, "H"), ("H", 2.0, "H"), ("M_tip", 2.0, "M"), ("V", 1.0 + 1e-5, "V"), ("t", 0.0, "V")],
@@ -121,8 +128,8 @@ def test_refusals(tmp_path, spoil, key, words):
 def test_reactions_that_do_not_sum_to_the_load_are_refused(tmp_path, name, factor, load):
     """With path, step and both figures; the last step is the worst of a growing load."""
     tree = make_springs(PATHS)
-    values = tree[f"paths/pull/{name}"].values
-    values[..., -1] *= factor
+    for part in (name, "p_component") if name == "p" else (name,):
+        tree[f"paths/pull/{part}"].values[..., -1] *= factor
     file = write_tree(tree, tmp_path / "bad.nc")
     with pytest.raises(UserInputError) as caught:
         open_springs(file)

@@ -11,7 +11,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.edge import edge_rings, reslice
 from pysprings.springs.path import paths_of
-from pysprings.springs.sums import net_p, resultants
+from pysprings.springs.sums import by_depth, resultants
 from tests.support import synthetic
 
 PATHS = (synthetic.Path("pull", size=8e-3, steps=8), synthetic.Path("turn", "rotation", size=2e-3, steps=5))
@@ -34,7 +34,8 @@ def springs_with_a_peak() -> xr.DataTree:
     """Springs whose last ring has several times the reaction, in balance."""
     springs = synthetic.make_springs(PATHS)
     for name in ("pull", "turn"):
-        springs[f"paths/{name}"]["p"][-1] *= 7.0
+        for p in ("p", "p_component"):
+            springs[f"paths/{name}"][p][-1] *= 7.0
         springs[f"paths/{name}"]["t"][-1] += 3e3
         path = springs[f"paths/{name}"]
         for load, values in resultants(path.to_dataset(inherit=False)).items():
@@ -66,7 +67,7 @@ def test_the_zone_at_the_tip_has_the_mean_of_what_it_covers() -> None:
     bounds = new["depth_bounds"].values
     assert bounds[-1] == pytest.approx([3.2, 4.0])
     covered = np.clip(old["depth_bounds"].values[:, 1] - np.maximum(old["depth_bounds"].values[:, 0], 3.2), 0.0, None)
-    assert np.allclose(net_p(new).values[-1], covered @ net_p(old).values / 0.8)
+    assert np.allclose(by_depth(new, "p")[-1], covered @ by_depth(old, "p") / 0.8)
     assert len(bounds) < old.sizes["depth"]
 
 

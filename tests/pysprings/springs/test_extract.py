@@ -29,7 +29,7 @@ def test_springs_hold_the_reactions_of_the_result() -> None:
     result = tiny.result()
     springs = extract_springs(result)
     path, full = springs["paths/pull"].to_dataset(inherit=False), result["paths/pull"].to_dataset(inherit=False)
-    np.testing.assert_array_equal(path["p"], full["p_component"])
+    np.testing.assert_array_equal(path["p_component"], full["p_component"])
     for name in ("m", "t", "y", "u", "rotation", "H", "M", "H_tip", "M_lid", "depth_bounds", "time"):
         np.testing.assert_array_equal(path[name], full[name])
     np.testing.assert_array_equal(springs["stiffness_initial"], result["stiffness_initial"])

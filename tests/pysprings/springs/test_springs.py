@@ -58,7 +58,7 @@ def test_a_path_is_its_converged_steps() -> None:
     path = Springs.of(tree).path("slide")
     assert path.n == path.u.size == path.p.shape[1] == 12 and path.recorded.sizes["step"] == 13
     recorded = tree["paths/slide"].to_dataset()
-    np.testing.assert_allclose(path.p, recorded["p"].sum(("side", "component")).values[:, :-1], rtol=1e-14)
+    np.testing.assert_allclose(path.p, recorded["p_component"].sum(("side", "component")).values[:, :-1], rtol=1e-14)
 
 
 def test_derived_springs_are_made_once() -> None:

@@ -73,7 +73,7 @@ def _about(book: Book, sheet: Any, source: Source) -> None:
 
 def _sides(path: xr.Dataset, name: str) -> NDArray[np.float64]:
     """Return p, m or t (outside, inside, net; depth, step) [kN/m, kN m/m]."""
-    values = path[name].sum("component") if name == "p" else path[name]
+    values = path["p_component"].sum("component") if name == "p" else path[name]
     return with_net(values.transpose("side", "depth", "step").values * KN, 0)
 
 
