@@ -43,4 +43,5 @@ def test_one_table_as_text_and_markdown() -> None:
     table = Table.of([NAME, Column("H [kN]", "H", factor=1e-3)], ROWS, "title", "note", wide=True)
     assert table.text().split("\n") == ["name  H [kN]", "----  ------", "a|b   12,346", "c          -"]
     assert table.markdown(numbers=True).split("\n")[1:3] == ["| --- | --: |", "| a\\|b | 12,346 |"]
-    assert table.numeric == [False, True] and (table.title, table.note, table.wide) == ("title", "note", True)
+    assert table.numeric == [False, True] and table.numeric is table.numeric  # read once, however many cells ask
+    assert (table.title, table.note, table.wide) == ("title", "note", True)
