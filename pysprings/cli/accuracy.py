@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pysprings.cli.folders import refuse_no_folder
 from pysprings.cli.support import interruptible, print_json, print_table, refuse, to_stderr
+from pysprings.core.columns import records
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.progress import reporter
 from pysprings.full_model.accuracy import presets
@@ -42,7 +43,7 @@ def run(
     # a variation that stops is a result of the study; without a mesh of the series there is no reference
     meshes_stopped = [
         f"{row['name']}: {row['why']}"
-        for row in rows.records(outcome.table)
+        for row in records(outcome.table)
         if row["model"] == rows.FULL and row["series"] and row["why"]
     ]
     if meshes_stopped:

@@ -111,14 +111,14 @@ def _model(springs: Path) -> MacroModel:
 
 
 def _print(folder: Path, outcome: Capacity) -> None:
-    from pysprings.studies.capacity import study, text
+    from pysprings.studies.capacity import picture, study
 
-    print_table(text.table_of(outcome))
-    print(f"\n{text.criteria(outcome)}")
+    print_table(picture.table_of(outcome))
+    print(f"\n{picture.criteria(outcome)}")
     if outcome.cases is not None:
         print()
-        print_table(text.table_of_cases(outcome.cases))
-    if closing := text.closing(outcome.table):
+        print_table(picture.table_of_cases(outcome.cases))
+    if closing := picture.closing(outcome.table):
         print(f"\n{closing}")
     print()
     for name, meaning in study.FILES.items():

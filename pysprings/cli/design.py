@@ -45,8 +45,8 @@ def design(
     from pysprings.full_model.run_record import RunRecord
     from pysprings.results.report import load_cases as text
     from pysprings.results.tables.load_cases import read_load_cases
-    from pysprings.studies.design import files
-    from pysprings.studies.design.answers import answer_cases
+    from pysprings.studies import design as files
+    from pysprings.studies.design import answer_cases
 
     tolerance = quantities({"--tilt": (tilt, "rad", "0.25 deg")})["--tilt"]
     if tolerance is not None and tolerance <= 0.0:

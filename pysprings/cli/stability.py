@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.cli.support import interruptible, print_json, to_stderr
+from pysprings.core.columns import records
 from pysprings.core.errors import following
 from pysprings.core.files.storage import write_text
 from pysprings.studies.stability import catalogue as stability
@@ -48,7 +49,7 @@ def run(
     if out is not None:
         _write(table, out, formats)
     if as_json:
-        rows = table.astype(object).where(table.notna(), None).to_dict(orient="records")
+        rows = records(table)
         print_json({"mesh": mesh, "refinement": refinement, "reach_m": reach, "summary": total, "cases": rows})
     else:
         print(f"\n{stability.closing(total)}")

@@ -8,9 +8,12 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pysprings.core.text import markdown_table, number, plain_table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Row = Mapping[Any, Any]
 # a number, with the letter of a quantity before it and its unit behind it; "-" and blank: there is none
@@ -56,6 +59,12 @@ class Column:
             return "-" if value is None else number(value, int(self.form))
         text = format(int(value) if self.form.endswith("d") else value, self.form)
         return text if re.search("[1-9]", text) else text.removeprefix("-")  # no -0.00
+
+
+def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return the rows of a frame by column name, as plain values; missing ones are None."""
+    plain = frame.astype(object).where(frame.notna(), None)
+    return [{str(name): value for name, value in row.items()} for row in plain.to_dict("records")]
 
 
 def filled(columns: Iterable[Column], rows: Sequence[Row], brief: bool = False) -> list[Column]:

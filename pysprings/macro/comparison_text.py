@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from pysprings.core.columns import Column, Table, filled
+from pysprings.core.columns import Column, Table, filled, records
 from pysprings.core.path_kinds import ROLES, VERTICAL
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
 from pysprings.springs.path import same_load
@@ -157,8 +157,6 @@ _VERTICAL_NOTES = [
 
 def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
     """Return the comparison for JSON: definitions and rows; what is undefined is None."""
-    records = frame.astype(object).where(frame.notna(), None).to_dict(orient="records")
-    rows = [{str(name): value for name, value in row.items()} for row in records]
     definitions = {
         "eta": "1 - area between load-displacement curves / area under the full model's",
         "eta_small_to": f"outer diameter * {SMALL_OVER_DIAMETER:g}; over the skirt length on a rotation path",
@@ -171,7 +169,5 @@ def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
         "w_error_max": "largest distance of the vertical displacements, macro - full",
         "off_load_states": "states under a vertical load that is not that of the lateral springs",
     }
-    return {str(name): value for name, value in frame.attrs.items()} | {
-        "definitions": definitions,
-        "rows": rows,
-    }
+    about = {str(name): value for name, value in frame.attrs.items()}
+    return about | {"definitions": definitions, "rows": records(frame)}

@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.columns import Column, Table
+from pysprings.core.columns import Column, Table, records
 from pysprings.core.errors import refused
 from pysprings.macro.cycles import SETS, Followed, cycles, errors, sequences
 from pysprings.macro.fan import WATER, FanTable, reaction_rows
@@ -150,8 +150,4 @@ def _depths(frame: pd.DataFrame) -> list[Table]:
 def to_dict(found: Cycles) -> dict[str, Any]:
     """Return the tables for JSON (SI); what is undefined is None."""
     names = ("errors", "branches", "reactions", "depths")
-    frames: dict[str, pd.DataFrame] = {name: getattr(found, name) for name in names}
-    return {
-        name: frame.astype(object).where(frame.notna(), None).to_dict(orient="records")
-        for name, frame in frames.items()
-    } | {"definitions": list(_NOTES)}
+    return {name: records(getattr(found, name)) for name in names} | {"definitions": list(_NOTES)}

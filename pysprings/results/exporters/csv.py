@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""CSV tables (SI, one header line, no comment lines): `pandas.read_csv(file)` reads them as they are."""
+"""Springs as files of data, in SI: CSV tables (one header line, no comment lines), one JSON document, NetCDF."""
 
 from __future__ import annotations
 
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from pysprings.results.exporters.base import Exporter, Options, Source, write_text_file
+from pysprings.results.exporters.base import Exported, Exporter, Options, Source, Target, write_text_file
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -82,3 +82,60 @@ def csv_text(frame: pd.DataFrame) -> str:
     numbers = frame.select_dtypes("float").columns
     frame = frame.assign(**{str(name): frame[name] + 0.0 for name in numbers})
     return frame.to_csv(index=False, float_format=_NUMBER, lineterminator="\n")
+
+
+def springs_text(source: Source, _options: Options) -> str:
+    """Return the spring set as strict JSON text (SI)."""
+    from pysprings.core.text import json_text
+    from pysprings.springs.path import paths_of
+
+    springs = source.springs
+    document = {
+        "attributes": {str(name): value for name, value in springs.attrs.items()},
+        "stiffness_initial": _variable(springs.dataset["stiffness_initial"]),
+        "paths": {name: _path(path.recorded) for name, path in paths_of(springs).items()},
+    }
+    return json_text(document) + "\n"
+
+
+JSON = Exporter(
+    name="json",
+    description="all springs as one JSON document",
+    write=write_text_file(springs_text),
+    suffixes=(".json",),
+    file="springs.json",
+    text=springs_text,
+)
+
+
+def _path(path: xr.Dataset) -> dict[str, Any]:
+    return {
+        "attributes": {str(name): value for name, value in path.attrs.items()},
+        "coordinates": {str(name): _variable(data) for name, data in path.coords.items()},
+        "variables": {str(name): _variable(data) for name, data in path.data_vars.items()},
+    }
+
+
+def _variable(data: xr.DataArray) -> dict[str, Any]:
+    return {
+        "dims": [str(name) for name in data.dims],
+        "units": data.attrs.get("units", "1"),
+        "values": data.values,
+    }
+
+
+def _write_netcdf(source: Source, target: Target, _options: Options) -> Exported:
+    from pysprings.macro.memory.build import with_memory
+    from pysprings.springs.checks import save_springs
+
+    return Exported([save_springs(with_memory(source.springs), target.path)])
+
+
+NETCDF = Exporter(
+    name="nc",
+    description="springs (NetCDF), for `pysprings springs, predict, compare`",
+    write=_write_netcdf,
+    suffixes=(".nc",),
+    file="springs.nc",
+    of_every_run=True,
+)

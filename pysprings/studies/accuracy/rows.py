@@ -221,12 +221,6 @@ def _orders(limit: Mapping[str, Mapping[str, Reference]]) -> dict[str, float | N
     return {name: min((order for order in orders if order is not None), default=None) for name, orders in known.items()}
 
 
-def records(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return the rows of a table by column name, as plain values; missing ones are None."""
-    plain = table.astype(object).where(table.notna(), None)
-    return [{str(name): value for name, value in row.items()} for row in plain.to_dict("records")]
-
-
 def _truth(
     series: Sequence[Ended], grids: Mapping[str, Grid], by_path: Mapping[str, Mapping[str, Sample]]
 ) -> Truth:  # fmt: skip

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core import version
+from pysprings.core.columns import records
 from pysprings.core.errors import Problem, UserInputError, following
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text
@@ -74,7 +75,7 @@ def to_json(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
                  "limit_of_bricks_pct": dict(outcome.apart.get(path, {}))}
             for path, references in outcome.references.items()
         },
-        "rows": rows.records(outcome.table),
+        "rows": records(outcome.table),
     }  # fmt: skip
 
 
@@ -101,7 +102,7 @@ def presets(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
         "units",
         *names,
     ]
-    lines = [row | {"solver": solvers[row["name"]]} for row in rows.records(usable[columns])]
+    lines = [row | {"solver": solvers[row["name"]]} for row in records(usable[columns])]
     return {"schema": SCHEMA, "origin": _origin(scene), "orders": outcome.orders, "settings": lines}
 
 

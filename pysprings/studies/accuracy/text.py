@@ -7,10 +7,10 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from pysprings.core.columns import Column, Table
+from pysprings.core.columns import Column, Table, records
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.presets import FOURIER, TARGETS, cheapest_within
-from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult, records
+from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
 
 if TYPE_CHECKING:
     import pandas as pd

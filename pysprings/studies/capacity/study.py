@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core import version
+from pysprings.core.columns import records
 from pysprings.core.errors import PyspringsError, RunIncomplete, following
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import read_tree, remove_leftovers, write_text
@@ -27,8 +28,7 @@ from pysprings.results.exporters.csv import write_frame
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.studies.capacity import plan, runs
-from pysprings.studies.capacity.envelope import utilisation
-from pysprings.studies.capacity.points import Capacity, Point
+from pysprings.studies.capacity.points import Capacity, Point, utilisation
 from pysprings.studies.stored_runs import RUNS
 
 if TYPE_CHECKING:
@@ -199,14 +199,6 @@ def to_json(outcome: Capacity) -> dict[str, Any]:
         "cases": None if outcome.cases is None else records(outcome.cases),
         "remarks": list(outcome.remarks),
     }
-
-
-def records(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return the rows of a table, None for numbers that are not there."""
-    return [
-        {str(k): v for k, v in row.items()}
-        for row in table.astype(object).where(table.notna(), None).to_dict("records")
-    ]
 
 
 def write(out: str | os.PathLike[str], outcome: Capacity, formats: Sequence[str] = ("png",)) -> None:

@@ -16,7 +16,7 @@ from pysprings.macro.predict import predict
 from pysprings.results.tables.load_cases import LoadCases
 from pysprings.scene.changes import read_changes
 from pysprings.springs.springs import Springs
-from pysprings.studies.design.answers import answer_cases
+from pysprings.studies.design import answer_cases
 from pysprings.studies.sizing.search import Search, Wanted, answered
 from tests.support.fans import fan_springs, potential
 from tests.support.vertical import REST, fan_with_vertical, vertical_springs

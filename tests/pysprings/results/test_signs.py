@@ -33,7 +33,7 @@ from pysprings.results.tables import open_table
 from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.studies.atlas.file import open_atlas, shipped
-from pysprings.studies.design.answers import answer_cases
+from pysprings.studies.design import answer_cases
 from pysprings.studies.sizing.search import Search, Wanted
 from tests.support import synthetic, tiny, winkler
 from tests.support.commands import command

@@ -14,10 +14,9 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.scene.design_strength import StrengthFactors
-from pysprings.studies.capacity import plan, runs, study, text
-from pysprings.studies.capacity.envelope import utilisation
+from pysprings.studies.capacity import picture, plan, runs, study
 from pysprings.studies.capacity.picture import envelopes
-from pysprings.studies.capacity.points import Capacity, Criterion, assess
+from pysprings.studies.capacity.points import Capacity, Criterion, assess, utilisation
 from tests.support import tiny
 from tests.support.commands import command
 
@@ -129,7 +128,7 @@ def test_files_and_words(tmp_path: Path) -> None:
     assert len(data["rows"]) == 8 and data["remarks"] == ["a ray stopped"] and len(data["cases"]) == 5
     page = (tmp_path / "report.html").read_text()
     assert "a ray stopped" in page and "10 % of the diameter or 5 deg" in page and "no envelope at this V" in page
-    assert text.closing(table) == "macro-model against full model in 8 of 8 directions: -2.0 to -2.0 %"
+    assert picture.closing(table) == "macro-model against full model in 8 of 8 directions: -2.0 to -2.0 %"
     axes = envelopes(table, SCENE, outcome.cases).axes
     labels = axes[0].get_legend_handles_labels()[1]
     assert labels == ["full model, characteristic strength", "macro-model, characteristic strength", "load cases"]

@@ -17,8 +17,8 @@ from pysprings.results.folder import run_to_folder
 from pysprings.results.report import load_cases as text
 from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.springs.checks import save_springs
-from pysprings.studies.design import files
-from pysprings.studies.design.answers import answer_cases
+from pysprings.studies import design as files
+from pysprings.studies.design import answer_cases
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
