@@ -9,7 +9,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pysprings.cli.options import Changes, DrawnFigures, Format, Json, Mesh, NoFigures, SceneFile, Series, formats_of
+from pysprings.cli.options import (
+    Changes,
+    DrawnFigures,
+    Format,
+    Jobs,
+    Json,
+    Mesh,
+    NoFigures,
+    SceneFile,
+    Series,
+    formats_of,
+)
 from pysprings.cli.support import interruptible, print_json, print_table, quantities, refuse, to_stderr
 
 if TYPE_CHECKING:
@@ -51,6 +62,7 @@ def capacity(
     figures: DrawnFigures = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",
+    jobs: Jobs = None,
     as_json: Json = False,
 ) -> None:
     """Push the full model to failure in directions of H and M at given V: the envelope, with nothing fitted.
@@ -75,7 +87,8 @@ def capacity(
     try:
         with interruptible(), reporter(sys.stderr) as progress:
             outcome = study.study(
-                chosen, folder, request, progress, model, given, force, formats_of(figures, no_figures, figure_format)
+                chosen, folder, request, progress, model, given, force, formats_of(figures, no_figures, figure_format),
+                jobs,
             )  # fmt: skip
     except KeyboardInterrupt:
         to_stderr(f"what has run is kept in {folder}; the same command goes on")

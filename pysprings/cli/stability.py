@@ -12,6 +12,7 @@ from pysprings.cli.support import interruptible, print_json, to_stderr
 from pysprings.core.columns import records
 from pysprings.core.errors import following
 from pysprings.core.files.storage import write_text
+from pysprings.core.workers import cores
 from pysprings.studies.stability import catalogue as stability
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 def run(
     names: list[str], mesh: str, refinement: float, reach: float, out: Path | None, formats: Sequence[str],
-    as_json: bool,
+    as_json: bool, jobs: int | None = None,
 ) -> int:  # fmt: skip
     """Run the cases of these names (all: none given) as far as ``reach`` (m); return how many ended unexplained."""
     cases = stability.cases_named(names)
@@ -39,7 +40,7 @@ def run(
         print(stability.heading(), flush=True)
     try:
         with interruptible():
-            table = stability.run_cases(cases, mesh, refinement, report, reach)
+            table = stability.run_cases(cases, mesh, refinement, report, reach, jobs or cores())
     except KeyboardInterrupt:
         if out is not None and ended:
             _write(stability.table_of(ended), out, formats)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pysprings.cli.options import DrawnFigures, Format, Json, Mesh, NoFigures, SceneFile, formats_of
+from pysprings.cli.options import DrawnFigures, Format, Jobs, Json, Mesh, NoFigures, SceneFile, formats_of
 from pysprings.cli.support import quantities
 from pysprings.core.errors import RunIncomplete
 
@@ -59,6 +59,7 @@ def stability(
     figures: DrawnFigures = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",
+    jobs: Jobs = None,
     as_json: Json = False,
 ) -> None:
     """Run the stiff and extreme cases: how each ends, steps, cut-backs, residuals, balances.
@@ -70,6 +71,6 @@ def stability(
     far = quantities({"--reach": (reach, "m", "20 mm")})["--reach"]
     assert far is not None
     formats = formats_of(figures, no_figures, figure_format)
-    unexplained = cli_stability.run(case or [], mesh or "coarse", refinement, far, out, formats, as_json)
+    unexplained = cli_stability.run(case or [], mesh or "coarse", refinement, far, out, formats, as_json, jobs)
     if unexplained:
         raise RunIncomplete(f"{unexplained} cases ended without a named reason")

@@ -35,12 +35,16 @@ _TICK, _REPORTS = 0.2, 0.1  # s between looks at signals, and between two report
 
 @dataclass(frozen=True)
 class Task:
-    """``call(*arguments, progress)``, in a worker; all of it can be pickled. Tasks of the highest cost go first."""
+    """``call(*arguments, progress)``, in a worker; both can be pickled. Tasks of the highest cost go first.
+
+    ``progress`` gets the reports of the task instead of the progress function of all.
+    """
 
     name: str
     call: Callable[..., Any]
     arguments: tuple[Any, ...] = ()
     cost: float = 1.0
+    progress: Progress | None = None
 
 
 class WorkerDied(ResourceError):
@@ -161,7 +165,8 @@ class Workers:
                 done(task, WorkerDied(f"{task.name}: {why}, {_TRIES} times"))
             return
         if kind == _REPORT:
-            progress(*content)
+            if progress is not _silent or note is not _silent:
+                (task.progress or progress)(*content)
             return
         worker.task = None
         if kind != _STOPPED:
@@ -179,6 +184,22 @@ class Workers:
 
 def _silent(*_: object) -> None:
     """Report nothing."""
+
+
+def run_tasks(
+    tasks: Sequence[Task], jobs: int, done: Callable[[Task, Any], object], note: Callable[[str], object] = _silent
+) -> None:
+    """Run tasks in worker processes, or one after the other in this process (1); see `Workers.run`."""
+    if jobs > 1 and len(tasks) > 1:
+        with Workers(jobs) as workers:
+            workers.run(tasks, done, _silent, note)
+        return
+    for task in tasks:
+        try:
+            answer = task.call(*task.arguments, task.progress or _silent)
+        except Exception as error:
+            answer = error
+        done(task, answer)
 
 
 class _Worker:

@@ -33,44 +33,45 @@ class Whole:
     weights: Mapping[str, float]
     report: Progress
     clock: Callable[[], float] = time.monotonic
-    done: float = 0.0  # weight of the ended runs
     paths: Sequence[str] = ("pull",)
     _began: float = 0.0
-    _worked: float = 0.0  # weight of what this call has run itself
-    _skipped: dict[str, float] = field(default_factory=dict)  # where a resumed run started
+    _done: dict[str, float] = field(default_factory=dict)  # share of each run
+    _skipped: dict[str, float] = field(default_factory=dict)  # share of it that was there before
 
     def __post_init__(self) -> None:
         self._began = self.clock()
 
-    def of(self, name: str) -> Progress:
-        """Return the progress function of one run."""
+    def of(self, name: str, paths: Sequence[str] = ()) -> Progress:
+        """Return the progress function of one run, which has ``paths`` of its own, or those of all."""
+        own = list(paths or self.paths)
 
         def progress(path: str, fraction: float, message: str) -> None:
-            if path not in self.paths:  # the model is being made
+            if path not in own:  # the model is being made
                 self.report(name, 0.0, message)
                 return
-            fraction = (self.paths.index(path) + fraction) / len(self.paths)
-            start = self._skipped.setdefault(name, fraction if fraction > _TAKEN_UP else 0.0)
+            fraction = (own.index(path) + fraction) / len(own)
+            self._skipped.setdefault(name, fraction if fraction > _TAKEN_UP else 0.0)
+            self._done[name] = fraction
             self.report(name, fraction, message)
-            self._report(self.weights[name] * fraction, self.weights[name] * (fraction - start))
+            self._report()
 
         return progress
 
     def ended(self, name: str, worked: bool) -> None:
         """Count a run that has ended, by this call or before it."""
-        self.done += self.weights[name]
-        if worked:
-            self._worked += self.weights[name] * (1.0 - self._skipped.get(name, 0.0))
-        self._report(0.0, 0.0)
+        self._done[name] = 1.0
+        if not worked:
+            self._skipped[name] = 1.0
+        self._report()
 
-    def _report(self, now: float, worked: float) -> None:
+    def _report(self) -> None:
         total = sum(self.weights.values())
-        whole = min((self.done + now) / total, 1.0)
-        pace = self._worked + worked
+        done = sum(self.weights[name] * share for name, share in self._done.items())
+        worked = done - sum(self.weights[name] * share for name, share in self._skipped.items())
         text = ""
-        if pace > 0.02 * total and whole < 1.0:
-            text = f"about {duration((self.clock() - self._began) / pace * (total - self.done - now))} left"
-        self.report("all runs", whole, text)
+        if worked > 0.02 * total and done < total:
+            text = f"about {duration((self.clock() - self._began) / worked * (total - done))} left"
+        self.report("all runs", min(done / total, 1.0), text)
 
 
 def run_folder(out: Path, name: str) -> Path:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import os
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -226,19 +227,20 @@ def refuse_what_cannot_fit(scene: Scene) -> None:
         )
 
 
-def jobs_for(scene: Scene, asked: int | None) -> int:
-    """Return the number of worker processes for the paths of a scene; 1: none, the paths run in this process.
+def jobs_for(scene: Scene, asked: int | None, times: Sequence[float] | None = None) -> int:
+    """Return the number of worker processes for the paths of a scene, or for runs of such scenes; 1: none.
 
-    None: the cores of the machine, where the paths take long enough, and each of them has no use for more than one
-    core. No more than there are paths, and no more than fit into the memory.
+    ``times`` are those of the tasks in s (None: of the paths). With None asked: the cores of the machine, where the
+    tasks take long enough, and none of them has a use for more than one core. No more than there are tasks, and no more
+    than fit into the memory.
     """
-    if asked is None:
-        seconds = sum(path_seconds(scene, size_of(scene).unknowns))
-        asked = cores() if scene.discretisation == "fourier" and seconds > _WORTH_WORKERS else 1
-    if asked < 2 or in_worker():
+    if in_worker() or asked == 1:
         return 1
+    times = path_seconds(scene, size_of(scene).unknowns) if times is None else times
+    if asked is None:
+        asked = cores() if scene.discretisation == "fourier" and sum(times) > _WORTH_WORKERS else 1
     fitting = int(_SHARE_OF_WORKERS * memory_left() / model_bytes(scene))
-    return max(1, min(asked, len(scene.load_paths), fitting))
+    return max(1, min(asked, len(times), fitting))
 
 
 _WORTH_WORKERS = 10.0  # s of all paths in this process; workers take about two to start

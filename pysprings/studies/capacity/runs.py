@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.words import StopReason
-from pysprings.model.forecast.resources import size_of
+from pysprings.core.workers import Task, run_tasks
+from pysprings.model.forecast.resources import jobs_for, size_of
 from pysprings.model.forecast.run_time import seconds
 from pysprings.studies.capacity.plan import PROBE, Group, Request, angles
 from pysprings.studies.capacity.points import Point, point_of
@@ -81,43 +82,63 @@ def planned(groups: Iterable[Group], request: Request) -> list[Planned]:
     return runs
 
 
-def run_all(runs: Sequence[Planned], out: Path, report: Progress) -> list[Ended]:
+def run_all(runs: Sequence[Planned], out: Path, report: Progress, jobs: int | None = 1) -> list[Ended]:
     """Run what has not ended below a folder. KeyboardInterrupt passes through: the same call goes on.
 
     A probe that stops before failure is run once more with small steps, and the further one counts. Where a vertical
-    load is not carried, the other runs of its group are left out.
+    load is not carried, the other runs of its group are left out. ``jobs`` are worker processes (None: the cores).
     """
     weights = {each.name: seconds(each.scene, size_of(each.scene).unknowns) for each in runs}
     whole = Whole(weights, report)
-    ended: list[Ended] = []
-    for each in runs:
-        if any(one.overloaded for one in ended if one.planned.group is each.group):
-            continue
-        missing = not has_ended(run_folder(out, each.name), each.scene)
-        done = _run(each, out, whole.of(each.name), whole)
-        if done.failed:
-            done = _further(done, _run(each.with_small_steps(), out, _beside(each, report), whole))
-        whole.ended(each.name, missing)
-        ended.append(done)
-    return ended
+    missing = {each.name for each in runs if not has_ended(run_folder(out, each.name), each.scene)}
+    ended: dict[str, Ended] = {}
+
+    def done(task: Task, answer: Ended | Exception) -> None:
+        if isinstance(answer, Exception):
+            raise answer
+        ended[task.name] = answer
+        whole.ended(task.name, task.name in missing)
+
+    firsts = {each.group.name: each for each in reversed(runs)}  # one of each group shows whether its load is carried
+    for batch in (list(firsts.values()), [each for each in runs if each is not firsts[each.group.name]]):
+        carried = [each for each in batch if not _overloaded(each.group, ended.values())]
+        tasks = [_task(each, out, weights[each.name], whole) for each in carried]
+        run_tasks(tasks, jobs_for(runs[0].scene, jobs, [task.cost for task in tasks]), done)
+    return [ended[each.name] for each in runs if each.name in ended]
 
 
-def _run(each: Planned, out: Path, progress: Progress, whole: Whole) -> Ended:
+def _overloaded(group: Group, ended: Iterable[Ended]) -> bool:
+    return any(each.overloaded for each in ended if each.planned.group.name == group.name)
+
+
+def _task(planned: Planned, out: Path, cost: float, whole: Whole) -> Task:
+    paths = [path.name for path in planned.scene.load_paths]
+    return Task(planned.name, carry_out, (planned, out), cost, whole.of(planned.name, paths))
+
+
+def carry_out(planned: Planned, out: Path, progress: Progress) -> Ended:
+    """Run one, and once more with small steps where it stops before failure."""
+    done = _run(planned, out, progress)
+    if not done.failed:
+        return done
+    small = _run(
+        planned.with_small_steps(),
+        out,
+        lambda _, fraction, text: progress("small steps", fraction, f"small steps, {text}"),
+    )
+    return _further(done, small)
+
+
+def _run(each: Planned, out: Path, progress: Progress) -> Ended:
     """Run one scene into its folder, unless it has ended there."""
     from pysprings.results.folder import run_or_go_on
 
     folder = run_folder(out, each.name)
     if not has_ended(folder, each.scene):
-        whole.paths = [path.name for path in each.scene.load_paths]
         with warnings.catch_warnings(), suppress(RunIncomplete):  # the record has the reason, and the warnings
             warnings.simplefilter("ignore")
             run_or_go_on(each.scene, folder, progress)
     return Ended(each, folder, why_stopped(record_of(folder, each.scene)))
-
-
-def _beside(each: Planned, report: Progress) -> Progress:
-    """Return the progress of a run that the estimate of the whole does not count."""
-    return lambda _, fraction, message: report(f"{each.name}, small steps", fraction, message)
 
 
 def _further(first: Ended, second: Ended) -> Ended:

@@ -63,12 +63,13 @@ def scene_of(scene: Scene, mesh: str | None = None, discretisation: str | None =
 
 def study(
     scene: Scene, out: Path, request: plan.Request, report: Progress, springs: MacroModel | None = None,
-    cases: LoadCases | None = None, force: bool = False, formats: Sequence[str] = ("png",),
+    cases: LoadCases | None = None, force: bool = False, formats: Sequence[str] = ("png",), jobs: int | None = 1,
 ) -> Capacity:  # fmt: skip
     """Run what has not ended yet, assess it and write everything; return the capacities.
 
     springs : a model whose envelope stands beside that of the full model, instead of one from rays. force : have every
-    run made again. formats : those of the picture, "png" and "svg"; none: no picture.
+    run made again. formats : those of the picture, "png" and "svg"; none: no picture. jobs : worker processes (None:
+    the cores of the machine).
 
     Raises
     ------
@@ -81,7 +82,7 @@ def study(
         remove_leftovers(out, own_folder(out, RUNS))
         if force:
             runs.forget_all(every, out)
-        outcome = assess(scene, request, runs.run_all(every, out, report), springs, cases)
+        outcome = assess(scene, request, runs.run_all(every, out, report, jobs), springs, cases)
         if outcome.table.empty:
             raise RunIncomplete(f"no capacity was found: {'; '.join(outcome.remarks)}", out)
         write(out, outcome, formats)

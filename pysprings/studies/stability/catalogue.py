@@ -14,7 +14,9 @@ from pydantic import ValidationError
 
 from pysprings.core.columns import Column, Table
 from pysprings.core.errors import Problem, PyspringsError, UserInputError
+from pysprings.core.progress import Progress
 from pysprings.core.words import StopReason
+from pysprings.core.workers import Task, run_tasks
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import RunRecord
 from pysprings.studies.stability.cases import CASES, REACH, Case
@@ -88,17 +90,33 @@ def run_case(case: Case, mesh: str = "coarse", refinement: float = 1.0, reach: f
 
 def run_cases(
     cases: Iterable[Case], mesh: str, refinement: float = 1.0, report: Callable[[Outcome], None] = lambda _: None,
-    reach: float = REACH,
+    reach: float = REACH, jobs: int = 1,
 ) -> pd.DataFrame:  # fmt: skip
-    """Run cases in turn, to ``reach`` (m) where they set no displacement; return a row each (see `Outcome`).
+    """Run cases, to ``reach`` (m) where they set no displacement; return a row each (see `Outcome`).
 
-    KeyboardInterrupt passes through: ``report`` has been given what ended before.
+    ``jobs`` are worker processes (1: none), in which cases share the machine: their times grow. ``report`` is given the
+    rows in their order. KeyboardInterrupt passes through: it has what ended before.
     """
-    rows = []
-    for case in cases:
-        rows.append(run_case(case, mesh, refinement, reach))
-        report(rows[-1])
+    tasks = [Task(case.name, case_in_worker, (case.name, mesh, refinement, reach)) for case in cases]
+    ended: dict[str, Outcome] = {}
+    rows: list[Outcome] = []
+
+    def done(task: Task, answer: Outcome | Exception) -> None:
+        if isinstance(answer, Exception):
+            raise answer
+        ended[task.name] = answer
+        while len(rows) < len(tasks) and tasks[len(rows)].name in ended:
+            rows.append(ended[tasks[len(rows)].name])
+            report(rows[-1])
+
+    run_tasks(tasks, jobs, done)
     return table_of(rows)
+
+
+def case_in_worker(name: str, mesh: str, refinement: float, reach: float, _: Progress) -> Outcome:
+    """Run the case of a name as a task (`core.workers`)."""
+    (case,) = [case for case in CASES if case.name == name]
+    return run_case(case, mesh, refinement, reach)
 
 
 def table_of(rows: Iterable[Outcome]) -> pd.DataFrame:

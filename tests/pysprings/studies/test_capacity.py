@@ -147,6 +147,21 @@ def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
     assert [row["direction_deg"] for row in rows] == pytest.approx([0.0, 90.0])
     assert all(row["criterion"] == "displacement limit" and row["V_N"] == 1e6 for row in rows)
     records = sorted((tmp_path / "out/runs").glob("*/run.json"))
+    series = (
+        "capacity",
+        file,
+        "--V",
+        "1 MN",
+        "--no-macro",
+        "--directions",
+        "2",
+        "--json",
+        "--discretisation",
+        "fourier",
+    )
+    one, two = (command(*series, "--out", tmp_path / jobs, "--jobs", jobs) for jobs in ("1", "2"))
+    assert one.code == two.code == 0, one.err + two.err
+    assert one.out.replace(str(tmp_path / "1"), "") == two.out.replace(str(tmp_path / "2"), "")
     stamps = [record.stat().st_mtime_ns for record in records]
     again = command(*arguments, "--directions", "4")
     assert again.code == 0 and "displacement limit" in again.out

@@ -104,7 +104,7 @@ def test_cases_without_a_named_reason_end_the_command(tmp_path: Path, monkeypatc
         raise ResourceError("no memory")
 
     monkeypatch.setattr(stability, "compute", fail)
-    done = command("stability", "--case", "soft", "--case", "paper", "--refinement", "0.6")
+    done = command("stability", "--case", "soft", "--case", "paper", "--refinement", "0.6", "--jobs", "1")
     assert (done.code, done.err) == (3, "fatal: not converged: 2 cases ended without a named reason\n")
     assert "0 converged, 0 warned, 0 stopped, 0 refused, 2 unexplained" in done.out
 
@@ -137,6 +137,20 @@ def test_the_command_runs_cases_and_writes_table_and_picture(tmp_path: Path) -> 
     assert 1e2 < soft["condition"] < 1e8
     assert "| soft | converged |" in (tmp_path / "stability.md").read_text()
     assert (tmp_path / "stability.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_cases_in_worker_processes_are_the_same_in_the_same_order() -> None:
+    cases, told = stability.cases_named(["soft", "K0-3", "paper"]), []
+    alone = stability.run_cases(cases, "coarse", 0.6, reach=2e-3)
+    both = stability.run_cases(cases, "coarse", 0.6, report=lambda row: told.append(row.case), reach=2e-3, jobs=2)
+    assert told == list(alone["case"]) and len(told) == 3
+    less = ["wall_s", "worst_residual", "condition", "energy_imbalance"]  # bricks: MKL rounds by its threads
+    for name in less[1:]:
+        np.testing.assert_allclose(alone[name].astype(float), both[name].astype(float), rtol=1e-2, atol=1e-6)
+    u = ["u_mm", "H_kN"]
+    np.testing.assert_allclose(alone[u].astype(float), both[u].astype(float), rtol=1e-6)
+    pd.testing.assert_frame_equal(alone.drop(columns=less + u), both.drop(columns=less + u))
 
 
 def test_the_share_of_cut_backs_counts_cases_that_reached_their_end() -> None:
