@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ def write_sheet(
     heads
         Headings with units.
     rows
-        Values of each row (texts, numbers, None for blank), and whether the row is marked.
+        Values of each row (texts, numbers; None and NaN are blank), and whether the row is marked.
     about
         Lines of a second sheet, by name; no sheet where there are none.
 
@@ -52,7 +53,8 @@ def write_sheet(
         for count, (values, wrong) in enumerate(rows, start=1):
             if count > MOST_ROWS:
                 raise refused(None, f"a sheet holds {MOST_ROWS:,} cases; write .csv", path)
-            sheet.write_row(count, 0, values, marked if wrong else None)
+            cells = [None if isinstance(each, float) and not math.isfinite(each) else each for each in values]
+            sheet.write_row(count, 0, cells, marked if wrong else None)
         sheet.autofilter(0, 0, count, len(heads) - 1)
         if about:
             notes = book.add_worksheet("about")

@@ -6,9 +6,8 @@
 
 from __future__ import annotations
 
-import csv
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +18,7 @@ from pysprings.core.files.storage import replacing
 from pysprings.core.units import unit_of
 from pysprings.core.variables import DOFS
 from pysprings.core.version import __version__
+from pysprings.results.exporters.csv import write_frame
 from pysprings.results.sheets import write_sheet
 from pysprings.studies.sweep import measures
 from pysprings.studies.sweep.cases_file import DONE, SHORT
@@ -26,6 +26,7 @@ from pysprings.studies.sweep.measures import DEPTHS, SHARES, Measured, measure
 from pysprings.studies.sweep.plan import Axis, Case, split
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from pysprings.studies.sweep.study import Study
@@ -221,52 +222,30 @@ def scalars(data: xr.Dataset) -> Mapping[str, xr.DataArray]:
     return found
 
 
-CSV, XLSX = "study.csv", "study.xlsx"
-SUFFIXES = (".csv", ".xlsx")
+CSV, SUFFIXES = "study.csv", (".csv", ".xlsx")
 
 
-def heads_and_rows(data: xr.Dataset) -> tuple[list[str], Iterator[list[Any]]]:
-    """Return headings with units, and the rows one after the other (numbers, texts, None)."""
-    dims = data["case_number"].dims
-    axes = str(data.attrs["axes"]).split(", ")
-    columns = [*(data[name] for name in axes), data["status"], *scalars(data).values()]
-    names = [*axes, "status", *scalars(data)]
-    heads = [f"{name} [{unit}]" if (unit := _unit(each)) else name for name, each in zip(names, columns, strict=True)]
-    shape = tuple(data.sizes[dim] for dim in dims)
-    loaded = [each.broadcast_like(data["case_number"]).transpose(*dims).values.reshape(-1) for each in columns]
-    numbers = data["case_number"].values.reshape(-1)
+def table_of(data: xr.Dataset) -> pd.DataFrame:
+    """Return a row a case: number, axes, status and quantities of one number, with units in the headings."""
+    import pandas as pd
 
-    def rows() -> Iterator[list[Any]]:
-        for k in range(int(np.prod(shape))):
-            yield [int(numbers[k]), *(_plain(each[k]) for each in loaded)]
-
-    return ["id", *heads], rows()
-
-
-def _unit(variable: xr.DataArray) -> str:
-    unit = str(variable.attrs.get("units", ""))
-    return "" if unit in ("1", "") else unit
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, str):
-        return value
-    number = float(value)
-    return number if np.isfinite(number) else None
+    number = data["case_number"]
+    columns = {name: data[name] for name in (*str(data.attrs["axes"]).split(", "), "status")} | dict(scalars(data))
+    table: dict[str, Any] = {"id": number.values.reshape(-1).astype(int)}
+    for name, each in columns.items():
+        unit = str(each.attrs.get("units", ""))
+        values = each.broadcast_like(number).transpose(*number.dims).values.reshape(-1)
+        table[name if unit in ("", "1") else f"{name} [{unit}]"] = values
+    return pd.DataFrame(table).replace([np.inf, -np.inf], np.nan)
 
 
 def write_table(data: xr.Dataset, file: Path) -> Path:
     """Write the table of a study as .csv or .xlsx, whole or not at all."""
     if file.suffix not in SUFFIXES:
         raise refused("--table", f"ends in {' or '.join(SUFFIXES)}", file)
-    heads, rows = heads_and_rows(data)
-    if file.suffix == ".xlsx":
-        return write_sheet(file, heads, ((row, False) for row in rows), {})
-    with replacing(file) as temporary, temporary.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(heads)
-        for row in rows:
-            writer.writerow(
-                ["" if each is None else f"{each:.10g}" if isinstance(each, float) else each for each in row]
-            )
-    return file
+    table = table_of(data)
+    if file.suffix == ".csv":
+        return write_frame(table, file)
+    return write_sheet(
+        file, [str(name) for name in table], ((row, False) for row in table.itertuples(index=False, name=None)), {}
+    )

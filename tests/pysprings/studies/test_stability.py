@@ -166,40 +166,6 @@ def test_the_share_of_cut_backs_counts_cases_that_reached_their_end() -> None:
     assert "4 steps cut in 40 increments (10 %)" in stability.closing(total)
 
 
-def test_the_picture_has_a_row_for_each_case() -> None:
-    """Median and most iterations, steps cut in percent, colours of the endings, and their legend."""
-    from matplotlib.colors import to_hex
-
-    from pysprings.studies.stability.picture import COLOURS, catalogue
-
-    table = pd.DataFrame({
-        "case": ["soft", "stiff", "thin", "wrong"], "group": ["soil", "soil", "shape", "shape"],
-        "outcome": ["converged", "warned", "stopped", "refused"], "median_iterations": [3.0, 4.0, 5.0, np.nan],
-        "max_iterations": [6, 9, 12, 0], "increments": [40, 20, 10, 0], "cut_backs": [4, 0, 25, 0],
-    })  # fmt: skip
-    figure = catalogue(table)
-    left, right = figure.axes
-    assert [text.get_text() for text in left.get_yticklabels()] == table["case"].tolist()
-    assert left.get_ylim() == (3.5, -0.5)  # the first at the top
-    lines = [[line.get_xdata(), line.get_ydata(), to_hex(line.get_color())] for line in left.get_lines()]
-    spans = [(list(x), list(y), colour) for x, y, colour in lines if np.size(x) == 2 and y[0] % 1.0 == 0.0]
-    colours = [COLOURS[outcome].lower() for outcome in table["outcome"]]
-    assert spans == [([3.0, 6], [0, 0], colours[0]), ([4.0, 9], [1, 1], colours[1]), ([5.0, 12], [2, 2], colours[2])]
-    marks = [(float(np.ravel(x)[0]), float(np.ravel(y)[0]), colour) for x, y, colour in lines if np.size(x) == 1]
-    assert marks == [(3.0, 0.0, colours[0]), (4.0, 1.0, colours[1]), (5.0, 2.0, colours[2]), (0.0, 3.0, colours[3])]
-    assert [bar.get_width() for bar in right.patches] == [10.0, 0.0, 100.0, 0.0]  # 250 % is cut off
-    assert [to_hex(bar.get_facecolor()) for bar in right.patches] == colours
-    assert [(text.get_text(), text.get_position()) for text in right.texts] == [
-        ("4 of 40", (11.0, 0)), ("0 of 20", (1.0, 1)), ("25 of 10", (101.0, 2)),
-    ]  # fmt: skip
-    for axes in (left, right):  # a line between the groups
-        (level,) = [line.get_ydata()[0] for line in axes.get_lines() if line.get_ydata()[0] % 1.0 == 0.5]
-        assert level == 1.5
-    (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == table["outcome"].tolist()
-    assert [to_hex(handle.get_color()) for handle in legend.get_lines()] == colours
-
-
 @pytest.mark.slow
 def test_no_case_ends_without_a_named_reason() -> None:
     """The whole catalogue on a mesh of 0.6 times `coarse`; on `coarse` itself: `pysprings stability`."""

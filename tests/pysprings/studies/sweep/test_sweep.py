@@ -23,7 +23,7 @@ from pysprings.springs.checks import open_springs
 from pysprings.springs.springs import Springs
 from pysprings.studies.sweep import dataset, study, worker
 from pysprings.studies.sweep.cases_file import AGAIN, DONE, SKIP, State, write_cases
-from pysprings.studies.sweep.dataset import heads_and_rows, write_table
+from pysprings.studies.sweep.dataset import table_of, write_table
 from pysprings.studies.sweep.measures import DEPTHS, SHARES, remap
 from pysprings.studies.sweep.picture import draw
 from pysprings.studies.sweep.study_file import read_study
@@ -144,8 +144,8 @@ def test_axes_of_a_sample_are_coordinates_and_stand_in_a_table_once(ended, tmp_p
     dataset.write_study(sampled)
     with dataset.open_study(tmp_path) as data:
         assert data["K_H"].dims == ("case",) and set(data.coords) >= {"young_modulus", "mu"}
-        heads, rows_of = heads_and_rows(data)
-        assert len(set(heads)) == len(heads) and [row[1] for row in rows_of] == [100.0, 100.0, 200.0, 200.0]
+        table = table_of(data)
+        assert table.columns.is_unique and table.iloc[:, 1].tolist() == [100.0, 100.0, 200.0, 200.0]
         assert draw(data, "K_H", ["mu"]).axes[0].lines[0].get_ydata() == pytest.approx(data["K_H"].values)
 
 
