@@ -58,7 +58,7 @@ def record(mesh: str, end: float, mode: str = "drained") -> RunRecord:
 
 def record_of(chosen: Any) -> RunRecord:
     """Return the record of the run of a scene in a process of its own."""
-    from pysprings.studies.accuracy.child import run_in_child
+    from pysprings.studies.accuracy.runs import run_in_child
 
     with tempfile.TemporaryDirectory() as folder:
         run_in_child(chosen, Path(folder) / "run", lambda *_: None)

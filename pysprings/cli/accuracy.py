@@ -15,7 +15,7 @@ from pysprings.core.progress import reporter
 from pysprings.full_model.accuracy import presets
 from pysprings.full_model.accuracy.presets import settings
 from pysprings.scene.load import Scene
-from pysprings.studies.accuracy import child, rows, study, text
+from pysprings.studies.accuracy import rows, runs, study, text
 from pysprings.studies.accuracy.rows import StudyResult
 
 
@@ -30,7 +30,7 @@ def run(
     chosen = settings(meshes, quick, *_linear_solvers(scene), fourier=presets.carries_series(scene))
     try:
         with interruptible(), reporter(sys.stderr) as progress:
-            outcome = study.study(scene, out, chosen, progress, force, child.run_in_child, formats)
+            outcome = study.study(scene, out, chosen, progress, force, runs.run_in_child, formats)
     except KeyboardInterrupt:
         to_stderr(f"what has run is kept in {out}; the same command goes on")
         raise

@@ -25,7 +25,7 @@ ALLOWED = {
     "fe_engine/linear/backends.py": {"ctypes"},
     "fe_engine/register.py": {"exec", "compile"},
     "pysprings/core/workers.py": {"multiprocessing", "multiprocessing.connection", "pickle"},
-    "pysprings/studies/accuracy/child.py": {"multiprocessing", "multiprocessing.connection"},
+    "pysprings/studies/accuracy/runs.py": {"multiprocessing", "multiprocessing.connection"},
 }
 CALLS = {"eval", "exec", "compile", "__import__", "os.system", "os.popen", "os.execv", "os.spawnl", "os.startfile"}
 METHODS = {"read_pickle", "to_pickle", "eval", "sympify", "literal_eval", "system", "popen"}

@@ -21,8 +21,8 @@ from pysprings.core.text import json_text
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.presets import JUDGED, SCHEMA, TARGETS, Setting
 from pysprings.studies.accuracy import rows, runs, text
-from pysprings.studies.accuracy.child import Run, run_in_child
 from pysprings.studies.accuracy.rows import StudyResult
+from pysprings.studies.accuracy.runs import Run, run_in_child
 from pysprings.studies.stored_runs import RUNS
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ from pysprings.full_model.compute import run
 from pysprings.full_model.run_record import SCHEMA
 from pysprings.model.forecast.resources import size_of
 from pysprings.springs.path import paths_of
-from pysprings.studies.accuracy import child, rows, runs, study, text
+from pysprings.studies.accuracy import rows, runs, study, text
 from pysprings.studies.accuracy.picture import error_against_time
 from pysprings.studies.stored_runs import RUNS, Whole
 from tests.support import tiny
@@ -323,7 +323,7 @@ def test_estimate_in_python_covers_the_difference_to_a_finer_mesh() -> None:
 
 @pytest.mark.slow
 def test_the_command(done: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(child, "run_in_child", invented)
+    monkeypatch.setattr(runs, "run_in_child", invented)
     file = tiny.write(elastic(), tmp_path / "scene.toml")
     given = ["accuracy", str(file), "--quick", "--out", str(done.out)]
     given += [part for mesh in MESHES for part in ("--mesh", mesh)]
@@ -343,7 +343,7 @@ def test_a_process_of_its_own_hands_on_progress_and_errors(tmp_path: Path, monke
     monkeypatch.setenv("NUMBA_NUM_THREADS", "1")  # of the process: the other worker has the other core
     noted: list[str] = []
     with pytest.raises(RunIncomplete, match="path 'pull' stopped"):
-        child.run_in_child(tiny.stuck_scene(), tmp_path / "out", lambda path, *_: noted.append(path))
+        runs.run_in_child(tiny.stuck_scene(), tmp_path / "out", lambda path, *_: noted.append(path))
     assert "model" in noted
     assert read_record(tmp_path / "out")["solver"]["unit_s"] > 0.0
 
@@ -353,7 +353,7 @@ def test_what_the_process_of_a_run_says_comes_back(tmp_path: Path) -> None:
     problem = Problem(file="a.toml", key="mesh", message="no")
 
     def said(raised: Exception | None) -> Any:
-        mine, theirs = child.multiprocessing.Pipe(duplex=False)
+        mine, theirs = runs.multiprocessing.Pipe(duplex=False)
 
         def run(_scene: Scene, _folder: Path, progress: Any) -> None:
             progress("pull", 0.5, "step 1")
@@ -361,11 +361,11 @@ def test_what_the_process_of_a_run_says_comes_back(tmp_path: Path) -> None:
                 raise raised
 
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(child, "run_here", run)
-            patch.setattr(child.signal, "signal", lambda *_: None)
-            child._work(elastic().model_dump(), tmp_path, theirs)
+            patch.setattr(runs, "run_here", run)
+            patch.setattr(runs.signal, "signal", lambda *_: None)
+            runs._work(elastic().model_dump(), tmp_path, theirs)
         noted: list[Any] = []
-        error = child._listen(mine, lambda *each: noted.append(each))
+        error = runs._listen(mine, lambda *each: noted.append(each))
         assert noted == [("pull", 0.5, "step 1")]
         return error
 
@@ -374,8 +374,8 @@ def test_what_the_process_of_a_run_says_comes_back(tmp_path: Path) -> None:
     assert str(said(RunIncomplete("stopped"))) == "stopped"
     assert str(said(UserInputError([problem]))) == "fatal: user input: a.toml: mesh: no"
     assert said(KeyboardInterrupt()) is None
-    assert isinstance(child._ended(1), RuntimeError)
-    assert "SIGKILL (out of memory?)" in str(child._ended(-9))
+    assert isinstance(runs._ended(1), RuntimeError)
+    assert "SIGKILL (out of memory?)" in str(runs._ended(-9))
 
 
 @pytest.mark.slow
