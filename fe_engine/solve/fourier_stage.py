@@ -30,8 +30,9 @@ from fe_engine.linear.preconditioner import Control, Origin
 from fe_engine.linear.recycled import control_of
 from fe_engine.solve.stage import Balance
 
-# Shares of its residual within which a system is solved
-_BOUNDS = (1.0e-2, 0.1)
+# Shares of its residual within which a system is solved: of an increment as large as the ones before it, and of one
+# after a failed attempt, where exact steps follow soft modes too far
+_BOUNDS, _CAREFUL = (1.0e-3, 1.0e-2), (1.0e-2, 0.1)
 # Ten times the bricks' value: half steps cost little here, and lift-off of the lid stalls at residuals in between
 _CLOSE = 1.0e-2
 # Iterations of a Newton step. Where sand is about to localise the tangent has soft modes; an exact step follows them
@@ -52,7 +53,6 @@ class FourierStage:
     worst_residual : 0, since systems are solved as far as Newton asks.
     """
 
-    bounds = _BOUNDS
     close_below = _CLOSE
 
     def __init__(self, system: FourierSystem, clock: Clock | None = None) -> None:
@@ -60,11 +60,13 @@ class FourierStage:
         self.backend = SimpleNamespace(name="fourier")
         self.n_factorisations = self.n_solves = self.n_iterations = 0
         self.worst_residual = 0.0
+        self.bounds = _BOUNDS
 
     # --- Newton's questions ---
 
-    def begin_increment(self) -> None:
-        """Do nothing: no state is kept between increments."""
+    def begin_increment(self, careful: bool) -> None:
+        """Choose how far systems are solved; no state is kept between increments."""
+        self.bounds = _CAREFUL if careful else _BOUNDS
 
     def end_increment(self) -> None:
         """Do nothing: no state is kept between increments."""

@@ -100,16 +100,20 @@ class Newton:
         """What solves with factors of earlier tangents, where the model is large enough for that."""
         return self.stage.recycled if isinstance(self.stage, FactorStage) else None
 
-    def solve(self, state: State, loading: Loading, free: np.ndarray, border: np.ndarray) -> Increment:
+    def solve(
+        self, state: State, loading: Loading, free: np.ndarray, border: np.ndarray, careful: bool = False
+    ) -> Increment:
         """Find the increment from the committed state, starting at the guess free (n,), border (nb,).
+
+        ``careful`` : an attempt at a larger increment has failed shortly before.
 
         The trial fields hold the solution on return; nothing is committed. Raises NotConverged.
         """
         self.system.time_step = loading.time_step
         self.system.relax(loading.relaxed)
         record: list[dict[str, Any]] = []
+        self.stage.begin_increment(careful)
         course = Course(not (np.any(free) or np.any(border)), self.stage.bounds, self.stage.close_below)
-        self.stage.begin_increment()
         evaluated, ahead = self._linearise(state, True, (free, border), record), None
         for iteration in range(self.settings.max_iterations + 1):
             judged = evaluated[0]

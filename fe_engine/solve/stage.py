@@ -60,8 +60,8 @@ class LinearStage(Protocol):
     bounds: tuple[float, float]
     close_below: float
 
-    def begin_increment(self) -> None:
-        """Begin to count for an increment."""
+    def begin_increment(self, careful: bool) -> None:
+        """Begin to count for an increment, which is ``careful`` where a larger one has failed shortly before."""
 
     def end_increment(self) -> None:
         """Judge after an increment that has converged."""
@@ -103,7 +103,7 @@ class FactorStage:
         large = system.pattern.n_free >= settings.recycling.start
         self.recycled = Recycled(solver, system, settings.recycling) if large else None
 
-    def begin_increment(self) -> None:
+    def begin_increment(self, careful: bool) -> None:
         """See `LinearStage`."""
         if self.recycled is not None:
             self.recycled.begin_increment()

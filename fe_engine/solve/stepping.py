@@ -57,8 +57,8 @@ class Driver:
     that change over the square of the motion, no less than the smallest eigenvalue. ``position`` is where the last
     commit left the stage: a new driver goes on from there as this one would have. ``refusal`` is asked with the motion
     of the border (nb,) that an increment has converged to: where it returns a reason, the attempt is given up and a
-    smaller one made. The relaxation time of a stage counts once an attempt has been given up: a run without one is
-    that of the law itself.
+    smaller one made; ``at_limit`` is asked after an attempt that failed: where it is true, no smaller one is made. The
+    relaxation time of a stage counts once an attempt has been given up: a run without one is that of the law itself.
     """
 
     newton: Newton
@@ -71,6 +71,7 @@ class Driver:
     stiffness: float | None = None
     position: Position | None = None
     refusal: Callable[[np.ndarray], str] | None = None
+    at_limit: Callable[[], bool] | None = None
 
     @property
     def n_cut_backs(self) -> int:
@@ -102,11 +103,11 @@ class Driver:
                 share_of(step, self._lag(stage)),
             )
             try:
-                increment = self._attempt(stage, loading, target, self._guess(last, step))
+                increment = self._attempt(stage, loading, target, self._guess(last, step), cuts > 0 or size.wait > 0)
             except NotConverged:
                 size = size.after_failure(step, again=cuts > 0)
                 cuts += 1
-                if size.exhausted:
+                if size.exhausted or (self.at_limit is not None and self.at_limit()):
                     raise
                 continue
             self.state.commit()
@@ -124,12 +125,14 @@ class Driver:
         """Return the relaxation time of the soil: none until an attempt has been given up."""
         return stage.lag if self.given_up else 0.0
 
-    def _attempt(self, stage: Stage, loading: Loading, target: float, guess: tuple) -> Increment:
+    def _attempt(
+        self, stage: Stage, loading: Loading, target: float, guess: tuple[np.ndarray, np.ndarray], careful: bool
+    ) -> Increment:
         self.state.reset_trial()
         self.aim = (stage.name, target)
         label = {"stage": stage.name, "step": self.n_steps + 1, "load_fraction": target}
         try:
-            increment = self.newton.solve(self.state, loading, *guess)
+            increment = self.newton.solve(self.state, loading, *guess, careful)
             if self.refusal is not None and (reason := self.refusal(self.state.trial.border)):
                 raise NotConverged(reason, history=increment.record, refused=True)
         except NotConverged as error:

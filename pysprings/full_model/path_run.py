@@ -33,6 +33,10 @@ from pysprings.model.water import undrained_time
 if TYPE_CHECKING:
     from pysprings.scene.load import Path, Scene
 
+# A vertical path has come to its limit load where an increment fails and dV/dw is less than this share of that at rest.
+# Beyond, contact under the lid opens and closes from step to step, and V changes by 1 % at the most.
+_FLAT = 0.01
+
 
 class PathRun:
     """Runs one path from the initial state, or from where a checkpoint left it."""
@@ -95,7 +99,10 @@ class PathRun:
             self._collect()
         rest = float(self.collector.rows[0]["w"])
         stages = self._path_stages(rest)
-        if PATH_KINDS[self.path.kind].limited:
+        kind = PATH_KINDS[self.path.kind]
+        if kind.drives == "w":
+            self.driver.at_limit = lambda: self._vertical_slope() < _FLAT
+        if kind.limited:
             self.reach = DisplacementLimit.of(self.work.scene, rest)
             self.driver.refusal = self.reach.refusal
         while self.stage < self.n_stages:
@@ -141,12 +148,23 @@ class PathRun:
         if self.reach is not None and self.reach.share(border) > 1.0:
             raise _MovedTooFar(too_far(self.driver, self.work.stiffness, self.reach.text(border)))
 
+    def _vertical_slope(self) -> float:
+        """Return dV/dw of the last increment over that of the initial state; 1 before the first one."""
+        if len(self.collector.rows) < 2:
+            return 1.0
+        before, now = self.collector.rows[-2:]
+        slope = float(now["V"] - before["V"]) / float(now["w"] - before["w"])
+        return slope / (2.0 * float(self.work.stiffness[1, 1]))
+
     def _why(self, error: NotConverged) -> tuple[str, StopReason]:
         """Return why and where the path stopped, in one line that begins with the reason, and the reason."""
         if isinstance(error, _MovedTooFar):
             return str(error.diagnosis), error.diagnosis.reason
         if error.refused:
             return str(error), StopReason.DISPLACEMENT_LIMIT
+        if self.driver.at_limit is not None and self.driver.at_limit():
+            left = 100.0 * max(self._vertical_slope(), 0.0)
+            return f"{StopReason.LIMIT_LOAD}: dV/dw has fallen to {left:.2g} % of that at rest", StopReason.LIMIT_LOAD
         cause = diagnose(self.driver, self._forced(), self.work.stiffness)
         if self.stage < self.n_dead:
             cause = during_dead_load(cause, self.driver.position)

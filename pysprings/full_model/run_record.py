@@ -144,6 +144,9 @@ class CutBack(_Part):
     last_residuals: list[float] = field(default_factory=list)
 
 
+_VERTICAL = 1.0e-6  # H [N] and M [N m] of a vertical load, beside V, are rounding
+
+
 @dataclass(frozen=True, slots=True)
 class LimitLoad(_Part):
     """Limit load of a path: loads of the whole caisson and motion in its last converged state, and the criterion."""
@@ -163,6 +166,8 @@ class LimitLoad(_Part):
         return cls(**{name: end[key] for name, key in names.items()}, criterion=criterion)
 
     def __str__(self) -> str:
+        if max(abs(self.H_N), abs(self.M_Nm)) < _VERTICAL * abs(self.V_N):
+            return f"V = {1e-3 * self.V_N:.5g} kN at w = {1e3 * self.w_m:.4g} mm ({self.criterion})"
         return (
             f"H = {1e-3 * self.H_N:.5g} kN, M = {1e-3 * self.M_Nm + 0.0:.5g} kN m, V = {1e-3 * self.V_N:.5g} kN "
             f"at u = {1e3 * self.u_m:.4g} mm, rotation = {math.degrees(self.rotation_rad) + 0.0:.4g} deg "

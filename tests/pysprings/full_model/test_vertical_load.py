@@ -10,7 +10,9 @@ import pytest
 import xarray as xr
 
 from pysprings import Scene
+from pysprings.full_model import path_run
 from pysprings.full_model.compute import compute
+from pysprings.full_model.run_record import LimitLoad
 from tests.support import tiny
 from tests.support.files import record_of
 
@@ -93,3 +95,19 @@ def test_a_load_that_the_soil_does_not_carry_is_a_limit_load(kind: str) -> None:
     assert figures["status"] == path.attrs["status"] == "limit load"
     assert figures["limit_load"]["criterion"].startswith("limit load: ")
     assert -3e6 < float(path["V"][-1]) < float(path["V"][0])
+
+
+def test_pull_out_ends_as_a_limit_load_at_its_first_failed_attempt(monkeypatch: pytest.MonkeyPatch) -> None:
+    """V of a path that goes on to its end is no more than 0.5 % larger."""
+    path = {"name": "path", "kind": "vertical", "vertical_displacement": -10e-3}
+    mesh = SERIES | {"refinement": 1.0, "harmonics": 1}
+    free = {"first_step_fraction": None, "max_step_fraction": None, "tolerance": 1e-4}
+    given = tiny.scene(mesh=mesh, solver=free).replace(paths=(path,))
+    ended, record = ran(given)
+    assert record["status"] == "limit load" and record["cut_backs"] == 1
+    assert str(LimitLoad(**record["limit_load"])).startswith("V = -18")
+    assert abs(ended["w"][-1]) < 10e-3
+    monkeypatch.setattr(path_run, "_FLAT", -np.inf)
+    whole, record = ran(given)
+    assert record["status"] == "complete" and float(whole["w"][-1]) == pytest.approx(-10e-3)
+    assert float(whole["V"].min()) == pytest.approx(float(ended["V"].min()), rel=5e-3)

@@ -16,6 +16,7 @@ from tests.support import tiny
 CASE = next(each for each in CASES if each.name == "K0-0.3-strong")
 END = 3e-3  # m; without viscosity the path stops at 1.2 mm
 FEW = {"max_iterations": 4, "first_step_fraction": 0.5}  # the first attempt takes more
+NONE = 1e-12  # m: no viscosity in steps of any size
 STOPS = (0.1e-3, 0.5e-3, 1e-3, 2e-3)  # m
 
 
@@ -35,7 +36,8 @@ def loads(result: Computed) -> np.ndarray:
 @pytest.mark.slow
 def test_a_path_that_localises_goes_on_and_its_loads_before_are_the_same() -> None:
     """Within 0.1 % in load; step sizes agree within 1 %; energy balances; without viscosity it stops."""
-    stopped, ran, finer = (compute(each) for each in (strong(None), strong(1e-7), strong(1e-7, max_step_fraction=0.03)))
+    scenes = strong(NONE), strong(None), strong(None, max_step_fraction=0.03)
+    stopped, ran, finer = (compute(each) for each in scenes)
     assert stopped.record.failures and ran.record.failures == finer.record.failures == []
     before, after, other = loads(stopped), loads(ran), loads(finer)
     assert len(before) == 3 and len(after) == len(STOPS)
@@ -49,7 +51,7 @@ def test_a_path_without_a_failed_attempt_has_no_viscosity() -> None:
     """Every number is that of the run without it, and nothing names it."""
     plain, other = (
         compute(tiny.scene(solver={"viscous_displacement": each})).recorded()["paths/pull"].to_dataset()
-        for each in (None, 1e-5)
+        for each in (NONE, 1e-5)
     )
     xr.testing.assert_identical(other, plain)
 
@@ -58,7 +60,7 @@ def test_a_path_without_a_failed_attempt_has_no_viscosity() -> None:
 def test_overstress_grows_with_the_viscous_displacement_once_an_attempt_has_failed() -> None:
     """Few iterations are allowed, so that attempts fail."""
     found = []
-    for viscous in (None, 1e-7, 1e-5):
+    for viscous in (NONE, 1e-7, 1e-5):
         few = {"viscous_displacement": viscous} | FEW
         path = compute(tiny.scene(solver=few)).recorded()["paths/pull"]
         assert path.attrs.get("viscous_displacement_m") == viscous
