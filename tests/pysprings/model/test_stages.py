@@ -151,7 +151,7 @@ def test_the_soil_relaxes_in_an_imposed_motion_of_the_scenes_length() -> None:
 
 
 def test_imposed_motions_in_sand_have_a_small_viscosity_by_themselves() -> None:
-    """3e-8 of the diameter (vertical 1e-7), unless the scene has one; none in clay, none where the stiffness changes."""
+    """3e-8 of the diameter (vertical 1e-7), unless the scene has one; none in clay, or where stiffness changes."""
 
     def lag(role: str = "memory", viscous: float | None = None, **soil: Any) -> list[float]:
         path = {"name": "a", "kind": "translation", "lateral_displacement": 5e-3, "role": role}
