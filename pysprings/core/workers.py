@@ -18,10 +18,10 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from typing import Any
+from typing import Any, Literal
 
 from pysprings.core.errors import ResourceError, reason_of
 from pysprings.core.progress import Progress
@@ -62,10 +62,14 @@ def in_worker() -> bool:
 
 
 class Workers:
-    """Up to ``jobs`` processes, started as they are needed, and ended at the end of the ``with`` block."""
+    """Up to ``jobs`` processes, started as they are needed, and ended at the end of the ``with`` block.
 
-    def __init__(self, jobs: int) -> None:
+    Their libraries compute on one thread, or with ``threads`` None on as many as this process would use.
+    """
+
+    def __init__(self, jobs: int, threads: Literal[1] | None = 1) -> None:
         self.jobs = jobs
+        self._narrow = _one_thread if threads else nullcontext
         self._all: list[_Worker] = []
         self._context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
         if os.name == "posix":
@@ -84,12 +88,12 @@ class Workers:
         if os.name == "posix":
             from multiprocessing import forkserver
 
-            with _one_thread():
+            with self._narrow():
                 forkserver.ensure_running()
 
     def _start(self, number: int) -> None:
         """Start workers for so many tasks."""
-        with _one_thread():
+        with self._narrow():
             while len(self._all) < min(number, self.jobs):
                 self._all.append(_Worker(self._context))
 

@@ -16,7 +16,6 @@ MODULES = {
     "yaml", "code", "codeop", "runpy", "xmlrpc", "urllib", "http", "ftplib", "telnetlib", "multiprocessing",
 }  # fmt: skip
 # worker processes run this program itself, and exchange what they have made through pipes;
-# `pysprings accuracy` runs this program itself in processes of its own, to measure the memory of each run
 # a register of laws makes the chain of calls that loops compile, from the numbers of its laws alone
 # and Pardiso is called by its address, as the wrapper that loads it does, with less copying
 # `pysprings soildyn` builds its own C sources with the compiler of the system, or that of the command line; no shell
@@ -25,7 +24,6 @@ ALLOWED = {
     "fe_engine/linear/backends.py": {"ctypes"},
     "fe_engine/register.py": {"exec", "compile"},
     "pysprings/core/workers.py": {"multiprocessing", "multiprocessing.connection", "pickle"},
-    "pysprings/studies/accuracy/runs.py": {"multiprocessing", "multiprocessing.connection"},
 }
 CALLS = {"eval", "exec", "compile", "__import__", "os.system", "os.popen", "os.execv", "os.spawnl", "os.startfile"}
 METHODS = {"read_pickle", "to_pickle", "eval", "sympify", "literal_eval", "system", "popen"}

@@ -15,7 +15,7 @@ import pytest
 
 import pysprings
 from pysprings import Scene
-from pysprings.core.errors import Problem, ResourceError, RunIncomplete, UserInputError
+from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
 from pysprings.core.files.storage import read_tree, write_text, write_tree
 from pysprings.full_model.accuracy import presets
 from pysprings.full_model.accuracy.measures import cell_size
@@ -195,7 +195,7 @@ def test_macro_models_by_mesh_and_slices(done: Any) -> None:
 
 @pytest.mark.slow
 def test_files(done: Any) -> None:
-    for name in study.FILES:
+    for name in study.FILES.keys() - {"accuracy.svg"}:  # where --figure-format asks for it
         assert (done.out / name).exists(), name
     table = pd.read_csv(done.out / "accuracy.csv")
     np.testing.assert_allclose(table["load_max_pct"], done.found.table["load_max_pct"].astype(float))
@@ -346,36 +346,9 @@ def test_a_process_of_its_own_hands_on_progress_and_errors(tmp_path: Path, monke
         runs.run_in_child(tiny.stuck_scene(), tmp_path / "out", lambda path, *_: noted.append(path))
     assert "model" in noted
     assert read_record(tmp_path / "out")["solver"]["unit_s"] > 0.0
-
-
-def test_what_the_process_of_a_run_says_comes_back(tmp_path: Path) -> None:
-    """In the same process, with the same pipe: each kind of error, and a process that was killed."""
-    problem = Problem(file="a.toml", key="mesh", message="no")
-
-    def said(raised: Exception | None) -> Any:
-        mine, theirs = runs.multiprocessing.Pipe(duplex=False)
-
-        def run(_scene: Scene, _folder: Path, progress: Any) -> None:
-            progress("pull", 0.5, "step 1")
-            if raised is not None:
-                raise raised
-
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(runs, "run_here", run)
-            patch.setattr(runs.signal, "signal", lambda *_: None)
-            runs._work(elastic().model_dump(), tmp_path, theirs)
-        noted: list[Any] = []
-        error = runs._listen(mine, lambda *each: noted.append(each))
-        assert noted == [("pull", 0.5, "step 1")]
-        return error
-
-    assert said(None) is None
-    assert isinstance(said(ResourceError("full")), ResourceError)
-    assert str(said(RunIncomplete("stopped"))) == "stopped"
-    assert str(said(UserInputError([problem]))) == "fatal: user input: a.toml: mesh: no"
-    assert said(KeyboardInterrupt()) is None
-    assert isinstance(runs._ended(1), RuntimeError)
-    assert "SIGKILL (out of memory?)" in str(runs._ended(-9))
+    (tmp_path / "link").symlink_to(tmp_path / "out")
+    with pytest.raises(UserInputError, match="link"):
+        runs.run_in_child(tiny.stuck_scene(), tmp_path / "link", lambda *_: None)
 
 
 @pytest.mark.slow
