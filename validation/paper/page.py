@@ -17,7 +17,7 @@ from validation.paper import idealisations
 from validation.paper.cases import END, SHOWN
 from validation.paper.measures import load
 from validation.paper.sensitivity import CRITERIA
-from validation.paper.text import DRAINED_COLUMNS, NOTE, WATER_COLUMNS, cells, conclusion, split
+from validation.paper.text import DRAINED_COLUMNS, NOTE, WATER_COLUMNS, conclusion, split
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -88,7 +88,7 @@ def _sensitivity(table: pd.DataFrame | None) -> dict[str, Any] | None:
         return None
     drained, water = split(table)
     tables = [
-        Table(title, [head for head, _ in columns.values()], [cells(row, columns) for row in rows], wide=True)
+        Table.of(columns, rows, title, wide=True)
         for title, columns, rows in (("Drained", DRAINED_COLUMNS, drained), ("0.05 mm/s", WATER_COLUMNS, water))
         if rows
     ]

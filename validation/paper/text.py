@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from pysprings.core.columns import Column, Table
 from pysprings.core.text import markdown_table
 from validation.paper.cases import END, SHOWN
 from validation.paper.sensitivity import CRITERIA
@@ -14,28 +14,62 @@ from validation.paper.sensitivity import CRITERIA
 if TYPE_CHECKING:
     import pandas as pd
 
-# column of the table of sensitivities -> head, format
-DRAINED_COLUMNS = {
-    "variant": ("variant", "s"), "what": ("what", "s"), "standing": ("paper", "s"),
-    "front_0.25m_2.5mm": ("front 0.25 m", ".2f"), "front_1.25m_2.5mm": ("1.25 m", ".2f"),
-    "front_2.25m_2.5mm": ("2.25 m", ".2f"), "front_3.25m_2.5mm": ("3.25 m", ".2f"),
-    "back_0.25m_2.5mm": ("back 0.25 m", ".2f"), "back_3.25m_2.5mm": ("3.25 m", ".2f"),
-    "gap_2.5mm_mm": ("gap at 2.5 mm [mm]", ".3f"), "gap_20mm_mm": ("at 20 mm [mm]", ".2f"),
-    "slope_ratio": ("tangent 0.3/3 mm", ".1f"), "bend_mm": ("bend at [mm]", ".1f"),
-    "bend_sharpness": ("sharpness", ".2f"), "smooth_2.5mm": ("mu 0 / mu at 2.5 mm", ".2f"),
-    "H_2.5mm_kN": ("H at 2.5 mm [kN]", ",.0f"),
-    "H_20mm_kN": ("at 20 mm [kN]", ",.0f"),
-    "is_front": ("front", "mark"), "is_gap": ("gap", "mark"), "is_break": ("break", "mark"),
-    "is_half": ("half", "mark"), "of_four": ("of four", "d"),
-}  # fmt: skip
-WATER_COLUMNS = {
-    "variant": ("variant", "s"), "what": ("what", "s"), "standing": ("paper", "s"),
-    "over_drained_1mm": ("H over drained, 1 mm", ".3f"), "over_drained_2.5mm": ("2.5 mm", ".3f"),
-    "over_drained_10mm": ("10 mm", ".3f"), "over_drained_20mm": ("20 mm", ".3f"),
-    "front_1.25m_2.5mm": ("front 1.25 m, 2.5 mm", ".2f"), "back_3.25m_2.5mm": ("back 3.25 m, 2.5 mm", ".2f"),
-    "back_3.25m_20mm": ("20 mm", ".2f"), "F_pw_20mm_kN": ("F_pw at 20 mm [kN]", ".1f"),
-    "gap_20mm_mm": ("gap at 20 mm [mm]", ".2f"), "H_20mm_kN": ("H at 20 mm [kN]", ",.0f"),
-}  # fmt: skip
+
+def _what(row: Mapping[str, Any]) -> str:
+    """Return the description of a variant; with its outcome where it was refused or stopped."""
+    return row["what"] if row["status"] == "complete" else f"{row['what']} ({row['status']}: {row['detail']})"
+
+
+def _mark(head: str, key: str) -> Column:
+    """Return a column of yes and no; '-' where nothing is known."""
+    known = Column(head, key)
+
+    def value(row: Mapping[str, Any]) -> Any:
+        found = known.value(row)
+        return found if found is None else "yes" if _true(row[key]) else "no"
+
+    return Column(head, value)
+
+
+DRAINED_COLUMNS = (
+    Column("variant", "variant", words=True),
+    Column("what", _what, words=True),
+    Column("paper", "standing", words=True),
+    Column("front 0.25 m", "front_0.25m_2.5mm", ".2f"),
+    Column("1.25 m", "front_1.25m_2.5mm", ".2f"),
+    Column("2.25 m", "front_2.25m_2.5mm", ".2f"),
+    Column("3.25 m", "front_3.25m_2.5mm", ".2f"),
+    Column("back 0.25 m", "back_0.25m_2.5mm", ".2f"),
+    Column("3.25 m", "back_3.25m_2.5mm", ".2f"),
+    Column("gap at 2.5 mm [mm]", "gap_2.5mm_mm", ".3f"),
+    Column("at 20 mm [mm]", "gap_20mm_mm", ".2f"),
+    Column("tangent 0.3/3 mm", "slope_ratio", ".1f"),
+    Column("bend at [mm]", "bend_mm", ".1f"),
+    Column("sharpness", "bend_sharpness", ".2f"),
+    Column("mu 0 / mu at 2.5 mm", "smooth_2.5mm", ".2f"),
+    Column("H at 2.5 mm [kN]", "H_2.5mm_kN", ",.0f"),
+    Column("at 20 mm [kN]", "H_20mm_kN", ",.0f"),
+    _mark("front", "is_front"),
+    _mark("gap", "is_gap"),
+    _mark("break", "is_break"),
+    _mark("half", "is_half"),
+    Column("of four", "of_four", "d"),
+)
+WATER_COLUMNS = (
+    Column("variant", "variant", words=True),
+    Column("what", _what, words=True),
+    Column("paper", "standing", words=True),
+    Column("H over drained, 1 mm", "over_drained_1mm", ".3f"),
+    Column("2.5 mm", "over_drained_2.5mm", ".3f"),
+    Column("10 mm", "over_drained_10mm", ".3f"),
+    Column("20 mm", "over_drained_20mm", ".3f"),
+    Column("front 1.25 m, 2.5 mm", "front_1.25m_2.5mm", ".2f"),
+    Column("back 3.25 m, 2.5 mm", "back_3.25m_2.5mm", ".2f"),
+    Column("20 mm", "back_3.25m_20mm", ".2f"),
+    Column("F_pw at 20 mm [kN]", "F_pw_20mm_kN", ".1f"),
+    Column("gap at 20 mm [mm]", "gap_20mm_mm", ".2f"),
+    Column("H at 20 mm [kN]", "H_20mm_kN", ",.0f"),
+)
 NOTE = (
     f"paper: open, where it is silent; stated, where the reading differs from what it states. front, back: p'_N over "
     f"initial outside at {1e3 * SHOWN:g} mm. gap: widest opening on the rear half of the skirt, outside. bend: the "
@@ -48,26 +82,6 @@ def split(table: pd.DataFrame) -> tuple[list[dict[str, Any]], list[dict[str, Any
     """Return the drained and the partially drained rows of a table of sensitivities."""
     rows = [{str(key): value for key, value in row.items()} for row in table.to_dict(orient="records")]
     return [r for r in rows if r["group"] != "water"], [r for r in rows if r["group"] == "water"]
-
-
-def cell(value: Any, form: str) -> str:
-    """Return a cell's text; '-' for unknown values."""
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "-"
-    if form == "mark":
-        return "yes" if value is True or value == 1.0 or value == "True" else "no"
-    if form == "s":
-        return str(value)
-    text = format(int(value) if form == "d" else float(value) + 0.0, form)
-    return text.removeprefix("-") if set(text) <= set("-0.,") else text
-
-
-def cells(row: Mapping[str, Any], columns: Mapping[str, tuple[str, str]]) -> list[str]:
-    """Return the cells of a row; the outcome of a variant that was refused or stopped stands beside its description."""
-    shown = dict(row)
-    if row["status"] != "complete":
-        shown["what"] = f"{row['what']} ({row['status']}: {row['detail']})"
-    return [cell(shown.get(name), form) for name, (_, form) in columns.items()]
 
 
 def claims_markdown(table: pd.DataFrame) -> str:
@@ -86,7 +100,7 @@ def sensitivity_markdown(table: pd.DataFrame) -> str:
     parts = [f"{conclusion(table)}\n", f"{CRITERIA}\n", f"{NOTE}\n"]
     for rows, columns in ((drained, DRAINED_COLUMNS), (water, WATER_COLUMNS)):
         if rows:
-            parts.append(markdown_table([head for head, _ in columns.values()], [cells(row, columns) for row in rows]))
+            parts.append(Table.of(columns, rows).markdown())
     return "\n".join(parts)
 
 
