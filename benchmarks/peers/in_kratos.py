@@ -43,7 +43,7 @@ def main() -> None:
     Kratos.ResidualBasedLinearStrategy(part, scheme, builder, True, False, False, False).Solve()
     force = np.array([list(part.Nodes[int(k) + 1].GetSolutionStepValue(Kratos.REACTION)) for k in skirt])
     x = data["nodes"][skirt]
-    print(json.dumps({"H": 2.0 * force[:, 0].sum(), "M": 2.0 * (force[:, 0] @ x[:, 2] - force[:, 2] @ x[:, 0])}))
+    print(json.dumps({"H": 2.0 * force[:, 0].sum(), "M": 2.0 * (force[:, 2] @ x[:, 0] - force[:, 0] @ x[:, 2])}))
 
 
 if __name__ == "__main__":
