@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
 
-MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak")
+MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak", "unbounded")
 COLUMNS = (
     Column("u [mm]", "u", ".5g", 1e3),
     Column("w [mm]", "w", ".5g", 1e3),

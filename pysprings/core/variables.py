@@ -288,6 +288,8 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       "1 after a sequence has left its first direction", required=False),
     V("past_peak", "1 where a spring is beyond the peak of a curve that softens", "1", ("step",),
       "the equilibrium is one of several, and under a load it may not be stable", required=False),
+    V("unbounded", "1 where the largest load of an atlas, 1.96 deviations less, is below the load", "1", ("step",),
+      "u and rotation have no upper bound: their deviations are infinite", required=False),
     V("beyond_end", "1 where the state is beyond a limit load of the full model", "1", ("step",),
       "there is no answer beyond it"),
     V("turned_back", "1 after the sequence has turned back", "1", ("step",),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pysprings.core.arguments import check_arrays
 from pysprings.core.errors import refused
 from pysprings.macro.answer import Way, answer_dataset
-from pysprings.macro.capacity import FULL_LIMIT, capacities
+from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
 from pysprings.macro.fan import RANGE_SLACK
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import SpringChoice, loads_of, model_of
@@ -124,6 +124,7 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     answer = answer_dataset(model, Way(states, loads, "load", V))
     down = answer["V"].values if "V" in answer else None
     largest = capacities(model, targets, down)
+    answer = with_bound(model, answer, targets, largest.utilisation)
     limit = (largest.kind == FULL_LIMIT) & (largest.utilisation > 1.0 + RANGE_SLACK)
     past = (answer["beyond_end"].values == 1) | limit
     over = (answer["extrapolated"].values == 1) & (not extrapolate)

@@ -32,6 +32,7 @@ from pysprings.macro.ends import limit_loads_along
 from pysprings.macro.fan import RANGE_SLACK, FanTable
 from pysprings.macro.limit import paths_at, range_used
 from pysprings.macro.solver import follow_ways
+from pysprings.macro.spread import widening
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
@@ -102,8 +103,24 @@ def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
     loads = np.stack([answer["H"].values, answer["M"].values], axis=1)
     largest = capacities(model, loads, answer["V"].values if "V" in answer else None)
     known = variables.GROUPS["prediction"]["utilisation"]
+    answer = with_bound(model, answer, loads, largest.utilisation)
     added = answer.assign(utilisation=(known.dims, np.nan_to_num(largest.utilisation, nan=0.0), known.attributes()))
     return added.assign_attrs(largest.attributes()) if len(loads) else added
+
+
+def with_bound(model: MacroModel, answer: xr.Dataset, loads: Array, utilisation: Array) -> xr.Dataset:
+    """Return an answer to loads (n, 2); on springs of an atlas of clay its motion has wider deviations near collapse.
+
+    Its full models have too high loads there (`atlas_mesh`). `unbounded` marks where the motion has no upper bound.
+    """
+    if model.spread is None or not isinstance(model.table, FanTable) or answer.attrs["control"] != "load":
+        return answer
+    states = np.stack([answer["u"].values, answer["rotation"].values], axis=1)
+    factor = widening(model.spread, model.table, states, loads, utilisation)
+    factor = factor if model.attrs.get("atlas_mesh") else np.ones(len(factor))
+    known = variables.GROUPS["prediction"]["unbounded"]
+    motions = {name: answer[name] * factor for name in ("u_deviation", "rotation_deviation")}
+    return answer.assign(motions | {known.name: (known.dims, np.isinf(factor).astype(np.int8), known.attributes())})
 
 
 def _angles(directions: Array) -> Array:

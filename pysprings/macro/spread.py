@@ -4,7 +4,8 @@
 Every mode of the springs adds loads dF(u, rotation) of its own. Under given loads it moves the caisson by
 -K^-1 dF, K the tangent of the springs (2, 2); where u or the rotation is given with the height of the load, it changes
 the load and the other motion; where both are given, it changes the loads. Modes are independent: their squares add.
-What straight rays do not say of the rotation of a pull counts in addition.
+What straight rays do not say of the rotation of a pull counts in addition. Near the
+largest load the motion grows faster than along the tangent (`widening`).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
 _ROUNDING = 1e-6
+BAND = 1.96  # deviations within which an answer is meant to lie
 NAMES = ("u_deviation", "rotation_deviation", "H_deviation", "M_deviation")
 
 
@@ -83,6 +85,22 @@ def deviations(spread: Spread, table: FanTable, control: Control, states: Array,
         turn = np.interp(table.polar(states)[0], spread.rho, spread.turn)
         answer[:, 1] = np.hypot(answer[:, 1], turn * states[:, 1])
     return answer
+
+
+def widening(spread: Spread, table: FanTable, states: Array, loads: Array, utilisation: Array) -> Array:
+    """Return what the deviations of motions (n, 2) under loads (n, 2) are multiplied with, for `BAND` of the load.
+
+    Near the largest load, of which the loads are shares `utilisation` a (n,), the motion grows as that of a hyperbola,
+    a/(1 - a), and not along its tangent. The largest load has the share d of `BAND` deviations that the last motion of
+    the springs has in the same direction: (1 - a)/(1 - a (1 + d)), infinite where that load less d is below the load.
+    """
+    far = states * (spread.rho[-1] / np.maximum(table.polar(states)[0], _ROUNDING * spread.rho[-1]))[:, None]
+    plane = loads / [1.0, table.length]
+    along = np.einsum("nkm,nk->nm", spread.loads(table, far) / np.array([[1.0], [table.length]]), plane)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = BAND * utilisation * np.sqrt((along**2).sum(axis=1)) / (plane**2).sum(axis=1)
+        left = 1.0 - utilisation * (1.0 + share)
+        return np.where(np.isfinite(left), np.where(left > 0.0, (1.0 - utilisation) / left, np.inf), 1.0)
 
 
 def _solved(matrix: Array, right: Array) -> Array:

@@ -44,6 +44,7 @@ MARKS = {
     "off_path": "off the calibrated paths",
     "off_load": "V not covered by the lateral springs",
     "past_peak": "beyond the peak of a spring that softens",
+    "unbounded": "no upper bound of the rotation: the largest load, 1.96 deviations less, is below this one",
 }
 STIFFNESS = {
     ("u", "u"): "tangent_u_u_N_per_m",

@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core.errors import RunIncomplete, refused
-from pysprings.studies.sizing.search import BAND, Candidate, Search, Wanted, answered
+from pysprings.macro.spread import BAND
+from pysprings.studies.sizing.search import Candidate, Search, Wanted, answered
 
 if TYPE_CHECKING:
     from pysprings.studies.atlas.model import Atlas

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.macro.batch import predict_batch
+from pysprings.macro.spread import BAND
 from pysprings.scene.changes import Change, vertical_load
 
 if TYPE_CHECKING:
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from pysprings.studies.atlas.model import Atlas
 
 STEEL = 7850.0  # kg/m3
-BAND = 1.96
 UNKNOWN = 10.0  # use of a caisson that an atlas has no answer for
 EDGE = "edge of the atlas"
 LEAST = "--D-min"
@@ -91,7 +91,9 @@ class Search:
         tilt = np.where(np.isnan(wanted.cases.tilt), wanted.tilt, wanted.cases.tilt)
         turned = np.abs(answers["rotation"]) + BAND * answers["rotation_deviation"]
         with np.errstate(invalid="ignore"):
-            by_tilt = self.correction * turned / tilt
+            by_tilt = np.minimum(
+                self.correction * turned / tilt, UNKNOWN
+            )  # infinite where the atlas bounds no rotation
             by_load = self.correction * answers["utilisation"] / wanted.utilisation
         ok = (answers["answered"] == 1).to_numpy()
         by_tilt = np.where(ok, by_tilt, UNKNOWN * np.fmax(answers["utilisation"], 1.0))

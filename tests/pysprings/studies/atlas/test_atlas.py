@@ -149,12 +149,36 @@ def test_scenes_that_the_atlas_does_not_cover_are_refused_all_at_once(atlas):
 
 def test_deviations_of_motion_and_of_load_belong_together(atlas):
     made = springs(atlas, 9.0, 6.0)
-    moved = pysprings.impose(made, u=0.002, arm=0.0)
+    moved = pysprings.impose(made, u=2e-5, arm=0.0)
     under = pysprings.predict(made, H=float(moved["H"]), arm=0.0)
     tangent = under["stiffness"].values[np.ix_([0, 2], [0, 2])]
     free_head = tangent[0, 0] - tangent[0, 1] * tangent[1, 0] / tangent[1, 1]
     assert float(moved["u_deviation"]) == float(under["H_deviation"]) == 0.0
     assert float(under["u_deviation"]) == pytest.approx(float(moved["H_deviation"]) / free_head, rel=1e-3)
+
+
+# D, L, height of the load [m]; H [MN] and rotation [deg] of full models on the mesh `paper`, at u/D of 0.05 to 1 %
+FINER = {
+    "su=8 kPa; gradient=2 kPa/m; G/su=300; alpha=0.5; caisson.vertical_load=1.5 MN": (
+        (11.0, 8.25, 22.0), (0.5959, 0.9136, 1.400, 1.606, 1.649), (0.0438, 0.0873, 0.2240, 0.4737, 1.0002),
+    ),
+    "su=20 kPa; gradient=2.5 kPa/m; G/su=200; alpha=0.65; caisson.vertical_load=6 MN": (
+        (16.0, 12.0, 32.0), (1.939, 3.590, 5.946, 7.381, 7.827), (0.0442, 0.0885, 0.2229, 0.4674, 1.0216),
+    ),
+    "su=30 kPa; gradient=1 kPa/m; G/su=500; alpha=0.8; caisson.vertical_load=2 MN": (
+        (7.0, 7.0, 14.0), (0.8112, 1.360, 1.781, 1.849, 1.869), (0.0354, 0.0716, 0.1998, 0.4361, 0.9165),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("ground", FINER)
+def test_finer_full_models_lie_within_the_deviations(atlas, ground):
+    """Rotations under their loads; under small ones they are bounded."""
+    (D, L, arm), H, rotation = FINER[ground]
+    batch = pysprings.predict_batch(springs(atlas, D, L, *ground.split("; ")), H=1e6 * np.array(H), arm=arm)
+    band = 1.96 * np.degrees(batch["rotation_deviation"].values)
+    assert (np.abs(np.degrees(batch["rotation"].values) - rotation) <= band).all()
+    assert batch["unbounded"].values[[0, 1, -1]].tolist() == [0, 0, 1] and np.isfinite(band[:2]).all()
 
 
 def test_a_process_without_one_value_is_what_left_out_says():
