@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pysprings.core.errors import UserInputError, reason_of
-from pysprings.core.files.storage import remove_leftovers, write_text, write_tree
+from pysprings.core.files.storage import remove_leftovers, write_attribute, write_text, write_tree
 from pysprings.core.files.written import LIST, WRITING, note, noted, own_folder
 from pysprings.core.progress import Progress
 from pysprings.core.text import json_text
@@ -21,7 +21,7 @@ from pysprings.full_model.accuracy.own_estimate import PHASE
 from pysprings.full_model.compute import RunOptions, Sink, run_into, scene_to_run
 from pysprings.full_model.record import Meter
 from pysprings.full_model.result_tree import raise_if_incomplete
-from pysprings.full_model.run_record import Computed, RunRecord
+from pysprings.full_model.run_record import ATTRIBUTE, Computed, RunRecord
 from pysprings.macro.memory.build import with_memory
 from pysprings.model.forecast.resources import refuse_full_disk
 from pysprings.results.exporters import EXPORTERS, Source, Target, export
@@ -170,28 +170,38 @@ class _Files(Sink):
 
     def _write_results(self, computed: Computed) -> None:
         """Write full model, springs and tables; the springs alone where nothing else is asked for."""
-        self.errors.clear()
-        if self.kept is not computed.tree:
+        again = self.kept is computed.tree and not self.errors
+        if not again:
+            self.errors.clear()
             self._begin(computed)
         record, folder, source = computed.record, self.folder, self.source
-        whole = not self.writing.springs_alone
+        whole, model = not self.writing.springs_alone, self.folder / "full_model.nc"
+        if whole and not again:
+            write_tree(computed.recorded(), model)
         if whole:
-            write_tree(computed.recorded(), folder / "full_model.nc")
             _write_record(folder, record.as_dict() | {"status": WRITING})
-            if paths_of(source.result):
-                write_load_displacement(source.result, folder / "load_displacement.csv")
+        if not again:
+            self._write_curves(record, whole)
+        if self.has_springs and whole:
+            self._made(record, "summary", lambda: self._summarise(record))
+            for each in (each for each in EXPORTERS if each.of_every_run and each.file != "springs.nc"):
+                self._made(record, each.file, partial(export, source, each.name, folder / each.file))
+        if whole:
+            write_attribute(ATTRIBUTE, computed.recorded().attrs[ATTRIBUTE], model)  # with the summary
+        if "volume" in source.result.children and whole:
+            target = Target(folder / PARAVIEW, partial(note, folder))
+            self._made(record, "paraview", lambda: export(source, "paraview", target))
+
+    def _write_curves(self, record: RunRecord, whole: bool) -> None:
+        """Write what the record has no part in: curves, springs, comparison."""
+        folder, source = self.folder, self.source
+        if whole and paths_of(source.result):
+            write_load_displacement(source.result, folder / "load_displacement.csv")
         if self.has_springs:
             self._made(record, "springs.nc", lambda: save_springs(source.springs, folder / "springs.nc"))
             record.balance = {name: balance(path.dataset) for name, path in paths_of(source.springs).items()}
         if self.has_springs and whole:
             self._made(record, "compare.csv", lambda: write_frame(source.comparison, folder / "compare.csv"))
-            self._made(record, "summary", lambda: self._summarise(record))
-            for each in (each for each in EXPORTERS if each.of_every_run and each.file != "springs.nc"):
-                self._made(record, each.file, partial(export, source, each.name, folder / each.file))
-            write_tree(computed.recorded(), folder / "full_model.nc")  # with the summary
-        if "volume" in source.result.children and whole:
-            target = Target(folder / PARAVIEW, partial(note, folder))
-            self._made(record, "paraview", lambda: export(source, "paraview", target))
 
     def _summarise(self, record: RunRecord) -> None:
         source = self.source

@@ -98,6 +98,26 @@ def write_tree(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     return Path(path)
 
 
+def write_attribute(name: str, text: str, path: str | os.PathLike[str]) -> None:
+    """Write an attribute of the root of a NetCDF file that `write_tree` has written, atomically; the arrays stay.
+
+    Raises
+    ------
+    ResourceError
+        The file cannot be written; the disk may be full.
+    """
+    import netCDF4
+
+    with replacing(path) as temporary:
+        try:
+            shutil.copyfile(path, temporary)
+            with netCDF4.Dataset(os.fspath(temporary), "a") as file:
+                file.setncattr(name, text)
+            seal(temporary)
+        except (RuntimeError, OSError) as error:
+            raise _unwritable(Path(path), error) from error
+
+
 def _unwritable(path: Path, error: Exception) -> ResourceError:
     free = shutil.disk_usage(path.parent).free
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
