@@ -20,9 +20,8 @@ from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.words import Diagnosis, StopReason
 from pysprings.full_model import checkpoint
 from pysprings.full_model.checkpoint import Saved
-from pysprings.full_model.diagnosis import diagnose, during_dead_load, too_far
+from pysprings.full_model.diagnosis import DisplacementLimit, diagnose, during_dead_load, too_far
 from pysprings.full_model.discretise import make_collector
-from pysprings.full_model.displacement_limit import DisplacementLimit
 from pysprings.full_model.path_checkpoint import Gathered, Standing
 from pysprings.full_model.record import DEAD_LOAD
 from pysprings.full_model.run_record import COMPLETE, Ending, Status

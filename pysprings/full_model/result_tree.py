@@ -24,9 +24,9 @@ from pysprings.full_model.run_record import (
     Status,
 )
 from pysprings.full_model.work import Work, environment_of
+from pysprings.model.contact import defaults_of
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.fourier import BuiltFourier
-from pysprings.model.penalty import defaults_of
 from pysprings.scene.defaults import defaulted_text, remarks
 
 

@@ -33,9 +33,9 @@ from pysprings.full_model.checkpoint import Checkpoints, Cost, Loaded, Saved, sc
 from pysprings.full_model.discretise import make_engine
 from pysprings.full_model.run_record import PathFigures
 from pysprings.model.build import Built
+from pysprings.model.contact import penalty_of
 from pysprings.model.forecast.domain_effect import domain_effect
 from pysprings.model.fourier import BuiltFourier, build
-from pysprings.model.penalty import penalty_of
 from pysprings.model.stages import fast_paths
 from pysprings.model.water import undrained_time
 

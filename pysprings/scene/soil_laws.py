@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 from fe_engine.soil import formulas
 from pysprings.core.units import show
@@ -21,33 +21,8 @@ MOST_CONTRACTION = 0.95  # of the shear modulus, lost to plastic contraction at 
 _ANGLES = tuple(math.pi / 3.0 * i / 60.0 for i in range(61))  # Lode angles, from compression to extension
 
 
-class Soil(Protocol):
-    """Values of a soil that its law judges, in SI (`pysprings.scene.sections.Soil`)."""
-
-    @property
-    def yield_surface(self) -> str: ...
-
-    @property
-    def poisson_ratio(self) -> float: ...
-
-    @property
-    def K0(self) -> Any: ...  # a number: "auto" is resolved where the ground is made
-
-    @property
-    def friction_angle_initial(self) -> float | str: ...
-
-    @property
-    def friction_angle_final(self) -> float: ...
-
-    @property
-    def dilation_angle(self) -> float: ...
-
-    @property
-    def cohesion(self) -> float: ...
-
-    @property
-    def effective_unit_weight(self) -> float: ...
-
+Soil = Any
+"""Uniform values of a soil that its law judges, in SI, by the keys of a scene (`scene.layers.uniform_soils`)."""
 
 # values of keys of a frictional soil that are not given
 _FRICTIONAL: dict[str, Any] = {

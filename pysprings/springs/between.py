@@ -27,8 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
-from pysprings.springs.directions import same_way
-from pysprings.springs.path import TOGETHER, SpringPath, is_rate, same_load
+from pysprings.springs.path import TOGETHER, SpringPath, is_rate, same_load, same_way
 from pysprings.springs.path_ends import KEYS, earlier_end
 
 Array = NDArray[np.float64]

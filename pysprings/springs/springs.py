@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
-from pysprings.springs import between, directions
+from pysprings.springs import between
 from pysprings.springs.between import Between, LoadSet, RateSet
 from pysprings.springs.checks import validate_springs
-from pysprings.springs.path import SpringPath, is_rate, paths_of, same_load
+from pysprings.springs.path import SpringPath, is_rate, paths_of, pure_of, rays_of, same_load
 from pysprings.springs.path_ends import PathEnd
 
 SPREAD = "atlas"  # group of the standard deviation that springs of an atlas have
@@ -242,12 +242,12 @@ class Springs:
     @cached_property
     def rays(self) -> Mapping[str, float]:
         """Rays among the main paths by increasing angle [rad]; close ones count once."""
-        return directions.rays(self.paths[name] for name in self.main_paths)
+        return rays_of(self.paths[name] for name in self.main_paths)
 
     @cached_property
     def pure_paths(self) -> tuple[str, str] | None:
         """The rays that are a pure translation and a pure rotation; None where one of them is missing."""
-        return directions.pure(self.rays)
+        return pure_of(self.rays)
 
     # --- derived springs ---
 

@@ -11,6 +11,7 @@ import numpy as np
 from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.memory import left as memory_available
 from pysprings.model.build import Built
+from pysprings.model.contact import defaults_of, penalty_of
 from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect
 from pysprings.model.forecast.omissions import left_out, symmetric_factors
 from pysprings.model.forecast.resources import (
@@ -22,7 +23,6 @@ from pysprings.model.forecast.resources import (
 )
 from pysprings.model.forecast.run_time import seconds, superlu_bytes, uses_superlu
 from pysprings.model.fourier import BuiltFourier, build
-from pysprings.model.penalty import defaults_of, penalty_of
 from pysprings.model.stages import fast_paths, scene_warnings
 from pysprings.scene.defaults import remarks
 from pysprings.scene.interface import adhesion_factor, uses_adhesion

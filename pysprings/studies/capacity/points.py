@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from pysprings.full_model.displacement_limit import DisplacementLimit
+from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.results.tables.load_cases import LoadCases
 from pysprings.springs.path import same_load
 from pysprings.studies.capacity import plan

@@ -21,7 +21,7 @@ from pysprings.core.files.storage import read_tree, remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
 from pysprings.core.text import json_text
 from pysprings.core.words import RANGE_END
-from pysprings.full_model.displacement_limit import DisplacementLimit
+from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.macro.capacity import capacities
 from pysprings.macro.model import MacroModel
 from pysprings.results.exporters.csv import write_frame

@@ -14,7 +14,7 @@ import xarray as xr
 from pysprings import Springs, compare, open_springs, predict
 from pysprings.core.errors import UserInputError
 from pysprings.springs.checks import save_springs
-from pysprings.springs.directions import keeps_direction
+from pysprings.springs.path import keeps_direction
 from pysprings.springs.sums import action, resultants
 from tests.support import synthetic
 from tests.support.vertical import REST, vertical_springs
