@@ -165,8 +165,13 @@ class LimitLoad(_Part):
         names = {"H_N": "H", "V_N": "V", "M_Nm": "M", "u_m": "u", "w_m": "w", "rotation_rad": "rotation"}
         return cls(**{name: end[key] for name, key in names.items()}, criterion=criterion)
 
+    @property
+    def is_vertical(self) -> bool:
+        """Whether V alone is at its limit."""
+        return max(abs(self.H_N), abs(self.M_Nm)) < _VERTICAL * abs(self.V_N)
+
     def __str__(self) -> str:
-        if max(abs(self.H_N), abs(self.M_Nm)) < _VERTICAL * abs(self.V_N):
+        if self.is_vertical:
             return f"V = {1e-3 * self.V_N:.5g} kN at w = {1e3 * self.w_m:.4g} mm ({self.criterion})"
         return (
             f"H = {1e-3 * self.H_N:.5g} kN, M = {1e-3 * self.M_Nm + 0.0:.5g} kN m, V = {1e-3 * self.V_N:.5g} kN "
@@ -319,8 +324,8 @@ class RunRecord(_Part):
 
     @property
     def reached(self) -> bool:
-        """True if all paths came to their aims, and every file is written."""
-        return self.complete and not self.limit_loads
+        """True if all paths came to their aims, pull-out among them, and every file is written."""
+        return self.complete and all(limit.is_vertical for limit in self.limit_loads.values())
 
     @property
     def short(self) -> list[str]:

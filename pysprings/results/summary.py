@@ -83,8 +83,9 @@ def _stiffness(run: Run) -> str:
 
 
 def _loads(run: Run) -> str:
-    """Give the limit loads, else the largest H, M and V that the paths reached."""
-    limits = [f"limit load of {name}: {limit}" for name, limit in run.record.limit_loads.items()]
+    """Give the limit loads, else the largest H and M that the paths reached; `_vertical` has V."""
+    found = run.record.limit_loads.items()
+    limits = [f"limit load of {name}: {limit}" for name, limit in found if not limit.is_vertical]
     if limits:
         return "; ".join(limits)
     parts = []

@@ -105,7 +105,8 @@ def test_pull_out_ends_as_a_limit_load_at_its_first_failed_attempt(monkeypatch: 
     given = tiny.scene(mesh=mesh, solver=free).replace(paths=(path,))
     ended, record = ran(given)
     assert record["status"] == "limit load" and record["cut_backs"] == 1
-    assert str(LimitLoad(**record["limit_load"])).startswith("V = -18")
+    limit = LimitLoad(**record["limit_load"])
+    assert limit.is_vertical and str(limit).startswith("V = -18")
     assert abs(ended["w"][-1]) < 10e-3
     monkeypatch.setattr(path_run, "_FLAT", -np.inf)
     whole, record = ran(given)
