@@ -21,8 +21,8 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.text import percent
-from pysprings.full_model.accuracy import measures, quantities
-from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, STIFFNESS, curves_of, samples
+from pysprings.full_model.accuracy import measures
+from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, STIFFNESS, curves_of, first_secant, samples
 from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.presets import BRICKS, COARSEST_FACTOR, FOURIER
 from pysprings.springs.path import paths_of
@@ -166,7 +166,7 @@ def starts_elastic(tree: xr.DataTree) -> bool:
     Paths that bend have no secant to compare.
     """
     matrix = tree.dataset["stiffness_initial"].values
-    ratios = [quantities.first_secant(matrix, path.dataset) for path in paths_of(tree).values()]
+    ratios = [first_secant(matrix, path.dataset) for path in paths_of(tree).values()]
     return all(abs(ratio - 1.0) <= AT_REST for ratio in ratios if ratio is not None)
 
 

@@ -13,7 +13,7 @@ import xarray as xr
 
 from pysprings.core.files.storage import read_tree
 from pysprings.core.path_kinds import driven
-from pysprings.full_model.accuracy import measures, quantities
+from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.curves import (
     LOAD,
     OTHER,
@@ -22,7 +22,10 @@ from pysprings.full_model.accuracy.curves import (
     Sample,
     common_grids,
     curves_of,
+    driver_of,
     leading,
+    load_of,
+    other_of,
     sampled,
     samples,
 )
@@ -83,11 +86,11 @@ def _curve(path: SpringPath, trace: xr.Dataset) -> Curve | None:
     states = full.isel(step=slice(0, n)).assign({name: ("step", trace[name].values) for name in ("H", "M", "rotation")})
     if driven(path.attrs) == "rotation":  # what is imposed is the full model's
         states = states.assign(rotation=("step", full["rotation"].values[:n]))
-    x = quantities.driver(states, path.length)
+    x = driver_of(states, path.length)
     rising = leading(x) if n else np.zeros(0, dtype=int)
     if rising.size < 2:
         return None
-    by_x = {LOAD: quantities.load(states), OTHER: quantities.other(states)}
+    by_x = {LOAD: load_of(states), OTHER: other_of(states)}
     none = np.zeros((0, rising.size))
     return Curve(x[rising], {name: v[rising] for name, v in by_x.items() if v is not None}, none, none, float("nan"))
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.full_model.accuracy import quantities
+from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.curves import (
     LOAD,
     OTHER,
@@ -17,14 +17,23 @@ from pysprings.full_model.accuracy.curves import (
     PRESSURE,
     PY,
     STIFFNESS,
+    Sample,
     common_grid,
     curves_of,
+    driver_of,
+    first_secant,
+    initial_stiffness,
     leading,
+    load_of,
+    other_of,
+    pressure_of,
     sampled,
     samples,
+    slice_curves,
 )
-from pysprings.full_model.accuracy.measures import errors
+from pysprings.full_model.accuracy.measures import cell_size, errors, extrapolate, order_from
 from pysprings.springs.path import paths_of
+from pysprings.studies.accuracy.picture import front
 from tests.support.measured import LENGTH, PATHS, measured_result
 from tests.support.synthetic import Caisson
 
@@ -76,7 +85,7 @@ def test_slices_that_end_inside_rings_carry_the_force_of_a_smooth_reaction() -> 
         {"depth": middle},
     )
     edges = np.linspace(0.0, 4.0, 9)
-    forces = quantities.slice_curves(path, 4.0, 8)[1] * np.diff(edges)[:, None]
+    forces = slice_curves(path, 4.0, 8)[1] * np.diff(edges)[:, None]
     np.testing.assert_allclose(forces[:, 1], np.diff(above(edges)), rtol=1e-12)
     np.testing.assert_array_equal(forces[:, 0], 0.0)
 
@@ -85,9 +94,7 @@ def test_motion_counts_from_the_first_state() -> None:
     """The dead load may have moved the caisson before the path begins."""
     path = paths_of(measured_result())["shift"].dataset
     moved = path.assign(y=path["y"] + 1e-3)
-    np.testing.assert_allclose(
-        quantities.slice_curves(moved, LENGTH, 4)[0], quantities.slice_curves(path, LENGTH, 4)[0], atol=1e-15
-    )
+    np.testing.assert_allclose(slice_curves(moved, LENGTH, 4)[0], slice_curves(path, LENGTH, 4)[0], atol=1e-15)
 
 
 def test_grid_ends_where_the_shorter_run_does() -> None:
@@ -123,16 +130,14 @@ def test_quantities_by_kind_of_path() -> None:
     np.testing.assert_array_equal(curves["turn"].by_x[LOAD], turn["M"])
     np.testing.assert_array_equal(curves["turn"].by_x[OTHER], turn["H"])
     bare = paths_of(measured_result())["pull"].dataset.drop_vars("normal_effective_stress")
-    assert quantities.pressure(bare, LENGTH) is None
+    assert pressure_of(bare, LENGTH) is None
 
 
 def test_pressure_is_the_largest_down_to_nine_tenths() -> None:
     path = paths_of(measured_result())["shift"].dataset
     stress = path["normal_effective_stress"]
     at = stress.interp(depth=np.linspace(0.0, 0.9 * LENGTH, 19))
-    np.testing.assert_allclose(
-        quantities.pressure(path, LENGTH), at.max(("side", "azimuth", "depth")).values, rtol=1e-12
-    )
+    np.testing.assert_allclose(pressure_of(path, LENGTH), at.max(("side", "azimuth", "depth")).values, rtol=1e-12)
     assert curves_of(measured_result())["shift"].by_x[PRESSURE].max() < stress.max()
 
 
@@ -155,19 +160,19 @@ def test_the_first_secant_is_less_than_the_stiffness_where_the_ground_yields_at_
     attrs = {"kind": "translation", "arm_m": 0.0, "heave": "fixed"}
     for load, share in ((2.0, 1.0), (1.5, 0.75)):
         path = xr.Dataset(states | {"H": ("step", [0.0, load, 3.0])}, attrs=attrs)
-        assert quantities.first_secant(K, path) == pytest.approx(share)
-    assert quantities.first_secant(K, path.assign(u=0.0 * path["u"])) is None
+        assert first_secant(K, path) == pytest.approx(share)
+    assert first_secant(K, path.assign(u=0.0 * path["u"])) is None
 
 
 def test_w_follows_in_the_stiffness_where_it_is_free() -> None:
     coupled = np.array([[4.0, 1.0, 0.5], [1.0, 2.0, 0.2], [0.5, 0.2, 3.0]])
     path = xr.Dataset(attrs={"kind": "pull", "arm_m": 2.0, "heave": "free"})
     u = np.linalg.solve(coupled, np.array([1.0, 0.0, 2.0]))[0]
-    assert quantities.initial_stiffness(coupled, path) == pytest.approx(1.0 / u)
+    assert initial_stiffness(coupled, path) == pytest.approx(1.0 / u)
     held = np.linalg.solve(coupled[np.ix_([0, 2], [0, 2])], np.array([1.0, 2.0]))[0]
-    assert quantities.initial_stiffness(coupled, path.assign_attrs(heave="fixed")) == pytest.approx(1.0 / held)
+    assert initial_stiffness(coupled, path.assign_attrs(heave="fixed")) == pytest.approx(1.0 / held)
     vertical = path.assign_attrs(kind="vertical")
-    assert quantities.initial_stiffness(coupled, vertical) == 2.0
+    assert initial_stiffness(coupled, vertical) == 2.0
 
 
 def test_stiffness_of_a_path_that_turns_as_it_goes() -> None:
@@ -175,10 +180,10 @@ def test_stiffness_of_a_path_that_turns_as_it_goes() -> None:
     K = np.array([[4.0, 0.0, 0.5], [0.0, 2.0, 0.0], [0.5, 0.0, 3.0]])
     motion = {"u": ("step", [0.0, 1e-3]), "rotation": ("step", [0.0, -2e-4])}
     swipe = xr.Dataset(motion, attrs={"kind": "swipe", "arm_m": 0.0, "heave": "fixed"})
-    assert quantities.initial_stiffness(K, swipe) == pytest.approx(4.0 - 0.2 * 0.5)
+    assert initial_stiffness(K, swipe) == pytest.approx(4.0 - 0.2 * 0.5)
     climbing = xr.Dataset(attrs={"kind": "load", "arm_m": 9.0, "arm_from_m": 2.0, "heave": "fixed"})
     still = climbing.drop_attrs().assign_attrs(kind="load", arm_m=2.0, heave="fixed")
-    assert quantities.initial_stiffness(K, climbing) == quantities.initial_stiffness(K, still)
+    assert initial_stiffness(K, climbing) == initial_stiffness(K, still)
 
 
 def test_paths_that_bend_are_followed_by_both_motions_and_vertical_ones_by_w() -> None:
@@ -186,13 +191,13 @@ def test_paths_that_bend_are_followed_by_both_motions_and_vertical_ones_by_w() -
     values = {name: ("step", np.array([0.0, 1.0, 2.0]) * 10.0**k + (k == 4)) for k, name in enumerate(names)}
     climbing = xr.Dataset(values, attrs={"kind": "load", "arm_m": 9.0, "arm_from_m": 2.0})
     for path in (climbing, xr.Dataset(values, attrs={"kind": "swipe", "arm_m": 0.0})):
-        np.testing.assert_allclose(quantities.driver(path, 4.0), [0.0, 401.0, 802.0])  # |u| + 4 |rotation|
-        np.testing.assert_array_equal(quantities.load(path), path["H"])
-        np.testing.assert_array_equal(quantities.other(path), path["M"])
+        np.testing.assert_allclose(driver_of(path, 4.0), [0.0, 401.0, 802.0])  # |u| + 4 |rotation|
+        np.testing.assert_array_equal(load_of(path), path["H"])
+        np.testing.assert_array_equal(other_of(path), path["M"])
     vertical = xr.Dataset(values, attrs={"kind": "vertical", "arm_m": 0.0})
-    np.testing.assert_allclose(quantities.driver(vertical, 4.0), [0.0, 10.0, 20.0])
-    np.testing.assert_allclose(quantities.load(vertical), [0.0, 1e4, 2e4])  # the change of V
-    assert quantities.other(vertical) is None
+    np.testing.assert_allclose(driver_of(vertical, 4.0), [0.0, 10.0, 20.0])
+    np.testing.assert_allclose(load_of(vertical), [0.0, 1e4, 2e4])  # the change of V
+    assert other_of(vertical) is None
 
 
 def test_a_slice_that_goes_the_other_way_in_a_run_is_left_out() -> None:
@@ -200,3 +205,133 @@ def test_a_slice_that_goes_the_other_way_in_a_run_is_left_out() -> None:
     turned = replace(curve, y=np.where(np.arange(len(curve.y))[:, None] == 0, -curve.y, curve.y))
     assert np.isfinite(common_grid([curve, curve]).y[0]).all()
     assert np.isnan(common_grid([curve, turned]).y[0]).all()
+
+
+# --- order and extrapolation on manufactured values, errors with known answers, the Pareto front ---
+
+H = (1.0, 0.71, 0.42)  # ratios that are not equal
+
+
+def manufactured(order: float, limit: float = 5.0, slope: float = 0.3) -> list[np.ndarray]:
+    return [np.array([limit + slope * h**order]) for h in H]
+
+
+@pytest.mark.parametrize("order", [0.6, 1.0, 1.7, 2.0, 3.5])
+def test_order_and_limit_of_a_power_law(order: float) -> None:
+    found = extrapolate(manufactured(order), H)
+    assert found.order == pytest.approx(order, abs=1e-9)
+    assert found.values == pytest.approx(5.0, abs=1e-12)
+    assert found.beside == manufactured(order)[-1]
+    assert f"order {order:.2f}" in found.note
+
+
+def test_a_curve_has_one_order_and_keeps_its_gaps() -> None:
+    x = np.linspace(0.1, 1.0, 40)
+    curves = [np.sqrt(x) + h**1.5 * np.cos(3.0 * x) for h in H]
+    for curve in curves:
+        curve[7] = np.nan
+    found = extrapolate(curves, H)
+    assert found.order == pytest.approx(1.5, abs=1e-8)
+    good = np.arange(40) != 7
+    np.testing.assert_allclose(found.values[good], np.sqrt(x)[good], rtol=1e-9)
+    assert np.isnan(found.values[7])
+
+
+def test_only_the_three_finest_count() -> None:
+    values = [np.array([99.0]), *manufactured(2.0)]
+    assert extrapolate(values, (2.0, *H)).order == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ([1.0, 2.0, 1.5], "change sign"),
+        ([float(manufactured(0.3)[k][0]) for k in range(3)], "not in"),
+        ([float(manufactured(5.0)[k][0]) for k in range(3)], "not in"),
+        ([1.0, 2.0, 2.0], "agree"),
+        ([2.0, 1.0], "2 meshes"),
+    ],
+)
+def test_where_there_is_no_order_the_finest_mesh_stands_with_the_last_difference(values: list, words: str) -> None:
+    found = extrapolate([np.array([value]) for value in values], H[-len(values) :])
+    assert found.order is None and not found.extrapolated
+    assert found.values == values[-1]
+    assert found.beside == values[-2]
+    assert words in found.note
+
+
+def test_one_mesh_knows_nothing_of_its_error() -> None:
+    found = extrapolate([np.array([1.0])], (1.0,))
+    assert found.order is None
+    assert np.isnan(found.beside).all()
+
+
+def test_order_needs_a_ratio_between_those_of_the_bounds() -> None:
+    low, high = ((H[0] ** p - H[1] ** p) / (H[1] ** p - H[2] ** p) for p in (0.5, 4.0))
+    assert order_from(low * 1.0001, H) == pytest.approx(0.5, abs=1e-3)
+    assert order_from(high * 0.9999, H) == pytest.approx(4.0, abs=1e-3)
+    assert np.isnan(order_from(0.999 * low, H)) and np.isnan(order_from(1.001 * high, H))
+
+
+def test_cells_halve_with_eight_times_the_unknowns() -> None:
+    assert cell_size(8000.0) == pytest.approx(0.5 * cell_size(1000.0))
+
+
+def sample(factor: float = 1.0) -> Sample:
+    x = np.arange(1, 41) / 40.0
+    p = np.outer(np.arange(1.0, 4.0), x)
+    p[1] = np.nan  # a slice that is left out
+    return {
+        LOAD: factor * x,
+        OTHER: -factor * x,
+        PY: factor * p,
+        STIFFNESS: np.array([7.0 * factor]),
+        PRESSURE: factor * (1.0 + x),
+    }
+
+
+def test_errors_of_curves_that_are_five_percent_high() -> None:
+    found = measures.errors(sample(1.05), sample())
+    for name in ("load_max", "load_area", "rotation_max", "stiffness", "pressure_max", "py_max"):
+        assert found[name] == pytest.approx(5.0), name
+    # rms of 0.05 p over the slices 1 and 3, beside the largest p, 3
+    x = np.arange(1, 41) / 40.0
+    square = np.mean(np.concatenate([x, 3.0 * x]) ** 2)
+    assert found["py_rms"] == pytest.approx(5.0 * np.sqrt(square) / 3.0)
+
+
+def test_a_local_error_counts_beside_the_largest_load() -> None:
+    wrong = sample()
+    wrong[LOAD] = wrong[LOAD].copy()
+    wrong[LOAD][9] += 0.02  # where the load is a quarter of the largest
+    found = measures.errors(wrong, sample())
+    assert found["load_max"] == pytest.approx(2.0)
+    assert found["load_area"] == pytest.approx(100.0 * 0.02 / 40.0 / 0.5)  # a triangle over the area 1/2
+
+
+def test_what_is_not_there_is_nan_and_the_worst_path_counts() -> None:
+    bare = {name: values for name, values in sample(1.1).items() if name != PRESSURE}
+    found = measures.errors(bare, sample())
+    assert np.isnan(found["pressure_max"])
+    both = measures.worst([found, measures.errors(sample(1.02), sample())])
+    assert both["load_max"] == pytest.approx(10.0)
+    assert both["pressure_max"] == pytest.approx(2.0)
+    assert np.isnan(measures.worst([found])["pressure_max"])
+
+
+def test_reference_and_its_uncertainty() -> None:
+    series = [sample(1.0 + 0.3 * h**2) for h in H]
+    reference = measures.reference_of(series, H)
+    assert reference[LOAD].order == pytest.approx(2.0)
+    np.testing.assert_allclose(reference[PY].values, sample()[PY])
+    assert measures.uncertainty(reference)["load_max"] == pytest.approx(30.0 * H[-1] ** 2)
+    to_and_fro = measures.reference_of([sample(1.0), sample(1.2), sample(1.1)], H)
+    assert measures.uncertainty(to_and_fro)["load_max"] == pytest.approx(100.0 * 0.1 / 1.1)
+
+
+def test_pareto_front() -> None:
+    assert front([1.0, 2.0, 3.0, 4.0], [9.0, 4.0, 5.0, 1.0]) == [0, 1, 3]
+    assert front([4.0, 1.0, 2.0], [1.0, 9.0, 9.0]) == [1, 0]
+    assert front([1.0, 1.0], [2.0, 1.0]) == [1]
+    assert front([1.0, np.nan, 2.0], [np.nan, 1.0, 3.0]) == [2]
+    assert front([], []) == []
