@@ -60,7 +60,7 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
 
 def _between_planes(model: MacroModel) -> list[str]:
     """Return a sentence on motions at 45 degrees between the planes of the plates, of springs with memory."""
-    from pysprings.results.exporters.soildyn.between_planes import error_between_planes
+    from pysprings.results.exporters.soildyn.inputs import error_between_planes
 
     if model.memory is None:
         return []

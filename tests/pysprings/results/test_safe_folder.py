@@ -18,7 +18,7 @@ from pysprings.full_model.accuracy import two_mesh
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
 from pysprings.results import plots
-from pysprings.results.exporters.paraview import write_paraview
+from pysprings.results.exporters.vtu import write_paraview
 from pysprings.results.folder import NOT_YET, run_or_go_on, run_to_folder
 from pysprings.results.layout import FIGURES, PARAVIEW, run_files
 from pysprings.studies import stored_runs

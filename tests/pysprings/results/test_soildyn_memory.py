@@ -17,7 +17,7 @@ from pysprings.macro.memory.shares import at_rest
 from pysprings.macro.model import MacroModel
 from pysprings.macro.trace import trace
 from pysprings.results.exporters import export
-from pysprings.results.exporters.soildyn.between_planes import error_between_planes
+from pysprings.results.exporters.soildyn.inputs import error_between_planes
 from pysprings.results.exporters.soildyn.library import build
 from pysprings.results.exporters.soildyn.spring_file import spring_text
 from tests.support import loaded, winkler

@@ -16,7 +16,7 @@ import xarray as xr
 from pysprings.core.errors import UserInputError
 from pysprings.full_model.compute import compute
 from pysprings.model.build import build_model
-from pysprings.results.exporters.paraview import write_paraview
+from pysprings.results.exporters.vtu import write_paraview
 from pysprings.results.folder import run_to_folder
 from tests.support import tiny
 from tests.support.commands import command
