@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""The process: standard streams that are closed (`>&-`, cron, a program without a window), threads of libraries."""
+"""The process: standard streams that are closed (`>&-`, cron, a program without a window), threads, interrupts."""
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
-from contextlib import AbstractContextManager
+import threading
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
 
 _STREAMS = (("stdin", 0, "r"), ("stdout", 1, "w"), ("stderr", 2, "w"))
 
@@ -46,3 +49,31 @@ def blas_on_one_thread() -> AbstractContextManager[object]:
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController().select(internal_api="openblas").limit(limits=1)
+
+
+@contextmanager
+def interrupts() -> Iterator[list[int]]:
+    """Collect the signals that would raise KeyboardInterrupt in the block, of the main thread."""
+    asked: list[int] = []
+    kinds = []
+    if threading.current_thread() is threading.main_thread():
+        names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+        kinds = [kind for name in names if callable(signal.getsignal(kind := getattr(signal, name)))]
+    before = {kind: signal.signal(kind, lambda number, _: asked.append(number)) for kind in kinds}
+    try:
+        yield asked
+    finally:
+        for kind, handler in before.items():
+            signal.signal(kind, handler)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Hold an interrupt back until the block has ended.
+
+    One that comes while xarray takes its locks leaves them taken: closing the file then waits for ever.
+    """
+    with interrupts() as asked:
+        yield
+    if asked:
+        raise KeyboardInterrupt

@@ -24,6 +24,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, Literal
 
 from pysprings.core.errors import ResourceError, reason_of
+from pysprings.core.process import interrupts
 from pysprings.core.progress import Progress
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -111,7 +112,7 @@ class Workers:
         """
         waiting, tries = sorted(tasks, key=lambda task: -task.cost), Counter[str]()
         deadline = float("inf")
-        with _interrupts() as asked:
+        with interrupts() as asked:
             try:
                 while (waiting and not asked) or self._busy:
                     if asked and deadline == float("inf"):
@@ -235,7 +236,8 @@ class _Worker:
     def end(self) -> None:
         """End the process, which is idle or dead."""
         self.pipe.close()
-        self.process.join()
+        self.process.join(_PATIENCE)
+        self.process.kill()
 
 
 # --- in the worker ---
@@ -331,19 +333,3 @@ def _one_thread() -> Iterator[None]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
-
-
-@contextmanager
-def _interrupts() -> Iterator[list[int]]:
-    """Collect the signals that would raise KeyboardInterrupt: none comes between two bytes of a message."""
-    asked: list[int] = []
-    kinds = []
-    if threading.current_thread() is threading.main_thread():
-        names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-        kinds = [kind for name in names if callable(signal.getsignal(kind := getattr(signal, name)))]
-    before = {kind: signal.signal(kind, lambda number, _: asked.append(number)) for kind in kinds}
-    try:
-        yield asked
-    finally:
-        for kind, handler in before.items():
-            signal.signal(kind, handler)

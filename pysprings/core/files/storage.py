@@ -23,6 +23,7 @@ import xarray as xr
 
 from pysprings.core.errors import ResourceError, UserInputError, refused
 from pysprings.core.files.seal import ATTRIBUTE, bytes_hold, content_fault, seal
+from pysprings.core.process import uninterrupted
 
 _TEMPORARY = re.compile(r"\..+\.\d+\.tmp(\.\w+)?")
 _AMPLE = 1e9  # bytes free on a disk: it is not full
@@ -89,7 +90,7 @@ def write_tree(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     groups = {node.path: _storable(node.to_dataset(inherit=False)) for node in tree.subtree}
     clean = xr.DataTree.from_dict(groups)
     encoding = {name: _encoding(dataset) for name, dataset in groups.items()}
-    with replacing(path) as temporary:
+    with uninterrupted(), replacing(path) as temporary:
         try:
             clean.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
             seal(temporary)
@@ -108,7 +109,7 @@ def write_attribute(name: str, text: str, path: str | os.PathLike[str]) -> None:
     """
     import netCDF4
 
-    with replacing(path) as temporary:
+    with uninterrupted(), replacing(path) as temporary:
         try:
             shutil.copyfile(path, temporary)
             with netCDF4.Dataset(os.fspath(temporary), "a") as file:
@@ -179,7 +180,10 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
         if fault in _CHANGED:
             raise refused(None, _CHANGED[fault], path)
         # seconds stay numbers: a duration is not a date
-        with xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as tree:
+        with (
+            uninterrupted(),
+            xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as tree,
+        ):
             result = _with_bounds_units(tree.load())
     except (UserInputError, ResourceError, ModuleNotFoundError):
         raise

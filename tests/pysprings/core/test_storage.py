@@ -3,14 +3,19 @@
 
 from __future__ import annotations
 
+import os
+import signal
+
 import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+from xarray.backends.locks import CombinedLock
 
+from pysprings.cli.support import interruptible
 from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.files import seal
-from pysprings.core.files.storage import leftovers, read_tree, replacing, write_text, write_tree
+from pysprings.core.files.storage import leftovers, read_tree, replacing, write_attribute, write_text, write_tree
 from tests.support.synthetic import make_result, make_springs
 
 
@@ -190,6 +195,22 @@ def test_a_full_disk_is_a_resource_that_is_missing(tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert old.read_text() == "old"
     assert [file.name for file in tmp_path.iterdir()] == ["springs.nc"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are different there")
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_waits_until_a_file_is_whole(tmp_path, monkeypatch, kind):
+    """One that comes while xarray takes its locks would leave them taken."""
+    taken = CombinedLock.__enter__
+    monkeypatch.setattr(CombinedLock, "__enter__", lambda lock: (os.kill(os.getpid(), kind), taken(lock))[1])
+    for call in (lambda: write_tree(make_springs(), tmp_path / "a.nc"), lambda: read_tree(tmp_path / "a.nc")):
+        with interruptible(), pytest.raises(KeyboardInterrupt):
+            call()
+    monkeypatch.undo()
+    write_attribute("title", "another", tmp_path / "a.nc")
+    again = read_tree(tmp_path / "a.nc")
+    assert again.attrs["title"] == "another"
+    xr.testing.assert_equal(again, make_springs())
 
 
 def test_temporary_files_of_the_dead_are_known_by_their_names(tmp_path):
