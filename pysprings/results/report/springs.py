@@ -105,7 +105,7 @@ def stiffness_table(result: xr.DataTree) -> Table | None:
     values = [[number(1e-6 * float(value) if abs(value) > least else 0.0, 6) for value in row] for row in matrix.values]
     rows = [[loads[name], *cells] for name, cells in zip(dofs, values, strict=True)]
     heads = ("", "per u [m]", "per w [m]", "per rotation [rad]")
-    note = "At the lid centre. `pysprings predict --stiffness` gives 6 x 6, and other reference points."
+    note = "At the lid centre. `pysprings predict OUT --H 1kN --stiffness` gives 6 x 6, and other reference points."
     return Table("Initial stiffness of the full model", heads, rows, note)
 
 

@@ -15,6 +15,7 @@ from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, impose, predict, way_to_load, way_to_motion
 from pysprings.macro.trace import trace
+from pysprings.results.tables.sequence import read_sequence
 from pysprings.springs.edge import reslice
 from tests.support import synthetic, written
 from tests.support.commands import command
@@ -412,3 +413,17 @@ def test_text_of_no_encoding_is_refused(tmp_path):
 )
 def test_a_depth_outside_of_its_slice_is_refused(tmp_path, row, message):
     assert message in problems(write(tmp_path / "a.csv", HEAD, row))
+
+
+def test_two_curves_at_one_depth_are_a_layer_boundary(tmp_path):
+    rows = ("1,0.01,50", "1,0.05,100", "3,0.01,60", "3,0.05,120", "3,0.01,400", "3,0.05,900")
+    found = problems(write(tmp_path / "a.csv", "depth [m],y [m],p [kN/m]", *rows), skirt_length=5.0)
+    assert any("0.01 begins a second curve at 3 m: at a layer boundary write the two curves" in each for each in found)
+
+
+@pytest.mark.parametrize(("first", "kept"), [("0,0,0", [100.0, -100.0]), ("5,0,0", [0.0, 100.0, -100.0])])
+def test_a_first_row_of_zeros_at_0_s_is_the_state_at_rest(tmp_path, first, kept):
+    file = write(tmp_path / "a.csv", "time [s],H [kN],M [kNm]", first, "10,100,500", "20,-100,-500")
+    found = read_sequence(file)
+    assert found.time is not None and len(found.time) == len(kept)
+    assert (1e-3 * found.targets[:, 0]).tolist() == pytest.approx(kept)
