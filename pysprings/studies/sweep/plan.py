@@ -8,7 +8,7 @@ import itertools
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -60,7 +60,7 @@ class Case:
 
     number: int
     values: tuple[Value, ...]
-    line: int | None = None
+    line: int | None = field(default=None, compare=False)
 
     @property
     def id(self) -> str:
