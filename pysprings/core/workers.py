@@ -30,6 +30,7 @@ from pysprings.core.progress import Progress
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 PRELOADED = ["pysprings.full_model.paths"]
 _TRIES = 2  # of a task whose worker dies
+_STARTS = 6  # attempts at starting a worker, with ever longer pauses
 _PATIENCE = 30.0  # s that a worker has to hand over what it has, when it is asked to stop
 _TICK, _REPORTS = 0.2, 0.1  # s between looks at signals, and between two reports of a worker
 
@@ -87,16 +88,25 @@ class Workers:
     def prepare(self) -> None:
         """Have the fork server import what workers need, while this process does something else."""
         if os.name == "posix":
-            from multiprocessing import forkserver
+            from multiprocessing import forkserver, resource_tracker
 
-            with self._narrow():
+            resource_tracker.ensure_running()  # beforehand: when it starts, it undoes what follows
+            with self._narrow(), _deaf():
                 forkserver.ensure_running()
 
     def _start(self, number: int) -> None:
-        """Start workers for so many tasks."""
-        with self._narrow():
-            while len(self._all) < min(number, self.jobs):
-                self._all.append(_Worker(self._context))
+        """Start workers for so many tasks; ResourceError where that fails."""
+        failures = 0
+        while len(self._all) < min(number, self.jobs):
+            self.prepare()
+            try:
+                with self._narrow(), _deaf():
+                    self._all.append(_Worker(self._context))
+            except (EOFError, OSError) as error:  # the fork server was killed: the next attempt starts another one
+                failures += 1
+                time.sleep(failures * _TICK)
+                if failures == _STARTS:
+                    raise ResourceError(f"no worker process starts ({reason_of(error)}); use --jobs 1") from error
 
     def run(
         self,
@@ -318,6 +328,19 @@ def _end_with_parent() -> None:
 
 
 # --- in the program ---
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Have processes that start in the block never receive Ctrl-C, which is for the program to answer."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -120,6 +120,21 @@ def test_an_interrupt_waits_for_what_tasks_have(interrupt: Any) -> None:
     assert signal.getsignal(signal.SIGINT) is before
 
 
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGKILL])
+def test_ctrl_c_does_not_reach_the_server_and_a_dead_one_is_started_anew(kind: signal.Signals) -> None:
+    """Ctrl-C would kill it while it imports."""
+    from multiprocessing.forkserver import _forkserver as server
+
+    with Workers(2) as workers:
+        server._stop()
+        workers.prepare()
+        os.kill(server._forkserver_pid, kind)
+        found: dict[str, Any] = {}
+        tasks = [Task(str(k), twice, (k,)) for k in range(2)]
+        workers.run(tasks, lambda task, answer: found.update({task.name: answer}), lambda *_: None, print)
+    assert found == {"0": 0.0, "1": 2.0}
+
+
 def test_an_error_of_the_program_ends_the_workers() -> None:
     def broken(*_: object) -> None:
         raise IndexError
