@@ -346,17 +346,6 @@ def attach(dataset: xr.Dataset, group: str) -> xr.Dataset:
     return out
 
 
-def attach_tree(tree: xr.DataTree, kind: TreeKind) -> xr.DataTree:
-    """Return the tree with the attributes of the table on every variable of every group."""
-
-    def dressed(node: xr.DataTree) -> xr.Dataset:
-        group = group_of(node.path, kind)
-        dataset = node.to_dataset(inherit=False)
-        return attach(dataset, group) if group else dataset
-
-    return xr.DataTree.from_dict({node.path: dressed(node) for node in tree.subtree}, name=tree.name)
-
-
 def problems(dataset: xr.Dataset, group: str) -> Iterator[tuple[str, str]]:
     """Yield (variable, message) for everything in a dataset that the table of its group does not allow."""
     table = GROUPS[group]
@@ -394,10 +383,3 @@ def tree_problems(tree: xr.DataTree, kind: TreeKind) -> list[tuple[str, str]]:
             dataset = node.to_dataset(inherit=False)
             listed += [("/".join(filter(None, (place, name))), text) for name, text in problems(dataset, group)]
     return listed
-
-
-def check_tree(tree: xr.DataTree, kind: TreeKind) -> None:
-    """Raise ValueError, listing every fault, when a tree made by the tool does not agree with the tables."""
-    listed = tree_problems(tree, kind)
-    if listed:
-        raise ValueError("; ".join(f"{key}: {message}" for key, message in listed))

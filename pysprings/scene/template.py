@@ -18,12 +18,11 @@ FILE_NAME = "pysprings.schema.json"
 
 def scene_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 7) of a scene file."""
-    from pysprings.scene.load import SECTIONS, Scene
-    from pysprings.scene.toml import field_of
+    from pysprings.scene import load, toml
 
-    title = Scene.model_fields["title"]
-    properties: dict[str, Any] = {"title": {**field_of(title).schema(), "default": title.default}}
-    for name, model in SECTIONS.items():
+    title = load.Scene.model_fields["title"]
+    properties: dict[str, Any] = {"title": {**toml.field_of(title).schema(), "default": title.default}}
+    for name, model in load.SECTIONS.items():
         table = _table(model)
         properties[name] = {"type": "array", "minItems": 1, "items": table} if name == "path" else table
     return {
@@ -37,19 +36,17 @@ def scene_schema() -> dict[str, Any]:
 
 def _table(model: type[Section]) -> dict[str, Any]:
     """Return the schema of one table."""
-    from pysprings.scene.fields import QuantityList
-    from pysprings.scene.sections import Layer
-    from pysprings.scene.toml import field_of
+    from pysprings.scene import fields, sections, toml
 
     properties = {}
     for name, info in model.model_fields.items():
         if name == "layers":
-            properties["layer"] = {"type": "array", "items": _table(Layer)}
+            properties["layer"] = {"type": "array", "items": _table(sections.Layer)}
             properties["profile"] = {"type": "string", "description": _PROFILE, "examples": ["site.csv"]}
             continue
-        field = field_of(info)
+        field = toml.field_of(info)
         properties[name] = field.schema()
-        if not info.is_required() and info.default is not None and not isinstance(field, QuantityList):
+        if not info.is_required() and info.default is not None and not isinstance(field, fields.QuantityList):
             properties[name]["default"] = field.in_toml(info.default)
     required = [name for name, info in model.model_fields.items() if info.is_required()]
     about = " ".join((model.__doc__ or "").split())

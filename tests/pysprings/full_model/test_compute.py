@@ -36,7 +36,7 @@ def end(result: xr.DataTree, name: str, path: str = "pull") -> float:
 
 
 def test_every_variable_is_in_the_table_with_units_and_dimensions() -> None:
-    variables.check_tree(tiny.result(), "result")
+    assert variables.tree_problems(tiny.result(), "result") == []
 
 
 def test_the_path_ends_where_the_scene_says() -> None:
@@ -192,7 +192,7 @@ def test_the_users_own_words_are_kept_when_nothing_is_changed() -> None:
 
 def test_what_the_scene_leaves_out_is_not_there() -> None:
     result = run(tiny.scene(output={"interface_fields": False, "section": False}))
-    variables.check_tree(result, "result")
+    assert variables.tree_problems(result, "result") == []
     path = result["paths/pull"]
     assert not {"gap", "normal_effective_stress", "section_ux"} & set(path.data_vars)
     xr.testing.assert_identical(path["p_component"].drop_attrs(), tiny.result()["paths/pull/p_component"].drop_attrs())
@@ -257,7 +257,7 @@ def test_a_first_step_that_fails_leaves_the_initial_state_and_the_record() -> No
     result = compute(tiny.stuck_scene()).recorded()
     assert result["paths/pull"].sizes["step"] == 1
     assert result["paths/pull/convergence"].sizes["iteration"] >= 3
-    variables.check_tree(result, "result")
+    assert variables.tree_problems(result, "result") == []
     with pytest.raises(UserInputError, match="no springs can be made"):
         extract_springs(result)
 
