@@ -16,10 +16,11 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numba
@@ -80,6 +81,18 @@ def lean(function: Callable[..., Any]) -> Any:
     work on a point of the soil.
     """
     return njit(function, _nrt=False)
+
+
+def with_globals(function: Any, suffix: str, known: Mapping[str, Any]) -> Any:
+    """Return a jitted copy of a jitted function, under a name of its own, to which ``known`` are global names.
+
+    Numba tells kept loops apart by their names and does not look at what they call.
+    """
+    plain, name = getattr(function, "py_func", function), f"{function.__name__}_{suffix}"  # NUMBA_DISABLE_JIT: itself
+    code = plain.__code__.replace(co_name=name, co_qualname=name)
+    copy = FunctionType(code, {**plain.__globals__, **known}, name, plain.__defaults__)
+    given = getattr(function, "targetoptions", {})
+    return njit(copy, **{key: given[key] for key in ("_nrt", "parallel") if key in given})
 
 
 def cached(function: Callable[..., Any], home: Path, sources: str, **options: Any) -> Any:

@@ -15,7 +15,7 @@ Its source then belongs to the digest that names the folder of kept loops.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -81,21 +81,29 @@ class Register(Generic[Law]):
         include(file for file in files if not file.is_relative_to(HOME))
         self._laws.append(law)
 
-    def chain(self, name: str, arguments: str, module: str) -> Any:
+    def chain(self, name: str, arguments: str, module: str, codes: Sequence[int] | None = None) -> Any:
         """Return a jitted function ``name(code, arguments)`` that calls the function ``name`` of the law of that code.
 
-        No law can be added afterwards. ``module`` is the module that keeps the function.
+        No law can be added afterwards. ``module`` is the module that keeps the function. ``codes``: those of the laws
+        that are called, by default all; the function then has a name of its own. Others are not compiled.
         """
         self._closed = True
-        return _chain(name, arguments, [getattr(law, name) for law in self._laws], module)
+        choices = {code: getattr(law, name) for code, law in enumerate(self._laws) if codes is None or code in codes}
+        return _chain(name if codes is None else f"{name}_{suffix(codes)}", arguments, choices, module)
 
 
-def _chain(name: str, arguments: str, choices: Sequence[Callable[..., Any]], module: str) -> Any:
+def suffix(codes: Iterable[int]) -> str:
+    """Return what the names of functions end with that are compiled for the laws of these codes."""
+    return "_".join(map(str, codes))
+
+
+def _chain(name: str, arguments: str, choices: Mapping[int, Callable[..., Any]], module: str) -> Any:
+    *first, last = choices
     lines = [f"def {name}(code, {arguments}):"]
-    for code in range(len(choices) - 1):
+    for code in first:
         lines += [f"    if code == {code}:", f"        return choice_{code}({arguments})"]
-    lines.append(f"    return choice_{len(choices) - 1}({arguments})")
-    space: dict[str, Any] = {f"choice_{code}": choice for code, choice in enumerate(choices)}
+    lines.append(f"    return choice_{last}({arguments})")
+    space: dict[str, Any] = {f"choice_{code}": choice for code, choice in choices.items()}
     space["__name__"] = module
     exec(compile("\n".join(lines), __file__, "exec"), space)
     return lean(space[name])

@@ -49,6 +49,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.timeout(LIMITS[tier]))
 
 
+@pytest.fixture(autouse=True)
+def _compiled_as_they_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have runs of tests compile as they go, so that the first of a kind does and prints the same as others."""
+    monkeypatch.setattr("pysprings.core.jit.mark_of", lambda _kind: None)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _one_thread() -> None:
     """Run compiled loops on one thread; a test of several threads sets their number itself."""

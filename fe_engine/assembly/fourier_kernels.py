@@ -6,7 +6,7 @@ Coefficients, and the forces on them, are arrays (n, 3, K), K = N + 1. One threa
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from fe_engine.contact.dispatch import linearise_contact, update_contact
 from fe_engine.contact.law import Slide
 from fe_engine.conventions import OK, REGIME_ELASTIC
 from fe_engine.elements.fourier import add_amplitudes, add_force, amplitudes, strain_at
-from fe_engine.soil.dispatch import update_soil
+from fe_engine.soil.dispatch import of_laws, update_soil
 from fe_engine.soil.elastic import stored_density, subtract_elastic_tangent
 from fe_engine.soil.law import Point
 from fe_engine.soil.viscous import relax
@@ -134,6 +134,11 @@ def _point_forces(soil, at, states, with_tangent, out, room):
                     tangent[e, point, m, i] = volume * soil.relaxed * c[i, m]
     add_force(soil.gradient[e, g], stresses, soil.quads[e], force)
     return OK
+
+
+def soil_forces_of(law: np.ndarray) -> Any:
+    """Return `soil_forces`, compiled for the laws of these codes."""
+    return of_laws(tuple(np.unique(law).tolist()), _point_forces, soil_forces)
 
 
 @njit

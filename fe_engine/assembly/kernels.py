@@ -7,7 +7,7 @@ order and results do not depend on the number of threads.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numba as nb
 import numpy as np
@@ -16,7 +16,7 @@ from fe_engine.assembly.scatter import scatter_force, scatter_stiffness
 from fe_engine.compiled import lean, njit
 from fe_engine.conventions import OK, REGIME_ELASTIC
 from fe_engine.elements.hex8 import add_force, add_stiffness, b_bar, strain_at
-from fe_engine.soil.dispatch import update_soil
+from fe_engine.soil.dispatch import of_laws, update_soil
 from fe_engine.soil.elastic import elastic_tangent, stored_density, subtract_elastic_tangent
 from fe_engine.soil.law import Point
 from fe_engine.soil.viscous import relax
@@ -215,6 +215,11 @@ def assemble_elements(elements, old, new, regime, scatter, offset, forces, targe
         if status[e] != OK:
             return e
     return -1
+
+
+def assembly_of(law: np.ndarray) -> Any:
+    """Return `assemble_elements`, compiled for the laws of these codes."""
+    return of_laws(tuple(np.unique(law).tolist()), _chunk, assemble_elements)
 
 
 @njit

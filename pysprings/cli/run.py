@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from pysprings.cli.compiling import compile_first
 from pysprings.cli.folders import record_stamp, refuse_other_run, result_folder
 from pysprings.cli.options import Changes, Format, Jobs, Json, Mesh, NoFigures, SceneFile, Series, Target, drawn
 from pysprings.cli.scene import load, on_mesh
@@ -147,6 +148,8 @@ def _run(scene: Scene, folder: Path, options: RunOptions, extra: dict[str, Any])
 
     target_error = extra.pop("target_error", None)
     before = record_stamp(folder)
+    with interruptible():
+        compile_first(on_mesh(scene, options.mesh), options.quiet)
     try:
         with interruptible(), reporter(None if options.quiet else sys.stderr) as progress:
             run_to_folder(

@@ -6,8 +6,10 @@ Where Numba is not installed (``requirements-predict.txt``) all of them are plai
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from contextvars import ContextVar
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -36,6 +38,33 @@ def jitted(function: F) -> F:
         return function
     file = Path(function.__code__.co_filename)
     return cast(F, cached(function, file.parent, digest(file.parent, [file])))
+
+
+@contextmanager
+def compilation(begun: Callable[[], None]) -> Iterator[Callable[[], float]]:
+    """Watch Numba in a block: `begun` is called when it first compiles a loop that is not kept.
+
+    Yields a function that returns the seconds of wall time that compilation has taken.
+    """
+    from numba.core import event
+
+    class Watch(event.TimingListener):
+        def on_start(self, each: Any) -> None:
+            if not (self.done or self._depth):
+                begun()
+            super().on_start(each)
+
+    watch = Watch()
+    with event.install_listener("numba:compile", watch):
+        yield lambda: float(watch.duration) if watch.done else 0.0
+
+
+def mark_of(kind: str) -> Path | None:
+    """Return the file beside the kept loops that says that those of a kind of scene are there; None: none are kept."""
+    from fe_engine.compiled import HOME, engine_digest, folder_of
+
+    folder = folder_of(HOME, engine_digest())
+    return None if folder is None else folder / f"kind-{sha256(kind.encode()).hexdigest()[:16]}"
 
 
 def choose_for_command(arguments: Sequence[str]) -> None:

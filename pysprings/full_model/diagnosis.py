@@ -27,7 +27,7 @@ import numpy as np
 from fe_engine.conventions import CONTACT_OPEN, REGIME_APEX, REGIME_CONE
 from fe_engine.errors import FEError
 from fe_engine.material import soil_rows
-from fe_engine.soil.dispatch import update_soil
+from fe_engine.soil.dispatch import update_of
 from fe_engine.soil.elastic import elastic_tangent
 from fe_engine.soil.law import Point
 from pysprings.core.words import Diagnosis, StopReason
@@ -129,13 +129,14 @@ def _ellipticity(system: System | FourierSystem, state: State, elements: np.ndar
     old, tangent, elastic = state.committed, np.empty((6, 6)), np.empty((6, 6))
     new = Point(np.empty(6), np.empty(old.history.shape[2]))
     code, parameters, moduli = soil_rows(system.model)
+    update = update_of(tuple(np.unique(code).tolist()))
     for e in elements:
         if not (system.regime[e] == REGIME_CONE).any():
             continue
         for g in np.flatnonzero(system.regime[e] == REGIME_CONE):
             strain, before = system.strain_step(state, int(e), int(g)), Point(old.stress[e, g], old.history[e, g])
             row = int(g) * parameters.shape[1] // system.regime[0].size  # azimuths share that of their section's point
-            update_soil(code[e], parameters[e, row], strain, before, new, tangent, True)
+            update(code[e], parameters[e, row], strain, before, new, tangent, True)
             elastic_tangent(*moduli[e, row], 1.0, elastic)
             viscous = elastic + share * (tangent - elastic)
             worst = min(worst, float(np.min(_acoustic(viscous, directions))) / _elastic(*moduli[e, row]))

@@ -141,13 +141,16 @@ def _attribute(value: Any) -> Any:
     return int(value) if isinstance(value, bool | np.bool_) else value
 
 
+_LARGE = 16_384  # bytes: chunks and tables of smaller compressed arrays need more room than they save
+
+
 def _encoding(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Compress every numeric array; no fill value on coordinates and their bounds, as CF asks."""
+    """Compress large numeric arrays; no fill value on coordinates and their bounds, as CF asks."""
     exact = set(dataset.coords) | {name for name in dataset.variables if str(name).endswith("_bounds")}
     encoding: dict[str, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
         options: dict[str, Any] = {"_FillValue": None} if name in exact else {}
-        if variable.dtype.kind in "iufb" and variable.ndim:
+        if variable.dtype.kind in "iufb" and variable.ndim and variable.nbytes >= _LARGE:
             options |= {"zlib": True, "complevel": 4, "shuffle": True}
         if options and variable.dtype.kind in "iufb":
             encoding[str(name)] = options

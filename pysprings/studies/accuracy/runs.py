@@ -104,10 +104,15 @@ def _stored_outcome(record: RunRecord | None) -> str:
 _NOT_CONVERGED = "not converged: "
 
 
+def warm_up_scene(scene: Scene, kind: str) -> Scene:
+    """Return a scene on a small mesh of a discretisation with large steps: it needs the same compiled code."""
+    mesh = _WARM_UP["mesh"] | {"discretisation": kind, "harmonics": None}
+    return scene.replace(**_WARM_UP | {"mesh": mesh})
+
+
 def _warm_up(scene: Scene, kind: str, folder: Path, report: Progress, run: Run) -> None:
     """Run a small model of a discretisation: compiled code stays on disk, so that no run of the table pays for it."""
-    mesh = _WARM_UP["mesh"] | {"discretisation": kind, "harmonics": None}
-    if has_ended(folder, small := study_scene(scene).replace(**_WARM_UP | {"mesh": mesh})):
+    if has_ended(folder, small := warm_up_scene(study_scene(scene), kind)):
         return
     report(f"{WARM_UP}-{kind}", 0.0, "compiled code")
     _run(small, folder, lambda *_: None, run)

@@ -31,11 +31,13 @@ def test_plain_xarray_reads_the_file_and_keeps_seconds(tmp_path):
         assert float(data["depth"][-1]) == 4.0
 
 
-def test_compressed_and_coordinates_without_fill_value(tmp_path):
-    file = write_tree(make_springs(), tmp_path / "springs.nc")
+def test_large_arrays_are_compressed_and_coordinates_have_no_fill_value(tmp_path):
+    tree = make_springs()
+    tree["paths/pull"]["long"] = xr.DataArray(np.zeros(2048), dims="station")
+    file = write_tree(tree, tmp_path / "springs.nc")
     with netCDF4.Dataset(file) as data:
         group = data["paths/pull"]
-        assert group["p"].filters()["zlib"]
+        assert group["long"].filters()["zlib"] and not group["H"].filters()["zlib"]
         assert "_FillValue" not in group["depth"].ncattrs()
         assert "_FillValue" not in group["depth_bounds"].ncattrs()
         assert group["depth"].bounds == "depth_bounds"

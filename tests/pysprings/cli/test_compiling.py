@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings compile`, and the compilation before the first run of a kind of scene."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numba
+import pytest
+
+from pysprings.cli import compiling
+from pysprings.core import jit
+from pysprings.scene.load import load_scene
+from tests.support import tiny
+from tests.support.commands import command
+
+
+@pytest.fixture
+def mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The mark of kept loops, for every kind of scene; not there yet."""
+    file = tmp_path / "mark"
+    monkeypatch.setattr("pysprings.core.jit.mark_of", lambda _kind: file)
+    return file
+
+
+def test_compilation_is_named_once_and_measured() -> None:
+    begun: list[int] = []
+    inner = numba.njit(lambda x: x + 1.0)
+    outer = numba.njit(lambda x: 2.0 * inner(x))
+    with jit.compilation(lambda: begun.append(1)) as seconds:
+        assert seconds() == 0.0
+        assert outer(1.0) == 4.0
+    assert begun == [1] and seconds() > 0.0
+    with jit.compilation(lambda: begun.append(1)) as again:
+        assert outer(2.0) == 6.0
+    assert begun == [1] and again() == 0.0
+
+
+def test_the_command_runs_a_small_model_and_leaves_nothing_but_loops(tmp_path: Path, mark: Path) -> None:
+    file = tiny.write(tiny.scene(), tmp_path / "caisson.toml")
+    done = command("compile", file, "--json")
+    assert done.code == 0 and list(json.loads(done.out)["compiled_s"]) == [str(file)]
+    assert mark.exists() and {path.name for path in tmp_path.iterdir()} == {"caisson.toml", "mark"}
+    assert command("compile", tmp_path / "no.toml").code == 2
+
+
+def test_only_the_first_run_of_a_kind_compiles_before(
+    mark: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made: list[bool] = []
+    monkeypatch.setattr(compiling, "compiled", lambda _scene, quiet: made.append(quiet) or 3.4)
+    compiling.compile_first(tiny.scene())
+    assert capsys.readouterr().err == "note: compiled in 3 s; later runs have the loops\n"
+    compiling.compile_first(tiny.scene(), quiet=True)
+    assert made == [False, True] and capsys.readouterr().err == ""
+    mark.touch()
+    compiling.compile_first(tiny.scene())
+    assert len(made) == 2
+
+
+def test_what_makes_a_kind(scene_file: Path) -> None:
+    """Laws, water and kinds of paths do; numbers do not."""
+    same = ['soil.young_modulus="80 MPa"', "interface.friction_coefficient=0.3", 'caisson.skirt_length="3 m"']
+    other = ["soil.yield_surface=elastic", "drainage.mode=undrained", "path.pull.kind=translation"]
+    kinds = [compiling._kind(load_scene(scene_file, [change])) for change in (*same, *other)]
+    assert set(kinds[: len(same)]) == {compiling._kind(load_scene(scene_file))}
+    assert len(set(kinds)) == 1 + len(other)
