@@ -12,6 +12,7 @@ from pysprings.cli.support import print_table, refuse, to_stderr
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import printable
 from pysprings.core.files.storage import replacing, write_text
+from pysprings.core.process import uninterrupted
 from pysprings.core.text import json_text
 from pysprings.core.words import RANGE_END
 
@@ -52,7 +53,7 @@ def write(states: xr.Dataset, matrices: dict[str, Any], out: Path) -> None:
         write_text(_csv(states), out)
     else:
         lists = ("warnings", "remarks", "refusals", "beyond_range")
-        with replacing(out) as temporary:
+        with uninterrupted(), replacing(out) as temporary:
             texts = {name: "; ".join(states.attrs.get(name, ())) for name in lists}
             states.assign_attrs(texts).to_netcdf(temporary, engine="netcdf4")
 
