@@ -259,6 +259,10 @@ def answer(springs: AnySprings, question: Question, choice: Choice) -> xr.Datase
         states = predict.way_to_motion(springs, arm=options.arm or 0.0, V=options.V, **common)
     else:
         states = predict.way_to_load(springs, H=options.H, arm=options.arm, M=options.M, V=options.V, **common)
+        if options.H and options.M and options.H * options.M < 0.0:
+            from pysprings.results.tables.load_cases import below_mudline
+
+            states.attrs["remarks"] = [*states.attrs["remarks"], below_mudline(options.H, options.M)]
     return states.isel(step=[-1])
 
 

@@ -50,6 +50,11 @@ MOST_FACTOR = 10.0
 _TURN = 2.0 * np.pi * (1.0 + 1e-9)
 
 
+def below_mudline(H: float, M: float) -> str:
+    """Return the remark on a moment [N m] that turns against its force [N], as a load below mudline does."""
+    return f"M turns against H, as of a load {abs(M / H):.3g} m below mudline"
+
+
 @dataclass(frozen=True)
 class LoadCases:
     """Load cases, n of them, in SI with their partial factors.
@@ -105,8 +110,7 @@ class LoadCases:
         """What is to be remarked on each case: what the reader did, and an M that turns against H."""
         texts = []
         for text, H, M, opposed in zip(self.remarks, self.H, self.M, self.opposed, strict=True):
-            below = f"M turns against H, as of a load {abs(M / H):.3g} m below mudline" if opposed else ""
-            texts.append("; ".join(filter(None, (text, below))))
+            texts.append("; ".join(filter(None, (text, below_mudline(H, M) if opposed else ""))))
         return tuple(texts)
 
     def bounded(self, radius: float | None) -> LoadCases:

@@ -213,3 +213,10 @@ def test_predict_beyond_the_springs_warns(springs_file: Path) -> None:
     assert done.code == 0
     assert done.err.startswith("warning: beyond ")
     assert "beyond the range of path 'pull'" in done.err
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(("M", "remarked"), [("30 kN m", False), ("-30 kN m", True)])
+def test_a_moment_against_the_force_has_a_remark(springs_file: Path, M: str, remarked: bool) -> None:
+    done = command("predict", springs_file, "--H", "10 kN", "--M", M, "--extrapolate")
+    assert done.code == 0 and ("note: M turns against H, as of a load 3 m below mudline" in done.err) is remarked
