@@ -7,6 +7,7 @@ N + 2 harmonics, N growing by two until both agree: where that asks for more tha
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -55,6 +56,10 @@ class Companions:
     again: bool = False
     clock: Clock = field(default_factory=Clock)
     checkpoints: Checkpoints | None = None
+
+    def count_elsewhere(self, seconds: float) -> None:
+        """Add CPU seconds of worker processes, and of earlier parts of a run that goes on."""
+        self.clock.cpu[PHASE] = self.clock.cpu.get(PHASE, 0.0) + max(seconds, 0.0)
 
     def failed(self, error: BaseException) -> None:
         """Note the error that ended the companions or what was made of them."""
@@ -127,7 +132,9 @@ def _run(scene: Scene, key: int | None, companions: Companions, compute: Compute
     )
     saved = companions.checkpoints
     kept = {} if saved is None else {"checkpoints": saved.companion(str(key or "bricks")), "resume": None}
+    before = time.process_time()
     coarse = compute(scene, progress=report, **kept)
+    companions.count_elsewhere(coarse.record.cpu_s - (time.process_time() - before))
     if coarse.record.stopped_by is not None:
         companions.why_not, companions.again = str(coarse.record.stopped_by), True
         return False

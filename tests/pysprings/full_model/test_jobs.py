@@ -19,7 +19,9 @@ import xarray as xr
 import pysprings
 from pysprings.core.errors import ResourceError
 from pysprings.core.workers import Workers
+from pysprings.full_model.accuracy.own_estimate import PHASE, companions_of
 from pysprings.full_model.compute import compute
+from pysprings.full_model.run_record import Computed
 from pysprings.model.forecast import resources
 from pysprings.model.forecast.resources import jobs_for
 from pysprings.results.folder import run_to_folder
@@ -76,6 +78,18 @@ def test_a_killed_worker_is_told_and_costs_nothing_else(tmp_path: Path) -> None:
         for path in ("pull", "second"):
             same = alone("series")[f"paths/{path}"].to_dataset(inherit=False)
             xr.testing.assert_equal(tree[f"paths/{path}"].to_dataset(inherit=False), same)
+
+
+def test_the_cost_of_the_estimate_has_that_of_its_workers(tmp_path: Path) -> None:
+    """A run on the coarser mesh in another process: its seconds are not those of this one."""
+
+    def elsewhere(scene: pysprings.Scene, **_: Any) -> Computed:
+        result = compute(scene)
+        result.record.cpu_s += 1000.0
+        return result
+
+    companions = companions_of(SCENES["series"](), elsewhere)
+    assert len(companions.trees) == 2 and 2000.0 <= companions.clock.cpu[PHASE] < 3000.0
 
 
 def test_a_path_whose_workers_die_is_one_that_resources_do_not_suffice_for(tmp_path: Path) -> None:
